@@ -1,0 +1,89 @@
+# Set up the environment and rebuild everything: `make`. What else there is: `make help`.
+# Needed on the machine: Python 3.11 or newer with its venv module, make, git.
+
+PYTHON ?= python3
+CORES ?= all
+VENV := .venv
+# As in an activated environment: what is started from here finds the same Python.
+RUN := PATH="$(CURDIR)/$(VENV)/bin:$$PATH" python -m
+PIP_INSTALL := $(RUN) pip install --disable-pip-version-check --no-compile
+
+# Two marks: the locked packages are in; the package itself is in. A virtual environment holds absolute
+# paths, so the first mark says where it was made: a copied or moved one is set up again.
+LOCKED := $(VENV)/locked
+READY := $(VENV)/ready
+ifneq ($(shell test -x $(VENV)/bin/python && cat $(LOCKED) 2>/dev/null),$(CURDIR))
+STALE := stale
+endif
+
+# Nothing of the user's own Python set-up may leak into the environment.
+unexport PYTHONPATH PYTHONHOME VIRTUAL_ENV PIP_REQUIRE_VIRTUALENV PIP_USER PIP_TARGET PIP_PREFIX
+export PYTHONNOUSERSITE = 1
+
+.DEFAULT_GOAL := all
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+.PHONY: all setup test lint unit check format lock clean distclean help stale
+
+all: setup ## Set up the environment, then rebuild tables, figures and claims (the default)
+	@$(RUN) snakemake --cores $(CORES)
+	@echo "Everything is up to date. Start with results/README.md."
+
+setup: $(READY) ## Create or refresh the environment in .venv from the hash-pinned lock
+
+test: lint check unit ## Run every check: lint, types, the rebuild with its claims, all tests
+
+lint: setup ## Check style, formatting and types
+	@$(RUN) ruff check .
+	@$(RUN) ruff format --check .
+	@$(RUN) mypy
+	@$(RUN) snakefmt --check Snakefile workflow
+
+unit: setup ## Run the tests: unit, analytic, paper, workflow (choose with PYTEST_ARGS="-k …")
+	@$(RUN) pytest --numprocesses auto --dist loadscope $(PYTEST_ARGS)
+
+check: setup ## Rebuild what is out of date and compare each verdict with the recorded one
+	@$(RUN) snakemake --cores $(CORES) check
+
+format: setup ## Format the sources
+	@$(RUN) ruff check --fix .
+	@$(RUN) ruff format .
+	@$(RUN) snakefmt Snakefile workflow
+
+LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
+	--no-header --no-emit-index-url --no-emit-find-links
+
+lock: setup ## Pin the newest versions that pyproject.toml allows, with hashes
+	@$(RUN) $(LOCK) --extra workflow --extra article --group dev --output-file requirements.lock pyproject.toml
+	@$(RUN) $(LOCK) --constraint requirements.lock --group build --output-file requirements-build.lock
+
+clean: ## Remove results and caches; the environment stays
+	find results -mindepth 1 -maxdepth 1 ! -name README.md -exec rm -rf {} +
+	find src tests workflow paper -name __pycache__ -type d -prune -exec rm -rf {} +
+	rm -rf .snakemake .pytest_cache .mypy_cache .ruff_cache .hypothesis build dist
+
+distclean: clean ## Remove the environment as well
+	rm -rf $(VENV)
+
+help: ## Show the targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+# Each mark is set by the last line of its recipe: an interrupted set-up starts afresh.
+$(READY): $(LOCKED) pyproject.toml
+	@rm -f $(READY)
+	@$(PIP_INSTALL) --quiet --no-build-isolation --no-deps --editable .
+	@touch $(READY)
+
+$(LOCKED): requirements.lock requirements-build.lock $(STALE)
+	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
+	    echo "error: Python 3.11 or newer is needed, and $(PYTHON) is $$("$(PYTHON)" --version 2>&1 || true)."; \
+	    echo "       Name another one: make PYTHON=python3.12"; exit 1; } >&2
+	@"$(PYTHON)" -c 'import ensurepip, venv' 2>/dev/null || { \
+	    echo "error: $(PYTHON) lacks the venv module."; \
+	    echo "       On Debian or Ubuntu install the package python3-venv, then run make again."; exit 1; } >&2
+	@echo "Setting up $(VENV) from requirements.lock; this takes about a minute."
+	@rm -f $(LOCKED)
+	@"$(PYTHON)" -m venv --clear $(VENV)
+	@$(PIP_INSTALL) --quiet --require-hashes --requirement requirements-build.lock
+	@$(PIP_INSTALL) --no-build-isolation --require-hashes --requirement requirements.lock
+	@printf '%s' "$(CURDIR)" > $(LOCKED)
