@@ -1,0 +1,138 @@
+"""The oscillator and its excitation: Eqs. (1)–(3) of Liang & Feeny (2010), in SI units.
+
+A mass m on a spring k and a damper c, excited through the spring by the base motion y = Y cos ωt, rubs against
+a contact that is a spring K_z in series with a Coulomb slider F_k (a Jenkins element):
+
+    slip    m ẍ + c ẋ + k x + F_k sgn ẋ = k Y cos ωt                                          (1)
+    stick   m ẍ + c ẋ + k x + K_z z     = k Y cos ωt,   z = Z_m sgn ẋ(t_1⁻) + x − X_t         (2), (3)
+
+z is the deflection of the contact spring, |z| ≤ Z_m = F_k/K_z; X_t is the displacement of the last reversal.
+
+Symbols used throughout the package, with their units:
+
+    m  kg         mass                           ω (omega)  rad/s  drive frequency
+    c  N s/m      viscous damping                Y    m      amplitude of the base
+    k  N/m        spring                         X    m      peak displacement of the mass
+    K_z  N/m      contact stiffness              X_s  m      displacement at forward slip onset
+    F_k  N        friction force in slip         V_s  m/s    velocity at forward slip onset
+    Z_m  m        largest contact deflection     t_s  s      duration from the reversal at −X to slip onset
+    φ (phi)  rad  lag of x behind y              a  m, b  m²/s, W  J   terms of the energy balance a F_k + b c = W
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+@dataclass(frozen=True, slots=True)
+class Oscillator:
+    """Mass, damper, spring and compliant friction contact.
+
+    m : mass, kg, > 0.   c : viscous damping, N s/m, ≥ 0.   k : stiffness, N/m, > 0.
+    K_z : contact stiffness, N/m, > 0 and finite.   F_k : friction force in slip, N, ≥ 0.
+
+    Raises ValueError (naming the field) for a value outside its range, TypeError for one that is not a number.
+    """
+
+    m: float
+    c: float
+    k: float
+    K_z: float
+    F_k: float
+
+    def __post_init__(self) -> None:
+        _require_numbers(self)
+        _require_positive(self, "m", "k", "K_z")
+        _require_not_negative(self, "c", "F_k")
+
+    @property
+    def omega_n(self) -> float:
+        """Undamped natural frequency of the mass on the spring k, ω_n = √(k/m), rad/s."""
+        return math.sqrt(self.k / self.m)
+
+    @property
+    def zeta(self) -> float:
+        """Viscous damping ratio ζ = c / (2 √(k m))."""
+        return self.c / (2.0 * math.sqrt(self.k * self.m))
+
+    @property
+    def Z_m(self) -> float:
+        """Largest deflection of the contact spring, Z_m = F_k / K_z, m."""
+        return self.F_k / self.K_z
+
+
+@dataclass(frozen=True, slots=True)
+class BaseMotion:
+    """Harmonic motion of the base, y(t) = Y cos ωt.
+
+    Y : amplitude, m, > 0.   omega : circular frequency, rad/s, > 0 (ω = 2π f; the paper gives f in Hz).
+
+    Raises ValueError (naming the field) for a value outside its range, TypeError for one that is not a number.
+    """
+
+    Y: float
+    omega: float
+
+    def __post_init__(self) -> None:
+        _require_numbers(self)
+        _require_positive(self, "Y", "omega")
+
+    @property
+    def period(self) -> float:
+        """Duration of one cycle, T = 2π/ω, s."""
+        return 2.0 * math.pi / self.omega
+
+    def y(self, t: ArrayLike) -> NDArray[np.float64]:
+        """Displacement of the base, m, at the times t, s (any shape)."""
+        return self.Y * np.cos(self.omega * np.asarray(t, dtype=float))
+
+
+class Parameters(NamedTuple):
+    """An oscillator and its excitation as the plain numbers that compiled kernels take; already checked."""
+
+    m: float
+    c: float
+    k: float
+    K_z: float
+    F_k: float
+    Y: float
+    omega: float
+
+
+def parameters(oscillator: Oscillator, motion: BaseMotion) -> Parameters:
+    """The numbers of an oscillator and its excitation."""
+    o = oscillator
+    return Parameters(o.m, o.c, o.k, o.K_z, o.F_k, motion.Y, motion.omega)
+
+
+def _require_numbers(model: Oscillator | BaseMotion) -> None:
+    for field in fields(model):
+        value = getattr(model, field.name)
+        name = f"{type(model).__name__}.{field.name}"
+        if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+            raise TypeError(f"{name} must be a number, got {value!r}")
+        if not math.isfinite(value):
+            remedy = "; use a large finite K_z for a rigid contact" if field.name == "K_z" else ""
+            raise ValueError(f"{name} must be finite, got {value!r}{remedy}")
+        object.__setattr__(model, field.name, float(value))
+
+
+def _require_positive(model: Oscillator | BaseMotion, *names: str) -> None:
+    for name in names:
+        if not getattr(model, name) > 0.0:
+            raise ValueError(
+                f"{type(model).__name__}.{name} must be positive, got {getattr(model, name)!r}"
+            )
+
+
+def _require_not_negative(model: Oscillator | BaseMotion, *names: str) -> None:
+    for name in names:
+        if getattr(model, name) < 0.0:
+            raise ValueError(
+                f"{type(model).__name__}.{name} must not be negative, got {getattr(model, name)!r}"
+            )

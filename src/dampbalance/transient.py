@@ -1,0 +1,74 @@
+"""The exact response from any initial state, event by event."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .events import run
+from .model import BaseMotion, Oscillator, parameters
+from .states import State, states_in_phases
+
+Array = NDArray[np.float64]
+_CHUNK = 1024  # phases computed per call
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Motion from an initial state, phase by phase.
+
+    phases : (n, 5), rows (t, s, x, ẋ, z) at the start of each phase, absolute time; s = ±1 in slip, 0 in stick.
+    end : time up to which the motion was computed, s.
+    """
+
+    oscillator: Oscillator
+    motion: BaseMotion
+    phases: Array = field(repr=False)
+    end: float
+
+    def state(self, t: ArrayLike) -> State:
+        """(x, ẋ, ẍ, z) at the times t, s, any shape, within the span of the trajectory."""
+        times = np.asarray(t, dtype=float)
+        start = self.phases[0, 0]
+        if times.size and not (times.min() >= start and times.max() <= self.end):
+            raise ValueError(f"times must lie within [{start}, {self.end}] s")
+        out = np.empty((4, times.size))
+        par = parameters(self.oscillator, self.motion)
+        states_in_phases(times.ravel(), self.phases, 0.0, par, out)
+        return State(*(row.reshape(times.shape) for row in out))
+
+
+def transient(
+    oscillator: Oscillator,
+    motion: BaseMotion,
+    end: float,
+    *,
+    x: float = 0.0,
+    v: float = 0.0,
+    z: float = 0.0,
+    start: float = 0.0,
+) -> Trajectory:
+    """The exact motion from the state (x, ẋ, z) at time `start` to `end`, s; y = Y cos ωt.
+
+    x : displacement, m.   v : velocity, m/s.   z : deflection of the contact spring, m, |z| ≤ Z_m.
+
+    Raises ValueError for a state that the contact cannot have or an end before the start.
+    """
+    for name, value in (("x", x), ("v", v), ("z", z), ("start", start), ("end", end)):
+        if not math.isfinite(value):
+            raise ValueError(f"{name} must be a finite number, got {value!r}")
+    if abs(z) > oscillator.Z_m:
+        raise ValueError(f"z must lie within ±Z_m = ±{oscillator.Z_m:.6g} m, got {z!r}")
+    if not end > start:
+        raise ValueError(f"end must be later than start = {start!r}, got {end!r}")
+    par = parameters(oscillator, motion)
+    kept = []
+    t = start
+    while t < end:
+        rows = np.empty((_CHUNK, 5))
+        count, t, x, v, z = run(x, v, z, t, end, 0.0, par, rows)
+        kept.append(rows[:count])
+    return Trajectory(oscillator, motion, np.concatenate(kept), end)
