@@ -1,0 +1,61 @@
+"""Which files of the package a script depends on, read from their import statements.
+
+A workflow that reruns a step when its script changes must rerun it, too, when a module that the script uses
+changes, and only then. The package's `__init__` hands names on from every module; it is left out, and scripts
+import from the modules.
+"""
+
+from __future__ import annotations
+
+import ast
+import os
+from pathlib import Path
+
+
+def package_modules(
+    script: str | Path, source: str | Path, relative_to: str | Path | None = None
+) -> list[str]:
+    """Files of the packages below `source` that `script` imports, directly or through others, sorted.
+
+    script : a Python file.   source : folder that holds the packages, e.g. `src`.   relative_to : folder the paths
+    start from.
+    """
+    source = Path(source)
+    found: set[Path] = set()
+    waiting = [Path(script)]
+    while waiting:
+        for module in _imported_files(waiting.pop(), source):
+            if module not in found:
+                found.add(module)
+                waiting.append(module)
+    start = relative_to if relative_to is not None else source
+    return sorted(os.path.relpath(path, start) for path in found)
+
+
+def _imported_files(file: Path, source: Path) -> set[Path]:
+    tree = ast.parse(file.read_text(encoding="utf-8"), filename=str(file))
+    names: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = _base(node, file, source)
+            names.add(base)
+            names.update(f"{base}.{alias.name}" for alias in node.names)
+    files = set()
+    for name in names:
+        path = source.joinpath(*name.split("."))
+        if path.with_suffix(".py").is_file():
+            files.add(path.with_suffix(".py"))
+        elif "." in name and (path / "__init__.py").is_file():  # a subpackage is its __init__
+            files.add(path / "__init__.py")
+    return files
+
+
+def _base(node: ast.ImportFrom, file: Path, source: Path) -> str:
+    """The absolute name of the module that an import statement takes from."""
+    if node.level == 0:
+        return node.module or ""
+    package = file.relative_to(source).parent.parts
+    package = package[: len(package) - node.level + 1]
+    return ".".join([*package, *([node.module] if node.module else [])])

@@ -1,0 +1,70 @@
+"""Writing results: complete or not at all, and the same bytes for the same numbers."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+SIGNIFICANT_DIGITS = 15  # of a float in a CSV: all that survive a round trip through decimal text
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """A temporary path beside `path`; it takes that name when the block ends, and vanishes when the block fails."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        temporary.chmod(0o666 & ~_umask())
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write UTF-8 text with Unix line ends."""
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
+def write_json(path: str | Path, data: Any) -> None:
+    """Write JSON; floats keep every bit."""
+    write_text(path, json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def write_csv(path: str | Path, frame: pd.DataFrame) -> None:
+    """Write a table without its index; floats with 15 significant digits, a missing value as an empty field."""
+    write_text(path, frame.to_csv(index=False, float_format=_digits, lineterminator="\n"))
+
+
+def read_csv(path: str | Path, **options: Any) -> pd.DataFrame:
+    """Read a table that `write_csv` wrote: floats come back as they were written, empty text stays text."""
+    frame: pd.DataFrame = pd.read_csv(path, **options)
+    text = frame.select_dtypes(exclude="number").columns
+    return frame.fillna(dict.fromkeys(text, ""))
+
+
+def write_parquet(path: str | Path, frame: pd.DataFrame) -> None:
+    """Write a table as Parquet, without anything that depends on when or where it was made."""
+    with replacing(path) as temporary:
+        frame.to_parquet(temporary, index=False, compression="zstd")
+
+
+def _digits(value: float) -> str:
+    return repr(float(f"{value:.{SIGNIFICANT_DIGITS}g}"))
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,39 @@
+# What is read off the responses: X, X_s, V_s, t_s, phases, harmonics and the integrals a, b, W.
+
+
+rule features_exact:
+    input:
+        orbits=rules.simulate_exact.output.orbits,
+        modules=script_modules("features_exact.py"),
+    output:
+        features=f"{RESULTS}/features/exact/{{frequency}}.csv",
+    params:
+        phase=config["estimation"]["phase"],
+    message:
+        "Exact features at {wildcards.frequency}"
+    script:
+        "../scripts/features_exact.py"
+
+
+rule features_as_published:
+    input:
+        records=rules.simulate_as_published.output.records,
+        modules=script_modules("features_as_published.py"),
+    output:
+        tabulated=f"{RESULTS}/features/as_published/{{frequency}}.csv",
+        two_point=f"{RESULTS}/features/as_published/two_point/{{frequency}}.csv",
+    params:
+        oscillator=config["oscillator"],
+        frequency_hz=frequency_hz,
+        numerics=config["as_published"],
+        phase=config["estimation"]["phase"],
+    message:
+        "Features read off the fixed-step records at {wildcards.frequency}"
+    script:
+        "../scripts/features_as_published.py"
+
+
+rule features:
+    input:
+        expand(rules.features_exact.output, frequency=FREQUENCIES),
+        expand(rules.features_as_published.output, frequency=FREQUENCIES),

@@ -1,0 +1,67 @@
+# Figures 1–3 of the paper, and the error of every estimate against the level of excitation.
+
+
+def figure_files(name):
+    """The SVG and the PNG of a figure."""
+    return {
+        "svg": f"{RESULTS}/figures/{name}.svg",
+        "png": f"{RESULTS}/figures/{name}.png",
+    }
+
+
+rule figure1:
+    input:
+        modules=script_modules("figure1.py"),
+    output:
+        **figure_files("figure1"),
+    message:
+        "Figure 1: the oscillator and its contact"
+    script:
+        "../scripts/figure1.py"
+
+
+rule figure2:
+    input:
+        orbits=f"{RESULTS}/orbits/{FREQUENCIES[0]}.json",
+        modules=script_modules("figure2.py"),
+    output:
+        **figure_files("figure2"),
+    message:
+        "Figure 2: friction force against velocity"
+    script:
+        "../scripts/figure2.py"
+
+
+rule figure3:
+    input:
+        orbits=f"{RESULTS}/orbits/{FREQUENCIES[0]}.json",
+        modules=script_modules("figure3.py"),
+    output:
+        **figure_files("figure3"),
+    message:
+        "Figure 3: acceleration against displacement and velocity"
+    script:
+        "../scripts/figure3.py"
+
+
+rule estimation_error:
+    input:
+        estimates=expand(f"{RESULTS}/estimates/exact/{{frequency}}.csv", frequency=FREQUENCIES),
+        modules=script_modules("estimation_error.py"),
+    output:
+        **figure_files("estimation_error"),
+    params:
+        oscillator=config["oscillator"],
+        excitation=config["excitation"],
+    message:
+        "Estimation error of each approach"
+    script:
+        "../scripts/estimation_error.py"
+
+
+rule figures:
+    input:
+        rules.figure1.output,
+        rules.figure2.output,
+        rules.figure3.output,
+        rules.estimation_error.output,

@@ -1,0 +1,42 @@
+# The steady responses of one frequency at all levels: exactly, and as the paper's own numbers were computed.
+
+
+rule simulate_exact:
+    input:
+        modules=script_modules("simulate_exact.py"),
+    output:
+        orbits=f"{RESULTS}/orbits/{{frequency}}.json",
+    params:
+        oscillator=config["oscillator"],
+        frequency_hz=frequency_hz,
+        levels_m=config["excitation"]["levels_m"],
+    message:
+        "Exact steady orbits at {wildcards.frequency}"
+    script:
+        "../scripts/simulate_exact.py"
+
+
+rule simulate_as_published:
+    input:
+        modules=script_modules("simulate_as_published.py"),
+    output:
+        records=f"{RESULTS}/records/as_published/{{frequency}}.parquet",
+    params:
+        oscillator=config["oscillator"],
+        frequency_hz=frequency_hz,
+        levels_m=config["excitation"]["levels_m"],
+        numerics=config["as_published"],
+    message:
+        "Fixed-step simulation at {wildcards.frequency}"
+    script:
+        "../scripts/simulate_as_published.py"
+
+
+rule orbits:
+    input:
+        expand(rules.simulate_exact.output.orbits, frequency=FREQUENCIES),
+
+
+rule records:
+    input:
+        expand(rules.simulate_as_published.output.records, frequency=FREQUENCIES),

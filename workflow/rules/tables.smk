@@ -1,0 +1,33 @@
+# The paper's tables: printed, as published and exact side by side; the other frequencies get tables of their own.
+
+TABLES = ["table1", "table2", "table3", "statistics"]
+
+
+def table_files(extension):
+    """results/<case>/tables/table1.csv … for the first frequency, table1_<frequency>.csv … for the others."""
+    suffixes = ["", *(f"_{frequency}" for frequency in FREQUENCIES[1:])]
+    return [
+        f"{RESULTS}/tables/{name}{suffix}.{extension}" for suffix in suffixes for name in TABLES
+    ]
+
+
+rule tables:
+    input:
+        features=expand(
+            f"{RESULTS}/features/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
+        ),
+        estimates=expand(
+            f"{RESULTS}/estimates/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
+        ),
+        claims=f"{RESULTS}/claims.csv" if config["published"] else [],
+        modules=script_modules("tables.py"),
+    output:
+        csv=table_files("csv"),
+        md=table_files("md"),
+    params:
+        folder=RESULTS,
+        frequencies_hz=config["excitation"]["frequencies_hz"],
+    message:
+        "Tables"
+    script:
+        "../scripts/tables.py"

@@ -1,0 +1,23 @@
+"""Compare the verdicts with those on record; fail with the offending rows when one is worse."""
+
+import sys
+from pathlib import Path
+
+from dampbalance.claims import check, read_record, summary
+from dampbalance.files import read_csv, write_text
+
+TEXT = ("printed", "exact", "as_published", "from_print")
+
+
+def main(claims_file, recorded_file):
+    claims = read_csv(claims_file, dtype=dict.fromkeys(TEXT, str))
+    offences = check(claims, read_record(Path(recorded_file)))
+    return summary(claims), list(offences["message"])
+
+
+if __name__ == "__main__":
+    text, offences = main(snakemake.input.claims, snakemake.input.recorded)
+    if offences:
+        heading = f"{len(offences)} printed numbers are worse off than on record ({snakemake.input.recorded}):"
+        sys.exit("\n".join([heading, *(f"  {message}" for message in offences)]))
+    write_text(snakemake.output.summary, text)

@@ -1,0 +1,21 @@
+"""The error of every estimate against the level of excitation, at each frequency."""
+
+from dampbalance.configuration import oscillator_from
+from dampbalance.figures import ALT, estimation_error, save
+from dampbalance.files import read_csv
+
+
+def main(estimates_files, oscillator, excitation):
+    frequencies = excitation["frequencies_hz"]
+    estimates = {
+        name: read_csv(file) for name, file in zip(frequencies, estimates_files, strict=True)
+    }
+    return estimation_error(
+        estimates, oscillator_from(oscillator), frequencies, excitation["levels_m"]
+    )
+
+
+if __name__ == "__main__":
+    p = snakemake.params
+    figure = main(snakemake.input.estimates, p.oscillator, p.excitation)
+    save(figure, snakemake.output.svg, snakemake.output.png, ALT["estimation_error"])
