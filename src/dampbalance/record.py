@@ -1,0 +1,153 @@
+"""Sampled signals of one response: what an experiment, or a fixed-step simulation, hands to whoever reads features.
+
+A record holds the base motion y and the response x on a uniform time grid, and the velocity and acceleration where
+they are known. It knows nothing of the oscillator: `reading.py` reads features off it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Self
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+COLUMNS = {
+    "t": "time_s",
+    "y": "y_m",
+    "x": "x_m",
+    "v": "v_m_per_s",
+    "acceleration": "acceleration_m_per_s2",
+}
+"""Column of a data frame that holds each signal, named with its unit."""
+
+# A time stamp may be off the uniform grid by this part of a step: room for times written with few digits, while
+# a missing or doubled sample (one whole step) is still found.
+_GRID_TOLERANCE = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """Signals of one response on a uniform time grid; read-only float arrays of one shape (n,), n ≥ 3.
+
+    t : time, s, increasing in equal steps.   y : displacement of the base, m.   x : displacement of the mass, m.
+    v : velocity of the mass, m/s, or None.   acceleration : of the mass, m/s², or None.
+
+    Raises ValueError naming the signal and the sample: different lengths, NaN or infinity, a gap, unequal steps.
+    """
+
+    t: Array
+    y: Array
+    x: Array
+    v: Array | None = None
+    acceleration: Array | None = None
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is not None or field.name in ("t", "y", "x"):
+                object.__setattr__(self, field.name, _signal(field.name, value))
+        for name, signal in self.signals().items():
+            if signal.size != self.t.size:
+                raise ValueError(f"Record.{name} has {signal.size} samples, t has {self.t.size}")
+        _require_uniform(self.t)
+
+    def __len__(self) -> int:
+        return self.t.size
+
+    @property
+    def dt(self) -> float:
+        """Sampling interval, s."""
+        return float(self.t[-1] - self.t[0]) / (self.t.size - 1)
+
+    def signals(self) -> dict[str, Array]:
+        """The signals that are there, by name, t first."""
+        present = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: signal for name, signal in present.items() if signal is not None}
+
+    def samples(self, start: int, stop: int) -> Self:
+        """The part of the record from sample `start` up to, not including, `stop`."""
+        return type(self)(**{name: signal[start:stop] for name, signal in self.signals().items()})
+
+    def whole_cycles(self, period: float) -> int:
+        """How many whole cycles of the given period, s, the record spans from its first sample on."""
+        # Half a step of slack: n samples of an exact division of the period span n − 1 steps and yet the whole cycle.
+        return int((self.t[-1] - self.t[0] + 0.5 * self.dt) // period)
+
+    def cycle(self, number: int, period: float) -> Self:
+        """Cycle `number` of the record, counted from 0 at its first sample; −1 is the last whole one.
+
+        The samples from the one nearest the start of the cycle to the one nearest its end, both included.
+        period : s.   Raises IndexError when the record does not hold that cycle.
+        """
+        count = self.whole_cycles(period)
+        if not -count <= number < count:
+            raise IndexError(
+                f"the record holds {count} whole cycles of {period!r} s; no cycle {number}"
+            )
+        per_cycle = period / self.dt
+        first = round((number % count) * per_cycle)
+        return self.samples(first, first + round(per_cycle) + 1)
+
+    def to_frame(self) -> pd.DataFrame:
+        """The record as a data frame, one row per sample, columns named with their units (`COLUMNS`)."""
+        return pd.DataFrame({COLUMNS[name]: signal for name, signal in self.signals().items()})
+
+    @classmethod
+    def from_frame(cls, frame: pd.DataFrame) -> Self:
+        """The record that `to_frame` described. Raises ValueError naming a column that is missing or not known."""
+        unknown = [str(name) for name in frame.columns if name not in COLUMNS.values()]
+        if unknown:
+            raise ValueError(
+                f"unknown record columns {unknown}; known are {list(COLUMNS.values())}"
+            )
+        missing = [COLUMNS[name] for name in ("t", "y", "x") if COLUMNS[name] not in frame.columns]
+        if missing:
+            raise ValueError(f"a record needs the columns {missing}, found {list(frame.columns)}")
+        signals = {
+            name: frame[column].to_numpy(dtype=np.float64)
+            for name, column in COLUMNS.items()
+            if column in frame.columns
+        }
+        return cls(**signals)
+
+
+def _signal(name: str, values: ArrayLike) -> Array:
+    """A read-only float copy of the signal, one-dimensional and finite."""
+    signal = np.array(values, dtype=np.float64)
+    if signal.ndim != 1:
+        raise ValueError(f"Record.{name} must be one-dimensional, got shape {signal.shape}")
+    if signal.size < 3:
+        raise ValueError(f"Record.{name} must have at least 3 samples, got {signal.size}")
+    bad = np.flatnonzero(~np.isfinite(signal))
+    if bad.size:
+        raise ValueError(
+            f"Record.{name} is {signal[bad[0]]} at sample {bad[0]} ({bad.size} in all)"
+        )
+    signal.flags.writeable = False
+    return signal
+
+
+def _require_uniform(t: Array) -> None:
+    steps = np.diff(t)
+    dt = float(np.median(steps))
+    i = int(np.argmin(steps))
+    if steps[i] <= 0.0:
+        raise ValueError(
+            f"Record.t must increase, but sample {i + 1} follows {t[i]:g} s with {t[i + 1]:g} s"
+        )
+    i = int(np.argmax(steps))
+    if steps[i] > 1.5 * dt:
+        raise ValueError(
+            f"Record.t has a gap of {steps[i]:g} s after {t[i]:g} s (sample {i}), the step is {dt:g} s"
+        )
+    grid = np.linspace(t[0], t[-1], t.size)
+    i = int(np.argmax(np.abs(t - grid)))
+    if abs(t[i] - grid[i]) > _GRID_TOLERANCE * dt:
+        raise ValueError(
+            f"Record.t is not uniform: sample {i}, {t[i]:g} s, lies {abs(t[i] - grid[i]):.2g} s off the grid of "
+            f"{dt:g} s steps; resample the record to equal steps"
+        )

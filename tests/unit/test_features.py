@@ -1,0 +1,347 @@
+"""Features: of exact orbits, read off records, and as read off a plot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from dampbalance.features import COLUMNS, Features, of_orbit, single, stack
+from dampbalance.model import BaseMotion, Oscillator
+from dampbalance.orbit import steady_orbit
+from dampbalance.quadrature import integral
+from dampbalance.reading import of_record
+from dampbalance.readout import ReadOut
+from dampbalance.record import Record
+
+PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+OMEGA = 2.0 * math.pi * 4.92
+LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
+
+
+def orbit(Y=0.008, osc=PAPER, omega=OMEGA):
+    return steady_orbit(osc, BaseMotion(Y=Y, omega=omega))
+
+
+def sampled(orbit, per_cycle, cycles=2.3, start=0.03):
+    """An exact record of the orbit; per_cycle samples a cycle, not necessarily whole."""
+    t = start + np.arange(int(cycles * per_cycle)) * orbit.motion.period / per_cycle
+    state = orbit.state(t)
+    return Record(t, orbit.motion.y(t), state.x, state.v, state.acceleration)
+
+
+def worst(read, exact, *names):
+    """Largest relative difference of the features named (all, if none is)."""
+    return max(
+        abs(getattr(read, name)[0] / getattr(exact, name)[0] - 1.0) for name in names or COLUMNS
+    )
+
+
+# ---- the table of features ------------------------------------------------------------------------------------------
+
+
+def test_features_of_an_orbit_are_those_of_the_orbit():
+    exact = orbit()
+    features = of_orbit(exact)
+    assert (features.omega, features.Y[0]) == (OMEGA, 0.008)
+    for name in ("X", "X_s", "V_s", "t_s", "phi", "a", "b", "W"):
+        assert getattr(features, name)[0] == getattr(exact, name), name
+    assert features.X_r[0] == -exact.X_s
+    assert features.regime == ("one slip onset per half cycle",)
+    assert features.slipping.tolist() == [True]
+
+
+def test_an_orbit_that_never_slips_has_no_slip_features_and_says_so():
+    features = of_orbit(orbit(Y=1e-5))
+    for name in ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r"):
+        assert np.isnan(getattr(features, name)[0]), name
+    assert features.X[0] > 0.0
+    assert features.slipping.tolist() == [False]
+    assert "no slip" in features.regime[0]
+
+
+def test_stacking_and_taking_keep_the_order():
+    features = stack([of_orbit(orbit(Y)) for Y in LEVELS])
+    assert features.Y.tolist() == list(LEVELS)
+    some = features.take([3, 0])
+    assert some.Y.tolist() == [0.010, 0.004]
+    assert some.W.tolist() == [features.W[3], features.W[0]]
+    assert len(some) == 2
+
+
+def test_frames_keep_every_bit():
+    features = stack([of_orbit(orbit(Y)) for Y in (1e-5, *LEVELS)])
+    frame = features.to_frame()
+    assert {"Y_m", "X_s_m", "V_s_m_per_s", "t_s_s", "phi_rad", "b_m2_per_s", "W_J"} <= set(
+        frame.columns
+    )
+    again = Features.from_frame(frame)
+    assert (again.omega, again.regime) == (features.omega, features.regime)
+    for name in COLUMNS:
+        assert np.array_equal(getattr(again, name), getattr(features, name), equal_nan=True), name
+
+
+def test_phases_are_chosen_by_name():
+    features = of_orbit(orbit())
+    assert features.phi[0] == features.phi_reversal[0]
+    assert features.with_phase("zero_crossing").phi[0] == features.phi_zero_crossing[0]
+    assert features.with_phase("fundamental").phi[0] == features.phi_fundamental[0]
+    with pytest.raises(ValueError, match='phase must be "reversal"'):
+        features.with_phase("peak")
+
+
+def test_common_values_are_means_over_the_responses_that_have_them():
+    features = stack([of_orbit(orbit(Y)) for Y in (1e-5, 0.004, 0.006)])
+    common = features.with_common("phi", "t_s")
+    assert common.phi == pytest.approx([features.phi.mean()] * 3, rel=1e-15)
+    assert np.isnan(common.t_s[0])
+    assert common.t_s[1:] == pytest.approx([features.t_s[1:].mean()] * 2, rel=1e-15)
+    assert common.phi_reversal.tolist() == features.phi_reversal.tolist()
+
+
+def test_what_does_not_fit_together_is_refused():
+    with pytest.raises(ValueError, match="one frequency, got"):
+        stack([of_orbit(orbit()), of_orbit(orbit(omega=20.0))])
+    with pytest.raises(ValueError, match="at least one"):
+        stack([])
+    with pytest.raises(ValueError, match=r"Features\.X has shape"):
+        of_orbit(orbit()).replaced(X=[1.0, 2.0])
+    with pytest.raises(ValueError, match=r"unknown features \['Z'\]"):
+        of_orbit(orbit()).replaced(Z=1.0)
+    with pytest.raises(ValueError, match="X_m"):
+        Features.from_frame(of_orbit(orbit()).to_frame().drop(columns="X_m"))
+
+
+# ---- reading records ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("frequency_hz", [3.5, 4.92, 11.1])
+@pytest.mark.parametrize("Y", [0.004, 0.012])
+def test_interpolated_reading_of_an_exact_record_is_exact(Y, frequency_hz):
+    motion_orbit = orbit(Y, omega=2.0 * math.pi * frequency_hz)
+    read = of_record(sampled(motion_orbit, 10000.3), motion_orbit.motion.omega, PAPER.k)
+    # Fourth order in the step; the corner is 40 to 150 samples after the reversal and the least well read.
+    assert worst(read, of_orbit(motion_orbit)) < 2e-7
+    assert read.regime == ("one slip onset per half cycle",)
+
+
+def test_interpolated_reading_converges_as_the_fourth_power_of_the_step():
+    exact = of_orbit(orbit())
+    corner, smooth = (
+        ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r"),
+        ("phi_zero_crossing", "phi_fundamental", "X_3"),
+    )
+    errors = {
+        n: [
+            worst(of_record(sampled(orbit(), n + 0.3), OMEGA, PAPER.k), exact, *g)
+            for g in (corner, smooth)
+        ]
+        for n in (1000, 8000)
+    }
+    orders = np.log(np.array(errors[1000]) / errors[8000]) / math.log(8.0)
+    # The error of the corner depends on where it falls between two samples: ±0.7 in an order taken over a ratio of 8.
+    assert np.all(np.abs(orders - 4.0) < 0.7), orders
+
+
+def test_sample_reading_is_the_first_sample_at_or_after_the_event():
+    exact, record = orbit(), sampled(orbit(), 4000.3)
+    read = of_record(record, OMEGA, PAPER.k, reading="sample")
+    h = record.dt
+    late_1 = (read.phi[0] - exact.phi) / OMEGA
+    assert 0.0 <= late_1 < h
+    # The break shows largest at the sample nearest to it: the onset is read half a step early to half a step late.
+    assert (
+        abs(read.t_s[0] + late_1 - exact.t_s) <= 0.5 * h * 1.01
+    )  # 1 %: the acceleration is curved
+    assert abs(read.X_s[0] - exact.X_s) <= 0.51 * h * exact.V_s
+    assert worst(read, of_orbit(exact), "X", "b", "W") < 1e-6  # flat at the reversal: (h ω)² / 2
+    # a starts a sample after the break: up to a step and a half late, 2 V_s for each
+    assert -3.1 * h * exact.V_s < read.a[0] - exact.a < 0.0
+
+
+def test_phases_count_from_the_base_motion_whatever_its_own_phase():
+    exact = orbit()
+    record = sampled(exact, 5000.3)
+    shifted = Record(record.t - 0.0123, record.y, record.x, record.v, record.acceleration)
+    read, moved = (of_record(r, OMEGA, PAPER.k) for r in (record, shifted))
+    for name in ("phi_reversal", "phi_zero_crossing", "phi_fundamental", "Y"):
+        assert getattr(moved, name)[0] == pytest.approx(getattr(read, name)[0], rel=1e-10), name
+
+
+def test_lock_in_uses_all_whole_cycles():
+    record = sampled(orbit(), 2000.3, cycles=4.4)
+    x = record.x + 1e-5 * np.cos(
+        0.5 * OMEGA * record.t
+    )  # a subharmonic vanishes over two cycles, not over one
+    one = sampled(orbit(), 2000.3, cycles=2.2)
+    x_one = one.x + 1e-5 * np.cos(0.5 * OMEGA * one.t)
+    exact, _ = orbit().harmonic(1)
+    read = of_record(Record(record.t, record.y, x, record.v, record.acceleration), OMEGA, PAPER.k)
+    read_one = of_record(Record(one.t, one.y, x_one, one.v, one.acceleration), OMEGA, PAPER.k)
+    assert abs(read_one.X_1[0] - exact) > 1e-7
+    # Three whole cycles after the first reversal, or two: an odd number leaves a third of what one leaves.
+    assert abs(read.X_1[0] - exact) < 0.5 * abs(read_one.X_1[0] - exact)
+
+
+@pytest.mark.parametrize(
+    ("osc", "Y"),
+    [(PAPER, 1e-5), (Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=0.0), 0.008)],
+    ids=["never slips", "no friction"],
+)
+@pytest.mark.parametrize("reading", ["interpolated", "sample"])
+def test_a_record_without_a_corner_has_no_slip_onset(osc, Y, reading):
+    exact = orbit(Y, osc)
+    read = of_record(sampled(exact, 4000.3), OMEGA, osc.k, reading=reading)
+    assert read.regime == ("no slip onset: the acceleration has no corner",)
+    for name in ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r", "a"):
+        assert np.isnan(getattr(read, name)[0]), name
+    assert worst(read, of_orbit(exact), "Y", "X", "b", "X_1") < 1e-6  # (h ω)² / 2 for "sample"
+    # Whole steps leave out up to half a step of k y v at the reversal, where v < h ẍ: of the work, a part up to
+    # (h ω)² / (2π sin φ); the mass that only sticks has sin φ = 0.013.
+    assert worst(read, of_orbit(exact), "W") < 3e-5
+    assert abs(read.phi[0] - exact.phi) < 1.01 * 2.0 * math.pi / 4000.3  # one step
+
+
+def test_a_response_with_several_reversals_has_no_single_onset():
+    osc = Oscillator(m=2.0, c=3.6, k=2000.0, K_z=5660.0, F_k=1.0)
+    exact = orbit(7.3e-4, osc, omega=0.5 * osc.omega_n)
+    assert "several" in of_orbit(exact).regime[0]
+    read = of_record(sampled(exact, 20000.3), exact.motion.omega, osc.k)
+    assert "the velocity reverses 6 times a cycle" in read.regime[0]
+    assert np.isnan(read.X_s[0])
+    assert worst(read, of_orbit(exact), "X", "b", "W") < 1e-6  # X is that of a sample: (h ω)² / 2
+
+
+def test_a_stick_phase_of_two_samples_is_not_read():
+    exact = orbit()
+    per_cycle = 2.2 * exact.motion.period / exact.t_s
+    read = of_record(sampled(exact, per_cycle, cycles=4.0), OMEGA, PAPER.k)
+    assert np.isnan(read.X_s[0])
+    assert read.regime[0].startswith("no slip onset")
+
+
+def test_records_that_cannot_be_read_are_refused():
+    record = sampled(orbit(), 1000.0)
+    t, y, x, v, acceleration = record.signals().values()
+    with pytest.raises(ValueError, match="the record has no velocity"):
+        of_record(Record(t, y, x), OMEGA, PAPER.k)
+    with pytest.raises(ValueError, match="the record has no acceleration"):
+        of_record(Record(t, y, x, v), OMEGA, PAPER.k)
+    with pytest.raises(ValueError, match="no whole cycle"):
+        of_record(sampled(orbit(), 1000.0, cycles=0.9), OMEGA, PAPER.k)
+    with pytest.raises(ValueError, match="y has no fundamental"):
+        of_record(Record(t, 0.0 * y, x, v, acceleration), OMEGA, PAPER.k)
+    with pytest.raises(ValueError, match='reading must be "interpolated" or "sample"'):
+        of_record(record, OMEGA, PAPER.k, reading="by eye")
+    with pytest.raises(ValueError, match="omega must be positive"):
+        of_record(record, 0.0, PAPER.k)
+
+
+# ---- integrals ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("start", "stop"), [(0, 40), (0, 39), (3.3, 36.8), (3.3, 3.9), (2.7, 3.2), (0.2, 39.9)]
+)
+def test_integral_is_exact_for_cubics(start, stop):
+    t = np.arange(41.0)
+    f = 1.0 + t - 0.3 * t**2 + 0.01 * t**3
+
+    def primitive(s):
+        return s + s**2 / 2 - 0.1 * s**3 + 0.0025 * s**4
+
+    if (start, stop) == (
+        0,
+        39,
+    ):  # an odd number of intervals: the last rule is exact for quadratics only
+        assert integral(f, 1.0, start, stop) == pytest.approx(primitive(stop), rel=1e-4)
+    else:
+        exact = primitive(stop) - primitive(start)
+        odd = (math.floor(stop) - math.ceil(start)) % 2
+        assert integral(f, 1.0, start, stop) == pytest.approx(exact, rel=1e-4 if odd else 1e-12)
+    assert integral(f + 2j * f, 0.5, start, stop).imag == pytest.approx(
+        integral(f, 1.0, start, stop), rel=1e-12
+    )
+
+
+def test_integral_stays_inside_the_samples():
+    with pytest.raises(ValueError, match="leaves the samples"):
+        integral(np.ones(10), 1.0, 2.0, 9.5)
+
+
+# ---- reading off a plot ---------------------------------------------------------------------------------------------
+
+
+def read_off(**rules):
+    return ReadOut(**rules), single(
+        OMEGA,
+        "one slip onset per half cycle",
+        X=0.0060473738,
+        X_s=-0.0060350661,
+        V_s=0.0117259,
+        t_s=2.0333e-3,
+        phi=1.5462469,
+        X_r=0.0060350661,
+        V_r=-0.0117259,
+        t_r=2.0333e-3,
+    )
+
+
+@pytest.mark.parametrize(
+    ("rules", "name", "read"),
+    [
+        ({"X_decimals": 6}, "X", 0.006047),
+        ({"X_decimals": 5}, "X", 0.00605),
+        ({"X_s_decimals": 6}, "X_s", -0.006035),
+        ({"X_s_decimals": 6}, "X_r", 0.006035),
+        ({"X_decimals": 6, "X_s_mark": 1e-6}, "X_s", -0.006034),  # 12.3 marks: 13 below 0.006047
+        ({"X_decimals": 6, "X_s_mark": 1e-6}, "X_r", 0.006034),
+        ({"X_s_mark": 12.3077e-6}, "X_s", -0.0060350661),  # a whole mark is that mark
+        ({"V_s_decimals": 4}, "V_s", 0.0117),
+        ({"V_s_decimals": 4}, "V_r", -0.0117),
+        ({"phi_decimals": 2}, "phi", 1.55),
+        ({"t_s_unit": 1e-4}, "t_s", 2.0e-3),
+        ({"t_s_inset": 4e-5, "t_s_unit": 1e-4}, "t_s", 1.9e-3),
+        ({"t_s_inset": 4e-5}, "t_r", 1.9933e-3),
+        ({}, "X_s", -0.0060350661),
+    ],
+)
+def test_each_rule_reads_its_feature(rules, name, read):
+    readout, features = read_off(**rules)
+    assert getattr(readout.apply(features), name)[0] == pytest.approx(read, rel=1e-12)
+
+
+def test_features_without_a_rule_are_left_alone():
+    readout, features = read_off()
+    for name in COLUMNS:
+        assert np.array_equal(
+            getattr(readout.apply(features), name), getattr(features, name), equal_nan=True
+        ), name
+
+
+def test_common_values_are_read_first_and_rounded_last():
+    features = stack(
+        [
+            single(OMEGA, "", phi=p, t_s=t)
+            for p, t in ((1.51, 2.96e-3), (1.53, 2.47e-3), (1.55, 1.99e-3))
+        ]
+    )
+    common = ReadOut(t_s_unit=1e-4, common_phi_decimals=1, common_t_s_decimals=4).common(features)
+    assert common.phi == pytest.approx([1.5] * 3, rel=1e-15)
+    assert common.t_s == pytest.approx(
+        [2.4e-3] * 3, rel=1e-12
+    )  # (2.9 + 2.4 + 1.9)/3, not (2.96 + 2.47 + 1.99)/3
+
+
+@pytest.mark.parametrize(
+    ("rules", "message"),
+    [
+        ({"X_decimals": -1}, "ReadOut.X_decimals must not be negative"),
+        ({"t_s_unit": 0.0}, "ReadOut.t_s_unit must be positive"),
+        ({"X_s_mark": 1e-6, "X_s_decimals": 6}, "not both"),
+    ],
+)
+def test_rules_that_make_no_sense_are_refused(rules, message):
+    with pytest.raises(ValueError, match=message):
+        ReadOut(**rules)

@@ -1,0 +1,108 @@
+"""A record is what it says it is, or it is refused by name."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from dampbalance.record import COLUMNS, Record
+
+I = np.arange(101)
+T = 0.01 * I
+
+
+def record(**changed):
+    signals = {"t": T, "y": np.cos(T), "x": np.sin(T), "v": np.cos(T), "acceleration": -np.sin(T)}
+    return Record(**signals | changed)
+
+
+def test_signals_are_read_only_copies():
+    x = np.sin(T)
+    made = record(x=x)
+    x[0] = 5.0
+    assert made.x[0] == 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        made.x[0] = 1.0
+
+
+def test_step_and_length():
+    made = record()
+    assert len(made) == 101
+    assert made.dt == pytest.approx(0.01, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"x": np.sin(T)[:-1]}, "Record.x has 100 samples, t has 101"),
+        ({"v": np.where(I == 7, np.nan, T)}, r"Record.v is nan at sample 7 \(1 in all\)"),
+        ({"y": np.where(I >= 99, np.inf, T)}, r"Record.y is inf at sample 99 \(2 in all\)"),
+        ({"t": np.where(T > 0.5, T + 0.02, T)}, r"gap of 0.03 s after 0.5 s \(sample 50\)"),
+        ({"t": T[::-1]}, "Record.t must increase"),
+        ({"t": np.where(I == 3, T[2], T)}, "Record.t must increase, but sample 3"),
+        ({"t": T + 0.001 * (I == 40)}, "not uniform: sample 40"),
+        ({"t": T**1.02}, "not uniform"),
+        ({"x": np.zeros((101, 2))}, r"Record.x must be one-dimensional, got shape \(101, 2\)"),
+    ],
+    ids=["length", "nan", "inf", "gap", "backwards", "twice", "jitter", "drift", "shape"],
+)
+def test_what_is_not_a_record_is_refused_by_name(changed, message):
+    with pytest.raises(ValueError, match=message):
+        record(**changed)
+
+
+def test_two_samples_are_too_few():
+    with pytest.raises(ValueError, match="at least 3 samples, got 2"):
+        Record(t=T[:2], y=T[:2], x=T[:2])
+
+
+def test_times_written_with_few_digits_are_uniform_enough():
+    # 0.3 ms steps printed to 10 µs: each time off by up to 5 µs, a sixtieth of a step.
+    made = Record(t=np.round(np.arange(101) * 3.0e-4, 5), y=T, x=T)
+    assert made.dt == pytest.approx(3.0e-4, rel=1e-12)
+
+
+def test_cycles_are_counted_and_cut_whole():
+    period = 0.25
+    made = record()
+    assert made.whole_cycles(period) == 4
+    first, last = made.cycle(0, period), made.cycle(-1, period)
+    assert (first.t[0], first.t[-1]) == (T[0], T[25])
+    assert (last.t[0], last.t[-1]) == (T[75], T[100])
+    assert np.array_equal(last.acceleration, made.acceleration[75:])
+    with pytest.raises(IndexError, match="holds 4 whole cycles"):
+        made.cycle(4, period)
+
+
+def test_cycles_that_are_no_whole_number_of_steps():
+    made, period = record(), math.pi / 10.0  # 31.4 steps
+    assert made.whole_cycles(period) == 3
+    for number in range(3):
+        cycle = made.cycle(number, period)
+        assert abs(cycle.t[0] - number * period) <= 0.5 * made.dt
+        assert len(cycle) == 32
+
+
+def test_frames_keep_every_bit_and_say_their_units():
+    made = record()
+    frame = made.to_frame()
+    assert list(frame.columns) == list(COLUMNS.values())
+    again = Record.from_frame(frame)
+    for name, signal in made.signals().items():
+        assert np.array_equal(signal, again.signals()[name]), name
+
+
+def test_signals_that_are_missing_stay_missing():
+    frame = Record(t=T, y=np.cos(T), x=np.sin(T)).to_frame()
+    assert list(frame.columns) == ["time_s", "y_m", "x_m"]
+    assert Record.from_frame(frame).v is None
+
+
+def test_frames_with_other_columns_are_refused():
+    frame = record().to_frame()
+    with pytest.raises(ValueError, match=r"unknown record columns \['v_mm_per_s'\]"):
+        Record.from_frame(frame.rename(columns={"v_m_per_s": "v_mm_per_s"}))
+    with pytest.raises(ValueError, match=r"needs the columns \['x_m'\]"):
+        Record.from_frame(frame.drop(columns="x_m"))
