@@ -1,0 +1,19 @@
+"""Settings of the whole test suite."""
+
+from __future__ import annotations
+
+import os
+
+import hypothesis
+
+# No test opens a window. Set before matplotlib is imported; pipelines that tests start inherit it.
+os.environ["MPLBACKEND"] = "Agg"
+
+# The same examples in every run: a failure is a failure for everybody.
+# No deadline: the first call of a kernel compiles it.
+hypothesis.settings.register_profile(
+    "deterministic", derandomize=True, database=None, deadline=None, print_blob=False
+)
+# To look for new examples: pytest --hypothesis-profile=explore
+hypothesis.settings.register_profile("explore", deadline=None, max_examples=2000, print_blob=True)
+hypothesis.settings.load_profile("deterministic")

@@ -1,0 +1,268 @@
+"""The files of the project agree with each other and hold nothing that belongs to one machine."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+import shutil
+import subprocess
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+import dampbalance
+
+ROOT = Path(__file__).parents[2]
+LOCKS = ("requirements.lock", "requirements-build.lock")
+MODULES = sorted((ROOT / "src").rglob("*.py"))
+LONGEST_MODULE = 400  # lines; a longer one no longer reads top to bottom in one sitting
+
+
+def project_files() -> list[Path]:
+    """Every text file of the project: what is or would be under version control."""
+    listing = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        check=True,
+    )
+    names = {name for name in listing.stdout.decode().split("\0") if name}
+    paths = (ROOT / name for name in sorted(names))
+    return [path for path in paths if path.is_file() and b"\0" not in path.read_bytes()]
+
+
+needs_git = pytest.mark.skipif(
+    shutil.which("git") is None or not (ROOT / ".git").exists(),
+    reason="not a git checkout: which files belong to the project is unknown",
+)
+
+
+def pyproject() -> dict:
+    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+def pins(lock: str) -> dict[str, set[str]]:
+    """Each locked package → its versions (several where they depend on the Python version)."""
+    found: dict[str, set[str]] = {}
+    for match in re.finditer(
+        r"^([A-Za-z0-9._-]+)==([^\s;]+)", (ROOT / lock).read_text(), re.MULTILINE
+    ):
+        found.setdefault(canonicalize_name(match[1]), set()).add(match[2])
+    return found
+
+
+# --- locks ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("lock", LOCKS)
+def test_lock_names_packages_and_no_place_to_fetch_them_from(lock):
+    text = (ROOT / lock).read_text(encoding="utf-8")
+    assert not re.findall(r".*(?:://|--(?:extra-)?index-url|--find-links|--trusted-host).*", text)
+
+
+@pytest.mark.parametrize("lock", LOCKS)
+def test_every_locked_package_has_one_version_and_a_hash(lock):
+    text = (ROOT / lock).read_text(encoding="utf-8").replace("\\\n", " ")
+    entries = [
+        line for line in text.splitlines() if line.strip() and not line.strip().startswith("#")
+    ]
+    assert entries
+    without = [entry[:60] for entry in entries if not re.match(r"\S+==\S+ .*--hash=sha256:", entry)]
+    assert without == []
+
+
+def locked_requirements() -> list[tuple[str, str]]:
+    """(lock, requirement) for all that pyproject.toml asks for and a lock has to hold."""
+    settings = pyproject()
+    project = settings["project"]
+    extras = project["optional-dependencies"]
+    wanted = [("requirements.lock", text) for text in project["dependencies"]]
+    wanted += [
+        ("requirements.lock", text) for name in ("workflow", "article") for text in extras[name]
+    ]
+    wanted += [("requirements.lock", text) for text in settings["dependency-groups"]["dev"]]
+    wanted += [("requirements-build.lock", text) for text in settings["dependency-groups"]["build"]]
+    wanted += [("requirements-build.lock", text) for text in settings["build-system"]["requires"]]
+    return wanted
+
+
+@pytest.mark.parametrize(("lock", "text"), locked_requirements())
+def test_lock_holds_what_pyproject_asks_for(lock, text):
+    requirement = Requirement(text)
+    versions = pins(lock).get(canonicalize_name(requirement.name), set())
+    assert versions, f"{requirement.name} is missing from {lock}: run `make lock`"
+    assert all(requirement.specifier.contains(version) for version in versions)
+
+
+def test_both_locks_agree():
+    main, build = (pins(lock) for lock in LOCKS)
+    assert {name: build[name] for name in build.keys() & main.keys()} == {
+        name: main[name] for name in build.keys() & main.keys()
+    }
+
+
+# --- nothing of one machine ----------------------------------------------------------------------
+
+
+# Put together here, so that this file does not hold what it looks for.
+MACHINE_PATH = re.compile(
+    r"(?<![\w.~}])/(?:" + "|".join(("work", "root", "home", "Users")) + r")/\w"
+)
+
+
+@pytest.mark.parametrize("prefix", ["work", "root", "home", "Users"])
+def test_machine_paths_are_recognised(prefix):
+    assert MACHINE_PATH.search(f"open('/{prefix}/someone/data.csv')")
+    assert not MACHINE_PATH.search(f"see docs/{prefix}/someone and ./{prefix}/x")
+
+
+@needs_git
+def test_no_file_holds_a_path_of_one_machine():
+    found = [
+        f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
+        for path in project_files()
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+        if MACHINE_PATH.search(line)
+    ]
+    assert found == []
+
+
+@needs_git
+def test_results_are_ignored_but_for_their_readme():
+    def ignored(path: str) -> bool:
+        command = ["git", "check-ignore", "--quiet", "--no-index", path]
+        return subprocess.run(command, cwd=ROOT, check=False).returncode == 0
+
+    assert ignored("results/paper/claims.csv")
+    assert ignored(".venv/pyvenv.cfg")
+    assert not ignored("results/README.md")
+    assert not ignored("src/dampbalance/__init__.py")
+
+
+# --- one version, one licence --------------------------------------------------------------------
+
+
+def test_version_is_the_same_everywhere():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert pyproject()["project"]["version"] == citation["version"] == dampbalance.__version__
+
+
+def test_licence_is_the_same_everywhere():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert pyproject()["project"]["license"] == citation["license"] == "BSD-3-Clause"
+    assert (ROOT / "LICENSE").read_text(encoding="utf-8").startswith("BSD 3-Clause License")
+
+
+# --- make ----------------------------------------------------------------------------------------
+
+
+def make(*arguments: str, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    # without what an outer make hands down, such as its flags
+    environment = {name: value for name, value in os.environ.items() if "MAKE" not in name}
+    return subprocess.run(
+        ["make", "--no-print-directory", *arguments],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def documented_targets() -> list[str]:
+    return re.findall(r"^  make (\S+) ", make("help").stdout, re.MULTILINE)
+
+
+def test_make_help_shows_the_targets_people_are_told_about():
+    assert {"all", "test", "check", "clean", "lock", "help"} <= set(documented_targets())
+
+
+def test_every_documented_target_can_be_made():
+    for target in documented_targets():
+        plan = make("--dry-run", target)
+        assert plan.returncode == 0, f"make {target}: {plan.stderr}"
+
+
+def test_every_phony_target_is_documented():
+    phony = re.search(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert phony
+    assert set(phony[1].split()) - {"stale"} == set(documented_targets())
+
+
+@pytest.fixture
+def bare_copy(tmp_path):
+    """What a set-up needs, in a folder of its own that has no environment yet."""
+    for name in ("Makefile", "pyproject.toml", *LOCKS):
+        shutil.copy(ROOT / name, tmp_path)
+    return tmp_path
+
+
+def fake_python(folder: Path, accepts: str) -> Path:
+    """An interpreter that says it is 3.8.0 and succeeds only at code that contains `accepts`."""
+    script = folder / "fake-python"
+    script.write_text(
+        "#!/bin/sh\n"
+        'case "$*" in\n'
+        "    --version) echo Python 3.8.0 ;;\n"
+        f"    *{accepts}*) ;;\n"
+        "    *) exit 1 ;;\n"
+        "esac\n"
+    )
+    script.chmod(0o755)
+    return script
+
+
+def test_set_up_refuses_an_old_python_and_says_what_to_do(bare_copy):
+    outcome = make("setup", f"PYTHON={fake_python(bare_copy, accepts='nothing')}", folder=bare_copy)
+    assert outcome.returncode != 0
+    assert "Python 3.11 or newer is needed" in outcome.stderr
+    assert "Python 3.8.0" in outcome.stderr
+    assert "make PYTHON=" in outcome.stderr
+    assert not (bare_copy / ".venv").exists()
+
+
+def test_set_up_without_the_venv_module_says_what_to_install(bare_copy):
+    python = fake_python(bare_copy, accepts="version_info")
+    outcome = make("setup", f"PYTHON={python}", folder=bare_copy)
+    assert outcome.returncode != 0
+    assert "lacks the venv module" in outcome.stderr
+    assert "python3-venv" in outcome.stderr
+    assert not (bare_copy / ".venv").exists()
+
+
+def test_interrupted_set_up_is_not_taken_for_a_finished_one(bare_copy):
+    python = fake_python(bare_copy, accepts="-")  # accepts everything, and makes no environment
+    for _ in range(2):
+        outcome = make("setup", f"PYTHON={python}", folder=bare_copy)
+        assert outcome.returncode != 0
+        assert "Setting up .venv" in outcome.stdout
+    assert not (bare_copy / ".venv" / "locked").exists()
+
+
+# --- the sources ---------------------------------------------------------------------------------
+
+
+def test_modules_are_found():
+    assert len(MODULES) > 5
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda path: str(path.relative_to(ROOT / "src")))
+def test_module_is_short(module):
+    lines = len(module.read_text(encoding="utf-8").splitlines())
+    assert lines <= LONGEST_MODULE, f"{lines} lines: divide it"
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda path: str(path.relative_to(ROOT / "src")))
+def test_package_knows_nothing_of_snakemake(module):
+    imported = set()
+    for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            imported |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            imported.add(node.module.split(".")[0])
+    assert "snakemake" not in imported

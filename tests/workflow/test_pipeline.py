@@ -1,0 +1,149 @@
+"""The whole pipeline on a small case: what it makes, what reruns, and that the bytes do not depend on the machine's cores."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import pandas as pd
+import pytest
+from dampbalance import BaseMotion, Oscillator, steady_orbit
+
+SMALL = ("--configfile", "small.yaml")
+
+
+@pytest.fixture(scope="module")
+def built(checkout):
+    """The small case, built on two cores."""
+    small = checkout()
+    done = small.run(*SMALL)
+    assert done.returncode == 0, done.stderr
+    return small
+
+
+def touched(checkout, file):
+    """Give a file of the copy a newer time and other contents (a comment)."""
+    path = checkout.folder / file
+    before = path.read_text(encoding="utf-8")
+    path.write_text(before + "\n# changed\n", encoding="utf-8")
+    later = time.time() + 2
+    os.utime(path, (later, later))
+    return before
+
+
+def test_everything_is_made(built):
+    files = built.files("small")
+    for frequency in ("resonance", "above"):
+        assert f"orbits/{frequency}.json" in files
+        for route in ("exact", "as_published"):
+            assert f"features/{route}/{frequency}.csv" in files
+            assert f"estimates/{route}/{frequency}.csv" in files
+    for table in ("table1", "table2", "table3", "statistics"):
+        assert f"tables/{table}.csv" in files
+        assert f"tables/{table}_above.md" in files
+    for figure in ("figure1", "figure2", "figure3", "estimation_error"):
+        assert files[f"figures/{figure}.svg"].startswith(b"<?xml")
+        assert files[f"figures/{figure}.png"].startswith(b"\x89PNG")
+    assert "claims.csv" not in files  # nothing printed to compare with
+
+
+def test_the_numbers_are_those_of_the_package(built):
+    features = pd.read_csv(built.folder / "results/small/features/exact/above.csv")
+    system = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    orbit = steady_orbit(system, BaseMotion(Y=0.008, omega=features["omega_rad_per_s"][0]))
+    # A CSV keeps 15 significant digits.
+    assert features["X_m"][1] == pytest.approx(orbit.X, rel=1e-14)
+    estimates = pd.read_csv(built.folder / "results/small/estimates/exact/above.csv")
+    direct = estimates[(estimates["approach"] == "direct") & (estimates["kind"] == "least_squares")]
+    # Exact integrals: what the 15 digits and a condition number of some 50 leave.
+    assert direct["F_k_N"].iloc[0] == pytest.approx(1.28, rel=1e-11)
+    assert direct["c_N_s_per_m"].iloc[0] == pytest.approx(90.0, rel=1e-11)
+
+
+def test_a_second_run_does_nothing(built):
+    assert built.jobs(*SMALL) == {}
+
+
+def test_one_core_gives_the_same_bytes_as_two(built, checkout):
+    other = checkout()
+    done = other.run(*SMALL, cores=1)
+    assert done.returncode == 0, done.stderr
+    first, second = built.files("small"), other.files("small")
+    assert first.keys() == second.keys()
+    assert [name for name in first if first[name] != second[name]] == []
+
+
+def test_a_changed_value_reruns_what_depends_on_it(built):
+    config = (built.folder / "small.yaml").read_text(encoding="utf-8")
+    try:
+        (built.folder / "small.yaml").write_text(config.replace("9.0", "9.5"), encoding="utf-8")
+        jobs = built.jobs(*SMALL)
+    finally:
+        (built.folder / "small.yaml").write_text(config, encoding="utf-8")
+    assert jobs["simulate_exact"] == 1
+    assert jobs["features_exact"] == 1
+    assert jobs["estimate_exact"] == jobs["estimate_as_published"] == 1
+    assert jobs["tables"] == 1
+    assert "figure3" not in jobs
+
+
+@pytest.mark.parametrize(
+    ("file", "reruns", "stays"),
+    [
+        ("src/dampbalance/flow.py", {"simulate_exact", "features_exact"}, {"figure1"}),
+        ("src/dampbalance/balance.py", {"estimate_exact"}, {"simulate_exact", "features_exact"}),
+        ("src/dampbalance/timestepping.py", {"simulate_as_published"}, {"simulate_exact"}),
+        ("src/dampbalance/tables.py", {"tables"}, {"estimate_exact", "simulate_exact", "figure3"}),
+        ("workflow/scripts/estimate_exact.py", {"estimate_exact"}, {"estimate_as_published"}),
+        ("src/dampbalance/transient.py", set(), {"simulate_exact", "estimate_exact", "tables"}),
+    ],
+)
+def test_an_edited_module_or_script_reruns_what_depends_on_it(built, file, reruns, stays):
+    path = built.folder / file
+    stat = path.stat()
+    before = touched(built, file)
+    try:
+        jobs = built.jobs(*SMALL)
+    finally:
+        path.write_text(before, encoding="utf-8")
+        os.utime(path, (stat.st_atime, stat.st_mtime))
+    assert reruns <= jobs.keys()
+    assert not stays & jobs.keys()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("case: small", "case: small\nextra: 1", "small.yaml: extra: unknown key"),
+        ("[0.004, 0.008, 0.012]", "[0.004]", "small.yaml: excitation.levels_m"),
+        ("step_s: 2.0e-5", "step_s: 2e-5", "small.yaml: as_published.step_s: '2e-5' is text"),
+        ("above: 9.0", "above: 0", "small.yaml: excitation.frequencies_hz.above: 0"),
+        ("step_s: 2.0e-5", "step_s: 2.0e-3", "as_published.step_s"),
+    ],
+)
+def test_a_wrong_configuration_is_refused_and_nothing_is_lost(built, old, new, expected):
+    before = built.files("small")
+    wrong = (built.folder / "small.yaml").read_text(encoding="utf-8").replace(old, new)
+    (built.folder / "wrong.yaml").write_text(wrong, encoding="utf-8")
+    done = built.run("--configfile", "wrong.yaml")
+    assert done.returncode != 0
+    assert expected.replace("small.yaml", "wrong.yaml") in done.stderr + done.stdout
+    assert "Traceback" not in done.stderr + done.stdout
+    assert built.files("small") == before
+
+
+def test_a_case_in_which_some_or_all_levels_stick_says_so(built):
+    text = (built.folder / "small.yaml").read_text(encoding="utf-8").replace("small", "sticking")
+    # 4 mm can hold 9.24 N against friction: nothing slips at 20 N; all slip at 1.28 N
+    text = text.replace("levels_m: [0.004,", "levels_m: [0.0001,")
+    text += "oscillator: {F_k_N: 1.0}\n"
+    (built.folder / "sticking.yaml").write_text(text, encoding="utf-8")
+    done = built.run("--configfile", "sticking.yaml")
+    assert done.returncode == 0, done.stderr
+    features = pd.read_csv(built.folder / "results/sticking/features/exact/resonance.csv")
+    assert features["regime"][0] == "no slip: the contact only sticks"
+    assert pd.isna(features["X_s_m"][0])
+    estimates = pd.read_csv(built.folder / "results/sticking/estimates/exact/resonance.csv")
+    fit = estimates[(estimates["approach"] == "direct") & (estimates["kind"] == "least_squares")]
+    assert fit["F_k_N"].iloc[0] == pytest.approx(1.0, rel=1e-10)
+    assert "level 1" in fit["note"].iloc[0]
