@@ -22,13 +22,14 @@ numba_config: Any = config
 Function = TypeVar("Function", bound=Callable[..., object])
 
 _PACKAGE = Path(__file__).parent
+_NEEDED_BY_KERNELS = (Path(__file__).name, "model.py")  # `Parameters`: the order of its fields
 
 
 def _source_digest() -> str:
     digest = hashlib.sha256(numba.__version__.encode())
     for path in sorted(_PACKAGE.glob("*.py")):
         source = path.read_bytes()
-        if b"_jit import jit" in source or path.name == Path(__file__).name:
+        if b"_jit import jit" in source or path.name in _NEEDED_BY_KERNELS:
             digest.update(path.name.encode() + source)
     return digest.hexdigest()[:16]
 

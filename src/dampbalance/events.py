@@ -44,7 +44,7 @@ class _Phase(NamedTuple):
 
     v0: float
     f0: float
-    B: complex
+    A: complex
     delta: float
     Omega2: float
     omega: float
@@ -53,10 +53,9 @@ class _Phase(NamedTuple):
 @jit
 def _motion(t: float, phase: _Phase) -> tuple[float, float, float, float]:
     """u, u̇, ü and the third derivative at time t of a phase."""
-    u, v = move(t, phase.v0, phase.f0, phase.B, phase.delta, phase.Omega2, phase.omega)
+    u, v = move(t, phase.v0, phase.f0, phase.A, phase.delta, phase.Omega2, phase.omega)
     omega, damping = phase.omega, 2.0 * phase.delta
-    force = phase.B * complex(phase.Omega2 - omega * omega, damping * omega)  # harmonic, per mass
-    force *= complex(math.cos(omega * t), math.sin(omega * t))
+    force = phase.A * complex(math.cos(omega * t), math.sin(omega * t))
     a = phase.f0 + force.real - damping * v - phase.Omega2 * u
     return u, v, a, -omega * force.imag - damping * a - phase.Omega2 * v
 
@@ -89,14 +88,14 @@ def locate_displacement(
     end: float,
     v0: float,
     f0: float,
-    B: complex,
+    A: complex,
     delta: float,
     Omega2: float,
     omega: float,
 ) -> float:
     """The time before `end` at which a phase has moved by u, which it has passed at `end`; arguments as in
     `flow.move`."""
-    return _locate(0, u, 0.0, end, _Phase(v0, f0, B, delta, Omega2, omega))
+    return _locate(0, u, 0.0, end, _Phase(v0, f0, A, delta, Omega2, omega))
 
 
 @jit
@@ -122,8 +121,8 @@ def phase_end(
     theta : phase of the base at the start, rad.   limit : longest duration, s.
     """
     delta, Z_m = par.c / (2.0 * par.m), par.F_k / par.K_z
-    f0, B, Omega2 = phase_start(s, x, z, theta, par)
-    phase = _Phase(v, f0, B, delta, Omega2, par.omega)
+    f0, A, Omega2 = phase_start(s, x, z, theta, par)
+    phase = _Phase(v, f0, A, delta, Omega2, par.omega)
     if s == 0.0:
         which, lower, upper = 0, -Z_m - z, Z_m - z
     elif s > 0.0:

@@ -5,15 +5,18 @@ and g constant. Everything is built on the step response J of the phase,
 
     J̈ + 2δ J̇ + Ω² J = 1,   J(0) = J̇(0) = 0,   δ = c/(2m),   Ω² = κ/m,
 
-its derivative S = J̇ (the impulse response) and R = J̈ = 1 − 2δS − Ω²J. With u = x − x(0), v₀ = ẋ(0), f₀ the
-constant part of the force per mass at u = 0, and B the complex amplitude of the steady forced response of the phase
-at its start,
+its derivative S = J̇ (the impulse response) and R = J̈ = 1 − 2δS − Ω²J, and on the response P to a unit harmonic force,
 
-    u(t) = v₀ S + f₀ J + Re[B ((e^{iωt} − 1) + Ω²J − iωS)]
-    u̇(t) = v₀ R + f₀ S + Re[B (iω (e^{iωt} − 1) + Ω²S + iω (2δS + Ω²J))]
+    P̈ + 2δ Ṗ + Ω² P = e^{iωt},   P(0) = Ṗ(0) = 0.
+
+With u = x − x(0), v₀ = ẋ(0), f₀ the constant part of the force per mass at u = 0, and A = (kY/m) e^{iωt₀} the harmonic
+part of it,
+
+    u(t) = v₀ S + f₀ J + Re[A P],   u̇(t) = v₀ R + f₀ S + Re[A Ṗ]
 
 Every term vanishes with t, so that the displacement of a short stick phase (micrometres) keeps its relative
-accuracy beside a motion of millimetres. All kernels take and return scalars in SI units.
+accuracy beside a motion of millimetres; and none grows without bound at resonance. All kernels take and return
+scalars in SI units.
 
 The state of the contact is a number s: +1 or −1 while it slips that way, 0 while it sticks.
 """
@@ -25,8 +28,9 @@ import math
 from ._jit import jit
 from .model import Parameters
 
-_SERIES_BELOW = 0.02  # of (Ω + δ) t: nine terms of the Taylor series are then exact to rounding
+_SERIES_BELOW = 0.2  # of (Ω + δ) t: twelve terms of the Taylor series are then exact to rounding
 _CRITICAL_BELOW = 1e-3  # of |δ² − Ω²| t²: four terms of the series in it are then exact to rounding
+_RESONANT_BELOW = 0.1  # of |Ω² − ω² + 2iδω| / (Ω² + ω²): more than a digit would cancel in P
 
 
 @jit
@@ -38,8 +42,7 @@ def step_response(t: float, delta: float, Omega2: float) -> tuple[float, float, 
     if (math.sqrt(Omega2) + delta) * t < _SERIES_BELOW:
         J, S = _step_response_series(t, delta, Omega2)
     else:
-        one_minus_C, S = _decayed_pair(t, delta, Omega2)
-        J = (one_minus_C - delta * S) / Omega2
+        J, S = _step_response_closed(t, delta, Omega2)
     return J, S, 1.0 - 2.0 * delta * S - Omega2 * J
 
 
@@ -48,7 +51,7 @@ def _step_response_series(t: float, delta: float, Omega2: float) -> tuple[float,
     """J and J̇ from the Taylor series, n(n−1) jₙ = −2δ (n−1) jₙ₋₁ − Ω² jₙ₋₂ after j₂ = ½."""
     before, term = 0.0, 0.5 * t * t
     J, S_t = term, 2.0 * term
-    for n in range(3, 12):
+    for n in range(3, 14):
         before, term = (
             term,
             (-2.0 * delta * t * (n - 1) * term - Omega2 * t * t * before) / (n * (n - 1)),
@@ -59,44 +62,105 @@ def _step_response_series(t: float, delta: float, Omega2: float) -> tuple[float,
 
 
 @jit
-def _decayed_pair(t: float, delta: float, Omega2: float) -> tuple[float, float]:
-    """1 − e^{−δt} cosh σt and e^{−δt} sinh(σt)/σ with σ² = δ² − Ω² of either sign, without cancellation or overflow."""
+def _step_response_closed(t: float, delta: float, Omega2: float) -> tuple[float, float]:
+    """J = (1 − e^{−δt} cosh σt − δJ̇)/Ω² and J̇ = e^{−δt} sinh(σt)/σ, σ² = δ² − Ω² of either sign, without overflow."""
     z = (delta * delta - Omega2) * t * t
+    if z > _CRITICAL_BELOW:  # by the decay rates δ ± σ, whose product is Ω²
+        sigma = math.sqrt(z) / t
+        fast = delta + sigma
+        slow = Omega2 / fast
+        slow_decay, fast_decay = math.expm1(-slow * t), math.expm1(-fast * t)
+        J = (fast_decay / fast - slow_decay / slow) / (2.0 * sigma)
+        return J, (slow_decay - fast_decay) / (2.0 * sigma)
+    decay = math.expm1(-delta * t)
     if z < -_CRITICAL_BELOW:
         w = math.sqrt(-z)
-        decay = math.expm1(-delta * t)
         sine, cosine = math.sin(0.5 * w), math.cos(0.5 * w)
-        return -decay + (1.0 + decay) * 2.0 * sine * sine, (
-            1.0 + decay
-        ) * 2.0 * sine * cosine * t / w
-    if z <= _CRITICAL_BELOW:
-        decay = math.expm1(-delta * t)
+        cosh_minus_1, sinhc = -2.0 * sine * sine, 2.0 * sine * cosine / w
+    else:
         cosh_minus_1 = z / 2.0 * (1.0 + z / 12.0 * (1.0 + z / 30.0 * (1.0 + z / 56.0)))
         sinhc = 1.0 + z / 6.0 * (1.0 + z / 20.0 * (1.0 + z / 42.0 * (1.0 + z / 72.0)))
-        return -decay - (1.0 + decay) * cosh_minus_1, (1.0 + decay) * sinhc * t
-    sigma = math.sqrt(z) / t
-    fast = delta + sigma
-    slow = Omega2 / fast
-    slow_decay, fast_decay = math.expm1(-slow * t), math.expm1(-fast * t)
-    return -0.5 * (slow_decay + fast_decay), (slow_decay - fast_decay) / (2.0 * sigma)
+    S = (1.0 + decay) * sinhc * t
+    return (-decay - (1.0 + decay) * cosh_minus_1 - delta * S) / Omega2, S
 
 
 @jit
-def forced_amplitude(force: float, m: float, c: float, kappa: float, omega: float) -> complex:
-    """Complex amplitude of the steady displacement of m ẍ + c ẋ + κ x = force · cos ωt:  force / (κ − mω² + icω), m."""
-    return force / complex(kappa - m * omega * omega, c * omega)
+def is_resonant(omega: float, delta: float, Omega2: float) -> bool:
+    """Whether the drive is so close to the resonance of a phase that forced and free motion nearly cancel in it."""
+    difference, damping = Omega2 - omega * omega, 2.0 * delta * omega
+    bound = _RESONANT_BELOW * (Omega2 + omega * omega)
+    return difference * difference + damping * damping < bound * bound
 
 
 @jit
-def forced_start(
+def harmonic_response(
     t: float, omega: float, delta: float, Omega2: float, J: float, S: float
 ) -> tuple[complex, complex]:
-    """What multiplies B in u(t) and u̇(t) above: the forced motion less the free one, together starting from rest."""
+    """Response P to a unit harmonic force and its derivative Ṗ at time t ≥ 0; J, S from `step_response`.
+
+    P = [(e^{iωt} − 1) + Ω²J − iωS] / D,  D = Ω² − ω² + 2iδω, unless that would cancel: D or t is small.
+    """
+    D = complex(Omega2 - omega * omega, 2.0 * delta * omega)
+    if (
+        is_resonant(omega, delta, Omega2)
+        or (D.real * D.real + D.imag * D.imag) * t * t < 0.01 * omega * omega
+    ):
+        Omega = math.sqrt(Omega2)
+        radians = (Omega + delta + omega) * t
+        if radians < 1.0:  # the last term is below rounding
+            last = 20 if radians > 0.1 else 12 if radians > 1e-3 else 7
+            return _harmonic_response_series(t, last, omega, delta, Omega2)
+        if delta < 0.5 * Omega:
+            return _harmonic_response_resonant(t, omega, delta, Omega2)
     half = math.sin(0.5 * omega * t)
     turn = complex(-2.0 * half * half, math.sin(omega * t))  # e^{iωt} − 1 without cancellation
-    u = turn + complex(Omega2 * J, -omega * S)
-    v = complex(0.0, omega) * turn + complex(Omega2 * S, omega * (2.0 * delta * S + Omega2 * J))
-    return u, v
+    P = (turn + complex(Omega2 * J, -omega * S)) / D
+    rate = complex(Omega2 * S, omega * (2.0 * delta * S + Omega2 * J))
+    return P, (complex(0.0, omega) * turn + rate) / D
+
+
+@jit
+def _harmonic_response_series(
+    t: float, last: int, omega: float, delta: float, Omega2: float
+) -> tuple[complex, complex]:
+    """P and Ṗ from the Taylor series, n(n−1) pₙ = (iω)ⁿ⁻²/(n−2)! − 2δ (n−1) pₙ₋₁ − Ω² pₙ₋₂ after p₂ = ½."""
+    before, term = 0j, complex(0.5 * t * t, 0.0)
+    force = complex(t * t, 0.0)
+    P, P_t = term, 2.0 * term
+    for n in range(3, last + 1):
+        force *= complex(0.0, omega * t / (n - 2))
+        before, term = (
+            term,
+            (force - 2.0 * delta * t * (n - 1) * term - Omega2 * t * t * before) / (n * (n - 1)),
+        )
+        P += term
+        P_t += n * term
+    return P, (P_t / t if t > 0.0 else 0j)
+
+
+@jit
+def _harmonic_response_resonant(
+    t: float, omega: float, delta: float, Omega2: float
+) -> tuple[complex, complex]:
+    """P and Ṗ, under-damped, by the roots λ, λ̄ = −δ ± iσ:  P = (∫ e^{λ(t−s)+iωs} ds − ∫ e^{λ̄(t−s)+iωs} ds) / (2iσ).
+
+    The first integral is t e^{λt} (e^w − 1)/w with w = (iω − λ) t, regular at resonance.
+    """
+    sigma = math.sqrt(Omega2 - delta * delta)
+    decay, growth = math.exp(-delta * t), math.expm1(delta * t)
+    detuning = (omega * omega - Omega2 + delta * delta) / (omega + sigma)  # ω − σ
+    w = complex(delta * t, detuning * t)
+    half = math.sin(0.5 * w.imag)
+    w_minus_1 = complex(  # e^w − 1
+        growth - (1.0 + growth) * 2.0 * half * half, (1.0 + growth) * math.sin(w.imag)
+    )
+    turn = complex(math.cos(sigma * t), math.sin(sigma * t))
+    near = t * decay * turn * (w_minus_1 / w if w != 0j else 1.0 + 0j)
+    drive = complex(math.cos(omega * t), math.sin(omega * t))
+    far = (drive - decay * turn.conjugate()) / complex(delta, omega + sigma)
+    root = complex(-delta, sigma)
+    between = complex(0.0, 2.0 * sigma)
+    return (near - far) / between, (root * near - root.conjugate() * far) / between
 
 
 @jit
@@ -104,21 +168,20 @@ def move(
     t: float,
     v0: float,
     f0: float,
-    B: complex,
+    A: complex,
     delta: float,
     Omega2: float,
     omega: float,
 ) -> tuple[float, float]:
     """Displacement gained u, m, and velocity, m/s, a time t after the start of a phase.
 
-    v0 : initial velocity, m/s.   f0 : constant force per mass at the start, m/s².   B : forced amplitude times
-    e^{iωt₀}, m.
+    v0 : initial velocity, m/s.   f0, A : constant and harmonic force per mass at the start, m/s².
     """
     J, S, R = step_response(t, delta, Omega2)
-    u, v = forced_start(t, omega, delta, Omega2, J, S)
+    P, P_rate = harmonic_response(t, omega, delta, Omega2, J, S)
     return (
-        v0 * S + f0 * J + B.real * u.real - B.imag * u.imag,
-        v0 * R + f0 * S + B.real * v.real - B.imag * v.imag,
+        v0 * S + f0 * J + A.real * P.real - A.imag * P.imag,
+        v0 * R + f0 * S + A.real * P_rate.real - A.imag * P_rate.imag,
     )
 
 
@@ -126,11 +189,11 @@ def move(
 def phase_start(
     s: float, x: float, z: float, theta: float, par: Parameters
 ) -> tuple[float, complex, float]:
-    """(f₀, B, Ω²) of a phase that starts at displacement x and contact deflection z when the base is at phase θ.
+    """(f₀, A, Ω²) of a phase that starts at displacement x and contact deflection z when the base is at phase θ.
 
     s : state of the contact.   x, z : m.   theta : rad, y = Y cos(θ + ωt) from the start of the phase on.
     """
     contact, kappa = (par.K_z * z, par.k + par.K_z) if s == 0.0 else (s * par.F_k, par.k)
     f0 = -(par.k * x + contact) / par.m
-    forced = forced_amplitude(par.k * par.Y, par.m, par.c, kappa, par.omega)
-    return f0, forced * complex(math.cos(theta), math.sin(theta)), kappa / par.m
+    drive = par.k * par.Y / par.m
+    return f0, complex(drive * math.cos(theta), drive * math.sin(theta)), kappa / par.m

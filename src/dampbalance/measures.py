@@ -1,13 +1,14 @@
-"""What is read off an exact orbit: extremes, slip onset, energy terms and harmonics, in closed form phase by phase.
+"""What is read off an exact orbit: extremes, slip onset, energy terms and harmonics, phase by phase.
 
 An orbit is given by the phases of its half cycle from the reversal at −X: rows (t, s, x, ẋ, z). Within a phase the
-motion is x = x̄ + Re[B e^{iωt}] + q(t), q the free motion of the phase, q̈ + 2δq̇ + Ω²q = 0. Its integrals are
-closed forms in the values of q and q̇ at the two ends,
+velocity is ẋ = Re[V e^{iωt}] + q̇(t), q the free motion of the phase, q̈ + 2δq̇ + Ω²q = 0. Its integrals are closed
+forms in the values of q and q̇ at the two ends,
 
-    ∫ q e^{iσt} dt = [e^{iσt} ((2δ − iσ) q + q̇)] / (σ² − Ω² + 2iδσ),      ∫ q̇² dt = −[½ (q̇² + Ω² q²)] / 2δ,
+    ∫ q̇ e^{iσt} dt = [e^{iσt} (iσ q̇ + Ω² q)] / (Ω² − σ² − 2iδσ),      ∫ q̇² dt = −[½ (q̇² + Ω² q²)] / 2δ,
 
-so that under-, critically and over-damped phases need no separate treatment. (For 2δt < 1e-4 the last one loses
-digits, and Gauss's rule on short panels takes its place.)
+so that under-, critically and over-damped phases need no separate treatment. Where digits would cancel (a free motion
+that resonates with one of the harmonics wanted, hardly any damping, or a motion that is small beside its forced and
+free parts), Gauss's rule takes their place.
 """
 
 from __future__ import annotations
@@ -19,10 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._jit import jit
-from .flow import move, phase_start, step_response
+from .flow import is_resonant, move, phase_start
 from .model import Parameters
 
-_UNDAMPED_BELOW = 1e-4
+_UNDAMPED_BELOW = 1e-3  # of 2δt
+_CANCELLED_BELOW = 1e-2  # of ∫ ẋ² beside the same integral of the forced motion
+_PANEL = 8.0  # rad of the fastest oscillation of an integrand: 12 Gauss points are then exact to rounding
 _GAUSS_NODES, _GAUSS_WEIGHTS = (
     np.ascontiguousarray(a) for a in np.polynomial.legendre.leggauss(12)
 )
@@ -50,14 +53,15 @@ def measure(phases: NDArray[np.float64], count: int, theta: float, par: Paramete
     phases : (≥ count, 5), rows (t, s, x, ẋ, z), SI.   theta : phase of the base at the reversal, rad.
 
     a = ∮ |ẋ| over the slip phases, b = ∮ ẋ² dt, W = ∮ k y ẋ dt, each over a whole cycle: Eqs. (5)–(7) of Liang &
-    Feeny (2010). X_s, V_s, t_s belong to the first forward slip onset after the reversal.
+    Feeny (2010). X_s, V_s, t_s belong to the first forward slip onset after the reversal. The harmonics are those of
+    the velocity over inω.
     """
     omega, delta = par.omega, par.c / (2.0 * par.m)
     half = math.pi / omega
     X = -phases[0, 2]
     X_s = V_s = t_s = math.nan
     a = b = 0.0
-    work = harmonic_1 = harmonic_3 = harmonic_5 = 0j
+    first = third = fifth = 0j  # ∫ ẋ e^{inωt} dt over the half cycle
     for i in range(count):
         t, s, x, v, z = phases[i, 0], phases[i, 1], phases[i, 2], phases[i, 3], phases[i, 4]
         duration = (phases[i + 1, 0] if i + 1 < count else half) - t
@@ -65,44 +69,26 @@ def measure(phases: NDArray[np.float64], count: int, theta: float, par: Paramete
             X_s, V_s, t_s = x, v, t
         if s != 0.0:
             a += 2.0 * abs((phases[i + 1, 2] if i + 1 < count else X) - x)
-
-        f0, B, Omega2 = phase_start(s, x, z, theta + omega * t, par)
-        u_end, v_end = move(duration, v, f0, B, delta, Omega2, omega)
-        start, turn = _unit(omega * t), _unit(omega * duration)
-        forced_v = complex(0.0, omega) * B
-        rest = f0 / Omega2
-        q0, w0 = -rest - B.real, v - forced_v.real
-        q1, w1 = u_end - rest - (B * turn).real, v_end - (forced_v * turn).real
-        ends = (q0, w0, q1, w1)
-
-        second = (turn * turn - 1.0) / complex(0.0, 2.0 * omega)  # ∫ e^{2iωt} dt
-        free_v = (
-            q1 * turn - q0 - complex(0.0, omega) * _free_integral(ends, turn, omega, delta, Omega2)
-        )
-        b += 2.0 * (
-            _free_square(ends, delta, Omega2, duration)
-            + 2.0 * (forced_v * free_v).real
-            + 0.5 * (abs(forced_v) ** 2 * duration + (forced_v * forced_v * second).real)
-        )
-        work += start * (free_v + 0.5 * (forced_v * second + forced_v.conjugate() * duration))
-
-        back, start_back = turn.conjugate(), start.conjugate()
-        mean = x + rest
-        third, third_start = back * back * back, start_back * start_back * start_back
-        harmonic_1 += start_back * (
-            mean * (back - 1.0) / complex(0.0, -omega)
-            + 0.5 * (B * duration + (B * second).conjugate())
-            + _free_integral(ends, back, -omega, delta, Omega2)
-        )
-        harmonic_3 += third_start * _odd_harmonic(
-            3.0, ends, mean, B, back, third, delta, Omega2, omega
-        )
-        fifth, fifth_start = third * back * back, third_start * start_back * start_back
-        harmonic_5 += fifth_start * _odd_harmonic(
-            5.0, ends, mean, B, back, fifth, delta, Omega2, omega
-        )
-    W = 2.0 * par.k * par.Y * (_unit(theta) * work).real
-    scale = 2.0 * omega / math.pi  # 4/T
+        f0, A, Omega2 = phase_start(s, x, z, theta + omega * t, par)
+        if (
+            2.0 * delta * duration < _UNDAMPED_BELOW
+            or is_resonant(omega, delta, Omega2)
+            or is_resonant(3.0 * omega, delta, Omega2)
+            or is_resonant(5.0 * omega, delta, Omega2)
+        ):
+            square, one, three, five = _by_gauss(duration, v, f0, A, delta, Omega2, omega)
+        else:
+            forced, square, one, three, five = _by_ends(duration, v, f0, A, delta, Omega2, omega)
+            if square < _CANCELLED_BELOW * forced and delta * delta < Omega2:
+                square, one, three, five = _by_gauss(duration, v, f0, A, delta, Omega2, omega)
+        b += 2.0 * square
+        first += _unit(omega * t) * one
+        third += _unit(3.0 * omega * t) * three
+        fifth += _unit(5.0 * omega * t) * five
+    first *= _unit(theta)
+    third *= _unit(3.0 * theta)
+    fifth *= _unit(5.0 * theta)
+    scale = complex(0.0, -2.0 / math.pi)  # 4/T over iω
     return Measures(
         X,
         X_s,
@@ -110,16 +96,58 @@ def measure(phases: NDArray[np.float64], count: int, theta: float, par: Paramete
         t_s,
         a,
         b,
-        W,
-        scale * _unit(-theta) * harmonic_1,
-        scale * _unit(-3.0 * theta) * harmonic_3,
-        scale * _unit(-5.0 * theta) * harmonic_5,
+        2.0 * par.k * par.Y * first.real,
+        scale * first.conjugate(),
+        scale * third.conjugate() / 3.0,
+        scale * fifth.conjugate() / 5.0,
     )
 
 
 @jit
 def _unit(angle: float) -> complex:
     return complex(math.cos(angle), math.sin(angle))
+
+
+@jit
+def _by_ends(
+    duration: float,
+    v0: float,
+    f0: float,
+    A: complex,
+    delta: float,
+    Omega2: float,
+    omega: float,
+) -> tuple[float, float, complex, complex, complex]:
+    """∫ ẋ² dt of the forced motion and of the whole, and ∫ ẋ e^{inωt} dt, n = 1, 3, 5, over a phase, from the values
+    at its ends; arguments as in `flow.move`."""
+    u_end, v_end = move(duration, v0, f0, A, delta, Omega2, omega)
+    B = A / complex(Omega2 - omega * omega, 2.0 * delta * omega)
+    V = complex(0.0, omega) * B
+    turn = _unit(omega * duration)
+    rest = f0 / Omega2
+    q0, w0 = -rest - B.real, v0 - V.real
+    q1, w1 = u_end - rest - (B * turn).real, v_end - (V * turn).real
+    ends = (q0, w0, q1, w1)
+
+    turn2 = turn * turn
+    turn4 = turn2 * turn2
+    second = (turn2 - 1.0) / complex(0.0, 2.0 * omega)  # ∫ e^{2iωt} dt
+    fourth = (turn4 - 1.0) / complex(0.0, 4.0 * omega)
+    sixth = (turn4 * turn2 - 1.0) / complex(0.0, 6.0 * omega)
+    back = V.conjugate()
+    free_1 = _free_integral(ends, turn, omega, delta, Omega2)
+    free_3 = _free_integral(ends, turn * turn2, 3.0 * omega, delta, Omega2)
+    free_5 = _free_integral(ends, turn * turn4, 5.0 * omega, delta, Omega2)
+
+    free_square = (w0 * w0 - w1 * w1 + Omega2 * (q0 * q0 - q1 * q1)) / (4.0 * delta)
+    forced_square = 0.5 * (abs(V) ** 2 * duration + (V * V * second).real)
+    return (
+        forced_square,
+        free_square + 2.0 * (V * free_1).real + forced_square,
+        free_1 + 0.5 * (V * second + back * duration),
+        free_3 + 0.5 * (V * fourth + back * second),
+        free_5 + 0.5 * (V * sixth + back * fourth),
+    )
 
 
 @jit
@@ -130,49 +158,39 @@ def _free_integral(
     delta: float,
     Omega2: float,
 ) -> complex:
-    """∫ q e^{iσt} dt over the phase, from q, q̇ at its start and end; turn = e^{iσ · duration}."""
+    """∫ q̇ e^{iσt} dt over the phase, from q, q̇ at its start and end; turn = e^{iσ · duration}."""
     q0, w0, q1, w1 = ends
-    factor = complex(2.0 * delta, -sigma)
-    denominator = complex(sigma * sigma - Omega2, 2.0 * delta * sigma)
-    return (turn * (factor * q1 + w1) - (factor * q0 + w0)) / denominator
+    difference = turn * complex(Omega2 * q1, sigma * w1) - complex(Omega2 * q0, sigma * w0)
+    return difference / complex(Omega2 - sigma * sigma, -2.0 * delta * sigma)
 
 
 @jit
-def _odd_harmonic(
-    n: float,
-    ends: tuple[float, float, float, float],
-    mean: float,
-    B: complex,
-    back: complex,
-    turn: complex,
+def _by_gauss(
+    duration: float,
+    v0: float,
+    f0: float,
+    A: complex,
     delta: float,
     Omega2: float,
     omega: float,
-) -> complex:
-    """∫ x e^{−inωt} dt over the phase, n = 3, 5; back = e^{−iωD}, turn = e^{−inωD}, D the duration."""
-    forced = B * (turn * back.conjugate() - 1.0) / complex(0.0, (1.0 - n) * omega)
-    forced += B.conjugate() * (turn * back - 1.0) / complex(0.0, -(1.0 + n) * omega)
-    constant = mean * (turn - 1.0) / complex(0.0, -n * omega)
-    return constant + 0.5 * forced + _free_integral(ends, turn, -n * omega, delta, Omega2)
-
-
-@jit
-def _free_square(
-    ends: tuple[float, float, float, float], delta: float, Omega2: float, duration: float
-) -> float:
-    """∫ q̇² dt over the phase."""
-    q0, w0, q1, w1 = ends
-    if 2.0 * delta * duration >= _UNDAMPED_BELOW:
-        return (w0 * w0 - w1 * w1 + Omega2 * (q0 * q0 - q1 * q1)) / (4.0 * delta)
-    panels = int(duration * math.sqrt(Omega2) / 2.0) + 1
+) -> tuple[float, complex, complex, complex]:
+    """The same integrals, but for that of the forced motion, by Gauss's rule; not for over-damped phases."""
+    panels = 1 + int(duration * (2.0 * math.sqrt(Omega2) + 6.0 * omega) / _PANEL)
     h = duration / panels
-    total = 0.0
+    square = 0.0
+    one = three = five = 0j
     for i in range(panels):
         for node, weight in zip(_GAUSS_NODES, _GAUSS_WEIGHTS):  # noqa: B905 (no strict= in compiled code)
-            _, S, R = step_response(h * (i + 0.5 + 0.5 * node), delta, Omega2)
-            w = R * w0 - Omega2 * S * q0
-            total += 0.5 * h * weight * w * w
-    return total
+            t = h * (i + 0.5 + 0.5 * node)
+            _, v = move(t, v0, f0, A, delta, Omega2, omega)
+            turn = _unit(omega * t)
+            turn2 = turn * turn
+            weighted = 0.5 * h * weight * v
+            square += weighted * v
+            one += weighted * turn
+            three += weighted * turn * turn2
+            five += weighted * turn * turn2 * turn2
+    return square, one, three, five
 
 
 @jit

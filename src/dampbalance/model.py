@@ -110,16 +110,21 @@ def parameters(oscillator: Oscillator, motion: BaseMotion) -> Parameters:
     return Parameters(o.m, o.c, o.k, o.K_z, o.F_k, motion.Y, motion.omega)
 
 
+def finite_number(name: str, value: object, remedy: str = "") -> float:
+    """The value as a float; TypeError or ValueError naming it if it is not a number or not finite."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise TypeError(f"{name} must be a number, got {value!r}")
+    if not math.isfinite(value):
+        raise ValueError(f"{name} must be finite, got {value!r}{remedy}")
+    return float(value)
+
+
 def _require_numbers(model: Oscillator | BaseMotion) -> None:
     for field in fields(model):
-        value = getattr(model, field.name)
         name = f"{type(model).__name__}.{field.name}"
-        if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-            raise TypeError(f"{name} must be a number, got {value!r}")
-        if not math.isfinite(value):
-            remedy = "; use a large finite K_z for a rigid contact" if field.name == "K_z" else ""
-            raise ValueError(f"{name} must be finite, got {value!r}{remedy}")
-        object.__setattr__(model, field.name, float(value))
+        remedy = "; use a large finite K_z for a rigid contact" if field.name == "K_z" else ""
+        value = finite_number(name, getattr(model, field.name), remedy)
+        object.__setattr__(model, field.name, value)
 
 
 def _require_positive(model: Oscillator | BaseMotion, *names: str) -> None:

@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 
 from ._jit import jit
-from .flow import forced_amplitude, forced_start, phase_start, step_response
+from .flow import harmonic_response, phase_start, step_response
 from .model import Parameters
 
 _MAX_NEWTON = 40
@@ -61,7 +61,7 @@ def solve_one_slip(par: Parameters) -> tuple[bool, float, float, float, float]:
     else:
         return False, 0.0, 0.0, 0.0, 0.0
     theta = math.atan2(p2, p1)
-    valid = X > par.F_k / par.K_z and V_s > 0.0 and _is_forward(tau, X, theta, V_s, par)
+    valid = par.F_k / par.K_z < X and V_s > 0.0 and _is_forward(tau, X, theta, V_s, par)
     return valid, tau, X, theta, V_s
 
 
@@ -73,19 +73,16 @@ def _first_guess(par: Parameters) -> float:
     (k − mω²)² X² + (cωX + 4F_k/π)² = (kY)²; where that has no solution, X of the linear oscillator that never slips.
     """
     m, c, k, K_z, F_k, Y, omega = par
-    reactance, resistance, friction = (
-        k - m * omega * omega,
-        c * omega,
-        4.0 * F_k / math.pi,
-    )
+    reactance, resistance, friction = k - m * omega * omega, c * omega, 4.0 * F_k / math.pi
     A = reactance * reactance + resistance * resistance
     B = resistance * friction
     C = friction * friction - k * k * Y * Y
     discriminant = B * B - A * C
     X = (-B + math.sqrt(discriminant)) / A if discriminant > 0.0 and A > 0.0 else 0.0
-    travel = 2.0 * F_k / K_z
-    X = max(X, abs(forced_amplitude(k * Y, m, c, k + K_z, omega)))
-    cosine = 1.0 - travel / X
+    inverse = math.hypot(reactance + K_z, resistance) / (k * Y)  # 1/X of one that never slips
+    if X > 0.0:
+        inverse = min(inverse, 1.0 / X)
+    cosine = 1.0 - 2.0 * F_k / K_z * inverse
     return math.acos(max(cosine, -0.999)) / omega
 
 
@@ -98,28 +95,23 @@ def _half_cycle(
     delta = c / (2.0 * m)
     half_cycle = math.pi / omega
     travel = 2.0 * F_k / K_z
+    drive = k / m  # harmonic force per mass of a base motion of unit amplitude
 
     # stick from rest at −X: u(τ) = 2 Z_m; the force at its start is kX + F_k
     Omega2 = (k + K_z) / m
-    G = forced_amplitude(k, m, c, k + K_z, omega)
     J, S, R = step_response(tau, delta, Omega2)
-    start_u, start_v = forced_start(tau, omega, delta, Omega2, J, S)
-    gu, gv = G * start_u, G * start_v
+    P, P_rate = harmonic_response(tau, omega, delta, Omega2, J, S)
+    gu, gv = drive * P, drive * P_rate
     m11, m12, m13, r1 = k * J / m, gu.real, -gu.imag, travel - F_k * J / m
-    v1, v2, v3, v0 = (
-        k * S / m,
-        gv.real,
-        -gv.imag,
-        F_k * S / m,
-    )  # V_s = v1 X + v2 p₁ + v3 p₂ + v0
+    # V_s = v1 X + v2 p₁ + v3 p₂ + v0
+    v1, v2, v3, v0 = k * S / m, gv.real, -gv.imag, F_k * S / m
 
     # slip from −X + 2 Z_m at V_s: x(H) = X, ẋ(H) = 0; the force at its start is k (X − 2 Z_m) − F_k
     Omega2 = k / m
-    G = forced_amplitude(k, m, c, k, omega)
     J, S, R = step_response(half_cycle - tau, delta, Omega2)
-    start_u, start_v = forced_start(half_cycle - tau, omega, delta, Omega2, J, S)
-    turn = complex(math.cos(omega * tau), math.sin(omega * tau))
-    gu, gv = G * turn * start_u, G * turn * start_v
+    P, P_rate = harmonic_response(half_cycle - tau, omega, delta, Omega2, J, S)
+    turned = drive * complex(math.cos(omega * tau), math.sin(omega * tau))
+    gu, gv = turned * P, turned * P_rate
     f0 = -(k * travel + F_k) / m
     m21, m22, m23 = v1 * S + k * J / m - 2.0, v2 * S + gu.real, v3 * S - gu.imag
     m31, m32, m33 = v1 * R + k * S / m, v2 * R + gv.real, v3 * R - gv.imag
@@ -147,11 +139,11 @@ def _half_cycle(
 def _is_forward(tau: float, X: float, theta: float, V_s: float, par: Parameters) -> bool:
     """Whether ẋ > 0 throughout the half cycle of a solution, but at its two ends."""
     delta, omega, Z_m = par.c / (2.0 * par.m), par.omega, par.F_k / par.K_z
-    f0, B, Omega2 = phase_start(0.0, -X, -Z_m, theta, par)
-    if not velocity_keeps_sign(tau, 0.0, f0, B, delta, Omega2, omega, V_s):
+    f0, A, Omega2 = phase_start(0.0, -X, -Z_m, theta, par)
+    if not velocity_keeps_sign(tau, 0.0, f0, A, delta, Omega2, omega, V_s):
         return False
-    f0, B, Omega2 = phase_start(1.0, -X + 2.0 * Z_m, Z_m, theta + omega * tau, par)
-    return velocity_keeps_sign(math.pi / omega - tau, V_s, f0, B, delta, Omega2, omega, omega * X)
+    f0, A, Omega2 = phase_start(1.0, -X + 2.0 * Z_m, Z_m, theta + omega * tau, par)
+    return velocity_keeps_sign(math.pi / omega - tau, V_s, f0, A, delta, Omega2, omega, omega * X)
 
 
 @jit
@@ -159,7 +151,7 @@ def velocity_keeps_sign(
     duration: float,
     v0: float,
     f0: float,
-    B: complex,
+    A: complex,
     delta: float,
     Omega2: float,
     omega: float,
@@ -174,17 +166,18 @@ def velocity_keeps_sign(
     n = max(6, math.ceil(2.5 * duration * max(omega, math.sqrt(Omega2))))
     h = duration / n
     J, S, R = step_response(h, delta, Omega2)
+    P, P_rate = harmonic_response(h, omega, delta, Omega2, J, S)
     hold = 1.0 - Omega2 * J
     turn = complex(math.cos(omega * h), math.sin(omega * h))
-    forced_v = complex(0.0, omega) * B
-    free_u, free_v = -f0 / Omega2 - B.real, v0 - forced_v.real
-    v_before = v0
-    a_before = -omega * forced_v.imag - 2.0 * delta * free_v - Omega2 * free_u
+    u, v_before, a_before = 0.0, v0, f0 + A.real - 2.0 * delta * v0
     for i in range(1, n + 1):
-        free_u, free_v = hold * free_u + S * free_v, -Omega2 * S * free_u + R * free_v
-        forced_v *= turn
-        v = forced_v.real + free_v
-        a = -omega * forced_v.imag - 2.0 * delta * free_v - Omega2 * free_u
+        forced_u, forced_v = A * P, A * P_rate
+        A *= turn
+        u, v = (
+            hold * u + S * v_before + f0 * J + forced_u.real,
+            -Omega2 * S * u + R * v_before + f0 * S + forced_v.real,
+        )
+        a = f0 + A.real - 2.0 * delta * v - Omega2 * u
         if i < n and v <= 0.0:
             return False
         if a_before < 0.0 < a and _cubic_minimum(v_before, a_before, v, a, h) < 1e-6 * scale:

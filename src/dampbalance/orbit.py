@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
@@ -23,7 +25,7 @@ class NoSteadyOrbit(ArithmeticError):
     """The oscillator has no steady orbit, or none was found."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Orbit:
     """Steady orbit: the phases of its half cycle, from the reversal at x = −X on, and everything that follows from
     them.
@@ -111,7 +113,7 @@ class Orbit:
         """(X_n, φ_n) of x = Σ X_n cos(nωt − φ_n), m and rad, for n = 1, 3, 5. Even harmonics vanish by symmetry."""
         if n not in (1, 3, 5):
             raise ValueError(f"harmonic n must be 1, 3 or 5, got {n!r}")
-        value: complex = getattr(self._measures, f"harmonic_{n}")
+        value: complex = getattr(self._measures, f"harmonic_{int(n)}")
         return abs(value), -math.atan2(value.imag, value.real)
 
     def state(self, t: ArrayLike) -> State:
@@ -145,19 +147,27 @@ class Orbit:
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
         """The orbit that `to_dict` described."""
+        phases = np.array(data["phases"], dtype=float).reshape(-1, 5)
+        phases.flags.writeable = False
         return cls(
             Oscillator(**data["oscillator"]),
             BaseMotion(**data["motion"]),
             Regime[data["regime"]],
             float(data["theta"]),
-            np.array(data["phases"], dtype=float).reshape(-1, 5),
+            phases,
         )
+
+
+def read_orbits(path: str | Path) -> list[Orbit]:
+    """The orbits of a JSON file that holds a list of `Orbit.to_dict`."""
+    return [Orbit.from_dict(data) for data in json.loads(Path(path).read_text(encoding="utf-8"))]
 
 
 def steady_orbit(oscillator: Oscillator, motion: BaseMotion) -> Orbit:
     """The exact steady response to harmonic base motion, in any regime.
 
-    Raises NoSteadyOrbit where there is none (an undamped oscillator driven at resonance) or none was found.
+    Raises NoSteadyOrbit where there is none (an undamped oscillator driven at resonance, with F_k < πkY/4) or none was
+    found.
     """
     phases = np.empty((MAX_PHASES, 5))
     code, count, theta = solve_steady(parameters(oscillator, motion), phases)

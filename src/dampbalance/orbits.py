@@ -37,7 +37,7 @@ _POSITIVE = ("m", "k", "K_z", "Y", "omega")
 _NOT_NEGATIVE = ("c", "F_k")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Orbits:
     """Features of many steady orbits, arrays of the broadcast shape of the inputs; names and units as in `Orbit`.
 
@@ -79,10 +79,10 @@ def steady_orbits(
     process may use. The result does not depend on the number of threads.
 
     Raises ValueError (naming the argument and the first offending value) for a value outside the range given in
-    `Oscillator`.
+    `Oscillator` and for shapes that do not broadcast, TypeError for anything but numbers.
     """
     arrays = _checked({"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k, "Y": Y, "omega": omega})
-    shape = np.broadcast_shapes(*(a.shape for a in arrays))
+    shape = _common_shape(arrays)
     size = int(np.prod(shape))
     out = np.empty((len(_COLUMNS), size))
     regime = np.empty(size, dtype=np.uint8)
@@ -106,10 +106,23 @@ def steady_orbits(
     return Orbits(**columns, regime=regime.reshape(shape))
 
 
+def _common_shape(arrays: list[Array]) -> tuple[int, ...]:
+    try:
+        return np.broadcast_shapes(*(a.shape for a in arrays))
+    except ValueError:
+        shapes = ", ".join(
+            f"{name} {a.shape}" for name, a in zip(Parameters._fields, arrays, strict=True)
+        )
+        raise ValueError(f"the arguments do not broadcast to one shape: {shapes}") from None
+
+
 def _checked(arguments: dict[str, ArrayLike]) -> list[Array]:
     arrays = []
     for name, value in arguments.items():
-        array = np.asarray(value, dtype=float)
+        given = np.asarray(value)
+        if given.dtype.kind not in "iuf":
+            raise TypeError(f"{name} must be a number or an array of numbers, got {value!r}")
+        array = given.astype(float)
         wrong = ~np.isfinite(array) | (array <= 0.0 if name in _POSITIVE else array < 0.0)
         if wrong.any():
             bound = "positive" if name in _POSITIVE else "not negative"

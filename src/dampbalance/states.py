@@ -44,8 +44,8 @@ def states_in_phases(
         i = max(0, np.searchsorted(phases[:, 0], t, side="right") - 1)
         s, x0, v0, z0 = phases[i, 1], phases[i, 2], phases[i, 3], phases[i, 4]
         start = phases[i, 0]
-        f0, B, Omega2 = phase_start(s, x0, z0, theta + par.omega * start, par)
-        u, v = move(t - start, v0, f0, B, delta, Omega2, par.omega)
+        f0, A, Omega2 = phase_start(s, x0, z0, theta + par.omega * start, par)
+        u, v = move(t - start, v0, f0, A, delta, Omega2, par.omega)
         x = x0 + u
         z = z0 + u if s == 0.0 else s * Z_m
         force = par.k * (par.Y * math.cos(theta + par.omega * t) - x) - par.c * v - par.K_z * z
@@ -62,7 +62,7 @@ def zero_crossing(phases: Array, count: int, theta: float, par: Parameters) -> f
         end = phases[i + 1, 0] if i + 1 < count else math.pi / par.omega
         x_end = phases[i + 1, 2] if i + 1 < count else -phases[0, 2]
         if x < 0.0 <= x_end:
-            f0, B, Omega2 = phase_start(s, x, z, theta + par.omega * start, par)
-            delay = locate_displacement(-x, end - start, v, f0, B, delta, Omega2, par.omega)
+            f0, A, Omega2 = phase_start(s, x, z, theta + par.omega * start, par)
+            delay = locate_displacement(-x, end - start, v, f0, A, delta, Omega2, par.omega)
             return float(start + delay)
     return math.nan

@@ -7,7 +7,6 @@ velocity is unique (see `dampbalance.period_map`), so whichever answer is valid 
 
 from __future__ import annotations
 
-import cmath
 import math
 
 import numpy as np
@@ -15,12 +14,11 @@ from numpy.typing import NDArray
 
 from ._jit import jit
 from .events import write_phase
-from .flow import forced_amplitude
 from .model import Parameters
 from .one_slip import solve_one_slip
 from .period_map import solve_general
 
-MAX_PHASES = 256  # of a period; an orbit with more events is reported as not found
+MAX_PHASES = 16384  # of a period; an orbit with more events is reported as not found
 _NOT_FOUND, _ONE_SLIP, _SEVERAL_SLIPS, _NO_SLIP, _NO_FRICTION = range(5)  # as in `Regime`
 _SHORTEST = (
     1e-12  # of half a period: a last phase shorter than this is the rounding of the half period
@@ -34,16 +32,12 @@ def solve_steady(par: Parameters, phases: NDArray[np.float64]) -> tuple[int, int
 
     θ : phase of the base at that reversal, rad. Rows of `phases`: (t, s, x, ẋ, z), see `dampbalance.events.run`.
     """
-    undamped = par.c == 0.0
-    inertia = par.m * par.omega * par.omega
-    if undamped and (inertia == par.k or inertia == par.k + par.K_z):
-        return _NOT_FOUND, 0, 0.0
     Z_m = par.F_k / par.K_z
     if Z_m == 0.0:
-        theta = _linear(par, par.k, 1.0, phases)
-        return _NO_FRICTION, 1, theta
-    theta = _linear(par, par.k + par.K_z, 0.0, phases)
-    if -phases[0, 2] <= Z_m:
+        X, theta = _linear(par, par.k, 1.0, phases)
+        return (_NO_FRICTION, 1, theta) if math.isfinite(X) else (_NOT_FOUND, 0, 0.0)
+    X, theta = _linear(par, par.k + par.K_z, 0.0, phases)
+    if Z_m >= X:
         return _NO_SLIP, 1, theta
 
     found, tau, X, theta, V_s = solve_one_slip(par)
@@ -62,10 +56,16 @@ def solve_steady(par: Parameters, phases: NDArray[np.float64]) -> tuple[int, int
 
 
 @jit
-def _linear(par: Parameters, kappa: float, s: float, phases: NDArray[np.float64]) -> float:
-    """Write the half cycle of an orbit without events, on stiffness κ; return the phase of the base at the reversal
-    at −X."""
-    amplitude = forced_amplitude(par.k * par.Y, par.m, par.c, kappa, par.omega)
-    X = abs(amplitude)
+def _linear(
+    par: Parameters, kappa: float, s: float, phases: NDArray[np.float64]
+) -> tuple[float, float]:
+    """(X, θ) of the orbit without events on stiffness κ, and its half cycle written to `phases`; X is infinite at the
+    resonance of an undamped oscillator.
+
+    X e^{−iφ} = kY / (κ − mω² + icω);  θ = φ − π is the phase of the base at the reversal at −X.
+    """
+    reactance, resistance = kappa - par.m * par.omega * par.omega, par.c * par.omega
+    impedance = math.hypot(reactance, resistance)
+    X = par.k * par.Y / impedance if impedance > 0.0 else math.inf
     write_phase(phases, 0, 0.0, s, -X, 0.0, 0.0 if s != 0.0 else -X)
-    return math.pi - cmath.phase(amplitude)
+    return X, math.atan2(resistance, reactance) + math.pi

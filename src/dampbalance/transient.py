@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .events import run
-from .model import BaseMotion, Oscillator, parameters
+from .model import BaseMotion, Oscillator, finite_number, parameters
 from .states import State, states_in_phases
 
 Array = NDArray[np.float64]
 _CHUNK = 1024  # phases computed per call
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trajectory:
     """Motion from an initial state, phase by phase.
 
@@ -55,11 +54,11 @@ def transient(
 
     x : displacement, m.   v : velocity, m/s.   z : deflection of the contact spring, m, |z| ≤ Z_m.
 
-    Raises ValueError for a state that the contact cannot have or an end before the start.
+    Raises ValueError for a state that the contact cannot have or an end before the start, TypeError for a value that
+    is not a number; both name the argument.
     """
-    for name, value in (("x", x), ("v", v), ("z", z), ("start", start), ("end", end)):
-        if not math.isfinite(value):
-            raise ValueError(f"{name} must be a finite number, got {value!r}")
+    x, v, z = finite_number("x", x), finite_number("v", v), finite_number("z", z)
+    start, end = finite_number("start", start), finite_number("end", end)
     if abs(z) > oscillator.Z_m:
         raise ValueError(f"z must lie within ±Z_m = ±{oscillator.Z_m:.6g} m, got {z!r}")
     if not end > start:

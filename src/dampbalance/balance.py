@@ -1,0 +1,127 @@
+"""From features to rows of the energy balance, one function per approach.
+
+Over one period of a steady response the work put in through the base is lost to friction and to the damper:
+
+    a F_k + b c = W                                                                            (6)
+
+Every approach of Liang & Feeny (2010) is this one equation; they differ only in how a, b and W are obtained. Each
+function below takes the features of n responses at one frequency and returns the n rows. The harmonic approaches
+put x = X cos(ωt − φ) into the integrals and so share b and W; they differ in how they see the onset of slip, which
+limits the friction travel a: by its displacement X_s, by its time t_s or by its velocity V_s. A rigid contact is the
+limit X_s → −X, t_s → 0, V_s → 0 of each: a = 4X.
+
+A row is NaN where its response lacks a feature (nothing slips). The solver of `identify.py` leaves such rows out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from .features import Features
+
+Floats = NDArray[np.float64]
+
+
+class Rows(NamedTuple):
+    """Rows a F_k + b c = W of the energy balance, one per response; each an array of shape (n,).
+
+    a : friction travel per period, m.   b : viscous integral, m²/s.   W : input work per period, J.
+    """
+
+    a: Floats
+    b: Floats
+    W: Floats
+
+    def take(self, indices: Sequence[int]) -> Rows:
+        """The rows of the responses `indices`, in that order."""
+        chosen = list(indices)
+        return Rows(self.a[chosen], self.b[chosen], self.W[chosen])
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """Which rows can enter an estimate: all three numbers are finite. Shape (n,)."""
+        return np.isfinite(self.a) & np.isfinite(self.b) & np.isfinite(self.W)
+
+
+def direct(features: Features, k: float) -> Rows:
+    """Rows of the direct integration: nothing is assumed of the shape of x(t).
+
+        a = 2 ∫ |ẋ| dt, t_s … t_2      (7a, whose lower limit is printed t_i)
+        b = ∫ ẋ² dt, W = ∫ k y ẋ dt    (7b), (5), both over the period from t_1
+
+    features : a (m), b (m²/s), W (J) integrated from the records.   k : not used again; W holds it already.
+    """
+    return Rows(features.a, features.b, features.W)
+
+
+def slip_displacement(features: Features, k: float) -> Rows:
+    """Rows of the harmonic-response-X_s approach: a = 2(X − X_s), with (13) and (14).
+
+    features : X, X_s (m, X_s < 0), Y (m), phi (rad), omega (rad/s).   k : stiffness, N/m.
+    """
+    return _harmonic(features, k, a=2.0 * (features.X - features.X_s))
+
+
+def slip_time(features: Features, k: float) -> Rows:
+    """Rows of the harmonic-response-t_s approach: a = 2X(1 + cos ωt_s), with (11) and (14).
+
+    t_s counts from the velocity reversal at x = −X, as in (17) and (18). In (11) it is an absolute time:
+    −cos(ωt_s − φ) there is +cos ωt_s here, because the reversal is at ωt = φ + π.
+
+    features : X (m), t_s (s), Y (m), phi (rad), omega (rad/s).   k : stiffness, N/m.
+    """
+    return _harmonic(
+        features, k, a=2.0 * features.X * (1.0 + np.cos(features.omega * features.t_s))
+    )
+
+
+def slip_velocity(features: Features, k: float) -> Rows:
+    """Rows of the harmonic-response-V_s approach: a = 2X(1 + √((ωX)² − V_s²)/(ωX)), with (12) and (14).
+
+    A V_s above ωX has no place in a harmonic motion of amplitude X: such a row is NaN.
+
+    features : X (m), V_s (m/s), Y (m), phi (rad), omega (rad/s).   k : stiffness, N/m.
+    """
+    return _harmonic(features, k, a=_travel_from_velocity(features, sign=-1.0))
+
+
+def slip_velocity_as_printed(features: Features, k: float) -> Rows:
+    """Rows behind the V_s columns of the paper's Table 3, which hold a slip of sign: not an approach to use.
+
+    The paper defines α = ωX + √((ωX)² − V_s²) with (19); the printed columns come out, to the last digit, with a plus
+    under the root. It makes a larger than 4X, farther than a body between ±X can slide. The error lowers F_k, by chance
+    towards the true value. The V_s least squares of the paper's text use the minus.
+    """
+    return _harmonic(features, k, a=_travel_from_velocity(features, sign=+1.0))
+
+
+Approach = Callable[["Features", float], Rows]
+
+APPROACHES: dict[str, Approach] = {
+    "direct": direct,
+    "X_s": slip_displacement,
+    "t_s": slip_time,
+    "V_s": slip_velocity,
+}
+
+
+def _harmonic(features: Features, k: float, a: Floats) -> Rows:
+    """Friction travel a, with the viscous integral b = πωX² of (11)–(13) and the input work W = πkYX sin φ of (14)."""
+    X = features.X
+    b = np.pi * features.omega * X**2
+    W = np.pi * k * features.Y * X * np.sin(features.phi)
+    return Rows(a, b, W)
+
+
+def _travel_from_velocity(features: Features, sign: float) -> Floats:
+    """a = 2X(1 + √(1 ± (V_s/ωX)²)): with the minus, cos ωt_s written in terms of V_s = ωX sin ωt_s."""
+    X = features.X
+    with np.errstate(invalid="ignore"):  # V_s > ωX: NaN, as documented
+        cosine = np.sqrt(1.0 + sign * (features.V_s / (features.omega * X)) ** 2)
+    travel: Floats = 2.0 * X * (1.0 + cosine)
+    return travel

@@ -1,0 +1,32 @@
+"""Claims: a verdict on every number that the paper prints.
+
+`claims_table` judges; `check` compares with the verdicts on record. Only this package reads `paper/published/`.
+"""
+
+from .inputs import Route, Setting
+from .published import Published, read_published
+from .table import (
+    check,
+    claims_markdown,
+    claims_table,
+    read_claims,
+    read_record,
+    record,
+    summary,
+)
+from .verdict import VERDICTS
+
+__all__ = [
+    "VERDICTS",
+    "Published",
+    "Route",
+    "Setting",
+    "check",
+    "claims_markdown",
+    "claims_table",
+    "read_claims",
+    "read_published",
+    "read_record",
+    "record",
+    "summary",
+]

@@ -1,0 +1,169 @@
+"""What makes a computed number miss the printed one: a sentence each, computed from the run, or nothing.
+
+Every sentence is checked by the condition it is guarded with before it is said.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from .inputs import Setting
+from .published import Printed, Published, row
+from .resolutions import TIME_UNIT_S, VELOCITY_MARK
+
+
+def same(held: float, printed: str) -> bool:
+    """Whether the configuration holds the printed number itself, not one that rounds to it."""
+    return math.isclose(held, Printed(printed).value, rel_tol=1e-12)
+
+
+def held(held: float, printed: str) -> str:
+    """What to say of a stated parameter."""
+    return (
+        "The configuration holds this value."
+        if same(held, printed)
+        else f"The configuration holds {held:g}, the paper states {printed}."
+    )
+
+
+def backward_euler(setting: Setting, values: Mapping[str, float]) -> str:
+    """Numerical dissipation: c acts as c + mω²h, and every integral shrinks by about as much."""
+    exact, as_published = values["exact"], values["as_published"]
+    if setting.scheme != "backward-euler" or math.isnan(as_published) or not exact:
+        return ""
+    osc = setting.oscillator
+    effective = osc.c + osc.m * setting.omega() ** 2 * setting.step_s
+    return (
+        f"Backward Euler, {1e6 * setting.step_s:g} µs: c acts as c + mω²h = {effective:.4f}; "
+        f"as published lies {as_published / exact - 1.0:+.1e} of itself from exact."
+    )
+
+
+def implied_b(published: Published, level: str) -> tuple[str, str]:
+    """What the printed pairs say of a printed b, by b = (W − a F_k)/c: (what is known of it, what contradicts it).
+
+    The pairs of the level itself tell whether b is printed as it was used; if not, that is a contradiction. The other
+    pairs tell which b this level should have had.
+    """
+    b = Printed(published.table2_integrals["b_m2_per_s"][level])
+    own = [label for label in published.table2_pairs.index if level in label.split("-")]
+    other = [label for label in published.table2_pairs.index if level not in label.split("-")]
+    used = _implied(published, level, own)
+    wanted = _implied(published, level, other)
+    names = " and ".join(own)
+    if any(abs(value - b.value) > slack for value, slack in used):
+        return (
+            "",
+            f"It contradicts Table 2 itself: the printed pairs {names} give b = {_range(used, b)}.",
+        )
+    if all(abs(value - b.value) > slack for value, slack in wanted):
+        known = f"The printed pairs {names} were computed with it ({_range(used, b)})"
+        return f"{known}, the others want {_range(wanted, b)}.", ""
+    return "", ""
+
+
+def _implied(published: Published, level: str, labels: list[str]) -> list[tuple[float, float]]:
+    """b from the printed a and W of a level and the printed F_k and c of pairs, with how far rounding can move it."""
+    integrals = row(published.table2_integrals, level)
+    b, a, W = (Printed(integrals[column]) for column in ("b_m2_per_s", "a_m", "W_J"))
+    implied = []
+    for label in labels:
+        F_k = Printed(published.table2_pairs["direct_F_k_N"][label])
+        c = Printed(published.table2_pairs["direct_c_N_s_per_m"][label])
+        rounding = a.value * F_k.unit + F_k.value * a.unit + b.value * c.unit + W.unit
+        implied.append(
+            ((W.value - a.value * F_k.value) / c.value, 0.5 * (b.unit + rounding / c.value))
+        )
+    return implied
+
+
+def _range(implied: list[tuple[float, float]], b: Printed) -> str:
+    values = [value for value, _ in implied]
+    return f"{b.show(min(values), 2)} to {b.show(max(values), 2)}"
+
+
+def printed_inputs_differ(values: Mapping[str, float], printed: str) -> str:
+    """The paper's own inputs in its own equations against what it prints."""
+    value = values["from_print"]
+    return f"It contradicts the paper's own inputs, which give {Printed(printed).show(value)}."
+
+
+def slip_time(t_s: float, step: float, printed: str) -> str:
+    """t_s as read: between the first and the last sample of the microstick phase, in whole tenths of a millisecond."""
+    between = t_s - 2.0 * step
+    if math.isnan(t_s) or math.floor(between / TIME_UNIT_S) != round(
+        Printed(printed).value / TIME_UNIT_S
+    ):
+        return ""
+    return (
+        f"The microstick phase lasts {1e3 * t_s:.3f} ms, without a step of {1e6 * step:g} µs at each end "
+        f"{1e3 * between:.3f} ms; the print keeps whole tenths."
+    )
+
+
+def slip_velocity(V_s: float, printed: str) -> str:
+    """V_s as read off the velocity axis: how far off, and whether half a division of 0.1 mm/s explains it."""
+    if math.isnan(V_s):
+        return ""
+    value = Printed(printed).value
+    relative = f"Read at the corner of the acceleration-velocity plot, {100 * (value / V_s - 1.0):+.2f} % from exact"
+    if math.isclose(round(V_s / VELOCITY_MARK) * VELOCITY_MARK, value, rel_tol=1e-9):
+        return f"{relative}: to the nearest {1e3 * VELOCITY_MARK:g} mm/s."
+    return f"{relative}."
+
+
+def phase(reversal: float, zero_crossing: float, printed: str) -> str:
+    """Which phase the printed one is."""
+    value = Printed(printed).value
+    to_reversal, to_crossing = value - reversal, value - zero_crossing
+    if not abs(to_reversal) < abs(to_crossing):
+        return ""
+    return (
+        f"It is the phase of the velocity reversal ({to_reversal:+.4f} rad), "
+        f"not of the zero crossing that the text names ({to_crossing:+.4f} rad)."
+    )
+
+
+def two_point_readings(values: Mapping[str, float], correct: float, unit: str) -> str:
+    """Table 3: what the digits of the read-outs do, and the slip of sign in the V_s columns.
+
+    correct : the as-published pair by the row that (19) states; in the V_s columns values["as_published"] has the slip.
+    """
+    if math.isnan(correct):
+        return ""
+    digits = 4 if unit == "N" else 3
+    shift = f"{correct - values['exact']:+.{digits}f} {unit}"
+    if values["as_published"] == correct:
+        return f"The digits to which X, phi and t_s were read move it by {shift} from exact."
+    return (
+        f"Slip of sign: alpha with a plus under the root. With the minus of (19) it is {correct:.{digits}f} {unit}, "
+        f"of which the digits read are {shift}."
+    )
+
+
+def natural_frequency(hertz: float) -> str:
+    """The natural frequency as the parameters give it."""
+    return f"sqrt(k/m)/2π = {hertz:.4f} Hz: the drive frequency to the digits printed, not beyond."
+
+
+def printed_inputs(values: Mapping[str, float], inputs: str, printed: str) -> str:
+    """How far the digits of a printed table move what is computed from it."""
+    shift = values["from_print"] - values["exact"]
+    if math.isnan(shift):
+        return ""
+    return f"{inputs}, as printed, move it by {_signed(shift, printed)} from exact."
+
+
+def cut_off(value: float, printed: str) -> str:
+    """Whether the printed digits are those of `value` cut off where rounding would give others."""
+    number = Printed(printed)
+    units = value / number.unit
+    if math.floor(units) == round(number.value / number.unit) != round(units):
+        return f"{number.show(value, 2)} cut off, not rounded, has the printed digits."
+    return ""
+
+
+def _signed(shift: float, printed: str) -> str:
+    text = Printed(printed).show(abs(shift), 0)
+    return f"{'+' if shift > 0 else '-'}{text}"

@@ -1,0 +1,199 @@
+"""The table of claims: built, written as Markdown, summed up, and compared with the verdicts on record."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pandas as pd
+
+from . import of_tables, of_text
+from .from_print import from_print
+from .inputs import Route, Setting, Sources
+from .published import Published
+from .verdict import ROUTE_NAMES, ROUTES, VERDICTS, Claim, explanation, verdict
+
+COLUMNS = ("id", "where", "quantity", "unit", "printed", *ROUTES, "verdict", "explanation")
+RECORD = ("id", "printed", "verdict")
+
+
+def claims(sources: Sources) -> Iterator[Claim]:
+    """Every printed number of the paper, in the order of its pages."""
+    yield from of_text.parameters(sources)
+    yield from of_tables.levels(sources)
+    yield from of_tables.table1(sources)
+    yield from of_tables.table2_integrals(sources)
+    yield from of_tables.table2_pairs(sources)
+    yield from of_tables.table3(sources)
+    yield from of_text.least_squares(sources)
+    yield from of_text.means(sources)
+    yield from of_text.error_bounds(sources)
+    yield from of_text.comparisons(sources)
+
+
+def claims_table(
+    published: Published, setting: Setting, exact: Route, as_published: Route
+) -> pd.DataFrame:
+    """A row per printed number: what each route gives for it, the verdict, and why. Columns: COLUMNS.
+
+    published : `read_published(folder)`.   setting : what the configuration holds.
+    exact, as_published : feature and estimate tables of the two routes; the from-print route is computed here.
+
+    The numbers of the routes are text, written as the printed number is with four more digits; verdicts are judged on
+    all digits. Raises ValueError when the printed ids and the claims do not match one to one.
+    """
+    odd = of_text.TEXT_IDS ^ set(published.text_values.index)
+    if odd:
+        raise ValueError(
+            f"text_values.csv and the claims of the text do not match: {', '.join(sorted(odd))}; "
+            "each printed value needs its claim"
+        )
+    sources = Sources(published, setting, exact, as_published, from_print(published, setting))
+    records = [
+        {
+            "id": claim.id,
+            "where": claim.where,
+            "quantity": claim.quantity,
+            "unit": claim.unit,
+            "printed": claim.printed,
+            **{route: claim.show(route) for route in ROUTES},
+            "verdict": verdict(claim),
+            "explanation": explanation(claim),
+        }
+        for claim in claims(sources)
+    ]
+    return pd.DataFrame.from_records(records, columns=list(COLUMNS))
+
+
+def claims_markdown(frame: pd.DataFrame) -> str:
+    """The claims as a Markdown page: counts first, then a table per part of the paper."""
+    lines = ["# Every printed number and its verdict", "", *_counts(frame), ""]
+    for part, rows in frame.groupby(_part(frame), sort=False):
+        lines += [
+            f"## {part}",
+            "",
+            "| where | quantity | printed | exact | as published | from print | verdict | why |",
+        ]
+        lines.append("|---|---|--:|--:|--:|--:|---|---|")
+        for row in rows.to_dict("records"):
+            unit = "" if row["unit"] in ("", "1") else f" ({row['unit']})"
+            cells = [
+                row["where"],
+                f"{row['quantity']}{unit}",
+                row["printed"],
+                *(row[r] for r in ROUTES),
+            ]
+            lines.append("| " + " | ".join([*cells, row["verdict"], row["explanation"]]) + " |")
+        lines.append("")
+    return "\n".join(lines)
+
+
+def summary(frame: pd.DataFrame) -> str:
+    """What a person reads at the end of a run: counts per verdict and part, then each number that is neither
+    reproduced nor reconstructed, with the reason."""
+    table = pd.crosstab(_part(frame), frame["verdict"]).reindex(
+        columns=list(VERDICTS), fill_value=0
+    )
+    table = table.reindex(_part(frame).unique())
+    table.loc["all"] = table.sum()
+    table.insert(0, "printed", table.sum(axis=1))
+    table.index.name = None
+    table.columns.name = None
+    lines = ["Verdicts on the printed numbers", "", table.to_string(), ""]
+    rest = frame[~frame["verdict"].isin(("reproduced", "reconstructed"))]
+    if len(rest):
+        lines.append("Neither reproduced nor reconstructed:")
+    for row in rest.to_dict("records"):
+        unit = "" if row["unit"] in ("", "1") else f" {row['unit']}"
+        reason = row["explanation"].split(". ")[0].rstrip(".")  # the rest stands in claims.csv
+        lines.append(f"  {row['id']} = {row['printed']}{unit}: {row['verdict']}. {reason}.")
+    return "\n".join(lines) + "\n"
+
+
+def read_claims(path: Path) -> pd.DataFrame:
+    """A table of claims from its CSV file, every cell the text that it is."""
+    return pd.read_csv(path, dtype=str, keep_default_na=False)
+
+
+def record(frame: pd.DataFrame) -> pd.DataFrame:
+    """What is kept of the claims to compare later runs with: id, printed digits, verdict."""
+    return frame[list(RECORD)].copy()
+
+
+def read_record(path: Path) -> pd.DataFrame:
+    """The verdicts on record, verdicts.csv. Raises ValueError for a wrong column or an unknown verdict."""
+    recorded = pd.read_csv(path, dtype=str, keep_default_na=False)
+    if tuple(recorded.columns) != RECORD:
+        raise ValueError(
+            f"{path}: expected the columns {', '.join(RECORD)}, found {', '.join(recorded.columns)}"
+        )
+    unknown = recorded[~recorded["verdict"].isin(VERDICTS)]
+    if len(unknown):
+        first = unknown.iloc[0]
+        raise ValueError(
+            f"{path}: {first['id']} has the verdict {first['verdict']!r}; known are {', '.join(VERDICTS)}"
+        )
+    return recorded
+
+
+def check(frame: pd.DataFrame, recorded: pd.DataFrame) -> pd.DataFrame:
+    """The claims that are worse than on record, printed with other digits, missing, or not on record at all.
+
+    Returns id, printed, was, now and message, a row per offence, none when all is well. A better verdict is no offence.
+    """
+    now, was = frame.set_index("id"), recorded.set_index("id")
+    offences = []
+    for name in [*now.index, *(name for name in was.index if name not in now.index)]:
+        message = _offence(name, now, was)
+        if message:
+            offences.append(
+                {
+                    "id": name,
+                    "printed": now["printed"].get(name, was["printed"].get(name)),
+                    "was": was["verdict"].get(name, ""),
+                    "now": now["verdict"].get(name, ""),
+                    "message": message,
+                }
+            )
+    return pd.DataFrame.from_records(offences, columns=["id", "printed", "was", "now", "message"])
+
+
+def _offence(name: str, now: pd.DataFrame, was: pd.DataFrame) -> str:
+    if name not in was.index:
+        return f"{name}: printed {now['printed'][name]}, {now['verdict'][name]}, is not on record; add it"
+    if name not in now.index:
+        return f"{name}: printed {was['printed'][name]}, on record as {was['verdict'][name]}, has no claim any more"
+    row = now.loc[name]
+    if row["printed"] != was["printed"][name]:
+        return f"{name}: printed {was['printed'][name]} on record, now read as {row['printed']}"
+    if VERDICTS.index(row["verdict"]) > VERDICTS.index(was["verdict"][name]):
+        obtained = ", ".join(f"{ROUTE_NAMES[route]} {row[route]}" for route in ROUTES if row[route])
+        return (
+            f"{name}: printed {row['printed']}, obtained {obtained}: was {was['verdict'][name]}, now {row['verdict']}. "
+            f"{row['explanation']}"
+        )
+    return ""
+
+
+def _part(frame: pd.DataFrame) -> pd.Series[str]:
+    """The part of the paper that each claim belongs to: a table, the parameters or the text."""
+    names = {
+        "table1": "Table 1",
+        "table2": "Table 2",
+        "table3": "Table 3",
+        "text": "Text",
+        "parameter": "Parameters",
+    }
+    return frame["id"].str.split(".").str[0].map(names).rename("part")
+
+
+def _counts(frame: pd.DataFrame) -> list[str]:
+    counts = frame["verdict"].value_counts()
+    meanings = {
+        "reproduced": "the exact solution gives the printed digits",
+        "reconstructed": "the paper's own numerics or printed inputs give them, by a known deviation",
+        "last digit": "one unit off in the last printed digit",
+        "reading": "inside the resolution of a reading",
+        "differs": "by none of these; the evidence stands beside it",
+    }
+    return [f"- **{name}** {counts.get(name, 0)}: {meanings[name]}" for name in VERDICTS]

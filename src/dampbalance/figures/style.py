@@ -1,0 +1,160 @@
+"""How every figure looks, and how it is written: one place for fonts, colours, sizes and bytes.
+
+Figures are drawn for print: sizes are given in millimetres, a single column is 90 mm wide and a double one
+180 mm. Fonts are those that come with matplotlib. Colours keep apart for colour-blind readers and in grey, where
+the markers help.
+"""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager, ContextDecorator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+import matplotlib.style
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from ..files import replacing
+
+SINGLE_COLUMN, DOUBLE_COLUMN = 90.0, 180.0  # mm
+MM = 1.0 / 25.4  # inches
+DPI = 300
+
+SLIP, STICK = "#16324F", "#D55E00"  # the two phases of the motion
+INK, FAINT = "#000000", "#6E6E6E"  # text and axes; what only guides the eye
+HALO = {
+    "facecolor": "white",
+    "edgecolor": "none",
+    "pad": 0.8,
+}  # behind a label that stands on a line
+
+STYLE: dict[str, Any] = {
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": 9.0,
+    "axes.labelsize": 9.0,
+    "axes.titlesize": 9.0,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.fontsize": 8.5,
+    "axes.linewidth": 0.6,
+    "lines.linewidth": 0.9,
+    "lines.markersize": 4.0,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "xtick.major.size": 3.0,
+    "ytick.major.size": 3.0,
+    "xtick.minor.size": 1.6,
+    "ytick.minor.size": 1.6,
+    "legend.frameon": False,
+    "figure.dpi": DPI,
+    "savefig.dpi": DPI,
+    "svg.fonttype": "path",  # the letters are in the file: it looks the same where the font is not installed
+    "svg.hashsalt": "dampbalance",  # names inside the file follow from its content, not from chance
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How one approach is drawn, in every figure the same."""
+
+    label: str
+    colour: str
+    marker: str
+
+
+APPROACH_LOOKS = {
+    "direct": Look("direct integration", "#000000", "D"),
+    "X_s": Look("$X_s$", "#0B4F8A", "o"),
+    "t_s": Look("$t_s$", "#D55E00", "s"),
+    "V_s": Look("$V_s$", "#3DAA8B", "^"),
+    "fourier": Look("Fourier", "#B57EDC", "v"),
+}
+"""Look of each approach to the energy balance, by its key in `balance.APPROACHES`."""
+
+
+class _Styled(ContextDecorator):
+    """Draw with STYLE on top of matplotlib's own defaults, whatever the user's settings are."""
+
+    def __enter__(self) -> None:
+        self._context = cast(
+            AbstractContextManager[None], matplotlib.style.context(STYLE, after_reset=True)
+        )
+        self._context.__enter__()
+
+    def __exit__(self, *details: Any) -> None:
+        self._context.__exit__(*details)
+
+    def _recreate_cm(
+        self,
+    ) -> _Styled:  # each call of a decorated function gets a context of its own
+        return _Styled()
+
+
+def styled() -> _Styled:
+    """Decorator of the functions that draw: they use STYLE and nothing of the user's settings."""
+    return _Styled()
+
+
+def page(width: float, height: float) -> Figure:
+    """An empty figure of the given size, mm."""
+    return Figure(figsize=(width * MM, height * MM))
+
+
+def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
+    """Axes whose frame has its lower left corner and its size at these places of the page, mm."""
+    page_width, page_height = (float(size) / MM for size in figure.get_size_inches())
+    return figure.add_axes(
+        (left / page_width, bottom / page_height, width / page_width, height / page_height)
+    )
+
+
+def panel_letter(axes: Axes, letter: str) -> Text:
+    """The letter of a panel, (a), (b) …, above the upper left corner of its frame."""
+    return axes.annotate(
+        f"({letter})",
+        xy=(0.0, 1.0),
+        xycoords="axes fraction",
+        xytext=(0.0, 3.0),
+        textcoords="offset points",
+        ha="left",
+        va="bottom",
+        weight="bold",
+    )
+
+
+def arrow(
+    axes: Axes,
+    start: tuple[float, float],
+    end: tuple[float, float],
+    colour: str,
+    head: str = "-|>,head_length=0.4,head_width=0.18",
+) -> None:
+    """An arrow between two points, in the units of the axes."""
+    properties = {"arrowstyle": head, "lw": 0.8, "color": colour, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=end, xytext=start, arrowprops=properties)
+
+
+@styled()
+def save(figure: Figure, svg: str | Path, png: str | Path, alt: str = "") -> None:
+    """Write the figure as SVG and as PNG (300 dpi): complete or not at all, the same bytes each time.
+
+    alt : what the figure shows, in one sentence; it becomes the description inside both files.
+    """
+    described = {"Description": alt} if alt else {}
+    with replacing(svg) as temporary:
+        # No date and no version of the software: neither says anything about the figure.
+        figure.savefig(
+            temporary, format="svg", metadata={**described, "Date": None, "Creator": None}
+        )
+    with replacing(png) as temporary:
+        figure.savefig(temporary, format="png", dpi=DPI, metadata={**described, "Software": None})
