@@ -109,6 +109,14 @@ APPROACHES: dict[str, Approach] = {
     "V_s": slip_velocity,
 }
 
+# The rows behind the printed Table 3: the V_s pairs with their slip of sign, and beside them the same pairs without it.
+APPROACHES_OF_TABLE_3: dict[str, Approach] = {
+    "X_s": slip_displacement,
+    "t_s": slip_time,
+    "V_s": slip_velocity_as_printed,
+    "V_s with minus": slip_velocity,
+}
+
 
 def _harmonic(features: Features, k: float, a: Floats) -> Rows:
     """Friction travel a, with the viscous integral b = πωX² of (11)–(13) and the input work W = πkYX sin φ of (14)."""

@@ -43,7 +43,7 @@ class Case:
         return cls(
             name=config["case"],
             oscillator=oscillator_from(config["oscillator"]),
-            frequencies_hz=dict(config["excitation"]["frequencies_hz"]),
+            frequencies_hz={f["name"]: f["hz"] for f in config["excitation"]["frequencies"]},
             levels_m=tuple(config["excitation"]["levels_m"]),
             pairs=pairs_from(config["estimation"]["pairs"]),
             phase=config["estimation"]["phase"],
@@ -115,8 +115,13 @@ def _contradictions(config: Mapping[str, Any]) -> Iterable[tuple[Key, str]]:
                     f"there is no level {position}: excitation.levels_m has {len(levels)}",
                 )
 
+    names = [frequency["name"] for frequency in config["excitation"]["frequencies"]]
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            yield ("excitation", "frequencies", i, "name"), f"{name} stands twice; give each its own"
     for name in ("tabulated", "two_point"):
-        if {"X_s_mark_m", "X_s_decimals"} <= config["as_published"][name].keys():
+        rules = config["as_published"][name]
+        if rules.get("X_s_mark_m") is not None and rules.get("X_s_decimals") is not None:
             yield ("as_published", name, "X_s_mark_m"), "not together with X_s_decimals; keep one"
 
 

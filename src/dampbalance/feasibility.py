@@ -21,13 +21,13 @@ def check_feasible(config: Mapping[str, Any], files: Iterable[str | Path]) -> li
     case = Case.from_config(config)
     notices = []
     shortest, where = math.inf, ""
-    for frequency, hz in case.frequencies_hz.items():
+    for i, (frequency, hz) in enumerate(case.frequencies_hz.items()):
         for motion in case.motions(frequency):
             place = f"{frequency} ({hz:g} Hz), Y = {motion.Y:g} m"
             try:
                 orbit = steady_orbit(case.oscillator, motion)
             except NoSteadyOrbit as error:
-                refuse(("excitation", "frequencies_hz", frequency), f"{place}: {error}", files)
+                refuse(("excitation", "frequencies", i, "hz"), f"{place}: {error}", files)
             if math.isnan(orbit.t_s):
                 notices.append(
                     f"{place}: {orbit.regime}. It has no slip features; estimates leave it out."

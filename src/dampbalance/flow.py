@@ -70,8 +70,10 @@ def _step_response_closed(t: float, delta: float, Omega2: float) -> tuple[float,
         fast = delta + sigma
         slow = Omega2 / fast
         slow_decay, fast_decay = math.expm1(-slow * t), math.expm1(-fast * t)
-        J = (fast_decay / fast - slow_decay / slow) / (2.0 * sigma)
-        return J, (slow_decay - fast_decay) / (2.0 * sigma)
+        S = (slow_decay - fast_decay) / (2.0 * sigma)
+        if sigma > 0.5 * delta:
+            return (fast_decay / fast - slow_decay / slow) / (2.0 * sigma), S
+        return (-0.5 * (slow_decay + fast_decay) - delta * S) / Omega2, S
     decay = math.expm1(-delta * t)
     if z < -_CRITICAL_BELOW:
         w = math.sqrt(-z)

@@ -172,7 +172,7 @@ def estimate_table(
 
     features : of n responses with their individual φ and t_s.   k : stiffness, N/m.   chosen : pairs, counted from 0.
     common : the same responses with one φ and one t_s; default: the means over the responses that slip.
-    common_approaches : the row functions to use with `common`, by name; replace one of APPROACHES, or add to them.
+    common_approaches : the row functions to use with `common`, by name.
 
     Direct integration knows no φ or t_s: it appears as "individual" only. What cannot be estimated, because a level
     lacks a feature, stays in the table with NaN and the reason as its note: one level without slip stops nothing.

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import yaml
 
-from dampbalance.balance import APPROACHES, slip_velocity, slip_velocity_as_printed
+from dampbalance.balance import APPROACHES_OF_TABLE_3
 from dampbalance.claims import Route, Setting
-from dampbalance.claims.inputs import CORRECTED
 from dampbalance.configuration import oscillator_from, pairs_from
 from dampbalance.features import of_orbit, stack
 from dampbalance.identify import estimate_table
@@ -25,7 +24,7 @@ PUBLISHED = ROOT / "paper/published"
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
 NUMERICS = CONFIG["as_published"]
 PAPER = oscillator_from(CONFIG["oscillator"])
-FREQUENCIES_HZ = CONFIG["excitation"]["frequencies_hz"]
+FREQUENCIES_HZ = {drive["name"]: drive["hz"] for drive in CONFIG["excitation"]["frequencies"]}
 LEVELS = tuple(CONFIG["excitation"]["levels_m"])
 PAIRS = pairs_from(CONFIG["estimation"]["pairs"])
 
@@ -86,8 +85,7 @@ def as_published(oscillator: Oscillator = PAPER) -> Route:
             oscillator.k,
             PAIRS,
             common=two_point.common(between),
-            common_approaches=APPROACHES
-            | {"V_s": slip_velocity_as_printed, CORRECTED: slip_velocity},
+            common_approaches=APPROACHES_OF_TABLE_3,
         )
     return Route(features, estimates)
 

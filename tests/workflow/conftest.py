@@ -63,7 +63,9 @@ def checkout(tmp_path_factory):
         for name in COPIED:
             source, target = ROOT / name, folder / name
             if source.is_dir():
-                shutil.copytree(source, target)  # compiled kernels come along: same source, same key
+                shutil.copytree(
+                    source, target
+                )  # compiled kernels come along: same source, same key
             else:
                 shutil.copy2(source, target)
         shutil.copy2(Path(__file__).parent / "small.yaml", folder / "small.yaml")

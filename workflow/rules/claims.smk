@@ -1,6 +1,12 @@
 # A verdict on every printed number, and the comparison with the verdicts on record.
 
 
+def published_files(wildcards):
+    """The printed numbers, without the verdicts on record, which only the check compares with."""
+    files = Path(config["published"]).glob("*.csv")
+    return sorted(str(file) for file in files if file.name != "verdicts.csv")
+
+
 rule claims:
     input:
         features=expand(
@@ -15,7 +21,10 @@ rule claims:
         csv=f"{RESULTS}/claims.csv",
         md=f"{RESULTS}/claims.md",
     params:
-        config={key: config[key] for key in ("oscillator", "excitation", "as_published")},
+        oscillator=config["oscillator"],
+        frequencies_hz=FREQUENCIES_HZ,
+        levels_m=LEVELS_M,
+        numerics=config["as_published"],
         results=RESULTS,
         published=config["published"],
     message:

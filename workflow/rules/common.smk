@@ -15,38 +15,40 @@ except ImportError as error:
         f"{error}: the environment lacks a package of this project. Run 'make', or activate .venv ('. .venv/bin/activate')."
     ) from None
 
+# In the order in which they were merged: files named on the command line come last, and win.
+CONFIG_FILES = [
+    *(file for file in workflow.configfiles if file not in workflow.overwrite_configfiles),
+    *workflow.overwrite_configfiles,
+]
+
 if workflow.is_main_process:
     try:
         check(
             config,
             ROOT / "workflow/schemas/config.schema.yaml",
-            workflow.configfiles,
+            CONFIG_FILES,
         )
-        for notice in check_feasible(config, workflow.configfiles):
+        for notice in check_feasible(config, CONFIG_FILES):
             logger.warning(notice)
     except ConfigurationError as error:
         raise WorkflowError(str(error)) from None
 
 CASE = config["case"]
-FREQUENCIES = list(config["excitation"]["frequencies_hz"])
+FREQUENCIES_HZ = {f["name"]: f["hz"] for f in config["excitation"]["frequencies"]}
+FREQUENCIES = list(FREQUENCIES_HZ)
+LEVELS_M = config["excitation"]["levels_m"]
 ROUTES = ["exact", "as_published"]
 RESULTS = f"results/{CASE}"
 
 
 def frequency_hz(wildcards):
     """The drive frequency that a rule's wildcard names, Hz."""
-    return config["excitation"]["frequencies_hz"][wildcards.frequency]
+    return FREQUENCIES_HZ[wildcards.frequency]
 
 
 def script_modules(script):
     """Package files that a script depends on, as inputs of its rule: an edit of any of them reruns it, no other does."""
     return package_modules(ROOT / "workflow/scripts" / script, ROOT / "src", relative_to=Path.cwd())
-
-
-def published_files(wildcards):
-    """The printed numbers, without the verdicts on record, which only the check compares with."""
-    files = Path(config["published"]).glob("*.csv")
-    return sorted(str(file) for file in files if file.name != "verdicts.csv")
 
 
 wildcard_constraints:

@@ -52,7 +52,8 @@ rule estimation_error:
         **figure_files("estimation_error"),
     params:
         oscillator=config["oscillator"],
-        excitation=config["excitation"],
+        frequencies_hz=FREQUENCIES_HZ,
+        levels_m=LEVELS_M,
     message:
         "Estimation error of each approach"
     script:

@@ -9,7 +9,7 @@ rule simulate_exact:
     params:
         oscillator=config["oscillator"],
         frequency_hz=frequency_hz,
-        levels_m=config["excitation"]["levels_m"],
+        levels_m=LEVELS_M,
     message:
         "Exact steady orbits at {wildcards.frequency}"
     script:
@@ -24,7 +24,7 @@ rule simulate_as_published:
     params:
         oscillator=config["oscillator"],
         frequency_hz=frequency_hz,
-        levels_m=config["excitation"]["levels_m"],
+        levels_m=LEVELS_M,
         numerics=config["as_published"],
     message:
         "Fixed-step simulation at {wildcards.frequency}"

@@ -26,7 +26,7 @@ rule tables:
         md=table_files("md"),
     params:
         folder=RESULTS,
-        frequencies_hz=config["excitation"]["frequencies_hz"],
+        frequencies_hz=FREQUENCIES_HZ,
     message:
         "Tables"
     script:

@@ -3,14 +3,12 @@
 import sys
 from pathlib import Path
 
-from dampbalance.claims import check, read_record, summary
-from dampbalance.files import read_csv, write_text
-
-TEXT = ("printed", "exact", "as_published", "from_print")
+from dampbalance.claims import check, read_claims, read_record, summary
+from dampbalance.files import write_text
 
 
 def main(claims_file, recorded_file):
-    claims = read_csv(claims_file, dtype=dict.fromkeys(TEXT, str))
+    claims = read_claims(Path(claims_file))
     offences = check(claims, read_record(Path(recorded_file)))
     return summary(claims), list(offences["message"])
 

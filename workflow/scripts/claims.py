@@ -7,32 +7,33 @@ from dampbalance.configuration import oscillator_from
 from dampbalance.files import read_csv, write_csv, write_text
 
 
-def main(config, results, published):
-    frequencies = config["excitation"]["frequencies_hz"]
-    numerics = config["as_published"]
-    oscillator = oscillator_from(config["oscillator"])
+def read_route(results, route, frequencies):
+    features, estimates = (
+        {name: read_csv(f"{results}/{kind}/{route}/{name}.csv") for name in frequencies}
+        for kind in ("features", "estimates")
+    )
+    return Route(features, estimates)
+
+
+def main(oscillator, frequencies_hz, levels_m, numerics, results, published):
+    system = oscillator_from(oscillator)
+    k_over_m, decimals = system.k / system.m, numerics["k_over_m_decimals"]
     setting = Setting(
-        oscillator=oscillator,
-        frequencies_hz=frequencies,
-        levels_m=tuple(config["excitation"]["levels_m"]),
+        oscillator=system,
+        frequencies_hz=frequencies_hz,
+        levels_m=tuple(levels_m),
         scheme=numerics["scheme"],
         step_s=numerics["step_s"],
-        k_over_m=round(oscillator.k / oscillator.m, numerics["k_over_m_decimals"]),
+        k_over_m=k_over_m if decimals is None else round(k_over_m, decimals),
     )
     exact, as_published = (
-        Route(
-            *(
-                {name: read_csv(f"{results}/{kind}/{route}/{name}.csv") for name in frequencies}
-                for kind in ("features", "estimates")
-            )
-        )
-        for route in ("exact", "as_published")
+        read_route(results, route, frequencies_hz) for route in ("exact", "as_published")
     )
     return claims_table(read_published(Path(published)), setting, exact, as_published)
 
 
 if __name__ == "__main__":
     p = snakemake.params
-    table = main(p.config, p.results, p.published)
+    table = main(p.oscillator, p.frequencies_hz, p.levels_m, p.numerics, p.results, p.published)
     write_csv(snakemake.output.csv, table)
     write_text(snakemake.output.md, claims_markdown(table))

@@ -1,6 +1,6 @@
 """F_k and c from the read-outs of the as-published route, its Table 3 with the sign that the printed columns have."""
 
-from dampbalance.balance import APPROACHES, slip_velocity_as_printed
+from dampbalance.balance import APPROACHES_OF_TABLE_3
 from dampbalance.configuration import oscillator_from, pairs_from
 from dampbalance.features import Features
 from dampbalance.files import read_csv, write_csv
@@ -16,7 +16,7 @@ def main(tabulated_file, two_point_file, oscillator, pairs):
         oscillator_from(oscillator).k,
         pairs_from(pairs),
         common=two_point,
-        common_approaches=APPROACHES | {"V_s": slip_velocity_as_printed},
+        common_approaches=APPROACHES_OF_TABLE_3,
     )
 
 

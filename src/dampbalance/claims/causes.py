@@ -126,19 +126,20 @@ def phase(reversal: float, zero_crossing: float, printed: str) -> str:
 
 
 def two_point_readings(values: Mapping[str, float], correct: float, unit: str) -> str:
-    """Table 3: what the digits of the read-outs do, and the slip of sign in the V_s columns.
+    """Table 3: what the simulation and its read-outs do, and the slip of sign in the V_s columns.
 
     correct : the as-published pair by the row that (19) states; in the V_s columns values["as_published"] has the slip.
     """
     if math.isnan(correct):
         return ""
     digits = 4 if unit == "N" else 3
+    stated = f"{correct:.{digits}f} {unit}"
     shift = f"{correct - values['exact']:+.{digits}f} {unit}"
     if values["as_published"] == correct:
-        return f"The digits to which X, phi and t_s were read move it by {shift} from exact."
+        return f"The simulation and the digits read off it move it by {shift} from exact."
     return (
-        f"Slip of sign: alpha with a plus under the root. With the minus of (19) it is {correct:.{digits}f} {unit}, "
-        f"of which the digits read are {shift}."
+        f"Slip of sign: alpha with a plus under the root. With the minus of (19) it would be {stated}, "
+        f"{shift} from exact by the simulation and the digits read off it."
     )
 
 

@@ -18,8 +18,7 @@ FREQUENCIES = ("omega1", "omega2", "omega3")
 PAIRS: tuple[Pair, ...] = ((0, 1), (1, 2), (2, 3), (3, 4), (0, 4))
 PAIR_LABELS = tuple(pair_label(i, j) for i, j in PAIRS)
 HARMONIC = ("X_s", "t_s", "V_s")
-# The as-published estimates hold the V_s pairs of Table 3 with the paper's slip of sign under "V_s"; under this name,
-# the same pairs without it.
+# Of balance.APPROACHES_OF_TABLE_3: the V_s pairs as (19) states them, where "V_s" has the slip of sign of the print.
 CORRECTED = "V_s with minus"
 
 

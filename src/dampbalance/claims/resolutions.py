@@ -62,5 +62,5 @@ def integral_resolution(
     return Resolution(
         value * (1.0 - relative),
         value * (1.0 + relative),
-        f"half a unit in the last digit of k/m = {coefficient.text} moves {symbol} by {relative:.1e} of itself",
+        f"half a unit in the last digit of k/m = {coefficient.text} moves {symbol} by about {relative:.0e} of itself",
     )
