@@ -118,7 +118,10 @@ def _contradictions(config: Mapping[str, Any]) -> Iterable[tuple[Key, str]]:
     names = [frequency["name"] for frequency in config["excitation"]["frequencies"]]
     for i, name in enumerate(names):
         if name in names[:i]:
-            yield ("excitation", "frequencies", i, "name"), f"{name} stands twice; give each its own"
+            yield (
+                ("excitation", "frequencies", i, "name"),
+                f"{name} stands twice; give each its own",
+            )
     for name in ("tabulated", "two_point"):
         rules = config["as_published"][name]
         if rules.get("X_s_mark_m") is not None and rules.get("X_s_decimals") is not None:
@@ -127,10 +130,12 @@ def _contradictions(config: Mapping[str, Any]) -> Iterable[tuple[Key, str]]:
 
 def _explain(error: jsonschema.ValidationError) -> Iterable[tuple[Key, str]]:
     key: Key = tuple(error.absolute_path)
-    meaning = error.schema.get("description", "").strip()
-    value = error.instance
+    schema: Any = error.schema  # a mapping: the schema has no true or false in it
+    wanted: Any = error.validator_value
+    meaning = schema.get("description", "").strip()
+    value: Any = error.instance
     if error.validator == "additionalProperties":
-        known = list(error.schema["properties"])
+        known = list(schema["properties"])
         for name in value:
             if name not in known:
                 yield (
@@ -138,9 +143,9 @@ def _explain(error: jsonschema.ValidationError) -> Iterable[tuple[Key, str]]:
                     f"unknown key{_nearest(name, known)}; known here: {', '.join(known)}",
                 )
     elif error.validator == "required":
-        for name in error.validator_value:
+        for name in wanted:
             if name not in value:
-                described = error.schema["properties"][name].get("description", "").strip()
+                described = schema["properties"][name].get("description", "").strip()
                 yield (*key, name), f"missing; {described}"
     elif error.validator == "type" and isinstance(value, str) and _reads_as_number(value):
         remedy = (

@@ -60,7 +60,7 @@ def write_parquet(path: str | Path, frame: pd.DataFrame) -> None:
         frame.to_parquet(temporary, index=False, compression="zstd")
 
 
-def _digits(value: float) -> str:
+def _digits(value: object) -> str:
     return repr(float(f"{value:.{SIGNIFICANT_DIGITS}g}"))
 
 

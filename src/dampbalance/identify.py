@@ -201,6 +201,9 @@ def _solve(rows: Rows) -> Estimate | None:
         return None
     R_inverse = np.array([[1.0 / R[0, 0], -R[0, 1] / (R[0, 0] * R[1, 1])], [0.0, 1.0 / R[1, 1]]])
     p = R_inverse @ (Q.T @ W) / scale
+    p += (
+        R_inverse @ (Q.T @ (W - A @ p)) / scale
+    )  # keeps the digits of a small row beside a large one
     misfit = float(np.linalg.norm(A @ p - W))
     n = len(W)
     if n > 2:

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from dampbalance.dependencies import package_modules
 
 ROOT = Path(__file__).parents[2]

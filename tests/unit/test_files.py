@@ -6,15 +6,21 @@ import math
 
 import pandas as pd
 import pytest
+
 from dampbalance.files import read_csv, replacing, write_csv, write_json, write_parquet, write_text
 
 
 def test_a_failed_write_leaves_the_old_file_and_no_rest(tmp_path):
     file = tmp_path / "result.txt"
     write_text(file, "old")
-    with pytest.raises(RuntimeError, match="half way"), replacing(file) as temporary:
-        temporary.write_text("new")
-        raise RuntimeError("half way")
+
+    def fail():
+        with replacing(file) as temporary:
+            temporary.write_text("new")
+            raise RuntimeError("half way")
+
+    with pytest.raises(RuntimeError, match="half way"):
+        fail()
     assert file.read_text() == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["result.txt"]
 

@@ -10,7 +10,13 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from dampbalance.balance import APPROACHES, Rows, slip_displacement, slip_velocity_as_printed
+from dampbalance.balance import (
+    APPROACHES,
+    Rows,
+    direct,
+    slip_displacement,
+    slip_velocity_as_printed,
+)
 from dampbalance.features import of_orbit, stack
 from dampbalance.identify import (
     ESTIMATE_COLUMNS,
@@ -172,6 +178,17 @@ def test_nothing_sliding_is_not_an_estimate():
     rows = Rows(np.zeros(3), np.array([1.0, 2.0, 3.0]), np.array([90.0, 180.0, 270.0]))
     with pytest.raises(ValueError, match="nothing slides"):
         least_squares(rows)
+
+
+def test_a_small_row_keeps_its_digits_beside_a_large_one():
+    """0.2 mm, where nothing slips, with 12 mm: the rows differ by a factor 1e4, and each is exact to rounding.
+
+    The solution is as good as that of the equations divided by their own W: condition number (about 10) times rounding.
+    """
+    features = features_at(levels=(0.0002, 0.012))
+    estimate = pair(direct(features, PAPER.k), 0, 1)
+    assert estimate.c == pytest.approx(90.0, rel=1e-13)
+    assert estimate.F_k == pytest.approx(1.28, rel=1e-13)
 
 
 def test_mean_and_deviation_divide_by_n_minus_1():

@@ -1,4 +1,4 @@
-"""The whole pipeline on a small case: what it makes, what reruns, and that the bytes do not depend on the machine's cores."""
+"""The whole pipeline on a small case: what it makes, what reruns, and the same bytes on one core and on two."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import time
 
 import pandas as pd
 import pytest
+
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 
 SMALL = ("--configfile", "small.yaml")

@@ -67,7 +67,7 @@ def claims_table(
 
 def claims_markdown(frame: pd.DataFrame) -> str:
     """The claims as a Markdown page: counts first, then a table per part of the paper."""
-    lines = ["# Every printed number and its verdict", "", *_counts(frame), ""]
+    lines = ["# Every printed number and its verdict", "", *_meanings(frame), ""]
     for part, rows in frame.groupby(_part(frame), sort=False):
         lines += [
             f"## {part}",
@@ -88,18 +88,22 @@ def claims_markdown(frame: pd.DataFrame) -> str:
     return "\n".join(lines)
 
 
-def summary(frame: pd.DataFrame) -> str:
-    """What a person reads at the end of a run: counts per verdict and part, then each number that is neither
-    reproduced nor reconstructed, with the reason."""
-    table = pd.crosstab(_part(frame), frame["verdict"]).reindex(
-        columns=list(VERDICTS), fill_value=0
-    )
-    table = table.reindex(_part(frame).unique())
+def counts(frame: pd.DataFrame) -> pd.DataFrame:
+    """How many printed numbers of each part of the paper have each verdict; frame : columns id and verdict."""
+    part = _part(frame)
+    table = pd.crosstab(part, frame["verdict"]).reindex(columns=list(VERDICTS), fill_value=0)
+    table = table.reindex(part.unique())
     table.loc["all"] = table.sum()
     table.insert(0, "printed", table.sum(axis=1))
     table.index.name = None
     table.columns.name = None
-    lines = ["Verdicts on the printed numbers", "", table.to_string(), ""]
+    return table
+
+
+def summary(frame: pd.DataFrame) -> str:
+    """What a person reads at the end of a run: counts per verdict and part, then each number that is neither
+    reproduced nor reconstructed, with the reason."""
+    lines = ["Verdicts on the printed numbers", "", counts(frame).to_string(), ""]
     rest = frame[~frame["verdict"].isin(("reproduced", "reconstructed"))]
     if len(rest):
         lines.append("Neither reproduced nor reconstructed:")
@@ -187,8 +191,8 @@ def _part(frame: pd.DataFrame) -> pd.Series[str]:
     return frame["id"].str.split(".").str[0].map(names).rename("part")
 
 
-def _counts(frame: pd.DataFrame) -> list[str]:
-    counts = frame["verdict"].value_counts()
+def _meanings(frame: pd.DataFrame) -> list[str]:
+    found = frame["verdict"].value_counts()
     meanings = {
         "reproduced": "the exact solution gives the printed digits",
         "reconstructed": "the paper's own numerics or printed inputs give them, by a known deviation",
@@ -196,4 +200,4 @@ def _counts(frame: pd.DataFrame) -> list[str]:
         "reading": "inside the resolution of a reading",
         "differs": "by none of these; the evidence stands beside it",
     }
-    return [f"- **{name}** {counts.get(name, 0)}: {meanings[name]}" for name in VERDICTS]
+    return [f"- **{name}** {found.get(name, 0)}: {meanings[name]}" for name in VERDICTS]

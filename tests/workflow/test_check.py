@@ -1,0 +1,65 @@
+"""The check fails, naming the rows, when a parameter or a printed digit is changed; on the paper's case it passes."""
+
+from __future__ import annotations
+
+import os
+import re
+
+import pytest
+
+CLAIMS = "results/paper/claims.csv"
+CHECK = "check"
+
+
+@pytest.fixture(scope="module")
+def paper(checkout):
+    """The paper's case, checked."""
+    copy = checkout()
+    done = copy.run(CHECK)
+    assert done.returncode == 0, done.stderr
+    return copy
+
+
+def changed(copy, file, pattern, replacement):
+    """Run the check with one change in a file, then undo it; returns the completed run."""
+    path = copy.folder / file
+    before, stat = path.read_text(encoding="utf-8"), path.stat()
+    after, count = re.subn(pattern, replacement, before, count=1)
+    assert count == 1, f"{pattern} is not in {file}"
+    path.write_text(after, encoding="utf-8")
+    try:
+        return copy.run(CHECK)
+    finally:
+        path.write_text(before, encoding="utf-8")
+        os.utime(path, (stat.st_atime, stat.st_mtime))
+
+
+def test_the_summary_is_printed_at_the_end(paper):
+    done = paper.run(CHECK, "--forcerun", "check")
+    assert done.returncode == 0, done.stderr
+    assert "Verdicts on the printed numbers" in done.stdout
+    table = re.search(r"^all +(\d+) +(\d+) +(\d+) +(\d+) +(\d+) +(\d+)$", done.stdout, re.MULTILINE)
+    printed, *by_verdict = map(int, table.groups())
+    assert printed == sum(by_verdict) > 130
+
+
+def test_a_changed_parameter_fails_the_check_and_names_the_rows(paper):
+    done = changed(paper, "config/config.yaml", "c_N_s_per_m: 90.0", "c_N_s_per_m: 91.0")
+    assert done.returncode != 0
+    assert "worse off than on record" in done.stderr
+    assert "parameter.c: printed 90.0" in done.stderr
+    assert "table3.X_s.c.1-2: printed 90.02" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_changed_printed_digit_fails_the_check_and_names_the_row(paper):
+    done = changed(paper, "paper/published/table1.csv", r"0\.00439", "0.00449")
+    assert done.returncode != 0
+    assert "table1.X.2: printed 0.00439 on record, now read as 0.00449" in done.stderr
+
+
+def test_a_flipped_sign_in_an_equation_fails_the_check(paper):
+    source = "src/dampbalance/balance.py"
+    done = changed(paper, source, r"features\.X - features\.X_s", "features.X + features.X_s")
+    assert done.returncode != 0
+    assert "table3.X_s.F_k.1-2" in done.stderr
