@@ -1,4 +1,4 @@
-"""Whether a configuration can be simulated as it stands: what only the mechanics can tell, known before anything runs."""
+"""Whether a configuration can be simulated as it stands: what only the mechanics can tell, before anything runs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ def check_feasible(config: Mapping[str, Any], files: Iterable[str | Path]) -> li
     """Look at every exact orbit of a configuration that `configuration.check` has passed.
 
     Returns a notice for each response without slip: it has no slip features, and is left out of the estimates.
-    Raises ConfigurationError for a step that is too coarse for the shortest stick phase, or a response that has no steady orbit.
+    Raises ConfigurationError for a step that is too coarse for the shortest stick phase, or a response that has no
+    steady orbit.
     """
     case = Case.from_config(config)
     notices = []
@@ -38,8 +39,8 @@ def check_feasible(config: Mapping[str, Any], files: Iterable[str | Path]) -> li
     if shortest < MIN_STICK_SAMPLES * step:
         refuse(
             ("as_published", "step_s"),
-            f"{step:g} s is too coarse: the stick phase at {where} lasts {shortest:.3g} s and needs {MIN_STICK_SAMPLES} steps; "
-            f"take at most {0.95 * shortest / MIN_STICK_SAMPLES:.2g}",
+            f"{step:g} s is too coarse: the stick phase at {where} lasts {shortest:.3g} s "
+            f"and needs {MIN_STICK_SAMPLES} steps; take at most {0.95 * shortest / MIN_STICK_SAMPLES:.2g}",
             files,
         )
     return notices

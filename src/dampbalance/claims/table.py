@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator, Mapping
 from pathlib import Path
 
 import pandas as pd
@@ -10,7 +10,7 @@ import pandas as pd
 from . import of_tables, of_text
 from .from_print import from_print
 from .inputs import Route, Setting, Sources
-from .published import Published
+from .published import Printed, Published
 from .verdict import ROUTE_NAMES, ROUTES, VERDICTS, Claim, explanation, verdict
 
 COLUMNS = ("id", "where", "quantity", "unit", "printed", *ROUTES, "verdict", "explanation")
@@ -101,17 +101,39 @@ def counts(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def summary(frame: pd.DataFrame) -> str:
-    """What a person reads at the end of a run: counts per verdict and part, then each number that is neither
-    reproduced nor reconstructed, with the reason."""
+    """What a person reads at the end of a run: counts per verdict and part, then a line for each number that is neither
+    reproduced nor reconstructed, with the nearest value; the reasons stand in the table of claims."""
     lines = ["Verdicts on the printed numbers", "", counts(frame).to_string(), ""]
     rest = frame[~frame["verdict"].isin(("reproduced", "reconstructed"))]
     if len(rest):
-        lines.append("Neither reproduced nor reconstructed:")
-    for row in rest.to_dict("records"):
-        unit = "" if row["unit"] in ("", "1") else f" {row['unit']}"
-        reason = row["explanation"].split(". ")[0].rstrip(".")  # the rest stands in claims.csv
-        lines.append(f"  {row['id']} = {row['printed']}{unit}: {row['verdict']}. {reason}.")
+        shown = [
+            {
+                "number": row["id"],
+                "printed": f"{row['printed']} {'' if row['unit'] == '1' else row['unit']}".strip(),
+                "verdict": row["verdict"],
+                "nearest": _nearest(row),
+            }
+            for row in rest.to_dict("records")
+        ]
+        lines.append("Neither reproduced nor reconstructed (why: claims.md)")
+        lines.append(_aligned(pd.DataFrame.from_records(shown)))
     return "\n".join(lines) + "\n"
+
+
+def _nearest(row: Mapping[Hashable, str]) -> str:
+    """The value of the route that comes closest to print, and which route that is."""
+    printed = Printed(row["printed"]).value
+    known = [route for route in ROUTES if row[route]]
+    route = min(known, key=lambda name: abs(float(row[name]) - printed))
+    return f"{row[route]} {ROUTE_NAMES[route]}"
+
+
+def _aligned(frame: pd.DataFrame) -> str:
+    """The frame as text with its columns flush left."""
+    widths = [max(len(name), *frame[name].str.len()) for name in frame.columns]
+    rows = [list(frame.columns), *frame.to_numpy().tolist()]
+    cells = ("  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)) for row in rows)
+    return "\n".join(f"  {line}".rstrip() for line in cells)
 
 
 def read_claims(path: Path) -> pd.DataFrame:
