@@ -63,3 +63,21 @@ def test_a_flipped_sign_in_an_equation_fails_the_check(paper):
     done = changed(paper, source, r"features\.X - features\.X_s", "features.X + features.X_s")
     assert done.returncode != 0
     assert "table3.X_s.F_k.1-2" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("override", "expected"),
+    [
+        ("published: papers/published", "papers/published is not a folder with printed numbers"),
+        ("excitation: {levels_m: [0.004, 0.006]}", "has numbers for 5 levels at omega1"),
+    ],
+)
+def test_a_case_without_printed_numbers_is_told_so(paper, override, expected):
+    (paper.folder / "mine.yaml").write_text(
+        f"case: mine\nestimation: {{pairs: [[1, 2]]}}\n{override}\n", encoding="utf-8"
+    )
+    done = paper.run("--configfile", "mine.yaml")
+    assert done.returncode != 0
+    assert expected in done.stderr
+    assert "published: null" in done.stderr or "use null" in done.stderr
+    assert not (paper.folder / "results/mine").exists()

@@ -1,5 +1,19 @@
 # A verdict on every printed number, and the comparison with the verdicts on record.
 
+if config["published"] and workflow.is_main_process:
+    from dampbalance.claims import PRINTED_FREQUENCIES, PRINTED_LEVELS
+
+    where = f"{CONFIG_FILES[-1]}: published: {config['published']}"
+    other = "use null for a case of your own, with nothing printed to compare with"
+    if not Path(config["published"], "verdicts.csv").is_file():
+        raise WorkflowError(
+            f"{where} is not a folder with printed numbers and verdicts.csv; {other}."
+        )
+    if not set(PRINTED_FREQUENCIES) <= set(FREQUENCIES) or len(LEVELS_M) != PRINTED_LEVELS:
+        raise WorkflowError(
+            f"{where} has numbers for {PRINTED_LEVELS} levels at {', '.join(PRINTED_FREQUENCIES)}; {other}."
+        )
+
 
 def published_files(wildcards):
     """The printed numbers, without the verdicts on record, which only the check compares with."""

@@ -3,6 +3,8 @@
 `claims_table` judges; `check` compares with the verdicts on record. Only this package reads `paper/published/`.
 """
 
+from .inputs import FREQUENCIES as PRINTED_FREQUENCIES
+from .inputs import LEVELS as PRINTED_LEVELS
 from .inputs import Route, Setting
 from .published import Published, read_published
 from .table import (
@@ -17,6 +19,8 @@ from .table import (
 from .verdict import VERDICTS
 
 __all__ = [
+    "PRINTED_FREQUENCIES",
+    "PRINTED_LEVELS",
     "VERDICTS",
     "Published",
     "Route",

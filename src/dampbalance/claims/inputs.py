@@ -15,6 +15,7 @@ from .published import Published
 
 # The paper's three drive frequencies, by the names they have in the configuration and in results/.
 FREQUENCIES = ("omega1", "omega2", "omega3")
+LEVELS = 5
 PAIRS: tuple[Pair, ...] = ((0, 1), (1, 2), (2, 3), (3, 4), (0, 4))
 PAIR_LABELS = tuple(pair_label(i, j) for i, j in PAIRS)
 HARMONIC = ("X_s", "t_s", "V_s")
@@ -44,7 +45,7 @@ class Setting:
             raise ValueError(
                 f"claims need the frequencies {', '.join(FREQUENCIES)}; missing: {', '.join(missing)}"
             )
-        if len(self.levels_m) != 5:
+        if len(self.levels_m) != LEVELS:
             raise ValueError(f"claims need the five levels of the paper, got {len(self.levels_m)}")
 
     def omega(self, frequency: str = "omega1") -> float:

@@ -1,0 +1,160 @@
+# Parameter studies: one file of config/studies, one study. Not part of the default target: they take a minute or two, and
+# the paper does not need them.
+#
+# snakemake --cores all studies                                 all studies
+# snakemake --cores all results/studies/frequency/summary.md    one
+# … --dry-run                                                   what it would take: cases, chunks, bytes
+#
+# A study is computed in chunks, a job each. An interrupted one goes on with the chunks that are missing.
+import functools
+import os
+import sys
+import time
+
+STUDY_FOLDER = Path("config/studies")
+STUDY_RESULTS = "results/studies"
+STUDIES = sorted(path.stem for path in STUDY_FOLDER.glob("*.yaml"))
+
+
+@functools.cache
+def study_plan(name):
+    """(study, its size), checked against the schema and the free disk; one clear error for a file that is wrong."""
+    from dampbalance.studies.plan import check_size, plan
+    from dampbalance.studies.settings import read_study
+
+    file = STUDY_FOLDER / f"{name}.yaml"
+    if not file.exists():
+        known = ", ".join(STUDIES)
+        raise WorkflowError(f"{file}: there is no such study; known are {known}")
+    try:
+        study = read_study(
+            file, ROOT / "workflow/schemas/study.schema.yaml", ROOT / "config/config.yaml"
+        )
+        sizes = plan(study)
+        if workflow.is_main_process and not Path(f"{STUDY_RESULTS}/{name}/cases.parquet").exists():
+            check_size(study, sizes, STUDY_RESULTS, file)
+    except ConfigurationError as error:
+        raise WorkflowError(str(error)) from None
+    return study, sizes
+
+
+def requested_studies():
+    """The studies that the command line names; so early, only the command line knows the targets."""
+    if "studies" in sys.argv:
+        return STUDIES
+    prefix = f"{STUDY_RESULTS}/"
+    named = {arg.removeprefix(prefix).split("/")[0] for arg in sys.argv if arg.startswith(prefix)}
+    return sorted(named)
+
+
+if workflow.is_main_process:
+    os.environ["DAMPBALANCE_STARTED"] = str(time.time())  # for the remaining time that chunks tell
+    for name in requested_studies():
+        logger.info(f"Study {name}: {study_plan(name)[1]}")
+
+
+def study_settings(wildcards):
+    """What the numbers of a study follow from: a change of them, and of nothing else, computes it again."""
+    study, _ = study_plan(wildcards.study)
+    return {"settings": study.settings, "fixed": study.fixed, "levels": study.levels}
+
+
+def study_chunks(wildcards):
+    """The chunks of a study, in their order."""
+    _, sizes = study_plan(wildcards.study)
+    return [
+        f"{STUDY_RESULTS}/{wildcards.study}/chunks/{chunk:05d}.parquet"
+        for chunk in range(sizes.chunks)
+    ]
+
+
+def study_figure_files(wildcards):
+    """The figure of a study, if its file asks for one."""
+    study, _ = study_plan(wildcards.study)
+    folder = f"{STUDY_RESULTS}/{wildcards.study}"
+    return [f"{folder}/figure.svg", f"{folder}/figure.png"] if study.figure else []
+
+
+wildcard_constraints:
+    study="[A-Za-z0-9][A-Za-z0-9_-]*",
+    chunk="[0-9]+",
+
+
+rule study_chunk:
+    input:
+        modules=script_modules("study_chunk.py"),
+    output:
+        chunk=temp(f"{STUDY_RESULTS}/{{study}}/chunks/{{chunk}}.parquet"),
+    threads: 1
+    resources:
+        mem_mb=600,
+        runtime=30,
+    params:
+        file=str(STUDY_FOLDER / "{study}.yaml"),
+        chunks=lambda wildcards: study_plan(wildcards.study)[1].chunks,
+        computed_from=study_settings,
+    message:
+        "Study {wildcards.study}: chunk {wildcards.chunk}, the last is {params.chunks} − 1"
+    script:
+        "../scripts/study_chunk.py"
+
+
+rule study_cases:
+    input:
+        chunks=study_chunks,
+        modules=script_modules("study_cases.py"),
+    output:
+        cases=f"{STUDY_RESULTS}/{{study}}/cases.parquet",
+        manifest=f"{STUDY_RESULTS}/{{study}}/manifest.json",
+    resources:
+        mem_mb=600,
+        runtime=60,
+    params:
+        file=str(STUDY_FOLDER / "{study}.yaml"),
+        computed_from=study_settings,
+    message:
+        "Study {wildcards.study}: chunks joined"
+    script:
+        "../scripts/study_cases.py"
+
+
+rule study_figure:
+    input:
+        cases=rules.study_cases.output.cases,
+        file=str(STUDY_FOLDER / "{study}.yaml"),
+        modules=script_modules("study_figure.py"),
+    output:
+        svg=f"{STUDY_RESULTS}/{{study}}/figure.svg",
+        png=f"{STUDY_RESULTS}/{{study}}/figure.png",
+    resources:
+        mem_mb=1500,
+        runtime=30,
+    message:
+        "Study {wildcards.study}: figure"
+    script:
+        "../scripts/study_figure.py"
+
+
+rule study_summary:
+    input:
+        cases=rules.study_cases.output.cases,
+        figure=study_figure_files,
+        file=str(STUDY_FOLDER / "{study}.yaml"),
+        modules=script_modules("study_summary.py"),
+    output:
+        csv=f"{STUDY_RESULTS}/{{study}}/summary.csv",
+        md=f"{STUDY_RESULTS}/{{study}}/summary.md",
+    resources:
+        mem_mb=1500,
+        runtime=30,
+    message:
+        "Study {wildcards.study}: summary"
+    script:
+        "../scripts/study_summary.py"
+
+
+rule studies:
+    input:
+        expand(rules.study_summary.output.md, study=STUDIES),
+    message:
+        "All studies are up to date"

@@ -1,0 +1,11 @@
+"""All cases of a study in one Parquet file, and what it is."""
+
+from dampbalance import __version__
+from dampbalance.studies import outputs, settings
+
+if __name__ == "__main__":
+    study = settings.read_study(
+        snakemake.params.file, "workflow/schemas/study.schema.yaml", "config/config.yaml"
+    )
+    outputs.join_chunks(snakemake.output.cases, snakemake.input.chunks)
+    outputs.write_manifest(snakemake.output.manifest, snakemake.output.cases, study, __version__)
