@@ -20,6 +20,7 @@ include: "workflow/rules/estimates.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/claims.smk"
+include: "workflow/rules/studies.smk"
 
 
 onsuccess:

@@ -8,6 +8,7 @@ share one.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 from collections.abc import Callable
@@ -36,8 +37,11 @@ def _source_digest() -> str:
 
 def _cache_folder() -> Path | None:
     """Where compiled kernels are kept: beside the package if that can be written, else the user's cache folder."""
-    user_cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    for parent in (_PACKAGE / "__pycache__", user_cache / "dampbalance"):
+    parents = [_PACKAGE / "__pycache__"]
+    with contextlib.suppress(RuntimeError):  # a user without a home
+        user_cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+        parents.append(user_cache / "dampbalance")
+    for parent in parents:
         folder = parent / f"kernels-{_source_digest()}"
         try:
             folder.mkdir(parents=True, exist_ok=True)

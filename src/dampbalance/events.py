@@ -2,8 +2,8 @@
 
 A state is (x, ẋ, z) with |z| ≤ Z_m. In slip, the phase ends where the velocity changes sign; in stick, where the
 deflection z of the contact spring reaches ±Z_m. Events are bracketed by steps short beside every time scale of the
-phase, with the extrema between steps examined so that a touch and go is not stepped over, and located by Newton's
-method kept inside the bracket.
+phase, divided at the extrema inside them so that a touch and go is not stepped over, and located by Newton's method
+kept inside the bracket.
 """
 
 from __future__ import annotations
@@ -51,18 +51,19 @@ class _Phase(NamedTuple):
 
 
 @jit
-def _motion(t: float, phase: _Phase) -> tuple[float, float, float, float]:
-    """u, u̇, ü and the third derivative at time t of a phase."""
+def _motion(t: float, phase: _Phase) -> tuple[float, float, float, float, float]:
+    """u, u̇, ü and the next two derivatives at time t of a phase."""
     u, v = move(t, phase.v0, phase.f0, phase.A, phase.delta, phase.Omega2, phase.omega)
     omega, damping = phase.omega, 2.0 * phase.delta
     force = phase.A * complex(math.cos(omega * t), math.sin(omega * t))
     a = phase.f0 + force.real - damping * v - phase.Omega2 * u
-    return u, v, a, -omega * force.imag - damping * a - phase.Omega2 * v
+    jerk = -omega * force.imag - damping * a - phase.Omega2 * v
+    return u, v, a, jerk, -omega * omega * force.real - damping * jerk - phase.Omega2 * a
 
 
 @jit
 def _locate(which: int, level: float, low: float, high: float, phase: _Phase) -> float:
-    """Time at which u, u̇ or ü (which = 0, 1, 2) crosses `level`, beyond it at `high` and not yet so at `low`."""
+    """Time at which the derivative of u of order `which`, 0 to 3, crosses `level`; it is beyond it at `high` alone."""
     beyond = _motion(high, phase)[which] > level
     t = 0.5 * (low + high)
     for _ in range(100):
@@ -96,6 +97,34 @@ def locate_displacement(
     """The time before `end` at which a phase has moved by u, which it has passed at `end`; arguments as in
     `flow.move`."""
     return _locate(0, u, 0.0, end, _Phase(v0, f0, A, delta, Omega2, omega))
+
+
+@jit
+def _turns(
+    which: int,
+    low: float,
+    high: float,
+    at_low: tuple[float, float, float, float, float],
+    at_high: tuple[float, float, float, float, float],
+    phase: _Phase,
+) -> tuple[float, float]:
+    """The times in (low, high) at which u (which = 0) or u̇ (which = 1) has an extremum, at most two; `high` for none.
+
+    at_low, at_high : `_motion` at both ends.
+    """
+    slope = which + 1
+    start, end = at_low[slope], at_high[slope]
+    bend_start, bend_end = at_low[slope + 1], at_high[slope + 1]
+    if start == 0.0:  # from rest: the slope just after
+        start = bend_start
+    if start * end < 0.0:
+        return _locate(slope, 0.0, low, high, phase), high
+    if start * bend_start < 0.0 < end * bend_end:  # the slope falls towards zero and rises again
+        between = _locate(slope + 1, 0.0, low, high, phase)
+        if start * _motion(between, phase)[slope] < 0.0:
+            first = _locate(slope, 0.0, low, between, phase)
+            return first, _locate(slope, 0.0, between, high, phase)
+    return high, high
 
 
 @jit
@@ -138,15 +167,20 @@ def phase_end(
     for i in range(1, n + 1):
         high = limit * i / n
         at_high = _motion(high, phase)
-        out, value = high, at_high[which]
-        if lower <= value <= upper and at_low[which + 1] * at_high[which + 1] < 0.0:
-            out = _locate(which + 1, 0.0, low, high, phase)
-            value = _motion(out, phase)[which]
+        first, second = _turns(which, low, high, at_low, at_high, phase)
+        inside, out, value = low, high, at_high[which]
+        for turn in (first, second):
+            if turn < high:
+                at_turn = _motion(turn, phase)[which]
+                if not lower <= at_turn <= upper:
+                    out, value = turn, at_turn
+                    break
+                inside = turn
         if not lower <= value <= upper:
-            if low == 0.0 and (at_low[which] == lower or at_low[which] == upper):
-                low = _just_inside(which, lower, upper, out, phase)
+            if inside == 0.0 and (at_low[which] == lower or at_low[which] == upper):
+                inside = _just_inside(which, lower, upper, out, phase)
             level = upper if value > upper else lower
-            t = _locate(which, level, low, out, phase)
+            t = _locate(which, level, inside, out, phase)
             if s == 0.0:
                 return (
                     t,

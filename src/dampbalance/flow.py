@@ -70,7 +70,7 @@ def _step_response_closed(t: float, delta: float, Omega2: float) -> tuple[float,
         fast = delta + sigma
         slow = Omega2 / fast
         slow_decay, fast_decay = math.expm1(-slow * t), math.expm1(-fast * t)
-        S = (slow_decay - fast_decay) / (2.0 * sigma)
+        S = -(1.0 + slow_decay) * math.expm1(-2.0 * sigma * t) / (2.0 * sigma)
         if sigma > 0.5 * delta:
             return (fast_decay / fast - slow_decay / slow) / (2.0 * sigma), S
         return (-0.5 * (slow_decay + fast_decay) - delta * S) / Omega2, S

@@ -126,7 +126,7 @@ def _checked(arguments: dict[str, ArrayLike]) -> list[Array]:
         wrong = ~np.isfinite(array) | (array <= 0.0 if name in _POSITIVE else array < 0.0)
         if wrong.any():
             bound = "positive" if name in _POSITIVE else "not negative"
-            raise ValueError(f"{name} must be finite and {bound}, got {array[wrong].flat[0]!r}")
+            raise ValueError(f"{name} must be finite and {bound}, got {array[wrong].item(0)!r}")
         arrays.append(array)
     return arrays
 

@@ -1,9 +1,9 @@
-"""The steady orbit to forty digits, solved with mpmath independently of the package: the derivations are in README.md, section 2.
+"""The steady orbit to forty digits, solved with mpmath independently of the package: README.md, section 2.
 
-Within a phase, x is a sum of exponentials, x = Σ c_j e^{λ_j t} (t from the start of the half cycle): a constant, the forced pair
-e^{±iωt} and the free pair from the two roots of λ² + (c/m) λ + κ/m = 0. So are ẋ and y, and every integral of a product of them is
-a sum of (e^{(λ_j + λ_k) t})/(λ_j + λ_k). Only the pattern of slips and sticks and a starting point for the root finder come from outside;
-neither can bias a root that is found to forty digits.
+Within a phase, x is a sum of exponentials, x = Σ c_j e^{λ_j t} (t from the start of the half cycle): a constant, the
+forced pair e^{±iωt} and the free pair from the two roots of λ² + (c/m) λ + κ/m = 0. So are ẋ and y, and every
+integral of a product of them is a sum of e^{(λ_j + λ_k) t}/(λ_j + λ_k). Only the pattern of slips and sticks and a
+starting point for the root finder come from outside; neither can bias a root that is found to forty digits.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import mpmath as mp
 
 DIGITS = 40
-_WORKING_DIGITS = 60
+_WORKING_DIGITS = 55
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,10 @@ def phase_from(par, theta, start, end, s, x, v, z):
 
 
 def half_cycle(par, X, theta, events, states):
-    """The phases from the reversal at −X and the equations that make them an orbit: event conditions, x(H) = X, ẋ(H) = 0."""
+    """The phases from the reversal at −X, and what must vanish for them to be an orbit.
+
+    That is: the condition of each event, x(H) − X and ẋ(H).
+    """
     Z_m = par[4] / par[3]
     times = [mp.mpf(0), *events, mp.pi / par[6]]
     x, v, z = -X, mp.mpf(0), -Z_m
@@ -94,6 +97,7 @@ class ExactOrbit:
     a: mp.mpf
     b: mp.mpf
     W: mp.mpf
+    phi_zero_crossing: mp.mpf
     harmonics: dict[int, mp.mpc]
     events: list[mp.mpf]
     phases: list[Phase]
@@ -102,7 +106,8 @@ class ExactOrbit:
 def solve(parameters, X, theta, events, states):
     """The orbit with the given pattern of states (s of each phase of a half cycle), by Newton from a starting point.
 
-    parameters : (m, c, k, K_z, F_k, Y, omega).   X, theta, events : starting point; inner event times from the reversal at −X.
+    parameters : (m, c, k, K_z, F_k, Y, omega).
+    X, theta, events : starting point; inner event times from the reversal at −X.
     """
     with mp.workdps(_WORKING_DIGITS):
         par = [mp.mpf(p) for p in parameters]
@@ -149,6 +154,33 @@ def _features(par, X, theta, events, states, phases):
         for n in harmonics:
             wave = ((_unit(-n * theta), -1j * n * w),)
             harmonics[n] += 2 * w / mp.pi * _product_integral(phase.terms, wave, start, end)
+    rising = next(p for p in phases if p.x(p.start) < 0 <= p.x(p.end))
+    crossing = mp.findroot(rising.x, (rising.start, rising.end), solver="anderson")
     return ExactOrbit(
-        X, phases[onset].x(t_s), V_s, t_s, theta + mp.pi, a, b, W, harmonics, events, phases
+        X,
+        phases[onset].x(t_s),
+        V_s,
+        t_s,
+        theta + mp.pi,
+        a,
+        b,
+        W,
+        theta + w * crossing + mp.pi / 2,
+        harmonics,
+        events,
+        phases,
     )
+
+
+def keeps_its_pattern(exact, Z_m, samples=40):
+    """Whether the mass moves the way it slips, and |z| ≤ Z_m while it sticks, at all samples."""
+    with mp.workdps(25):
+        for phase in exact.phases:
+            x_start = phase.x(phase.start)
+            for i in range(1, samples):
+                t = phase.start + (phase.end - phase.start) * i / samples
+                if phase.s and phase.s * phase.v(t) <= 0:
+                    return False
+                if not phase.s and abs(phase.z_start + phase.x(t) - x_start) > Z_m:
+                    return False
+    return True

@@ -1,7 +1,8 @@
 """A stick/slip state machine on scipy's DOP853, independent of the package: README.md, section 3.
 
-The state carries, besides displacement and velocity, the three integrals of the energy balance. Displacement is integrated as
-the gain u = x − x₀ since the last event, so that the micrometres of a stick phase are resolved beside millimetres of motion.
+The state carries, besides displacement and velocity, the three integrals of the energy balance. Displacement is
+integrated as the gain u = x − x₀ since the last event, so that the micrometres of a stick phase are resolved beside
+millimetres of motion.
 """
 
 from __future__ import annotations
@@ -33,8 +34,11 @@ class Motion:
     events: list[tuple[float, int, float, float]]
 
 
-def integrate(oscillator, motion, end, x=0.0, v=0.0, z=0.0, theta=0.0):
-    """Follow the oscillator from (x, ẋ, z) over [0, end] with y = Y cos(θ + ωt)."""
+def integrate(oscillator, motion, end, x=0.0, v=0.0, z=0.0, theta=0.0, step=_STEP):
+    """Follow the oscillator from (x, ẋ, z) over [0, end] with y = Y cos(θ + ωt).
+
+    step : longest step, rad of the fastest oscillation; an excursion shorter than a step may be missed.
+    """
     m, c, k = oscillator.m, oscillator.c, oscillator.k
     K_z, F_k, Z_m = oscillator.K_z, oscillator.F_k, oscillator.Z_m
     Y, omega = motion.Y, motion.omega
@@ -46,11 +50,11 @@ def integrate(oscillator, motion, end, x=0.0, v=0.0, z=0.0, theta=0.0):
         kappa, contact = (k + K_z, K_z * z) if s == 0 else (k, s * F_k)
         base = k * x + contact
 
-        def rate(t, q, kappa=kappa, base=base, slips=s != 0):
+        def rate(t, q, kappa=kappa, base=base, s=s):
             drive = k * Y * math.cos(theta + omega * t)
             v = q[1]
             acceleration = (drive - c * v - base - kappa * q[0]) / m
-            return [v, acceleration, abs(v) if slips else 0.0, v * v, drive * v]
+            return [v, acceleration, s * v, v * v, drive * v]
 
         if s == 0:
             conditions = [lambda t, q, z=z: z + q[0] - Z_m, lambda t, q, z=z: z + q[0] + Z_m]
@@ -68,7 +72,7 @@ def integrate(oscillator, motion, end, x=0.0, v=0.0, z=0.0, theta=0.0):
             method="DOP853",
             rtol=_RTOL,
             atol=1e-15 * np.array([scale, scale * fastest, scale, scale**2, scale**2 * k]),
-            max_step=_STEP / fastest,
+            max_step=step / fastest,
             events=conditions,
         )
         assert result.success, result.message
@@ -77,12 +81,11 @@ def integrate(oscillator, motion, end, x=0.0, v=0.0, z=0.0, theta=0.0):
         peak = max(peak, np.abs(x + result.y[0]).max())
         t, x, v = result.t[-1], x + u, v_end
         z = z + u if s == 0 else s * Z_m
-        if result.status == 0:
+        if result.status == 0 or end - t < 1e-12 * end:
             return Motion(x, v, z, *sums, peak, events)
         if s == 0:
             s = 1 if result.t_events[0].size else -1
             z = s * Z_m
         else:
             v, s = 0.0, 0
-            # at a reversal the slider goes on at once if the push exceeds what the contact can hold on the other side
         events.append((t, s, x, v))

@@ -3,16 +3,16 @@
 from pathlib import Path
 
 from dampbalance.files import write_csv, write_text
-from dampbalance.studies import facts, outputs, settings
+from dampbalance.studies import facts, settings, summary
 
 if __name__ == "__main__":
     study = settings.read_study(
         snakemake.input.file, "workflow/schemas/study.schema.yaml", "config/config.yaml"
     )
-    summary = outputs.summary_of(snakemake.input.cases, study)
+    table = summary.summary_of(snakemake.input.cases, study)
     figure = next((Path(file).name for file in snakemake.input.figure if file.endswith(".png")), "")
-    page = outputs.summary_markdown(
-        study, summary, facts.paragraph(study, snakemake.input.cases), figure
+    page = summary.summary_markdown(
+        study, table, facts.paragraph(study, snakemake.input.cases), figure
     )
-    write_csv(snakemake.output.csv, summary)
+    write_csv(snakemake.output.csv, table)
     write_text(snakemake.output.md, page)

@@ -1,0 +1,15 @@
+"""Studies of an estimator's error over many oscillators, each described by one YAML file and no code.
+
+settings.py     the YAML file, checked: `Study`
+parameters.py   what can be varied, in which unit, and how it becomes m, c, k, K_z, F_k, Y, ω
+axes.py         from blocks of axes (lists, ranges, samples) to the values of any stretch of cases
+plan.py         number of cases, chunks, columns and bytes, before anything runs
+responses.py    features of the exact orbits of many cases at several levels, as arrays
+stepwise.py     the same from fixed-step simulations or sampled records, response by response
+fitting.py      least squares of many cases at once
+evaluate.py     one chunk: cases → responses → rows → errors, as a table
+outputs.py      the chunks as one Parquet file, and a manifest
+summary.py      a table of errors, and the page that shows it
+facts.py        numbers of the paragraph that says what a study shows
+drawing.py      its figure; maps.py and logarithmic.py belong to it
+"""

@@ -1,0 +1,129 @@
+"""From blocks of axes to the values of any stretch of cases, without ever making a list of all cases.
+
+The cases of a study are the product of its blocks, the last block running fastest. A block is one axis, several paired
+(zipped) axes of equal length, or a sample of points in the box that several parameters span.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Values = NDArray[Any]
+
+SOBOL_BITS = (
+    32  # 2³² points at most; with more bits scipy cannot skip to the first point of a chunk
+)
+Spacing = Literal["linear", "log"]
+
+
+@dataclass(frozen=True)
+class Listed:
+    """Paired axes: name → values, all of the same length. One name is a plain axis."""
+
+    values: Mapping[str, Sequence[float | int | str]]
+
+    @property
+    def count(self) -> int:
+        """How many points the block has."""
+        return len(next(iter(self.values.values())))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters that the block sets."""
+        return tuple(self.values)
+
+    def at(self, index: NDArray[np.int64]) -> dict[str, Values]:
+        """Values of the points `index`."""
+        return {name: np.asarray(values)[index] for name, values in self.values.items()}
+
+
+@dataclass(frozen=True)
+class Range:
+    """Bounds of one parameter of a sample, and whether it or its logarithm is spread evenly."""
+
+    low: float
+    high: float
+    spacing: Spacing
+
+    def at(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The value at a share 0 … 1 of the way from low to high."""
+        if self.spacing == "linear":
+            return np.asarray(self.low + share * (self.high - self.low))
+        low, high = math.log(self.low), math.log(self.high)
+        return np.clip(np.exp(low + share * (high - low)), self.low, self.high)
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Points in the box of `ranges`: a scrambled Sobol sequence, or independent random ones.
+
+    The points depend on method, seed and their number in the sequence alone: any stretch can be made by itself.
+    """
+
+    method: Literal["sobol", "random"]
+    count: int
+    seed: int
+    ranges: Mapping[str, Range]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters that the block sets."""
+        return tuple(self.ranges)
+
+    def at(self, index: NDArray[np.int64]) -> dict[str, Values]:
+        """Values of the points `index`."""
+        if index.size == 0:
+            return {name: np.empty(0) for name in self.ranges}
+        first = int(index.min())
+        shares = self._shares(first, int(index.max()) - first + 1)[index - first]
+        return {
+            name: limits.at(shares[:, i]) for i, (name, limits) in enumerate(self.ranges.items())
+        }
+
+    def _shares(self, start: int, count: int) -> NDArray[np.float64]:
+        dimension = len(self.ranges)
+        if self.method == "random":
+            bits = np.random.PCG64(self.seed).advance(start * dimension)  # one draw a number
+            return np.random.Generator(bits).random((count, dimension))
+        from scipy.stats import qmc  # takes longer to import than a chunk of cases to compute
+
+        points = qmc.Sobol(dimension, scramble=True, bits=SOBOL_BITS, rng=self.seed)
+        if start:
+            points.fast_forward(start)
+        with warnings.catch_warnings():  # a stretch need not be a power of two: the whole counts
+            warnings.filterwarnings(
+                "ignore", message="The balance properties", category=UserWarning
+            )
+            return np.asarray(points.random(count), dtype=np.float64)
+
+
+Block = Listed | Sampled
+
+
+def number_of_cases(blocks: Sequence[Block]) -> int:
+    """How many cases the product of the blocks has; 1 for no block."""
+    return math.prod(block.count for block in blocks)
+
+
+def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Values]:
+    """Value of every axis in the cases start … stop − 1, each an array of length stop − start."""
+    remaining = np.arange(start, stop, dtype=np.int64)
+    values: dict[str, Values] = {}
+    for block in reversed(blocks):
+        remaining, index = np.divmod(remaining, block.count)
+        values = block.at(index) | values
+    return values
+
+
+def spread(low: float, high: float, count: int, spacing: Spacing) -> list[float]:
+    """`count` values from low to high, both included, evenly spaced themselves or in their logarithms."""
+    spaced = np.geomspace if spacing == "log" else np.linspace
+    values = spaced(low, high, count)
+    return [float(value) for value in values]

@@ -1,0 +1,172 @@
+"""One chunk of a study: cases → responses → rows → estimates, whole arrays at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from ..balance import APPROACHES, Rows
+from ..readout import ReadOut
+from .axes import case_values
+from .fitting import least_squares_of_cases
+from .parameters import MECHANICAL, PARAMETERS, SI_COLUMNS, in_si
+from .plan import columns_of
+from .responses import REGIME_NAMES, Responses, exact_responses
+from .settings import Fit, Study
+from .stepwise import fixed_step_responses, sampled_responses
+
+if TYPE_CHECKING:
+    from ..features import Features
+
+Array = NDArray[np.float64]
+
+READ = (
+    "X",
+    "X_s",
+    "X_r",
+    "V_s",
+    "V_r",
+    "t_s",
+    "t_r",
+    "phi",
+)
+"""What rules of reading change; the rows need no other feature that they do."""
+
+_SLICE = 16_384  # cases worked on at a time: their arrays stay in the processor's cache
+
+
+def evaluate(study: Study, start: int, stop: int, threads: int | None = None) -> pd.DataFrame:
+    """The cases start … stop − 1 of a study as a table with the columns of `plan.columns_of`.
+
+    threads : for the exact orbits; neither they nor the bounds change a number.
+    """
+    parts = [
+        _evaluate(study, first, min(first + _SLICE, stop), threads)
+        for first in range(start, stop, _SLICE)
+    ]
+    columns = columns_of(study)
+    table = {}
+    for column in columns:
+        pieces = [part[column.name] for part in parts]
+        table[column.name] = np.concatenate(pieces)
+    return pd.DataFrame(table)
+
+
+def case_parameters(study: Study, start: int, stop: int) -> dict[str, NDArray[Any]]:
+    """Value of every parameter in the cases start … stop − 1, by the names of PARAMETERS, each (stop − start,)."""
+    fixed = {name: np.full(stop - start, value) for name, value in study.fixed.items()}
+    return fixed | case_values(study.blocks, start, stop)
+
+
+def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[str, Any]:
+    values = case_parameters(study, start, stop)
+    si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
+    levels = np.array(study.levels)[:, None]
+    Y = levels * si["Y"] if study.levels_relative else np.repeat(levels, stop - start, axis=1)
+    responses = _responses(study, si, Y, values, threads)
+    rules = _read_out_rules(values)
+
+    table: dict[str, Any] = {"case": np.arange(start, stop)}
+    table |= {name: values[name] for name in study.axis_names}
+    table |= {name: si[key] for key, (name, _, _) in SI_COLUMNS.items() if name not in table}
+    table["regime"] = _regime_words(responses.regime)
+    cached: dict[tuple[str, str, str], Rows] = {}
+    for fit in study.fits:
+        key = (fit.approach, fit.phase, fit.sharing)
+        if key not in cached:
+            cached[key] = _rows(fit, responses, si["k"], rules)
+        rows = cached[key]
+        if fit.levels is not None:
+            chosen = list(fit.levels)
+            rows = Rows(rows.a[chosen], rows.b[chosen], rows.W[chosen])
+        estimates = least_squares_of_cases(rows)
+        for name, unit, found in (("F_k", "N", estimates.F_k), ("c", "N_s_per_m", estimates.c)):
+            table[f"{name}_{unit}__{fit.label}"] = found
+            with np.errstate(divide="ignore", invalid="ignore"):
+                error = np.where(si[name] > 0.0, found / si[name] - 1.0, np.nan)
+            table[f"{name}_relative_error__{fit.label}"] = error
+        if fit.levels is None and len(study.levels) > 2:
+            table[f"residual__{fit.label}"] = estimates.residual
+        else:  # of two rows: rounding only
+            table[f"residual__{fit.label}"] = np.full(stop - start, np.nan)
+    return table
+
+
+def _responses(
+    study: Study,
+    si: Mapping[str, Array],
+    Y: Array,
+    values: Mapping[str, NDArray[Any]],
+    threads: int | None,
+) -> Responses:
+    if study.route == "exact":
+        wanted = any(fit.phase == "zero_crossing" for fit in study.fits)
+        return exact_responses(si, Y, wanted, threads)
+    routes: dict[str, Callable[..., Responses]] = {
+        "fixed_step": fixed_step_responses,
+        "sampled": sampled_responses,
+    }
+    return routes[study.route](si, Y, values, study.cycles, study.reading)
+
+
+def _rows(
+    fit: Fit, responses: Responses, k: Array, rules: Sequence[tuple[NDArray[np.int64], ReadOut]]
+) -> Rows:
+    """Rows of the balance, (L, n), as the approach of a fit forms them from what is read."""
+    seen = responses.with_phase(fit.phase) if fit.phase else responses
+    if rules:
+        seen = _as_read(seen, rules, common=fit.sharing == "common")
+    elif fit.sharing == "common":
+        seen = seen.with_common("phi", "t_s")
+    # The row functions are sums, products and cosines of their arrays, whatever the shape.
+    return APPROACHES[fit.approach](cast("Features", seen), cast(float, k))
+
+
+def _read_out_rules(
+    values: Mapping[str, NDArray[Any]],
+) -> list[tuple[NDArray[np.int64], ReadOut]]:
+    """(cases, rules of reading) for each set of rules among the cases; nothing if there are no rules."""
+    names = [name for name in values if PARAMETERS[name].kind == "read_out"]
+    if not names:
+        return []
+    table = np.column_stack([values[name].astype(float) for name in names])
+    sets, member = np.unique(table, axis=0, return_inverse=True)
+    rules = []
+    for i, row in enumerate(sets):
+        section = {
+            name: int(value) if PARAMETERS[name].whole else float(value)
+            for name, value in zip(names, row, strict=True)
+        }
+        rules.append((np.flatnonzero(member.ravel() == i), ReadOut.from_config(section)))
+    return rules
+
+
+def _as_read(
+    responses: Responses, rules: Sequence[tuple[NDArray[np.int64], ReadOut]], common: bool
+) -> Responses:
+    """The responses as read, each case by its own rules; with the mean φ and t_s of its levels if `common`."""
+    changed = {name: np.empty(responses.X.shape) for name in READ}
+    for cases, read_out in rules:
+        part = cast("Features", responses.cases(cases))
+        seen = read_out.common(part) if common else read_out.apply(part)
+        for name, array in changed.items():
+            array[:, cases] = getattr(seen, name)
+    return responses.replaced(**changed)
+
+
+def _regime_words(codes: NDArray[np.uint8]) -> NDArray[Any]:
+    """The kind of response of each case: one word if all levels are alike, else the words of the levels."""
+    base = len(REGIME_NAMES)
+    packed = np.zeros(codes.shape[1], dtype=np.int64)
+    for row in codes:
+        packed = packed * base + row
+    kinds, first, member = np.unique(packed, return_index=True, return_inverse=True)
+    words = []
+    for i in range(len(kinds)):
+        names = [REGIME_NAMES[code] for code in codes[:, first[i]]]
+        words.append(names[0] if len(set(names)) == 1 else ", ".join(names))
+    return np.array(words, dtype=object)[member.ravel()]

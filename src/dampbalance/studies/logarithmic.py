@@ -1,0 +1,51 @@
+"""Logarithmic axes of the figures: whether values ask for one, and ticks that can be read on a short one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_SHORT = 12.0  # ratio of the ends of an axis up to which 1, 2, 3, 5 are labelled as well as powers of ten
+
+
+def is_logarithmic(places: Sequence[float] | Array) -> bool:
+    """Whether values, in ascending order, are spread in their logarithms rather than evenly."""
+    values = np.asarray(places, dtype=float)
+    if len(values) < 3 or values[0] <= 0.0 or values[-1] / values[0] < 5.0:
+        return False
+    return float(np.std(np.diff(np.log(values)))) < 0.05 * float(np.mean(np.diff(np.log(values))))
+
+
+def logarithmic_ticks(
+    axes: Axes, which: Literal["x", "y"], low: float, high: float, ends: bool = True
+) -> None:
+    """Make an axis from low to high logarithmic, with labels at powers of ten, or at 1, 2, 3, 5 if it is short.
+
+    ends : whether a tick at the upper end has a label (there is no panel beside it to collide with).
+    """
+    if which == "x":
+        axes.set_xscale("log")
+    else:
+        axes.set_yscale("log")
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    short = high / low <= _SHORT
+    axis.set_major_locator(
+        LogLocator(base=10.0, subs=(1.0, 2.0, 3.0, 5.0) if short else (1.0,), numticks=20)
+    )
+    axis.set_minor_locator(LogLocator(base=10.0, subs=np.arange(2.0, 10.0).tolist(), numticks=200))
+    axis.set_minor_formatter(NullFormatter())
+
+    def label(value: float, _: int) -> str:
+        if not ends and value > 0.97 * high:
+            return ""
+        return f"{value:g}" if short else f"$10^{{{round(math.log10(value))}}}$"
+
+    axis.set_major_formatter(FuncFormatter(label))

@@ -1,0 +1,121 @@
+"""What a study leaves behind: one Parquet file of all cases, and a manifest that says what it is.
+
+The table has a row per case. Column names end in their unit, or name a pure number; each column carries its unit and
+meaning in the metadata of the file too. Same study, same bytes, whatever the number of cores or the order of chunks.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from ..files import replacing, write_json
+from .plan import Column, columns_of
+from .responses import REGIME_NAMES, REGIME_WORDS
+from .settings import Study
+
+_PACKING: dict[str, Any] = {
+    "compression": "zstd",
+    "compression_level": 1,
+    "write_statistics": False,
+}
+
+
+def schema_of(study: Study, version: str) -> pa.Schema:
+    """Names, types, units and meanings of the columns; the study and its settings as metadata of the file."""
+    fields = [
+        pa.field(column.name, _type(study, column), metadata=_described(column))
+        for column in columns_of(study)
+    ]
+    about = {
+        "study": study.name,
+        "dampbalance": version,
+        "settings": json.dumps(study.settings, sort_keys=True, ensure_ascii=False),
+    }
+    return pa.schema(fields, metadata=about)
+
+
+def write_chunk(path: str | Path, frame: pd.DataFrame, study: Study, version: str) -> None:
+    """Write the cases of one chunk: complete or not at all."""
+    schema = schema_of(study, version)
+    arrays = [_array(frame[field.name].to_numpy(), field.type) for field in schema]
+    table = pa.Table.from_arrays(arrays, schema=schema)
+    with replacing(path) as temporary:
+        pq.write_table(table, temporary, row_group_size=max(len(frame), 1), **_PACKING)
+
+
+def join_chunks(path: str | Path, chunks: Sequence[str | Path]) -> None:
+    """Write the chunks one after the other into one file, a row group each; no more than one is in memory.
+
+    A single chunk is the file.
+    """
+    with replacing(path) as temporary:
+        if len(chunks) == 1:
+            shutil.copyfile(chunks[0], temporary)
+            return
+        with pq.ParquetWriter(temporary, pq.read_schema(chunks[0]), **_PACKING) as writer:
+            for chunk in chunks:
+                table = pq.read_table(chunk, partitioning=None)
+                writer.write_table(table, row_group_size=max(table.num_rows, 1))
+
+
+def write_manifest(path: str | Path, cases: str | Path, study: Study, version: str) -> None:
+    """What the table of cases is: study, version, seeds, settings, number of cases per regime, columns with units."""
+    counts: Counter[str] = Counter()
+    for frame in _stretches(cases, ["regime"]):
+        counts.update({str(k): int(n) for k, n in frame["regime"].value_counts().items()})
+    counts = Counter({name: count for name, count in counts.items() if count})
+    seen = {word for pattern in counts for word in pattern.split(", ")}
+    write_json(
+        path,
+        {
+            "study": study.name,
+            "dampbalance": version,
+            "cases": study.cases,
+            "levels": list(study.levels),
+            "levels_are": "multiples of Y_m" if study.levels_relative else "m",
+            "seeds": study.seeds,
+            "cases_per_regime": dict(sorted(counts.items(), key=lambda item: (-item[1], item[0]))),
+            "regimes": {
+                name: words
+                for name, words in zip(REGIME_NAMES, REGIME_WORDS, strict=True)
+                if name in seen
+            },
+            "settings": dict(study.settings),
+            "columns": [column._asdict() for column in columns_of(study)],
+        },
+    )
+
+
+def _stretches(cases: str | Path, columns: list[str]) -> Iterator[pd.DataFrame]:
+    with pq.ParquetFile(cases) as file:
+        for batch in file.iter_batches(batch_size=1 << 20, columns=columns):
+            yield batch.to_pandas()
+
+
+def _described(column: Column) -> dict[str, str]:
+    return {"unit": column.unit, "meaning": column.meaning}
+
+
+def _type(study: Study, column: Column) -> pa.DataType:
+    if column.words:
+        return pa.dictionary(pa.int32(), pa.string())
+    return pa.int64() if column.name == "case" else pa.float64()
+
+
+def _array(values: NDArray[Any], kind: pa.DataType) -> pa.Array:
+    if pa.types.is_dictionary(kind):
+        codes, words = pd.factorize(values, sort=True)
+        return pa.DictionaryArray.from_arrays(
+            pa.array(codes, pa.int32()), pa.array(list(words), pa.string())
+        )
+    return pa.array(values, kind)

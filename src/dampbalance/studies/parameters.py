@@ -1,0 +1,148 @@
+"""What a study can vary: name, unit, bounds and meaning of every parameter, and what the names stand for in SI.
+
+Each of c, K_z, F_k and ω can be given as it is or as the dimensionless group that it is part of,
+
+    ζ = c/(2√(km)),   K_z/k,   F_k/(kY),   ω/ω_n with ω_n = √(k/m),
+
+never both. In F_k/(kY), Y is the reference amplitude `Y_m`, of which the excitation levels are multiples.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Kind = Literal["oscillator", "excitation", "numerics", "read_out"]
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter: its unit ("1" for a pure number, "" for a word), bounds and meaning.
+
+    stands_for : the SI parameter that a dimensionless group replaces.   symbol : for figures, in TeX.
+    """
+
+    kind: Kind
+    unit: str
+    meaning: str
+    symbol: str = ""
+    stands_for: str = ""
+    zero_allowed: bool = False
+    whole: bool = False
+
+
+PARAMETERS: dict[str, Parameter] = {
+    "m_kg": Parameter("oscillator", "kg", "mass m", "m"),
+    "c_N_s_per_m": Parameter("oscillator", "N s/m", "viscous damping c", "c", zero_allowed=True),
+    "k_N_per_m": Parameter("oscillator", "N/m", "stiffness k of the spring to the base", "k"),
+    "K_z_N_per_m": Parameter("oscillator", "N/m", "contact stiffness K_z", "K_z"),
+    "F_k_N": Parameter("oscillator", "N", "friction force F_k in slip", "F_k", zero_allowed=True),
+    "frequency_hz": Parameter("excitation", "Hz", "drive frequency f = ω/2π", "f"),
+    "Y_m": Parameter("excitation", "m", "reference amplitude Y of the base", "Y"),
+    "omega_over_omega_n": Parameter(
+        "excitation", "1", "ω/ω_n, ω_n = √(k/m)", r"\omega/\omega_n", "frequency_hz"
+    ),
+    "zeta": Parameter(
+        "oscillator",
+        "1",
+        "damping ratio ζ = c/(2√(km))",
+        r"\zeta",
+        "c_N_s_per_m",
+        zero_allowed=True,
+    ),
+    "K_z_over_k": Parameter("oscillator", "1", "K_z/k", "K_z/k", "K_z_N_per_m"),
+    "F_k_over_kY": Parameter(
+        "oscillator", "1", "F_k/(kY), Y the reference amplitude", "F_k/kY", "F_k_N", True
+    ),
+    "scheme": Parameter("numerics", "", "fixed-step scheme", "scheme"),
+    "step_s": Parameter("numerics", "s", "step h of the scheme", "h"),
+    "steps_per_cycle": Parameter(
+        "numerics", "1", "steps of the scheme per period, T/h", "T/h", "step_s"
+    ),
+    "sampling_hz": Parameter("numerics", "Hz", "sampling frequency f_s", "f_s"),
+    "X_decimals": Parameter(
+        "read_out", "1", "decimals (of m) kept of X", "", "", zero_allowed=True, whole=True
+    ),
+    "X_s_decimals": Parameter(
+        "read_out", "1", "decimals (of m) kept of X_s", "", "", zero_allowed=True, whole=True
+    ),
+    "X_s_mark_m": Parameter("read_out", "m", "marks in which X + X_s is counted"),
+    "V_s_decimals": Parameter(
+        "read_out", "1", "decimals (of m/s) kept of V_s", "", "", zero_allowed=True, whole=True
+    ),
+    "phi_decimals": Parameter(
+        "read_out", "1", "decimals (of rad) kept of φ", "", "", zero_allowed=True, whole=True
+    ),
+    "t_s_inset_s": Parameter(
+        "read_out", "s", "time by which t_s reads short", "", "", zero_allowed=True
+    ),
+    "t_s_unit_s": Parameter("read_out", "s", "unit to which t_s is cut"),
+    "common_phi_decimals": Parameter(
+        "read_out", "1", "decimals (of rad) kept of the common φ", "", "", True, whole=True
+    ),
+    "common_t_s_decimals": Parameter(
+        "read_out", "1", "decimals (of s) kept of the common t_s", "", "", True, whole=True
+    ),
+}
+"""Every name that an axis can have."""
+
+MECHANICAL = tuple(name for name, p in PARAMETERS.items() if p.kind in ("oscillator", "excitation"))
+
+
+def rivals(name: str) -> list[str]:
+    """The other names that set the same quantity, e.g. of zeta: c_N_s_per_m."""
+    target = PARAMETERS[name].stands_for or name
+    return [
+        other
+        for other, parameter in PARAMETERS.items()
+        if other != name and (parameter.stands_for or other) == target
+    ]
+
+
+def objection(name: str, value: Any) -> str | None:
+    """What is wrong with a value of a parameter, None if nothing is."""
+    p = PARAMETERS[name]
+    if p.unit == "":
+        return None if isinstance(value, str) else f"{value!r} is not a name"
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return f"{value!r} is not a number"
+    if not math.isfinite(value) or value < 0.0 or (value == 0.0 and not p.zero_allowed):
+        bound = "not negative" if p.zero_allowed else "positive"
+        return f"{value!r} is out of range: {p.meaning} must be finite and {bound}"
+    if p.whole and value != int(value):
+        return f"{value!r} is not a whole number, as {p.meaning} must be"
+    return None
+
+
+def in_si(given: Mapping[str, Array]) -> dict[str, Array]:
+    """m, c, k, K_z, F_k, Y, omega of cases whose parameters are given by the names of PARAMETERS, each an array (n,).
+
+    Of each quantity exactly one name is given. ω in rad/s, the rest as in `dampbalance.model`.
+    """
+    m, k, Y = given["m_kg"], given["k_N_per_m"], given["Y_m"]
+    c = 2.0 * given["zeta"] * np.sqrt(k * m) if "zeta" in given else given["c_N_s_per_m"]
+    K_z = given["K_z_over_k"] * k if "K_z_over_k" in given else given["K_z_N_per_m"]
+    F_k = given["F_k_over_kY"] * k * Y if "F_k_over_kY" in given else given["F_k_N"]
+    if "omega_over_omega_n" in given:
+        omega = given["omega_over_omega_n"] * np.sqrt(k / m)
+    else:
+        omega = 2.0 * np.pi * given["frequency_hz"]
+    return {"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k, "Y": Y, "omega": omega}
+
+
+SI_COLUMNS = {
+    "m": ("m_kg", "kg", "mass m"),
+    "c": ("c_N_s_per_m", "N s/m", "viscous damping c"),
+    "k": ("k_N_per_m", "N/m", "stiffness k"),
+    "K_z": ("K_z_N_per_m", "N/m", "contact stiffness K_z"),
+    "F_k": ("F_k_N", "N", "friction force F_k"),
+    "Y": ("Y_m", "m", "reference amplitude Y"),
+    "omega": ("omega_rad_per_s", "rad/s", "drive frequency ω"),
+}
+"""Column, unit and meaning of each SI parameter in the table of cases."""

@@ -1,0 +1,165 @@
+"""What a study will take, known before anything runs: cases, chunks, columns, bytes."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import NamedTuple
+
+from ..configuration import ConfigurationError
+from .axes import Sampled
+from .parameters import PARAMETERS, SI_COLUMNS
+from .responses import REGIME_NAMES
+from .settings import Study
+
+MOST_CHUNKS = 20_000
+"""More jobs than this keep the scheduler busier than the processors: make the chunks larger."""
+
+_SPARE = 0.05  # share of the free disk that a study leaves free
+
+
+class Column(NamedTuple):
+    """A column of the table of cases: name with unit, unit, meaning, and whether it holds words."""
+
+    name: str
+    unit: str
+    meaning: str
+    words: bool = False
+
+
+def columns_of(study: Study) -> list[Column]:
+    """The columns of the table of cases, in their order."""
+    columns = [Column("case", "1", "number of the case, counted from 0")]
+    for name in study.axis_names:
+        p = PARAMETERS[name]
+        columns.append(Column(name, p.unit, p.meaning, words=p.unit == ""))
+    if "parameters" in study.columns:
+        columns += [
+            Column(name, unit, meaning)
+            for name, unit, meaning in SI_COLUMNS.values()
+            if name not in study.axis_names and (name != "Y_m" or study.levels_relative)
+        ]
+    columns.append(
+        Column(
+            "regime",
+            "",
+            "kind of response at each level, one word if all are alike: " + ", ".join(REGIME_NAMES),
+            words=True,
+        )
+    )
+    for fit in study.fits:
+        how = " ".join(part.replace("_", " ") for part in fit.label.split("__"))
+        if "errors" in study.columns:
+            columns += [
+                Column(
+                    f"{name}_relative_error__{fit.label}",
+                    "1",
+                    f"{name} identified / true − 1; {how}",
+                )
+                for name in ("F_k", "c")
+            ]
+        if "estimates" in study.columns:
+            columns += [
+                Column(f"F_k_N__{fit.label}", "N", f"F_k identified; {how}"),
+                Column(f"c_N_s_per_m__{fit.label}", "N s/m", f"c identified; {how}"),
+            ]
+        if "residuals" in study.columns:
+            columns.append(Column(f"residual__{fit.label}", "1", f"‖A p − W‖/‖W‖; {how}"))
+    return columns
+
+
+class Plan(NamedTuple):
+    """Size of a study: cases, responses (cases × levels), chunks, bytes of the finished table, and bytes of disk that
+    are in use at the worst moment, while the finished chunks are joined."""
+
+    cases: int
+    responses: int
+    chunks: int
+    table_bytes: int
+    disk_bytes: int
+
+    def __str__(self) -> str:
+        chunks = f"{self.chunks:,} chunk{'s' if self.chunks > 1 else ''}"
+        return (
+            f"{self.cases:,} cases × {self.responses // self.cases} levels = {self.responses:,} responses, {chunks}, "
+            f"up to {size_in_words(self.table_bytes)} (while it runs {size_in_words(self.disk_bytes)})"
+        )
+
+
+def plan(study: Study) -> Plan:
+    """The size of a study. Bytes are an upper bound: constant columns and repeated words pack to next to nothing."""
+    cases = study.cases
+    table = 20_000 + cases * _bytes_per_case(study)
+    chunks = -(-cases // study.chunk_cases)
+    return Plan(cases, cases * len(study.levels), chunks, table, 2 * table)
+
+
+def _bytes_per_case(study: Study) -> int:
+    """Eight bytes for every number that can differ from case to case, one or two for words and case numbers."""
+    varied = sum(len(b.names) for b in study.blocks if isinstance(b, Sampled))
+    total = 8 * varied + 2
+    for column in columns_of(study):
+        if column.words:
+            total += 1
+        elif column.name not in study.axis_names:
+            total += 8
+    return total
+
+
+def chunk_bounds(study: Study, chunk: int) -> tuple[int, int]:
+    """First case of a chunk and the one after its last."""
+    start = chunk * study.chunk_cases
+    return start, min(start + study.chunk_cases, study.cases)
+
+
+def check_size(study: Study, sizes: Plan, folder: str | Path, file: str | Path) -> None:
+    """Raise ConfigurationError, with the number of cases and bytes, for a study that does not fit on the disk of
+    `folder` or falls into too many chunks."""
+    if sizes.chunks > MOST_CHUNKS:
+        enough = -(-sizes.cases // MOST_CHUNKS)
+        raise ConfigurationError(
+            f"{file}: chunk_cases: {sizes.cases:,} cases in chunks of {study.chunk_cases:,} are {sizes.chunks:,} jobs; "
+            f"take chunks of at least {enough:,} cases"
+        )
+    existing = Path(folder).absolute()
+    while not existing.exists():
+        existing = existing.parent
+    free = int((1.0 - _SPARE) * shutil.disk_usage(existing).free)
+    if sizes.disk_bytes > free:
+        raise ConfigurationError(
+            f"{file}: axes: {sizes.cases:,} cases would take {size_in_words(sizes.disk_bytes)} of disk while they are "
+            f"computed, and {size_in_words(free)} are free; take fewer cases or fewer columns"
+        )
+
+
+def size_in_words(count: float) -> str:
+    """A number of bytes as a person says it, e.g. 1.2 GB."""
+    unit = "bytes"
+    for larger in ("kB", "MB", "GB", "TB", "PB"):
+        if count < 1000.0:
+            break
+        count, unit = count / 1000.0, larger
+    return f"{count:.3g} {unit}"
+
+
+def progress(study: Study, folder: str | Path, chunks: int, started: float, now: float) -> str:
+    """How many chunks of a study are done, and how long the rest takes at the rate of this run.
+
+    folder : of the finished chunks.   started, now : s since the epoch, of the run and of this moment; NaN for unknown.
+    """
+    done = list(Path(folder).glob("[0-9]*.parquet"))
+    text = f"Study {study.name}: {len(done)} of {chunks} chunks"
+    recent = sum(path.stat().st_mtime >= started for path in done)
+    if len(done) >= chunks or not recent:
+        return text
+    left = (chunks - len(done)) * (now - started) / recent
+    return f"{text}, about {duration_in_words(left)} left"
+
+
+def duration_in_words(seconds: float) -> str:
+    """A duration as a person says it, e.g. 12 s, 4 min, 3.5 h."""
+    if seconds < 100.0:
+        return f"{seconds:.0f} s"
+    if seconds < 6000.0:
+        return f"{seconds / 60.0:.0f} min"
+    return f"{seconds / 3600.0:.1f} h"

@@ -1,0 +1,105 @@
+"""A table of the errors of every fit of a study, and the page that shows it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from .settings import Fit, Study
+
+WITHIN = 0.01  # relative error that the summary counts as good
+SHARE = f"within_{100 * WITHIN:g}_percent_share"
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def summary_of(cases: str | Path, study: Study) -> pd.DataFrame:
+    """One row per fit and quantity: how many cases it could be identified in, and how large its error is, in %.
+
+    median, 95 % and max of the error's size, and the share of all cases with an error of at most WITHIN.
+    """
+    records = []
+    for fit in study.fits:
+        for quantity in ("F_k", "c"):
+            error = np.abs(errors_of(cases, fit, quantity))
+            found = error[np.isfinite(error)]
+            none = found.size == 0
+            median, high = (np.nan, np.nan) if none else np.quantile(found, [0.5, 0.95])
+            records.append(
+                {
+                    "quantity": quantity,
+                    "approach": fit.approach,
+                    "phase": fit.phase,
+                    "sharing": fit.sharing,
+                    "fit": fit.kind,
+                    "cases": error.size,
+                    "identified": found.size,
+                    "median_error_percent": 100.0 * median,
+                    "p95_error_percent": 100.0 * high,
+                    "max_error_percent": np.nan if none else 100.0 * found.max(),
+                    SHARE: np.count_nonzero(found <= WITHIN) / error.size,
+                }
+            )
+    return pd.DataFrame.from_records(records)
+
+
+def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure: str) -> str:
+    """A page to read: what was varied, what it shows, the figure, and the table of errors."""
+    lines = [f"# {study.title}", ""]
+    lines += [f"{study.cases:,} cases; varied: {', '.join(study.axis_names)}.", ""]
+    lines += [paragraph, ""] if paragraph else []
+    lines += [f"![{study.title}]({figure})", ""] if figure else []
+    lines += [
+        "Size of the relative error over all cases in which F_k and c could be identified.",
+        "",
+        "| quantity | approach | phase | φ, t_s | fit | identified | median | 95 % | largest "
+        f"| within {100 * WITHIN:g} % |",
+        "|---|---|---|---|---|---:|---:|---:|---:|---:|",
+    ]
+    for row in summary.to_dict("records"):
+        errors = [row[f"{name}_error_percent"] for name in ("median", "p95", "max")]
+        cells = [
+            row["quantity"],
+            row["approach"],
+            row["phase"].replace("_", " "),
+            row["sharing"],
+            row["fit"].replace("_", " "),
+            f"{row['identified']:,}",
+            *(percent(0.01 * error) for error in errors),
+            percent(row[SHARE]) if row["identified"] else "–",
+        ]
+        lines.append("| " + " | ".join(cells) + " |")
+    lines += ["", "All numbers: `cases.parquet`; what they are: `manifest.json`.", ""]
+    return "\n".join(lines)
+
+
+def errors_of(cases: str | Path, fit: Fit, quantity: str) -> NDArray[np.float64]:
+    """The relative errors of one quantity by one fit in all cases: 8 bytes a case."""
+    return column_of(cases, f"{quantity}_relative_error__{fit.label}")
+
+
+def column_of(cases: str | Path, name: str) -> NDArray[Any]:
+    """One column of the table of cases."""
+    return np.asarray(pq.read_table(cases, columns=[name], partitioning=None)[name].to_numpy())
+
+
+def percent(share: float) -> str:
+    """A share as a percentage with three significant digits; a bound where it is nothing but rounding."""
+    if not np.isfinite(share):
+        return "–"
+    value = 100.0 * abs(share)
+    if value < 1e-6:
+        power = str(int(np.ceil(np.log10(value)))) if value else ""
+        return f"10{power.translate(_RAISED)} %" if value else "0 %"
+    exponent = int(np.floor(np.log10(value)))
+    if not -3 <= exponent < 5:
+        return f"{value / 10.0**exponent:.1f}·10{str(exponent).translate(_RAISED)} %"
+    digits = max(0, 2 - exponent)
+    if value < 100.0 <= round(value, digits):  # nearly all is not all
+        digits = 2
+    return f"{value:.{digits}f} %"

@@ -1,0 +1,159 @@
+"""Steady orbits and transients in every regime against a stick/slip state machine on DOP853: README.md, section 3."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from analytic.cases import PAPER, PAPER_MOTIONS, SEVERAL_SLIPS, case
+from analytic.integrator import integrate
+from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit, transient
+
+# DOP853 is asked for 1e-12 a step and takes a few hundred steps a period; events are found on its dense output, of
+# order 7. Measured: below 1e-12 on states and times, 2e-12 on the integrals.
+TOLERANCE = 1e-11
+
+CASES = {
+    (0.6, 1.0, 90.0, 0.14): Regime.ONE_SLIP,
+    (0.02, 1.0, 2.0, 0.01): Regime.ONE_SLIP,  # large amplitude, hardly damped
+    (2.0, 0.7, 30.0, 0.1): Regime.ONE_SLIP,  # over-damped slip phase
+    (6.0, 2.0, 10.0, 0.02): Regime.ONE_SLIP,  # both phases over-damped
+    (0.0, 0.5, 3.0, 0.79): Regime.ONE_SLIP,  # no viscous damping
+    (0.3, 0.7, 20.0, 0.98): Regime.NO_SLIP,
+    (0.1, 0.5, 100.0, 1.1): Regime.NO_SLIP,
+    (0.3, 1.2, 0.5, 2.0): Regime.NO_SLIP,
+    (0.05, 1.25, 1.0, 1.5): Regime.ONE_SLIP,  # F_k > kY: it slips by resonance
+    (0.4, 0.8, 10.0, 0.0): Regime.NO_FRICTION,
+} | dict.fromkeys(SEVERAL_SLIPS, Regime.SEVERAL_SLIPS)
+
+
+@pytest.mark.parametrize("numbers", CASES, ids=str)
+def test_steady_orbit_is_periodic_and_has_its_integrals(numbers):
+    oscillator, motion = case(*numbers)
+    orbit = steady_orbit(oscillator, motion)
+    assert orbit.regime is CASES[numbers]
+    scale, speed = orbit.X, motion.omega * orbit.X
+
+    # integrate one period from the reversal at −X
+    z = float(orbit.state(orbit.t_1).z)
+    run = integrate(oscillator, motion, motion.period, -orbit.X, 0.0, z, orbit.theta)
+    assert run.x == pytest.approx(-orbit.X, rel=0, abs=TOLERANCE * scale)
+    assert run.v == pytest.approx(0.0, abs=TOLERANCE * speed)
+    assert run.peak <= orbit.X * (1.0 + TOLERANCE)
+    assert run.b == pytest.approx(orbit.b, rel=TOLERANCE)
+    assert pytest.approx(orbit.W, rel=TOLERANCE) == run.W
+    if oscillator.F_k == 0.0:
+        return  # without a contact, whether the contact slips is a manner of speaking
+    assert run.a == pytest.approx(orbit.a, rel=TOLERANCE)
+
+    # the pattern, and each event of the first half cycle
+    inner = len(orbit.phases) - 1
+    assert len(run.events) in (2 * inner + 1, 2 * inner + 2) if inner else not run.events
+    for event, row in zip(run.events, orbit.phases[1:], strict=False):
+        t, s, x, v = event
+        assert s == row[1]
+        assert t == pytest.approx(row[0], rel=0, abs=TOLERANCE * motion.period)
+        assert x == pytest.approx(row[2], rel=0, abs=TOLERANCE * scale)
+        assert v == pytest.approx(row[3], rel=0, abs=TOLERANCE * speed)
+    if orbit.regime is not Regime.NO_SLIP:
+        first_forward = next(e for e in run.events if e[1] == 1)
+        assert first_forward[0] == pytest.approx(orbit.t_s, rel=0, abs=TOLERANCE * motion.period)
+        assert first_forward[2] == pytest.approx(orbit.X_s, rel=0, abs=TOLERANCE * scale)
+        assert first_forward[3] == pytest.approx(orbit.V_s, rel=0, abs=TOLERANCE * speed)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "periods"),
+    [
+        ((0.6, 1.0, 90.0, 0.14), 12),
+        ((0.288, 0.4085, 131.7, 0.4648), 8),  # several slips
+        ((2.0, 0.7, 30.0, 0.1), 40),  # over-damped in slip
+        ((0.5, 1.2, 0.5, 0.1), 14),
+    ],
+    ids=str,
+)
+def test_a_run_from_rest_ends_on_the_steady_orbit(numbers, periods):
+    # Nothing of the claimed orbit enters the run. The periods are enough for the transient to die below 1e-12.
+    oscillator, motion = case(*numbers)
+    orbit = steady_orbit(oscillator, motion)
+    start = integrate(oscillator, motion, periods * motion.period)
+    run = integrate(oscillator, motion, motion.period, start.x, start.v, start.z)
+    assert run.peak <= orbit.X * (1.0 + 1e-9)
+    assert run.a == pytest.approx(orbit.a, rel=1e-9)  # a few thousand steps from rest
+    assert run.b == pytest.approx(orbit.b, rel=1e-9)
+    assert pytest.approx(orbit.W, rel=1e-9) == run.W
+    state = orbit.state(0.0)
+    assert run.x == pytest.approx(float(state.x), rel=0, abs=1e-9 * orbit.X)
+    assert run.v == pytest.approx(float(state.v), rel=0, abs=1e-9 * motion.omega * orbit.X)
+    assert run.z == pytest.approx(float(state.z), rel=0, abs=1e-9 * orbit.X)
+
+
+def test_run_of_the_paper_from_rest_ends_on_its_steady_orbit():
+    motion = PAPER_MOTIONS[0]
+    orbit = steady_orbit(PAPER, motion)
+    start = integrate(PAPER, motion, 10 * motion.period)
+    run = integrate(PAPER, motion, motion.period, start.x, start.v, start.z)
+    for name in ("a", "b", "W"):
+        assert getattr(run, name) == pytest.approx(getattr(orbit, name), rel=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_transient_from_a_random_state(seed):
+    rng = np.random.default_rng(seed)
+    numbers = (
+        10 ** rng.uniform(-2, 0.3),
+        10 ** rng.uniform(-0.5, 0.4),
+        10 ** rng.uniform(0, 2),
+        10 ** rng.uniform(-1.5, -0.3),
+    )
+    oscillator, motion = case(*numbers)
+    x, v = motion.Y * rng.uniform(-5, 5), motion.Y * motion.omega * rng.uniform(-5, 5)
+    z = oscillator.Z_m * rng.uniform(-1, 1)
+    end = 3.0 * motion.period
+    expected = integrate(oscillator, motion, end, x, v, z)
+    path = transient(oscillator, motion, end, x=x, v=v, z=z)
+    assert len(path.phases) == len(expected.events) + 1
+    for row, (t, s, at, speed) in zip(path.phases[1:], expected.events, strict=True):
+        assert row[1] == s
+        assert row[0] == pytest.approx(t, rel=0, abs=TOLERANCE * motion.period)
+        assert row[2] == pytest.approx(at, rel=0, abs=TOLERANCE * 5 * motion.Y)
+        assert row[3] == pytest.approx(speed, rel=0, abs=TOLERANCE * 5 * motion.omega * motion.Y)
+    state = path.state(end)
+    assert float(state.x) == pytest.approx(expected.x, rel=0, abs=TOLERANCE * 5 * motion.Y)
+    assert float(state.z) == pytest.approx(expected.z, rel=0, abs=TOLERANCE * 5 * motion.Y)
+
+
+def test_transient_that_overstretches_the_spring_for_a_moment():
+    # a soft contact and a small friction force: between 0.02 and 0.16 rad the spring is at its limit, then lets go and
+    # soon reaches the other limit; seen from steps of 0.3 rad only the other limit is ever exceeded
+    oscillator, motion = case(1.0, 1.0, 1.0, math.exp(-5.0))
+    start = {"x": -3.0 * motion.Y, "v": -0.375 * motion.Y * motion.omega}
+    end = 0.5 * motion.period
+    expected = integrate(oscillator, motion, end, **start, step=0.01)
+    path = transient(oscillator, motion, end, **start)
+    assert [event[1] for event in expected.events[:3]] == [-1, 0, 1]
+    assert list(path.phases[1:4, 1]) == [-1.0, 0.0, 1.0]
+    for row, (t, _, at, _) in zip(path.phases[1:], expected.events, strict=True):
+        assert row[0] == pytest.approx(t, rel=0, abs=TOLERANCE * motion.period)
+        assert row[2] == pytest.approx(at, rel=0, abs=TOLERANCE * 3.0 * motion.Y)
+
+
+def test_transient_that_only_just_reaches_the_limit_of_the_spring():
+    # ẋ dips below zero from t = 0.086 to 0.114 s; in between z passes a maximum of which Z_m is just short. Within a single
+    # step of the search the velocity keeps its sign at both ends, and z is beyond Z_m only once.
+    v, a, jerk = 0.0049, -0.1, 1.0  # at the start: ẋ = v + a t + jerk t²/2 + …
+    k = K_z = 0.5
+    first_turn = 0.086
+    highest = v * first_turn + a * first_turn**2 / 2.0 + jerk * first_turn**3 / 6.0
+    motion = BaseMotion(Y=(jerk + v) / k, omega=1.0)
+    oscillator = Oscillator(m=1.0, c=0.0, k=k, K_z=K_z, F_k=K_z * (highest - 1e-6))
+    state, start, end = {"x": -a / k, "v": v, "z": 0.0}, -0.5 * math.pi, 0.3
+    expected = integrate(oscillator, motion, end, **state, theta=start, step=1e-3)
+    path = transient(oscillator, motion, start + end, **state, start=start)
+    times = [event[0] for event in expected.events]
+    assert times[0] < first_turn < times[1]  # it slips before the turn, and a moment later sticks
+    # the velocity is some 1e-4 of its later size where it changes sign: times lose as many digits
+    np.testing.assert_allclose(path.phases[1:, 0] - start, times, rtol=0, atol=1e-9)
+    assert list(path.phases[1:, 1]) == [event[1] for event in expected.events]

@@ -1,0 +1,166 @@
+"""Laws that hold for every orbit: energy balance, orthogonality, similarity. README.md, sections 7 and 8."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from scipy.stats import qmc
+
+from analytic.cases import PAPER, PAPER_MOTIONS, SEVERAL_SLIPS, dimensions
+from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit, steady_orbits
+
+FEATURES = ("X", "X_s", "V_s", "t_s", "phi", "a", "b", "W", "X_1", "phi_1", "X_3", "X_5")
+
+
+def spread(n, seed, *ranges):
+    """n points (a power of 2) that fill the box of the ranges evenly by their logarithms; one array per range."""
+    points = qmc.Sobol(len(ranges), seed=seed).random(n)
+    return [
+        low * (high / low) ** column for column, (low, high) in zip(points.T, ranges, strict=True)
+    ]
+
+
+# ζ, ω/ω_n, K_z/k, F_k/kY: the range the accuracy is promised for, and far beyond
+PROMISED = ((0.02, 2.0), (0.3, 2.5), (2.0, 300.0), (0.01, 2.0))
+WIDE = ((1e-4, 10.0), (0.05, 10.0), (0.01, 1e5), (1e-4, 10.0))
+
+
+@pytest.fixture(scope="module", params=["promised", "wide"])
+def population(request):
+    """(arguments, orbits, whether in the promised range) of a thousand cases."""
+    promised = request.param == "promised"
+    arguments = dimensions(*spread(1024, 7, *(PROMISED if promised else WIDE)))
+    orbits = steady_orbits(**arguments)
+    assert set(np.unique(orbits.regime)) == {Regime.ONE_SLIP, Regime.SEVERAL_SLIPS, Regime.NO_SLIP}
+    return arguments, orbits, promised
+
+
+def test_energy_balance(population):
+    # W = a F_k + b c: the three integrals are computed independently of each other
+    arguments, o, promised = population
+    dissipated = o.a * arguments["F_k"] + o.b * arguments["c"]
+    # W is πkYX₁ sin φ₁ (k = Y = 1): where φ₁ is small, the rounding of the phase is all that is left of it
+    product = math.pi * o.X_1
+    # Far out, a hardly damped motion near a superharmonic resonance multiplies rounding by 1/ζ, up to 1e4.
+    rounding = 1e-15 if promised else 2e-12
+    assert np.all(np.abs(o.W - dissipated) <= 1e-12 * o.W + rounding * product)
+    slips = o.a > 0.0
+    if promised:
+        assert np.all(np.abs(o.W - dissipated)[slips] <= 1e-12 * o.W[slips])
+
+
+def test_work_is_that_of_the_fundamental(population):
+    # W = πkYX₁ sin φ₁ by orthogonality, k = Y = 1; tolerance: rounding
+    _, o, _ = population
+    np.testing.assert_allclose(
+        o.W, math.pi * o.X_1 * np.sin(o.phi_1), rtol=1e-14, atol=4e-16 * math.pi * o.X_1.max()
+    )
+
+
+def test_viscous_integral_is_bounded_by_its_harmonics(population):
+    # Parseval: b = πω Σ n²X_n² over all odd n, so the first three bound it from below (1e-12: rounding)
+    arguments, o, _ = population
+    omega = arguments["omega"]
+    three = math.pi * omega * (o.X_1**2 + 9.0 * o.X_3**2 + 25.0 * o.X_5**2)
+    assert np.all(o.b >= three * (1.0 - 1e-12))
+    # and |ẋ| ≤ its largest value: b ≤ max|ẋ| ∮|ẋ| dt; without slip the orbit is harmonic and both are equal
+    sticks = o.regime == Regime.NO_SLIP
+    np.testing.assert_allclose(o.b[sticks], three[sticks], rtol=1e-12)
+
+
+@pytest.mark.parametrize("motion", PAPER_MOTIONS[:5], ids=str)
+def test_three_harmonics_suffice_near_resonance(motion):
+    # at 4.92 Hz the harmonics from 7 on carry less than 5e-4 of b: the ground of the Fourier balance
+    orbit = steady_orbit(PAPER, motion)
+    X = {n: orbit.harmonic(n)[0] for n in (1, 3, 5)}
+    three = math.pi * motion.omega * sum((n * X_n) ** 2 for n, X_n in X.items())
+    assert 0.0 < orbit.b - three < 5e-4 * orbit.b
+
+
+def test_geometry_of_slip(population):
+    arguments, o, _ = population
+    slips = o.regime != Regime.NO_SLIP
+    Z_m = arguments["F_k"] / arguments["K_z"]
+    X, X_s, t_s, V_s = o.X[slips], o.X_s[slips], o.t_s[slips], o.V_s[slips]
+    # from the reversal at −X the spring swings from −Z_m to +Z_m before the first forward onset: X_s = −X + 2Z_m
+    one = (o.regime == Regime.ONE_SLIP)[slips]
+    np.testing.assert_allclose(X_s[one], (-X + 2.0 * Z_m[slips])[one], rtol=1e-13, atol=0)
+    assert np.all(X_s > -X)
+    assert np.all(X_s < X)
+    assert np.all(t_s > 0.0)
+    assert np.all(t_s < math.pi / np.broadcast_to(arguments["omega"], o.X.shape)[slips])
+    assert np.all(V_s > 0.0)
+    # a one-slip orbit slides from X_s to X twice a cycle
+    np.testing.assert_allclose(o.a[slips][one], (2.0 * (X - X_s))[one], rtol=1e-14)
+    assert np.all(o.a[slips] > 0.0)
+    # the fundamental of a motion within ±X is at most 4X/π
+    assert np.all(4.0 / math.pi * o.X >= o.X_1)
+
+
+# --- similarity ----------------------------------------------------------------------------------
+
+exponents = st.integers(-20, 20)
+
+
+def log_uniform(low, high):
+    return st.floats(math.log(low), math.log(high)).map(math.exp)
+
+
+@settings(max_examples=60)
+@given(*(log_uniform(*r) for r in WIDE), exponents)
+@example(0.04417, 0.4204, 21.1, 0.4329, 3)
+def test_forces_scale(zeta, r, K, F, exponent):
+    # m, c, k, K_z, F_k times s: the same motion, s times the work. A power of 2 leaves no rounding: bit for bit.
+    s = 2.0**exponent
+    base = dimensions(zeta, r, K, F)
+    scaled = base | {name: s * base[name] for name in ("m", "c", "k", "K_z", "F_k")}
+    first, second = steady_orbits(**base), steady_orbits(**scaled)
+    assert first.regime == second.regime
+    for name in FEATURES:
+        factor = s if name == "W" else 1.0
+        np.testing.assert_array_equal(factor * getattr(first, name), getattr(second, name), name)
+
+
+@settings(max_examples=60)
+@given(*(log_uniform(*r) for r in PROMISED), log_uniform(1e-6, 1e6), log_uniform(1e-6, 1e6))
+@example(0.04417, 0.4204, 21.1, 0.4329, 1e-3, 1e3)
+def test_lengths_and_times_scale(zeta, r, K, F, length, rate):
+    base = dimensions(zeta, r, K, F)
+    scaled = base | {
+        "Y": length,
+        "F_k": length * base["F_k"],
+        "omega": rate * base["omega"],
+        "c": base["c"] / rate,
+        "m": base["m"] / rate**2,
+    }
+    first, second = steady_orbits(**base), steady_orbits(**scaled)
+    assert first.regime == second.regime
+    speed = length * rate
+    factors = {"X": length, "X_s": length, "V_s": speed, "t_s": 1.0 / rate, "phi": 1.0}
+    factors |= {"a": length, "b": length * speed, "W": length**2}
+    factors |= {"X_1": length, "phi_1": 1.0}
+    for name, factor in factors.items():
+        # 1e-11: what is promised; X_s may pass through zero and is held to X
+        floor = 1e-11 * length * first.X if name == "X_s" else 0.0
+        np.testing.assert_allclose(
+            getattr(second, name), factor * getattr(first, name), rtol=1e-11, atol=floor
+        )
+
+
+def test_the_sign_of_time_zero_does_not_matter():
+    # Shifting time by half a period mirrors the orbit: the state at t and at t + T/2
+    for numbers in SEVERAL_SLIPS:
+        o = dimensions(*numbers)
+        orbit = steady_orbit(
+            Oscillator(**{n: o[n] for n in ("m", "c", "k", "K_z", "F_k")}),
+            BaseMotion(Y=1.0, omega=o["omega"]),
+        )
+        t = np.linspace(0.0, orbit.motion.period, 41)
+        here, there = orbit.state(t), orbit.state(t + 0.5 * orbit.motion.period)
+        for value, mirrored in zip(here, there, strict=True):
+            # rounding of t, on a motion whose rates are up to ω√K_z of its size
+            np.testing.assert_allclose(mirrored, -value, rtol=0, atol=1e-12 * abs(value).max())

@@ -1,0 +1,119 @@
+"""One steady orbit, reached from everywhere: the theorem behind `dampbalance.period_map`, README.md, section 9."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from analytic.cases import SEVERAL_SLIPS, case
+from dampbalance import Regime, steady_orbit, transient
+
+unit = st.floats(-1.0, 1.0)
+
+
+def start_at(oscillator, motion, x, v, z):
+    """An initial state from three numbers in [−1, 1], up to some times the motion that follows."""
+    return {
+        "x": 3.0 * motion.Y * x,
+        "v": 3.0 * motion.Y * motion.omega * v,
+        "z": oscillator.Z_m * z,
+    }
+
+
+def energy_of_difference(oscillator, first, second):
+    dx, dv, dz = first.x - second.x, first.v - second.v, first.z - second.z
+    o = oscillator
+    return 0.5 * (o.m * dv**2 + o.k * dx**2 + o.K_z * dz**2)
+
+
+numbers = st.tuples(
+    *(
+        st.floats(math.log(low), math.log(high)).map(math.exp)
+        for low, high in ((1e-3, 4.0), (0.2, 3.0), (0.1, 1e3), (1e-3, 2.0))
+    )
+)
+
+
+@settings(max_examples=60)
+@given(numbers, st.tuples(unit, unit, unit), st.tuples(unit, unit, unit))
+def test_two_motions_never_part(chosen, one, other):
+    # d/dt [½mΔẋ² + ½kΔx² + ½K_zΔz²] = −cΔẋ² − (a term ≥ 0 while either slips)
+    oscillator, motion = case(*chosen)
+    end = 2.0 * motion.period
+    first = transient(oscillator, motion, end, **start_at(oscillator, motion, *one))
+    second = transient(oscillator, motion, end, **start_at(oscillator, motion, *other))
+    t = np.linspace(0.0, end, 400)
+    energy = energy_of_difference(oscillator, first.state(t), second.state(t))
+    # rounding of each state, measured by the energy of the motion itself
+    state = first.state(t)
+    size = 0.5 * (oscillator.m * state.v**2 + oscillator.k * state.x**2).max()
+    size += 0.5 * oscillator.K_z * oscillator.Z_m**2
+    slack = 1e-12 * (energy[0] + math.sqrt(energy[0] * size)) + 1e-24 * size
+    assert np.all(np.diff(energy) <= slack)
+
+
+@settings(max_examples=40)
+@given(
+    st.tuples(
+        *(
+            st.floats(math.log(low), math.log(high)).map(math.exp)
+            for low, high in ((0.15, 2.0), (0.3, 2.0), (2.0, 300.0), (0.01, 0.5))
+        )
+    ),
+    st.tuples(unit, unit, unit),
+)
+def test_every_start_leads_to_the_steady_orbit(chosen, start):
+    oscillator, motion = case(*chosen)
+    orbit = steady_orbit(oscillator, motion)
+    assume(orbit.regime is not Regime.NO_SLIP)  # there, where the spring comes to rest is arbitrary
+    scale = orbit.X
+    at, state = 0.0, start_at(oscillator, motion, *start)
+    for _ in range(20):  # of 20 periods: where there is little slip, differences die slowly
+        end = at + 20.0 * motion.period
+        path = transient(oscillator, motion, end, start=at, **state)
+        t = end - motion.period * np.linspace(0.0, 1.0, 50)
+        reached, expected = path.state(t), orbit.state(t)
+        x, v, z = (float(value[0]) for value in (reached.x, reached.v, reached.z))
+        at, state = end, {"x": x, "v": v, "z": min(max(z, -oscillator.Z_m), oscillator.Z_m)}
+        miss = max(
+            np.abs(reached.x - expected.x).max() / scale,
+            np.abs(reached.v - expected.v).max() / (motion.omega * scale),
+            np.abs(reached.z - expected.z).max() / scale,
+        )
+        if miss < 1e-11:  # of some hundred events, each with its rounding, and of that of ωt
+            return
+    raise AssertionError(f"still {miss:.2g} from the steady orbit after 400 periods")
+
+
+@pytest.mark.parametrize("numbers", list(SEVERAL_SLIPS)[:5], ids=str)
+def test_orbits_with_several_slips_are_reached_too(numbers):
+    oscillator, motion = case(*numbers)
+    orbit = steady_orbit(oscillator, motion)
+    end = 60.0 * motion.period
+    path = transient(oscillator, motion, end, x=3.0 * motion.Y, v=-motion.Y * motion.omega)
+    t = end - motion.period * np.linspace(0.0, 1.0, 50)
+    reached, expected = path.state(t), orbit.state(t)
+    # ζ = 0.02 over sixty slow periods: e^{−2πζ·60·ω_n/ω} < 1e-10
+    np.testing.assert_allclose(reached.x, expected.x, rtol=0, atol=1e-9 * orbit.X)
+    np.testing.assert_allclose(reached.z, expected.z, rtol=0, atol=1e-9 * orbit.X)
+
+
+def test_phases_of_the_steady_orbit_are_those_of_the_transient_that_starts_on_it():
+    # the same events by two routes: the scalar equation in τ, and the event location
+    oscillator, motion = case(0.6, 1.0, 90.0, 0.14)
+    orbit = steady_orbit(oscillator, motion)
+    start, end = orbit.t_1, orbit.t_1 + motion.period
+    path = transient(oscillator, motion, end, x=-orbit.X, z=-oscillator.Z_m, start=start)
+    phases = path.phases
+    assert list(phases[:4, 1]) == [0.0, 1.0, 0.0, -1.0]
+    half = 0.5 * motion.period
+    expected = start + np.array([0.0, orbit.t_s, half, half + orbit.t_s])
+    np.testing.assert_allclose(phases[:4, 0], expected, rtol=0, atol=1e-14 * motion.period)
+    np.testing.assert_allclose(
+        phases[:4, 2], [-orbit.X, orbit.X_s, orbit.X, -orbit.X_s], rtol=1e-13
+    )
+    np.testing.assert_allclose(phases[:4, 3], [0.0, orbit.V_s, 0.0, -orbit.V_s], rtol=1e-12, atol=0)

@@ -1,0 +1,112 @@
+"""Oscillator and base motion: what they derive, and what they refuse."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from dampbalance import BaseMotion, Oscillator
+from dampbalance.model import Parameters, parameters
+
+PAPER = {"m": 2.42, "c": 90.0, "k": 2310.0, "K_z": 208000.0, "F_k": 1.28}
+MOTION = {"Y": 0.004, "omega": 30.9}
+
+FIELDS = [(Oscillator, PAPER, name) for name in PAPER]
+FIELDS += [(BaseMotion, MOTION, name) for name in MOTION]
+POSITIVE = [f for f in FIELDS if f[2] not in ("c", "F_k")]
+NOT_NEGATIVE = [f for f in FIELDS if f[2] in ("c", "F_k")]
+
+
+def ids(value):
+    return value if isinstance(value, str) else None
+
+
+def test_derived_quantities_of_the_paper():
+    # ω_n/2π = 4.9172 Hz, Z_m = 6.154 µm: half a unit of the last digit
+    oscillator = Oscillator(**PAPER)
+    assert oscillator.omega_n / (2.0 * math.pi) == pytest.approx(4.9172, rel=0, abs=5e-5)
+    assert oscillator.Z_m == pytest.approx(6.154e-6, rel=0, abs=5e-10)
+    assert oscillator.zeta == pytest.approx(90.0 / (2.0 * math.sqrt(2310.0 * 2.42)), rel=1e-15)
+
+
+def test_base_motion():
+    motion = BaseMotion(Y=0.5, omega=4.0)
+    assert motion.period == pytest.approx(math.pi / 2.0, rel=1e-15)
+    assert motion.y(0.0) == 0.5
+    t = np.array([[0.0, 0.25 * motion.period], [0.5 * motion.period, motion.period]])
+    np.testing.assert_allclose(motion.y(t), [[0.5, 0.0], [-0.5, 0.5]], rtol=0, atol=1e-15)
+
+
+def test_parameters_keep_their_order():
+    assert parameters(Oscillator(**PAPER), BaseMotion(**MOTION)) == Parameters(
+        2.42, 90.0, 2310.0, 208000.0, 1.28, 0.004, 30.9
+    )
+
+
+@pytest.mark.parametrize(
+    "number", [2, np.float32(2.0), np.float64(2.0), np.int64(2), np.uint8(2)], ids=lambda n: repr(n)
+)
+def test_any_real_number_becomes_a_float(number):
+    oscillator = Oscillator(**PAPER | {"m": number})
+    assert type(oscillator.m) is float
+    assert oscillator.m == 2.0
+
+
+def test_equal_values_are_equal_and_hash_alike():
+    assert Oscillator(**PAPER) == Oscillator(**PAPER | {"c": 90})
+    assert hash(Oscillator(**PAPER)) == hash(Oscillator(**PAPER | {"c": 90}))
+    assert Oscillator(**PAPER) != Oscillator(**PAPER | {"c": 90.1})
+
+
+def test_values_cannot_be_changed():
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        Oscillator(**PAPER).m = 3.0
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        BaseMotion(**MOTION).Y = 3.0
+    # but a changed copy is checked like any other
+    with pytest.raises(ValueError, match=r"Oscillator\.m must be positive"):
+        dataclasses.replace(Oscillator(**PAPER), m=-1.0)
+
+
+@pytest.mark.parametrize(("kind", "values", "name"), POSITIVE, ids=ids)
+@pytest.mark.parametrize("bad", [0.0, -0.0, -1.0, -5e-324])
+def test_positive_fields(kind, values, name, bad):
+    with pytest.raises(ValueError, match=rf"^{kind.__name__}\.{name} must be positive, got {bad}$"):
+        kind(**values | {name: bad})
+
+
+@pytest.mark.parametrize(("kind", "values", "name"), NOT_NEGATIVE, ids=ids)
+def test_fields_that_may_be_zero(kind, values, name):
+    assert getattr(kind(**values | {name: 0}), name) == 0.0
+    with pytest.raises(ValueError, match=rf"^{kind.__name__}\.{name} must not be negative, got -1"):
+        kind(**values | {name: -1.0})
+
+
+@pytest.mark.parametrize(("kind", "values", "name"), FIELDS, ids=ids)
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_values_must_be_finite(kind, values, name, bad):
+    with pytest.raises(ValueError, match=rf"^{kind.__name__}\.{name} must be finite, got {bad}"):
+        kind(**values | {name: bad})
+
+
+@pytest.mark.parametrize(("kind", "values", "name"), FIELDS, ids=ids)
+@pytest.mark.parametrize(
+    "bad", ["1e-6", True, None, 1j, [1.0], np.array([1.0]), Fraction(1, 2)], ids=lambda b: repr(b)
+)
+def test_values_must_be_numbers(kind, values, name, bad):
+    with pytest.raises(TypeError, match=rf"^{kind.__name__}\.{name} must be a number, got "):
+        kind(**values | {name: bad})
+
+
+def test_a_rigid_contact_gets_a_hint():
+    with pytest.raises(ValueError, match="use a large finite K_z for a rigid contact"):
+        Oscillator(**PAPER | {"K_z": math.inf})
+
+
+def test_every_field_is_needed():
+    with pytest.raises(TypeError, match="F_k"):
+        Oscillator(m=1.0, c=1.0, k=1.0, K_z=1.0)

@@ -1,0 +1,262 @@
+"""The steady orbit as an object: features, states at any times, round trip, and what it says when there is none."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+
+from analytic.cases import PAPER, PAPER_FREQUENCIES_HZ, PAPER_LEVELS_M, SEVERAL_SLIPS, case
+from dampbalance import BaseMotion, NoSteadyOrbit, Orbit, Oscillator, Regime, State, steady_orbit
+
+CASES = [
+    (0.6, 1.0, 90.0, 0.14),
+    (0.02, 1.0, 300.0, 0.01),
+    (3.0, 0.7, 30.0, 0.1),
+    (0.3, 0.7, 5.0, 3.0),  # no slip
+    (0.4, 0.8, 10.0, 0.0),  # no friction
+    (0.0, 1.3, 3.0, 0.8),
+    *SEVERAL_SLIPS,
+]
+
+
+@pytest.fixture(params=CASES, ids=str)
+def orbit(request):
+    return steady_orbit(*case(*request.param))
+
+
+def test_public_interface():
+    # the example of the design, as it stands
+    from dampbalance import BaseMotion, Oscillator, steady_orbit, steady_orbits
+
+    osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    motion = BaseMotion(Y=0.004, omega=2 * math.pi * 4.92)
+    orbit = steady_orbit(osc, motion)
+    # the exact values of the paper's first level; half a unit of the last digit quoted
+    assert pytest.approx(2.7279431e-3, rel=0, abs=5e-11) == orbit.X
+    assert orbit.X_s == pytest.approx(-2.7156354e-3, rel=0, abs=5e-11)
+    assert orbit.V_s == pytest.approx(0.0077402, rel=0, abs=5e-8)
+    assert orbit.t_s == pytest.approx(2.98421e-3, rel=0, abs=5e-9)
+    assert orbit.phi == pytest.approx(1.51934, rel=0, abs=5e-6)
+    assert orbit.phi_zero_crossing == pytest.approx(1.57718, rel=0, abs=5e-6)
+    assert orbit.a == pytest.approx(0.010887157, rel=0, abs=5e-10)
+    assert orbit.b == pytest.approx(0.000727463196, rel=0, abs=5e-13)
+    assert pytest.approx(0.0794072487, rel=0, abs=5e-11) == orbit.W
+    t = np.array([0.0, 0.1])
+    assert [value.shape for value in orbit.state(t)] == [(2,)] * 4
+    orbits = steady_orbits(
+        m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28, Y=[0.004, 0.006], omega=motion.omega
+    )
+    assert orbits.X[0] == orbit.X
+    assert orbits.regime.shape == (2,)
+
+
+@pytest.mark.parametrize("hz", PAPER_FREQUENCIES_HZ)
+def test_direct_integration_identifies_the_paper_exactly(hz):
+    # two rows a F_k + b c = W, every pair of levels: c = 90, F_k = 1.28 within 1e-10
+    orbits = [
+        steady_orbit(PAPER, BaseMotion(Y=Y, omega=2.0 * math.pi * hz)) for Y in PAPER_LEVELS_M
+    ]
+    for i, first in enumerate(orbits):
+        for second in orbits[i + 1 :]:
+            rows = np.array([[first.a, first.b], [second.a, second.b]])
+            F_k, c = np.linalg.solve(rows, [first.W, second.W])
+            assert c == pytest.approx(90.0, rel=1e-10)
+            assert F_k == pytest.approx(1.28, rel=1e-10)
+
+
+def test_ends_of_the_half_cycle(orbit):
+    X, omega = orbit.X, orbit.motion.omega
+    assert orbit.t_2 - orbit.t_1 == pytest.approx(0.5 * orbit.motion.period, rel=1e-14)
+    assert -0.5 * math.pi <= orbit.phi < 1.5 * math.pi
+    # rounding of t times the largest rates: ω_stick² / ω² of the size of the motion at most
+    for time, sign in ((orbit.t_1, -1.0), (orbit.t_2, 1.0)):
+        state = orbit.state(time)
+        assert float(state.x) == pytest.approx(sign * X, rel=1e-14)
+        assert float(state.v) == pytest.approx(0.0, abs=1e-10 * omega * X)
+
+
+def test_slip_onset(orbit):
+    if orbit.regime is Regime.NO_SLIP:
+        assert math.isnan(orbit.t_s)
+        return
+    if orbit.regime is Regime.NO_FRICTION:
+        assert orbit.t_s == 0.0
+        return
+    Z_m, X = orbit.oscillator.Z_m, orbit.X
+    state = orbit.state(orbit.t_1 + orbit.t_s)
+    assert float(state.x) == pytest.approx(orbit.X_s, rel=0, abs=1e-12 * X)
+    assert float(state.v) == pytest.approx(orbit.V_s, rel=1e-10)  # rounding of t times the jerk
+    assert float(state.z) == pytest.approx(Z_m, rel=1e-10)
+    before = orbit.state(orbit.t_1 + orbit.t_s * np.linspace(0.0, 0.999, 50))
+    assert np.all(before.z < Z_m)  # it is the first onset, from the reversal on
+
+
+def test_upward_zero_crossing(orbit):
+    # y = Y cos ωt crosses zero upward at ωt = −π/2
+    t = (orbit.phi_zero_crossing - 0.5 * math.pi) / orbit.motion.omega
+    state = orbit.state(t)
+    assert float(state.x) == pytest.approx(0.0, abs=1e-12 * orbit.X)
+    assert float(state.v) > 0.0
+
+
+def sampled(orbit, n=2001):
+    t = np.linspace(-0.3, 1.4, n) * orbit.motion.period
+    return t, orbit.state(t)
+
+
+def test_states_satisfy_the_equation_of_motion(orbit):
+    o, motion = orbit.oscillator, orbit.motion
+    t, (x, v, acceleration, z) = sampled(orbit)
+    spring = o.k * x + o.c * v + o.K_z * z
+    residual = o.m * acceleration + spring - o.k * motion.y(t)
+    # an identity of the force balance: rounding of the sum
+    np.testing.assert_allclose(residual, 0.0, rtol=0, atol=1e-13 * o.k * (orbit.X + motion.Y))
+    assert np.all(np.abs(x) <= orbit.X * (1.0 + 1e-13))
+    assert np.all(np.abs(z) <= o.Z_m * (1.0 + 1e-12))
+
+
+def test_velocity_and_acceleration_are_the_derivatives(orbit):
+    # central differences within phases: the state is one smooth motion, not four unrelated curves
+    o, t_1 = orbit.oscillator, orbit.t_1
+    edges = [*orbit.phases[:, 0], 0.5 * orbit.motion.period]
+    fastest = max(math.sqrt((o.k + o.K_z) / o.m), o.c / o.m, orbit.motion.omega)
+    for start, end in itertools.pairwise(edges):
+        h = 1e-4 * min(end - start, 1.0 / fastest)
+        x, v, acceleration, _ = orbit.state(t_1 + 0.5 * (start + end) + h * np.array([-1, 0, 1]))
+        # truncation: h²/6 times two more derivatives; and the rounding of x, t over h
+        rounding = 1e-15 * orbit.X * (1.0 + orbit.motion.omega * orbit.motion.period) / h
+        slack = 1e-7 * (np.abs(v).max() + np.abs(acceleration).max() / fastest) + rounding
+        assert (x[2] - x[0]) / (2.0 * h) == pytest.approx(v[1], rel=0, abs=slack)
+        slack = 1e-7 * (np.abs(acceleration).max() + fastest * np.abs(v).max()) + fastest * rounding
+        assert (v[2] - v[0]) / (2.0 * h) == pytest.approx(acceleration[1], rel=0, abs=slack)
+
+
+def test_states_are_continuous_at_events(orbit):
+    # x, ẋ, z pass every event without a jump, and so does ẍ: the contact force is continuous
+    period, t_1 = orbit.motion.period, orbit.t_1
+    events = np.concatenate([orbit.phases[:, 0], orbit.phases[:, 0] + 0.5 * period])
+    h = 1e-9 * np.diff([*orbit.phases[:, 0], 0.5 * period]).min()
+    before, after = orbit.state(t_1 + events - h), orbit.state(t_1 + events + h)
+    if orbit.regime is Regime.NO_FRICTION:  # the force of a slider without friction is nought
+        before, after = before._replace(z=0.0), after._replace(z=0.0)
+    for name in ("x", "v", "acceleration", "z"):
+        low, high = np.asarray(getattr(before, name)), np.asarray(getattr(after, name))
+        # 2h of motion at rates up to 1/(shortest phase), and the rounding of t at high stick frequencies
+        scale = np.abs(getattr(orbit.state(np.linspace(0, period, 99)), name)).max()
+        np.testing.assert_allclose(low, high, rtol=0, atol=1e-7 * scale, err_msg=name)
+
+
+def test_half_wave_symmetry_and_period(orbit):
+    t, state = sampled(orbit, 401)
+    period = orbit.motion.period
+    for shift, sign in ((0.5, -1.0), (1.0, 1.0), (-3.0, 1.0)):
+        moved = orbit.state(t + shift * period)
+        for value, other in zip(state, moved, strict=True):
+            # the rounding of t, three periods off, at rates of up to some thousand ω
+            np.testing.assert_allclose(
+                other, sign * value, rtol=0, atol=2e-11 * np.abs(value).max()
+            )
+
+
+def test_integrals_by_quadrature_of_the_states(orbit):
+    # a, b, W from the states by Gauss–Legendre on each phase: another route than the closed forms
+    o, motion = orbit.oscillator, orbit.motion
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    edges = np.array([*orbit.phases[:, 0], 0.5 * motion.period])
+    a = b = W = 0.0
+    for (start, end), s in zip(itertools.pairwise(edges), orbit.phases[:, 1], strict=True):
+        pieces = max(1, math.ceil((end - start) * math.sqrt((o.k + o.K_z) / o.m) / 8.0))
+        grid = np.linspace(start, end, pieces + 1)
+        for low, high in itertools.pairwise(grid):
+            half = 0.5 * (high - low)
+            t = orbit.t_1 + low + half * (1.0 + nodes)
+            v = orbit.state(t).v
+            a += 2.0 * half * (weights @ np.abs(v)) * (s != 0.0)
+            b += 2.0 * half * (weights @ v**2)
+            W += 2.0 * half * (weights @ (o.k * motion.y(t) * v))
+    assert a == pytest.approx(orbit.a, rel=1e-11)  # 1e-11: rounding of t in short phases
+    assert b == pytest.approx(orbit.b, rel=1e-11)
+    assert pytest.approx(orbit.W, rel=1e-11, abs=1e-14 * o.k * motion.Y * orbit.X) == W
+
+
+def test_harmonics_by_the_discrete_fourier_transform(orbit):
+    n = 4096
+    x = orbit.state(np.arange(n) / n * orbit.motion.period).x
+    spectrum = 2.0 / n * np.fft.rfft(x)
+    assert np.abs(spectrum[0:8:2]).max() <= 1e-13 * orbit.X  # half-wave symmetry: odd ones only
+    for order in (1, 3, 5):
+        X_n, phi_n = orbit.harmonic(order)
+        # aliases: X_n falls as n⁻⁴ (ẍ is continuous, the jerk jumps) from 4096 on
+        exact = X_n * np.exp(-1j * phi_n)
+        assert abs(spectrum[order] - exact) <= 1e-11 * orbit.X
+
+
+def test_state_takes_any_shape():
+    orbit = steady_orbit(*case(*CASES[0]))
+    for t in (0.1, [0.1], [[0.1, 0.2]], np.zeros((0,)), np.zeros((2, 0, 3)), np.float32(0.25)):
+        state = orbit.state(t)
+        assert isinstance(state, State)
+        assert all(value.shape == np.shape(t) for value in state)
+    alone, among = orbit.state(0.2), orbit.state([[0.1, 0.2]])
+    assert all(one[()] == many[0, 1] for one, many in zip(alone, among, strict=True))
+
+
+def test_round_trip_bit_for_bit(orbit):
+    again = Orbit.from_dict(json.loads(json.dumps(orbit.to_dict())))
+    assert again.oscillator == orbit.oscillator
+    assert again.motion == orbit.motion
+    assert again.regime is orbit.regime
+    assert again.phases.tobytes() == orbit.phases.tobytes()
+    assert again.to_dict() == orbit.to_dict()
+    for name in ("X", "X_s", "V_s", "t_s", "phi", "phi_zero_crossing", "t_1", "t_2", "a", "b", "W"):
+        first, second = getattr(orbit, name), getattr(again, name)
+        assert np.float64(first).tobytes() == np.float64(second).tobytes(), name
+    t, state = sampled(orbit, 101)
+    for first, second in zip(state, again.state(t), strict=True):
+        assert first.tobytes() == second.tobytes()
+
+
+def test_a_damaged_description_is_refused():
+    data = steady_orbit(*case(*CASES[0])).to_dict()
+    with pytest.raises(ValueError, match=r"Oscillator\.m must be positive"):
+        Orbit.from_dict(data | {"oscillator": data["oscillator"] | {"m": -1.0}})
+    with pytest.raises(KeyError, match="SLIDING"):
+        Orbit.from_dict(data | {"regime": "SLIDING"})
+
+
+def test_phases_are_read_only(orbit):
+    for one in (orbit, Orbit.from_dict(orbit.to_dict())):
+        with pytest.raises(ValueError, match="read-only"):
+            one.phases[0, 0] = 1.0
+
+
+@pytest.mark.parametrize("n", [0, 2, 4, 7, -1, 1.5])
+def test_only_the_first_odd_harmonics(n):
+    with pytest.raises(ValueError, match=f"harmonic n must be 1, 3 or 5, got {n}"):
+        steady_orbit(*case(*CASES[0])).harmonic(n)
+
+
+def test_missing_features_are_nan_and_the_regime_says_why():
+    orbit = steady_orbit(*case(0.3, 0.7, 5.0, 3.0))
+    assert all(math.isnan(value) for value in (orbit.X_s, orbit.V_s, orbit.t_s))
+    assert str(orbit.regime) == "no slip: the contact only sticks"
+    assert orbit.a == 0.0
+
+
+def test_words_of_every_regime():
+    words = {str(regime) for regime in Regime}
+    assert len(words) == len(Regime)
+    assert all(re.fullmatch("[a-z: ]+", word) for word in words)
+
+
+def test_no_steady_orbit_is_an_error_that_names_the_case():
+    resonant = Oscillator(m=1.0, c=0.0, k=4.0, K_z=10.0, F_k=0.1)
+    with pytest.raises(
+        NoSteadyOrbit, match=r"no steady orbit found for Oscillator\(m=1\.0, c=0\.0"
+    ):
+        steady_orbit(resonant, BaseMotion(Y=1.0, omega=2.0))

@@ -1,0 +1,200 @@
+"""The exact response from any initial state, as an object; its truth is tested in tests/analytic."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from analytic.cases import PAPER, PAPER_MOTIONS, case
+from dampbalance import BaseMotion, Oscillator, State, transient
+
+MOTION = PAPER_MOTIONS[0]
+END = 3.0 * MOTION.period
+unit = st.floats(-1.0, 1.0)
+
+
+def test_initial_state_is_kept():
+    start = {"x": 1e-3, "v": -0.02, "z": -0.3 * PAPER.Z_m}
+    path = transient(PAPER, MOTION, END, start=0.1, **start)
+    state = path.state(0.1)
+    for name, value in start.items():
+        assert float(getattr(state, name)) == value
+    assert path.end == END
+    assert path.phases[0, 0] == 0.1
+
+
+def test_default_is_rest():
+    path = transient(PAPER, MOTION, END)
+    first = path.state(0.0)
+    assert (float(first.x), float(first.v), float(first.z)) == (0.0, 0.0, 0.0)
+    assert float(first.acceleration) == pytest.approx(PAPER.k * MOTION.Y / PAPER.m, rel=1e-15)
+
+
+def test_integers_are_numbers_too():
+    whole = transient(PAPER, MOTION, 1, x=0, v=0, z=0, start=0)
+    assert whole.phases.tobytes() == transient(PAPER, MOTION, 1.0).phases.tobytes()
+
+
+def test_a_path_continued_is_the_path_itself():
+    whole = transient(PAPER, MOTION, END, x=0.01)
+    middle = 0.4321 * END
+    at = whole.state(middle)
+    rest = transient(PAPER, MOTION, END, x=float(at.x), v=float(at.v), z=float(at.z), start=middle)
+    t = np.linspace(middle, END, 100)
+    for one, other in zip(whole.state(t), rest.state(t), strict=True):
+        # a state read off and started from again is rounded once
+        np.testing.assert_allclose(other, one, rtol=0, atol=1e-12 * np.abs(one).max())
+
+
+def test_shape_of_times():
+    path = transient(PAPER, MOTION, END)
+    for t in (0.1, [0.1], np.full((2, 3), 0.2), np.zeros((0, 2))):
+        state = path.state(t)
+        assert isinstance(state, State)
+        assert all(value.shape == np.shape(t) for value in state)
+
+
+def random_path(zeta, r, K, F, x, v, z):
+    oscillator, motion = case(*(math.exp(q) for q in (zeta, r, K, F)))
+    start = {"x": 3 * motion.Y * x, "v": 3 * motion.Y * motion.omega * v, "z": oscillator.Z_m * z}
+    return transient(oscillator, motion, 2.0 * motion.period, **start)
+
+
+ranges = tuple(
+    st.floats(math.log(low), math.log(high))
+    for low, high in ((1e-3, 5.0), (0.1, 5.0), (0.01, 1e3), (1e-3, 3.0))
+)
+
+
+@settings(max_examples=80)
+@given(*ranges, unit, unit, st.one_of(unit, st.sampled_from([-1.0, 0.0, 1.0])))
+@example(
+    0.0, 0.0, 0.0, -5.0, -1.0, -0.125, 0.0
+)  # both limits of the spring within a third of a radian
+def test_rules_of_the_contact(zeta, r, K, F, x, v, z):
+    path = random_path(zeta, r, K, F, x, v, z)
+    o, motion, phases = path.oscillator, path.motion, path.phases
+    Z_m = o.Z_m
+    assert np.all(np.diff(phases[:, 0]) >= 0.0)
+    assert set(phases[:, 1]) <= {-1.0, 0.0, 1.0}
+    # one phase ends where the next begins; no two phases of the same state follow each other
+    assert np.all(np.diff(phases[:, 1]) != 0.0)
+    t = np.linspace(phases[0, 0], path.end, 500)
+    state = path.state(t)
+    assert np.all(np.abs(state.z) <= Z_m * (1.0 + 1e-12))  # rounding
+    s = phases[np.searchsorted(phases[:, 0], t, side="right") - 1, 1]
+    # in slip the spring is at its limit and the mass moves that way; 1e-12 for the instants of reversal
+    slips = s != 0.0
+    np.testing.assert_array_equal(state.z[slips], s[slips] * Z_m)
+    assert np.all((s * state.v)[slips] >= -1e-12 * np.abs(state.v).max())
+    # the equation of motion: an identity up to rounding
+    forces = o.m * state.acceleration + o.c * state.v + o.k * state.x + o.K_z * state.z
+    size = o.k * (motion.Y + np.abs(state.x).max()) + o.c * np.abs(state.v).max() + o.F_k
+    np.testing.assert_allclose(forces, o.k * motion.y(t), rtol=0, atol=1e-13 * size)
+
+
+@settings(max_examples=40)
+@given(*ranges, unit, unit, unit)
+def test_states_pass_events_without_a_jump(zeta, r, K, F, x, v, z):
+    path = random_path(zeta, r, K, F, x, v, z)
+    phases = path.phases
+    o, motion = path.oscillator, path.motion
+    fastest = max(math.sqrt((o.k + o.K_z) / o.m), o.c / o.m, motion.omega)
+    speed = max(
+        np.abs(path.state(np.linspace(0.0, path.end, 200)).v).max(), motion.Y * motion.omega
+    )
+    h = 1e-10 * motion.period
+    at = phases[1:, 0]
+    at = at[(at > h) & (at + h < path.end)]
+    before, after = path.state(at - h), path.state(at + h)
+    # twice h of motion at the largest speed, three times over; and acceleration by the fastest rate
+    np.testing.assert_allclose(before.x, after.x, rtol=0, atol=6.0 * h * speed)
+    np.testing.assert_allclose(before.z, after.z, rtol=0, atol=6.0 * h * speed)
+    largest = fastest * speed + o.k / o.m * motion.Y * 10.0
+    np.testing.assert_allclose(before.v, after.v, rtol=0, atol=6.0 * h * largest)
+
+
+def test_without_excitation_worth_the_name_the_energy_falls():
+    # Y tiny: a free decay; the mechanical energy of mass, spring and contact spring never grows
+    o = Oscillator(m=1.0, c=0.05, k=1.0, K_z=20.0, F_k=0.1)
+    path = transient(o, BaseMotion(Y=1e-18, omega=1.0), 40.0, x=1.0)
+    state = path.state(np.linspace(0.0, 40.0, 4000))
+    energy = 0.5 * (o.m * state.v**2 + o.k * state.x**2 + o.K_z * state.z**2)
+    assert np.all(np.diff(energy) <= 1e-15)
+    # it ends held by the contact, within F_k/k of the middle
+    assert path.phases[-1, 1] == 0.0
+    assert abs(state.x[-1]) < o.F_k / o.k
+
+
+def test_many_events():
+    # some 3000 phases: more than are computed at once
+    path = transient(PAPER, MOTION, 700.0 * MOTION.period)
+    assert len(path.phases) > 2500
+    assert np.all(np.diff(path.phases[:, 0]) > 0.0)
+
+
+def test_slider_without_friction():
+    o = Oscillator(m=1.0, c=0.2, k=4.0, K_z=10.0, F_k=0.0)
+    motion = BaseMotion(Y=0.5, omega=1.0)
+    free = transient(o, motion, 30.0, x=0.3, v=-0.1)
+    state = free.state(np.linspace(0.0, 30.0, 50))
+    assert np.all(state.z == 0.0)
+    # the linear oscillator in closed form: steady motion plus what the initial state adds
+    delta, sigma = 0.1, math.sqrt(4.0 - 0.01)
+    G = 2.0 / (4.0 - 1.0 + 0.2j)
+    q, w = 0.3 - G.real, -0.1 + G.imag
+    t = np.linspace(0.0, 30.0, 50)
+    free_part = q * np.cos(sigma * t) + (w + delta * q) / sigma * np.sin(sigma * t)
+    expected = (G * np.exp(1j * t)).real + np.exp(-delta * t) * free_part
+    # a slider without friction still has an event at each reversal, whose rounding adds up
+    np.testing.assert_allclose(state.x, expected, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("z", [1.0, -1.0])
+def test_starts_at_the_limit_of_the_spring(z):
+    limit = z * PAPER.Z_m
+    onward = transient(PAPER, MOTION, END, v=z * 0.1, z=limit)
+    assert onward.phases[0, 1] == z  # slips at once
+    back = transient(PAPER, MOTION, END, v=-z * 0.1, z=limit)
+    assert back.phases[0, 1] == 0.0  # lets go
+    # at rest the force decides: the base pulls with kY = 9.24 N at t = 0, seven times F_k
+    still = transient(PAPER, MOTION, END, z=limit)
+    assert still.phases[0, 1] == (1.0 if z > 0.0 else 0.0)
+
+
+@pytest.mark.parametrize("name", ["x", "v", "z", "start", "end"])
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_values_must_be_finite(name, bad):
+    arguments = {"end": END, name: bad}
+    with pytest.raises(ValueError, match=f"^{name} must be finite, got {bad}$"):
+        transient(PAPER, MOTION, **arguments)
+
+
+@pytest.mark.parametrize("name", ["x", "v", "z", "start", "end"])
+@pytest.mark.parametrize("bad", ["0.1", None, True, [0.1], 1j], ids=repr)
+def test_values_must_be_numbers(name, bad):
+    arguments = {"end": END, name: bad}
+    with pytest.raises(TypeError, match=f"^{name} must be a number, got "):
+        transient(PAPER, MOTION, **arguments)
+
+
+@pytest.mark.parametrize("factor", [1.0 + 1e-12, -1.1, 1e6])
+def test_the_spring_cannot_be_stretched_beyond_its_limit(factor):
+    with pytest.raises(ValueError, match=r"^z must lie within ±Z_m = ±6\.15385e-06 m, got "):
+        transient(PAPER, MOTION, END, z=factor * PAPER.Z_m)
+
+
+@pytest.mark.parametrize("end", [1.0, 0.5, -3.0])
+def test_the_end_comes_after_the_start(end):
+    with pytest.raises(ValueError, match=rf"^end must be later than start = 1\.0, got {end}$"):
+        transient(PAPER, MOTION, end, start=1.0)
+
+
+@pytest.mark.parametrize("t", [-1e-9, END * (1.0 + 1e-9), [0.1, -0.1], math.nan, math.inf])
+def test_times_outside_the_path_are_refused(t):
+    with pytest.raises(ValueError, match=r"^times must lie within \[0\.0, 0\.6"):
+        transient(PAPER, MOTION, END).state(t)

@@ -1,0 +1,180 @@
+"""Parameter studies through the workflow: small variants of the shipped ones, resumed, on one core, and wrong ones."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+import yaml
+
+from dampbalance.studies import evaluate, settings
+
+pytestmark = pytest.mark.slow
+
+SMALL = Path(__file__).parent / "studies"
+SHIPPED = Path(__file__).parents[2] / "config/studies"
+NAMES = sorted(path.stem for path in SHIPPED.glob("*.yaml"))
+
+
+def test_every_shipped_study_has_a_small_variant():
+    assert sorted(path.stem for path in SMALL.glob("*.yaml")) == NAMES
+
+
+@pytest.fixture(scope="module")
+def studied(checkout):
+    """The small variants of all shipped studies, computed on two cores."""
+    copy = checkout()
+    for name in NAMES:
+        documents = [
+            yaml.safe_load((folder / f"{name}.yaml").read_text(encoding="utf-8"))
+            for folder in (SHIPPED, SMALL)
+        ]
+        write(copy, name, documents[0] | documents[1])
+    done = copy.run("studies")
+    assert done.returncode == 0, done.stderr
+    return copy
+
+
+def write(copy, name, document):
+    path = copy.folder / f"config/studies/{name}.yaml"
+    path.write_text(yaml.safe_dump(document, allow_unicode=True), encoding="utf-8")
+
+
+def target(name):
+    return f"results/studies/{name}/summary.md"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_everything_is_made(studied, name):
+    files = studied.files(f"studies/{name}")
+    assert set(files) == {
+        "cases.parquet",
+        "manifest.json",
+        "summary.csv",
+        "summary.md",
+        "figure.svg",
+        "figure.png",
+    }
+    page = files["summary.md"].decode()
+    assert "{" not in page  # every fact is filled in
+    assert " nan " not in page
+    manifest = json.loads(files["manifest.json"])
+    cases = pq.read_table(studied.folder / f"results/studies/{name}/cases.parquet")
+    assert sum(manifest["cases_per_regime"].values()) == manifest["cases"] == cases.num_rows
+    assert [column["name"] for column in manifest["columns"]] == cases.column_names
+    for column in manifest["columns"]:
+        described = cases.schema.field(column["name"]).metadata
+        assert described[b"unit"].decode() == column["unit"]
+
+
+@pytest.mark.parametrize("name", ["map", "frequency"])
+def test_chunks_joined_are_the_study_computed_at_once(studied, name):
+    study = settings.read_study(
+        studied.folder / f"config/studies/{name}.yaml",
+        studied.folder / "workflow/schemas/study.schema.yaml",
+        studied.folder / "config/config.yaml",
+    )
+    cases = pd.read_parquet(studied.folder / f"results/studies/{name}/cases.parquet")
+    whole = evaluate.evaluate(study, 0, study.cases)
+    assert list(cases.columns) == list(whole.columns)
+    for column in whole.columns:
+        assert np.array_equal(
+            cases[column].astype(whole[column].dtype).to_numpy(),
+            whole[column].to_numpy(),
+            equal_nan=column not in ("regime",),
+        )
+
+
+def test_a_second_run_does_nothing(studied):
+    assert studied.jobs("studies") == {}
+
+
+def test_a_new_title_computes_no_case_again(studied):
+    path = studied.folder / "config/studies/map.yaml"
+    before = path.read_text(encoding="utf-8")
+    try:
+        write(studied, "map", yaml.safe_load(before) | {"title": "Another title"})
+        jobs = studied.jobs(target("map"))
+    finally:
+        path.write_text(before, encoding="utf-8")
+    assert jobs.keys() - {"total"} == {"study_figure", "study_summary"}
+
+
+def test_an_interrupted_study_resumes_and_ends_in_the_same_bytes(studied):
+    """Two of four chunks are there, from one core; the rest is computed, in another order, and nothing else."""
+    finished = studied.files("studies/map")
+    folder = studied.folder / "results/studies/map"
+    shutil.rmtree(folder)
+    chunks = [f"results/studies/map/chunks/{i:05d}.parquet" for i in (2, 1)]
+    assert studied.run(*chunks, cores=1).returncode == 0
+    assert studied.jobs(target("map"))["study_chunk"] == 2
+    done = studied.run(target("map"), cores=1)
+    assert done.returncode == 0, done.stderr
+    assert "Study map: 4 of 4 chunks" in done.stderr + done.stdout
+    again = studied.files("studies/map")
+    assert {name: again[name] == finished[name] for name in finished} == dict.fromkeys(
+        finished, True
+    )
+
+
+def test_a_dry_run_tells_cases_and_bytes(studied):
+    done = studied.run("--dry-run", target("map"))
+    assert "Study map: 3,500 cases × 3 levels = 10,500 responses, 4 chunks, up to" in (
+        done.stderr + done.stdout
+    )
+
+
+GOOD = {"title": "Wrong", "axes": [{"zeta": {"values": [0.1, 0.2]}}]}
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (
+            {"axes": [{"zetta": {"values": [0.1]}}]},
+            "wrong.yaml: axes[1].zetta: unknown key (did you mean zeta?)",
+        ),
+        (
+            {
+                "axes": [
+                    {
+                        "sample": {
+                            "method": "random",
+                            "count": 10**13,
+                            "seed": 1,
+                            "over": {"zeta": {"from": 0.1, "to": 0.2}},
+                        }
+                    }
+                ],
+                "chunk_cases": 10**10,
+            },
+            "wrong.yaml: axes: 10,000,000,000,000 cases would take",
+        ),
+        ({"chunk_size": 5}, "wrong.yaml: chunk_size: unknown key (did you mean chunk_cases?)"),
+    ],
+)
+def test_a_wrong_study_is_refused_and_nothing_is_lost(studied, change, expected):
+    before = studied.files("studies")
+    path = studied.folder / "config/studies/wrong.yaml"
+    try:
+        write(studied, "wrong", GOOD | change)
+        done = studied.run(target("wrong"))
+        others = studied.run("--dry-run", target("map"))
+    finally:
+        path.unlink()
+    assert done.returncode != 0
+    assert expected in done.stderr + done.stdout
+    assert "Traceback" not in done.stderr + done.stdout
+    assert studied.files("studies") == before
+    assert others.returncode == 0  # it stops nothing but itself
+
+
+def test_a_study_that_is_not_there_is_named(studied):
+    done = studied.run(target("frequenzy"))
+    assert done.returncode != 0
+    assert "config/studies/frequenzy.yaml: there is no such study" in done.stderr + done.stdout
