@@ -1,8 +1,8 @@
 """Which files of the package a script depends on, read from their import statements.
 
 A workflow that reruns a step when its script changes must rerun it, too, when a module that the script uses
-changes, and only then. The package's `__init__` hands names on from every module; it is left out, and scripts
-import from the modules.
+changes, and only then. A package's `__init__` hands names on; it counts where a script takes names from it, not where
+one of its modules is imported. That of the top package is left out altogether: scripts import from the modules.
 """
 
 from __future__ import annotations

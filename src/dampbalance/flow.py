@@ -87,14 +87,6 @@ def _step_response_closed(t: float, delta: float, Omega2: float) -> tuple[float,
 
 
 @jit
-def is_resonant(omega: float, delta: float, Omega2: float) -> bool:
-    """Whether the drive is so close to the resonance of a phase that forced and free motion nearly cancel in it."""
-    difference, damping = Omega2 - omega * omega, 2.0 * delta * omega
-    bound = _RESONANT_BELOW * (Omega2 + omega * omega)
-    return difference * difference + damping * damping < bound * bound
-
-
-@jit
 def harmonic_response(
     t: float, omega: float, delta: float, Omega2: float, J: float, S: float
 ) -> tuple[complex, complex]:
@@ -103,10 +95,9 @@ def harmonic_response(
     P = [(e^{iωt} − 1) + Ω²J − iωS] / D,  D = Ω² − ω² + 2iδω, unless that would cancel: D or t is small.
     """
     D = complex(Omega2 - omega * omega, 2.0 * delta * omega)
-    if (
-        is_resonant(omega, delta, Omega2)
-        or (D.real * D.real + D.imag * D.imag) * t * t < 0.01 * omega * omega
-    ):
+    D_squared = D.real * D.real + D.imag * D.imag
+    resonant = _RESONANT_BELOW * (Omega2 + omega * omega)
+    if D_squared < resonant * resonant or D_squared * t * t < 0.01 * omega * omega:
         Omega = math.sqrt(Omega2)
         radians = (Omega + delta + omega) * t
         if radians < 1.0:  # the last term is below rounding

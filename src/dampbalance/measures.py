@@ -6,9 +6,8 @@ forms in the values of q and q̇ at the two ends,
 
     ∫ q̇ e^{iσt} dt = [e^{iσt} (iσ q̇ + Ω² q)] / (Ω² − σ² − 2iδσ),      ∫ q̇² dt = −[½ (q̇² + Ω² q²)] / 2δ,
 
-so that under-, critically and over-damped phases need no separate treatment. Where digits would cancel (a free motion
-that resonates with one of the harmonics wanted, hardly any damping, or a motion that is small beside its forced and
-free parts), Gauss's rule takes their place.
+so that under-, critically and over-damped phases need no separate treatment. Where digits would cancel (hardly any
+damping, or a motion that is small beside its forced and free parts, as near resonance), Gauss's rule takes their place.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._jit import jit
-from .flow import is_resonant, move, phase_start
+from .flow import move, phase_start
 from .model import Parameters
 
 _UNDAMPED_BELOW = 1e-3  # of 2δt
@@ -70,17 +69,13 @@ def measure(phases: NDArray[np.float64], count: int, theta: float, par: Paramete
         if s != 0.0:
             a += 2.0 * abs((phases[i + 1, 2] if i + 1 < count else X) - x)
         f0, A, Omega2 = phase_start(s, x, z, theta + omega * t, par)
-        if (
-            2.0 * delta * duration < _UNDAMPED_BELOW
-            or is_resonant(omega, delta, Omega2)
-            or is_resonant(3.0 * omega, delta, Omega2)
-            or is_resonant(5.0 * omega, delta, Omega2)
-        ):
-            square, one, three, five = _by_gauss(duration, v, f0, A, delta, Omega2, omega)
-        else:
+        undamped = 2.0 * delta * duration < _UNDAMPED_BELOW
+        forced = square = 0.0
+        one = three = five = 0j
+        if not undamped:
             forced, square, one, three, five = _by_ends(duration, v, f0, A, delta, Omega2, omega)
-            if square < _CANCELLED_BELOW * forced and delta * delta < Omega2:
-                square, one, three, five = _by_gauss(duration, v, f0, A, delta, Omega2, omega)
+        if undamped or (square < _CANCELLED_BELOW * forced and delta * delta < Omega2):
+            square, one, three, five = _by_gauss(duration, v, f0, A, delta, Omega2, omega)
         b += 2.0 * square
         first += _unit(omega * t) * one
         third += _unit(3.0 * omega * t) * three

@@ -38,14 +38,25 @@ def test_nothing_that_python_loads_is_missing(script):
     """Run the imports of a script in a fresh Python: what they load besides the package's face is what we list."""
     tree = ast.parse(script.read_text(encoding="utf-8"))
     imports = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
-    # an empty package face, so that only what the script asks for is loaded
-    code = (
-        "import sys, types, pathlib\n"
-        f"face = types.ModuleType('dampbalance'); face.__path__ = [{str(ROOT / 'src/dampbalance')!r}]\n"
-        "sys.modules['dampbalance'] = face\n"
-        + "\n".join(ast.unparse(node) for node in imports)
-        + "\nprint('\\n'.join(m.__file__ for n, m in sys.modules.items() if n.startswith('dampbalance.')))"
+    listed = set(package_modules(script, ROOT / "src"))
+    # Empty package faces, but for those that the script takes names from: only what is asked for is loaded.
+    faces = {
+        str(init.parent.relative_to(ROOT / "src")).replace("/", "."): str(init.parent)
+        for init in (ROOT / "src/dampbalance").rglob("__init__.py")
+        if str(init.relative_to(ROOT / "src")) not in listed
+    }
+    code = "\n".join(
+        [
+            "import sys, types",
+            f"for name, folder in {faces!r}.items():",
+            "    face = types.ModuleType(name)",
+            "    face.__path__, face.__version__ = [folder], ''",
+            "    sys.modules[name] = face",
+            *(ast.unparse(node) for node in imports),
+            "modules = [m for n, m in sys.modules.items() if n.startswith('dampbalance.')]",
+            "print(*(m.__file__ for m in modules if getattr(m, '__file__', None)), sep='\\n')",
+        ]
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = {str(Path(line).relative_to(ROOT / "src")) for line in run.stdout.split()}
-    assert loaded <= set(package_modules(script, ROOT / "src"))
+    assert loaded <= listed
