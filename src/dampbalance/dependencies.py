@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import os
+from functools import cache
 from pathlib import Path
 
 
@@ -24,7 +25,8 @@ def package_modules(
     found: set[Path] = set()
     waiting = [Path(script)]
     while waiting:
-        for module in _imported_files(waiting.pop(), source):
+        file = waiting.pop()
+        for module in _imported_files(file, file.stat().st_mtime_ns, source):
             if module not in found:
                 found.add(module)
                 waiting.append(module)
@@ -32,7 +34,8 @@ def package_modules(
     return sorted(os.path.relpath(path, start) for path in found)
 
 
-def _imported_files(file: Path, source: Path) -> set[Path]:
+@cache  # a workflow asks about many scripts that share their modules
+def _imported_files(file: Path, changed: int, source: Path) -> frozenset[Path]:
     tree = ast.parse(file.read_text(encoding="utf-8"), filename=str(file))
     names: set[str] = set()
     for node in ast.walk(tree):
@@ -49,7 +52,7 @@ def _imported_files(file: Path, source: Path) -> set[Path]:
             files.add(path.with_suffix(".py"))
         elif "." in name and (path / "__init__.py").is_file():  # a subpackage is its __init__
             files.add(path / "__init__.py")
-    return files
+    return frozenset(files)
 
 
 def _base(node: ast.ImportFrom, file: Path, source: Path) -> str:
