@@ -141,8 +141,8 @@ def test_transient_that_overstretches_the_spring_for_a_moment():
 
 
 def test_transient_that_only_just_reaches_the_limit_of_the_spring():
-    # ẋ dips below zero from t = 0.086 to 0.114 s; in between z passes a maximum of which Z_m is just short. Within a single
-    # step of the search the velocity keeps its sign at both ends, and z is beyond Z_m only once.
+    # ẋ dips below zero from t = 0.086 to 0.114 s, so z passes a maximum, of which Z_m is just short. Within a single
+    # step of the search the velocity has the same sign at both ends, and z is beyond Z_m at the later one.
     v, a, jerk = 0.0049, -0.1, 1.0  # at the start: ẋ = v + a t + jerk t²/2 + …
     k = K_z = 0.5
     first_turn = 0.086
