@@ -26,6 +26,7 @@ from dampbalance.studies.axes import SOBOL_BITS, Listed, Range, Sampled, case_va
 from dampbalance.studies.fitting import least_squares_of_cases
 from dampbalance.studies.logarithmic import is_logarithmic
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
+from dampbalance.studies.stretches import Sizes
 from dampbalance.timestepping import simulate
 
 ROOT = Path(__file__).parents[2]
@@ -398,6 +399,10 @@ GOOD = {
             "no fit of this study is meant",
         ),
         (
+            {"facts": {"one": {"of": "c", "take": "band", "within": 0.1, "along": "m_kg"}}},
+            "facts.one.along: must be an axis of this study",
+        ),
+        (
             {"read_out": {"X_s_decimals": 5, "X_s_mark_m": 1.0e-6}},
             "X_s_mark_m and X_s_decimals say the same",
         ),
@@ -508,6 +513,23 @@ def test_the_summary_counts_what_is_there(study, tmp_path):
     assert line["identified"] == error.notna().sum() < 40
     assert line["max_error_percent"] == pytest.approx(100.0 * error.max(), rel=1e-15)
     assert line["within_1_percent_share"] == (error <= 0.01).sum() / 40
+
+
+def test_sizes_are_counted_as_if_all_were_there():
+    rng = np.random.default_rng(5)
+    errors = 10.0 ** rng.uniform(-13.0, 2.0, 5000) * rng.choice([-1.0, 1.0], 5000)
+    errors[::7] = np.nan
+    sizes = Sizes(0.01)
+    for part in np.array_split(errors, 7):
+        sizes.add(part)
+    known = np.abs(errors[np.isfinite(errors)])
+    assert (sizes.cases, sizes.known) == (5000, known.size)
+    assert sizes.share == np.count_nonzero(known <= 0.01) / 5000
+    assert (sizes.smallest, sizes.largest) == (known.min(), known.max())
+    for share in (0.0, 0.5, 0.95, 1.0):
+        true = np.quantile(known, share, method="inverted_cdf")
+        assert sizes.quantile(share) == pytest.approx(true, rel=6e-4)  # half a bin
+    assert math.isnan(Sizes(0.01).quantile(0.5))
 
 
 def test_facts_are_taken_from_the_cases_they_name(study, tmp_path):

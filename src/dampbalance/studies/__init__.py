@@ -9,6 +9,7 @@ stepwise.py     the same from fixed-step simulations or sampled records, respons
 fitting.py      least squares of many cases at once
 evaluate.py     one chunk: cases → responses → rows → errors, as a table
 outputs.py      the chunks as one Parquet file, and a manifest
+stretches.py    the table of cases read a stretch at a time, and sizes of errors counted along the way
 summary.py      a table of errors, and the page that shows it
 facts.py        numbers of the paragraph that says what a study shows
 drawing.py      its figure; maps.py and logarithmic.py belong to it

@@ -31,7 +31,7 @@ from .logarithmic import is_logarithmic, logarithmic_ticks
 from .maps import share_map
 from .parameters import PARAMETERS
 from .settings import Study, chosen
-from .summary import column_of
+from .stretches import column_of
 
 Array = NDArray[np.float64]
 
@@ -246,13 +246,15 @@ def _marks(axes: Axes, study: Study, label: bool) -> None:
     for name, value in study.figure.get("marks", {}).items():
         axes.axvline(value, color=FAINT, lw=0.6, ls=(0, (1, 1.5)), zorder=0)
         if label:
+            to_share = axes.transScale + axes.transLimits  # of the axis, where the mark stands
+            at_end = to_share.transform((value, axes.get_ylim()[0]))[0] > 0.85
             axes.annotate(
                 _marked(name),
                 xy=(value, 1.0),
                 xycoords=("data", "axes fraction"),
-                xytext=(1.5, -2.5),
+                xytext=(-1.5 if at_end else 1.5, -2.5),
                 textcoords="offset points",
-                ha="left",
+                ha="right" if at_end else "left",
                 va="top",
                 size=7.5,
                 color=FAINT,

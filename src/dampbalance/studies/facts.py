@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .settings import Study, chosen
-from .summary import column_of, errors_of, percent
+from .stretches import Sizes, stretches
+from .summary import percent
 
 Array = NDArray[np.float64]
 
@@ -23,56 +25,96 @@ def paragraph(study: Study, cases: str | Path) -> str:
 
 def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
     """One number in words: a percentage, or for a band the values of the axis between which it lies."""
-    kept = _meant(cases, spec)
-    error = worst_errors(study, cases, spec)[kept]
-    size = np.abs(error)
-    known = np.isfinite(size)
+    nearest = _nearest(cases, spec)
+    names = [*error_columns(study, spec), *nearest, *spec.get("between", {})]
+    names += [spec["along"]] if spec["take"] == "band" else []
+    sizes = Sizes(spec.get("within", math.inf))
+    signed = math.nan
+    worst_at: dict[float, float] = {}  # place on the axis of a band → the worst error there
+    for stretch in stretches(cases, names):
+        kept = _meant(stretch, spec, nearest)
+        errors = worst(study, stretch, spec)[kept]
+        sizes.add(errors)
+        if math.isnan(signed) and np.isfinite(errors).any():
+            signed = float(errors[np.isfinite(errors)][0])
+        if spec["take"] == "band":
+            for place, error in zip(stretch[spec["along"]][kept], np.abs(errors), strict=True):
+                worst_at[place] = max(worst_at.get(place, 0.0), _or_infinite(error))
     if spec["take"] == "band":
-        return _band(column_of(cases, spec["along"])[kept], size, spec)
-    if not known.any():
+        return _band(worst_at, spec)
+    if not sizes.known:
         return "nothing (it cannot be identified there)"
     if spec["take"] == "share":
-        return percent(np.count_nonzero(size[known] <= spec["within"]) / size.size)
+        return percent(sizes.share)
     if spec["take"] == "signed":
-        value = float(error[known][0])
-        return f"{'−' if value < 0.0 else '+'}{percent(value)}"
-    share_below = {"min": 0.0, "median": 0.5, "max": 1.0}[spec["take"]]
-    return percent(float(np.quantile(size[known], share_below)))
+        return f"{'−' if signed < 0.0 else '+'}{percent(signed)}"
+    values = {"max": sizes.largest, "min": sizes.smallest, "median": sizes.quantile(0.5)}
+    return percent(values[spec["take"]])
+
+
+def error_columns(study: Study, spec: Mapping[str, Any]) -> list[str]:
+    """The columns of the errors that a fact or a figure speaks of; least squares if it names no fit."""
+    wanted = {"fit": "least_squares"} | dict(spec)
+    fits = chosen(study.fits, wanted) or chosen(study.fits, spec)
+    return [f"{spec['of']}_relative_error__{fit.label}" for fit in fits]
+
+
+def worst(study: Study, stretch: Mapping[str, NDArray[Any]], spec: Mapping[str, Any]) -> Array:
+    """The error in each case of a stretch; where several fits are meant (all pairs) the largest among them."""
+    errors = [stretch[name] for name in error_columns(study, spec)]
+    found: Array = errors[0]
+    for error in errors[1:]:
+        larger = ~(np.abs(error) <= np.abs(found)) & np.isfinite(error)
+        found = np.where(larger | ~np.isfinite(found), error, found)
+    return found
 
 
 def worst_errors(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> Array:
-    """The error in each case; where several fits are meant (all pairs, all phases) the largest among them."""
-    wanted = {"fit": "least_squares"} | dict(spec)
-    fits = chosen(study.fits, wanted) or chosen(study.fits, spec)
-    worst = errors_of(cases, fits[0], spec["of"])
-    for fit in fits[1:]:
-        error = errors_of(cases, fit, spec["of"])
-        larger = ~(np.abs(error) <= np.abs(worst)) & np.isfinite(error)
-        worst = np.where(larger | ~np.isfinite(worst), error, worst)
-    return worst
+    """The same in all cases: 8 bytes a case."""
+    names = error_columns(study, spec)
+    return np.concatenate([worst(study, part, spec) for part in stretches(cases, names)])
 
 
-def _meant(cases: str | Path, spec: Mapping[str, Any]) -> NDArray[np.bool_]:
-    """Which cases a fact is about."""
-    kept: NDArray[np.bool_] = np.ones(len(column_of(cases, "case")), dtype=bool)
+def _nearest(cases: str | Path, spec: Mapping[str, Any]) -> dict[str, float]:
+    """For each axis of `at`, the smallest distance of a case from the place named; NaN for a word."""
+    found = {}
     for name, wanted in spec.get("at", {}).items():
-        values = column_of(cases, name)
+        if isinstance(wanted, str):
+            found[name] = math.nan
+        else:
+            parts = stretches(cases, [name])
+            found[name] = min(float(np.abs(part[name] - wanted).min()) for part in parts)
+    return found
+
+
+def _meant(
+    stretch: Mapping[str, NDArray[Any]], spec: Mapping[str, Any], nearest: Mapping[str, float]
+) -> NDArray[np.bool_]:
+    """Which cases of a stretch a fact is about."""
+    kept: NDArray[np.bool_] = np.ones(len(next(iter(stretch.values()))), dtype=bool)
+    for name, wanted in spec.get("at", {}).items():
+        values = stretch[name]
         if isinstance(wanted, str):
             kept &= values == wanted
         else:
-            distance = np.abs(values - wanted)
-            kept &= distance == distance.min()
+            kept &= np.abs(values - wanted) == nearest[name]
     for name, (low, high) in spec.get("between", {}).items():
-        values = column_of(cases, name)
-        kept &= (values >= low) & (values <= high)
+        kept &= (stretch[name] >= low) & (stretch[name] <= high)
     return kept
 
 
-def _band(axis: Array, size: Array, spec: Mapping[str, Any]) -> str:
+def _or_infinite(error: float) -> float:
+    return error if math.isfinite(error) else math.inf
+
+
+def _band(worst_at: Mapping[float, float], spec: Mapping[str, Any]) -> str:
     """The stretch of the axis around a place along which the error stays within the bound."""
-    places = np.unique(axis)
-    good = np.array([bool(np.all(size[axis == place] <= spec["within"])) for place in places])
-    middle = int(np.argmin(np.abs(places - spec.get("around", places[-1]))))
+    places = sorted(worst_at)
+    if not places:
+        return "nowhere"
+    good = [worst_at[place] <= spec["within"] for place in places]
+    around = spec.get("around", places[-1])
+    middle = min(range(len(places)), key=lambda i: abs(places[i] - around))
     if not good[middle]:
         return "nowhere"
     low = high = middle

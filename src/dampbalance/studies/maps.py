@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import pyarrow.parquet as pq
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -19,6 +17,7 @@ from .axes import Sampled
 from .logarithmic import logarithmic_ticks
 from .parameters import PARAMETERS
 from .settings import Fit, Study, chosen
+from .stretches import stretches
 from .summary import percent
 
 Array = NDArray[np.float64]
@@ -115,22 +114,16 @@ def shares_within(
     total = np.zeros((len(y_edges) - 1, len(x_edges) - 1))
     good = {key: np.zeros_like(total) for key in wanted}
     names = [settings["x"], settings["y"], *wanted.values()]
-    with pq.ParquetFile(cases) as file:
-        for batch in file.iter_batches(batch_size=1 << 18, columns=names):
-            values: Mapping[str, Array] = {
-                name: batch.column(name).to_numpy(zero_copy_only=False) for name in names
-            }
-            i = np.clip(
-                np.searchsorted(x_edges, values[names[0]], "right") - 1, 0, total.shape[1] - 1
-            )
-            j = np.clip(
-                np.searchsorted(y_edges, values[names[1]], "right") - 1, 0, total.shape[0] - 1
-            )
-            place_ = j * total.shape[1] + i
-            total += np.bincount(place_, minlength=total.size).reshape(total.shape)
-            for key, name in wanted.items():
-                inside = np.abs(values[name]) <= within  # NaN, nothing identified: not inside
-                good[key] += np.bincount(place_[inside], minlength=total.size).reshape(total.shape)
+    for values in stretches(cases, names):
+        i, j = (
+            np.clip(np.searchsorted(edges, values[name], "right") - 1, 0, len(edges) - 2)
+            for edges, name in ((x_edges, settings["x"]), (y_edges, settings["y"]))
+        )
+        bins = j * total.shape[1] + i
+        total += np.bincount(bins, minlength=total.size).reshape(total.shape)
+        for key, name in wanted.items():
+            inside = np.abs(values[name]) <= within  # NaN, nothing identified: not inside
+            good[key] += np.bincount(bins[inside], minlength=total.size).reshape(total.shape)
     filled = np.where(total > 0, total, np.nan)
     return {
         key: Shares(count / filled, x_edges, y_edges, float(count.sum() / total.sum()))

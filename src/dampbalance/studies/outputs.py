@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from ..files import replacing, write_json
 from .plan import Column, columns_of
 from .responses import REGIME_NAMES, REGIME_WORDS
 from .settings import Study
+from .stretches import stretches
 
 _PACKING: dict[str, Any] = {
     "compression": "zstd",
@@ -71,8 +72,8 @@ def join_chunks(path: str | Path, chunks: Sequence[str | Path]) -> None:
 def write_manifest(path: str | Path, cases: str | Path, study: Study, version: str) -> None:
     """What the table of cases is: study, version, seeds, settings, number of cases per regime, columns with units."""
     counts: Counter[str] = Counter()
-    for frame in _stretches(cases, ["regime"]):
-        counts.update({str(k): int(n) for k, n in frame["regime"].value_counts().items()})
+    for stretch in stretches(cases, ["regime"]):
+        counts.update(stretch["regime"].tolist())
     counts = Counter({name: count for name, count in counts.items() if count})
     seen = {word for pattern in counts for word in pattern.split(", ")}
     write_json(
@@ -94,12 +95,6 @@ def write_manifest(path: str | Path, cases: str | Path, study: Study, version: s
             "columns": [column._asdict() for column in columns_of(study)],
         },
     )
-
-
-def _stretches(cases: str | Path, columns: list[str]) -> Iterator[pd.DataFrame]:
-    with pq.ParquetFile(cases) as file:
-        for batch in file.iter_batches(batch_size=1 << 20, columns=columns):
-            yield batch.to_pandas()
 
 
 def _described(column: Column) -> dict[str, str]:

@@ -301,6 +301,7 @@ def _wrong_words(study: Study) -> Iterator[tuple[Key, str]]:
             yield ("figure", part), f"{name!r} is not an axis of this study"
     if study.figure.get("kind") == "map" and "y" not in study.figure:
         yield ("figure", "y"), "missing; a map has two axes, x and y"
+    listed = [name for b in study.blocks if isinstance(b, Listed) for name in b.names]
     for fact, spec in study.facts.items():
         for where in ("at", "between"):
             for name in spec.get(where, {}):
@@ -308,8 +309,8 @@ def _wrong_words(study: Study) -> Iterator[tuple[Key, str]]:
                     yield ("facts", fact, where, name), "not an axis of this study"
         if not chosen(study.fits, spec):
             yield ("facts", fact), "no fit of this study is meant: see estimation"
-        if spec["take"] == "band" and spec.get("along") not in study.axis_names:
-            yield ("facts", fact, "along"), "must be an axis of this study"
+        if spec["take"] == "band" and spec.get("along") not in listed:
+            yield ("facts", fact, "along"), "must be an axis of this study whose values are listed"
     for _, name, _, _ in string.Formatter().parse(study.shows):
         if name is not None and name not in (*study.facts, "cases"):
             yield ("shows",), f"{{{name}}} is not among the facts: {', '.join(study.facts)}"
