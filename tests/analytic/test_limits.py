@@ -160,6 +160,9 @@ def test_friction_too_weak_to_hold_the_resonance(F_k):
 def test_friction_holds_the_resonance_from_pi_quarters_on():
     amplitudes = [undamped(math.pi / 4 + excess).X for excess in (1e-2, 1e-1, 0.2)]
     assert amplitudes == sorted(amplitudes, reverse=True)
+    # through every regime
+    assert undamped(0.79).regime is Regime.ONE_SLIP
+    assert undamped(0.85).regime is Regime.SEVERAL_SLIPS
     held = undamped(1.1)
     assert held.regime is Regime.NO_SLIP
     assert pytest.approx(0.1, rel=ROUNDING) == held.X  # kY / K_z

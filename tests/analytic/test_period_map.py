@@ -1,0 +1,91 @@
+"""The half-period map and its derivative, by which Newton's method finds orbits: README.md, section 9."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from analytic.cases import SEVERAL_SLIPS, case
+from dampbalance import State, steady_orbit, transient
+from dampbalance.model import parameters
+from dampbalance.period_map import half_period_map, solve_period_map
+from dampbalance.steady import MAX_PHASES
+
+CASES = [(0.6, 1.0, 90.0, 0.14), (0.1, 0.8, 2.0, 0.6), (2.0, 0.7, 30.0, 0.1), *SEVERAL_SLIPS]
+PHASES = np.empty((MAX_PHASES, 5))
+
+
+def image(numbers, state, theta):
+    oscillator, motion = case(*numbers)
+    jacobian = np.empty((3, 3))
+    par = parameters(oscillator, motion)
+    count, *after = half_period_map(*state, theta, par, PHASES, jacobian)
+    assert count > 0
+    return np.array(after), jacobian
+
+
+def some_states(numbers):
+    """States (x, ẋ, z) and base phases θ of a motion on the way to the steady orbit, and of the orbit amid a stick."""
+    oscillator, motion = case(*numbers)
+    rng = np.random.default_rng(5)
+    path = transient(oscillator, motion, 3.0 * motion.period, x=motion.Y)
+    orbit = steady_orbit(oscillator, motion)
+    t = np.append(rng.uniform(0.0, path.end, 12), orbit.t_1 + 0.5 * orbit.t_s)
+    state = State(
+        *(
+            np.append(before[:-1], after[-1])
+            for before, after in zip(path.state(np.abs(t)), orbit.state(t), strict=True)
+        )
+    )
+    return np.column_stack([state.x, state.v, state.z]), motion.omega * t
+
+
+@pytest.mark.parametrize("numbers", CASES, ids=str)
+def test_map_is_half_a_period_of_motion(numbers):
+    oscillator, motion = case(*numbers)
+    for state, theta in zip(*some_states(numbers), strict=True):
+        x, v, z = (float(value) for value in state)
+        start = theta / motion.omega
+        end = start + 0.5 * motion.period
+        path = transient(oscillator, motion, end, x=x, v=v, z=z, start=start)
+        after, _ = image(numbers, (x, v, z), theta)
+        reached = path.state(end)
+        scale = np.array([motion.Y, motion.Y * motion.omega, motion.Y])
+        # rounding of ωt, and that of some ten events
+        np.testing.assert_allclose(after / scale, np.array(reached)[[0, 1, 3]] / scale, atol=1e-11)
+
+
+@pytest.mark.parametrize("numbers", CASES, ids=str)
+def test_derivative_of_the_map(numbers):
+    oscillator, motion = case(*numbers)
+    Z_m = oscillator.Z_m
+    scale = np.array([motion.Y, motion.Y * motion.omega, Z_m])
+    checked = 0
+    for state, theta in zip(*some_states(numbers), strict=True):
+        after, jacobian = image(numbers, state, theta)
+        for j in range(3):
+            step = np.zeros(3)
+            step[j] = 1e-9 * scale[j]
+            # a step inward: z has an end to either side
+            direction = -1.0 if state[j] > 0.0 else 1.0
+            moved, _ = image(numbers, state + direction * step, theta)
+            quotient = direction * (moved - after) / step[j]
+            # One-sided difference: the step, 1e-9, times second derivatives, which are large where a slip onset is slow
+            # (some 1e3), and rounding, 1e-15 over the step. z is measured by Y, like x.
+            size = np.array([motion.Y, motion.Y * motion.omega, motion.Y]) / scale[j]
+            np.testing.assert_allclose(quotient / size, jacobian[:, j] / size, rtol=1e-5, atol=1e-5)
+            checked += np.abs(jacobian[2, j]) > 0.0
+    assert checked > 0  # the last state, at least, ends amid a stick, where z moves with x
+
+
+@pytest.mark.parametrize("numbers", list(SEVERAL_SLIPS)[:6], ids=str)
+def test_newton_needs_a_dozen_maps(numbers):
+    # with a wrong derivative it would fall back on plain iteration, which takes hundreds where damping is low
+    oscillator, motion = case(*numbers)
+    orbit = steady_orbit(oscillator, motion)
+    state = (-orbit.X * 1.001, 0.0, -oscillator.Z_m)
+    found, x, v, z = solve_period_map(*state, orbit.theta, parameters(oscillator, motion), PHASES)
+    assert found
+    assert x == pytest.approx(-orbit.X, rel=1e-12)
+    assert v == pytest.approx(0.0, abs=1e-12 * motion.omega * orbit.X)
+    assert z == pytest.approx(-oscillator.Z_m, rel=1e-9)
