@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+"""Compute a study on this machine alone and through SLURM, in a copy of the sources each, and compare every byte.
+
+    tests/cluster/loopback.sh .venv/bin/python tests/cluster/same_bytes.py map
+
+On a cluster, from a folder that its nodes see: python tests/cluster/same_bytes.py --folder SHARED/FOLDER map
+
+Exit status: 0 if all files are the same, 1 if not or if a run fails.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import yaml
+
+ROOT = Path(__file__).parents[2]
+COPIED = ("Snakefile", "config", "workflow", "src", "paper/published")
+LOCAL = ("--cores", "all")
+SLURM = ("--profile", "workflow/profiles/slurm", "--slurm-init-seconds-before-status-checks", "2")
+
+
+def copy_sources(folder: Path) -> None:
+    """What a study needs, with the compiled kernels."""
+    for name in COPIED:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy2
+        copy(ROOT / name, folder / name)
+
+
+def make_smaller(folder: Path, study: str, changes: Path) -> None:
+    """Replace keys of the study in a copy by those of the file of the same name in `changes`."""
+    file = folder / "config/studies" / f"{study}.yaml"
+    documents = [
+        yaml.safe_load(path.read_text(encoding="utf-8")) for path in (file, changes / file.name)
+    ]
+    file.write_text(
+        yaml.safe_dump(documents[0] | documents[1], allow_unicode=True), encoding="utf-8"
+    )
+
+
+def compute(folder: Path, study: str, how: tuple[str, ...]) -> float:
+    """Compute the study in a copy of the sources; the seconds it took."""
+    environment = os.environ | {
+        "PYTHONPATH": str(folder / "src"),
+        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+    }
+    command = [sys.executable, "-m", "snakemake", *how, f"results/studies/{study}/summary.md"]
+    begun = time.perf_counter()
+    subprocess.run(command, cwd=folder, env=environment, check=True)
+    return time.perf_counter() - begun
+
+
+def different(first: Path, second: Path) -> list[str]:
+    """Files of two folders that differ, or are in one of them only."""
+    names = {
+        str(path.relative_to(top))
+        for top in (first, second)
+        for path in top.rglob("*")
+        if path.is_file()
+    }
+    both = [(name, first / name, second / name) for name in sorted(names)]
+    return [
+        name
+        for name, a, b in both
+        if not (a.is_file() and b.is_file() and a.read_bytes() == b.read_bytes())
+    ]
+
+
+def main(study: str, parent: Path | None, changes: Path | None) -> int:
+    """Both runs, and what came out, on stdout."""
+    top = Path(tempfile.mkdtemp(prefix="same_bytes.", dir=parent))
+    try:
+        results = []
+        for name, how in (("local", LOCAL), ("slurm", SLURM)):
+            copy_sources(top / name)
+            if changes:
+                make_smaller(top / name, study, changes)
+            print(f"{name}: {compute(top / name, study, how):.1f} s", flush=True)
+            results.append(top / name / "results/studies" / study)
+        unequal = different(*results)
+        files = [path for path in results[0].rglob("*") if path.is_file()]
+        size = sum(path.stat().st_size for path in files)
+        for name in unequal:
+            print(f"different: {name}")
+        print(f"{len(files)} files, {size:,} bytes: {'different' if unequal else 'the same'}")
+    except subprocess.CalledProcessError as error:
+        print(f"error: {name} run failed ({error.returncode})", file=sys.stderr)
+        return 1
+    finally:
+        shutil.rmtree(top, ignore_errors=True)
+    return 1 if unequal else 0
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("study", nargs="?", default="map")
+    parser.add_argument("--folder", type=Path, help="where to put the copies; the temporary folder")
+    parser.add_argument("--config-of", type=Path, help="folder with keys to replace in the study")
+    options = parser.parse_args()
+    sys.exit(main(options.study, options.folder, options.config_of))

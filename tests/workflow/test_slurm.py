@@ -1,0 +1,67 @@
+"""A study through a real SLURM of one node gives the bytes of the run on this machine alone."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[2]
+CLUSTER = ROOT / "tests/cluster"
+UNAVAILABLE = 69  # loopback.sh: SLURM cannot be started here, with the reason on stderr
+
+
+def loopback(*command: str, timeout: float) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [str(CLUSTER / "loopback.sh"), *command],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=timeout,
+    )
+
+
+@pytest.fixture(scope="module")
+def slurm():
+    """Skips, with the reason, where SLURM is not installed or may not be started."""
+    answer = loopback("sinfo", "--noheader", timeout=90)
+    if answer.returncode == UNAVAILABLE:
+        pytest.skip(answer.stderr.strip().splitlines()[-1])
+    assert answer.returncode == 0, answer.stderr
+
+
+def test_profile_asks_for_no_account_or_partition_of_one_cluster():
+    profile = yaml.safe_load((ROOT / "workflow/profiles/slurm/config.yaml").read_text())
+    assert profile["executor"] == "slurm"
+    assert not {"slurm_account", "slurm_partition"} & profile["default-resources"].keys()
+
+
+def test_exit_status_of_the_command_is_kept(slurm):
+    assert loopback("false", timeout=90).returncode == 1
+    assert loopback("srun", "--ntasks=1", "true", timeout=90).returncode == 0
+
+
+def test_a_job_that_takes_more_memory_than_it_asked_for_is_ended(slurm):
+    """What makes the runs below a proof that the memory in the profile is enough."""
+    hog = "x = b'1' * 600_000_000; import time; time.sleep(20)"
+    done = loopback("srun", "--mem=100", sys.executable, "-c", hog, timeout=90)
+    assert done.returncode != 0
+    assert "exceeded memory limit" in done.stderr
+
+
+@pytest.mark.slow
+def test_slurm_gives_the_bytes_of_the_local_run(slurm):
+    """A study of four chunks; a million cases the same way: tests/cluster/same_bytes.py map."""
+    done = loopback(
+        sys.executable,
+        str(CLUSTER / "same_bytes.py"),
+        "--config-of",
+        str(ROOT / "tests/workflow/studies"),
+        "map",
+        timeout=550,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.splitlines()[-1].endswith(": the same")
