@@ -54,7 +54,7 @@ LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hash
 	--no-header --no-emit-index-url --no-emit-find-links
 
 lock: setup ## Pin the newest versions that pyproject.toml allows, with hashes
-	@$(RUN) $(LOCK) --extra workflow --extra article --group dev --output-file requirements.lock pyproject.toml
+	@$(RUN) $(LOCK) --extra workflow --extra article --extra records --group dev --output-file requirements.lock pyproject.toml
 	@$(RUN) $(LOCK) --constraint requirements.lock --group build --output-file requirements-build.lock
 
 clean: ## Remove results and caches; the environment stays

@@ -121,10 +121,12 @@ def summary(frame: pd.DataFrame) -> str:
 
 
 def _nearest(row: Mapping[Hashable, str]) -> str:
-    """The value of the route that comes closest to print, and which route that is."""
-    printed = Printed(row["printed"]).value
+    """The value of the route that comes closest to print, and which route that is; the first one for a printed word."""
+    printed = Printed(row["printed"])
     known = [route for route in ROUTES if row[route]]
-    route = min(known, key=lambda name: abs(float(row[name]) - printed))
+    route = known[0]
+    if printed.is_number:
+        route = min(known, key=lambda name: abs(float(row[name]) - printed.value))
     return f"{row[route]} {ROUTE_NAMES[route]}"
 
 
