@@ -1,0 +1,1 @@
+"""From measured signals to features: channels and units, conditioning, cycles, slip onset, uncertainty."""
