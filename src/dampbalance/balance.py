@@ -10,12 +10,15 @@ put x = X cos(ωt − φ) into the integrals and so share b and W; they differ i
 limits the friction travel a: by its displacement X_s, by its time t_s or by its velocity V_s. A rigid contact is the
 limit X_s → −X, t_s → 0, V_s → 0 of each: a = 4X.
 
+The Fourier energy balance, which is not in the paper, assumes no shape of x(t): of a harmonic base's work it is the
+fundamental alone that counts, exactly, and the odd harmonics make up the viscous integral. It holds off resonance.
+
 A row is NaN where its response lacks a feature (nothing slips). The solver of `identify.py` leaves such rows out.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -100,6 +103,35 @@ def slip_velocity_as_printed(features: Features, k: float) -> Rows:
     return _harmonic(features, k, a=_travel_from_velocity(features, sign=+1.0))
 
 
+def fourier(features: Features, k: float) -> Rows:
+    """Rows of the Fourier energy balance: no shape of x(t) is assumed, but that the base moves as y = Y cos ωt.
+
+        a = 2(X − X_s)                    as the X_s approach: ẋ keeps its sign from slip onset to reversal, so (7a)
+                                          telescopes, exactly, for two reversals and one onset per half cycle
+        b = πω Σ n² X_n², n = 1, 3, 5     (7b) by Parseval's theorem, cut after the fifth harmonic
+        W = πkY X_1 sin φ_1               (5) by orthogonality, exactly: the other harmonics do no net work against y
+
+    x = Σ X_n cos(nωt − φ_n). Even harmonics are absent from a symmetric response. What is cut
+    off makes b too small, by 1.2e-4 of itself or less for the paper's responses, and so F_k too large, by 5e-4 or less.
+
+    features : X, X_s, X_1, X_3, X_5, Y (m), phi_fundamental (rad), omega (rad/s).   k : stiffness, N/m.
+    """
+    a = 2.0 * (features.X - features.X_s)
+    b = viscous_integral(features.omega, {1: features.X_1, 3: features.X_3, 5: features.X_5})
+    W = np.pi * k * features.Y * features.X_1 * np.sin(features.phi_fundamental)
+    return Rows(a, b, W)
+
+
+def viscous_integral(omega: float, harmonics: Mapping[int, Floats]) -> Floats:
+    """b = ∮ ẋ² dt = πω Σ n² X_n² of x = Σ X_n cos(nωt − φ_n), m²/s: (7b) by Parseval's theorem.
+
+    omega : ω, rad/s.   harmonics : n → X_n, m, each of shape (n,).
+    """
+    total = sum(n**2 * X_n**2 for n, X_n in harmonics.items())
+    integral: Floats = np.asarray(np.pi * omega * total)
+    return integral
+
+
 Approach = Callable[["Features", float], Rows]
 
 APPROACHES: dict[str, Approach] = {
@@ -107,7 +139,11 @@ APPROACHES: dict[str, Approach] = {
     "X_s": slip_displacement,
     "t_s": slip_time,
     "V_s": slip_velocity,
+    "fourier": fourier,
 }
+
+PHASELESS = ("direct", "fourier")
+"""Approaches that take no choice of the phase φ, nor a φ and t_s common to all levels."""
 
 # The rows behind the printed Table 3: the V_s pairs with their slip of sign, and beside them the same pairs without it.
 APPROACHES_OF_TABLE_3: dict[str, Approach] = {

@@ -15,6 +15,9 @@ import yaml
 from .model import BaseMotion, Oscillator
 
 Key = tuple[str | int, ...]
+Problem = tuple[Key, str]
+"""A key, and what is wrong with it and what would be right."""
+
 _NAMES = 'Use letters, digits, "-" and "_".'
 
 
@@ -82,29 +85,53 @@ def check(config: Mapping[str, Any], schema_file: str | Path, files: Iterable[st
 
     Raises ConfigurationError listing every problem, a line each.
     """
-    files = list(files)
-    schema = yaml.safe_load(Path(schema_file).read_text(encoding="utf-8"))
-    validator = jsonschema.Draft202012Validator(schema)
-    errors = sorted(validator.iter_errors(config), key=lambda error: list(map(str, error.path)))
-    problems = [problem for error in errors for problem in _explain(error)]
-    problems += [(key, f"{value!r} is not a finite number") for key, value in _not_finite(config)]
-    if not problems:
-        problems = list(_contradictions(config))
-    documents = {str(file): _load(file) for file in files}
+    documents = {str(file): read_yaml(file) for file in files}
+    problems = against_schema(config, read_yaml(schema_file)) or list(_contradictions(config))
     if problems:
-        raise ConfigurationError("\n".join(_line(key, text, documents) for key, text in problems))
+        raise ConfigurationError(in_lines(problems, documents))
 
 
 def refuse(key: Key, text: str, files: Iterable[str | Path]) -> NoReturn:
     """Raise the ConfigurationError for one key; the text says what is wrong and what would be right."""
-    raise ConfigurationError(_line(key, text, {str(file): _load(file) for file in files}))
+    raise ConfigurationError(
+        in_lines([(key, text)], {str(file): read_yaml(file) for file in files})
+    )
 
 
-def _line(key: Key, text: str, documents: Mapping[str, Any]) -> str:
-    return f"{_origin(key, documents)}: {_dotted(key)}: {text}"
+def read_yaml(file: str | Path) -> Any:
+    """The document of a YAML file in which every key stands once; {} for an empty one.
+
+    Raises ConfigurationError naming the file and what is wrong.
+    """
+    with open(file, encoding="utf-8") as stream:
+        try:
+            return yaml.load(stream, _StrictLoader) or {}
+        except yaml.YAMLError as error:
+            raise ConfigurationError(f"{file}: not readable as YAML: {error}") from None
 
 
-def _contradictions(config: Mapping[str, Any]) -> Iterable[tuple[Key, str]]:
+def against_schema(document: Any, schema: Mapping[str, Any]) -> list[Problem]:
+    """What a JSON schema, and the rule that every number is finite, find wrong with a document; in a fixed order.
+
+    The texts tell what is wrong and what would be right, from the `description` of the key in the schema.
+    """
+    validator = jsonschema.Draft202012Validator(schema)
+    errors = sorted(validator.iter_errors(document), key=lambda error: list(map(str, error.path)))
+    problems = [problem for error in errors for problem in _explain(error)]
+    return problems + [
+        (key, f"{value!r} is not a finite number") for key, value in _not_finite(document)
+    ]
+
+
+def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:
+    """A line for each problem, "file: key: what is wrong, what would be right".
+
+    documents : file → what it says, merged in this order, the last one winning: they tell where a key stands.
+    """
+    return "\n".join(f"{_origin(key, documents)}: {_dotted(key)}: {text}" for key, text in problems)
+
+
+def _contradictions(config: Mapping[str, Any]) -> Iterable[Problem]:
     """What no schema can say: keys that do not fit each other."""
     levels = config["excitation"]["levels_m"]
     for i, pair in enumerate(config["estimation"]["pairs"]):
@@ -128,7 +155,7 @@ def _contradictions(config: Mapping[str, Any]) -> Iterable[tuple[Key, str]]:
             yield ("as_published", name, "X_s_mark_m"), "not together with X_s_decimals; keep one"
 
 
-def _explain(error: jsonschema.ValidationError) -> Iterable[tuple[Key, str]]:
+def _explain(error: jsonschema.ValidationError) -> Iterable[Problem]:
     key: Key = tuple(error.absolute_path)
     schema: Any = error.schema  # a mapping: the schema has no true or false in it
     wanted: Any = error.validator_value
@@ -227,11 +254,3 @@ class _StrictLoader(yaml.SafeLoader):
                 )
             seen.add(key)
         return super().construct_mapping(node, deep)
-
-
-def _load(file: str | Path) -> Any:
-    with open(file, encoding="utf-8") as stream:
-        try:
-            return yaml.load(stream, _StrictLoader) or {}
-        except yaml.YAMLError as error:
-            raise ConfigurationError(f"{file}: not readable as YAML: {error}") from None

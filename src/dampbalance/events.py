@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._jit import jit
-from .flow import move, phase_start
+from .flow import move, phase_start, unit
 from .model import Parameters
 
 _STEPS_PER_RADIAN = 2.5
@@ -55,7 +55,7 @@ def _motion(t: float, phase: _Phase) -> tuple[float, float, float, float, float]
     """u, u̇, ü and the next two derivatives at time t of a phase."""
     u, v = move(t, phase.v0, phase.f0, phase.A, phase.delta, phase.Omega2, phase.omega)
     omega, damping = phase.omega, 2.0 * phase.delta
-    force = phase.A * complex(math.cos(omega * t), math.sin(omega * t))
+    force = phase.A * unit(omega * t)
     a = phase.f0 + force.real - damping * v - phase.Omega2 * u
     jerk = -omega * force.imag - damping * a - phase.Omega2 * v
     return u, v, a, jerk, -omega * omega * force.real - damping * jerk - phase.Omega2 * a

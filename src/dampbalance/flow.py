@@ -34,6 +34,19 @@ _RESONANT_BELOW = 0.1  # of |Ω² − ω² + 2iδω| / (Ω² + ω²): more than 
 
 
 @jit
+def unit(angle: float) -> complex:
+    """e^{i angle}; angle : rad."""
+    return complex(math.cos(angle), math.sin(angle))
+
+
+@jit
+def inverse(real: float, imaginary: float) -> complex:
+    """1/(real + i imaginary), without the scaling of a complex division: its square must not over- or underflow."""
+    square = real * real + imaginary * imaginary
+    return complex(real / square, -imaginary / square)
+
+
+@jit
 def step_response(t: float, delta: float, Omega2: float) -> tuple[float, float, float]:
     """Step response J, impulse response S = J̇ and R = J̈ of J̈ + 2δJ̇ + Ω²J = 1 at time t ≥ 0.
 
@@ -105,11 +118,14 @@ def harmonic_response(
             return _harmonic_response_series(t, last, omega, delta, Omega2)
         if delta < 0.5 * Omega:
             return _harmonic_response_resonant(t, omega, delta, Omega2)
-    half = math.sin(0.5 * omega * t)
-    turn = complex(-2.0 * half * half, math.sin(omega * t))  # e^{iωt} − 1 without cancellation
-    P = (turn + complex(Omega2 * J, -omega * S)) / D
-    rate = complex(Omega2 * S, omega * (2.0 * delta * S + Omega2 * J))
-    return P, (complex(0.0, omega) * turn + rate) / D
+    sine, cosine = math.sin(0.5 * omega * t), math.cos(0.5 * omega * t)
+    turn = complex(-2.0 * sine * sine, 2.0 * sine * cosine)  # e^{iωt} − 1 without cancellation
+    over_D = inverse(D.real, D.imag)
+    P = complex(turn.real + Omega2 * J, turn.imag - omega * S) * over_D
+    rate = complex(
+        Omega2 * S - omega * turn.imag, omega * (turn.real + 2.0 * delta * S + Omega2 * J)
+    )
+    return P, rate * over_D
 
 
 @jit
@@ -147,9 +163,9 @@ def _harmonic_response_resonant(
     w_minus_1 = complex(  # e^w − 1
         growth - (1.0 + growth) * 2.0 * half * half, (1.0 + growth) * math.sin(w.imag)
     )
-    turn = complex(math.cos(sigma * t), math.sin(sigma * t))
+    turn = unit(sigma * t)
     near = t * decay * turn * (w_minus_1 / w if w != 0j else 1.0 + 0j)
-    drive = complex(math.cos(omega * t), math.sin(omega * t))
+    drive = unit(omega * t)
     far = (drive - decay * turn.conjugate()) / complex(delta, omega + sigma)
     root = complex(-delta, sigma)
     between = complex(0.0, 2.0 * sigma)
@@ -186,7 +202,15 @@ def phase_start(
 
     s : state of the contact.   x, z : m.   theta : rad, y = Y cos(θ + ωt) from the start of the phase on.
     """
+    return phase_constants(s, x, z, unit(theta), par)
+
+
+@jit
+def phase_constants(
+    s: float, x: float, z: float, turn: complex, par: Parameters
+) -> tuple[float, complex, float]:
+    """The same, from turn = e^{iθ}."""
     contact, kappa = (par.K_z * z, par.k + par.K_z) if s == 0.0 else (s * par.F_k, par.k)
     f0 = -(par.k * x + contact) / par.m
     drive = par.k * par.Y / par.m
-    return f0, complex(drive * math.cos(theta), drive * math.sin(theta)), kappa / par.m
+    return f0, complex(drive * turn.real, drive * turn.imag), kappa / par.m

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from .balance import APPROACHES, Approach, Rows
+from .balance import APPROACHES, PHASELESS, Approach, Rows
 
 if TYPE_CHECKING:
     from .features import Features
@@ -174,8 +174,9 @@ def estimate_table(
     common : the same responses with one φ and one t_s; default: the means over the responses that slip.
     common_approaches : the row functions to use with `common`, by name.
 
-    Direct integration knows no φ or t_s: it appears as "individual" only. What cannot be estimated, because a level
-    lacks a feature, stays in the table with NaN and the reason as its note: one level without slip stops nothing.
+    Approaches that know no choice of φ and t_s (`balance.PHASELESS`) appear as "individual" only. What cannot be
+    estimated, because a level lacks a feature, stays in the table with NaN and the reason as its note: one level
+    without slip stops nothing.
     Columns: ESTIMATE_COLUMNS; the order of the rows is fixed.
     """
     if common is None:
@@ -184,7 +185,7 @@ def estimate_table(
     for name, approach in APPROACHES.items():
         records += _records(name, "individual", approach(features, k), features, chosen)
     for name, approach in common_approaches.items():
-        if name != "direct":
+        if name not in PHASELESS:
             records += _records(name, "common", approach(common, k), common, chosen)
     return pd.DataFrame.from_records(records, columns=list(ESTIMATE_COLUMNS))
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 
 from ._jit import jit
-from .flow import harmonic_response, phase_start, step_response
+from .flow import harmonic_response, phase_start, step_response, unit
 from .model import Parameters
 
 _MAX_NEWTON = 40
@@ -110,7 +110,7 @@ def _half_cycle(
     Omega2 = k / m
     J, S, R = step_response(half_cycle - tau, delta, Omega2)
     P, P_rate = harmonic_response(half_cycle - tau, omega, delta, Omega2, J, S)
-    turned = drive * complex(math.cos(omega * tau), math.sin(omega * tau))
+    turned = drive * unit(omega * tau)
     gu, gv = turned * P, turned * P_rate
     f0 = -(k * travel + F_k) / m
     m21, m22, m23 = v1 * S + k * J / m - 2.0, v2 * S + gu.real, v3 * S - gu.imag
@@ -168,7 +168,7 @@ def velocity_keeps_sign(
     J, S, R = step_response(h, delta, Omega2)
     P, P_rate = harmonic_response(h, omega, delta, Omega2, J, S)
     hold = 1.0 - Omega2 * J
-    turn = complex(math.cos(omega * h), math.sin(omega * h))
+    turn = unit(omega * h)
     u, v_before, a_before = 0.0, v0, f0 + A.real - 2.0 * delta * v0
     for i in range(1, n + 1):
         forced_u, forced_v = A * P, A * P_rate

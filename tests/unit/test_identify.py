@@ -223,8 +223,10 @@ def test_table_has_one_line_per_estimate():
     features = features_at()
     table = estimate_table(features, PAPER.k, PAIRS)
     assert tuple(table.columns) == ESTIMATE_COLUMNS
-    # Direct once, three harmonic approaches with individual and with common phase; each five pairs, mean, std, fit.
-    assert len(table) == 7 * 8
+    # Direct and Fourier once, three harmonic approaches with individual and with common phase; each five pairs, mean,
+    # std, fit.
+    assert len(table) == 8 * 8
+    assert set(table.loc[table["approach"] == "fourier", "phase"]) == {"individual"}
     assert not table.duplicated(["approach", "kind", "phase", "pair"]).any()
     assert (table["note"] == "").all()
     fit = table[(table["approach"] == "direct") & (table["kind"] == "least_squares")].iloc[0]

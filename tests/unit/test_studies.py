@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
-from dampbalance.balance import APPROACHES, Rows
+from dampbalance.balance import APPROACHES, PHASELESS, Rows
 from dampbalance.configuration import ConfigurationError
 from dampbalance.features import of_orbit, stack
 from dampbalance.identify import estimate_table, least_squares, pair
@@ -28,6 +28,7 @@ from dampbalance.studies.logarithmic import is_logarithmic
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.stretches import Sizes
 from dampbalance.timestepping import simulate
+from dampbalance.wording import percent
 
 ROOT = Path(__file__).parents[2]
 SCHEMA_FILE = ROOT / "workflow/schemas/study.schema.yaml"
@@ -112,7 +113,7 @@ def test_a_chunk_is_its_cases_one_at_a_time(study):
                 if kind is None:
                     continue
                 parts = [line["approach"], phase, line["phase"], kind]
-                label = "__".join(parts if line["approach"] != "direct" else [parts[0], kind])
+                label = "__".join([parts[0], kind] if line["approach"] in PHASELESS else parts)
                 for column, true in (("F_k_N", row["F_k_N"]), ("c_N_s_per_m", row["c_N_s_per_m"])):
                     found = row[f"{column}__{label}"]
                     assert found == pytest.approx(
@@ -563,10 +564,10 @@ def test_facts_are_taken_from_the_cases_they_name(study, tmp_path):
     outputs.write_chunk(path, frame, made, __version__)
     error = frame["F_k_relative_error__X_s__reversal__individual__least_squares"]
     worst, one, part, band, cases = facts.paragraph(made, path).split("; ")
-    assert worst == summary.percent(error.abs().max())
-    assert one.lstrip("+−") == summary.percent(abs(error[2]))
+    assert worst == percent(error.abs().max())
+    assert one.lstrip("+−") == percent(abs(error[2]))
     assert one.startswith("+" if error[2] > 0.0 else "−")
-    assert part == summary.percent((error[:4].abs() <= 0.002).mean())
+    assert part == percent((error[:4].abs() <= 0.002).mean())
     good = (error.abs() <= 0.01).tolist()
     last = good.index(False) if False in good else 9
     assert band == f"0.1 to {frame['zeta'][last - 1]:.3g}"
@@ -588,4 +589,4 @@ def test_facts_are_taken_from_the_cases_they_name(study, tmp_path):
     ],
 )
 def test_percentages_in_words(share, words):
-    assert summary.percent(share) == words
+    assert percent(share) == words

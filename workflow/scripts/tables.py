@@ -1,12 +1,15 @@
-"""The paper's tables at each frequency, as CSV and Markdown."""
+"""The paper's tables at each frequency, and every approach at every frequency, as CSV and Markdown."""
 
-from dampbalance import tables
+from dampbalance import comparison, tables
+from dampbalance.configuration import oscillator_from, pairs_from
+from dampbalance.features import Features
 from dampbalance.files import read_csv, write_csv, write_text
 
 TITLES = {
     "table1": "Table 1: amplitudes, slip onset and phase",
     "table2": "Table 2: energy integrals and estimates by direct integration",
     "table3": "Table 3: estimates of the harmonic approaches, phase and slip time common to all levels",
+    "approaches": "Errors of F_k and c by every approach, phase and frequency",
     "statistics": "Least squares, and mean and standard deviation of the pairs",
 }
 
@@ -24,6 +27,16 @@ def main(folder, frequency, claims):
     }
 
 
+def compare(folder, frequencies_hz, oscillator, pairs):
+    features = {
+        frequency: Features.from_frame(read_csv(f"{folder}/features/exact/{frequency}.csv"))
+        for frequency in frequencies_hz
+    }
+    return comparison.approaches_table(
+        features, frequencies_hz, oscillator_from(oscillator), pairs_from(pairs)
+    )
+
+
 if __name__ == "__main__":
     p = snakemake.params
     printed = (
@@ -35,3 +48,7 @@ if __name__ == "__main__":
             path = f"{p.folder}/tables/{name}" + (f"_{frequency}" if i else "")
             write_csv(f"{path}.csv", table)
             write_text(f"{path}.md", tables.markdown(table, f"{TITLES[name]}, {hz:g} Hz"))
+    everywhere = compare(p.folder, p.frequencies_hz, p.oscillator, p.pairs)
+    path = f"{p.folder}/tables/approaches"
+    write_csv(f"{path}.csv", everywhere)
+    write_text(f"{path}.md", comparison.approaches_markdown(everywhere, TITLES["approaches"]))

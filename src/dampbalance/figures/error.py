@@ -13,6 +13,7 @@ from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator
 
+from ..balance import PHASELESS
 from ..model import Oscillator
 from .style import APPROACH_LOOKS, DOUBLE_COLUMN, FAINT, INK, MM, page, place, styled
 
@@ -50,9 +51,10 @@ def estimation_error(
     F_k_N, c_N_s_per_m).   oscillator : the true F_k and c.   frequencies_hz : frequency → f, Hz; a
     column of panels each, in this order.   levels_m : excitation levels Y_i, m, that a pair "i-j" names.
 
-    Filled markers: φ and t_s common to all levels; open: those of each level. An approach that is exact
-    but for rounding stands below the break of the axis, beside the bound it keeps. An estimate that does
-    not exist (nothing slips) is left out.
+    Filled markers: φ and t_s common to all levels; open: those of each level. Approaches that know no
+    such choice (`balance.PHASELESS`) are filled. An approach that is exact but for rounding stands
+    below the break of the axis, beside the bound it keeps. An estimate that does not exist (nothing
+    slips) is left out.
     Raises ValueError for an approach without a look in `style.APPROACH_LOOKS`, for a frequency without
     estimates, and for no frequency at all.
     """
@@ -155,8 +157,8 @@ def _draw(
     axes: Axes, errors: Errors, key: str, pairs: Sequence[str], approaches: Sequence[str]
 ) -> None:
     """One approach: pairs of neighbouring levels joined by a line, all else on its own."""
-    harmonic = [name for name in approaches if name != "direct"]
-    beside = 0.2 * (harmonic.index(key) - 0.5 * (len(harmonic) - 1)) if key in harmonic else 0.0
+    others = [name for name in approaches if name != "direct"]
+    beside = 0.18 * (others.index(key) - 0.5 * (len(others) - 1)) if key in others else 0.0
     places = {pair: n + beside for n, pair in enumerate([*pairs, "all"])}
     steps = [pair for pair in pairs if _is_step(pair)]
     alone = [pair for pair in places if pair not in steps]
@@ -171,9 +173,9 @@ def _draw(
 
 
 def _drawing(key: str, phase: str, joined: bool) -> dict[str, Any]:
-    """Filled and solid for common features and for direct integration, which needs none; else open and dashed."""
+    """Filled and solid for common features and for approaches that know no choice of them; else open and dashed."""
     look = APPROACH_LOOKS[key]
-    filled = phase == COMMON or key == "direct"
+    filled = phase == COMMON or key in PHASELESS
     return {
         "color": look.colour,
         "marker": look.marker,
@@ -215,14 +217,14 @@ def _legend(figure: Figure, approaches: Sequence[str]) -> None:
     def handle(key: str, phase: str) -> Line2D:
         return Line2D([], [], **_drawing(key, phase, joined=True))
 
-    harmonic = [key for key in approaches if key != "direct"]
+    choosing = [key for key in approaches if key not in PHASELESS]
     handles: list[Any] = [handle(key, COMMON) for key in approaches]
     labels = [APPROACH_LOOKS[key].label for key in approaches]
     for phase, text in (
         (COMMON, r"common $\phi$, $t_s$"),
         (INDIVIDUAL, r"individual $\phi_i$, $t_{is}$"),
     ):
-        handles.append(tuple(handle(key, phase) for key in harmonic))
+        handles.append(tuple(handle(key, phase) for key in choosing))
         labels.append(text)
     figure.legend(
         handles,
@@ -231,8 +233,9 @@ def _legend(figure: Figure, approaches: Sequence[str]) -> None:
         bbox_to_anchor=_centre(figure, 4.0),
         ncols=len(handles),
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0.2)},
-        columnspacing=1.6,
-        handlelength=2.6,
+        columnspacing=1.1,
+        handlelength=2.2,
+        handletextpad=0.6,
     )
 
 

@@ -77,7 +77,7 @@ APPROACH_LOOKS = {
     "X_s": Look("$X_s$", "#0B4F8A", "o"),
     "t_s": Look("$t_s$", "#D55E00", "s"),
     "V_s": Look("$V_s$", "#3DAA8B", "^"),
-    "fourier": Look("Fourier", "#B57EDC", "v"),
+    "fourier": Look("Fourier", "#EDA900", "P"),
 }
 """Look of each approach to the energy balance, by its key in `balance.APPROACHES`."""
 

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
+from ..balance import PHASELESS
 from ..figures.style import (
     APPROACH_LOOKS,
     DOUBLE_COLUMN,
@@ -96,7 +97,7 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
             axes = place(figure, LEFT + column * (width + COLUMN_GAP), bottom, width, HEIGHT)
             row.append(axes)
             for approach in approaches:
-                for sharing in sharings if approach != "direct" else sharings[:1]:
+                for sharing in ("",) if approach in PHASELESS else sharings:
                     spec = {"fit": "least_squares"} | dict(settings)
                     spec |= {"of": quantity, "approach": approach, "sharing": sharing}
                     spec |= {"phase": phase} if phase else {}

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..wording import percent
 from .settings import Study, chosen
 from .stretches import Sizes, stretches
-from .summary import percent
 
 Array = NDArray[np.float64]
 

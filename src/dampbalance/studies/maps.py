@@ -13,12 +13,12 @@ from scipy.ndimage import gaussian_filter
 
 from ..figures.style import APPROACH_LOOKS, DOUBLE_COLUMN, place, styled
 from ..figures.style import page as empty_page
+from ..wording import percent
 from .axes import Sampled
 from .logarithmic import logarithmic_ticks
 from .parameters import PARAMETERS
 from .settings import Fit, Study, chosen
 from .stretches import stretches
-from .summary import percent
 
 Array = NDArray[np.float64]
 
@@ -44,15 +44,17 @@ class Shares(NamedTuple):
 def share_map(study: Study, cases: str | Path) -> Figure:
     """Share of the cases whose error is within the bound, over two axes; all other axes are averaged over.
 
-    Rows: F_k and c, with each phase definition. Columns: approaches. The line encloses the region in which at
-    least 90 % of the cases are within the bound. Direct integration, within it everywhere, is not drawn.
+    Rows: F_k and c, with each phase definition. Columns: approaches; one that knows no phase has a panel as high as
+    all rows of a quantity. The line encloses the region in which at least 90 % of the cases are within the bound.
+    Direct integration, within it everywhere, is not drawn.
     """
     settings = study.figure
     within = settings.get("within", 0.01)
     fits = chosen(study.fits, {"fit": "least_squares"} | dict(settings))
     fits = [fit for fit in fits if fit.approach != "direct"]
     approaches = list(dict.fromkeys(fit.approach for fit in fits))
-    kinds = list(dict.fromkeys((fit.phase, fit.sharing) for fit in fits))
+    kinds = list(dict.fromkeys((fit.phase, fit.sharing) for fit in fits if fit.phase))
+    kinds = kinds or [("", "")]
     rows = [(quantity, *kind) for quantity in ("F_k", "c") for kind in kinds]
     width = (DOUBLE_COLUMN - LEFT - RIGHT - (len(approaches) - 1) * GAP) / len(approaches)
     height = min(width, HEIGHT)
@@ -62,15 +64,16 @@ def share_map(study: Study, cases: str | Path) -> Figure:
     mesh: Any = None
     for fit in fits:
         column = approaches.index(fit.approach)
-        for row, (quantity, phase, sharing) in enumerate(rows):
-            if (phase, sharing) != (fit.phase, fit.sharing):
-                continue
-            lowest = row == len(rows) - 1
-            bottom = BOTTOM + (len(rows) - 1 - row) * (height + ROW_GAP)
-            axes = place(figure, LEFT + column * (width + GAP), bottom, width, height)
+        for quantity in ("F_k", "c"):
+            wanted = [kind for kind in kinds if not fit.phase or kind == (fit.phase, fit.sharing)]
+            covered = [rows.index((quantity, *kind)) for kind in wanted]
+            lowest = covered[-1] == len(rows) - 1
+            bottom = BOTTOM + (len(rows) - 1 - covered[-1]) * (height + ROW_GAP)
+            tall = len(covered) * (height + ROW_GAP) - ROW_GAP
+            axes = place(figure, LEFT + column * (width + GAP), bottom, width, tall)
             mesh = _panel(axes, study, shares[fit, quantity], last=column == len(approaches) - 1)
             axes.tick_params(labelbottom=lowest, labelleft=column == 0)
-            if row == 0:
+            if covered[0] == 0:
                 axes.set_title(f"{APPROACH_LOOKS[fit.approach].label} approach", pad=4.0)
             if lowest:
                 axes.set_xlabel(f"${PARAMETERS[settings['x']].symbol}$", labelpad=1.0)
@@ -78,9 +81,9 @@ def share_map(study: Study, cases: str | Path) -> Figure:
                 axes.set_ylabel(f"${PARAMETERS[settings['y']].symbol}$")
                 axes.yaxis.set_label_coords(-9.5 / width, 0.5)
             words = f"${quantity}$"
-            if len(kinds) > 1:
-                words += f", {phase.replace('_', ' ')}"
-                words += f", {sharing}" if len({kind[1] for kind in kinds}) > 1 else ""
+            if len(kinds) > 1 and fit.phase:
+                words += f", {fit.phase.replace('_', ' ')}"
+                words += f", {fit.sharing}" if len({kind[1] for kind in kinds}) > 1 else ""
             axes.annotate(
                 f"{words}: {percent(shares[fit, quantity].overall)}",
                 xy=(0.0, 1.0),

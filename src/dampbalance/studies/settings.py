@@ -9,16 +9,17 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
-import jsonschema
-import yaml
-
-from ..balance import APPROACHES
-from ..configuration import ConfigurationError, Key, _explain, _line, _load, _not_finite
+from ..balance import APPROACHES, PHASELESS
+from ..configuration import (
+    ConfigurationError,
+    Key,
+    Problem,
+    against_schema,
+    in_lines,
+    read_yaml,
+)
 from .axes import SOBOL_BITS, Block, Listed, Range, Sampled, number_of_cases, spread
 from .parameters import MECHANICAL, PARAMETERS, objection, rivals
-
-PHASELESS = ("direct", "fourier")
-"""Approaches that take no choice of phase, nor a phase common to all levels."""
 
 DEFAULT_CHUNK = {"exact": 131_072, "fixed_step": 64, "sampled": 512}
 """Cases per chunk by route: a few seconds of work."""
@@ -146,13 +147,11 @@ def read_study(path: str | Path, schema_file: str | Path, paper_file: str | Path
     Raises ConfigurationError listing every problem, a line each: file, key, what is wrong, what would be right.
     """
     path = Path(path)
-    document = _load(path)
-    schema = yaml.safe_load(Path(schema_file).read_text(encoding="utf-8"))
-    paper = paper_defaults(_load(paper_file))
-    found = list(problems(document, schema, paper))
+    document = read_yaml(path)
+    paper = paper_defaults(read_yaml(paper_file))
+    found = list(problems(document, read_yaml(schema_file), paper))
     if found:
-        lines = [_line(key, text, {str(path): document}) for key, text in found]
-        raise ConfigurationError("\n".join(lines))
+        raise ConfigurationError(in_lines(found, {str(path): document}))
     return Study.of(path.stem, document, paper)
 
 
@@ -169,12 +168,9 @@ def paper_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
 
 def problems(
     document: Any, schema: Mapping[str, Any], paper: Mapping[str, Any]
-) -> Iterator[tuple[Key, str]]:
+) -> Iterator[Problem]:
     """Everything that is wrong with a study's document, (key, text) each; nothing if it can be run."""
-    validator = jsonschema.Draft202012Validator(schema)
-    errors = sorted(validator.iter_errors(document), key=lambda error: list(map(str, error.path)))
-    found = [problem for error in errors for problem in _explain(error)]
-    found += [(key, f"{value!r} is not a finite number") for key, value in _not_finite(document)]
+    found = against_schema(document, schema)
     if not found:
         found = [*_wrong_axes(document["axes"]), *_wrong_values(document)]
     if not found:
@@ -184,7 +180,7 @@ def problems(
     yield from found
 
 
-def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Key, str]]:
+def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
     seen: dict[str, str] = {}
     for i, block in enumerate(axes):
         key: Key = ("axes", i)
@@ -233,7 +229,7 @@ def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Key, str]]:
             seen[name] = name
 
 
-def _wrong_range(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
+def _wrong_range(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
     for end in ("from", "to"):
         if (wrong := objection(name, spec[end])) is not None:
             yield (*key, end), wrong
@@ -243,7 +239,7 @@ def _wrong_range(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[tuple
         yield (*key, "from"), "a logarithmic range begins above zero"
 
 
-def _wrong_values(document: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
+def _wrong_values(document: Mapping[str, Any]) -> Iterator[Problem]:
     for section in ("base", "route", "read_out"):
         for name, value in document.get(section, {}).items():
             if name in PARAMETERS and value is not None:
@@ -257,9 +253,7 @@ def _wrong_values(document: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
                 yield ("base", name), f"not together with {other}; keep one"
 
 
-def _contradictions(
-    document: Mapping[str, Any], paper: Mapping[str, Any]
-) -> Iterator[tuple[Key, str]]:
+def _contradictions(document: Mapping[str, Any], paper: Mapping[str, Any]) -> Iterator[Problem]:
     study = Study.of("", document, paper)
     route, used = document.get("route", {}), {*study.fixed, *study.axis_names}
     if "noise_m" in route:
@@ -293,7 +287,7 @@ def _contradictions(
             yield ("estimation", "fits", i), f"there are only {len(study.levels)} levels"
 
 
-def _wrong_words(study: Study) -> Iterator[tuple[Key, str]]:
+def _wrong_words(study: Study) -> Iterator[Problem]:
     """What the figure, the facts and the text speak of must be there."""
     for part in ("x", "y", "panels"):
         name = study.figure.get(part, "phase")

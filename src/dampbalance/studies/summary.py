@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
+from ..wording import percent
 from .settings import Study
 from .stretches import Sizes, stretches
 
 WITHIN = 0.01  # relative error that the summary counts as good
 SHARE = f"within_{100 * WITHIN:g}_percent_share"
-
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def summary_of(cases: str | Path, study: Study) -> pd.DataFrame:
@@ -78,20 +76,3 @@ def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure
         lines.append("| " + " | ".join(cells) + " |")
     lines += ["", "All numbers: `cases.parquet`; what they are: `manifest.json`.", ""]
     return "\n".join(lines)
-
-
-def percent(share: float) -> str:
-    """A share as a percentage with three significant digits; a bound where it is nothing but rounding."""
-    if not np.isfinite(share):
-        return "–"
-    value = 100.0 * abs(share)
-    if value < 1e-6:
-        power = str(int(np.ceil(np.log10(value)))) if value else ""
-        return f"10{power.translate(_RAISED)} %" if value else "0 %"
-    exponent = int(np.floor(np.log10(value)))
-    if not -3 <= exponent < 5:
-        return f"{value / 10.0**exponent:.1f}·10{str(exponent).translate(_RAISED)} %"
-    digits = max(0, 2 - exponent)
-    if value < 100.0 <= round(value, digits):  # nearly all is not all
-        digits = 2
-    return f"{value:.{digits}f} %"
