@@ -1,0 +1,208 @@
+"""From the columns of a file to a Measurement in SI: finite, in equal steps, not constant; at once or in blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..errors import RecordError
+from ..measurement import Channel, Measurement
+from .plan import Pick
+from .source import Array, Source, times
+
+# A time stamp may be off the uniform grid by this part of a step (times written with few digits), while a missing or
+# doubled sample, one whole step, is found. The same as in `dampbalance.record`.
+_GRID_TOLERANCE = 0.05
+_GAP = 1.5  # steps
+
+
+def whole(source: Source, picks: Sequence[Pick]) -> Measurement:
+    """All samples of the picked channels.
+
+    Raises RecordError naming channel and line or sample: a value that is missing or not finite, times that do not
+    increase, have a gap or unequal steps, a constant channel, channels of unequal lengths.
+    """
+    wanted = _wanted(picks)
+    columns = dict(
+        zip(wanted, next(source.blocks(wanted, None), [np.empty(0)] * len(wanted)), strict=True)
+    )
+    first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
+    channels = []
+    for pick in picks:
+        values = columns[pick.index]
+        time = None if pick.time is None else columns[pick.time]
+        values, time = _without_padding(source, pick, values, time)
+        first = first_of.setdefault((pick.time, pick.rate_hz, pick.start), pick)
+        if first is not pick and columns[first.index].size != columns[pick.index].size:
+            raise RecordError(
+                f"{source.path}: channel {first.name!r} has {columns[first.index].size} samples, {pick.name!r} has "
+                f"{columns[pick.index].size}; channels that share their times have equal lengths"
+            )
+        stretch = Stretch()
+        channels.append(stretch.channel(source, pick, values, time))
+        stretch.finish(source, pick)
+    return Measurement.of(str(source.path), channels)
+
+
+def in_blocks(source: Source, picks: Sequence[Pick], size: int) -> Iterator[list[Channel]]:
+    """The channels of the same samples, `size` at a time; the last block may be shorter, but has at least 2.
+
+    Raises RecordError as `whole`, when the block that is wrong comes up, a constant channel after the last.
+    """
+    wanted = _wanted(picks)
+    sizes = {source.channels[i].size for i in wanted}
+    if len(sizes) > 1:
+        named = ", ".join(f"{source.channels[i].name!r} {source.channels[i].size}" for i in wanted)
+        raise RecordError(
+            f"{source.path}: its channels have unequal lengths ({named}); such a file is read only as a whole"
+        )
+    stretches = [Stretch() for _ in picks]
+    # One block is kept back, so that a last one of a single sample can join it.
+    waiting: list[Array] | None = None
+    raw = source.blocks(wanted, size)
+    for block in raw if any(pick.time is None for pick in picks) else _without_empty_end(raw):
+        if waiting is not None and block[0].size < 2:
+            waiting = [np.concatenate(pair) for pair in zip(waiting, block, strict=True)]
+            continue
+        if waiting is not None:
+            yield _block(source, picks, stretches, dict(zip(wanted, waiting, strict=True)))
+        waiting = block
+    yield _block(
+        source,
+        picks,
+        stretches,
+        dict(zip(wanted, waiting or [np.empty(0)] * len(wanted), strict=True)),
+    )
+    for pick, stretch in zip(picks, stretches, strict=True):
+        stretch.finish(source, pick)
+
+
+def _block(
+    source: Source, picks: Sequence[Pick], stretches: Sequence[Stretch], columns: dict[int, Array]
+) -> list[Channel]:
+    return [
+        stretch.channel(
+            source, pick, columns[pick.index], None if pick.time is None else columns[pick.time]
+        )
+        for pick, stretch in zip(picks, stretches, strict=True)
+    ]
+
+
+@dataclass
+class Stretch:
+    """What is known of a channel so far: number of samples, last time and step (s), lowest and highest value."""
+
+    count: int = 0
+    last: float | None = None
+    step: float | None = None
+    low: float = field(default=np.inf)
+    high: float = field(default=-np.inf)
+
+    def channel(self, source: Source, pick: Pick, values: Array, time: Array | None) -> Channel:
+        """The next block of the channel, checked on its own and against what came before."""
+        if self.count + values.size < 3:
+            raise RecordError(
+                f"{source.path}: channel {pick.name!r} has {self.count + values.size} samples; that is no record"
+            )
+        _require_finite(source, pick.index, values, self.count)
+        if time is None:
+            t = times(pick.rate_hz, pick.start, self.count, values.size)
+        else:
+            assert pick.time is not None
+            _require_finite(source, pick.time, time, self.count)
+            t = time * pick.time_factor
+            self._require_uniform(source, pick.time, t)
+        self.count += values.size
+        self.last = float(t[-1])
+        self.low, self.high = (
+            min(self.low, float(values.min())),
+            max(self.high, float(values.max())),
+        )
+        return Channel(pick.quantity, t, values * pick.factor, pick.name)
+
+    def finish(self, source: Source, pick: Pick) -> None:
+        """Check what only the whole channel shows: that it is not constant."""
+        if self.low == self.high:
+            raise RecordError(
+                f"{source.path}: channel {pick.name!r} is constant, {self.low:g} in all {self.count} samples; "
+                "check transducer and mapping"
+            )
+
+    def _require_uniform(self, source: Source, index: int, t: Array) -> None:
+        name = source.channels[index].name
+        where = f"{source.path}: time channel {name!r}"
+        before = np.empty(0) if self.last is None else np.array([self.last])
+        line = np.concatenate([before, t])
+        first = self.count - before.size  # sample number of line[0]
+        steps = np.diff(line)
+        if self.step is None:
+            self.step = float(np.median(steps))
+        i = int(np.argmin(steps))
+        if steps[i] <= 0.0:
+            raise RecordError(
+                f"{where} does not increase: {line[i]:.12g} s, then {line[i + 1]:.12g} s "
+                f"({source.place(index, first + i + 1)}); give sample_rate_hz instead if it has too few digits"
+            )
+        i = int(np.argmax(steps))
+        if steps[i] > _GAP * self.step:
+            raise RecordError(
+                f"{where} has a gap of {steps[i]:g} s after {line[i]:.12g} s ({source.place(index, first + i)}), "
+                f"its step is {self.step:g} s; use the part before or after it"
+            )
+        grid = np.linspace(line[0], line[-1], line.size)
+        i = int(np.argmax(np.abs(line - grid)))
+        if abs(line[i] - grid[i]) > _GRID_TOLERANCE * self.step:
+            raise RecordError(
+                f"{where} is not in equal steps: {line[i]:.12g} s ({source.place(index, first + i)}) is "
+                f"{abs(line[i] - grid[i]):.2g} s off the grid of {self.step:g} s; resample the record, or give "
+                "sample_rate_hz instead if only the digits are too few"
+            )
+
+
+def _wanted(picks: Sequence[Pick]) -> list[int]:
+    return sorted({i for pick in picks for i in (pick.index, pick.time) if i is not None})
+
+
+def _without_padding(
+    source: Source, pick: Pick, values: Array, time: Array | None
+) -> tuple[Array, Array | None]:
+    """The channel without the empty cells at its end that a shorter time base leaves in a table."""
+    if time is None:
+        return values, None
+    if time.size != values.size:
+        assert pick.time is not None
+        raise RecordError(
+            f"{source.path}: channel {pick.name!r} has {values.size} samples, its time "
+            f"{source.channels[pick.time].name!r} has {time.size}; each sample needs its time"
+        )
+    present = np.flatnonzero(~(np.isnan(values) & np.isnan(time)))
+    end = int(present[-1]) + 1 if present.size else 0
+    return values[:end], time[:end]
+
+
+def _without_empty_end(blocks: Iterator[list[Array]]) -> Iterator[list[Array]]:
+    """The blocks without the rows at the end of the table that are empty in every column."""
+    empty = 0  # rows that are, so far, the end
+    for block in blocks:
+        present = np.flatnonzero(~np.logical_and.reduce([np.isnan(column) for column in block]))
+        end = int(present[-1]) + 1 if present.size else 0
+        if end:
+            if empty:  # they were not the end: an error, which the checks will find
+                yield [np.full(empty, np.nan) for _ in block]
+            empty = 0
+            yield [column[:end] for column in block]
+        empty += block[0].size - end
+
+
+def _require_finite(source: Source, index: int, values: Array, offset: int) -> None:
+    if np.isfinite(values).all():
+        return
+    bad = np.flatnonzero(~np.isfinite(values))
+    i = int(bad[0])
+    what = "empty or not a number (NaN)" if np.isnan(values[i]) else "infinite"
+    raise RecordError(
+        f"{source.path}: {source.place(index, offset + i)}: channel {source.channels[index].name!r} is {what}"
+        f"{f', and so are {bad.size - 1} more' if bad.size > 1 else ''}; cut the record before it, or repair it"
+    )

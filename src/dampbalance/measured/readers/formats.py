@@ -1,0 +1,114 @@
+"""Which format a file has: by its suffix, and checked against what it begins with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import RecordError
+
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+_BYTE_ORDER_MARKS = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")
+_HEAD = 4096  # bytes that tell: a user block of a few kB may precede HDF5
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """A format: what people call it, its suffixes, and the kinds of content that it may have."""
+
+    title: str
+    suffixes: tuple[str, ...]
+    contents: tuple[str, ...]
+
+
+FORMATS = {
+    "text": Format("delimited text", (".csv", ".tsv", ".txt", ".dat", ".asc"), ("text",)),
+    "parquet": Format("Parquet", (".parquet", ".pq"), ("parquet",)),
+    "matlab": Format("MATLAB", (".mat",), ("matlab", "matlab73", "hdf5")),
+    "hdf5": Format("HDF5", (".h5", ".hdf5", ".hdf"), ("hdf5", "matlab73")),
+    "uff": Format("a universal file", (".uff", ".unv", ".58"), ("uff",)),
+    "tdms": Format("TDMS", (".tdms",), ("tdms",)),
+    "wav": Format("WAV", (".wav", ".wave"), ("wav",)),
+}
+"""The formats read and written, by short name."""
+
+_TITLES = {
+    "text": "delimited text",
+    "parquet": "Parquet",
+    "matlab": "MATLAB 5",
+    "matlab73": "MATLAB 7.3",
+    "hdf5": "HDF5",
+    "uff": "a universal file",
+    "tdms": "TDMS",
+    "wav": "WAV",
+}
+
+
+def format_by_suffix(path: Path) -> str:
+    """The short name of the format that the suffix stands for. Raises RecordError naming the suffixes known."""
+    for name, known in FORMATS.items():
+        if path.suffix.lower() in known.suffixes:
+            return name
+    every = ", ".join(suffix for known in FORMATS.values() for suffix in known.suffixes)
+    raise RecordError(f"{path}: unknown suffix {path.suffix!r}; records end in {every}")
+
+
+def content_of(path: Path) -> str | None:
+    """What the first bytes of a file say it is: a key of _TITLES, or None for bytes that are no format known."""
+    with open(path, "rb") as stream:
+        head = stream.read(_HEAD)
+    if head.startswith(b"MATLAB 5.0"):
+        return "matlab"
+    if head.startswith(b"MATLAB 7.3"):
+        return "matlab73"
+    if any(head[at:].startswith(_HDF5) for at in (0, 512, 1024, 2048)):
+        return "hdf5"
+    if head.startswith(b"PAR1"):
+        return "parquet"
+    if head.startswith((b"TDSm", b"TDSh")):
+        return "tdms"
+    if head[:4] in (b"RIFF", b"RIFX", b"RF64") and head[8:12] == b"WAVE":
+        return "wav"
+    if head.lstrip(b"\r\n").startswith(b"    -1"):
+        return "uff"
+    if head.startswith(_BYTE_ORDER_MARKS) or not _binary(head):
+        return "text"
+    return None
+
+
+def checked_format(path: Path) -> tuple[str, str]:
+    """Format by suffix and by content of a file that is there, not empty, and what its name says.
+
+    Raises RecordError otherwise.
+    """
+    if path.is_dir():
+        raise RecordError(f"{path}: is a folder; give the files in it")
+    if not path.exists():
+        raise RecordError(f"{path}: no such file")
+    name = format_by_suffix(path)
+    try:
+        content = content_of(path)
+        size = path.stat().st_size
+    except OSError as error:
+        raise RecordError(f"{path}: cannot be opened: {error.strerror}") from None
+    if size == 0:
+        raise RecordError(f"{path}: is empty")
+    if content not in FORMATS[name].contents:
+        wanted = FORMATS[name].title
+        if content is None:
+            raise RecordError(
+                f"{path}: is not {wanted}, as its name says; its first bytes are of no format known here, "
+                "perhaps it is damaged"
+            )
+        family = "matlab" if content == "matlab73" else content
+        suffix = FORMATS[family].suffixes[0]
+        raise RecordError(
+            f"{path}: is not {wanted}, as its name says, but {_TITLES[content]}; rename it to "
+            f"{path.with_suffix(suffix).name}"
+        )
+    return name, content
+
+
+def _binary(head: bytes) -> bool:
+    """Whether the bytes hold control characters that no text has."""
+    return any(byte < 9 or 13 < byte < 27 or 27 < byte < 32 for byte in head)

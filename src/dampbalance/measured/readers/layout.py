@@ -1,0 +1,256 @@
+"""How a delimited text file is laid out: encoding, delimiter, decimal mark, header, names and units of its columns."""
+
+from __future__ import annotations
+
+import csv
+import io
+import itertools
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import RecordError
+from ..mapping import RecordMapping
+from ..units import find_unit, split_label
+
+WHITESPACE = "whitespace"
+
+_SAMPLE_LINES = 400  # enough for any header and some rows
+_SAMPLE_CHARACTERS = 4_000_000
+_ROWS_TO_AGREE = 20
+_COMMENTS = "#%"
+_MISSING = {"", "nan", "na", "n/a", "null", "none", "inf", "-inf", "+inf", "infinity", "-infinity"}
+_NUMBER = {
+    mark: re.compile(rf"[+-]?(\d+({re.escape(mark)}\d*)?|{re.escape(mark)}\d+)([eE][+-]?\d+)?")
+    for mark in ".,"
+}
+
+# Tried in this order: what fits as many rows as another and comes first wins. "1,5;2,5" is two numbers and "1,5" in one
+# column would be none, so a semicolon or tab comes before the comma, and a comma before blanks.
+_MARKS = (
+    ("\t", "."), ("\t", ","), (";", "."), (";", ","), ("|", "."), ("|", ","), (",", "."),
+    (WHITESPACE, "."), (WHITESPACE, ","),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column by its name, its unit as spelt, or None, and both as they stand in the header."""
+
+    name: str
+    unit: str | None
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How to read a text file.
+
+    header_lines : lines before the first row.   comment : character that opens a comment.   columns : left to right.
+    ends_in_line_end : whether the last line does; otherwise it may have been cut.
+    """
+
+    encoding: str
+    delimiter: str
+    decimal: str
+    comment: str
+    header_lines: int
+    columns: tuple[Column, ...]
+    ends_in_line_end: bool
+
+    def rows(self, path: Path) -> Iterator[tuple[int, list[str]]]:
+        """Line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
+        with open(path, encoding=self.encoding, errors="replace", newline=None) as stream:
+            for number, line in enumerate(stream, start=1):
+                if number > self.header_lines:
+                    cells = cells_of(line, self.delimiter, self.comment)
+                    if cells:
+                        yield number, cells
+
+    def is_number(self, cell: str) -> bool:
+        """Whether a cell is a finite number."""
+        return _NUMBER[self.decimal].fullmatch(cell.strip()) is not None
+
+
+def layout_of(path: Path, mapping: RecordMapping) -> Layout:
+    """The layout of a text file, from its first lines and from what the mapping says about it.
+
+    Raises RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows.
+    """
+    encoding = _encoding(path)
+    with open(path, encoding=encoding, errors="replace", newline=None) as stream:
+        lines = list(
+            itertools.islice(iter(lambda: stream.readline(_SAMPLE_CHARACTERS), ""), _SAMPLE_LINES)
+        )
+    first_marks = [line.lstrip()[:1] for line in lines if line.strip()]
+    comment = next((mark for mark in first_marks if mark and mark in _COMMENTS), "#")
+
+    candidates = [
+        (delimiter, decimal)
+        for delimiter, decimal in _MARKS
+        if mapping.delimiter in (None, delimiter) and mapping.decimal in (None, decimal)
+    ]
+    if mapping.delimiter is not None:
+        candidates = [
+            (mapping.delimiter, decimal)
+            for decimal in ([mapping.decimal] if mapping.decimal else ".,")
+            if decimal != mapping.delimiter
+        ]
+    best: tuple[int, str, str, int, int] | None = None
+    for delimiter, decimal in candidates:
+        found = _first_row(lines, delimiter, decimal, comment, mapping.header_lines)
+        if found and (best is None or found[0] > best[0]):
+            best = (found[0], delimiter, decimal, found[1], found[2])
+    if best is None:
+        raise RecordError(_no_rows(path, lines, comment, mapping))
+    _, delimiter, decimal, header, width = best
+    columns = _columns(path, lines[:header], delimiter, comment, width)
+    return Layout(
+        encoding, delimiter, decimal, comment, header, columns, _ends_in_line_end(path, encoding)
+    )
+
+
+def cells_of(line: str, delimiter: str, comment: str) -> list[str]:
+    """The cells of a line without its comment; none for a blank line."""
+    line = line.split(comment, 1)[0].rstrip("\r\n")
+    if not line.strip():
+        return []
+    if delimiter == WHITESPACE:
+        return line.split()
+    return [cell.strip() for cell in next(csv.reader(io.StringIO(line), delimiter=delimiter))]
+
+
+def _first_row(
+    lines: Sequence[str], delimiter: str, decimal: str, comment: str, header: int | None
+) -> tuple[int, int, int] | None:
+    """How many rows fit these marks, the line (counted from 0) of the first one, and its number of cells.
+
+    None where no line does. A row has at least two cells, a number in one and a number or nothing in the others; empty
+    ones at its end do not count.
+    """
+    number = _NUMBER[decimal]
+
+    def row(line: str) -> tuple[int, int]:
+        """Number of cells, and of those up to the last that is not empty; (0, 0) for no row."""
+        cells = cells_of(line, delimiter, comment)
+        good = [number.fullmatch(cell) is not None for cell in cells]
+        missing = [cell.lower() in _MISSING for cell in cells]
+        if not any(good) or not all(g or m for g, m in zip(good, missing, strict=True)):
+            return 0, 0
+        filled = max(i for i, cell in enumerate(cells, start=1) if cell)
+        return (len(cells), filled) if len(cells) >= 2 else (0, 0)
+
+    start = (
+        header if header is not None else next((i for i, s in enumerate(lines) if row(s)[0]), None)
+    )
+    if start is None:
+        return None
+    found = [row(line) for line in lines[start:] if cells_of(line, delimiter, comment)]
+    counts = Counter(cells for cells, _ in found[:_ROWS_TO_AGREE] if cells)
+    if not counts:
+        return None
+    usual = max(counts, key=lambda cells: (counts[cells], cells))
+    # A delimiter at the end of every row makes no column; a shorter channel's empty cells do.
+    width = max(filled for cells, filled in found if cells == usual)
+    return (counts[usual], start, width) if width >= 2 else None
+
+
+def _columns(
+    path: Path, header: Sequence[str], delimiter: str, comment: str, width: int
+) -> tuple[Column, ...]:
+    """Names and units from the last lines of the header that have as many cells as the rows."""
+    table = []
+    for line in header:
+        text = (
+            line.strip().lstrip(_COMMENTS).strip() if line.strip()[:1] in tuple(_COMMENTS) else line
+        )
+        cells = _header_cells(text, delimiter, width)
+        while len(cells) > width and not cells[-1]:
+            cells.pop()
+        if cells:
+            table.append(cells)
+    fitting = [cells for cells in table if len(cells) == width and any(cells)]
+    if not fitting:
+        if table and len(table[-1]) > 1 and delimiter != WHITESPACE:
+            raise RecordError(
+                f"{path}: its header has {len(table[-1])} names, its rows have {width} cells; if it has 0,5 for 0.5, "
+                'say decimal: "," and the delimiter in a mapping'
+            )
+        return tuple(Column(f"column {i + 1}", None) for i in range(width))
+    units: list[str | None] = [None] * width
+    if len(fitting) > 1 and _are_units(fitting[-1]):
+        units = [cell.strip("[](){} ") or None for cell in fitting[-1]]
+        fitting.pop()
+    columns = []
+    for i, (label, unit) in enumerate(zip(fitting[-1], units, strict=True)):
+        name, own = split_label(label)
+        columns.append(Column(name or f"column {i + 1}", unit or own, label))
+    return tuple(columns)
+
+
+def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
+    if delimiter != WHITESPACE:
+        return [
+            cell.strip() for cell in next(csv.reader(io.StringIO(line), delimiter=delimiter), [])
+        ]
+    for pattern in (
+        r"\s{2,}|\t",
+        r"\s+(?![\[(])",
+        r"\s+",
+    ):  # "x [mm]" is one name, where the number of cells allows
+        cells = re.split(pattern, line.strip())
+        if len(cells) == width:
+            return cells
+    return line.split()
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Whether a line gives units: each cell is one, or empty, "-" or in brackets, and at least one is known."""
+    bare = [cell.strip("[](){} ") for cell in cells]
+    known = [find_unit(cell) is not None for cell in bare]
+    bracketed = [cell != plain for cell, plain in zip(cells, bare, strict=True)]
+    return any(known) and all(
+        k or b or plain in ("", "-", "1", "V", "mV")
+        for k, b, plain in zip(known, bracketed, bare, strict=True)
+    )
+
+
+def _no_rows(path: Path, lines: Sequence[str], comment: str, mapping: RecordMapping) -> str:
+    if not any(line.strip() for line in lines):
+        return f"{path}: is empty"
+    for decimal in ".,":
+        cells = [line.split(comment, 1)[0].strip() for line in lines]
+        if sum(_NUMBER[decimal].fullmatch(cell) is not None for cell in cells) > 1:
+            return f"{path}: has one column only; a record needs an excitation and a response"
+    where = (
+        f" after {mapping.header_lines} header lines" if mapping.header_lines is not None else ""
+    )
+    return (
+        f"{path}: holds no rows of at least two numbers{where}; dates and other texts are not read: export the "
+        "times in seconds, or say delimiter, decimal and header_lines in a mapping"
+    )
+
+
+def _encoding(path: Path) -> str:
+    """By its byte order mark, else UTF-8, else the code page of Windows (µ and ² in a header)."""
+    with open(path, "rb") as stream:
+        head = stream.read(65536)
+    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    try:
+        head.decode("utf-8")
+    except UnicodeDecodeError as error:
+        if (
+            error.start < len(head) - 4
+        ):  # not merely a character cut in two by the end of the sample
+            return "cp1252"
+    return "utf-8-sig"
+
+
+def _ends_in_line_end(path: Path, encoding: str) -> bool:
+    with open(path, "rb") as stream:
+        stream.seek(0, io.SEEK_END)
+        stream.seek(max(0, stream.tell() - 4))
+        return stream.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))

@@ -1,0 +1,145 @@
+"""What every format looks like to the rest: named channels that are read in blocks."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import RecordError
+
+Array = NDArray[np.float64]
+
+RATE_NAMES = (
+    "sample_rate_hz",
+    "sample_rate",
+    "sampling_rate",
+    "samplerate",
+    "sampling_frequency",
+    "fs",
+    "rate_hz",
+)
+STEP_NAMES = (
+    "wf_increment",
+    "dt",
+    "dt_s",
+    "delta_t",
+    "time_step",
+    "sample_interval",
+    "increment",
+    "t_increment",
+)
+START_NAMES = ("wf_start_offset", "t0", "t_start", "start_time_s")
+UNIT_NAMES = ("unit", "units", "unit_string", "ni_unitdescription")
+"""Names, in lower case, under which files keep sampling rate (Hz), step (s), first time (s) and unit."""
+
+
+@dataclass(frozen=True, slots=True)
+class RawChannel:
+    """A channel as the file has it.
+
+    name : without its unit.   label : with it, as it stands there.   unit : as spelt there, or None.
+    size : number of samples, or None if only reading tells.
+    rate_hz : samples per second, or None if the file does not say.   start : time of its first sample, s.
+    """
+
+    name: str
+    unit: str | None = None
+    size: int | None = None
+    rate_hz: float | None = None
+    start: float = 0.0
+    label: str = ""
+
+
+class Source(ABC):
+    """An open file of channels."""
+
+    path: Path
+    channels: tuple[RawChannel, ...]
+
+    @abstractmethod
+    def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
+        """The wanted channels, `size` samples of each at a time; all samples at once for None."""
+
+    def place(self, channel: int, sample: int) -> str:
+        """Where a sample, counted from 0, stands in the file."""
+        return f"sample {sample + 1}"
+
+    def close(self) -> None:  # noqa: B027
+        """Let go of the file."""
+
+
+class Sliced(Source):
+    """A source whose channels are read from any sample to any other."""
+
+    def __init__(
+        self,
+        path: Path,
+        channels: Sequence[RawChannel],
+        read: Callable[[int, int, int], Array],
+        close: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.path, self.channels, self._read, self._close = path, tuple(channels), read, close
+
+    def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
+        """The wanted channels, `size` samples of each at a time."""
+        sizes = [self.channels[i].size or 0 for i in wanted]
+        if size is None:
+            yield [self._read(i, 0, n) for i, n in zip(wanted, sizes, strict=True)]
+            return
+        for start in range(0, max(sizes), size):
+            yield [
+                self._read(i, min(start, n), min(start + size, n))
+                for i, n in zip(wanted, sizes, strict=True)
+            ]
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._close()
+
+
+def times(rate_hz: float, start: float, first: int, count: int) -> Array:
+    """Times, s, of `count` samples from number `first` on."""
+    return start + np.arange(first, first + count) / rate_hz
+
+
+def timing(path: Path, name: str, attributes: dict[str, object]) -> tuple[float | None, float]:
+    """Sampling rate, Hz, and time of the first sample, s, among attributes of a channel, whatever they are called.
+
+    Raises RecordError when a rate or a step is not a positive number.
+    """
+    known = {str(key).lower(): value for key, value in attributes.items()}
+    start = next((_number(path, name, key, known[key]) for key in START_NAMES if key in known), 0.0)
+    for names, inverse in ((RATE_NAMES, False), (STEP_NAMES, True)):
+        for key in names:
+            if key in known:
+                value = _number(path, name, key, known[key])
+                if not (np.isfinite(value) and value > 0.0):
+                    raise RecordError(
+                        f"{path}: {key} of channel {name!r} is {value:g}; give sample_rate_hz in a mapping"
+                    )
+                return (1.0 / value if inverse else value), start
+    return None, start
+
+
+def _number(path: Path, name: str, key: str, value: object) -> float:
+    try:
+        return float(np.asarray(value, dtype=np.float64).reshape(-1)[0])
+    except (TypeError, ValueError, IndexError):
+        raise RecordError(
+            f"{path}: {key} of channel {name!r} is {value!r}, not a number; give sample_rate_hz in a mapping"
+        ) from None
+
+
+def unit_among(attributes: dict[str, object]) -> str | None:
+    """The unit among attributes of a channel, or None."""
+    for key, value in attributes.items():
+        if str(key).lower() in UNIT_NAMES:
+            text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+            if text.strip():
+                return text.strip()
+    return None

@@ -1,0 +1,159 @@
+"""Universal files, TDMS and WAV: files of sampled signals."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from ..errors import RecordError, library
+from ..units import split_label
+from .source import Array, RawChannel, Sliced, Source, timing, unit_among
+from .tables import damaged
+
+_TIME_RESPONSE = 1  # function type of a data set 58
+_SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
+_NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long a WAV will become
+
+
+def uff_source(path: Path) -> Source:
+    """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary.
+
+    A channel is called by its ordinate's label, else by its first ID line, else by what the data type says.
+    """
+    pyuff = library("pyuff", "a universal file")
+    try:
+        file = pyuff.UFF(str(path))
+        marks = path.read_bytes().count(b"    -1\n") + path.read_bytes().count(b"    -1\r")
+        sets = [file.read_sets(i) for i, kind in enumerate(file.get_set_types()) if int(kind) == 58]
+    except Exception as error:
+        raise damaged(path, "a universal file", error) from None
+    sets = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
+    channels, arrays = [], []
+    for item in sets:
+        n = int(item["num_pts"])
+        label = _uff_label(item)
+        values = np.asarray(item["data"])
+        if values.size != n or np.iscomplexobj(values):
+            raise RecordError(
+                f"{path}: data set {label!r} has {values.size} of its {n} values; it was cut short or is no real signal"
+            )
+        name, unit = split_label(label)
+        given = item["ordinate_axis_units_lab"].strip()
+        unit = given if given.upper() not in ("", "NONE") else unit
+        if item["abscissa_spacing"] == 1:
+            rate, start = timing(
+                path, name, {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]}
+            )
+            channels.append(RawChannel(name, unit, n, rate, start, label))
+            arrays.append(values)
+        else:  # its times stand in it, in front of it here
+            channels.append(RawChannel(f"{name} time", _uff_time_unit(item), n))
+            arrays.append(np.asarray(item["x"]))
+            channels.append(RawChannel(name, unit, n, label=label))
+            arrays.append(values)
+    if marks % 2 or not sets:
+        what = (
+            "its last data set has no end; it was cut short"
+            if marks % 2
+            else "holds no time response (data set 58)"
+        )
+        raise RecordError(f"{path}: {what}")
+    return Sliced(path, channels, lambda i, a, b: np.asarray(arrays[i][a:b], dtype=np.float64))
+
+
+def tdms_source(path: Path) -> Source:
+    """A TDMS file: its channels, "group/channel" if there are several groups; step and unit are properties."""
+    nptdms = library("nptdms", "TDMS")
+    file = None
+    try:
+        file = nptdms.TdmsFile.open(path)
+        groups = file.groups()
+        status = file.file_status
+        found = [
+            c for group in groups for c in group.channels() if c.dtype.kind in "fiu" and len(c)
+        ]
+        several = len({c.group_name for c in found}) > 1
+        labels = [f"{c.group_name}/{c.name}" if several else c.name for c in found]
+        properties = [dict(c.properties) for c in found]
+    except Exception as error:
+        if file is not None:
+            file.close()
+        raise damaged(path, "TDMS", error) from None
+    if status.incomplete_final_segment or not found:
+        file.close()
+        raise RecordError(
+            f"{path}: holds no channel of numbers; it was cut short, or the recording was not closed"
+            if not found
+            else f"{path}: its last segment is incomplete: the file was cut short, or the recording was not closed"
+        )
+    channels = []
+    for channel, label, attributes in zip(found, labels, properties, strict=True):
+        name, unit = split_label(label)
+        rate, start = timing(path, label, attributes)
+        channels.append(
+            RawChannel(name, unit_among(attributes) or unit, len(channel), rate, start, label)
+        )
+
+    def read(i: int, begin: int, end: int) -> Array:
+        try:
+            return np.asarray(found[i].read_data(begin, end - begin), dtype=np.float64)
+        except Exception as error:
+            raise damaged(path, "TDMS", error) from None
+
+    return Sliced(path, channels, read, file.close)
+
+
+def wav_source(path: Path) -> Source:
+    """A WAV file: its channels are "channel 1", …, without unit; integers become parts of full scale, −1 to 1."""
+    from scipy.io import wavfile
+
+    with open(path, "rb") as stream:
+        head = stream.read(12)
+    order: Literal["little", "big"] = "big" if head[:4] == b"RIFX" else "little"
+    said = int.from_bytes(head[4:8], order)
+    size = path.stat().st_size
+    if head[:4] != b"RF64" and said not in _NO_SIZE and said + 8 > size:
+        raise RecordError(
+            f"{path}: has {size} of the {said + 8} bytes that its header says; it was cut short"
+        )
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter(
+                "ignore", wavfile.WavFileWarning
+            )  # chunks of notes that hold no samples
+            try:
+                rate, data = wavfile.read(path, mmap=True)
+            except ValueError:  # 24-bit samples cannot be mapped
+                rate, data = wavfile.read(path)
+    except Exception as error:
+        raise damaged(path, "WAV", error) from None
+    table = data.reshape(len(data), -1)
+    zero, full = 0.0, 1.0
+    if data.dtype.kind == "u":
+        zero, full = 128.0, 128.0
+    elif data.dtype.kind == "i":
+        full = -float(np.iinfo(data.dtype).min)
+    channels = [
+        RawChannel(f"channel {i + 1}", None, len(table), float(rate)) for i in range(table.shape[1])
+    ]
+    return Sliced(
+        path,
+        channels,
+        lambda i, a, b: (np.asarray(table[a:b, i], dtype=np.float64) - zero) / full,
+    )
+
+
+def _uff_label(item: dict[str, str]) -> str:
+    for key in ("ordinate_axis_lab", "id1"):
+        text = item[key].strip()
+        if text.upper() not in ("", "NONE"):
+            return text
+    return _SPECIFIC_TYPES.get(int(item["ordinate_spec_data_type"]), "data")
+
+
+def _uff_time_unit(item: dict[str, str]) -> str:
+    unit = item["abscissa_axis_units_lab"].strip()
+    return "s" if unit.upper() in ("", "NONE") else unit

@@ -1,0 +1,94 @@
+"""CSV, TSV and other delimited text, read in chunks."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ..errors import RecordError, RecordWarning
+from ..mapping import RecordMapping
+from .layout import WHITESPACE, layout_of
+from .source import Array, RawChannel, Source
+
+
+class TextSource(Source):
+    """A delimited text file; `layout.py` finds out its delimiter, decimal mark, header and columns."""
+
+    def __init__(self, path: Path, mapping: RecordMapping) -> None:
+        self.path = path
+        self.layout = layout_of(path, mapping)
+        self.channels = tuple(
+            RawChannel(column.name, column.unit, label=column.label)
+            for column in self.layout.columns
+        )
+
+    def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
+        """The wanted columns, `size` rows at a time; an empty cell is NaN.
+
+        Raises RecordError naming line and column for a cell that is no number and a row that has too many or too few.
+        """
+        if not self.layout.ends_in_line_end:
+            warnings.warn(
+                f"{self.path}: its last line has no end; if the file was cut, its last number is wrong",
+                RecordWarning,
+                stacklevel=2,
+            )
+        # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
+        options: dict[str, Any] = {
+            "header": None,
+            "dtype": dict.fromkeys(wanted, np.float64),
+            "low_memory": False,
+            "skiprows": self.layout.header_lines,
+            "comment": self.layout.comment,
+            "decimal": self.layout.decimal,
+            "encoding": self.layout.encoding,
+            "encoding_errors": "replace",
+            "skipinitialspace": True,
+        }
+        options |= (
+            {"sep": r"\s+"}
+            if self.layout.delimiter == WHITESPACE
+            else {"sep": self.layout.delimiter}
+        )
+        try:
+            with pd.read_csv(self.path, chunksize=size or sys.maxsize, **options) as chunks:
+                for chunk in chunks:
+                    yield [chunk[i].to_numpy(dtype=np.float64) for i in wanted]
+        except (ValueError, OverflowError) as error:  # pandas' own errors are ValueErrors
+            raise RecordError(self._complaint(wanted, str(error))) from None
+
+    def place(self, channel: int, sample: int) -> str:
+        """The line of a row, counted from 1."""
+        for row, (number, _) in enumerate(self.layout.rows(self.path)):
+            if row == sample:
+                return f"line {number}"
+        return f"row {sample + 1}"
+
+    def _complaint(self, wanted: Sequence[int], fallback: str) -> str:
+        """What is wrong with the first row that cannot be read."""
+        width = len(self.channels)
+        for number, cells in self.layout.rows(self.path):
+            if any(cells[width:]) or len(cells) <= max(wanted):
+                return (
+                    f"{self.path}: line {number} has {len(cells)} cells, the others {width}; mend it, "
+                    "or cut the file before it"
+                )
+            for i in wanted:
+                cell = cells[i]
+                if not self.layout.is_number(cell) and not _is_missing(cell):
+                    return f"{self.path}: line {number}, column {self.channels[i].name!r}: {cell!r} is not a number"
+        return f"{self.path}: cannot be read: {fallback}"
+
+
+def _is_missing(cell: str) -> bool:
+    """Whether pandas reads the cell as NaN or an infinity; the finiteness check names it."""
+    try:
+        return not np.isfinite(float(cell or "nan"))
+    except ValueError:
+        return cell.lower() in ("na", "n/a", "null", "none")

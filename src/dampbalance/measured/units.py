@@ -1,0 +1,165 @@
+"""Units that laboratories write, and the one place where they are turned into SI.
+
+A unit is found by its usual spellings: µm and um, m/s², m/s^2, m/s2, m s-2 and m_per_s2 are each one unit. A channel
+has the unit that belongs to its quantity, or it is refused: a velocity in mm is a mistake, not a number.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from dataclasses import dataclass
+
+_INCH = 0.0254  # m, exactly
+_STANDARD_GRAVITY = 9.80665  # m/s², exactly
+_POUND_FORCE = 4.4482216152605  # N, exactly
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit: a number in it times `factor` is the number in SI.
+
+    name : as written here.   dimension : length, velocity, acceleration, force, time or frequency.
+    """
+
+    name: str
+    dimension: str
+    factor: float
+
+
+UNITS = tuple(
+    Unit(name, dimension, factor)
+    for dimension, units in {
+        "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9, "in": _INCH},
+        "velocity": {
+            "m/s": 1.0,
+            "cm/s": 1e-2,
+            "mm/s": 1e-3,
+            "µm/s": 1e-6,
+            "nm/s": 1e-9,
+            "in/s": _INCH,
+        },
+        "acceleration": {
+            "m/s²": 1.0,
+            "cm/s²": 1e-2,
+            "mm/s²": 1e-3,
+            "in/s²": _INCH,
+            "g": _STANDARD_GRAVITY,
+            "mg": 1e-3 * _STANDARD_GRAVITY,
+        },
+        "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": _POUND_FORCE},
+        "time": {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
+        "frequency": {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6},
+    }.items()
+    for name, factor in units.items()
+)
+"""Every unit known. `g` is the standard gravity, 9.80665 m/s²: the gram is no unit of a channel."""
+
+DIMENSIONS = {
+    "base_displacement": "length",
+    "base_acceleration": "acceleration",
+    "force": "force",
+    "displacement": "length",
+    "velocity": "velocity",
+    "acceleration": "acceleration",
+    "time": "time",
+    "sample rate": "frequency",
+}
+"""Dimension of what a channel may hold."""
+
+_OTHER_SPELLINGS = {
+    "µm": ["micron", "microns", "micrometer", "micrometre"],
+    "mm": ["millimeter", "millimetre", "millimeters", "millimetres"],
+    "m": ["meter", "metre", "meters", "metres"],
+    "in": ["inch", "inches", '"'],
+    "in/s": ["ips"],
+    "g": ["g_n", "gn", "g0", "grav"],
+    "N": ["newton", "newtons"],
+    "lbf": ["lb", "lbs", "pound-force"],
+    "s": ["sec", "second", "seconds"],
+    "ms": ["msec", "millisecond", "milliseconds"],
+    "µs": ["usec", "microsecond", "microseconds"],
+    "Hz": ["hertz", "1/s", "samples/s", "sa/s", "s/s"],
+}
+
+
+class UnitError(ValueError):
+    """A unit that is not known, or that does not fit what the channel holds."""
+
+
+def find_unit(text: str) -> Unit | None:
+    """The unit that a text spells, or None."""
+    bare = text.strip()
+    return _EXACT.get(_plain(bare)) or _FOLDED.get(_plain(bare).casefold())
+
+
+def unit_for(text: str, quantity: str) -> Unit:
+    """The unit that a text spells, fit for a quantity of `DIMENSIONS`.
+
+    Raises UnitError: not known (with the nearest known one), or of another dimension.
+    """
+    wanted = DIMENSIONS[quantity]
+    fitting = [unit.name for unit in UNITS if unit.dimension == wanted]
+    unit = find_unit(text)
+    if unit is None:
+        near = difflib.get_close_matches(text.strip(), [u.name for u in UNITS], n=1)
+        hint = f" (did you mean {near[0]}?)" if near else ""
+        raise UnitError(f"unknown unit {text!r}{hint}; known for {wanted}: {', '.join(fitting)}")
+    if unit.dimension != wanted:
+        raise UnitError(
+            f"{text!r} is a unit of {unit.dimension}, but {quantity.replace('_', ' ')} needs one of {wanted}: "
+            f"{', '.join(fitting)}"
+        )
+    return unit
+
+
+def split_label(label: str) -> tuple[str, str | None]:
+    """Name and unit of a column header: "x [mm]", "x (mm)", "x / mm", "x, mm", "x in mm" and "x_mm" give ("x", "mm").
+
+    What stands in brackets is taken as the unit as it stands, known or not; elsewhere only a known unit is. The unit is
+    None where there is none.
+    """
+    label = label.strip()
+    if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*([^\])}>]*?)\s*[\])}>]", label):
+        return match[1].strip(), match[2] or None
+    match = re.fullmatch(r"(.+?)\s*(?:/|,|;|:|\bin\b)\s+(\S.*)", label)
+    if match and find_unit(match[2]):
+        return match[1].strip(), match[2].strip()
+    parts = re.split(r"[_\s]", label)
+    for start in range(1, len(parts)):  # the longest ending that is a unit: "m_per_s2" before "s2"
+        if find_unit("_".join(parts[start:])):
+            return label[: len("_".join(parts[:start]))], "_".join(parts[start:])
+    return label, None
+
+
+def header_suffix(unit: str) -> str:
+    """The unit as it ends a column name: m/s² is m_per_s2."""
+    return unit.replace("²", "2").replace("/", "_per_").replace("µ", "u")
+
+
+def _plain(text: str) -> str:
+    """One spelling for all ways to write powers, products and quotients."""
+    text = re.sub(r"\s+", " ", text.strip().strip("[](){}"))
+    text = text.replace("μ", "µ").replace("²", "2").replace("^", "").replace("**", "")
+    text = text.replace("_per_", "/").replace(" per ", "/").replace("⁻¹", "-1").replace("⁻2", "-2")
+    text = re.sub(r"[ ·*._]?(s|sec)-([12])$", r"/s\2", text)
+    text = re.sub(r"^u(?=(m|s)\b)", "µ", text)
+    return (
+        re.sub(r"/(s|sec)1$", r"/s", text)
+        .replace("/sec", "/s")
+        .replace("/s/s", "/s2")
+        .replace(" ", "")
+    )
+
+
+_EXACT = {_plain(unit.name): unit for unit in UNITS} | {
+    _plain(spelling): unit for unit in UNITS for spelling in _OTHER_SPELLINGS.get(unit.name, ())
+}
+
+# Without regard to case where that is not ambiguous: MM, Sec and G, but mN is not MN, nor ms Ms.
+_FOLDED = {
+    key.casefold(): unit
+    for key, unit in _EXACT.items()
+    if sum(key.casefold() == other.casefold() for other in _EXACT) == 1
+    and unit.name not in ("mN", "MHz", "mg")
+}
