@@ -116,6 +116,22 @@ def test_own_columns_of_a_record_are_known(tmp_path):
     np.testing.assert_array_equal(found["displacement"].values, A)
 
 
+@pytest.mark.parametrize(
+    "header",
+    [
+        "t1 [s],base [mm],t2 [s],acc [g]\n",  # the nearest to the left
+        "base_time [s],base [mm],acc_time [s],acc [g]\n",  # or by name
+        "time,base,time,acc\ns,mm,s,g\n",
+    ],
+)
+def test_each_channel_takes_its_own_times(tmp_path, header):
+    path = tmp_path / "run.csv"
+    path.write_text(header + rows(columns=(T, Y, T + 0.25, A)))
+    found = read(path)
+    np.testing.assert_array_equal(found["base_displacement"].t, T)
+    np.testing.assert_array_equal(found["acceleration"].t, T + 0.25)
+
+
 def test_mapping_by_name_and_number(tmp_path):
     path = tmp_path / "run.csv"
     path.write_text("clock,CH1 [V],CH2 [V]\n" + rows(columns=(T * 1e3, Y / 2, -A)))

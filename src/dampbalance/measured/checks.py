@@ -1,0 +1,270 @@
+"""What can be wrong with a record, each found by a test that a good record passes.
+
+A check that makes the record useless raises ValueError; one that only lowers its worth returns a sentence, with the
+numbers. Differences count when they stand out of the scatter between cycles and are large enough to matter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import f as f_distribution
+
+from .cycles import CycleHarmonics
+
+Array = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+
+FEW_CYCLES = 10
+"""Cycles below which intervals from the scatter between cycles are no longer worth their name."""
+
+SIGNIFICANT = 5.0
+"""Standard errors by which a difference must stand out: by chance once in two million."""
+
+_FREQUENCY_DIFFERS, _FREQUENCY_WRONG = 0.005, 0.05
+_GAIN_WRONG = 0.1
+_PHASE_WRONG = 0.5  # rad
+_PHASE_MATTERS = 2e-5  # rad
+_GAIN_MATTERS = 1e-4
+_DRIFT_MATTERS, _DRIFT_WRONG = 2e-5, 0.1  # of the amplitude, over the record
+_DRIFT_CHANCE = 1e-6
+_HARMONIC_MATTERS = 1e-3  # of the fundamental
+_CLIPPED_CYCLES = 0.5
+
+
+def require_signal(quantity: str, values: Array) -> None:
+    """ValueError when the values are all the same."""
+    if not np.ptp(values) > 0.0:
+        raise ValueError(
+            f"{quantity} is constant ({values[0]:.6g}): the transducer was not connected, or the wrong column was read"
+        )
+
+
+def require_level(quantity: str, found: CycleHarmonics) -> None:
+    """ValueError when a channel does not oscillate with the drive."""
+    usable = found.weights > 0.0
+    fundamental = found.coefficients[usable, 1]
+    if not found.span > 0.0:
+        raise ValueError(
+            f"{quantity} is constant: the transducer was not connected, or the wrong column was read"
+        )
+    mean = fundamental.mean()
+    scatter = math.sqrt(float(np.mean(np.abs(fundamental - mean) ** 2)) / len(fundamental))
+    if abs(mean) < SIGNIFICANT * scatter:
+        raise ValueError(
+            f"{quantity} does not oscillate at the drive frequency of {found.omega / (2.0 * math.pi):.5g} Hz: "
+            f"amplitude {abs(mean):.3g} ± {scatter:.2g}"
+        )
+
+
+def require_cycles(cycles: int, rows: int, omega: float, fewest: int) -> None:
+    """ValueError when fewer than `fewest` cycles can be used."""
+    if cycles < fewest or rows < fewest:
+        raise ValueError(
+            f"only {cycles} usable whole cycles of {omega / (2.0 * math.pi):.5g} Hz are common to all channels; "
+            f"at least {fewest} are needed"
+        )
+
+
+def few_cycles(cycles: int) -> list[str]:
+    """A warning when there are so few cycles that their scatter says little."""
+    if cycles >= FEW_CYCLES:
+        return []
+    return [
+        f"only {cycles} cycles: standard errors and intervals are rough; record {FEW_CYCLES} or more"
+    ]
+
+
+def frequency(omega: float, error: float, frequency_hz: float | None) -> list[str]:
+    """Compare the frequency found with the one known; ValueError when it is another."""
+    if frequency_hz is None:
+        return []
+    if not (math.isfinite(frequency_hz) and frequency_hz > 0.0):
+        raise ValueError(f"the drive frequency must be positive, got {frequency_hz} Hz")
+    found, found_error = omega / (2.0 * math.pi), error / (2.0 * math.pi)
+    off = found / frequency_hz - 1.0
+    words = f"the excitation oscillates at {found:.6g} ± {found_error:.1g} Hz, not at the {frequency_hz:.6g} Hz given"
+    if abs(off) > _FREQUENCY_WRONG:
+        raise ValueError(f"{words}: wrong frequency, wrong column, or a wrong sampling rate")
+    if abs(off) > max(_FREQUENCY_DIFFERS, SIGNIFICANT * found_error / frequency_hz):
+        return [f"{words} ({100.0 * off:+.2f} %); the frequency found is used"]
+    return []
+
+
+def bad_cycles(faults: Mapping[str, Sequence[tuple[int, float, str]]], rows: int) -> list[str]:
+    """One warning per channel with cycles that were left out."""
+    warnings = []
+    for quantity, bad in faults.items():
+        if bad:
+            number, time, reason = bad[0]
+            warnings.append(
+                f"{quantity}: {len(bad)} cycle{'s' * (len(bad) > 1)} left out; first cycle {number + 1} "
+                f"(at {time:.6g} s): {reason}"
+            )
+    return warnings
+
+
+def clipping(quantity: str, found: CycleHarmonics) -> list[str]:
+    """A warning when the signal is cut off at a level."""
+    if found.clipped < _CLIPPED_CYCLES:
+        return []
+    return [
+        f"{quantity} is clipped: in {100.0 * found.clipped:.0f} % of the cycles several samples hold the extreme "
+        "value; amplitude and harmonics are too small; raise the measuring range"
+    ]
+
+
+def consistency(
+    moved: dict[str, Complexes], weights: Array, omega: float
+) -> tuple[dict[str, float], list[str]]:
+    """Whether displacement, velocity and acceleration are those of one motion: (skew of each in s, warnings).
+
+    moved : harmonics of each response as displacements, rows × harmonics. A channel that is significantly off in time
+    or gain is corrected in place to agree with the first; ValueError when it is too far off to be a matter of either.
+    """
+    skew: dict[str, float] = {}
+    warnings = []
+    names = list(moved)
+    reference = moved[names[0]][:, 1]
+    for name in names[1:]:
+        ratio = _weighted(moved[name][:, 1], weights) / _weighted(reference, weights)
+        rest = moved[name][:, 1] - ratio * reference
+        error = math.sqrt(
+            float(weights @ np.abs(rest) ** 2) / (2.0 * (len(rest) - 1)) / weights.sum()
+        )
+        error /= abs(_weighted(reference, weights))
+        gain, phase = abs(ratio), math.atan2(ratio.imag, ratio.real)
+        if abs(gain - 1.0) > _GAIN_WRONG or abs(phase) > _PHASE_WRONG:
+            raise ValueError(
+                f"{name} contradicts {names[0]}: at the drive frequency it stands for {gain:.4g} times the motion, "
+                f"{math.degrees(phase):+.1f}° apart; check units, sign and calibration, or leave one of the two out"
+            )
+        if abs(phase) > max(SIGNIFICANT * error, _PHASE_MATTERS):
+            skew[name] = -phase / omega
+            warnings.append(
+                f"{name} lags {names[0]} by {-1e6 * phase / omega:.1f} ± {1e6 * error / omega:.1g} µs: shifted to "
+                "agree; whether the excitation is in time with either, a record cannot tell"
+            )
+        else:
+            phase = 0.0
+        if abs(gain - 1.0) > max(SIGNIFICANT * error, _GAIN_MATTERS):
+            warnings.append(
+                f"{name} stands for {gain:.5f} times the motion of {names[0]}: scaled to agree; check the calibration"
+            )
+        else:
+            gain = 1.0
+        n = np.arange(moved[name].shape[1])
+        moved[name] = moved[name] * np.exp(-1j * n * phase) / gain
+    return skew, warnings
+
+
+def steadiness(
+    Y: Complexes, X: Complexes, times: Array, weights: Array, period: float
+) -> list[str]:
+    """Whether the fundamentals of base and response stay as they are, against the scatter from cycle to cycle.
+
+    The change is sought along a line, a parabola and the difference between the first eighth and the rest: under
+    white noise, the sum of squares of the real and imaginary parts along these three, over the variance, has an F
+    distribution. The variance is that of successive differences, which a slow change does not raise, in the quieter
+    half of the record: a transient is loud at its start.
+
+    ValueError when the amplitude changes by more than a tenth.
+    """
+    warnings = []
+    phase = Y / np.abs(Y)
+    for name, rows in (("the excitation", Y), ("the response", X / phase if len(X) else X)):
+        rows = np.abs(rows) + 0j if name == "the excitation" else rows
+        size = len(rows)
+        if size < 4:
+            continue
+        mean = _weighted(rows, weights)
+        s = np.linspace(-1.0, 1.0, size)
+        first = (np.arange(size) < max(1, size // 8)).astype(float)
+        basis, _ = np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))
+        along = basis[:, 1:].T @ rows
+        parts = 2.0 if name == "the response" else 1.0
+        noise = min(_successive(half, parts) for half in (rows[: size // 2], rows[size // 2 :]))
+        statistic = float(np.sum(np.abs(along) ** 2)) / max(noise, 1e-300)
+        # successive differences know the variance as well as two thirds as many independent rows; of two halves, twice
+        # the chance
+        freedom = parts * max(1.0, 2.0 * (size // 2 - 1) / 3.0)
+        chance = 2.0 * float(f_distribution.sf(statistic / (3.0 * parts), 3.0 * parts, freedom))
+        change = float(np.ptp(np.abs(basis[:, 1:] @ along + mean))) / abs(mean)
+        turn = float(np.abs(basis[:, 1:] @ along).max()) / abs(mean)
+        if chance > _DRIFT_CHANCE or max(change, turn) < _DRIFT_MATTERS:
+            continue
+        settled = _settled_after(rows, noise, parts)
+        cycles = round(settled * (times[-1] - times[0]) / max(1, size - 1) / period)
+        words = (
+            f"{name} is not steady: its amplitude changes by {100.0 * change:.2g} %, its phasor by up to "
+            f"{100.0 * turn:.2g} % during the record (chance of that in noise: {min(1.0, chance):.0e})"
+        )
+        if change > _DRIFT_WRONG:
+            raise ValueError(
+                f"{words}; record again after the motion has settled, or cut its start"
+            )
+        if 0 < settled < size // 2:
+            words += f"; it settles after about {cycles} cycles: leave those out"
+        warnings.append(words)
+    return warnings
+
+
+def _successive(rows: Complexes, parts: float) -> float:
+    """Variance of the real (and of the imaginary) part of rows about a slowly changing mean."""
+    return float(np.mean(np.abs(np.diff(rows)) ** 2)) / (2.0 * parts)
+
+
+def _settled_after(rows: Complexes, noise: float, parts: float) -> int:
+    """Rows after which the phasor stays within its scatter about the mean of the second half."""
+    late = rows[len(rows) // 2 :].mean()
+    outside = np.flatnonzero(
+        np.abs(rows - late) > 4.0 * math.sqrt(parts * noise) + 1e-6 * abs(late)
+    )
+    return int(outside[-1]) + 1 if outside.size else 0
+
+
+def harmonic_base(mean: Complexes, error: Array) -> list[str]:
+    """A warning when the base moves at more than one frequency: the input work then needs its harmonics too."""
+    relative = np.abs(mean[2:]) / abs(mean[1])
+    real = (relative > _HARMONIC_MATTERS) & (np.abs(mean[2:]) > SIGNIFICANT * error[2:])
+    if not real.any():
+        return []
+    total = math.sqrt(float(np.sum(relative[real] ** 2)))
+    n = int(np.argmax(np.where(real, relative, 0.0))) + 2
+    return [
+        f"the base motion is not harmonic: {100.0 * total:.2g} % distortion, most of it harmonic {n} "
+        f"({100.0 * relative[n - 2]:.2g} %); the input work counts the fundamental only"
+    ]
+
+
+def symmetry(mean: Complexes, error: Array) -> list[str]:
+    """A warning when the response has even harmonics: friction or stiffness then differ between the two directions."""
+    even = np.arange(2, len(mean), 2)
+    relative = np.abs(mean[even]) / abs(mean[1])
+    real = (relative > _HARMONIC_MATTERS) & (np.abs(mean[even]) > SIGNIFICANT * error[even])
+    if not real.any():
+        return []
+    n = int(even[np.argmax(np.where(real, relative, 0.0))])
+    return [
+        f"the response is not symmetric: harmonic {n} is {100.0 * relative[n // 2 - 1]:.2g} % of the fundamental; "
+        "features of the two directions are averaged"
+    ]
+
+
+def work(Y: complex, X: complex, Y_error: float, X_error: float) -> list[str]:
+    """A warning when the base does not put work into the mass."""
+    sine = -math.sin(math.atan2((X / Y).imag, (X / Y).real))
+    error = math.hypot(X_error / abs(X), Y_error / abs(Y))
+    if sine > -SIGNIFICANT * error:
+        return []
+    return [
+        f"the response leads the excitation (sin φ₁ = {sine:.4f}), so that no work is put in: is a sign turned, or "
+        "are two channels exchanged?"
+    ]
+
+
+def _weighted(rows: Complexes, weights: Array) -> complex:
+    return complex(weights @ rows / weights.sum())

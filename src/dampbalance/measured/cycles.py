@@ -1,0 +1,363 @@
+"""Harmonics of a signal, cycle by cycle, by least squares: any number of samples per cycle, in bounded memory.
+
+Cycle j is the time from start + jT to start + (j + 1)T, T = 2π/ω. Its samples are fitted by
+
+    s(t) = Re Σ c_n e^{inωt},   n = 0 … N
+
+The normal equations of samples in equal steps depend on how many there are in the cycle alone, which is one of two
+numbers: two small systems serve the whole record, and all that is done sample by sample is one matrix product.
+
+Records of any length pass through in blocks. When more than 2,048 rows (cycles) have gathered, neighbours are
+averaged and a row stands for twice as many cycles.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+Block = tuple[Array, Array]  # times, values
+
+BINS = 512
+"""Phase bins of the averaged cycle."""
+
+_MOST_ROWS = 2048
+_CYCLES_AT_ONCE = 256
+_MOST_AT_ONCE = 1 << 20  # samples worked on at once: 8 MB an array
+_OUTLYING = 1.5  # mean square of a cycle about its harmonics, beside that of the others
+_HARMLESS = 1e-3  # of the range: rms of what a signal without noise may have beside its harmonics (drift, say)
+_LONGEST_CYCLE = 1 << 22  # samples; beyond it the drive is not what it seems
+
+
+@dataclass(frozen=True, eq=False)
+class CycleHarmonics:
+    """Harmonics of one channel, row by row; a row is a cycle, or the mean of several successive ones.
+
+    omega : rad/s.   start : of the first cycle, s.   dt : sampling interval, s.
+    coefficients : c_n, shape (rows, N + 1), unit of the channel; c_0 is the mean.
+    cycles_per_row : cycles that a row stands for.   weights : usable cycles in each row, shape (rows,).
+    drift : what a signal τ, and what τ² adds to c_n, τ in s from the middle of the cycle, shape (2, N + 1).
+    residual_rms : of the samples about the harmonics, in each row.
+    averaged : mean of the samples in each of BINS bins of the phase ω(t − start), NaN where there is none.
+    bad_cycles : cycles left out and why, (number, time s, reason).
+    span : difference between the highest and the lowest value.
+    clipped : part of the usable cycles whose highest or lowest value is held as a clipped signal holds it.
+    """
+
+    omega: float
+    start: float
+    dt: float
+    coefficients: Complexes
+    cycles_per_row: int
+    weights: Array
+    drift: Complexes
+    residual_rms: Array
+    averaged: Array
+    bad_cycles: tuple[tuple[int, float, str], ...]
+    span: float
+    clipped: float
+
+    @property
+    def times(self) -> Array:
+        """Middle of each row, s."""
+        duration = self.cycles_per_row * 2.0 * math.pi / self.omega
+        middles: Array = self.start + duration * (
+            np.arange(len(self.weights), dtype=np.float64) + 0.5
+        )
+        return middles
+
+
+def accumulate(
+    blocks: Iterable[Block], omega: float, *, start: float, dt: float, harmonics: int, cycles: int
+) -> CycleHarmonics:
+    """The harmonics of every cycle of a signal that comes in blocks.
+
+    blocks : (t, values), successive; t in steps of dt but for gaps.   omega : rad/s.   start : of the first cycle, s.
+    dt : sampling interval, s.   harmonics : N.   cycles : how many to take.
+
+    A cycle with a gap, or with samples that are held or spike, is left out and listed. Raises ValueError when a cycle
+    has too few samples for N.
+    """
+    work = _Accumulator(omega, start, dt, harmonics, cycles)
+    for t, values in blocks:
+        work.add(t, values)
+        if work.next_cycle >= cycles:
+            break
+    return work.result()
+
+
+class _Accumulator:
+    """Takes blocks of a signal, keeps the rows of its harmonics and the samples of the cycle that is not complete."""
+
+    def __init__(self, omega: float, start: float, dt: float, harmonics: int, cycles: int) -> None:
+        self.omega, self.start, self.dt, self.cycles = omega, start, dt, cycles
+        self.period = 2.0 * math.pi / omega
+        self.count = harmonics + 1
+        self.shortest = math.floor(self.period / dt * (1.0 - 1e-9))
+        if self.shortest < 2 * harmonics + 2:
+            raise ValueError(
+                f"{self.period / dt:.1f} samples per cycle are too few for {harmonics} harmonics"
+            )
+        if self.shortest > _LONGEST_CYCLE:
+            raise ValueError(f"{self.shortest} samples per cycle are more than can be worked on")
+        self.longest = self.shortest + 2  # rounding of times may give and take a sample
+        self.next_cycle = 0
+        self.carry: Block = (np.empty(0), np.empty(0))
+        self.rows: list[Complexes] = []  # harmonics, weight, sum of squared residuals
+        self.waiting = np.zeros((0, self.count + 2), dtype=np.complex128)  # cycles for the next row
+        self.cycles_per_row = 1
+        self.drift = np.zeros((2, self.count), dtype=np.complex128)
+        self.drift_cycles = 0
+        self.bin_sums, self.bin_counts = np.zeros(BINS), np.zeros(BINS)
+        self.bad: list[tuple[int, float, str]] = []
+        self.held_at_extreme = 0
+        self.highest, self.lowest = -math.inf, math.inf
+        self.usable = 0
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """The Fourier matrix of one cycle and the inverse normal matrices for each number of samples in it."""
+        steps = np.arange(self.longest)
+        n = np.arange(self.count)
+        angle = self.omega * self.dt * np.outer(steps, n)
+        self.fourier = np.hstack(
+            [np.cos(angle), -np.sin(angle)]
+        )  # s @ fourier = Re, Im of Σ s e^{−inωt}
+        self.systems: dict[int, tuple[Complexes, Complexes]] = {}
+
+    def _system(self, length: int) -> tuple[Complexes, Complexes]:
+        """For cycles of so many samples: the inverse normal matrix, and the harmonics of a drift."""
+        if length in self.systems:
+            return self.systems[length]
+        # Σ e^{−iqωr dt} over the samples r of the cycle, q = −2N … 2N, is all that the normal matrix holds
+        q = np.arange(2 - 2 * self.count, 2 * self.count - 1)
+        half = 0.5 * self.omega * self.dt * q
+        sums = np.full(q.size, float(length), dtype=np.complex128)
+        ratio = np.sin(length * half[q != 0]) / np.sin(half[q != 0])
+        sums[q != 0] = np.exp(-1j * (length - 1) * half[q != 0]) * ratio
+        n = np.arange(1 - self.count, self.count)
+        inverse = np.linalg.inv(sums[n[:, None] - n[None, :] + 2 * self.count - 2])
+        inverse = inverse[self.count - 1 :]
+        inverse[1:] *= 2.0  # c_n is twice the coefficient of e^{inωt}, c_0 the mean
+        tau = self.dt * (np.arange(length) - 0.5 * (length - 1))
+        product = np.array([tau, tau**2]) @ self.fourier[:length]
+        drift = product[:, : self.count] + 1j * product[:, self.count :]
+        drift = np.hstack([drift[:, :0:-1].conj(), drift]) @ inverse.T
+        self.systems[length] = inverse, drift
+        return inverse, drift
+
+    def add(self, t: Array, values: Array) -> None:
+        """Take one block."""
+        t, values = np.asarray(t, dtype=np.float64), np.asarray(values, dtype=np.float64)
+        if values.size:
+            self.highest = max(self.highest, float(values.max()))
+            self.lowest = min(self.lowest, float(values.min()))
+        if self.carry[0].size:
+            t, values = np.concatenate([self.carry[0], t]), np.concatenate([self.carry[1], values])
+        if t.size == 0:
+            return
+        # a cycle is complete when the next sample would lie beyond it
+        complete = math.floor((t[-1] + self.dt * (1.0 + 1e-6) - self.start) / self.period)
+        last = min(complete, self.cycles)
+        at_once = max(1, min(_CYCLES_AT_ONCE, _MOST_AT_ONCE // self.longest))
+        while self.next_cycle < last:
+            number = np.arange(self.next_cycle, min(last, self.next_cycle + at_once) + 1)
+            edges = np.searchsorted(
+                t, self.start + number * self.period - 1e-6 * self.dt, side="left"
+            )
+            self._cycles(t, values, number[:-1], edges)
+            self.next_cycle = int(number[-1])
+        first = int(np.searchsorted(t, self.start + self.next_cycle * self.period - 1e-6 * self.dt))
+        self.carry = (t[first:].copy(), values[first:].copy())
+
+    def _cycles(
+        self, t: Array, values: Array, number: NDArray[np.int_], edges: NDArray[np.intp]
+    ) -> None:
+        """The harmonics of the cycles whose samples lie between successive edges."""
+        begin, length = edges[:-1], np.diff(edges)
+        whole = (length >= self.shortest) & (length <= self.longest)
+        end = np.minimum(begin + np.maximum(length, 1), t.size) - 1
+        begin = np.minimum(begin, t.size - 1)
+        whole &= np.abs(t[end] - t[begin] - (length - 1) * self.dt) < 0.5 * self.dt
+        steps = np.arange(self.longest)
+        at = np.minimum(begin[:, None] + steps, t.size - 1)
+        inside = steps < length[:, None]
+        s = np.where(inside, values[at], 0.0)
+        # the time of a cycle's first sample, from all of them: time stamps may be rounded
+        t0 = np.where(inside, t[at] - self.dt * steps, 0.0).sum(axis=1) / np.maximum(length, 1)
+
+        product = s @ self.fourier
+        sums = product[:, : self.count] + 1j * product[:, self.count :]
+        both = np.hstack([sums[:, :0:-1].conj(), sums])
+        local = np.zeros((len(number), self.count), dtype=np.complex128)
+        turn = np.exp(-1j * self.omega * np.outer(t0, np.arange(self.count)))
+        for n_samples in np.unique(length[whole]):
+            chosen = whole & (length == n_samples)
+            inverse, drift = self._system(int(n_samples))
+            local[chosen] = both[chosen] @ inverse.T
+            self.drift += drift * turn[chosen].sum(axis=0)
+        self.drift_cycles += int(whole.sum())
+        fitted = np.einsum("jn,jn->j", local.conj(), sums).real
+        square = np.maximum(np.einsum("jr,jr->j", s, s) - fitted, 0.0)
+        square /= np.maximum(length - 2 * self.count + 1, 1)
+
+        for j in np.flatnonzero(~whole):
+            when = self.start + number[j] * self.period
+            self.bad.append(
+                (int(number[j]), float(when), _missing(length[j], self.period / self.dt))
+            )
+        whole &= ~self._faulty(s, inside, local, square, whole, number)
+        self._extremes(s, inside, whole)
+        phase = (t0 - self.start)[:, None] + self.dt * steps
+        bins = np.floor((phase / self.period) % 1.0 * BINS).astype(np.intp) % BINS
+        kept = inside & whole[:, None]
+        self.bin_sums += np.bincount(bins[kept], s[kept], BINS)
+        self.bin_counts += np.bincount(bins[kept], minlength=BINS)
+        self.usable += int(whole.sum())
+        self._gather(local * turn, whole, square)
+
+    def _faulty(
+        self,
+        s: Array,
+        inside: NDArray[np.bool_],
+        local: Complexes,
+        square: Array,
+        whole: NDArray[np.bool_],
+        number: NDArray[np.int_],
+    ) -> NDArray[np.bool_]:
+        """Which cycles hold samples that stand still while the signal moves on, or that lie far off it."""
+        faulty = np.zeros(len(s), dtype=np.bool_)
+        if not whole.any():
+            return faulty
+        usual = float(np.median(square[whole]))
+        usual = max(usual, (_HARMLESS * float(np.ptp(s[inside]))) ** 2)
+        still = (s[:, 1:] == s[:, :-1]) & inside[:, 1:]
+        run = still[:, 2:] & still[:, 1:-1] & still[:, :-2]  # four equal samples in a row
+        outlying = square > _OUTLYING * usual
+        suspect = whole & (run.any(axis=1) | outlying)
+        if not suspect.any():
+            return faulty
+        good = np.flatnonzero(whole & ~outlying)
+        off = [
+            np.abs(s[j, : inside[j].sum()] - self._model(local[j], inside[j])).max()
+            for j in good[:8]
+        ]
+        limit = max(8.0 * math.sqrt(usual), 2.0 * float(np.max(off, initial=0.0)))
+        for j in np.flatnonzero(suspect):
+            size = int(inside[j].sum())
+            model = self._model(local[j], inside[j])
+            reason = _held(s[j, :size], model, math.sqrt(usual))
+            if not reason and outlying[j]:
+                reason = _spike(s[j, :size], model, limit)
+            if reason:
+                faulty[j] = True
+                when = self.start + number[j] * self.period
+                self.bad.append((int(number[j]), float(when), reason))
+        return faulty
+
+    def _model(self, local: Complexes, inside: NDArray[np.bool_]) -> Array:
+        """The samples of one cycle as its harmonics give them."""
+        model: Array = self.fourier[: inside.sum()] @ np.concatenate([local.real, local.imag])
+        return model
+
+    def _extremes(self, s: Array, inside: NDArray[np.bool_], whole: NDArray[np.bool_]) -> None:
+        """Count the cycles whose highest or lowest value is held as a clipped signal holds it."""
+        if not whole.any():
+            return
+        s, inside = s[whole], inside[whole]
+        clipped = np.zeros(len(s), dtype=np.bool_)
+        for sign in (1.0, -1.0):
+            high = np.where(inside, sign * s, -np.inf)
+            top = high.max(axis=1)
+            at_top = high == top[:, None]
+            count = at_top.sum(axis=1)
+            row = (at_top[:, 2:] & at_top[:, 1:-1] & at_top[:, :-2]).any(axis=1)
+            # A sinusoid in steps of a converter dwells at its top level at most 1/(√2 − 1) = 2.4 times as long as at
+            # the next; noise shortens that. A clipped one dwells there alone.
+            below = np.where(at_top, -np.inf, high)
+            next_count = (below == below.max(axis=1)[:, None]).sum(axis=1)
+            clipped |= row & (count > 4 * next_count) & (top == top.max())
+        self.held_at_extreme += int(clipped.sum())
+
+    def _gather(self, harmonics: Complexes, whole: NDArray[np.bool_], square: Array) -> None:
+        """Append cycles to the rows, as many to a row as it stands for; join rows when there are many."""
+        weights = whole.astype(np.float64)
+        square = np.where(whole, square, 0.0)
+        waiting = np.column_stack([harmonics * weights[:, None], weights, square])
+        waiting = np.concatenate([self.waiting, waiting])
+        full = len(waiting) // self.cycles_per_row * self.cycles_per_row
+        self.rows.append(_joined(waiting[:full], self.cycles_per_row))
+        self.waiting = waiting[full:]
+        rows = sum(map(len, self.rows))
+        while rows > _MOST_ROWS and rows % 2 == 0:
+            self.rows = [_joined(np.concatenate(self.rows), 2)]
+            self.cycles_per_row *= 2
+            rows //= 2
+
+    def result(self) -> CycleHarmonics:
+        """The rows; cycles that do not fill a row at the end are left out."""
+        rows = np.concatenate([self.waiting[:0], *self.rows])
+        weights, squares = rows[:, -2].real, rows[:, -1].real
+        with np.errstate(invalid="ignore", divide="ignore"):
+            averaged = self.bin_sums / self.bin_counts
+            coefficients = rows[:, :-2] / weights[:, None]
+            rms = np.sqrt(squares / weights)
+        return CycleHarmonics(
+            omega=self.omega,
+            start=self.start,
+            dt=self.dt,
+            coefficients=coefficients,
+            cycles_per_row=self.cycles_per_row,
+            weights=weights,
+            drift=self.drift / max(1, self.drift_cycles),
+            residual_rms=rms,
+            averaged=averaged,
+            bad_cycles=tuple(self.bad),
+            span=max(0.0, self.highest - self.lowest),
+            clipped=self.held_at_extreme / max(1, self.usable),
+        )
+
+
+def _joined(rows: Complexes, count: int) -> Complexes:
+    """Sums of `count` successive rows."""
+    sums: Complexes = rows.reshape(-1, count, rows.shape[1]).sum(axis=1)
+    return sums
+
+
+def _missing(length: int, expected: float) -> str:
+    return f"a gap: {length} samples where there should be {expected:.1f}"
+
+
+def _held(s: Array, model: Array, usual: float) -> str:
+    """Whether samples of a cycle hold one value while the signal moves on; nothing if not.
+
+    s, model : samples and their harmonics.   usual : rms of the difference in other cycles.
+    """
+    equal = np.concatenate([[False], s[1:] == s[:-1], [False]])
+    edges = np.flatnonzero(equal[1:] != equal[:-1])
+    starts, stops = edges[::2], edges[1::2] + 1  # runs of equal samples
+    held = (stops - starts >= 4) & (s[starts] < s.max()) & (s[starts] > s.min())
+    if not held.any():
+        return ""
+    change = np.abs(model[stops[held] - 1] - model[starts[held]])
+    longest = int(np.argmax(stops[held] - starts[held]))
+    length = int((stops - starts)[held][longest])
+    elsewhere = (equal.sum() - length + 1) / s.size
+    # A converter with coarse steps repeats values too, but everywhere, and only while the signal is flat.
+    if change.max() > 6.0 * usual or elsewhere < 0.01:
+        return f"a drop-out: {length} samples hold the value {s[starts[held][longest]]:.6g}"
+    return ""
+
+
+def _spike(s: Array, model: Array, limit: float) -> str:
+    """Whether a sample of a cycle lies off its harmonics by more than the limit; nothing if not."""
+    worst = int(np.argmax(np.abs(s - model)))
+    if abs(s[worst] - model[worst]) > limit:
+        return f"a spike: {s[worst]:.6g} where {model[worst]:.6g} is expected"
+    return ""

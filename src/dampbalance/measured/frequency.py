@@ -1,0 +1,90 @@
+"""The drive frequency, from the excitation itself.
+
+A first guess from the highest line of a windowed spectrum; then the phase of the fundamental, cycle by cycle, against
+time: its slope is what the guess is off by. For white noise this is least squares on the sinusoid, whose variance is
+
+    var ω = 12 σ² · 2/(A² n) / duration²       (the Cramér–Rao bound: Rife & Boorstyn 1974)
+
+with n samples of standard deviation σ about an amplitude A.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .cycles import CycleHarmonics, accumulate
+
+Array = NDArray[np.float64]
+
+FEWEST_CYCLES = 3
+_LONGEST_SPECTRUM = 1 << 18
+_REFINEMENTS = 4
+
+
+def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
+    """(ω, standard error of ω), rad/s, of the strongest sinusoid of a signal in steps of dt.
+
+    Raises ValueError when there is none or the signal is shorter than three of its cycles.
+    """
+    omega = _strongest_line(values[:_LONGEST_SPECTRUM], dt)
+    error = math.nan
+    for _ in range(_REFINEMENTS):
+        cycles = math.floor((t[-1] - t[0] + dt * (1.0 + 1e-6)) * omega / (2.0 * math.pi))
+        if cycles < FEWEST_CYCLES:
+            raise ValueError(
+                f"the signal is {t[-1] - t[0]:.4g} s long, {cycles} whole cycles of the "
+                f"{omega / (2.0 * math.pi):.4g} Hz found in it; at least {FEWEST_CYCLES} are needed"
+            )
+        harmonics = min(3, math.floor(2.0 * math.pi / omega / dt / 4.0))
+        if harmonics < 1:
+            raise ValueError(
+                f"{2.0 * math.pi / omega / dt:.1f} samples per cycle of the {omega / (2.0 * math.pi):.4g} Hz found are "
+                "too few"
+            )
+        found = accumulate(
+            [(t, values)],
+            omega,
+            start=float(t[0]),
+            dt=dt,
+            harmonics=harmonics,
+            cycles=cycles,
+        )
+        correction, error = frequency_offset(found)
+        omega += correction
+        if abs(correction) <= 1e-3 * error or abs(correction) < 1e-13 * omega:
+            break
+    return omega, error
+
+
+def frequency_offset(found: CycleHarmonics) -> tuple[float, float]:
+    """(Δω, its standard error), rad/s: by how much the drive is faster than the ω that the harmonics were taken at.
+
+    The slope of the phase of the fundamental over the rows, by least squares.
+    """
+    usable = found.weights > 0.0
+    if np.count_nonzero(usable) < FEWEST_CYCLES:
+        return 0.0, math.nan
+    phase = np.unwrap(np.angle(found.coefficients[usable, 1]))
+    time, weights = found.times[usable], found.weights[usable]
+    time = time - np.average(time, weights=weights)
+    spread = float(np.sum(weights * time**2))
+    slope = float(np.sum(weights * time * phase)) / spread
+    rest = phase - np.average(phase, weights=weights) - slope * time
+    variance = float(np.sum(weights * rest**2)) / (len(phase) - 2)
+    return slope, math.sqrt(variance / spread)
+
+
+def _strongest_line(values: Array, dt: float) -> float:
+    """Angular frequency of the highest line of the spectrum (Hann window), between lines by a parabola of the logs."""
+    size = values.size
+    spectrum = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(size)))
+    spectrum[0] = 0.0
+    line = int(np.argmax(spectrum[:-1])) if size > 4 else 0
+    if line == 0 or not spectrum[line] > 0.0:
+        raise ValueError("the signal does not oscillate: its spectrum has no line")
+    low, middle, high = np.log(np.maximum(spectrum[line - 1 : line + 2], 1e-300))
+    shift = 0.5 * (low - high) / (low - 2.0 * middle + high) if line > 1 else 0.0
+    return 2.0 * math.pi * (line + min(max(shift, -0.5), 0.5)) / (size * dt)
