@@ -72,7 +72,7 @@ def test_everything_is_made(studied, name):
         assert described[b"unit"].decode() == column["unit"]
 
 
-@pytest.mark.parametrize("name", ["map", "frequency"])
+@pytest.mark.parametrize("name", ["map", "frequency", "noise"])
 def test_chunks_joined_are_the_study_computed_at_once(studied, name):
     study = settings.read_study(
         studied.folder / f"config/studies/{name}.yaml",

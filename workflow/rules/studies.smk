@@ -68,6 +68,13 @@ def study_chunks(wildcards):
     ]
 
 
+def chunk_memory_mb(wildcards, attempt):
+    """0.4 GB and 0.7 kB a case for the script, 0.6 GB for the Snakemakes that start it on a cluster, half as much again
+    to be safe; more at a retry. Measured: config/studies/CLUSTER.md."""
+    study, _ = study_plan(wildcards.study)
+    return round(1.5 * attempt * (1000 + 0.0007 * min(study.chunk_cases, study.cases)))
+
+
 def study_figure_files(wildcards):
     """The figure of a study, if its file asks for one."""
     study, _ = study_plan(wildcards.study)
@@ -87,7 +94,7 @@ rule study_chunk:
         chunk=temp(f"{STUDY_RESULTS}/{{study}}/chunks/{{chunk}}.parquet"),
     threads: 1
     resources:
-        mem_mb=600,
+        mem_mb=chunk_memory_mb,
         runtime=30,
     params:
         file=str(STUDY_FOLDER / "{study}.yaml"),

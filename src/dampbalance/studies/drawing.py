@@ -31,6 +31,7 @@ from .facts import worst_errors
 from .logarithmic import is_logarithmic, logarithmic_ticks
 from .maps import share_map
 from .parameters import PARAMETERS
+from .scatter import errors_of_runs
 from .settings import Study, chosen
 from .stretches import column_of
 
@@ -60,7 +61,12 @@ SCHEME_LOOKS = {
 
 def study_figure(study: Study, cases: str | Path) -> Figure:
     """The figure that the study's file asks for, from its table of cases."""
-    kinds = {"curves": error_curves, "steps": error_of_steps, "map": share_map}
+    kinds = {
+        "curves": error_curves,
+        "steps": error_of_steps,
+        "map": share_map,
+        "scatter": errors_of_runs,
+    }
     figure: Figure = kinds[study.figure["kind"]](study, cases)
     return figure
 
@@ -71,6 +77,8 @@ def alternative_text(study: Study) -> str:
     if study.figure["kind"] == "map":
         other = PARAMETERS[study.figure["y"]].meaning
         return f"{study.title}: share of the cases with a small error, over {axis} and {other}."
+    if study.figure["kind"] == "scatter":
+        return f"{study.title}: rms error of the identified F_k and c, and their standard error, against {axis}."
     return f"{study.title}: size of the error of the identified F_k and c against {axis}."
 
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from ..balance import APPROACHES, Rows
 from ..readout import ReadOut
 from .axes import case_values
-from .fitting import least_squares_of_cases
+from .fitting import Estimates, least_squares_of_cases
+from .noisy import measured_responses
 from .parameters import MECHANICAL, PARAMETERS, SI_COLUMNS, in_si
 from .plan import columns_of
 from .responses import REGIME_NAMES, Responses, exact_responses
@@ -35,6 +36,10 @@ READ = (
     "phi",
 )
 """What rules of reading change; the rows need no other feature that they do."""
+
+NORMAL_95 = (
+    1.959963984540054  # standard errors on either side that hold 95 % of a normal distribution
+)
 
 _SLICE = 16_384  # cases worked on at a time: their arrays stay in the processor's cache
 
@@ -67,7 +72,14 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
     si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
     levels = np.array(study.levels)[:, None]
     Y = levels * si["Y"] if study.levels_relative else np.repeat(levels, stop - start, axis=1)
-    responses = _responses(study, si, Y, values, threads)
+    replicates: Responses | None = None
+    if study.route == "measured":
+        cases = np.arange(start, stop)
+        responses, replicates = measured_responses(
+            si, Y, values, cases, cycles=study.cycles, seed=study.seed, count=study.replicates
+        )
+    else:
+        responses = _responses(study, si, Y, values, threads)
     rules = _read_out_rules(values)
 
     table: dict[str, Any] = {"case": np.arange(start, stop)}
@@ -79,20 +91,48 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
         key = (fit.approach, fit.phase, fit.sharing)
         if key not in cached:
             cached[key] = _rows(fit, responses, si["k"], rules)
-        rows = cached[key]
-        if fit.levels is not None:
-            chosen = list(fit.levels)
-            rows = Rows(rows.a[chosen], rows.b[chosen], rows.W[chosen])
-        estimates = least_squares_of_cases(rows)
+        estimates = least_squares_of_cases(_of_levels(cached[key], fit))
         for name, unit, found in (("F_k", "N", estimates.F_k), ("c", "N_s_per_m", estimates.c)):
             table[f"{name}_{unit}__{fit.label}"] = found
             with np.errstate(divide="ignore", invalid="ignore"):
                 error = np.where(si[name] > 0.0, found / si[name] - 1.0, np.nan)
             table[f"{name}_relative_error__{fit.label}"] = error
+        if replicates is not None:
+            table |= _intervals(fit, estimates, replicates, si)
         if fit.levels is None and len(study.levels) > 2:
             table[f"residual__{fit.label}"] = estimates.residual
         else:  # of two rows: rounding only
             table[f"residual__{fit.label}"] = np.full(stop - start, np.nan)
+    return table
+
+
+def _of_levels(rows: Rows, fit: Fit) -> Rows:
+    """The rows that a fit takes: all, or those of its two levels."""
+    if fit.levels is None:
+        return rows
+    chosen = list(fit.levels)
+    return Rows(rows.a[chosen], rows.b[chosen], rows.W[chosen])
+
+
+def _intervals(
+    fit: Fit, estimates: Estimates, replicates: Responses, si: Mapping[str, Array]
+) -> dict[str, Array]:
+    """Standard errors of F_k and c over the replicates, and whether estimate ± 1.96 of them holds the true value."""
+    count = replicates.X.shape[1] // len(si["k"])
+    drawn = least_squares_of_cases(
+        _of_levels(_rows(fit, replicates, np.repeat(si["k"], count), ()), fit)
+    )
+    table = {}
+    for name in ("F_k", "c"):
+        found, true = getattr(estimates, name), si[name]
+        error = getattr(drawn, name).reshape(-1, count).std(axis=1, ddof=1)
+        held = np.where(np.abs(found - true) <= NORMAL_95 * error, 1.0, 0.0)
+        known = np.isfinite(found) & np.isfinite(error)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            table[f"{name}_relative_standard_error__{fit.label}"] = np.where(
+                true > 0.0, error / true, np.nan
+            )
+        table[f"{name}_covered__{fit.label}"] = np.where(known, held, np.nan)
     return table
 
 

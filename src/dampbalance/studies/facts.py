@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..wording import percent
-from .settings import Study, chosen
+from .groups import spread_of
+from .settings import SPREADS, Fit, Study, chosen
 from .stretches import Sizes, stretches
 
 Array = NDArray[np.float64]
@@ -26,6 +27,8 @@ def paragraph(study: Study, cases: str | Path) -> str:
 def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
     """One number in words: a percentage, or for a band the values of the axis between which it lies."""
     nearest = _nearest(cases, spec)
+    if spec["take"] in SPREADS:
+        return _of_runs(study, cases, spec, nearest)
     names = [*error_columns(study, spec), *nearest, *spec.get("between", {})]
     names += [spec["along"]] if spec["take"] == "band" else []
     sizes = Sizes(spec.get("within", math.inf))
@@ -48,15 +51,37 @@ def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
         return percent(sizes.share)
     if spec["take"] == "signed":
         return f"{'−' if signed < 0.0 else '+'}{percent(signed)}"
-    values = {"max": sizes.largest, "min": sizes.smallest, "median": sizes.quantile(0.5)}
+    values = {
+        "max": sizes.largest,
+        "min": sizes.smallest,
+        "median": sizes.quantile(0.5),
+        "p95": sizes.quantile(0.95),
+    }
     return percent(values[spec["take"]])
 
 
+def _of_runs(
+    study: Study, cases: str | Path, spec: Mapping[str, Any], nearest: Mapping[str, float]
+) -> str:
+    """A number of many runs: of the one fit that is meant, over the cases that are meant."""
+    axes = [*nearest, *spec.get("between", {})] or [study.axis_names[0]]
+    kept = np.concatenate([_meant(part, spec, nearest) for part in stretches(cases, axes)])
+    (fit,) = meant_fits(study, spec)
+    share = float(getattr(spread_of(study, cases, spec["of"], fit, kept), spec["take"]))
+    if not math.isfinite(share):
+        return "nothing (it cannot be identified there)"
+    sign = ("−" if share < 0.0 else "+") if spec["take"] == "bias" else ""
+    return f"{sign}{percent(share)}"
+
+
+def meant_fits(study: Study, spec: Mapping[str, Any]) -> list[Fit]:
+    """The fits that a fact or a figure speaks of; those of least squares if it names none."""
+    return chosen(study.fits, {"fit": "least_squares"} | dict(spec)) or chosen(study.fits, spec)
+
+
 def error_columns(study: Study, spec: Mapping[str, Any]) -> list[str]:
-    """The columns of the errors that a fact or a figure speaks of; least squares if it names no fit."""
-    wanted = {"fit": "least_squares"} | dict(spec)
-    fits = chosen(study.fits, wanted) or chosen(study.fits, spec)
-    return [f"{spec['of']}_relative_error__{fit.label}" for fit in fits]
+    """The columns of the errors that a fact or a figure speaks of."""
+    return [f"{spec['of']}_relative_error__{fit.label}" for fit in meant_fits(study, spec)]
 
 
 def worst(study: Study, stretch: Mapping[str, NDArray[Any]], spec: Mapping[str, Any]) -> Array:

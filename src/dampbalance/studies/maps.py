@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,7 +27,7 @@ MOST_BINS = 72  # along each axis
 PER_BIN = 40  # cases that a bin should hold on average: its share is then good to 0.08
 REGION = 0.9  # share of the cases within the bound that makes a bin part of the region where the approach holds
 
-LEFT, RIGHT, BOTTOM, TOP, GAP, ROW_GAP, BAR = 14.0, 15.0, 12.0, 7.0, 3.0, 3.0, 3.0  # mm
+LEFT, RIGHT, BOTTOM, TOP, GAP, ROW_GAP, BAR = 14.0, 15.0, 15.0, 7.0, 3.0, 3.0, 3.0  # mm
 HEIGHT = 40.0  # mm, of a panel
 
 
@@ -46,12 +47,14 @@ def share_map(study: Study, cases: str | Path) -> Figure:
 
     Rows: F_k and c, with each phase definition. Columns: approaches; one that knows no phase has a panel as high as
     all rows of a quantity. The line encloses the region in which at least 90 % of the cases are within the bound.
-    Direct integration, within it everywhere, is not drawn.
+    An approach that is within it in every case is named below the panels and not drawn.
     """
     settings = study.figure
     within = settings.get("within", 0.01)
     fits = chosen(study.fits, {"fit": "least_squares"} | dict(settings))
-    fits = [fit for fit in fits if fit.approach != "direct"]
+    shares = shares_within(study, cases, fits, within)
+    perfect = _perfect(fits, shares)
+    fits = [fit for fit in fits if fit.approach not in perfect]
     approaches = list(dict.fromkeys(fit.approach for fit in fits))
     kinds = list(dict.fromkeys((fit.phase, fit.sharing) for fit in fits if fit.phase))
     kinds = kinds or [("", "")]
@@ -60,7 +63,6 @@ def share_map(study: Study, cases: str | Path) -> Figure:
     height = min(width, HEIGHT)
     panels_height = len(rows) * height + (len(rows) - 1) * ROW_GAP
     figure = empty_page(DOUBLE_COLUMN, BOTTOM + panels_height + TOP)
-    shares = shares_within(study, cases, fits, within)
     mesh: Any = None
     for fit in fits:
         column = approaches.index(fit.approach)
@@ -100,7 +102,26 @@ def share_map(study: Study, cases: str | Path) -> Figure:
     scale.ax.set_yticklabels(["0", "25", "50", "75", "100"])
     scale.set_label(f"cases within {100 * within:g} % of the true value (%)", labelpad=2.0)
     scale.ax.axhline(REGION, color="white", lw=1.0)
+    if perfect:
+        names = " and ".join(APPROACH_LOOKS[key].label for key in perfect)
+        figure.text(
+            (LEFT + 0.5 * (DOUBLE_COLUMN - LEFT - RIGHT)) / DOUBLE_COLUMN,
+            2.5 / (BOTTOM + panels_height + TOP),
+            f"Within {100 * within:g} % in every case, for $F_k$ and $c$: {names}",
+            ha="center",
+            va="center",
+        )
     return figure
+
+
+def _perfect(fits: list[Fit], shares: Mapping[tuple[Fit, str], Shares]) -> list[str]:
+    """The approaches whose every fit is within the bound in every case: a map of them is of one colour.
+
+    None, if that is true of all: there must be something to draw.
+    """
+    approaches = list(dict.fromkeys(fit.approach for fit in fits))
+    short = {fit.approach for (fit, _), found in shares.items() if found.overall < 1.0}
+    return [key for key in approaches if key not in short] if short else []
 
 
 def shares_within(

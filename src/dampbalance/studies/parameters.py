@@ -66,6 +66,17 @@ PARAMETERS: dict[str, Parameter] = {
         "numerics", "1", "steps of the scheme per period, T/h", "T/h", "step_s"
     ),
     "sampling_hz": Parameter("numerics", "Hz", "sampling frequency f_s", "f_s"),
+    "noise": Parameter(
+        "numerics",
+        "1",
+        "rms of the noise of each channel over that of its signal",
+        r"\sigma",
+        "",
+        True,
+    ),
+    "run": Parameter(
+        "numerics", "1", "number of the run: the same but for its noise", "", "", True, whole=True
+    ),
     "X_decimals": Parameter(
         "read_out", "1", "decimals (of m) kept of X", "", "", zero_allowed=True, whole=True
     ),

@@ -63,6 +63,20 @@ def columns_of(study: Study) -> list[Column]:
                 Column(f"F_k_N__{fit.label}", "N", f"F_k identified; {how}"),
                 Column(f"c_N_s_per_m__{fit.label}", "N s/m", f"c identified; {how}"),
             ]
+        if "intervals" in study.columns:
+            for name in ("F_k", "c"):
+                columns += [
+                    Column(
+                        f"{name}_relative_standard_error__{fit.label}",
+                        "1",
+                        f"standard error of {name} by bootstrap over cycles / true {name}; {how}",
+                    ),
+                    Column(
+                        f"{name}_covered__{fit.label}",
+                        "1",
+                        f"1 if the 95 % interval of {name} holds its true value, else 0; {how}",
+                    ),
+                ]
         if "residuals" in study.columns:
             columns.append(Column(f"residual__{fit.label}", "1", f"‖A p − W‖/‖W‖; {how}"))
     return columns

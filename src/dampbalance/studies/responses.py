@@ -21,14 +21,20 @@ from ..steady import MAX_PHASES, solve_steady
 
 Array = NDArray[np.float64]
 
-STEP_TOO_COARSE, NOT_READ = 5, 6
-REGIME_NAMES = [*(regime.name.lower() for regime in Regime), "step_too_coarse", "not_read"]
+STEP_TOO_COARSE, NOT_READ, RIGID_LIMIT = 5, 6, 7
+REGIME_NAMES = [
+    *(regime.name.lower() for regime in Regime),
+    "step_too_coarse",
+    "not_read",
+    "rigid_limit",
+]
 REGIME_WORDS = [
     *map(str, Regime),
     "the fixed step is too coarse for the stick phases, or unstable",
     "no slip onset could be read off the record",
+    "the slip onset drowns in the noise: that of a rigid contact stands for it",
 ]
-"""Why a feature is missing, by code: `Regime`, and what fixed-step and sampled routes add to it."""
+"""Why a feature is missing, by code: `Regime`, and what the routes that read records add to it."""
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,10 @@ from ..configuration import (
 )
 from .axes import SOBOL_BITS, Block, Listed, Range, Sampled, number_of_cases, spread
 from .parameters import MECHANICAL, PARAMETERS, objection, rivals
+from .routes import REPLICATES, ROUTES, route_problems
 
-DEFAULT_CHUNK = {"exact": 131_072, "fixed_step": 64, "sampled": 512}
-"""Cases per chunk by route: a few seconds of work."""
+SPREADS = ("bias", "rms", "standard_error", "coverage")
+"""Facts that a whole set of runs tells, by one fit: see `groups.Spread`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +59,8 @@ class Study:
     """One parameter study.
 
     fixed : value of each parameter that no axis sets, by the names of PARAMETERS.   blocks : the axes.
-    levels : amplitudes Y, m, or multiples of Y_m if `levels_relative`.   settings : the file as read, without the
+    levels : amplitudes Y, m, or multiples of Y_m if `levels_relative`.   seed, replicates : of the noise and of the
+    bootstrap, where the route is `measured`.   settings : the file as read, without the
     text and the figure, from which everything that is computed follows.
     """
 
@@ -73,8 +75,11 @@ class Study:
     route: str
     cycles: int
     reading: str
+    seed: int
+    replicates: int
     columns: tuple[str, ...]
     chunk_cases: int
+    summary_by: tuple[str, ...]
     figure: Mapping[str, Any]
     facts: Mapping[str, Mapping[str, Any]]
     shows: str
@@ -91,8 +96,9 @@ class Study:
 
     @property
     def seeds(self) -> list[int]:
-        """Seeds of the samples, in the order of the file."""
-        return [block.seed for block in self.blocks if isinstance(block, Sampled)]
+        """Seeds of the samples, in the order of the file, and of the noise."""
+        samples = [block.seed for block in self.blocks if isinstance(block, Sampled)]
+        return [*samples, self.seed] if self.route == "measured" else samples
 
     @classmethod
     def of(cls, name: str, document: Mapping[str, Any], paper: Mapping[str, Any]) -> Self:
@@ -118,7 +124,7 @@ class Study:
             settings={
                 key: value
                 for key, value in document.items()
-                if key not in ("title", "figure", "facts", "shows")
+                if key not in ("title", "figure", "facts", "shows", "summary_by")
             },
             blocks=blocks,
             fixed=fixed,
@@ -128,10 +134,13 @@ class Study:
             levels_relative=relative,
             fits=tuple(_fits(estimation)),
             route=kind,
-            cycles=route.get("cycles", 10 if kind == "fixed_step" else 4),
+            cycles=route.get("cycles", ROUTES[kind].cycles),
             reading=route["reading"],
+            seed=route.get("seed", 0),
+            replicates=route.get("replicates", REPLICATES),
             columns=tuple(document.get("columns", ["parameters", "errors"])),
-            chunk_cases=document.get("chunk_cases", DEFAULT_CHUNK[kind]),
+            chunk_cases=document.get("chunk_cases", ROUTES[kind].chunk_cases),
+            summary_by=tuple(document.get("summary_by", [])),
             figure=document.get("figure", {}),
             facts=document.get("facts", {}),
             shows=document.get("shows", "").strip(),
@@ -256,11 +265,6 @@ def _wrong_values(document: Mapping[str, Any]) -> Iterator[Problem]:
 def _contradictions(document: Mapping[str, Any], paper: Mapping[str, Any]) -> Iterator[Problem]:
     study = Study.of("", document, paper)
     route, used = document.get("route", {}), {*study.fixed, *study.axis_names}
-    if "noise_m" in route:
-        yield (
-            ("route", "noise_m"),
-            "noise is not supported: the reader of records wants clean signals; leave it out",
-        )
     if "levels_m" in document and study.levels_relative:
         yield ("levels_m",), "not together with levels_of_Y; keep one"
     given = {*document.get("base", {}), *study.axis_names}
@@ -269,17 +273,7 @@ def _contradictions(document: Mapping[str, Any], paper: Mapping[str, Any]) -> It
             ("levels_m",) if "levels_m" in document else ("axes",),
             "with Y_m or F_k_over_kY give the levels as multiples of Y_m: levels_of_Y: [1, 2, 3]",
         )
-    needs = {"exact": [], "fixed_step": [("scheme",), ("step_s", "steps_per_cycle")]}
-    for names in needs.get(study.route, [("sampling_hz",)]):
-        if not used & set(names):
-            yield ("route",), f"{study.route} needs {' or '.join(names)}, here or as an axis"
-    for name in sorted(used):
-        kind = PARAMETERS[name].kind
-        fits = {"exact": (), "fixed_step": ("scheme", "step_s", "steps_per_cycle")}
-        if kind == "numerics" and name not in fits.get(study.route, ("sampling_hz",)):
-            yield ("route",), f"{name} means nothing to the route {study.route}"
-    if {"step_s", "steps_per_cycle"} <= used:
-        yield ("route",), "step_s and steps_per_cycle say the same; keep one"
+    yield from route_problems(route, used, study.columns)
     if {"X_s_mark_m", "X_s_decimals"} <= used:
         yield ("read_out",), "X_s_mark_m and X_s_decimals say the same; keep one"
     for i, fit in enumerate(document.get("estimation", {}).get("fits", [])):
@@ -289,6 +283,9 @@ def _contradictions(document: Mapping[str, Any], paper: Mapping[str, Any]) -> It
 
 def _wrong_words(study: Study) -> Iterator[Problem]:
     """What the figure, the facts and the text speak of must be there."""
+    for i, axis in enumerate(study.summary_by):
+        if axis not in study.axis_names:
+            yield ("summary_by", i), f"{axis!r} is not an axis of this study"
     for part in ("x", "y", "panels"):
         name = study.figure.get(part, "phase")
         if name not in (*study.axis_names, "phase"):
@@ -301,8 +298,19 @@ def _wrong_words(study: Study) -> Iterator[Problem]:
             for name in spec.get(where, {}):
                 if name not in study.axis_names:
                     yield ("facts", fact, where, name), "not an axis of this study"
-        if not chosen(study.fits, spec):
+        meant = chosen(study.fits, {"fit": "least_squares"} | dict(spec)) or chosen(
+            study.fits, spec
+        )
+        if not meant:
             yield ("facts", fact), "no fit of this study is meant: see estimation"
+        if spec["take"] in SPREADS and len(meant) > 1:
+            text = ", ".join(fit.label for fit in meant)
+            yield ("facts", fact), f"{spec['take']} is that of one fit, and {text} are meant"
+        if spec["take"] in ("standard_error", "coverage") and "intervals" not in study.columns:
+            yield (
+                ("facts", fact, "take"),
+                "needs the columns of intervals: columns: [errors, intervals]",
+            )
         if spec["take"] == "band" and spec.get("along") not in listed:
             yield ("facts", fact, "along"), "must be an axis of this study whose values are listed"
     for _, name, _, _ in string.Formatter().parse(study.shows):

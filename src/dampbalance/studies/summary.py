@@ -7,6 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from ..wording import percent
+from .groups import grouped_markdown, grouped_summary
 from .settings import Study
 from .stretches import Sizes, stretches
 
@@ -15,6 +16,11 @@ SHARE = f"within_{100 * WITHIN:g}_percent_share"
 
 
 def summary_of(cases: str | Path, study: Study) -> pd.DataFrame:
+    """The table of errors that the study asks for: by the values of some axes, or over all cases."""
+    return grouped_summary(cases, study) if study.summary_by else overall_summary(cases, study)
+
+
+def overall_summary(cases: str | Path, study: Study) -> pd.DataFrame:
     """One row per fit and quantity: how many cases it could be identified in, and how large its error is, in %.
 
     Median and 95 % quantile of the error's size (to 0.06 % of themselves), its maximum, and the share of all cases
@@ -54,7 +60,13 @@ def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure
     lines += [f"{study.cases:,} cases; varied: {', '.join(study.axis_names)}.", ""]
     lines += [paragraph, ""] if paragraph else []
     lines += [f"![{study.title}]({figure})", ""] if figure else []
-    lines += [
+    lines += grouped_markdown(study, summary) if study.summary_by else _overall_markdown(summary)
+    lines += ["", "All numbers: `cases.parquet`; what they are: `manifest.json`.", ""]
+    return "\n".join(lines)
+
+
+def _overall_markdown(summary: pd.DataFrame) -> list[str]:
+    lines = [
         "Size of the relative error over all cases in which F_k and c could be identified.",
         "",
         "| quantity | approach | phase | φ, t_s | fit | identified | median | 95 % | largest "
@@ -74,5 +86,4 @@ def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure
             percent(row[SHARE]) if row["identified"] else "–",
         ]
         lines.append("| " + " | ".join(cells) + " |")
-    lines += ["", "All numbers: `cases.parquet`; what they are: `manifest.json`.", ""]
-    return "\n".join(lines)
+    return lines

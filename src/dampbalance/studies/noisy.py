@@ -1,0 +1,107 @@
+"""Responses read off noisy records: the exact orbit, sampled, with white noise, as an engineer would have measured it.
+
+Each case is one experiment of its own. Noise and bootstrap come from generators seeded by (seed, number of the case,
+level): a case does not depend on the chunk it is computed in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..features import COLUMNS, Features
+from ..measured.reading import read_features
+from ..measured.simulated import measured_orbit
+from ..model import BaseMotion, Oscillator
+from ..orbit import NoSteadyOrbit, Orbit, steady_orbit
+from ..regime import Regime
+from .responses import NOT_READ, RIGID_LIMIT, Responses
+
+Array = NDArray[np.float64]
+
+
+class Measured(NamedTuple):
+    """What was read: of n cases at L levels, (L, n), and bootstrap replicates of it, (L, n·count), case by case."""
+
+    responses: Responses
+    replicates: Responses
+
+
+def measured_responses(
+    si: Mapping[str, Array],
+    Y: Array,
+    numerics: Mapping[str, Any],
+    cases: NDArray[np.int64],
+    *,
+    cycles: int,
+    seed: int,
+    count: int,
+) -> Measured:
+    """The responses, measured over `cycles` cycles at sampling_hz with noise, and read by `measured.read_features`.
+
+    si : m, c, k, K_z, F_k, omega, each (n,).   Y : m, (L, n).   numerics : sampling_hz (Hz) and noise (standard
+    deviation of each channel's noise over the rms of its signal), each (n,).   cases : their numbers in the study,
+    (n,).   count : of replicates.
+
+    The reader is told the stiffness k alone: frequency, amplitudes and phases are what it finds.
+    """
+    levels, n = Y.shape
+    read = {name: np.full((levels, n), np.nan) for name in ("omega", *COLUMNS)}
+    drawn = {name: np.full((levels, n, count), np.nan) for name in ("omega", *COLUMNS)}
+    regime = np.zeros((levels, n), dtype=np.uint8)
+    for case in range(n):
+        osc = Oscillator(*(float(si[name][case]) for name in ("m", "c", "k", "K_z", "F_k")))
+        for level in range(levels):
+            motion = BaseMotion(Y=float(Y[level, case]), omega=float(si["omega"][case]))
+            try:
+                orbit = steady_orbit(osc, motion)
+            except NoSteadyOrbit:
+                regime[level, case] = Regime.NOT_FOUND
+                continue
+            random = np.random.default_rng([seed, int(cases[case]), level])
+            found = _measured(
+                orbit,
+                float(numerics["sampling_hz"][case]),
+                cycles,
+                float(numerics["noise"][case]),
+                count,
+                random,
+            )
+            if found is None:
+                regime[level, case] = NOT_READ
+                continue
+            features, replicates, resolved = found
+            regime[level, case] = Regime.ONE_SLIP if resolved else RIGID_LIMIT
+            for name in ("omega", *COLUMNS):
+                read[name][level, case] = np.atleast_1d(getattr(features, name))[0]
+                drawn[name][level, case] = getattr(replicates, name)
+    return Measured(
+        Responses(regime=regime, **read),
+        Responses(
+            regime=np.repeat(regime, count, axis=1),
+            **{name: array.reshape(levels, -1) for name, array in drawn.items()},
+        ),
+    )
+
+
+def _measured(
+    orbit: Orbit,
+    rate_hz: float,
+    cycles: int,
+    noise: float,
+    count: int,
+    random: np.random.Generator,
+) -> tuple[Features, Features, bool] | None:
+    """Features, their replicates, and whether the slip onset was resolved; None for a record that cannot be read."""
+    start = random.random() * orbit.motion.period  # the record begins anywhere in the cycle
+    measurement = measured_orbit(
+        orbit, rate_hz=rate_hz, cycles=cycles, noise=noise, seed=random, start=start
+    )
+    try:
+        reading = read_features(measurement, orbit.oscillator.k)
+    except ValueError:  # too few samples or cycles, or nothing but noise
+        return None
+    return reading.features, reading.resampled(count, random), bool(reading.onset_resolved)
