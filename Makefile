@@ -12,6 +12,8 @@ PIP_INSTALL := $(RUN) pip install --disable-pip-version-check --no-compile
 # paths, so the first mark says where it was made: a copied or moved one is set up again.
 LOCKED := $(VENV)/locked
 READY := $(VENV)/ready
+BENCH := .venv-bench
+BENCH_RUN := PATH="$(CURDIR)/$(BENCH)/bin:$$PATH" python -m
 ifneq ($(shell test -x $(VENV)/bin/python && cat $(LOCKED) 2>/dev/null),$(CURDIR))
 STALE := stale
 endif
@@ -23,7 +25,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check format lock clean distclean help stale
+.PHONY: all setup test lint unit check archive bench format lock clean distclean help stale
 
 all: setup ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(RUN) snakemake --cores $(CORES)
@@ -45,6 +47,12 @@ unit: setup ## Run the tests: unit, analytic, paper, workflow (choose with PYTES
 check: setup ## Rebuild what is out of date and compare each verdict with the recorded one
 	@$(RUN) snakemake --cores $(CORES) check
 
+archive: setup ## Pack sources, results and digests for keeping, into results/archive/
+	@$(RUN) snakemake --cores $(CORES) archive
+
+bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and scipy (choose with BENCH_ARGS="peers")
+	@cd tests && $(BENCH_RUN) benchmarks --output ../results/benchmarks $(BENCH_ARGS)
+
 format: setup ## Format the sources
 	@$(RUN) ruff check --fix .
 	@$(RUN) ruff format .
@@ -63,7 +71,7 @@ clean: ## Remove results and caches; the environment stays
 	rm -rf .snakemake .pytest_cache .mypy_cache .ruff_cache .hypothesis build dist
 
 distclean: clean ## Remove the environment as well
-	rm -rf $(VENV)
+	rm -rf $(VENV) $(BENCH)
 
 help: ## Show the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -87,3 +95,13 @@ $(LOCKED): requirements.lock requirements-build.lock $(STALE)
 	@$(PIP_INSTALL) --quiet --require-hashes --requirement requirements-build.lock
 	@$(PIP_INSTALL) --no-build-isolation --require-hashes --requirement requirements.lock
 	@printf '%s' "$(CURDIR)" > $(LOCKED)
+
+# The peers are not in the lock: an environment of their own, the locked packages and on top of them what the group asks for.
+$(BENCH)/ready: $(LOCKED) pyproject.toml
+	@echo "Setting up $(BENCH) from requirements.lock and the group bench; this takes a minute or two."
+	@"$(PYTHON)" -m venv --clear $(BENCH)
+	@$(BENCH_RUN) pip install --disable-pip-version-check --no-compile --quiet --require-hashes --requirement requirements-build.lock
+	@$(BENCH_RUN) pip install --disable-pip-version-check --no-compile --quiet --no-build-isolation --require-hashes --requirement requirements.lock
+	@$(BENCH_RUN) pip install --disable-pip-version-check --no-compile --quiet --group bench
+	@$(BENCH_RUN) pip install --disable-pip-version-check --no-compile --quiet --no-build-isolation --no-deps --editable .
+	@touch $@

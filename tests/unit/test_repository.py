@@ -83,7 +83,9 @@ def locked_requirements() -> list[tuple[str, str]]:
     extras = project["optional-dependencies"]
     wanted = [("requirements.lock", text) for text in project["dependencies"]]
     wanted += [
-        ("requirements.lock", text) for name in ("workflow", "article") for text in extras[name]
+        ("requirements.lock", text)
+        for name in ("workflow", "article", "records")
+        for text in extras[name]
     ]
     wanted += [("requirements.lock", text) for text in settings["dependency-groups"]["dev"]]
     wanted += [("requirements-build.lock", text) for text in settings["dependency-groups"]["build"]]

@@ -13,12 +13,10 @@ from ..balance import APPROACHES, Rows
 from ..readout import ReadOut
 from .axes import case_values
 from .fitting import Estimates, least_squares_of_cases
-from .noisy import measured_responses
 from .parameters import MECHANICAL, PARAMETERS, SI_COLUMNS, in_si
 from .plan import columns_of
 from .responses import REGIME_NAMES, Responses, exact_responses
 from .settings import Fit, Study
-from .stepwise import fixed_step_responses, sampled_responses
 
 if TYPE_CHECKING:
     from ..features import Features
@@ -74,6 +72,8 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
     Y = levels * si["Y"] if study.levels_relative else np.repeat(levels, stop - start, axis=1)
     replicates: Responses | None = None
     if study.route == "measured":
+        from .noisy import measured_responses  # reads records: much to import, for this route only
+
         cases = np.arange(start, stop)
         responses, replicates = measured_responses(
             si, Y, values, cases, cycles=study.cycles, seed=study.seed, count=study.replicates
@@ -146,6 +146,8 @@ def _responses(
     if study.route == "exact":
         wanted = any(fit.phase == "zero_crossing" for fit in study.fits)
         return exact_responses(si, Y, wanted, threads)
+    from .stepwise import fixed_step_responses, sampled_responses  # scipy.integrate: slow to import
+
     routes: dict[str, Callable[..., Responses]] = {
         "fixed_step": fixed_step_responses,
         "sampled": sampled_responses,

@@ -31,7 +31,7 @@ class Route:
 
 
 ROUTES = {
-    "exact": Route(chunk_cases=131_072),
+    "exact": Route(chunk_cases=262_144),
     "fixed_step": Route(
         numerics=(("scheme",), ("step_s", "steps_per_cycle")),
         settings=("cycles", "reading"),

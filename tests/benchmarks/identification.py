@@ -1,0 +1,275 @@
+"""Identification of measured levels, five of 20,000 samples: by every approach, and by maximum likelihood.
+
+Reading and identifying are timed together and apart, side by side with the reference fit of the same samples; the
+errors of what is found stand beside the times. Start-up, import and first call, is timed in processes of its own, and
+the import split by package. Writes identification.{csv,md,svg,png}, identification_{repetitions,errors}.csv,
+start_up.csv and imports.csv.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from dampbalance import BaseMotion
+from dampbalance.balance import APPROACHES
+from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
+from dampbalance.files import write_csv, write_text
+from dampbalance.likelihood import reference_fit
+from dampbalance.measured.identification import REPLICATES, identify
+from dampbalance.measured.measurement import Measurement
+from dampbalance.measured.reading import read_features
+from dampbalance.measured.simulated import simulated_measurement
+from dampbalance.record import Record
+
+from .cases import PAPER
+from .measuring import (
+    Contestant,
+    interleaved,
+    machine,
+    markdown,
+    medians,
+    quantity,
+    ratios,
+    rounded,
+)
+
+LEVELS_M = (0.004, 0.006, 0.008, 0.010, 0.012)
+OMEGA = 2.0 * np.pi * 4.92  # rad/s, near the resonance
+CYCLES = 100.0
+NOISE = 0.01  # of the rms of each channel
+SEED = 2010
+BOTH = "read and identify, all approaches"
+READING = "… reading the features"
+IDENTIFYING = f"… identifying, {REPLICATES} replicates"
+ONE = "… identifying, direct integration alone"
+FIT = "reference fit: maximum likelihood"
+PARTS_SHOWN = 8  # packages in the split of the import
+
+_FIRST_CALL = """
+import sys, time
+clocks = lambda: (time.perf_counter(), time.process_time())
+start = clocks()
+from dampbalance.measured.identification import identify
+from dampbalance.measured.measurement import Channel, Measurement
+from dampbalance.measured.reading import read_features
+loaded = clocks()
+import numpy as np
+readings = []
+for level in np.load(sys.argv[1]):
+    t, y, x = level
+    channels = [Channel("base_displacement", t, y), Channel("displacement", t, x)]
+    readings.append(read_features(Measurement.of("level", channels), float(sys.argv[2])))
+identify(readings, float(sys.argv[2]))
+end = clocks()
+print(*(b - a for a, b in zip(start, loaded)), *(b - a for a, b in zip(loaded, end)))
+"""
+_IMPORTED = re.compile(r"import time:\s*(\d+) \|\s*\d+ \|\s*(\S+)")
+
+
+def measurements(samples: int) -> list[Measurement]:
+    """One simulated measurement of `samples` samples for each level: displacements of base and mass."""
+    return [
+        simulated_measurement(
+            PAPER,
+            BaseMotion(Y, OMEGA),
+            rate_hz=samples * OMEGA / (2.0 * np.pi * CYCLES),
+            cycles=CYCLES,
+            noise=NOISE,
+            seed=SEED + level,
+        )
+        for level, Y in enumerate(LEVELS_M)
+    ]
+
+
+def record(measurement: Measurement) -> Record:
+    """The same samples as the reference fit takes them."""
+    y, x = measurement["base_displacement"], measurement["displacement"]
+    return Record(t=y.t, y=y.values, x=x.values)
+
+
+def contestants(samples: int) -> list[Contestant]:
+    """What is timed; a case is the whole set of five levels."""
+    given = measurements(samples)
+    records, k = [record(measurement) for measurement in given], PAPER.k
+    readings = [read_features(measurement, k) for measurement in given]
+    direct = {"direct": APPROACHES["direct"]}
+    return [
+        Contestant(BOTH, 1, lambda: identify([read_features(m, k) for m in given], k)),
+        Contestant(READING, 1, lambda: [read_features(m, k) for m in given]),
+        Contestant(IDENTIFYING, 1, lambda: identify(readings, k)),
+        Contestant(ONE, 1, lambda: identify(readings, k, approaches=direct)),
+        Contestant(FIT, 1, lambda: reference_fit(records, OMEGA, PAPER.m, k)),
+    ]
+
+
+def errors(samples: int) -> pd.DataFrame:
+    """Columns name, then of F_k and of c the relative error and the standard error that each approach tells."""
+    given = measurements(samples)
+    found = identify([read_features(m, PAPER.k) for m in given], PAPER.k)
+    rows: list[tuple[str, float, float, float, float]] = []
+    for name, e in found.estimates.items():
+        rows.append(
+            (
+                name,
+                *_relative(e.F_k.value, e.F_k.standard_error, PAPER.F_k),
+                *_relative(e.c.value, e.c.standard_error, PAPER.c),
+            )
+        )
+    fit = reference_fit([record(m) for m in given], OMEGA, PAPER.m, PAPER.k)
+    F_k_error, c_error, _ = fit.standard_errors
+    rows.append(
+        (FIT, *_relative(fit.F_k, F_k_error, PAPER.F_k), *_relative(fit.c, c_error, PAPER.c))
+    )
+    columns = ["name", "F_k_error", "F_k_standard_error", "c_error", "c_standard_error"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _relative(value: float, standard_error: float, true: float) -> tuple[float, float]:
+    return value / true - 1.0, standard_error / true
+
+
+def start_up(samples: int, repetitions: int) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Columns quantity, wall_s, best_wall_s, cpu_s (median, least, median) of import and first call, the kernels being
+    compiled already; and of the import, columns package, seconds, by `python -X importtime`."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "levels.npy"
+        np.save(file, [[r.t, r.y, r.x] for r in map(record, measurements(samples))])
+        arguments = [str(file), str(PAPER.k)]
+        # the first process also reads the files into memory and compiles what is not compiled
+        told = _process(_FIRST_CALL, arguments, "-X", "importtime").stderr
+        times = np.array(
+            [
+                [float(x) for x in _process(_FIRST_CALL, arguments).stdout.split()]
+                for _ in range(repetitions)
+            ]
+        )
+    table = pd.DataFrame(
+        {
+            "quantity": ["import", "first call", "both"],
+            "wall_s": [*np.median(times[:, [0, 2]], axis=0), np.median(times[:, 0] + times[:, 2])],
+            "best_wall_s": [*times[:, [0, 2]].min(axis=0), (times[:, 0] + times[:, 2]).min()],
+            "cpu_s": [*np.median(times[:, [1, 3]], axis=0), np.median(times[:, 1] + times[:, 3])],
+        }
+    )
+    return table, imports(told)
+
+
+def imports(told: str) -> pd.DataFrame:
+    """Columns package, seconds: what `-X importtime` told, its own time summed over the modules of each package."""
+    seconds: dict[str, float] = {}
+    for own, module in _IMPORTED.findall(told):
+        package = module.split(".")[0]
+        seconds[package] = seconds.get(package, 0.0) + 1e-6 * int(own)
+    table = pd.DataFrame({"package": list(seconds), "seconds": list(seconds.values())})
+    return table.sort_values("seconds", ascending=False, ignore_index=True)
+
+
+def _process(script: str, arguments: list[str], *options: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, *options, "-c", script, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=True)
+
+
+def text(
+    summary: pd.DataFrame,
+    wrong: pd.DataFrame,
+    starting: pd.DataFrame,
+    loading: pd.DataFrame,
+    facts: Mapping[str, int],
+) -> str:
+    rows: list[list[object]] = [
+        [
+            row.name,
+            *(quantity(s) for s in (row.wall_s_per_case, row.best_wall_s, row.cpu_s_per_case)),
+            f"{rounded(row.cpu_ratio_median)} ({rounded(row.cpu_ratio_low)} – {rounded(row.cpu_ratio_high)})",
+        ]
+        for row in summary.itertuples(index=False)
+    ]
+    header = [
+        "five levels, {levels_samples:,} samples".format(**facts),
+        "wall time",
+        "best",
+        "processor time",
+    ]
+    written = markdown([*header, "ratio of processor times"], rows)
+    written += (
+        "\nMedians of {repetitions} interleaved repetitions, after start-up; ratio: to the first line in the same "
+        "repetition, with its range.\n\n".format(**facts)
+    )
+    rows = [
+        [row.name, *(f"{100.0 * e:.2g}" for e in row[1:])] for row in wrong.itertuples(index=False)
+    ]
+    header = [
+        "what was found, %",
+        "error of F_k",
+        "its standard error",
+        "error of c",
+        "its standard error",
+    ]
+    written += markdown(header, rows) + "\n"
+    rows = [
+        [row.quantity, *(quantity(s) for s in row[1:])] for row in starting.itertuples(index=False)
+    ]
+    written += markdown(
+        ["start-up of a process, kernels compiled before", "wall time", "best", "processor time"],
+        rows,
+    )
+    shown = loading.head(PARTS_SHOWN)
+    listed = ", ".join(f"{r.package} {quantity(r.seconds)}" for r in shown.itertuples(index=False))
+    total = quantity(loading["seconds"].sum())
+    return f"{written}\nOf one import, {total} (`python -X importtime`): {listed}.\n\nMachine: {machine()}.\n"
+
+
+@styled()
+def figure(summary: pd.DataFrame, starting: pd.DataFrame, svg: Path, png: Path) -> None:
+    """One bar for each time, processor time filled, wall time as a line; the time asked for dashed."""
+    drawn = page(150.0, 14.0 + 6.0 * (len(summary) + 2))
+    axes = place(drawn, 58.0, 11.0, 88.0, 6.0 * (len(summary) + 2))
+    steps = starting.head(2)
+    names = [*summary["name"], *("start-up: " + steps["quantity"])]
+    wall = [*summary["wall_s_per_case"], *steps["wall_s"]]
+    axes.barh(
+        names,
+        [*summary["cpu_s_per_case"], *steps["cpu_s"]],
+        color=SLIP,
+        height=0.6,
+        label="processor time",
+    )
+    axes.plot(wall, names, "|", color=STICK, markersize=10.0, label="wall time")
+    axes.axvline(1.0, color=FAINT, linewidth=0.6, linestyle="--")
+    axes.invert_yaxis()
+    axes.set_xlim(0.0, None)
+    axes.set_xlabel("time (s)")
+    axes.legend()
+    save(drawn, svg, png, "Time of identifying five levels of measured samples, and of start-up")
+
+
+def run(out: Path, samples: int = 20_000, repetitions: int = 9) -> None:
+    """Measure, and write the results into the folder `out`.
+
+    samples : of each of the five levels.
+    """
+    taking_part = contestants(samples)
+    interleaved(taking_part, 1)  # kernels loaded, caches filled
+    timings = interleaved(taking_part, repetitions)
+    summary = medians(timings)
+    best = timings.groupby("name")["wall_s_per_case"].min().rename("best_wall_s")
+    relative = ratios(timings, BOTH, "cpu_s_per_case").set_index("name").add_prefix("cpu_ratio_")
+    summary = summary.join(best, on="name").join(relative, on="name")
+    wrong = errors(samples)
+    starting, loading = start_up(samples, min(repetitions, 5))
+    write_csv(out / "identification.csv", summary)
+    write_csv(out / "identification_repetitions.csv", timings)
+    write_csv(out / "identification_errors.csv", wrong)
+    write_csv(out / "start_up.csv", starting)
+    write_csv(out / "imports.csv", loading)
+    facts = {"levels_samples": samples * len(LEVELS_M), "repetitions": repetitions}
+    write_text(out / "identification.md", text(summary, wrong, starting, loading, facts))
+    figure(summary, starting, out / "identification.svg", out / "identification.png")
