@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from .balance import APPROACHES, PHASELESS
 from .features import Features, Phase
 from .identify import Pair, estimate_table
 from .model import Oscillator
 from .wording import percent
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 PHASES: tuple[Phase, ...] = ("reversal", "zero_crossing", "fundamental")
 """The lags of x behind y that the harmonic approaches can use."""
@@ -52,6 +54,8 @@ def approaches_table(
         for name, hz in frequencies_hz.items()
         for errors in _errors(features[name], osc, chosen)
     ]
+    import pandas as pd  # slow to import, and needed for tables only
+
     return pd.DataFrame.from_records(records, columns=list(COLUMNS))
 
 

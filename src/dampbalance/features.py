@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from .orbit import Orbit
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = NDArray[np.float64]
 Phase = Literal["reversal", "zero_crossing", "fundamental"]
@@ -145,6 +147,8 @@ class Features:
 
     def to_frame(self) -> pd.DataFrame:
         """One row per response, columns named with their units (`COLUMNS`), ω first and the regime last."""
+        import pandas as pd  # slow to import, and needed for tables only
+
         columns = {column: getattr(self, name) for name, column in COLUMNS.items()}
         frame = pd.DataFrame({**columns, _REGIME: list(self.regime)})
         frame.insert(0, _OMEGA, self.omega)

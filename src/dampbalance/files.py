@@ -8,9 +8,11 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
+if TYPE_CHECKING:
+    import pandas as pd
+
 
 SIGNIFICANT_DIGITS = 15  # of a float in a CSV: all that survive a round trip through decimal text
 
@@ -49,6 +51,8 @@ def write_csv(path: str | Path, frame: pd.DataFrame) -> None:
 
 def read_csv(path: str | Path, **options: Any) -> pd.DataFrame:
     """Read a table that `write_csv` wrote: floats come back as they were written, empty text stays text."""
+    import pandas as pd  # slow to import, and needed for tables only
+
     frame: pd.DataFrame = pd.read_csv(path, **options)
     text = frame.select_dtypes(exclude="number").columns
     return frame.fillna(dict.fromkeys(text, ""))

@@ -14,12 +14,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from .balance import APPROACHES, PHASELESS, Approach, Rows
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from .features import Features
 
 Pair = tuple[int, int]
@@ -179,6 +180,8 @@ def estimate_table(
     without slip stops nothing.
     Columns: ESTIMATE_COLUMNS; the order of the rows is fixed.
     """
+    import pandas as pd  # slow to import, and needed for tables only
+
     if common is None:
         common = features.with_common("phi", "t_s")
     records: list[dict[str, object]] = []

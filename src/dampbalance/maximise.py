@@ -6,7 +6,9 @@ At a point p the caller gives −log L, its information I and its gradient g = �
 
 over the unknowns that are not held at their limit by the gradient. λ falls after a step that helps, and rises after one
 that does not. The climb ends when a full step (λ ≈ 0) would gain less than 10⁻⁸ in −log L, that is, move less than
-10⁻⁴ of a standard error, or no unknown by more than 10⁻¹¹ of itself.
+10⁻⁴ of a standard error, or no unknown by more than 10⁻¹¹ of itself. −log L has kinks, where the onset of slip
+passes a sample: a maximum at a kink, where no step helps, is one if a full step promises less than 0.005, that is, a
+tenth of a standard error.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ Array = NDArray[np.float64]
 _MOST = 100  # evaluations
 _GAIN = 1e-8
 _RELATIVE = 1e-11
+_KINK = 5e-3
 _STALLED = 1e-7  # of an unknown: rounding may refuse a step below this
 _SHRINK = (
     0.2  # no positive unknown falls below this part of itself in one step, unless zero is allowed
@@ -89,6 +92,8 @@ def climb(
         else:
             damping *= 10.0
         if damping > 1e10:
+            if full @ here.gradient < 2.0 * _KINK:
+                return Climb(point, here, active, count)
             break
     raise NoConvergence(
         f"the fit did not converge ({count} iterations, the last step {size:.1g} of the unknowns): check m, k, ω and "

@@ -7,11 +7,13 @@ they are known. It knows nothing of the oscillator: `reading.py` reads features 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = NDArray[np.float64]
 
@@ -94,6 +96,8 @@ class Record:
 
     def to_frame(self) -> pd.DataFrame:
         """The record as a data frame, one row per sample, columns named with their units (`COLUMNS`)."""
+        import pandas as pd  # slow to import, and needed for tables only
+
         return pd.DataFrame({COLUMNS[name]: signal for name, signal in self.signals().items()})
 
     @classmethod

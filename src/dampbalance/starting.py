@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import special  # scipy.stats has the same functions, and takes seconds to import
 from scipy.optimize import nnls
-from scipy.stats import chi2
 
 from .information import NotIdentifiable, products
 from .model import Oscillator
@@ -129,7 +129,7 @@ def refuse_linear(lines: Sequence[Lines], omegas: Sequence[float], m: float, k: 
     sigma = np.maximum(sigma, _ROUNDING * weight)
     statistic = float(np.sum(np.abs(error / sigma[:, None]) ** 2))
     dof = 2 * np.count_nonzero(X) - 2
-    if dof > 0 and chi2.sf(statistic, dof) > _LEVEL:
+    if dof > 0 and special.chdtrc(dof, statistic) > _LEVEL:
         raise NotIdentifiable(
             f"the records are those of a linear oscillator within their noise (stiffness k + {K:.4g} N/m, c = {c:.4g} "
             "N s/m): the contact only sticks, or there is no friction, and F_k cannot be identified; "

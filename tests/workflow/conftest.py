@@ -10,9 +10,22 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from numba.core.caching import _CacheLocator
+
+get_subpath = _CacheLocator.get_suitable_cache_subpath
 
 ROOT = Path(__file__).parents[2]
-COPIED = ("Snakefile", "config", "workflow", "src", "paper/published")
+COPIED = (
+    "Snakefile",
+    "CITATION.cff",
+    "config",
+    "paper/article",
+    "paper/notebook",
+    "paper/published",
+    "requirements.lock",
+    "src",
+    "workflow",
+)
 
 
 @dataclass(frozen=True)
@@ -54,6 +67,16 @@ class Checkout:
         }
 
 
+def keep_kernels(folder: Path) -> None:
+    """Let a copy use the compiled kernels that came along: Numba names their folder after the path of the sources."""
+    for cached in (folder / "src").rglob("kernels-*/*_*"):
+        for package in (ROOT / "src").rglob("*/"):
+            if cached.name == get_subpath(str(package / "any.py")):
+                own = folder / package.relative_to(ROOT)
+                cached.rename(cached.parent / get_subpath(str(own / "any.py")))
+                break
+
+
 @pytest.fixture(scope="module")
 def checkout(tmp_path_factory):
     """Makes copies of the sources: checkout() -> Checkout."""
@@ -62,13 +85,13 @@ def checkout(tmp_path_factory):
         folder = tmp_path_factory.mktemp("checkout")
         for name in COPIED:
             source, target = ROOT / name, folder / name
+            target.parent.mkdir(parents=True, exist_ok=True)
             if source.is_dir():
-                shutil.copytree(
-                    source, target
-                )  # compiled kernels come along: same source, same key
+                shutil.copytree(source, target)
             else:
                 shutil.copy2(source, target)
         shutil.copy2(Path(__file__).parent / "small.yaml", folder / "small.yaml")
+        keep_kernels(folder)
         return Checkout(folder)
 
     return make

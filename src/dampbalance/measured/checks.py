@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f as f_distribution
+from scipy import special  # scipy.stats has the same functions, and takes seconds to import
 
 from .cycles import CycleHarmonics
 
@@ -33,6 +33,9 @@ _DRIFT_MATTERS, _DRIFT_WRONG = 2e-5, 0.1  # of the amplitude, over the record
 _DRIFT_CHANCE = 1e-6
 _HARMONIC_MATTERS = 1e-3  # of the fundamental
 _CLIPPED_CYCLES = 0.5
+_LARGEST_AMPLITUDE = 0.5  # m
+_LARGEST_ACCELERATION = 1000.0  # m/s²: a hundred times gravity
+_LARGEST_GAIN = 100.0
 
 
 def require_signal(quantity: str, values: Array) -> None:
@@ -191,7 +194,7 @@ def steadiness(
         # successive differences know the variance as well as two thirds as many independent rows; of two halves, twice
         # the chance
         freedom = parts * max(1.0, 2.0 * (size // 2 - 1) / 3.0)
-        chance = 2.0 * float(f_distribution.sf(statistic / (3.0 * parts), 3.0 * parts, freedom))
+        chance = 2.0 * float(special.fdtrc(3.0 * parts, freedom, statistic / (3.0 * parts)))
         change = float(np.ptp(np.abs(basis[:, 1:] @ along + mean))) / abs(mean)
         turn = float(np.abs(basis[:, 1:] @ along).max()) / abs(mean)
         if chance > _DRIFT_CHANCE or max(change, turn) < _DRIFT_MATTERS:
@@ -224,6 +227,24 @@ def _settled_after(rows: Complexes, noise: float, parts: float) -> int:
         np.abs(rows - late) > 4.0 * math.sqrt(parts * noise) + 1e-6 * abs(late)
     )
     return int(outside[-1]) + 1 if outside.size else 0
+
+
+def plausible(Y: float, X: float, omega: float, driven_by: str) -> list[str]:
+    """Warnings where amplitudes Y, X (m) are not those of a test bench: a unit may be wrong.
+
+    A wrong unit of all channels alike scales F_k, and nothing else: only the size can betray it.
+    """
+    base = "the force over the stiffness" if driven_by == "force" else "the base"
+    found = [
+        f"{what} moves by {amplitude:.3g} m, with {omega**2 * amplitude:.3g} m/s²: is a unit wrong (mm taken for m)?"
+        for what, amplitude in ((base, Y), ("the mass", X))
+        if amplitude > _LARGEST_AMPLITUDE or omega**2 * amplitude > _LARGEST_ACCELERATION
+    ]
+    if not 1.0 / _LARGEST_GAIN < X / Y < _LARGEST_GAIN:
+        found.append(
+            f"the mass moves {X / Y:.3g} times as far as {base}: is the unit of one channel wrong (mm taken for m)?"
+        )
+    return found
 
 
 def harmonic_base(mean: Complexes, error: Array) -> list[str]:

@@ -19,12 +19,12 @@ from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from . import checks
 from .cycles import Block, CycleHarmonics, accumulate
 from .frequency import FEWEST_CYCLES, drive_frequency, frequency_offset
 from .measurement import EXCITATIONS, RESPONSES, Channel, Measurement
+from .one_thread import one_thread
 
 Array = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -111,6 +111,7 @@ def condition(
     return _warned(steady, warnings)
 
 
+@one_thread
 def condition_blocks(
     source: str,
     channels: Mapping[str, Blocks],
@@ -192,6 +193,8 @@ def _condition(
     warnings += said
     X, X_error = _combined(moved, weights)
     mean_X = weights @ X / weights.sum()
+    Y_1 = abs(complex(weights @ Y[:, 1] / weights.sum()))
+    warnings += checks.plausible(Y_1, abs(mean_X[1]), omega, driving)
     warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, period)
     warnings += checks.harmonic_base(weights @ Y / weights.sum(), Y_error)
     warnings += checks.symmetry(mean_X, X_error)
@@ -228,6 +231,8 @@ def _evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Chann
     odd = np.abs(steps / dt - np.round(steps / dt)) > 2.0 * _JITTER
     if odd.mean() < 0.01:
         return channel
+    from scipy.interpolate import CubicSpline  # rarely needed, slow to import
+
     if channel.t.size < 8:
         raise ValueError(f"{source}: {channel.name} has only {channel.t.size} samples")
     gap = float(steps.max())

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from ..features import COLUMNS, Features
 from .conditioning import SteadyRecord, condition
 from .measurement import Measurement
+from .one_thread import one_thread
 from .onset import Waveform, fit_waveform
 
 Array = NDArray[np.float64]
@@ -47,7 +48,8 @@ class Reading:
     standard_errors : by feature name; NaN for what is not read.
     steady : the conditioned record.   waveform : the fitted exact waveform, or None.
     onset_resolved : whether X_s, V_s, t_s were read.   length_bound : X + X_s is below it with 97.5 % confidence, m.
-    warnings : all that was found wrong, one sentence each.
+    warnings : all that was found wrong, one sentence each; the last is `onset_note`, if there is one.
+    onset_note : why the slip onset is not resolved, and what that costs.
     """
 
     features: Features
@@ -57,18 +59,42 @@ class Reading:
     onset_resolved: bool
     length_bound: float
     warnings: tuple[str, ...]
+    onset_note: str = ""
 
-    def resampled(self, count: int, rng: np.random.Generator) -> Features:
+    @one_thread
+    def with_onset(self, onset: bool) -> Features:
+        """The features with the slip onset of the waveform, resolved or not, or without: the rigid limit."""
+        numbers = _evaluate(_Parts.of(self.steady, self.waveform), self.waveform, onset)
+        return Features(omega=self.steady.omega, regime=(_regime(self, onset),), **numbers)
+
+    @one_thread
+    def resampled(
+        self, count: int, rng: np.random.Generator, *, onset: bool | None = None
+    ) -> Features:
         """`count` bootstrap replicates of the features: of means over cycles drawn with replacement.
 
         Their deviations from the mean are stretched by √(n/(n − 1)), n rows, for the bootstrap falls short of the
-        scatter by that much.
+        scatter by that much.   onset : whether they have a slip onset; default, where it is resolved.
         """
         steady = self.steady
         rows = len(steady.weights)
         drawn = rng.multinomial(rows, np.full(rows, 1.0 / rows), size=count) * steady.weights
-        return _replicates(self, drawn, math.sqrt(rows / max(1, rows - 1)))
+        return _replicates(self, drawn, math.sqrt(rows / max(1, rows - 1)), onset=onset)
 
+    @one_thread
+    def left_out(self, *, onset: bool | None = None) -> Features:
+        """Jackknife replicates of the features: of means without one group of cycles after the other.
+
+        g groups (all cycles, or 400): (g − 1)/g Σ (p_j − p̄)² over the replicates is the variance of any p.
+        """
+        weights = self.steady.weights
+        rows = len(weights)
+        groups = min(rows, _JACKKNIFE_GROUPS)
+        member = np.arange(rows) * groups // rows
+        drawn = np.where(member[None, :] == np.arange(groups)[:, None], 0.0, weights)
+        return _replicates(self, drawn, 1.0, bias=1.0, onset=onset)
+
+    @one_thread
     def averaged_cycle(self, points: int = 720) -> dict[str, Array]:
         """One cycle as the harmonics within the bandwidth and the waveform beyond give it, for plots.
 
@@ -104,15 +130,16 @@ def read_features(
     )
 
 
+@one_thread
 def read_steady(steady: SteadyRecord) -> Reading:
     """Features of a conditioned record."""
     waveform = _waveform(steady)
     warnings = list(steady.warnings)
-    resolved, bound = False, math.nan
+    resolved, bound, note = False, math.nan, ""
     if waveform is None:
-        warnings.append(
-            f"{steady.source}: the harmonics show no slip onset (bandwidth: harmonic {steady.bandwidth}); "
-            "the rigid limit a = 4X stands for the friction travel"
+        note = (
+            f"the harmonics show no slip onset (bandwidth: harmonic {steady.bandwidth}); the rigid limit a = 4X stands "
+            "for the friction travel"
         )
     else:
         bound = waveform.length_bound
@@ -126,7 +153,7 @@ def read_steady(steady: SteadyRecord) -> Reading:
     numbers = _evaluate(parts, waveform, resolved)
     X = float(numbers["X"][0])
     if waveform is not None and not resolved:
-        warnings.append(
+        note = (
             f"the slip onset is not resolved: the microstick line is {1e6 * waveform.length:.2g} ± "
             f"{1e6 * waveform.length_error:.2g} µm long; the rigid limit a = 4X is used, too large by less than "
             f"{50.0 * bound / X:.2g} % (97.5 % confidence)"
@@ -139,7 +166,8 @@ def read_steady(steady: SteadyRecord) -> Reading:
         waveform=waveform,
         onset_resolved=resolved,
         length_bound=bound,
-        warnings=tuple(warnings),
+        warnings=(*warnings, note) if note else tuple(warnings),
+        onset_note=note,
     )
     return replace(reading, standard_errors=_jackknife(reading))
 
@@ -320,7 +348,17 @@ def _wrapped(angle: Array) -> Array:
     return wrapped
 
 
-def _replicates(reading: Reading, drawn: Array, stretch: float, bias: float = 2.0) -> Features:
+def _regime(reading: Reading, onset: bool) -> str:
+    return ONE_SLIP if onset and reading.waveform is not None else RIGID
+
+
+def _replicates(
+    reading: Reading,
+    drawn: Array,
+    stretch: float,
+    bias: float = 2.0,
+    onset: bool | None = None,
+) -> Features:
     """Features of the means over the rows drawn.
 
     A replicate's |x_n|² holds the variance twice: the mean's own, and that of the drawing. Taking off both centres the
@@ -329,19 +367,16 @@ def _replicates(reading: Reading, drawn: Array, stretch: float, bias: float = 2.
     steady, waveform = reading.steady, reading.waveform
     parts = _Parts.of(steady, waveform, drawn, stretch, bias)
     at = _Parts.of(steady, waveform)
-    numbers = _evaluate(parts, waveform, reading.onset_resolved, at)
-    regime = reading.features.regime[0]
+    resolved = reading.onset_resolved if onset is None else onset
+    numbers = _evaluate(parts, waveform, resolved, at)
+    regime = _regime(reading, resolved)
     return Features(omega=steady.omega, regime=(regime,) * len(drawn), **numbers)
 
 
 def _jackknife(reading: Reading) -> dict[str, float]:
     """Standard errors by leaving out one group of rows after the other; NaN for what is not read."""
-    weights = reading.steady.weights
-    rows = len(weights)
-    groups = min(rows, _JACKKNIFE_GROUPS)
-    member = np.arange(rows) * groups // rows
-    drawn = np.where(member[None, :] == np.arange(groups)[:, None], 0.0, weights)
-    left = _replicates(reading, drawn, 1.0, bias=1.0)
+    left = reading.left_out()
+    groups = len(left)
     errors = {}
     for name in COLUMNS:
         values = getattr(left, name)

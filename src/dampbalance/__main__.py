@@ -1,0 +1,5 @@
+"""python -m dampbalance."""
+
+from .commands.main import main
+
+raise SystemExit(main())

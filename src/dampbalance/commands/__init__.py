@@ -1,0 +1,1 @@
+"""The command line: `dampbalance identify` and `dampbalance simulate`."""

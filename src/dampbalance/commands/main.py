@@ -1,0 +1,31 @@
+"""Entry point: arguments, the commands they name, and errors as one line."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from .. import __version__
+from . import identifying, simulating
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code: 0, or 2 for what could not be done, with one line that says why."""
+    parser = argparse.ArgumentParser(
+        prog="dampbalance",
+        description="Friction and viscous damping of a vibrating system from the balance of energy over one period.",
+        epilog="dampbalance COMMAND --help tells more.",
+    )
+    parser.add_argument("--version", action="version", version=f"dampbalance {__version__}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    identifying.add_to(commands)
+    simulating.add_to(commands)
+    options = parser.parse_args(arguments)
+    try:
+        run = options.run
+        run(options)
+    except (ValueError, OSError) as error:  # RecordError is a ValueError
+        print(f"dampbalance {options.command}: error: {error}", file=sys.stderr)
+        return 2
+    return 0

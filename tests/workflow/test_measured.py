@@ -1,0 +1,99 @@
+"""Identification from measured records through the workflow."""
+
+from __future__ import annotations
+
+import json
+
+import pandas as pd
+import pytest
+import yaml
+
+from dampbalance.measured.outputs import OUTPUTS
+from dampbalance.measured.results import identified
+
+pytestmark = pytest.mark.slow
+
+EXAMPLE = "config/measured.yaml"
+SET = "measured/below_resonance"
+
+
+@pytest.fixture(scope="module")
+def built(checkout):
+    copy = checkout()
+    done = copy.run("--configfile", EXAMPLE)
+    assert done.returncode == 0, done.stderr
+    return copy, done
+
+
+def test_everything_is_made_and_shown(built):
+    copy, done = built
+    files = copy.files("example")
+    assert set(files) == {"measured/identification.csv", *(f"{SET}/{name}" for name in OUTPUTS)}
+    summary = files[f"{SET}/summary.txt"].decode()
+    assert summary.splitlines()[3] in done.stdout + done.stderr
+
+
+def test_the_workflow_says_what_the_package_says(built, monkeypatch):
+    copy, _ = built
+    monkeypatch.chdir(copy.folder)
+    records = [f"config/records/example/level{i}.csv" for i in range(1, 6)]
+    direct = identified(records, 2310.0, frequency_hz=3.5, mass=2.42)
+    assert json.loads(copy.files("example")[f"{SET}/identification.json"]) == json.loads(
+        json.dumps(direct.document())
+    )
+    table = pd.read_csv(copy.folder / "results/example/measured/identification.csv")
+    assert set(table["set"]) == {"below_resonance"}
+    assert len(table) == 5
+
+
+def test_nothing_is_done_twice_and_a_record_that_changes_is_read_again(built):
+    copy, _ = built
+    assert copy.jobs("--configfile", EXAMPLE) == {}
+    record = copy.folder / "config/records/example/level3.csv"
+    lines = record.read_text(encoding="utf-8").splitlines()
+    record.write_text("\n".join(lines[:-100]) + "\n", encoding="utf-8")
+    assert copy.jobs("--configfile", EXAMPLE) == {
+        "all": 1,
+        "identify": 1,
+        "measured": 1,
+        "total": 3,
+    }
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"records": ["data/none*.csv"]},
+            "measured[1].records[1]: no file data/none*.csv: name files",
+        ),
+        ({"stiffness_N_per_m": 0.0}, "measured[1].stiffness_N_per_m"),
+        ({"stiffness": 2310.0}, "stiffness"),
+        ({"approaches": ["best"]}, "measured[1].approaches[1]"),
+        ({"name": "two words"}, "measured[1].name"),
+    ],
+)
+def test_a_wrong_configuration_is_refused_before_anything_runs(checkout, change, message):
+    copy = checkout()
+    document = yaml.safe_load((copy.folder / EXAMPLE).read_text(encoding="utf-8"))
+    document["measured"][0] |= change
+    (copy.folder / "mine.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+    done = copy.run("--configfile", "mine.yaml")
+    assert done.returncode != 0
+    said = done.stdout + done.stderr
+    assert "mine.yaml" in said
+    assert message in said
+    assert "Traceback" not in said
+    assert not (copy.folder / "results").exists()
+
+
+def test_a_record_that_cannot_be_used_is_named(checkout):
+    copy = checkout()
+    document = yaml.safe_load((copy.folder / EXAMPLE).read_text(encoding="utf-8"))
+    document["measured"][0] |= {"frequency_hz": 7.0}
+    (copy.folder / "mine.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+    done = copy.run("--configfile", "mine.yaml")
+    assert done.returncode != 0
+    said = done.stdout + done.stderr
+    assert "error: config/records/example/level1.csv: the excitation oscillates at 3.49999" in said
+    assert "Traceback" not in said

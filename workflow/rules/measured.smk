@@ -1,0 +1,75 @@
+# F_k, c and K_z from measured records: snakemake --cores all --configfile config/measured.yaml
+import glob
+
+from dampbalance.configuration import refuse
+from dampbalance.measured.mapping import find_mapping
+from dampbalance.measured.outputs import OUTPUTS
+
+MEASURED = {one["name"]: one for one in config.get("measured") or []}
+MEASURED_FILES = f"{RESULTS}/measured"
+
+
+def record_files(name):
+    """The records of a set, sorted; each pattern must find some."""
+    place = list(MEASURED).index(name)
+    found = []
+    for i, pattern in enumerate(MEASURED[name]["records"]):
+        files = sorted(file for file in glob.glob(pattern) if not file.endswith((".yaml", ".md")))
+        if not files:
+            refuse(
+                ("measured", place, "records", i),
+                f"no file {pattern}: name files, or a pattern, from the folder of the Snakefile on",
+                CONFIG_FILES,
+            )
+        found.extend(file for file in files if file not in found)
+    return found
+
+
+def mapping_files(name):
+    """The files that name the channels of a set."""
+    if MEASURED[name].get("mapping"):
+        return [MEASURED[name]["mapping"]]
+    found = (find_mapping(file) for file in record_files(name))
+    return sorted({str(file) for file in found if file is not None})
+
+
+if MEASURED and workflow.is_main_process:
+    try:
+        if len(MEASURED) < len(config["measured"]):
+            refuse(("measured",), "two sets have the same name; rename one", CONFIG_FILES)
+        for name in MEASURED:
+            record_files(name)
+    except ConfigurationError as error:
+        raise WorkflowError(str(error)) from None
+
+
+rule identify:
+    input:
+        records=lambda wildcards: record_files(wildcards.set),
+        mappings=lambda wildcards: mapping_files(wildcards.set),
+        modules=script_modules("identify.py"),
+    output:
+        **{name.replace(".", "_"): f"{MEASURED_FILES}/{{set}}/{name}" for name in OUTPUTS},
+    wildcard_constraints:
+        set="[A-Za-z0-9_-]+",
+    params:
+        settings=lambda wildcards: MEASURED[wildcards.set],
+        folder=lambda wildcards: f"{MEASURED_FILES}/{wildcards.set}",
+    message:
+        "F_k, c and K_z from the records of {wildcards.set}"
+    script:
+        "../scripts/identify.py"
+
+
+rule measured:
+    input:
+        sets=expand(f"{MEASURED_FILES}/{{set}}/identification.csv", set=MEASURED),
+        modules=script_modules("measured.py"),
+    output:
+        csv=f"{MEASURED_FILES}/identification.csv",
+    params:
+        names=list(MEASURED),
+    message:
+        "Estimates of all sets of records"
+    script:
+        "../scripts/measured.py"
