@@ -2,6 +2,7 @@
 
 snakemake --cores all            everything, with a verdict on every printed number
 snakemake --cores all check      the comparison with the recorded verdicts
+snakemake --cores all --configfile config/measured.yaml     identification from measured records
 snakemake --cores all tables     one kind of result: orbits, records, features, estimates, tables, figures, claims
 """
 
@@ -13,6 +14,9 @@ min_version("9.0")
 configfile: "config/config.yaml"
 
 
+report: "workflow/report/workflow.rst"
+
+
 include: "workflow/rules/common.smk"
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/features.smk"
@@ -21,9 +25,16 @@ include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/studies.smk"
+include: "workflow/rules/measured.smk"
+include: "workflow/rules/article.smk"
+include: "workflow/rules/page.smk"
+include: "workflow/rules/notebook.smk"
+include: "workflow/rules/provenance.smk"
 
 
 onsuccess:
+    for name in MEASURED:
+        print(Path(f"{MEASURED_FILES}/{name}/summary.txt").read_text(encoding="utf-8"))
     if config["published"] and Path(f"{RESULTS}/summary.txt").exists():
         print(Path(f"{RESULTS}/summary.txt").read_text(encoding="utf-8"))
 
@@ -31,9 +42,13 @@ onsuccess:
 rule all:
     default_target: True
     input:
-        rules.estimates.input,
-        rules.tables.output,
-        rules.figures.input,
+        rules.estimates.input if not MEASURED else [],
+        rules.tables.output if not MEASURED else [],
+        rules.figures.input if not MEASURED else [],
         rules.check.output if config["published"] else [],
+        rules.article.output if config["published"] else [],
+        [*rules.match.output, *rules.notebook.output] if config["published"] else [],
+        [*rules.page.output, *rules.manifest.output, *rules.crate.output] if not MEASURED else [],
+        rules.measured.output if MEASURED else [],
     message:
         "Everything is rebuilt"

@@ -32,7 +32,12 @@ rule claims:
         published=published_files,
         modules=script_modules("claims.py"),
     output:
-        csv=f"{RESULTS}/claims.csv",
+        csv=report(
+            f"{RESULTS}/claims.csv",
+            caption="../report/claims.rst",
+            category="Verdicts",
+            labels={"result": "claims"},
+        ),
         md=f"{RESULTS}/claims.md",
     params:
         oscillator=config["oscillator"],
@@ -53,7 +58,12 @@ rule check:
         recorded=f"{config['published']}/verdicts.csv",
         modules=script_modules("check.py"),
     output:
-        summary=f"{RESULTS}/summary.txt",
+        summary=report(
+            f"{RESULTS}/summary.txt",
+            caption="../report/summary.rst",
+            category="Verdicts",
+            labels={"result": "summary"},
+        ),
     message:
         "Comparison with the verdicts on record"
     script:

@@ -4,7 +4,12 @@
 def figure_files(name):
     """The SVG and the PNG of a figure."""
     return {
-        "svg": f"{RESULTS}/figures/{name}.svg",
+        "svg": report(
+            f"{RESULTS}/figures/{name}.svg",
+            caption=f"../report/{name}.rst",
+            category="Figures",
+            labels={"result": name},
+        ),
         "png": f"{RESULTS}/figures/{name}.png",
     }
 

@@ -69,10 +69,10 @@ def study_chunks(wildcards):
 
 
 def chunk_memory_mb(wildcards, attempt):
-    """0.4 GB and 0.7 kB a case for the script, 0.6 GB for the Snakemakes that start it on a cluster, half as much again
+    """0.4 GB and 0.8 kB a case for the script, 0.6 GB for the Snakemakes that start it on a cluster, half as much again
     to be safe; more at a retry. Measured: config/studies/CLUSTER.md."""
     study, _ = study_plan(wildcards.study)
-    return round(1.5 * attempt * (1000 + 0.0007 * min(study.chunk_cases, study.cases)))
+    return round(1.5 * attempt * (1000 + 0.0008 * min(study.chunk_cases, study.cases)))
 
 
 def study_figure_files(wildcards):
@@ -131,7 +131,12 @@ rule study_figure:
         file=str(STUDY_FOLDER / "{study}.yaml"),
         modules=script_modules("study_figure.py"),
     output:
-        svg=f"{STUDY_RESULTS}/{{study}}/figure.svg",
+        svg=report(
+            f"{STUDY_RESULTS}/{{study}}/figure.svg",
+            caption="../report/study.rst",
+            category="Studies",
+            labels={"result": "{study}"},
+        ),
         png=f"{STUDY_RESULTS}/{{study}}/figure.png",
     resources:
         mem_mb=1500,

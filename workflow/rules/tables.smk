@@ -23,7 +23,11 @@ rule tables:
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
         modules=script_modules("tables.py"),
     output:
-        csv=[*table_files("csv"), f"{RESULTS}/tables/approaches.csv"],
+        csv=report(
+            [*table_files("csv"), f"{RESULTS}/tables/approaches.csv"],
+            caption="../report/table.rst",
+            category="Tables",
+        ),
         md=[*table_files("md"), f"{RESULTS}/tables/approaches.md"],
     params:
         folder=RESULTS,

@@ -1,0 +1,51 @@
+"""typst, with warnings as errors, and the same bytes each time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Literal
+
+import typst
+
+STANDARDS: list[Literal["a-3a", "ua-1"]] = ["a-3a", "ua-1"]
+"""PDF/A-3 at level a, which holds all that level b asks for, for keeping; PDF/UA, so that it can be read aloud: a
+figure or an equation without alternative text is an error."""
+
+TIMESTAMP = (
+    1_767_225_600  # 1 January 2026, a constant: the bytes do not change with the day of the build
+)
+
+
+class ArticleError(RuntimeError):
+    """The article does not compile, or compiles with a warning."""
+
+
+def compiler(source: str | Path, root: str | Path, inputs: Mapping[str, str]) -> typst.Compiler:
+    """A compiler that knows no fonts but typst's own: the article looks the same on every machine."""
+    return typst.Compiler(
+        str(source), root=str(root), ignore_system_fonts=True, sys_inputs=dict(inputs)
+    )
+
+
+def pdf(source: str | Path, root: str | Path, inputs: Mapping[str, str]) -> bytes:
+    """The article as PDF/A and PDF/UA. Raises ArticleError for an error of typst, and for a warning."""
+    try:
+        document, warnings = compiler(source, root, inputs).compile_with_warnings(
+            format="pdf", pdf_standards=[*STANDARDS], timestamp=TIMESTAMP
+        )
+    except typst.TypstError as error:
+        raise ArticleError(_told([error], "does not compile")) from None
+    if warnings:
+        raise ArticleError(_told(warnings, "compiles with warnings, which count as errors"))
+    assert isinstance(document, bytes)
+    return document
+
+
+def _told(problems: Iterable[object], what: str) -> str:
+    lines = [f"the article {what}:"]
+    for problem in problems:
+        lines.append(f"  {getattr(problem, 'message', problem)}")
+        lines += [f"    hint: {hint}" for hint in getattr(problem, "hints", None) or []]
+        lines += [f"    {line}" for line in getattr(problem, "trace", None) or []]
+    return "\n".join(lines)

@@ -1,0 +1,208 @@
+"""Everything that the article prints and did not type: the list of its values, and where each comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from . import tabulated
+from .book import Book
+from .sources import Results
+from .style import Style
+
+EVIDENCE, ENVIRONMENT, SCHEMES, STUDIES = (
+    f"article/{name}"
+    for name in ("evidence.json", "environment.json", "schemes.csv", "studies.json")
+)
+APPROACHES = "tables/approaches.csv"
+
+PLAIN, COUNT, WORD, TEXT = Style("plain"), Style("fixed"), Style("word"), Style("text")
+PERCENT, DEVIATION, BOUND = Style("significant", 2), Style("power", 1), Style("bound")
+SHIFT = Style("power", 2, signed=True)
+VERDICTS = ("reproduced", "reconstructed", "last digit", "reading", "differs")
+PARTS = ("parameter", "table1", "table2", "table3", "text", "all")
+
+# Ways to identify F_k and c: name in the article → row of approaches.csv (approach, phase, sharing)
+WAYS = {
+    "mean": ("X_s", "reversal", "common"),
+    "reversal": ("X_s", "reversal", "individual"),
+    "crossing": ("X_s", "zero_crossing", "individual"),
+    "fundamental": ("X_s", "fundamental", "individual"),
+    "fourier": ("fourier", "", ""),
+    "direct": ("direct", "", ""),
+}
+FITS = {"pair": "{}_largest_pair_error_percent", "least_squares": "{}_error_percent"}
+
+
+def article_values(
+    results: Results, rules: Mapping[str, str], folder: str, frequencies: list[str]
+) -> dict[str, Any]:
+    """The values by key, the files they come from, and the lists over which the article's tables run.
+
+    rules : result file → rule that makes it.   folder : of the results, e.g. results/paper.
+    """
+    book = Book(results, rules, folder)
+    _setting(book, frequencies)
+    _verdicts(book)
+    _numerics(book, frequencies)
+    _off_resonance(book, frequencies)
+    _studies(book)
+    packages = _environment(book)
+    lists = {
+        **tabulated.tables(book),
+        "claims": tabulated.claims(book),
+        "frequencies": frequencies,
+        "packages": packages,
+    }
+    return book.as_json() | {"lists": lists}
+
+
+def _setting(book: Book, frequencies: list[str]) -> None:
+    """Parameters, frequencies, levels and numerics of the case."""
+    for name, unit in {"m": "kg", "c": "N s/m", "k": "N/m", "K_z": "N/m", "F_k": "N"}.items():
+        book.item(name, EVIDENCE, f"/setting/{name}", PLAIN, unit)
+    book.item("zeta", EVIDENCE, "/setting/zeta", Style("fixed", 3))
+    book.item("f_n", EVIDENCE, "/setting/natural_frequency_hz", Style("fixed", 4), "Hz")
+    book.item("swing", EVIDENCE, "/setting/swing_um", Style("fixed", 3), "µm")
+    for name in frequencies:
+        book.item(f"f.{name}", EVIDENCE, f"/setting/frequency_hz/{name}", PLAIN, "Hz")
+    levels = book.results.document(book.path(EVIDENCE))["setting"]["levels_mm"]
+    for n in range(len(levels)):
+        book.item(f"level.{n}", EVIDENCE, f"/setting/levels_mm/{n}", PLAIN)
+    for name in ("levels", "frequencies", "pairs"):
+        book.item(f"count.{name}", EVIDENCE, f"/setting/{name}", WORD)
+    book.item("scheme", EVIDENCE, "/setting/scheme", TEXT)
+    book.item("step", EVIDENCE, "/setting/step_us", PLAIN, "µs")
+    book.item("steps_per_cycle", EVIDENCE, "/setting/steps_per_cycle", COUNT)
+    book.item("c_over_m", EVIDENCE, "/setting/c_over_m", PLAIN, "s⁻¹")
+    book.item("k_over_m", EVIDENCE, "/setting/k_over_m", PLAIN, "s⁻²")
+
+
+def _verdicts(book: Book) -> None:
+    for part in PARTS:
+        for verdict in ("printed", *VERDICTS):
+            book.item(f"verdicts.{part}.{verdict}", EVIDENCE, f"/verdicts/{part}/{verdict}", COUNT)
+
+
+def _numerics(book: Book, frequencies: list[str]) -> None:
+    """How the printed digits arose."""
+    first = frequencies[0]
+    book.item("added", EVIDENCE, "/dissipation/added", Style("fixed", 4), "N s/m")
+    book.item("effective", EVIDENCE, "/dissipation/effective", Style("fixed", 4), "N s/m")
+    for name in ("a", "b", "W"):
+        book.item(f"dev.{name}", EVIDENCE, f"/integrals/{name}/printed/last", SHIFT)
+    book.item("rebuilt.W", EVIDENCE, "/integrals/W/printed_from_rebuilt/max", DEVIATION)
+    book.item("rebuilt.W.least", EVIDENCE, "/integrals/W/printed_from_rebuilt/min", DEVIATION)
+    book.item(
+        "rebuilt.b", EVIDENCE, "/integrals/b/printed_from_rebuilt_beyond_first/max", DEVIATION
+    )
+    book.item("rebuilt.b.first", EVIDENCE, "/integrals/b/printed_from_rebuilt_at_first", DEVIATION)
+    book.item("rebuilt.a", EVIDENCE, "/integrals/a/printed_from_rebuilt/max", DEVIATION)
+    book.item("unrounded.W", EVIDENCE, "/integrals/W/printed_from_unrounded/max", DEVIATION)
+    for scheme in ("backward-euler", "explicit-euler", "trapezoidal", "rk4", "semi-implicit-euler"):
+        row = {"scheme": scheme, "coefficients": "rounded", "level": "1"}
+        book.cell(f"c.{scheme}", SCHEMES, row, "c_N_s_per_m", Style("fixed", 4), "N s/m")
+    for name in ("direct", "common"):
+        style = BOUND if name == "direct" else PERCENT
+        for quantity in ("F_k", "c"):
+            book.item(
+                f"worst.{name}.{quantity}",
+                EVIDENCE,
+                f"/largest/exact/{first}/{name}/{quantity}",
+                style,
+                "%",
+            )
+    book.item("t_s_mean", EVIDENCE, "/setting/t_s_mean_ms", Style("fixed", 2), "ms")
+
+
+def _off_resonance(book: Book, frequencies: list[str]) -> None:
+    """Errors of F_k by each way at each frequency, and the terms of the balance that explain them."""
+    book.item("W_fundamental", EVIDENCE, "/fundamental_work_largest", BOUND)
+    for quantity in ("F_k", "c"):
+        book.item(f"fourier.largest.{quantity}", EVIDENCE, f"/fourier_largest/{quantity}", PERCENT)
+    for frequency in frequencies:
+        _errors(book, frequency)
+        at = f"/balance/{frequency}"
+        for end in ("first", "last"):
+            book.item(f"share.{frequency}.{end}", EVIDENCE, f"{at}/friction_share/{end}", PERCENT)
+            book.item(f"sine.{frequency}.{end}", EVIDENCE, f"{at}/sine/{end}", Style("fixed", 4))
+            book.item(
+                f"W_common.{frequency}.{end}",
+                EVIDENCE,
+                f"{at}/W_common/{end}",
+                Style("significant", 2, signed=True),
+            )
+        book.item(f"spread.{frequency}", EVIDENCE, f"{at}/phase_spread", PERCENT)
+        book.item(f"third.{frequency}", EVIDENCE, f"{at}/third/max", PERCENT)
+        book.item(f"b_fifth.{frequency}", EVIDENCE, f"{at}/b_fifth/size", Style("significant", 1))
+
+
+def _errors(book: Book, frequency: str) -> None:
+    """Sizes of the errors of F_k and c at a frequency: the largest of the pairs, and least squares of all levels."""
+    for quantity in ("F_k", "c"):
+        for fit, column in FITS.items():
+            for way, (approach, phase, sharing) in WAYS.items():
+                row = {
+                    "frequency": frequency,
+                    "approach": approach,
+                    "phase": phase,
+                    "sharing": sharing,
+                }
+                style = replace(BOUND if way == "direct" else PERCENT, unsigned=True)
+                key = f"error.{frequency}.{way}.{fit}.{quantity}"
+                book.cell(key, APPROACHES, row, column.format(quantity), style)
+            book.item(
+                f"error.{frequency}.lock_in.{fit}.{quantity}",
+                EVIDENCE,
+                f"/lock_in/{frequency}/{fit}/{quantity}",
+                PERCENT,
+            )
+
+
+# study → the facts of its file that the article tells
+STUDY_FACTS = {
+    "frequency": ("band_common", "band_individual", "fourier", "fourier_c"),
+    "level": ("c_low", "c_high", "low", "high", "off_low", "off_high", "fourier"),
+    "contact_stiffness": (
+        "soft",
+        "paper",
+        "rigid",
+        "off_soft",
+        "off_rigid",
+        "soft_t",
+        "fourier",
+        "fourier_c",
+    ),
+    "damping": ("light_off", "light_common", "fourier", "fourier_c"),
+    "read_out": (
+        "five",
+        "six",
+        "exact",
+        "five_individual",
+        "nine_individual",
+        "fourier_five",
+        "fourier_six",
+    ),
+    "step_size": ("euler_paper", "euler_coarse", "explicit_paper", "rk4_coarse"),
+}
+
+
+def _studies(book: Book) -> None:
+    """The numbers of the parameter studies, in the words that their own pages use."""
+    book.item(
+        "within", STUDIES, "/frequency/specs/band_common/within", Style("plain", scale="1e2"), "%"
+    )
+    for study, facts in STUDY_FACTS.items():
+        book.item(f"cases.{study}", STUDIES, f"/{study}/cases", COUNT)
+        for fact in facts:
+            book.item(f"study.{study}.{fact}", STUDIES, f"/{study}/facts/{fact}", TEXT)
+
+
+def _environment(book: Book) -> list[str]:
+    """Versions of Python and of the packages that matter."""
+    packages = list(book.results.document(book.path(ENVIRONMENT))["packages"])
+    book.item("python", ENVIRONMENT, "/python", TEXT)
+    for name in packages:
+        book.item(f"package.{name}", ENVIRONMENT, f"/packages/{name}", TEXT)
+    return packages

@@ -1,0 +1,267 @@
+"""The figure that shows how the printed digits arose: the paper's numbers beside what each cause would make of them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatterMathtext, MaxNLocator
+
+from ..model import Oscillator
+from .style import DOUBLE_COLUMN, FAINT, INK, page, panel_letter, place, styled
+
+ALT = (
+    "Six panels. Integrals of Table 2 lie on the curves of backward Euler and off those of other schemes; the "
+    "identified damping grows with the step and meets the printed value at the step of the rebuild; rounded "
+    "coefficients bring the input work onto the print; printed phases follow the velocity reversal, not the zero "
+    "crossing; printed slip times are whole tenths of a millisecond; a plus sign gives the printed pairs by slip "
+    "velocity, a minus does not."
+)
+
+PRINTED: dict[str, Any] = {"marker": "o", "ls": "none", "color": "#D55E00", "ms": 4.2, "zorder": 5}
+REBUILT, OTHER, THIRD = "#0B4F8A", "#3DAA8B", "#7B5EA7"
+NAMES = {
+    "backward-euler": "backward Euler",
+    "explicit-euler": "explicit Euler",
+    "semi-implicit-euler": "semi-implicit Euler",
+    "trapezoidal": "trapezoidal rule",
+    "rk4": "Runge–Kutta 4",
+}
+LEFT, WIDTH, GAP = 15.0, 42.0, 17.0  # mm
+BOTTOM, HEIGHT, ROW_GAP, TOP = 11.0, 38.0, 20.0, 6.0
+
+
+class Evidence(NamedTuple):
+    """What the figure is drawn from, all at the first frequency.
+
+    claims : the table of claims, as text (id, printed).   exact, rebuilt : features.   estimates : as published.
+    schemes : of `article.schemes.scheme_table`.   steps : cases of the study of the step, with columns scheme, step_s,
+    c_N_s_per_m and c_relative_error__direct__least_squares.
+    """
+
+    claims: pd.DataFrame
+    exact: pd.DataFrame
+    rebuilt: pd.DataFrame
+    estimates: pd.DataFrame
+    schemes: pd.DataFrame
+    steps: pd.DataFrame
+
+    def printed(self, prefix: str) -> np.ndarray:
+        """The printed numbers whose identifier begins so, in order."""
+        claims = self.claims[self.claims["id"].str.startswith(prefix)]
+        return claims["printed"].astype(float).to_numpy()
+
+
+@styled()
+def numerics(
+    evidence: Evidence, oscillator: Oscillator, step_s: float, t_s_unit_s: float
+) -> Figure:
+    """Six panels (a)–(f): scheme, step, rounded coefficients, phase, slip time, sign.
+
+    step_s : of the rebuilt simulation, s.   t_s_unit_s : the unit in which t_s was read, s.
+    """
+    figure = page(DOUBLE_COLUMN, BOTTOM + 2 * HEIGHT + ROW_GAP + TOP)
+    places = [
+        (LEFT + column * (WIDTH + GAP), BOTTOM + row * (HEIGHT + ROW_GAP))
+        for row in (1, 0)
+        for column in range(3)
+    ]
+    axes = [place(figure, left, bottom, WIDTH, HEIGHT) for left, bottom in places]
+    _integrals(axes[0], evidence)
+    _steps(axes[1], evidence, oscillator, step_s)
+    _coefficients(axes[2], evidence)
+    _phase(axes[3], evidence)
+    _slip_time(axes[4], evidence, step_s, t_s_unit_s)
+    _sign(axes[5], evidence)
+    for panel in (axes[0], axes[2], axes[3], axes[4]):
+        panel.set_xticks(1e3 * evidence.exact["Y_m"])
+    for panel, letter in zip(axes, "abcdef", strict=True):
+        panel_letter(panel, letter)
+    return figure
+
+
+def _integrals(axes: Axes, e: Evidence) -> None:
+    """(a) W and b: deviation from exact, printed and by each scheme."""
+    Y = 1e3 * e.exact["Y_m"]
+    schemes = e.schemes[e.schemes["coefficients"] == "rounded"]
+    for scheme, rows in schemes.groupby("scheme", sort=False):
+        chosen = scheme == "backward-euler"
+        for column, style in (("W_J", "-"), ("b_m2_per_s", "--")):
+            axes.plot(
+                Y,
+                _deviation(rows[column], e.exact[column]),
+                style,
+                color=REBUILT if chosen else FAINT,
+                lw=1.0 if chosen else 0.6,
+                zorder=3 if chosen else 2,
+            )
+    for name, column, marker in (("W", "W_J", "o"), ("b", "b_m2_per_s", "s")):
+        deviation = _deviation(e.printed(f"table2.{name}."), e.exact[column])
+        axes.plot(Y, deviation, **(PRINTED | {"marker": marker, "label": f"${name}$ printed"}))
+    # Named beside the level where the lines of W and b are clear of each other.
+    for text, at in (("backward Euler", -1.9), ("explicit Euler", 1.9), ("the others", 0.35)):
+        axes.text(8.0, at, text, ha="center", va="center", size=7.5, color=INK)
+    axes.set_ylim(-4.6, 3.2)
+    axes.legend(loc="lower center", ncols=2, fontsize=7.5, handletextpad=0.1, columnspacing=0.8)
+    axes.set_xlabel("$Y$ (mm)")
+    axes.set_ylabel("deviation from exact ($10^{-4}$)")
+
+
+def _deviation(values: pd.Series | np.ndarray, exact: pd.Series) -> np.ndarray:
+    return np.asarray(1e4 * (np.asarray(values) / exact.to_numpy() - 1.0))
+
+
+def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> None:
+    """(b) The error of c by direct integration against the step, with the law mω²h and the printed c."""
+    error = (e.steps["c_N_s_per_m"] * e.steps["c_relative_error__direct__least_squares"]).abs()
+    looks = {"backward-euler": (REBUILT, "o"), "explicit-euler": (OTHER, "D")}
+    h = 1e6 * e.steps["step_s"]
+    for scheme, rows in e.steps.groupby("scheme", sort=False):
+        colour, marker = looks.get(
+            str(scheme), (FAINT, {"rk4": "^", "trapezoidal": "v"}.get(str(scheme), "x"))
+        )
+        axes.plot(
+            h[rows.index],
+            error[rows.index],
+            ls="none",
+            marker=marker,
+            ms=3.4,
+            color=colour,
+            mfc="none" if marker != "o" else colour,
+            mew=0.8,
+            label=NAMES[str(scheme)],
+            zorder=4 if marker == "o" else 3,
+        )
+    line = np.array([h.min(), h.max()])
+    omega = float(e.exact["omega_rad_per_s"].iloc[0])
+    axes.plot(line, oscillator.m * omega**2 * 1e-6 * line, color=REBUILT, lw=0.8)
+    printed = float(e.printed("text.c_direct_ls")[0]) - oscillator.c
+    axes.plot(
+        [1e6 * step_s], [printed], **(PRINTED | {"marker": "*", "ms": 8.0, "label": "printed"})
+    )
+    axes.axhline(printed, color=PRINTED["color"], lw=0.6, ls=":")
+    axes.text(h.max(), 1.25 * printed, "$c$ printed", ha="right", va="bottom", size=7.5)
+    axes.text(11.0, 0.06, r"$m\omega^2h$", ha="right", va="bottom", size=8.0, color=REBUILT)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_ylim(1e-13, 1.0)  # the legend below the smallest error
+    axes.set_xticks([2, 5, 10, 20, 40, 80], ["2", "5", "10", "20", "40", "80"])
+    axes.minorticks_off()
+    axes.yaxis.set_major_formatter(LogFormatterMathtext())
+    axes.legend(
+        loc="lower right",
+        ncols=2,
+        columnspacing=0.4,
+        markerscale=0.8,
+        fontsize=6.2,
+        handletextpad=0.1,
+        labelspacing=0.15,
+        borderpad=0.2,
+    )
+    axes.set_xlabel(r"step $h$ (µs)")
+    axes.set_ylabel("|error of $c$| (N s/m)")
+
+
+def _coefficients(axes: Axes, e: Evidence) -> None:
+    """(c) What is left of the printed W beside the simulation, with rounded and with exact coefficients."""
+    Y = 1e3 * e.exact["Y_m"]
+    euler = e.schemes[e.schemes["scheme"] == "backward-euler"]
+    for name, marker, colour in (("rounded", "o", REBUILT), ("exact", "^", OTHER)):
+        W = euler.loc[euler["coefficients"] == name, "W_J"].to_numpy()
+        axes.plot(
+            Y,
+            1e6 * (e.printed("table2.W.") / W - 1.0),
+            marker=marker,
+            color=colour,
+            lw=0.8,
+            label=f"{name} $c/m$, $k/m$",
+        )
+    axes.axhline(0.0, color=PRINTED["color"], lw=0.6, ls=":")
+    axes.set_ylim(-0.7, 3.9)
+    axes.legend(loc="upper center", fontsize=7.5, handletextpad=0.4, labelspacing=0.2)
+    axes.set_xlabel("$Y$ (mm)")
+    axes.set_ylabel("$W$ printed over rebuilt $-1$ ($10^{-6}$)")
+
+
+def _phase(axes: Axes, e: Evidence) -> None:
+    """(d) The printed φ and the three phases it might be."""
+    Y = 1e3 * e.exact["Y_m"]
+    for phase, text, colour, style in (
+        ("zero_crossing", "zero crossing", OTHER, "--"),
+        ("fundamental", "fundamental", THIRD, "-."),
+        ("reversal", "reversal", REBUILT, "-"),
+    ):
+        axes.plot(Y, e.exact[f"phi_{phase}_rad"], style, color=colour, label=text)
+    axes.plot(Y, e.printed("table1.phi."), **(PRINTED | {"label": "printed"}))
+    axes.legend(loc="lower right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
+    axes.yaxis.set_major_locator(MaxNLocator(5))
+    axes.set_xlabel("$Y$ (mm)")
+    axes.set_ylabel(r"$\phi$ (rad)")
+
+
+def _slip_time(axes: Axes, e: Evidence, step_s: float, unit_s: float) -> None:
+    """(e) t_s exact, without a step at each end, in whole units; and as printed."""
+    Y = 1e3 * e.exact["Y_m"].to_numpy()
+    t = e.exact["t_s_s"].to_numpy()
+    whole = np.floor((t - 2.0 * step_s) / unit_s + 1e-9) * unit_s
+    axes.plot(Y, 1e3 * t, color=OTHER, ls="--", label="exact")
+    for y, value in zip(Y, whole, strict=True):
+        axes.plot([y - 0.55, y + 0.55], [1e3 * value] * 2, color=REBUILT, lw=1.4)
+    axes.plot([], [], color=REBUILT, lw=1.4, label=f"whole {1e3 * unit_s:g} ms inside")
+    axes.plot(Y, 1e3 * e.printed("table1.t_s."), **(PRINTED | {"label": "printed"}))
+    axes.legend(loc="upper right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
+    axes.set_xlabel("$Y$ (mm)")
+    axes.set_ylabel("$t_s$ (ms)")
+
+
+def _sign(axes: Axes, e: Evidence) -> None:
+    """(f) The pairs by V_s, as computed with either sign, less the printed number, in units of its last digit."""
+    pairs = e.estimates[(e.estimates["kind"] == "pair") & (e.estimates["phase"] == "common")]
+    looks = {"V_s": ("o", REBUILT, "+"), "V_s with minus": ("^", OTHER, "−")}
+    labels: list[str] = []
+    axes.axhspan(-0.5, 0.5, color="#F3D9C4", lw=0, zorder=0)
+    for name, (marker, colour, sign) in looks.items():
+        rows = pairs[pairs["approach"] == name]
+        labels = list(rows["pair"])
+        for quantity, column, shift in (("F_k", "F_k_N", -0.14), ("c", "c_N_s_per_m", 0.14)):
+            off = rows[column].to_numpy() - e.printed(f"table3.V_s.{quantity}.")
+            axes.plot(
+                np.arange(len(labels)) + shift,
+                off / _unit(e, f"table3.V_s.{quantity}."),
+                ls="none",
+                marker=marker,
+                ms=4.0,
+                color=colour,
+                mfc=colour if quantity == "F_k" else "none",
+                label=f"${quantity}$, {sign}",
+            )
+    axes.set_yscale("symlog", linthresh=1.0)
+    axes.set_ylim(-150.0, 900.0)
+    axes.set_yticks([-100, -10, -1, 0, 1, 10], ["−100", "−10", "−1", "0", "1", "10"])
+    axes.minorticks_off()
+    axes.set_xticks(range(len(labels)), labels)
+    axes.set_xlim(-0.6, len(labels) - 0.4)
+    axes.legend(
+        loc="upper right",
+        ncols=2,
+        fontsize=7.0,
+        handletextpad=0.1,
+        columnspacing=0.6,
+        labelspacing=0.15,
+    )
+    axes.set_xlabel("pair of levels, Table 3, $V_s$")
+    axes.set_ylabel("off by units of last digit", labelpad=1.0)
+
+
+def _unit(e: Evidence, prefix: str) -> float:
+    """One unit in the last digit of the printed numbers."""
+    texts = e.claims.loc[e.claims["id"].str.startswith(prefix), "printed"]
+    places = max(len(text.partition(".")[2]) for text in texts)
+    return math.pow(10.0, -places)
+
+
+__all__ = ["ALT", "Evidence", "numerics"]

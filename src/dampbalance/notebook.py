@@ -1,0 +1,223 @@
+"""A notebook written as a plain script: run it, and turn it into a page that needs no network.
+
+The script is in the percent format of jupytext. Everything that would make one run differ from the next is kept out:
+the user's own IPython settings, execution times, random cell ids, dates and software versions in pictures, what is
+written to stderr. Cells say with their metadata what a reader needs to know of them:
+
+    # %% alt="…"             what the picture shows, for readers who cannot see it
+    # %% tags=["outcome"]    belongs to the solution of an exercise, folded away on the page
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import os
+import re
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import groupby
+from pathlib import Path
+
+import jupytext  # type: ignore[import-untyped]
+import nbformat
+import pypandoc  # type: ignore[import-untyped]
+from nbclient import NotebookClient
+from nbclient.exceptions import CellExecutionError
+from nbformat import NotebookNode
+
+KERNEL_SETTINGS = """\
+c.HistoryManager.enabled = False
+c.InlineBackend.figure_formats = {"svg"}
+c.InlineBackend.print_figure_kwargs = {"bbox_inches": "tight", "metadata": {"Date": None, "Creator": None}}
+"""
+_MATH_AND_STOP = re.compile(
+    r'(<math display="inline"(?:(?!</math>).)*</math>)([,.;:)]+)', re.DOTALL
+)
+_REMOTE = re.compile(
+    r"""<[^>]*\s(?:src|srcset|data|poster)\s*=\s*["']?(?:https?:)?//[^>]*"""
+    r"""|<link\s[^>]*href\s*=\s*["']?(?:https?:)?//[^>]*"""
+    r"""|@import|url\(\s*["']?(?:https?:)?//[^)]*"""
+)
+
+
+class NotebookError(RuntimeError):
+    """A notebook that cannot be run or shown; the message names the cell and what went wrong in it."""
+
+
+def run(source: str | Path, timeout: int = 300) -> NotebookNode:
+    """The notebook of a percent script, executed from top to bottom in a kernel of its own.
+
+    source : the script.   timeout : seconds that one cell may take.
+
+    Raises NotebookError naming the cell that fails, with its error.
+    """
+    notebook = jupytext.read(source, fmt="py:percent")
+    for number, cell in enumerate(notebook.cells, start=1):
+        cell.id = f"cell-{number:02d}"
+    notebook.nbformat, notebook.nbformat_minor = 4, 5  # the first version with cell ids
+    with tempfile.TemporaryDirectory(prefix="nb-") as folder, _kernel_environment(Path(folder)):
+        client = NotebookClient(
+            notebook,
+            timeout=timeout,
+            kernel_name="python3",
+            record_timing=False,
+            resources={"metadata": {"path": str(Path(source).parent)}},
+        )
+        manager = client.create_kernel_manager()
+        if os.name != "nt":  # sockets in a folder of our own
+            manager.transport, manager.ip = "ipc", str(Path(folder) / "socket")
+        try:
+            client.execute()
+        except CellExecutionError as error:
+            number, cell = next(
+                (n, c)
+                for n, c in enumerate(notebook.cells, start=1)
+                if any(output.output_type == "error" for output in c.get("outputs", []))
+            )
+            raise NotebookError(
+                f"{source}: cell {number} fails with {error.ename}: {error.evalue}\n\n{cell.source}"
+            ) from None
+    return _settled(notebook)
+
+
+def write(notebook: NotebookNode) -> str:
+    """The notebook as the text of an .ipynb file."""
+    nbformat.validate(notebook)
+    text: str = nbformat.writes(notebook)  # type: ignore[no-untyped-call]
+    return text.rstrip("\n") + "\n"
+
+
+def page(notebook: NotebookNode, style: str, template: str | Path) -> str:
+    """The notebook as one HTML page that holds all it shows: formulas as MathML, pictures as data, its style sheet.
+
+    style : CSS.   template : a template of pandoc with the variables title, style, toc and body.
+
+    Raises NotebookError: no heading at the top, a picture without `alt`, something that would load from elsewhere.
+    """
+    title = re.match(r"#\s+(.+)", notebook.cells[0].source)
+    if title is None:
+        raise NotebookError("the first cell of a notebook must begin with its title, '# …'")
+    content = markdown(notebook)
+    _refuse_remote(content)  # before pandoc tries to fetch it
+    text = str(
+        pypandoc.convert_text(
+            content,
+            to="html5",
+            format="markdown",
+            extra_args=[
+                "--standalone",
+                "--mathml",
+                "--embed-resources",
+                "--toc",
+                "--toc-depth=2",
+                f"--template={template}",
+                "--variable=lang:en",
+                f"--metadata=pagetitle:{title[1]}",
+                f"--variable=style:{style}",
+            ],
+        )
+    )
+    _refuse_remote(text)
+    # A browser may break the line between a formula and the comma after it.
+    return _MATH_AND_STOP.sub(r'<span class="together">\1\2</span>', text)
+
+
+def markdown(notebook: NotebookNode) -> str:
+    """The notebook as pandoc's Markdown: text as it is, code and its outputs as blocks, outcomes folded."""
+    parts: list[str] = []
+    for folded, cells in groupby(notebook.cells, key=_is_outcome):
+        blocks = [block for cell in cells for block in _blocks(cell)]
+        if folded:
+            blocks = ["<details>\n<summary>Outcome</summary>", *blocks, "</details>"]
+        parts += blocks
+    return "\n\n".join(parts) + "\n"
+
+
+def _refuse_remote(text: str) -> None:
+    remote = _REMOTE.search(text)
+    if remote:
+        raise NotebookError(f"the page would load from elsewhere: {remote[0][:100]}; embed it")
+
+
+def _is_outcome(cell: NotebookNode) -> bool:
+    return "outcome" in cell.metadata.get("tags", [])
+
+
+def _blocks(cell: NotebookNode) -> Iterator[str]:
+    if cell.cell_type == "markdown":
+        yield cell.source
+        return
+    yield f"```python\n{cell.source}\n```"
+    for output in cell.outputs:
+        yield _shown(output, cell)
+
+
+def _shown(output: NotebookNode, cell: NotebookNode) -> str:
+    """One output of a cell: a picture if it is one, else a table, else text."""
+    if output.output_type == "stream":
+        return f"```{{.output}}\n{output.text.rstrip()}\n```"
+    data = output.data
+    if "image/svg+xml" in data:
+        alt = cell.metadata.get("alt")
+        if not alt:
+            raise NotebookError(f'{cell.id} shows a picture: say what is on it, # %% alt="…"')
+        encoded = base64.b64encode(data["image/svg+xml"].encode()).decode()
+        source = f"data:image/svg+xml;base64,{encoded}"
+        return f'<figure><img alt="{html.escape(alt)}" src="{source}"></figure>'
+    if "text/html" in data:
+        table = _plain_table(data["text/html"])
+        return f'<div class="table" tabindex="0" role="region" aria-label="Table">{table}</div>'
+    return f"```{{.output}}\n{data['text/plain'].rstrip()}\n```"
+
+
+def _plain_table(table: str) -> str:
+    """A data frame's table without the styles and attributes that belong to its own look."""
+    table = re.sub(r"<style.*?</style>", "", table, flags=re.DOTALL)
+    table = re.sub(r'\s(?:border|style)="[^"]*"', "", table)
+    # a blank line would end the block, an indented one after it would become code
+    return re.sub(r"\n\s*", "\n", table).strip()
+
+
+def _settled(notebook: NotebookNode) -> NotebookNode:
+    """The executed notebook without what depends on the run or the machine; stderr goes where it belongs."""
+    notebook.metadata.pop("jupytext", None)
+    notebook.metadata.get("language_info", {}).pop("version", None)
+    for cell in notebook.cells:
+        kept = []
+        for output in cell.get("outputs", []):
+            if output.output_type == "stream" and output.name == "stderr":
+                print(output.text, file=sys.stderr, end="")
+            else:
+                kept.append(output)
+        if cell.cell_type == "code":
+            cell.outputs = kept
+    return notebook
+
+
+@contextmanager
+def _kernel_environment(folder: Path) -> Iterator[None]:
+    """What a kernel started in this block sees: this interpreter first, our own IPython settings, pictures inline."""
+    profile = folder / "ipython" / "profile_default"
+    profile.mkdir(parents=True)
+    (profile / "ipython_kernel_config.py").write_text(KERNEL_SETTINGS, encoding="utf-8")
+    wanted = {
+        "IPYTHONDIR": str(folder / "ipython"),
+        "JUPYTER_CONFIG_DIR": str(folder / "config"),
+        "JUPYTER_RUNTIME_DIR": str(folder / "runtime"),
+        "MPLBACKEND": "module://matplotlib_inline.backend_inline",
+        "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]),
+        "PYDEVD_DISABLE_FILE_VALIDATION": "1",
+    }
+    before = {name: os.environ.get(name) for name in wanted}
+    os.environ.update(wanted)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value

@@ -1,0 +1,98 @@
+"""A picture of the match: for every part of the paper, which share of its printed numbers earns which verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from xml.sax.saxutils import escape
+
+from .colours import DARK, LIGHT, css_variables, variable
+from .verdicts import VERDICTS, Count
+
+WIDTH, LEFT, RIGHT = (
+    760,
+    100,
+    60,
+)  # px: the picture, room for the parts' names, room for their totals
+BAR, STEP, TOP, LEGEND = (
+    26,
+    36,
+    44,
+    46,
+)  # px: a bar, from bar to bar, above the first, below the last
+GAP = 2  # px between two verdicts: they keep apart without colour
+SYMBOL_FITS = 44  # px: a narrower stretch holds its count only
+NARROW = 9  # px: a stretch that is narrower still holds nothing
+LEGEND_PLACES = (100, 231, 378, 492, 588)  # px, left ends of its entries
+
+
+def match_picture(counts: Sequence[Count]) -> str:
+    """The picture as SVG with text that can be read aloud, light or dark as the reader has it; same bytes each time.
+
+    counts : `verdicts.counts`, the last one of all parts.
+    """
+    height = TOP + STEP * len(counts) + LEGEND
+    total = counts[-1]
+    found = ", ".join(f"{n} {v.name}" for n, v in zip(total.of_verdict, VERDICTS, strict=True) if n)
+    none = [v.name for n, v in zip(total.of_verdict, VERDICTS, strict=True) if not n]
+    description = f"Of {total.printed} printed numbers: {found}" + "".join(
+        f"; none {name}" for name in none
+    )
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}" '
+        'role="img" aria-labelledby="title description">',
+        '<title id="title">How the printed numbers fare</title>',
+        f'<desc id="description">{escape(description)}.</desc>',
+        "<style>",
+        f":root {{ {css_variables(LIGHT)} }}",
+        f"@media (prefers-color-scheme: dark) {{ :root {{ {css_variables(DARK)} }} }}",
+        "text { font: 14px system-ui, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif; fill: var(--ink); }",
+        ".in { fill: var(--on-verdict); text-anchor: middle; font-weight: 600; }",
+        ".part { text-anchor: end; } .total { fill: var(--muted); } .all { font-weight: 600; }",
+        "</style>",
+        f'<rect width="{WIDTH}" height="{height}" fill="{variable("paper")}"/>',
+        f'<text class="all" x="{LEFT}" y="22">{total.printed} printed numbers, and how a rebuild meets them</text>',
+    ]
+    for row, count in enumerate(counts):
+        lines += _bar(count, TOP + STEP * row + (6 if count is total else 0), last=count is total)
+    lines += _legend(height - 14)
+    return "\n".join([*lines, "</svg>", ""])
+
+
+def _bar(count: Count, top: int, last: bool) -> list[str]:
+    """One part: its name, a stretch per verdict that occurs, and how many numbers it has."""
+    middle = top + BAR // 2 + 5
+    weight = " all" if last else ""
+    lines = [f'<text class="part{weight}" x="{LEFT - 12}" y="{middle}">{escape(count.part)}</text>']
+    room = WIDTH - LEFT - RIGHT
+    before = 0
+    for n, verdict in zip(count.of_verdict, VERDICTS, strict=True):
+        if not n:
+            continue
+        left = LEFT + room * before / count.printed
+        width = room * n / count.printed - GAP
+        before += n
+        lines.append(
+            f'<rect x="{left:.1f}" y="{top}" width="{width:.1f}" height="{BAR}" rx="2" '
+            f'fill="{variable(verdict.css)}"><title>{escape(count.part)}: {n} {verdict.name}</title></rect>'
+        )
+        text = f"{verdict.symbol} {n}" if width >= SYMBOL_FITS else f"{n}"
+        if width >= NARROW:
+            lines.append(
+                f'<text class="in" x="{left + 0.5 * width:.1f}" y="{middle}">{text}</text>'
+            )
+    lines.append(
+        f'<text class="total{weight}" x="{WIDTH - RIGHT + 10}" y="{middle}">{count.printed}</text>'
+    )
+    return lines
+
+
+def _legend(base: int) -> list[str]:
+    """What symbol and colour stand for."""
+    lines = []
+    for place, verdict in zip(LEGEND_PLACES, VERDICTS, strict=True):
+        lines.append(
+            f'<rect x="{place}" y="{base - 15}" width="24" height="20" rx="2" fill="{variable(verdict.css)}"/>'
+        )
+        lines.append(f'<text class="in" x="{place + 12}" y="{base}">{verdict.symbol}</text>')
+        lines.append(f'<text x="{place + 31}" y="{base}">{verdict.name}</text>')
+    return lines

@@ -1,0 +1,93 @@
+"""The manifest of a run: which configuration, code and packages made which files.
+
+It has two parts. `reproducible` holds what the same sources, with the locked packages, give again on the same kind of
+machine: settings, digests of sources, of results, and the jobs that made them. `run` holds what belongs to this run:
+where the code came from, the Python, the packages and the machine. Neither holds a time: the manifest of an unchanged
+project is unchanged.
+"""
+
+from __future__ import annotations
+
+import platform
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from .sources import digest_of, sha256
+
+ABOUT = (
+    "Which configuration, code and packages made the results. 'reproducible': the same sources with the packages of "
+    "requirements.lock give the same again (another kind of processor may change the last bits of a number, and so "
+    "digests). 'run': the code's origin, the packages and the machine of this very run; it may differ from run to run."
+)
+
+
+def manifest(
+    case: str,
+    configuration: Mapping[str, Any],
+    configuration_files: Sequence[str],
+    sources: Iterable[str],
+    jobs: Sequence[Mapping[str, Any]],
+    code: Mapping[str, Any],
+    lock: str | Path,
+) -> dict[str, Any]:
+    """The manifest as plain data.
+
+    case : its name.   configuration : as merged from the files named.   sources : all files that results may depend on.
+    jobs : what made the results, each {rule, script, inputs, outputs} with paths.   code : from
+    `sources.code_version`.   lock : the file that pins the packages.
+    """
+    rule_of = {file: job["rule"] for job in jobs for file in job["outputs"]}
+    digests = {file: sha256(file) for file in sorted(set(sources))}
+    return {
+        "about": ABOUT,
+        "reproducible": {
+            "case": case,
+            "version": code["version"],
+            "configuration": dict(configuration),
+            "configuration_sha256": digest_of(configuration),
+            "configuration_files": list(configuration_files),
+            "sources_sha256": digest_of(digests),
+            "sources": digests,
+            "results": [
+                {
+                    "path": file,
+                    "bytes": Path(file).stat().st_size,
+                    "sha256": sha256(file),
+                    "rule": rule_of[file],
+                }
+                for file in sorted(rule_of)
+            ],
+            "jobs": sorted((dict(job) for job in jobs), key=lambda job: list(job["outputs"])),
+        },
+        "run": {
+            "code": dict(code),
+            "python": platform.python_version(),
+            "implementation": platform.python_implementation(),
+            "system": platform.system(),
+            "machine": platform.machine(),
+            **_packages(Path(lock)),
+        },
+    }
+
+
+def _packages(lock: Path) -> dict[str, Any]:
+    """Versions of the installed packages that the lock names, and those of them that are not as locked."""
+    pinned: dict[str, set[str]] = {}
+    if lock.is_file():
+        for name, version in re.findall(
+            r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", lock.read_text(encoding="utf-8"), re.MULTILINE
+        ):
+            pinned.setdefault(name, set()).add(version)
+    installed = {}
+    for name in pinned:
+        try:
+            installed[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:  # for another system, or not asked for
+            continue
+    return {
+        "packages": dict(sorted(installed.items())),
+        "packages_not_as_locked": sorted(n for n, v in installed.items() if v not in pinned[n]),
+    }

@@ -1,0 +1,241 @@
+"""The article of the paper's case, built in a folder of its own by the scripts of the workflow.
+
+The routes are computed in memory, the studies are those of `config/studies`, but for the step: its two coarsest only.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import runpy
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from dampbalance import comparison, figures, steady_orbit, tables
+from dampbalance.claims import claims_table, read_published
+from dampbalance.configuration import motions_from
+from dampbalance.features import Features
+from dampbalance.files import write_csv
+from dampbalance.studies import drawing, evaluate, outputs
+from dampbalance.studies.settings import read_study
+from paper.routes import (
+    CONFIG,
+    FREQUENCIES_HZ,
+    LEVELS,
+    NUMERICS,
+    PAIRS,
+    PAPER,
+    PUBLISHED,
+    ROOT,
+    as_published,
+    exact,
+    setting,
+)
+
+RESULTS, STUDIES = "results/paper", "results/studies"
+INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}"}
+OF_ARTICLE = ["frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"]
+COARSER = {"step_size": ("[2.0e-6, 5.0e-6, 1.0e-5, 2.0e-5, 4.0e-5, 8.0e-5]", "[4.0e-5, 8.0e-5]")}
+FIRST = next(iter(FREQUENCIES_HZ))
+RULES = {
+    f"{RESULTS}/tables/table1.csv": "tables",
+    f"{RESULTS}/tables/table2.csv": "tables",
+    f"{RESULTS}/tables/table3.csv": "tables",
+    f"{RESULTS}/tables/approaches.csv": "tables",
+    f"{RESULTS}/claims.csv": "claims",
+    f"{RESULTS}/article/schemes.csv": "article_schemes",
+    f"{RESULTS}/article/evidence.json": "article_evidence",
+    f"{RESULTS}/article/studies.json": "article_studies",
+    f"{RESULTS}/article/environment.json": "article_environment",
+}
+
+
+@dataclass(frozen=True)
+class Project:
+    """A folder with what the article is made of, and the article."""
+
+    folder: Path
+
+    @property
+    def source(self) -> Path:
+        return self.folder / "paper/article/article.typ"
+
+    @property
+    def pdf(self) -> Path:
+        return self.folder / f"{RESULTS}/article.pdf"
+
+    @property
+    def values(self) -> Path:
+        return self.folder / f"{RESULTS}/article/values.json"
+
+    def run(self, script: str, inputs: object, params: object, output: Mapping[str, str]) -> None:
+        """A script of the workflow, as its rule would run it."""
+        for file in output.values():
+            (self.folder / file).parent.mkdir(parents=True, exist_ok=True)
+        told = SimpleNamespace(input=inputs, params=params, output=SimpleNamespace(**output))
+        with contextlib.chdir(self.folder):
+            runpy.run_path(
+                str(ROOT / f"workflow/scripts/{script}.py"), {"snakemake": told}, "__main__"
+            )
+
+    def typeset(self, output: str = f"{RESULTS}/article.pdf") -> None:
+        """The rule `article`."""
+        params = SimpleNamespace(source="paper/article/article.typ", inputs=INPUTS)
+        self.run("article_pdf", None, params, {"pdf": output})
+
+
+def build(folder: Path) -> Project:
+    """All that the article needs, and the article."""
+    project = Project(folder)
+    shutil.copytree(ROOT / "paper/article", folder / "paper/article")
+    for name in ("config", "workflow"):
+        (folder / name).symlink_to(ROOT / name)
+    _routes(folder)
+    cases, files = _studies(folder)
+    _numbers(project, cases, files)
+    _figures(project, cases)
+    project.typeset()
+    return project
+
+
+def _routes(folder: Path) -> None:
+    """features, estimates, claims and tables."""
+    routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
+    claims = claims_table(read_published(PUBLISHED), setting(PAPER), *routes.values())
+    frames: dict[str, Any] = {"claims": claims}
+    for route, of in routes.items():
+        for name in FREQUENCIES_HZ:
+            frames[f"features/{route}/{name}"] = of.features[name]
+            frames[f"estimates/{route}/{name}"] = of.estimates[name]
+    features, estimates = (
+        {route: getattr(of, kind)[FIRST] for route, of in routes.items()}
+        for kind in ("features", "estimates")
+    )
+    frames["tables/table1"] = tables.table1(features, claims)
+    frames["tables/table2"] = tables.table2(features, estimates, claims)
+    frames["tables/table3"] = tables.table3(estimates, claims)
+    frames["tables/approaches"] = comparison.approaches_table(
+        {name: Features.from_frame(of) for name, of in routes["exact"].features.items()},
+        FREQUENCIES_HZ,
+        PAPER,
+        PAIRS,
+    )
+    for name, frame in frames.items():
+        file = folder / f"{RESULTS}/{name}.csv"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        write_csv(file, frame)
+
+
+def _studies(folder: Path) -> tuple[list[str], list[str]]:
+    """The cases of each study, and the file that describes it."""
+    cases, files = [], []
+    for name in OF_ARTICLE:
+        old, new = COARSER.get(name, ("", ""))
+        text = (ROOT / f"config/studies/{name}.yaml").read_text(encoding="utf-8")
+        assert old in text
+        (folder / f"{STUDIES}/{name}").mkdir(parents=True)
+        file = folder / f"{STUDIES}/{name}.yaml"
+        file.write_text(text.replace(old, new) if old else text, encoding="utf-8")
+        study = read_study(
+            file, ROOT / "workflow/schemas/study.schema.yaml", ROOT / "config/config.yaml"
+        )
+        table = folder / f"{STUDIES}/{name}/cases.parquet"
+        outputs.write_chunk(table, evaluate.evaluate(study, 0, study.cases, threads=1), study, "0")
+        if name == "frequency":
+            figure = drawing.study_figure(study, table)
+            _save(figure, table.with_name("figure.svg"), drawing.alternative_text(study))
+        cases.append(f"{STUDIES}/{name}/cases.parquet")
+        files.append(f"{STUDIES}/{name}.yaml")
+    return cases, files
+
+
+def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
+    """schemes.csv, evidence.json, studies.json, environment.json, values.json."""
+    article = f"{RESULTS}/article"
+    oscillator = CONFIG["oscillator"]
+    project.run(
+        "article_schemes",
+        None,
+        SimpleNamespace(
+            oscillator=oscillator,
+            frequency_hz=FREQUENCIES_HZ[FIRST],
+            levels_m=LEVELS,
+            numerics=NUMERICS,
+        ),
+        {"csv": f"{article}/schemes.csv"},
+    )
+    project.run(
+        "article_evidence",
+        SimpleNamespace(
+            claims=f"{RESULTS}/claims.csv",
+            approaches=f"{RESULTS}/tables/approaches.csv",
+            schemes=f"{article}/schemes.csv",
+        ),
+        SimpleNamespace(
+            oscillator=oscillator,
+            frequencies_hz=FREQUENCIES_HZ,
+            pairs=CONFIG["estimation"]["pairs"],
+            numerics=NUMERICS,
+            routes=["exact", "as_published"],
+            folder=RESULTS,
+        ),
+        {"json": f"{article}/evidence.json"},
+    )
+    project.run(
+        "article_studies",
+        SimpleNamespace(cases=cases, files=files),
+        SimpleNamespace(studies=OF_ARTICLE),
+        {"json": f"{article}/studies.json"},
+    )
+    packages = ["dampbalance", "numpy", "typst"]
+    project.run(
+        "article_environment",
+        None,
+        SimpleNamespace(packages=packages),
+        {"json": f"{article}/environment.json"},
+    )
+    project.run(
+        "article_values",
+        None,
+        SimpleNamespace(rules=RULES, folder=RESULTS, frequencies=list(FREQUENCIES_HZ)),
+        {"json": f"{article}/values.json"},
+    )
+
+
+def _figures(project: Project, cases: list[str]) -> None:
+    """The figure of the numerics by its script; the others as theirs draw them."""
+    folder = f"{RESULTS}/figures"
+    project.run(
+        "article_figure",
+        SimpleNamespace(
+            claims=f"{RESULTS}/claims.csv",
+            exact=f"{RESULTS}/features/exact/{FIRST}.csv",
+            rebuilt=f"{RESULTS}/features/as_published/{FIRST}.csv",
+            estimates=f"{RESULTS}/estimates/as_published/{FIRST}.csv",
+            schemes=f"{RESULTS}/article/schemes.csv",
+            steps=cases[OF_ARTICLE.index("step_size")],
+        ),
+        SimpleNamespace(oscillator=CONFIG["oscillator"], numerics=NUMERICS),
+        {"svg": f"{folder}/numerics.svg", "png": f"{folder}/numerics.png"},
+    )
+    orbits = [steady_orbit(PAPER, motion) for motion in motions_from(FREQUENCIES_HZ[FIRST], LEVELS)]
+    others = {
+        "figure1": figures.schematic(),
+        "figure2": figures.friction_velocity_loop(orbits[0]),
+        "figure3": figures.figure3(orbits),
+        "estimation_error": figures.estimation_error(
+            exact(PAPER).estimates, PAPER, FREQUENCIES_HZ, LEVELS
+        ),
+    }
+    for name, figure in others.items():
+        _save(figure, project.folder / f"{folder}/{name}.svg", figures.ALT[name])
+
+
+def _save(figure: Figure, file: Path, alt: str) -> None:
+    """As SVG only: the article takes no other, and a bitmap takes longer to write than all else here."""
+    figure.savefig(file, format="svg", metadata={"Description": alt, "Date": None, "Creator": None})

@@ -1,0 +1,27 @@
+"""Where a Chromium is: in the variable CHROMIUM, on the path, or as playwright installs it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+
+def executable() -> str | None:
+    """The path of a Chromium, or None where there is none, or no playwright to drive it."""
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        return None
+    found = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, NAMES)), None)
+    if found:
+        return found
+    with sync_playwright() as playwright:
+        own = Path(playwright.chromium.executable_path)
+    return str(own) if own.exists() else None
+
+
+CHROMIUM = executable()
+REASON = "no Chromium: install it, or name one in the variable CHROMIUM"

@@ -1,0 +1,110 @@
+"""The page of the paper's case, computed in memory, with two small studies."""
+
+from __future__ import annotations
+
+import copy
+from functools import lru_cache
+from pathlib import Path
+
+import pandas as pd
+
+from dampbalance import comparison, steady_orbit, tables
+from dampbalance.claims import claims_table, read_published
+from dampbalance.configuration import motions_from
+from dampbalance.features import Features
+from dampbalance.files import read_csv, write_csv
+from dampbalance.page.report import Results, report_page
+from dampbalance.studies import evaluate, outputs
+from dampbalance.studies.settings import Study, read_study
+from paper.routes import (
+    CONFIG,
+    FREQUENCIES_HZ,
+    LEVELS,
+    PAIRS,
+    PAPER,
+    PUBLISHED,
+    ROOT,
+    as_published,
+    exact,
+    setting,
+)
+
+PAGE = "results/paper/report.html"
+# The frequency coarser than in config/studies; of the schemes those without the slowest steps.
+COARSER = {
+    "frequency": ("count: 441", "count: 45"),
+    "step_size": ("[2.0e-6, 5.0e-6, 1.0e-5, 2.0e-5, 4.0e-5, 8.0e-5]", "[4.0e-5, 8.0e-5]"),
+}
+
+
+def results(folder: Path) -> Results:
+    """Everything the page shows, through the files of the pipeline where digits are lost in them."""
+    claims = _through(folder / "claims.csv", claims_of_paper(), dtype=str)
+    routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
+    made = {}
+    for n, name in enumerate(FREQUENCIES_HZ):
+        features, estimates = (
+            {route: getattr(of, kind)[name] for route, of in routes.items()}
+            for kind in ("features", "estimates")
+        )
+        printed = None if n else claims
+        of_frequency = {
+            "table1": tables.table1(features, printed),
+            "table2": tables.table2(features, estimates, printed),
+            "table3": tables.table3(estimates, printed),
+            "statistics": tables.statistics(estimates, printed),
+        }
+        made[name] = {
+            table: _through(
+                folder / f"{table}_{name}.csv", frame, dtype={"printed": str, "verdict": str}
+            )
+            for table, frame in of_frequency.items()
+        }
+    features = {n: Features.from_frame(f) for n, f in routes["exact"].features.items()}
+    first = next(iter(FREQUENCIES_HZ.values()))
+    return Results(
+        config=copy.deepcopy(CONFIG),
+        claims=claims,
+        tables=made,
+        approaches=_through(
+            folder / "approaches.csv",
+            comparison.approaches_table(features, FREQUENCIES_HZ, PAPER, PAIRS),
+        ),
+        orbits=[steady_orbit(PAPER, motion) for motion in motions_from(first, LEVELS)],
+        estimates=routes["exact"].estimates,
+        studies=[study(name, folder) for name in COARSER],
+    )
+
+
+def study(name: str, folder: Path) -> tuple[Study, Path]:
+    """A study of config/studies with fewer cases, computed."""
+    old, new = COARSER[name]
+    text = (ROOT / f"config/studies/{name}.yaml").read_text(encoding="utf-8")
+    assert old in text
+    file = folder / f"{name}.yaml"
+    file.write_text(text.replace(old, new), encoding="utf-8")
+    read = read_study(
+        file, ROOT / "workflow/schemas/study.schema.yaml", ROOT / "config/config.yaml"
+    )
+    cases = folder / f"{name}.parquet"
+    outputs.write_chunk(cases, evaluate.evaluate(read, 0, read.cases, threads=1), read, "0")
+    return read, cases
+
+
+@lru_cache
+def claims_of_paper() -> pd.DataFrame:
+    """The table of claims."""
+    return claims_table(
+        read_published(PUBLISHED), setting(PAPER), exact(PAPER), as_published(PAPER)
+    )
+
+
+def page_of(made: Results) -> str:
+    """The page, as it would stand among the results."""
+    return report_page(made, PAGE)
+
+
+def _through(file: Path, frame: pd.DataFrame, **options: object) -> pd.DataFrame:
+    """The frame as it comes back from its file."""
+    write_csv(file, frame)
+    return read_csv(file, **options)

@@ -1,0 +1,299 @@
+"""The built article: what it prints is what its files say, and the PDF is an archive that can be read aloud."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import json
+import math
+import re
+import shutil
+from decimal import Decimal
+from functools import lru_cache
+from pathlib import Path
+
+import pytest
+from pypdf import PdfReader
+
+from dampbalance.article import compiling
+from paper.article_case import INPUTS, build
+from paper.routes import ROOT
+
+# --- the values ---------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def article(tmp_path_factory):
+    """The article and all that it is made of, by the scripts of the workflow in a folder of their own."""
+    return build(tmp_path_factory.mktemp("article"))
+
+
+@pytest.fixture(scope="module")
+def values(article) -> dict:
+    return json.loads(article.values.read_text(encoding="utf-8"))["values"]
+
+
+def queried(article, selector: str, field: str) -> list:
+    """What the compiled article holds: a field of all elements of a kind."""
+    compiler = compiling.compiler(article.source, article.folder, INPUTS)
+    return json.loads(compiler.query(selector, field=field, format="json"))
+
+
+@pytest.fixture(scope="module")
+def printed(article) -> list[dict]:
+    """What the compiled article prints of results: key and text of each place."""
+    return queried(article, "<value>", "value")
+
+
+@lru_cache
+def content(path: Path) -> object:
+    """A result file, read without the code under test: the rows of a table as text, or a document."""
+    with path.open(encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream)) if path.suffix == ".csv" else json.load(stream)
+
+
+def raw(article, value: dict) -> object:
+    """The entry in the file that a value names."""
+    found = content(article.folder / value["file"])
+    if "pointer" in value:
+        for name in value["pointer"].split("/")[1:]:
+            found = found[int(name)] if isinstance(found, list) else found[name]
+        return found
+    rows = [row for row in found if value["row"].items() <= row.items()]
+    assert len(rows) == 1
+    return rows[0][value["column"]]
+
+
+ASCII = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789", "\u2009")
+
+
+def number(text: str) -> tuple[float, float]:
+    """The printed number and one unit of its last digit."""
+    mantissa, _, exponent = text.translate(ASCII).replace("10-", "10^-").partition("·10")
+    if not exponent and mantissa.startswith("10^"):
+        return 10.0 ** int(mantissa[3:]), 0.0
+    power = 10.0 ** int(exponent.removeprefix("^") or 0)
+    return float(mantissa) * power, 10.0 ** Decimal(mantissa).as_tuple().exponent * power
+
+
+WORDS = {"three": 3, "four": 4, "five": 5, "six": 6}
+
+
+def agrees(value: dict, found: object) -> bool:
+    """Whether the printed text is that entry: rounded, in the scale stated, below a bound, or word for word."""
+    style = value["style"]
+    if style["form"] == "text":
+        return value["text"] == str(found)
+    if value["text"] == "–":
+        return found in ("", None)
+    wanted = float(str(found)) * float(style["scale"])
+    wanted = abs(wanted) if style["unsigned"] else wanted
+    if style["form"] == "word":
+        return WORDS[value["text"]] == wanted
+    shown, unit = number(value["text"])
+    if style["form"] == "bound":
+        return wanted <= shown < 10.0 * wanted or wanted == shown == 0.0
+    return math.isclose(shown, wanted, rel_tol=1e-13, abs_tol=0.5 * unit * (1.0 + 1e-9))
+
+
+def test_everything_printed_is_a_value_and_every_value_is_printed(values, printed):
+    keys = {entry["key"] for entry in printed}
+    assert keys - values.keys() == set()
+    assert values.keys() - keys == set(), "entered and never printed"
+    assert all(entry["text"] == values[entry["key"]]["text"] for entry in printed)
+
+
+def test_every_value_is_what_its_file_says(article, values):
+    wrong = [key for key, value in values.items() if not agrees(value, raw(article, value))]
+    assert wrong == []
+
+
+def test_a_value_that_is_off_by_one_digit_would_be_seen(article, values):
+    """Change the last digit of every printed number: none may still agree."""
+    forms = {"fixed", "significant", "power", "verbatim", "plain"}
+    chosen = {
+        key: v for key, v in values.items() if v["style"]["form"] in forms and v["text"] != "–"
+    }
+    assert len(chosen) > 500
+    still = []
+    for key, value in chosen.items():
+        mantissa, dot, exponent = value["text"].partition("·")
+        last = (int(mantissa[-1]) + 1) % 10
+        changed = value | {"text": f"{mantissa[:-1]}{last}{dot}{exponent}"}
+        if agrees(changed, raw(article, value)):
+            still.append(key)
+    assert still == []
+
+
+BY_HAND = {
+    # as the paper prints them, in the units of the article's tables
+    "F_k": "1.28",
+    "f.omega3": "11.1",
+    "level.4": "12",
+    "verdicts.all.printed": "133",
+    "t1.4 mm.X.printed": "2.73",
+    "t1.4 mm.V_s.printed": "7.74",
+    "t1.4 mm.t_s.printed": "2.9",
+    "t2.4 mm.a.printed": "10.885625",
+    "t2.4 mm.b.printed": "727.29",
+    "t2.4 mm.W.printed": "79.39719",
+    "claim.table2.c.2-3.printed": "90.0114",
+    "ls.direct.c.printed": "90.0115",
+    # by arithmetic
+    "swing": "12.308",  # 2 F_k/K_z = 2.56/208 000 m
+    "f_n": "4.9172",  # sqrt(2310/2.42)/2π
+    "added": "0.0116",  # mω²h = 2.42 (2π 4.92)² 5e-6 = 0.01156
+    "effective": "90.0116",
+    "c_over_m": "37.19",  # 90/2.42 = 37.190083
+    "k_over_m": "954.545",  # 2310/2.42 = 954.545455
+    "steps_per_cycle": "40\u2009650",  # 1/(4.92 · 5e-6) = 40 650.4
+    "share.omega1.first": "18",  # a F_k/W = 0.0108872 · 1.28/0.0794072 = 0.1755
+    "dev.W": "−1.27·10⁻⁴",  # 0.81655453/0.816658098 − 1
+    "t_s_mean": "2.17",  # (2.98421 + 2.37779 + 2.03537 + 1.80811 + 1.64318)/5
+    "c.trapezoidal": "89.9998",  # 37.19 · 2.42: no damping of its own
+    "c.backward-euler": "90.0114",  # 37.19 · 2.42 + 0.01156, as the paper prints it
+    "c.explicit-euler": "89.9883",  # with the other sign
+    # known from an earlier computation with other code
+    "error.omega1.lock_in.pair.F_k": "0.77",
+    "error.omega1.lock_in.least_squares.F_k": "0.46",
+    "error.omega3.lock_in.pair.F_k": "0.24",
+    "error.omega2.crossing.pair.F_k": "6.3",
+    "error.omega3.reversal.pair.F_k": "13",
+    "error.omega3.mean.pair.F_k": "67",
+    "error.omega1.fourier.least_squares.F_k": "0.021",
+    "rebuilt.b.first": "1.6·10⁻⁵",
+}
+
+
+def test_the_values_speak_of_the_case(values):
+    """That keys, places, scales and the numbers behind them are right: compared with what is known otherwise."""
+    assert {key: values[key]["text"] for key in BY_HAND} == BY_HAND
+
+
+def test_each_source_is_named_with_the_rule_of_the_workflow_that_makes_it(values):
+    workflow = "\n".join(
+        p.read_text(encoding="utf-8") for p in (ROOT / "workflow/rules").glob("*.smk")
+    )
+    for file, rule in {(value["file"], value["rule"]) for value in values.values()}:
+        found = re.search(rf"^ *rule {rule}:\n(.*?)(?=^ *rule |\Z)", workflow, re.M | re.S)
+        assert found, rule
+        outputs = found[1].partition("output:")[2].partition("message:")[0]
+        name = "table_files" if re.search(r"/table\d", file) else file.rpartition("/")[2]
+        assert name in outputs, (file, rule)
+
+
+# --- the PDF -------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def reader(article) -> PdfReader:
+    return PdfReader(article.pdf)
+
+
+def test_the_same_bytes_each_time(article):
+    article.typeset("again.pdf")
+    assert (article.folder / "again.pdf").read_bytes() == article.pdf.read_bytes()
+
+
+def test_the_article_is_an_archive_with_the_claims_in_it(article, reader):
+    attached = {Path(name).name: of[0] for name, of in reader.attachments.items()}
+    assert attached["claims.csv"] == (article.folder / "results/paper/claims.csv").read_bytes()
+    assert attached["values.json"] == article.values.read_bytes()
+    root = reader.trailer["/Root"]
+    kinds = {one.get_object()["/AFRelationship"] for one in root["/AF"]}
+    assert kinds == {"/Data"}
+    packet = reader.xmp_metadata.stream.get_data().decode()
+    assert re.search(r"pdfaid:part>3<.*pdfaid:conformance>A<", packet, re.DOTALL)
+    assert re.search(r"pdfuaid:part>1<", packet)
+    assert root["/OutputIntents"]
+    assert root["/MarkInfo"]["/Marked"]
+    assert reader.metadata.title.startswith("[Re] Balancing energy")
+    assert reader.metadata.author == "the dampbalance authors"
+
+
+def structure(element) -> list[dict]:
+    """All elements of the tree in which a PDF says what is a heading, a table, a figure."""
+    element = element.get_object()
+    if not isinstance(element, dict) or ("/S" not in element and "/K" not in element):
+        return []
+    below = element.get("/K", [])
+    below = below.get_object() if hasattr(below, "get_object") else below
+    below = below if isinstance(below, list) else [below]
+    return [element, *(e for one in below if hasattr(one, "get_object") for e in structure(one))]
+
+
+def test_every_equation_and_figure_can_be_read_aloud(article, reader):
+    """In the sources none is without alternative text, or with symbols only; in the PDF none was lost."""
+    for kind in ("math.equation", "image"):
+        texts = queried(article, kind, "alt")
+        assert texts
+        assert all(text and re.search(r"\w", text) for text in texts), kind
+    elements = structure(reader.trailer["/Root"]["/StructTreeRoot"])
+    for kind, least in {"/Figure": 6, "/Formula": 100}.items():
+        found = [e for e in elements if e.get("/S") == kind]
+        assert len(found) >= least
+        assert all(str(e.get("/Alt", "")).strip() for e in found), kind
+
+
+def test_values_are_links_and_the_margin_names_their_file_and_rule(reader):
+    links = [
+        note.get_object()
+        for page in reader.pages
+        for note in page.get("/Annots", [])
+        if note.get_object()["/Subtype"] == "/Link"
+    ]
+    assert len(links) > 600
+    text = reader.pages[0].extract_text()
+    assert "article/evidence.json" in text
+    assert "article_evidence" in text
+
+
+def test_a_changed_result_changes_the_page(article, tmp_path):
+    """Article and results in another folder: another text of a value is printed in its place."""
+    for name in ("paper/article", "results"):
+        shutil.copytree(article.folder / name, tmp_path / name)
+    changed = dataclasses.replace(article, folder=tmp_path)
+    book = json.loads(article.values.read_text(encoding="utf-8"))
+    assert book["values"]["added"]["text"] != "7.7777"
+    book["values"]["added"]["text"] = "7.7777"
+    changed.values.write_text(json.dumps(book), encoding="utf-8")
+    changed.typeset()
+    assert "7.7777" not in PdfReader(article.pdf).pages[0].extract_text()
+    assert "7.7777" in PdfReader(changed.pdf).pages[0].extract_text()
+    del book["values"]["added"]
+    changed.values.write_text(json.dumps(book), encoding="utf-8")
+    before = changed.pdf.read_bytes()
+    with pytest.raises(SystemExit, match=r"values\.json has no value added"):
+        changed.typeset()
+    assert changed.pdf.read_bytes() == before
+
+
+# --- typst ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        ('#set document(title: "t")\n#set text(font: "No Such Font")\n= A\nText', "warnings"),
+        ('#set document(title: "t")\n= A\n$x$', "alt text"),
+        ('#set document(title: "t")\n#nothing', "unknown variable"),
+    ],
+    ids=["warning", "no alternative text", "error"],
+)
+def test_what_typst_complains_about_stops_the_build(tmp_path, source, message):
+    (tmp_path / "a.typ").write_text(source, encoding="utf-8")
+    with pytest.raises(compiling.ArticleError, match=message):
+        compiling.pdf(tmp_path / "a.typ", tmp_path, {})
+
+
+def test_a_warning_of_typst_fails_the_article_itself(article, tmp_path):
+    """A reference to a font that is not there, in the article: no PDF, and the reason."""
+    for name in ("paper/article", "results"):
+        shutil.copytree(article.folder / name, tmp_path / name)
+    changed = dataclasses.replace(article, folder=tmp_path)
+    changed.pdf.unlink()
+    text = changed.source.read_text(encoding="utf-8")
+    changed.source.write_text(f'{text}\n#text(font: "No Such Font")[x]\n', encoding="utf-8")
+    with pytest.raises(SystemExit, match="warnings, which count as errors"):
+        changed.typeset()
+    assert not changed.pdf.exists()

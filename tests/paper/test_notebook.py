@@ -1,0 +1,379 @@
+"""The guided tour runs, says what is so, shows the same each time, and needs no network to be read."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import os
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import nbformat
+import numpy as np
+import pytest
+
+from dampbalance import notebook
+from paper.chromium import CHROMIUM, REASON
+
+FOLDER = Path(__file__).parents[2] / "paper/notebook"
+SOURCE = FOLDER / "tour.py"
+STYLE = (FOLDER / "page.css").read_text(encoding="utf-8")
+TEMPLATE = FOLDER / "page.html"
+
+
+def shown(source):
+    """The executed notebook, and the bytes of its two files."""
+    executed = notebook.run(source)
+    return executed, notebook.write(executed), notebook.page(executed, STYLE, TEMPLATE)
+
+
+@pytest.fixture(scope="module")
+def tour():
+    return shown(SOURCE)
+
+
+@pytest.fixture(scope="module")
+def executed(tour):
+    return tour[0]
+
+
+@pytest.fixture(scope="module")
+def page(tour):
+    return tour[2]
+
+
+def script(folder, *cells):
+    """A notebook script of these cells, each with what stands on its %% line."""
+    path = folder / "script.py"
+    path.write_text("\n".join(f"# %%{head}\n{body}\n" for head, body in cells), encoding="utf-8")
+    return path
+
+
+TITLE = (" [markdown]", "# # A title")
+
+
+# --- what it says --------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def names():
+    """What the cells define, run one after the other without a kernel."""
+    import matplotlib.pyplot as plt
+
+    cells = re.split(r"^# %%(.*)$", SOURCE.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
+    found: dict = {}
+    with plt.rc_context():
+        for head, body in zip(cells[::2], cells[1::2], strict=True):
+            if "[markdown]" not in head:
+                exec(body, found)
+        plt.close("all")
+    return found
+
+
+@pytest.fixture(scope="module")
+def error(names):
+    """Relative error of F_k (or c) by least squares of an approach on features."""
+
+    def of(features, approach, quantity="F_k", oscillator=names["oscillator"]):
+        fit = names["least_squares"](names["APPROACHES"][approach](features, oscillator.k))
+        return getattr(fit, quantity) / getattr(oscillator, quantity) - 1.0
+
+    return of
+
+
+def test_numbers_of_the_first_sections(names):
+    oscillator, orbit = names["oscillator"], names["orbit"]
+    assert oscillator.K_z / oscillator.k == pytest.approx(90, abs=0.5)  # "ninety times stiffer"
+    assert 1e6 * oscillator.Z_m == pytest.approx(6, abs=0.5)  # "six thousandths of a millimetre"
+    assert 1e3 * orbit.t_s == pytest.approx(3, abs=0.5)  # "some three milliseconds"
+    from_slope = -oscillator.m * names["slope"] - oscillator.k
+    assert 1 - from_slope / oscillator.K_z == pytest.approx(0.06, abs=0.005)  # "some six per cent"
+    rows = names["APPROACHES"]["direct"](names["features"], oscillator.k)
+    share = (rows.a * oscillator.F_k / rows.W)[-1]
+    assert share == pytest.approx(0.06, abs=0.005)  # "six per cent of the energy"
+    assert 0.01 / share == pytest.approx(1 / 6, abs=0.01)  # "by a sixth"
+
+
+def test_it_works_at_resonance_and_breaks_away_from_it(names, error):
+    at, above, below = (names["features_at"](f) for f in (4.92, 11.1, 3.5))
+    for approach in ("X_s", "t_s", "V_s"):
+        assert 0 < error(at, approach) < 0.01  # "within a hundredth"
+        assert abs(error(at, approach, "c")) < 0.001  # "within a thousandth"
+        assert error(above, approach) == pytest.approx(
+            0.12, abs=0.005
+        )  # "twelve per cent too high"
+        assert error(below, approach) == pytest.approx(-0.16, abs=0.005)  # "and sixteen"
+    for features in (at, above, below):
+        assert abs(error(features, "direct")) < 1e-10
+        assert abs(error(features, "fourier")) < 0.00055  # "a twentieth of a per cent at most"
+
+
+def test_the_blame_is_on_the_work_and_its_phase(names):
+    features, k = names["features_above"], names["oscillator"].k
+    exact, harmonic = (names["APPROACHES"][name](features, k) for name in ("direct", "X_s"))
+    # "right to the last digit"; X and X_s are differences of a few units of rounding
+    np.testing.assert_allclose(harmonic.a, exact.a, rtol=1e-13)
+    of_W = harmonic.W / exact.W - 1
+    share = exact.a * names["oscillator"].F_k / exact.W
+    assert of_W[-1] == pytest.approx(0.015, abs=0.001)  # "one and a half per cent …
+    assert of_W[-1] / share[-1] == pytest.approx(0.15, abs=0.006)  # … become fifteen"
+    fundamental = names["APPROACHES"]["X_s"](features.with_phase("fundamental"), k)
+    assert np.all(np.abs(fundamental.W / exact.W - 1) < 0.1 * of_W)
+
+
+def test_the_errors_over_frequency_are_as_described(names):
+    fourier = [names["error_of_F_k"]("fourier", each) for each in names["by_frequency"]]
+    reversal = [names["error_of_F_k"]("X_s", each) for each in names["by_frequency"]]
+    assert max(fourier) == fourier[0] < 1 / 300  # "below a third of a per cent throughout"
+    assert reversal[0] > 0.3
+    assert min(reversal[40:]) > 0.05  # beyond 6 Hz
+
+
+def test_outcomes_of_the_exercises(names, error):
+    features = names["features"]
+    assert abs(error(names["rigid"], "X_s")) < abs(error(features, "X_s"))  # 1: "better"
+    below = names["features_at"](3.5)
+    worse = error(below.replaced(X_s=-below.X), "X_s")
+    assert worse < error(below, "X_s") < 0  # "where they add up"
+
+    soft, oscillator = names["soft_features"], names["soft"]  # 2: "suffer a little more"
+    by_place = abs(error(soft, "X_s", oscillator=oscillator))
+    for approach in ("t_s", "V_s"):
+        assert by_place < abs(error(soft, approach, oscillator=oscillator)) < 1.1 * by_place
+
+    assert names["with_gentle"].regime[0].startswith("no slip")  # 3
+    assert round(names["oscillator"].k * 0.0005, 2) == 1.16  # "1.16 N"
+    direct = names["APPROACHES"]["direct"](names["with_gentle"], names["oscillator"].k)
+    assert direct.usable.all()
+    assert direct.a[0] == 0.0
+
+    scatter = names["scatter"]  # 4: "best … worst … worse than the pair 1-5"
+    assert scatter["pair 1-5"] == min(scatter.values())
+    assert scatter["pair 4-5"] == max(scatter.values())
+    weighed = [
+        rows._replace(a=rows.a / rows.W, b=rows.b / rows.W, W=rows.W / rows.W)
+        for rows in names["experiments"]
+    ]
+    divided = np.std([names["least_squares"](rows).F_k for rows in weighed])
+    assert divided < scatter["pair 1-5"]  # "divide each row by its W first, and see"
+
+    def by_phase(hertz):  # 5: "most of the mend; at resonance it is worse"
+        both = (names["features_at"](hertz).with_phase(p) for p in ("reversal", "fundamental"))
+        return [abs(error(each, "X_s")) for each in both]
+
+    for hertz, better in ((3.5, True), (4.92, False), (11.1, True)):
+        reversal, fundamental = by_phase(hertz)
+        assert (fundamental < 0.3 * reversal) is better
+        assert (fundamental > reversal) is not better
+
+
+# --- how it is written ---------------------------------------------------------------------------
+
+
+def test_only_the_public_interface_is_used():
+    tree = ast.parse(SOURCE.read_text(encoding="utf-8"))
+    taken = [
+        (node.module, alias.name)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("dampbalance")
+        for alias in node.names
+    ]
+    assert ("dampbalance", "steady_orbit") in taken
+    for module, name in taken:
+        assert not any(part.startswith("_") for part in [*module.split("."), name])
+        assert hasattr(importlib.import_module(module), name)
+    public_of_tuples = {"_fields", "_replace"}  # documented parts of a NamedTuple
+    hidden = {
+        node.attr
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Attribute) and re.match(r"_(?!_)", node.attr)
+    }
+    assert hidden <= public_of_tuples
+
+
+def test_every_exercise_has_an_outcome(executed):
+    questions = [
+        i for i, cell in enumerate(executed.cells) if re.match(r"\*\*\d\. ", cell.source)
+    ] + [i for i, cell in enumerate(executed.cells) if re.search(r"^\*\*1\. ", cell.source, re.M)]
+    assert len(set(questions)) == 5
+    for i in questions:
+        answer = executed.cells[i + 1]
+        assert answer.metadata.tags == ["outcome"]
+        assert answer.outputs
+
+
+# --- what it becomes -----------------------------------------------------------------------------
+
+
+def test_the_notebook_is_valid_and_complete(tour):
+    read = nbformat.reads(tour[1], as_version=4)
+    nbformat.validate(read)
+    code = [cell for cell in read.cells if cell.cell_type == "code"]
+    assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
+    assert len({cell.id for cell in read.cells}) == len(read.cells)
+    assert not any("execution" in cell.metadata for cell in read.cells)  # no times
+    streams = [o for cell in code for o in cell.outputs if o.output_type == "stream"]
+    assert {stream.name for stream in streams} == {"stdout"}
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="cores cannot be chosen here")
+def test_one_core_shows_the_same_bytes(tour):
+    allowed = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(allowed)})  # inherited by the kernel and by pandoc
+    try:
+        _, ipynb, html = shown(SOURCE)
+    finally:
+        os.sched_setaffinity(0, allowed)
+    assert ipynb == tour[1]
+    assert html == tour[2]
+
+
+class Links(HTMLParser):
+    """Everything that a page would load or point at."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.targets, self.tags, self.ids, self.alt = [], [], set(), []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        given = dict(attributes)
+        self.tags.append(tag)
+        self.ids.add(given.get("id"))
+        if tag == "img":
+            self.alt.append(given.get("alt"))
+        for name in ("src", "href", "srcset", "data", "poster", "action"):
+            if given.get(name):
+                self.targets.append(given[name])
+
+
+def test_the_page_loads_nothing_and_its_links_lead_somewhere(page):
+    links = Links(page)
+    assert [t for t in links.targets if not t.startswith(("data:", "#"))] == []
+    within = [t[1:] for t in links.targets if t.startswith("#")]
+    assert within
+    assert [name for name in within if name not in links.ids] == []
+    assert not {"script", "link", "iframe", "object"} & set(links.tags)
+    assert not re.search(r"@import|url\(", page)
+
+
+def test_formulas_are_mathml_and_pictures_are_described(page, executed):
+    links = Links(page)
+    assert links.tags.count("math") > 50
+    assert "\\ddot" not in re.sub(
+        r"<annotation.*?</annotation>|<pre.*?</pre>", "", page, flags=re.S
+    )
+    apart = re.sub(r'<span class="together">.*?</span>', "", page, flags=re.S)
+    assert apart != page
+    assert not re.search(r"</math>[,.;:)]", apart)  # no line begins with a comma
+    pictures = [
+        cell
+        for cell in executed.cells
+        if any("image/svg+xml" in o.get("data", {}) for o in cell.get("outputs", []))
+    ]
+    assert links.alt == [cell.metadata.alt for cell in pictures]
+    assert len(pictures) == 5
+    assert links.tags.count("details") == 5
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason=REASON)
+@pytest.mark.parametrize(("width", "scheme"), [(1200, "light"), (360, "dark")])
+def test_a_browser_without_network_shows_it(page, tmp_path, width, scheme):
+    from playwright.sync_api import sync_playwright
+
+    (tmp_path / "tour.html").write_text(page, encoding="utf-8")
+    with sync_playwright() as player:
+        browser = player.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"]
+        )
+        context = browser.new_context(
+            offline=True, color_scheme=scheme, viewport={"width": width, "height": 800}
+        )
+        view = context.new_page()
+        asked, complaints = [], []
+        view.on("request", lambda request: asked.append(request.url))
+        view.on("console", lambda message: complaints.append(message.text))
+        view.on("pageerror", lambda problem: complaints.append(str(problem)))
+        view.goto((tmp_path / "tour.html").as_uri())
+        seen = view.evaluate(
+            """() => ({
+                wide: document.documentElement.scrollWidth,
+                formula: document.querySelector('math[display=block]').getBoundingClientRect().height,
+                pictures: [...document.images].map(i => i.complete && i.naturalWidth > 0),
+                paper: getComputedStyle(document.body).backgroundColor,
+                open: [...document.querySelectorAll('details')].filter(d => d.open).length,
+            })"""
+        )
+        view.keyboard.press("Tab")
+        skip = view.evaluate("document.activeElement.className")
+        browser.close()
+    assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
+    assert complaints == []
+    assert seen["wide"] <= width  # nothing has to be pushed sideways but code, tables, figures
+    assert seen["formula"] > 10
+    assert seen["pictures"] == [True] * 5
+    assert seen["open"] == 0
+    assert (seen["paper"] == "rgb(255, 255, 255)") == (scheme == "light")
+    assert skip == "skip"  # the first thing that the keyboard reaches
+
+
+# --- what can go wrong ---------------------------------------------------------------------------
+
+
+def test_a_failing_cell_is_named_with_its_error(tmp_path):
+    source = script(tmp_path, TITLE, ("", "x = 1"), ("", "x / 0"))
+    with pytest.raises(notebook.NotebookError, match=r"cell 3 fails with ZeroDivisionError.*\n\nx"):
+        notebook.run(source)
+
+
+def test_what_goes_to_stderr_stays_out(tmp_path, capsys):
+    body = "import sys\nprint('a warning', file=sys.stderr)\nprint('a result')"
+    executed = notebook.run(script(tmp_path, TITLE, ("", body)))
+    assert "a warning" not in notebook.write(executed).split('"outputs"', 1)[1].split('"source"')[0]
+    assert [output.text for output in executed.cells[1].outputs] == ["a result\n"]
+    assert "a warning" in capsys.readouterr().err
+
+
+def made(*cells):
+    return nbformat.v4.new_notebook(cells=list(cells))
+
+
+def picture(**metadata):
+    cell = nbformat.v4.new_code_cell("draw()", id="cell-02", metadata=metadata)
+    data = {"image/svg+xml": "<svg/>", "text/plain": "<Figure>"}
+    cell.outputs = [nbformat.v4.new_output("display_data", data=data)]
+    return cell
+
+
+@pytest.mark.parametrize(
+    ("cells", "message"),
+    [
+        ([nbformat.v4.new_markdown_cell("no title")], "must begin with its title"),
+        ([nbformat.v4.new_markdown_cell("# A title"), picture()], "cell-02 shows a picture: say"),
+        (
+            [
+                nbformat.v4.new_markdown_cell(
+                    '# A title\n\n<img alt="x" src="https://example.org/x.png">'
+                )
+            ],
+            "would load from elsewhere",
+        ),
+    ],
+)
+def test_a_page_that_would_lack_something_is_refused(cells, message):
+    with pytest.raises(notebook.NotebookError, match=message):
+        notebook.page(made(*cells), STYLE, TEMPLATE)
+
+
+def test_tables_lose_their_own_look_and_text_stays_text():
+    cell = nbformat.v4.new_code_cell("table")
+    html = (
+        '<div>\n<style scoped>\n td {x}\n</style>\n<table border="1">\n\n  <tr></tr></table></div>'
+    )
+    cell.outputs = [nbformat.v4.new_output("execute_result", data={"text/html": html})]
+    text = notebook.markdown(made(cell))
+    assert "style" not in text
+    assert "border" not in text
+    assert "<table>\n<tr></tr></table>" in text
+    assert "```python\ntable\n```" in text

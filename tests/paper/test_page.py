@@ -1,0 +1,472 @@
+"""The page: what it says is what was found, it stands alone, and it can be read by everybody."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import json
+import math
+import re
+import subprocess
+import sys
+import zipfile
+from html.parser import HTMLParser
+from xml.etree import ElementTree
+
+import altair
+import numpy as np
+import pandas as pd
+import pytest
+
+from dampbalance.claims import read_record
+from dampbalance.claims.table import counts as counts_of_claims
+from dampbalance.page import charts, colours, words
+from dampbalance.page.cells import claim_of
+from dampbalance.page.match import match_picture
+from dampbalance.page.report import LARGEST
+from dampbalance.page.sources import SOURCES, link, study_source
+from dampbalance.page.verdicts import VERDICTS, counts
+from paper.page_case import PAGE, claims_of_paper, page_of, results
+from paper.routes import PUBLISHED, ROOT
+
+VOID = {"meta", "link", "input", "br", "col", "hr", "img"}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    return results(tmp_path_factory.mktemp("case"))
+
+
+@pytest.fixture(scope="module")
+def html(made):
+    return page_of(made)
+
+
+class Tree(HTMLParser):
+    """Elements with their attributes, parents and text; a tag that is not closed where it must be is an error."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[dict] = []
+        self.all: list[dict] = []
+        self.feed(html)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        names = [name for name, _ in attrs]
+        assert len(names) == len(set(names)), (tag, attrs)
+        within = tuple(element["tag"] for element in self.open)
+        element = {"tag": tag, "text": "", "within": within, **dict(attrs)}
+        self.all.append(element)
+        if tag not in VOID:
+            self.open.append(element)
+
+    def handle_startendtag(self, tag, attrs):
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag):
+        assert self.open, tag
+        assert self.open[-1]["tag"] == tag, f"</{tag}> closes <{self.open[-1]['tag']}>"
+        self.open.pop()
+
+    def handle_data(self, data):
+        for element in self.open:
+            element["text"] += data
+
+    def named(self, *tags):
+        return [element for element in self.all if element["tag"] in tags]
+
+
+@pytest.fixture(scope="module")
+def tree(html):
+    return Tree(html)
+
+
+# --- what it says ----------------------------------------------------------------------------------
+
+
+def test_the_counts_are_those_of_the_claims():
+    claims = claims_of_paper()
+    expected = counts_of_claims(claims)
+    found = counts(claims)
+    assert [count.part for count in found] == list(expected.index)
+    for count, (_, row) in zip(found, expected.iterrows(), strict=True):
+        assert [count.printed, *count.of_verdict] == list(row)
+
+
+def test_every_claim_has_its_row_and_its_reason(tree, made):
+    rows = {e["id"]: e for e in tree.named("tr") if "data-verdict" in e}
+    claims = made.claims.set_index("id")
+    assert list(rows) == list(claims.index)
+    for name, row in rows.items():
+        claim = claims.loc[name]
+        assert row["data-verdict"] == claim["verdict"]
+        text = " ".join(row["text"].split())
+        assert words.minus(claim["printed"]) in text
+        # Symbols are set in HTML: compare what is not one.
+        reason = words.rich(words.minus(claim["explanation"])).striptags()
+        assert " ".join(reason.split()) in text
+
+
+def test_every_printed_cell_of_a_table_leads_to_its_claim(tree, made):
+    buttons = [e for e in tree.named("button") if "popovertarget" in e]
+    claims = made.claims.set_index("id")
+    symbols = {verdict.name: verdict.symbol for verdict in VERDICTS}
+    for button in buttons:
+        claim = claims.loc[button["popovertarget"].removeprefix("why.")]
+        assert button["text"].startswith(words.minus(claim["printed"]) + symbols[claim["verdict"]])
+        assert claim["verdict"] in button["text"]  # in words, not by colour alone
+    shown = {button["popovertarget"].removeprefix("why.") for button in buttons}
+    of_tables = {name for name in claims.index if re.match(r"table\d", name) and ".Y." not in name}
+    assert of_tables <= shown
+    boxes = {e["id"] for e in tree.all if "popover" in e}
+    assert boxes == {f"why.{name}" for name in shown}
+
+
+@pytest.mark.parametrize(
+    ("cell", "claim"),
+    [
+        (("table1", "4 mm", 1, "X_s"), "table1.X_s.1"),
+        (("table2", "pair 2-3", 7, "F_k"), "table2.F_k.2-3"),
+        (("table3", "pair 1-5", 5, "c by V_s"), "table3.V_s.c.1-5"),
+        (("statistics", "t_s, least squares", 3, "residual"), "text.residual_ts_ls"),
+        (("statistics", "direct, mean", 2, "c"), "text.c_direct_mean"),
+    ],
+)
+def test_a_cell_knows_its_claim(cell, claim):
+    assert claim_of(*cell) == claim
+    assert claim in set(claims_of_paper()["id"])
+
+
+def test_the_errors_are_those_of_the_table(tree, made):
+    text = next(e["text"] for e in tree.named("table") if e.get("class") == "errors")
+    rows = made.approaches.set_index(["frequency", "approach", "phase", "sharing"])
+    worst = rows["F_k_error_percent"]["omega3", "X_s", "reversal", "common"]
+    assert -67.0 < worst < -65.0  # findings: 65.8 % of least squares
+    assert f"−{abs(worst):.1f}" in text
+    assert text.count("(") == 6 * len(rows) // 3 + 0  # two quantities at three frequencies a line
+
+
+def test_a_case_without_a_paper_has_a_page_without_verdicts(made):
+    blank = {
+        frequency: {name: table.assign(printed="", verdict="") for name, table in of.items()}
+        for frequency, of in made.tables.items()
+    }
+    own = dataclasses.replace(made, claims=None, tables=blank, studies=[])
+    tree = Tree(page_of(own))
+    text = next(e["text"] for e in tree.named("main"))
+    assert not [e for e in tree.all if "data-verdict" in e]
+    assert "Figure 3" in text
+    assert "Parameter studies" not in text
+    assert not [e for e in tree.named("a") if e["href"][1:] in ("match", "numbers", "studies")]
+
+
+# --- it stands alone -------------------------------------------------------------------------------
+
+
+def test_the_same_results_give_the_same_bytes(made, html):
+    charts._drawn.cache_clear()  # drawn afresh, later in the life of the process
+    assert page_of(made) == html
+
+
+def test_it_is_small_enough_and_says_when_it_is_not(made, html, monkeypatch):
+    assert len(html.encode()) < LARGEST == 3_000_000
+    monkeypatch.setattr("dampbalance.page.report.LARGEST", 1000)
+    with pytest.raises(ValueError, match=r"report\.html would have [\d,]+ bytes, more than 1,000"):
+        page_of(made)
+
+
+def test_it_loads_nothing_from_elsewhere(tree):
+    for element in tree.all:
+        for name in ("src", "href", "action", "data", "srcset", "poster"):
+            address = element.get(name)
+            assert address is None or not re.match(r"(?:[a-z]+:)?//|https?:", address), element
+    policy = next(e["content"] for e in tree.named("meta") if "http-equiv" in e)
+    assert policy.startswith("default-src 'none'")
+    assert "http" not in policy
+
+
+def test_every_link_leads_somewhere(tree):
+    names = {e["id"] for e in tree.all if "id" in e}
+    folder = (ROOT / PAGE).parent
+    for element in tree.named("a"):
+        target = element["href"]
+        if target.startswith("#"):
+            assert target[1:] in names, target
+            continue
+        path = (folder / target).resolve()
+        assert path.is_relative_to(ROOT.resolve()), target
+        if not path.is_relative_to((ROOT / "results").resolve()):  # results need not be there
+            assert path.exists(), target
+
+
+@pytest.mark.parametrize(
+    "source", [*SOURCES.values(), study_source("frequency")], ids=lambda s: s.what
+)
+def test_a_source_is_where_it_says(source):
+    rules = (ROOT / source.rules).read_text(encoding="utf-8")
+    assert re.search(rf"^rule {source.rule}:", rules, re.MULTILINE)
+    for path in source.code:
+        assert (ROOT / path).is_file()
+
+
+def test_links_start_from_where_the_page_stands():
+    assert link("src/a.py", "results/paper/report.html") == "../../src/a.py"
+    assert link("src/a.py", "report.html") == "src/a.py"
+
+
+def test_the_package_ships_what_the_page_is_made_of(tmp_path):
+    subprocess.run(
+        [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)],
+        cwd=ROOT,
+        check=True,
+        capture_output=True,
+    )
+    (wheel,) = tmp_path.glob("*.whl")
+    held = set(zipfile.ZipFile(wheel).namelist())
+    parts = [
+        p for f in ("static", "templates") for p in (ROOT / "src/dampbalance/page" / f).iterdir()
+    ]
+    assert len(parts) == 5
+    assert {p.relative_to(ROOT / "src").as_posix() for p in parts} <= held
+
+
+# --- it can be read by everybody -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mode", ["light", "dark"])
+@pytest.mark.parametrize(("text", "ground"), colours.TEXT_ON)
+def test_text_has_the_contrast_that_wcag_aa_asks_for(mode, text, ground):
+    palette = {"light": colours.LIGHT, "dark": colours.DARK}[mode]
+    assert colours.contrast(palette[text], palette[ground]) >= 4.5  # WCAG 2.2, 1.4.3
+
+
+@pytest.mark.parametrize("mode", ["light", "dark"])
+@pytest.mark.parametrize(("mark", "ground"), colours.GRAPHICS_ON)
+def test_graphics_have_the_contrast_that_wcag_aa_asks_for(mode, mark, ground):
+    palette = {"light": colours.LIGHT, "dark": colours.DARK}[mode]
+    assert colours.contrast(palette[mark], palette[ground]) >= 3.0  # WCAG 2.2, 1.4.11
+
+
+def test_contrast_is_that_of_wcag():
+    assert colours.contrast("#000000", "#ffffff") == pytest.approx(21.0)
+    assert colours.contrast("#777777", "#ffffff") == pytest.approx(
+        4.48, abs=0.005
+    )  # the well-known grey
+
+
+def test_every_colour_of_the_page_is_one_that_is_checked(html):
+    assert colours.LIGHT.keys() == colours.DARK.keys()
+    local = {"fill", "tint", "text"}  # stand for a verdict's colours in the style sheet
+    used = set(re.findall(r"var\(--([\w-]+)\)", html.replace("\\", ""))) - local
+    assert used <= colours.LIGHT.keys()
+    checked = {name for pair in (*colours.TEXT_ON, *colours.GRAPHICS_ON) for name in pair}
+    assert used - checked == {"rule"}  # lines of tables and grids, which only decorate
+    style = (ROOT / "src/dampbalance/page/static/style.css").read_text(encoding="utf-8")
+    assert re.findall(r"#[0-9a-fA-F]{3,8}\b", style) == []  # no colour outside the palette
+    specs = next(e["text"] for e in Tree(html).named("script") if e.get("id") == "charts")
+    assert re.findall(r'"#[0-9a-fA-F]{3,8}"', specs) == []
+
+
+def test_the_document_says_its_language_and_its_headings_are_in_order(tree, html):
+    assert html.startswith("<!doctype html>")
+    assert tree.all[0] | {"text": ""} == {"tag": "html", "text": "", "within": (), "lang": "en"}
+    levels = [int(e["tag"][1]) for e in tree.named("h1", "h2", "h3", "h4", "h5", "h6")]
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
+
+
+def test_names_are_unique_and_references_meet_them(tree):
+    names = [e["id"] for e in tree.all if "id" in e]
+    assert len(names) == len(set(names))
+    for element in tree.all:
+        for key in ("aria-labelledby", "popovertarget", "for"):
+            assert element.get(key) is None or element[key] in names, element
+
+
+def test_tables_have_captions_and_scoped_heads(tree):
+    tables = tree.named("table")
+    assert len(tables) >= 4
+    assert len(tree.named("caption")) == len(tables)
+    assert {e.get("scope") for e in tree.named("th")} == {"col", "row", "colgroup", "rowgroup"}
+
+
+def test_the_first_thing_to_reach_skips_to_the_content(tree):
+    first = next(e for e in tree.all if e["tag"] in ("a", "button", "input", "select"))
+    assert first["href"] == "#main"
+    assert next(e for e in tree.named("main"))["id"] == "main"
+
+
+def test_every_chart_is_described_and_drawn_without_a_script(tree):
+    plots = [e for e in tree.named("div") if e.get("class") == "plot"]
+    assert len(plots) == 4 + 6 + 6 + 1  # Figure 3, errors, and two studies
+    for plot in plots:
+        assert len(plot["aria-label"]) > 20
+    drawn = [
+        e
+        for e in tree.named("svg")
+        if "div" in e["within"] and e.get("viewbox", "").startswith("0 0 3")
+    ]
+    assert len(drawn) >= len(plots)
+
+
+# --- charts ----------------------------------------------------------------------------------------
+
+
+def test_specifications_are_valid_vega_lite(tree):
+    sent = json.loads(next(e["text"] for e in tree.named("script") if e.get("id") == "charts"))
+    assert len(sent["charts"]) == 17
+    for spec in sent["charts"].values():
+        altair.Chart.from_dict({**spec, "config": sent["config"]}, validate=True)
+
+
+def test_a_chart_holds_the_values_that_were_found(tree, made):
+    rows = next(
+        e["text"] for e in tree.named("script") if e.get("id") == "rows.study-frequency-F-k-0"
+    )
+    lines = [line.split(",") for line in rows.splitlines()]
+    table = pd.DataFrame(lines[1:], columns=lines[0]).astype(float)
+    study, cases = made.studies[0]
+    truth = pd.read_parquet(cases)
+    assert len(table) == study.cases
+    error = 100.0 * truth["F_k_relative_error__X_s__reversal__common__least_squares"].abs()
+    # five significant digits
+    np.testing.assert_allclose(table["X_s_common"], error, rtol=5.1e-5)
+
+
+def test_the_loops_tell_x_and_its_derivatives(tree, made):
+    rows = next(e["text"] for e in tree.named("script") if e.get("id") == "rows.orbit")
+    lines = [line.split(",") for line in rows.splitlines()]
+    table = pd.DataFrame(lines[1:], columns=lines[0])
+    orbit = made.orbits[0]
+    stick = table[(table["phase"] == "microstick") & (table["branch"] == "0")]
+    x = stick["x"].astype(float)
+    assert x.iloc[0] == pytest.approx(-1e3 * orbit.X, rel=1e-6)  # seven digits
+    assert x.iloc[-1] == pytest.approx(1e3 * orbit.X_s, rel=1e-6)
+    assert float(stick["t"].iloc[-1]) == pytest.approx(1e3 * orbit.t_s, rel=1e-5)
+    at = orbit.state(orbit.t_1 + 1e-3 * stick["t"].astype(float).to_numpy())
+    # t keeps six digits of some ms: a nanosecond, in which x moves by 1e-11 m and v by 3e-9 m/s.
+    np.testing.assert_allclose(1e-3 * x, at.x, rtol=1e-6)
+    np.testing.assert_allclose(stick["v"].astype(float), at.v, rtol=6e-5, atol=1e-8)
+    np.testing.assert_allclose(stick["acc"].astype(float), at.acceleration, rtol=6e-5)
+
+
+def test_a_thinned_curve_stays_where_it_was():
+    x = np.linspace(0.0, 300.0, 601)
+    points = np.column_stack([x, 100.0 + 80.0 * np.sin(0.05 * x)])
+    kept = points[charts._needed(points)]
+    assert 10 < len(kept) < 100
+    between = np.interp(x, kept[:, 0], kept[:, 1])
+    # Distances to the chord are at most OFF; straight up they are longer where it is steep, at most 4 : 1 here.
+    assert np.abs(between - points[:, 1]).max() <= charts.OFF * math.hypot(1.0, 4.0)
+    assert charts._needed(np.array([[0.0, 0.0], [1.0, 5.0], [0.0, 0.0]])).all()  # there and back
+
+
+def test_only_coordinates_are_rounded():
+    svg = '<svg><text transform="translate(1.234,5.678)">0.001</text></svg>'
+    assert charts._lean(svg, "a") == '<svg><text transform="translate(1.2,5.7)">0.001</text></svg>'
+
+
+@pytest.mark.parametrize(
+    ("limits", "ticks"),
+    [((0.01, 100.0), [0.01, 0.1, 1.0, 10.0, 100.0]), ((1.5e-6, 9e-6), [2e-6, 5e-6])],
+)
+def test_ticks_of_a_logarithmic_axis(limits, ticks):
+    assert charts._named_ticks(*limits) == ticks
+
+
+def test_what_stands_in_a_script_cannot_end_it():
+    text = charts.as_json({"a": "</script><!-- x"})
+    assert "</" not in text
+    assert "<!--" not in text
+    assert json.loads(text) == {"a": "</script><!-- x"}
+
+
+# --- words -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "html"),
+    [
+        ("X_s of 1 < 2", "<i>X</i><sub>s</sub> of 1 &lt; 2"),
+        ("phi: phase", "<i>φ</i>: phase"),
+        ("ω/ω_n and omega_1", "ω/<i>ω</i><sub>n</sub> and <i>ω</i><sub>1</sub>"),
+        ("least_squares", "least_squares"),
+        (
+            "F_k is 5 % off at 4 mm",
+            "<i>F</i><sub>k</sub> is 5\N{NO-BREAK SPACE}% off at 4\N{NO-BREAK SPACE}mm",
+        ),
+    ],
+)
+def test_symbols_are_set(text, html):
+    assert str(words.rich(text)) == html
+
+
+def test_plain_symbols_unit_and_signs():
+    assert words.plain("F_k by X_s, K_z") == "Fₖ by Xₛ, K_z"
+    assert words.unit_of("m^2/s") == "m²/s"
+    assert words.minus("-0.5 and 1e-5, x-1") == "−0.5 and 1e-5, x-1"
+    assert words.frequency_name("omega2") == "ω₂"
+    assert words.frequency_name("resonance") == "resonance"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (90.0, "90.00000"),
+        (-0.00271563541, "−0.002715635"),
+        (4.2915e-16, "4.291500·10⁻¹⁶"),
+        (0.0, "0"),
+        (math.nan, "–"),
+    ],
+)
+def test_numbers(value, text):
+    assert words.number(value) == text
+
+
+def test_a_bound_is_not_below_what_it_bounds():
+    assert words.power_of_ten(3e-12) == "10⁻¹¹"
+    assert words.power_of_ten(1e-11) == "10⁻¹¹"
+
+
+# --- the picture in the README ---------------------------------------------------------------------
+
+
+def test_the_picture_of_the_match_is_up_to_date():
+    recorded = read_record(PUBLISHED / "verdicts.csv")
+    shown = (ROOT / "paper/figures/match.svg").read_text(encoding="utf-8")
+    assert match_picture(counts(recorded)) == shown
+
+
+def test_the_picture_says_its_numbers():
+    found = counts(claims_of_paper())
+    root = ElementTree.fromstring(match_picture(found))
+    space = "{http://www.w3.org/2000/svg}"
+    total = found[-1]
+    description = root.find(f"{space}desc").text
+    assert description.startswith(
+        f"Of {total.printed} printed numbers: {total.of_verdict[0]} reproduced"
+    )
+    titles = [title.text for title in root.iter(f"{space}title")][1:]
+    expected = [
+        f"{count.part}: {n} {verdict.name}"
+        for count in found
+        for n, verdict in zip(count.of_verdict, VERDICTS, strict=True)
+        if n
+    ]
+    assert titles == expected
+    bars = [
+        float(rect.get("width"))
+        for rect in root.iter(f"{space}rect")
+        if rect.find(f"{space}title") is not None
+    ]
+    first = next(n for n in total.of_verdict if n)
+    full = bars[0] + 2  # Parameters are all reproduced
+    # the last row: its first stretch is the share of the reproduced, to a tenth of a pixel
+    assert bars[len(bars) - sum(map(bool, total.of_verdict))] + 2 == pytest.approx(
+        full * first / total.printed, abs=0.1
+    )

@@ -1,0 +1,323 @@
+"""Manifest and crate say what is so, a commit alone rebuilds nothing but them, and the archive rebuilds itself.
+
+One build of the tiny case serves all tests of this module, and a second one, from what the archive holds alone.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+from importlib import metadata
+
+import pytest
+from rocrate.rocrate import ROCrate
+
+from dampbalance import __version__
+from dampbalance.provenance import archive
+from dampbalance.provenance.sources import digest_of, files_of, sha256
+from workflow.tiny import ROOT, TINY, digests_hold, whole
+
+RESULTS = "results/tiny"
+TARGETS = (f"{RESULTS}/manifest.json", f"{RESULTS}/ro-crate-metadata.json")
+NAME = f"dampbalance-{__version__}-tiny"
+PACKED = f"results/archive/{NAME}.tar.gz"
+needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
+
+
+def git(folder, *arguments):
+    identity = ["-c", "user.name=tester", "-c", "user.email=tester@example.org"]
+    command = ["git", *identity, "-c", "commit.gpgsign=false", *arguments]
+    return subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
+
+
+@pytest.fixture(scope="module")
+def built(checkout):
+    """The tiny case, built with its manifest, its crate and its archive."""
+    copy = whole(checkout())
+    done = copy.run("archive", *TINY)
+    assert done.returncode == 0, done.stderr
+    return copy
+
+
+@pytest.fixture(scope="module")
+def stated(built):
+    return json.loads((built.folder / TARGETS[0]).read_text(encoding="utf-8"))
+
+
+# --- the manifest of a run -----------------------------------------------------------------------
+
+
+def test_every_result_is_in_the_manifest_with_its_digest(built, stated):
+    listed = {result["path"]: result for result in stated["reproducible"]["results"]}
+    there = {f"{RESULTS}/{name}": data for name, data in built.files("tiny").items()}
+    assert set(listed) == set(there) - set(TARGETS)
+    for path, result in listed.items():
+        assert result["sha256"] == hashlib.sha256(there[path]).hexdigest()
+        assert result["bytes"] == len(there[path])
+
+
+@pytest.mark.parametrize(
+    ("file", "rule", "script"),
+    [
+        ("orbits/resonance.json", "simulate_exact", "simulate_exact.py"),
+        (
+            "features/as_published/resonance.csv",
+            "features_as_published",
+            "features_as_published.py",
+        ),
+        ("tables/table3.md", "tables", "tables.py"),
+        ("figures/figure2.png", "figure2", "figure2.py"),
+    ],
+)
+def test_the_rule_and_the_job_of_a_result_are_named(stated, file, rule, script):
+    path = f"{RESULTS}/{file}"
+    results = {result["path"]: result["rule"] for result in stated["reproducible"]["results"]}
+    assert results[path] == rule
+    (job,) = [job for job in stated["reproducible"]["jobs"] if path in job["outputs"]]
+    assert job["rule"] == rule
+    assert job["script"] == f"workflow/scripts/{script}"
+    assert (ROOT / job["script"]).is_file()
+
+
+def test_inputs_of_jobs_are_results_or_sources(stated):
+    made = stated["reproducible"]
+    results = {result["path"] for result in made["results"]}
+    features = f"{RESULTS}/features/exact/resonance.csv"
+    (job,) = [job for job in made["jobs"] if job["rule"] == "estimate_exact"]
+    assert job["inputs"] == [features]
+    assert {file for job in made["jobs"] for file in job["inputs"]} <= results | set(
+        made["sources"]
+    )
+
+
+def test_the_configuration_is_the_merged_one(stated):
+    made = stated["reproducible"]
+    assert made["configuration"]["case"] == "tiny"
+    assert made["configuration"]["as_published"]["cycles"] == 4  # from tiny.yaml
+    assert made["configuration"]["oscillator"]["m_kg"] == 2.42  # from config.yaml
+    assert made["configuration_files"] == ["config/config.yaml", "tiny.yaml"]
+    assert made["configuration_sha256"] == digest_of(made["configuration"])
+
+
+def test_sources_are_listed_with_their_digests(built, stated):
+    sources = stated["reproducible"]["sources"]
+    wanted = {"Snakefile", "config/config.yaml", "tiny.yaml", "src/dampbalance/flow.py"}
+    assert wanted | {"paper/published/table1.csv", "requirements.lock"} <= set(sources)
+    for file in wanted:
+        assert sources[file] == sha256(built.folder / file)
+
+
+def test_packages_and_python_are_those_that_run(stated):
+    run = stated["run"]
+    assert run["python"] == ".".join(map(str, sys.version_info[:3]))
+    assert run["packages"]["numpy"] == metadata.version("numpy")
+    assert run["code"] == {
+        "version": metadata.version("dampbalance"),
+        "commit": None,
+        "committed": None,
+        "modified": None,
+        "known_from": "nothing",
+    }
+
+
+@needs_git
+def test_a_commit_renews_the_manifest_and_no_result(built):
+    git(built.folder, "init", "--quiet")
+    try:
+        git(built.folder, "add", "--all")
+        git(built.folder, "commit", "--quiet", "--message=all")
+        jobs = built.jobs(*TARGETS, *TINY)  # the manifest depends on every result
+    finally:
+        shutil.rmtree(built.folder / ".git")
+    assert jobs.pop("total") == 2
+    assert jobs == {"manifest": 1, "crate": 1}
+
+
+# --- the crate -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def read_back(built):
+    return ROCrate(built.folder / RESULTS)
+
+
+def test_every_file_of_the_crate_is_there_with_that_digest(built, read_back):
+    count, without = digests_hold(read_back, built.folder / RESULTS)
+    assert count == len(built.files("tiny")) - 1  # all but its own metadata
+    assert without == ["manifest.json"]  # names the machine
+
+
+def test_the_crate_follows_the_profile(read_back):
+    assert read_back.root_dataset["conformsTo"].id.startswith("https://w3id.org/ro/wfrun/process/")
+    assert read_back.license.id == "https://spdx.org/licenses/BSD-3-Clause"
+    mentioned = {entity.id for entity in read_back.root_dataset["mentions"]}
+    actions = [e for e in read_back.get_entities() if e.type == "CreateAction"]
+    assert actions
+    for action in actions:
+        assert action.id in mentioned
+        assert action["instrument"].type == "SoftwareApplication"
+        assert all(entity.type == "File" for entity in action["result"])
+
+
+def test_an_action_leads_from_the_configuration_to_its_results(read_back):
+    (action,) = [e for e in read_back.get_entities() if e.get("name") == "features_exact"]
+    assert [entity.id for entity in action["result"]] == ["features/exact/resonance.csv"]
+    assert {entity.id for entity in action["object"]} == {
+        "orbits/resonance.json",
+        "#config/config.yaml",
+        "#tiny.yaml",
+    }
+    assert action["instrument"]["name"] == "workflow/scripts/features_exact.py"
+    assert action["instrument"]["sha256"] == sha256(ROOT / "workflow/scripts/features_exact.py")
+
+
+def test_every_reference_within_the_crate_is_answered(built):
+    data = json.loads((built.folder / TARGETS[1]).read_text(encoding="utf-8"))
+    known = {entity["@id"] for entity in data["@graph"]}
+    assert len(known) == len(data["@graph"])
+
+    def references(value):
+        if isinstance(value, dict):
+            if set(value) == {"@id"}:
+                yield value["@id"]
+            for item in value.values():
+                yield from references(item)
+        elif isinstance(value, list):
+            for item in value:
+                yield from references(item)
+
+    outside = {name for name in references(data["@graph"]) if name not in known}
+    assert outside == {"https://w3id.org/ro/crate/1.1"}
+
+
+# --- Snakemake's own report ----------------------------------------------------------------------
+
+
+def test_the_report_of_snakemake_has_captions_and_needs_no_network(built):
+    done = built.run("--report", "report.html", *TINY)
+    assert done.returncode == 0, done.stderr
+    html = (built.folder / "report.html").read_text(encoding="utf-8")
+    (built.folder / "report.html").unlink()
+    for name in ("page", "manifest", "crate"):
+        caption = (ROOT / f"workflow/report/{name}.rst").read_text(encoding="utf-8")
+        assert " ".join(caption.split()[:4]) in html, name
+    assert re.findall(r"<(?:script|link|img)[^>]* (?:src|href)=[\"']https?:", html) == []
+
+
+@pytest.mark.parametrize(
+    "rules", sorted((ROOT / "workflow/rules").glob("*.smk")), ids=lambda p: p.stem
+)
+def test_every_caption_is_there(rules):
+    for name in re.findall(r'caption=f?"([^"]+)"', rules.read_text(encoding="utf-8")):
+        assert list(rules.parent.glob(re.sub(r"{.*?}", "*", name))), name
+
+
+# --- the archive ---------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def unpacked(built, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("elsewhere")
+    with tarfile.open(built.folder / PACKED) as tar:
+        tar.extractall(folder, filter="data")
+    return type(built)(folder / NAME)
+
+
+@pytest.fixture(scope="module")
+def rebuilt(unpacked):
+    """The results that the unpacked archive had, by path; they are gone from it, and built again by its own sources."""
+    packed = unpacked.files("tiny")
+    shutil.rmtree(unpacked.folder / "results/tiny")
+    done = unpacked.run("all", *(f"results/tiny/{name}" for name in packed), *TINY)
+    assert done.returncode == 0, done.stderr
+    return packed
+
+
+def test_the_digests_are_those_of_the_files(unpacked):
+    lines = (unpacked.folder / "SHA256SUMS").read_text(encoding="utf-8").splitlines()
+    listed = {path: digest for digest, path in (line.split("  ", 1) for line in lines)}
+    there = {
+        path.relative_to(unpacked.folder).as_posix()
+        for path in unpacked.folder.rglob("*")
+        if path.is_file()
+    }
+    assert there == {*listed, "SHA256SUMS"}
+    for path, digest in listed.items():
+        assert sha256(unpacked.folder / path) == digest, path
+
+
+def test_the_whole_project_and_all_results_are_in_it(built, unpacked):
+    inside = set(files_of(unpacked.folder))
+    assert inside == set(files_of(built.folder))
+    assert {
+        "tests/workflow/test_provenance.py",
+        "LICENSE",
+        "requirements.lock",
+        "paper/published/table1.csv",
+        "Makefile",
+    } <= inside
+    assert unpacked.files("tiny") == built.files("tiny")
+
+
+def test_executable_files_stay_executable(unpacked):
+    assert os.access(unpacked.folder / ".ci/run", os.X_OK)
+    assert not os.access(unpacked.folder / "README.md", os.X_OK)
+
+
+def test_its_readme_tells_how_to_verify_and_rebuild(unpacked):
+    text = (unpacked.folder / "ARCHIVE.md").read_text(encoding="utf-8")
+    assert "sha256sum --check --quiet SHA256SUMS" in text
+    assert "snakemake --cores all --configfile tiny.yaml" in text
+    assert "requirements.lock" in text
+    assert "{" not in text.replace("```", "")  # nothing left to fill in
+
+
+def test_it_is_a_crate_itself(unpacked):
+    crate = ROCrate(unpacked.folder)
+    count, without = digests_hold(crate, unpacked.folder)
+    assert without == ["results/tiny/manifest.json"]
+    # all but the crate's metadata and the list of digests, which holds that of the metadata
+    assert count == sum(path.is_file() for path in unpacked.folder.rglob("*")) - 2
+
+
+def test_it_rebuilds_its_results_from_itself_alone(unpacked, rebuilt):
+    again = unpacked.files("tiny")
+    assert again.keys() == rebuilt.keys()
+    different = [name for name in again if again[name] != rebuilt[name]]
+    assert set(different) <= {"manifest.json"}
+    before, after = (json.loads(files["manifest.json"]) for files in (rebuilt, again))
+    assert after["reproducible"] == before["reproducible"]
+    assert after["run"]["code"]["known_from"] == "archive"
+
+
+def test_packing_again_gives_the_same_bytes_and_makes_nothing_else(built):
+    first = (built.folder / PACKED).read_bytes()
+    (built.folder / PACKED).unlink()
+    readme = built.folder / "README.md"  # a later time, the same contents
+    os.utime(readme, (readme.stat().st_atime, readme.stat().st_mtime + 10))
+    assert built.jobs("archive", *TINY) == {"archive": 1, "total": 1}
+    done = built.run("archive", *TINY, cores=1)
+    assert done.returncode == 0, done.stderr
+    assert (
+        hashlib.sha256((built.folder / PACKED).read_bytes()).digest()
+        == hashlib.sha256(first).digest()
+    )
+
+
+def test_no_time_and_no_person_is_in_it(built):
+    with gzip.open(built.folder / PACKED) as stream:
+        stream.read(1)
+        assert stream.mtime == 0
+    with tarfile.open(built.folder / PACKED) as tar:
+        entries = tar.getmembers()
+    assert [entry.name for entry in entries] == sorted(entry.name for entry in entries)
+    assert {(e.uid, e.gid, e.uname, e.gname, e.mtime) for e in entries} == {
+        (0, 0, "", "", archive.TIME)
+    }

@@ -1,0 +1,170 @@
+# The replication article: numbers it argues with, the values it prints, its figure, and the PDF. It exists where there
+# are printed numbers to compare with.
+
+ARTICLE = f"{RESULTS}/article"
+ARTICLE_STUDIES = ["frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"]
+ARTICLE_PACKAGES = [
+    "dampbalance",
+    "numpy",
+    "scipy",
+    "numba",
+    "pandas",
+    "matplotlib",
+    "snakemake",
+    "typst",
+]
+ARTICLE_FIGURES = {
+    name: f"{RESULTS}/figures/{name}.svg"
+    for name in ("figure1", "figure2", "figure3", "numerics", "estimation_error")
+}
+
+
+def of_routes(kind):
+    """features or estimates, of both routes at every frequency."""
+    return expand(
+        f"{RESULTS}/{kind}/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
+    )
+
+
+if config["published"]:
+
+    rule article_schemes:
+        input:
+            modules=script_modules("article_schemes.py"),
+        output:
+            csv=f"{ARTICLE}/schemes.csv",
+        params:
+            oscillator=config["oscillator"],
+            frequency_hz=FREQUENCIES_HZ[FREQUENCIES[0]],
+            levels_m=LEVELS_M,
+            numerics=config["as_published"],
+        message:
+            "Article: the integrals by other schemes"
+        script:
+            "../scripts/article_schemes.py"
+
+    rule article_evidence:
+        input:
+            features=of_routes("features"),
+            estimates=of_routes("estimates"),
+            claims=rules.claims.output.csv,
+            approaches=f"{RESULTS}/tables/approaches.csv",
+            schemes=rules.article_schemes.output.csv,
+            modules=script_modules("article_evidence.py"),
+        output:
+            json=f"{ARTICLE}/evidence.json",
+        params:
+            oscillator=config["oscillator"],
+            frequencies_hz=FREQUENCIES_HZ,
+            pairs=config["estimation"]["pairs"],
+            numerics=config["as_published"],
+            routes=ROUTES,
+            folder=RESULTS,
+        message:
+            "Article: numbers to argue with"
+        script:
+            "../scripts/article_evidence.py"
+
+    rule article_studies:
+        input:
+            cases=expand(rules.study_cases.output.cases, study=ARTICLE_STUDIES),
+            files=expand(str(STUDY_FOLDER / "{study}.yaml"), study=ARTICLE_STUDIES),
+            modules=script_modules("article_studies.py"),
+        output:
+            json=f"{ARTICLE}/studies.json",
+        params:
+            studies=ARTICLE_STUDIES,
+        message:
+            "Article: what the studies show"
+        script:
+            "../scripts/article_studies.py"
+
+    rule article_environment:
+        input:
+            lock="requirements.lock",
+            modules=script_modules("article_environment.py"),
+        output:
+            json=f"{ARTICLE}/environment.json",
+        params:
+            packages=ARTICLE_PACKAGES,
+        message:
+            "Article: versions of the environment"
+        script:
+            "../scripts/article_environment.py"
+
+    rule article_figure:
+        input:
+            claims=rules.claims.output.csv,
+            exact=f"{RESULTS}/features/exact/{FREQUENCIES[0]}.csv",
+            rebuilt=f"{RESULTS}/features/as_published/{FREQUENCIES[0]}.csv",
+            estimates=f"{RESULTS}/estimates/as_published/{FREQUENCIES[0]}.csv",
+            schemes=rules.article_schemes.output.csv,
+            steps=f"{STUDY_RESULTS}/step_size/cases.parquet",
+            modules=script_modules("article_figure.py"),
+        output:
+            **figure_files("numerics"),
+        params:
+            oscillator=config["oscillator"],
+            numerics=config["as_published"],
+        message:
+            "Article: how the printed digits arose"
+        script:
+            "../scripts/article_figure.py"
+
+    # The files that the article takes numbers from, and the rule that makes each.
+    ARTICLE_READS = {
+        *("table1.csv", "table2.csv", "table3.csv", "approaches.csv", "claims.csv"),
+        *("schemes.csv", "evidence.json", "studies.json", "environment.json"),
+    }
+    ARTICLE_MAKERS = [
+        *("tables", "claims", "article_schemes"),
+        *("article_evidence", "article_studies", "article_environment"),
+    ]
+    ARTICLE_SOURCES = {
+        file: maker
+        for maker in ARTICLE_MAKERS
+        for file in map(str, getattr(rules, maker).output)
+        if Path(file).name in ARTICLE_READS
+    }
+
+    rule article_values:
+        input:
+            sources=list(ARTICLE_SOURCES),
+            modules=script_modules("article_values.py"),
+        output:
+            json=f"{ARTICLE}/values.json",
+        params:
+            rules=ARTICLE_SOURCES,
+            folder=RESULTS,
+            frequencies=FREQUENCIES,
+        message:
+            "Article: the values it prints"
+        script:
+            "../scripts/article_values.py"
+
+    rule article:
+        input:
+            sources=sorted(str(file) for file in Path("paper/article").rglob("*.typ")),
+            references="paper/article/references.yml",
+            values=rules.article_values.output.json,
+            figures=list(ARTICLE_FIGURES.values()),
+            study_figure=f"{STUDY_RESULTS}/frequency/figure.svg",
+            claims=rules.claims.output.csv,
+            modules=script_modules("article_pdf.py"),
+        output:
+            pdf=report(
+                f"{RESULTS}/article.pdf",
+                caption="../report/article.rst",
+                category="Reading",
+                labels={"result": "article"},
+            ),
+        params:
+            source="paper/article/article.typ",
+            inputs={
+                "results": f"/{RESULTS}",
+                "studies": f"/{STUDY_RESULTS}",
+            },
+        message:
+            "Article: PDF"
+        script:
+            "../scripts/article_pdf.py"

@@ -1,0 +1,59 @@
+# The page that shows a case to people who read, and the picture of its match that the README shows (as paper/figures/match.svg).
+#
+# The page shows the small studies of the paper's oscillator, seconds each, never the map over a million. A case of one's own,
+# with nothing printed to compare with, gets a page without verdicts and studies: snakemake page --configfile …
+
+PAGE_STUDIES = ["frequency", "level", "damping", "contact_stiffness", "read_out", "step_size"]
+PAGE_PARTS = sorted(
+    str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else str(path)
+    for folder in ("static", "templates")
+    for path in (ROOT / "src/dampbalance/page" / folder).iterdir()
+)
+
+
+def page_studies(pattern):
+    """A file of each study on the page."""
+    return expand(pattern, study=PAGE_STUDIES) if config["published"] else []
+
+
+rule page:
+    input:
+        claims=f"{RESULTS}/claims.csv" if config["published"] else [],
+        tables=rules.tables.output.csv,
+        orbits=f"{RESULTS}/orbits/{FREQUENCIES[0]}.json",
+        estimates=expand(f"{RESULTS}/estimates/exact/{{frequency}}.csv", frequency=FREQUENCIES),
+        study_files=page_studies(str(STUDY_FOLDER / "{study}.yaml")),
+        study_cases=page_studies(f"{STUDY_RESULTS}/{{study}}/cases.parquet"),
+        parts=PAGE_PARTS,
+        modules=script_modules("page.py"),
+    output:
+        page=report(
+            f"{RESULTS}/report.html",
+            caption="../report/page.rst",
+            category="Reading",
+            labels={"result": "page"},
+        ),
+    params:
+        config=config,
+        folder=RESULTS,
+    message:
+        "The page of the case"
+    script:
+        "../scripts/page.py"
+
+
+rule match:
+    input:
+        claims=f"{RESULTS}/claims.csv",
+        modules=script_modules("page_match.py"),
+    output:
+        picture=report(
+            f"{RESULTS}/figures/match.svg",
+            caption="../report/match.rst",
+            category="Verdicts",
+            labels={"result": "match"},
+        ),
+    message:
+        "The picture of the match"
+    script:
+        "../scripts/page_match.py"

@@ -1,0 +1,130 @@
+# Where the results come from: a manifest, the same as an RO-Crate, and an archive. Included last: it looks at the rules.
+#
+# The manifest is made again when a result, a source or the commit changes; nothing but crate and archive depends on it,
+# so that a commit rebuilds no result.
+import functools
+import os
+
+from dampbalance import __version__ as VERSION
+from dampbalance.provenance.sources import COMPUTING, PROJECT, code_version, files_of
+from snakemake.io import is_flagged
+
+PROVENANCE_RULES = ("manifest", "crate", "archive")
+ARCHIVE_NAME = f"dampbalance-{VERSION}" + ("" if CASE == "paper" else f"-{CASE}")
+
+
+@functools.cache
+def jobs_behind_everything():
+    """The jobs behind `rule all`, each {rule, script, inputs, outputs}, found from the rules as Snakemake finds them.
+
+    Inputs leave out the package's modules (they are sources), outputs what is temporary.
+    """
+    rules_by_name = {r.name: r for r in workflow.rules}
+    producers = [r for r in workflow.rules if r.name not in PROVENANCE_RULES]
+    waiting = list(rules_by_name["all"].expand_input({})[0])
+    seen, jobs = set(), {}
+    while waiting:
+        file = str(waiting.pop())
+        if file in seen:
+            continue
+        seen.add(file)
+        made_by = [r for r in producers if r.is_producer(file)]
+        if not made_by:
+            continue
+        producer = made_by[0]
+        wildcards = producer.get_wildcards(file)
+        job = jobs.setdefault((producer.name, *sorted(wildcards.items())), {})
+        if job:
+            continue
+        inputs = [str(f) for f in producer.expand_input(wildcards)[0]]
+        outputs = [f.apply_wildcards(wildcards) for f in producer.output]
+        job |= {
+            "rule": producer.name,
+            "script": os.path.normpath(Path("workflow/rules") / producer.script),
+            "inputs": sorted({f for f in inputs if not f.startswith("src/")}),
+            "outputs": sorted(str(f) for f in outputs if not is_flagged(f, "temp")),
+        }
+        waiting.extend(inputs)
+        waiting.extend(str(f) for f in outputs)
+    return sorted((job for job in jobs.values() if job["outputs"]), key=lambda job: job["outputs"])
+
+
+def everything_built(wildcards):
+    """All results of this case, and of the studies that it draws on."""
+    return [file for job in jobs_behind_everything() for file in job["outputs"]]
+
+
+def sources_of(names):
+    """Files of the project below `names`, and configurations given on the command line."""
+    own = [os.path.relpath(file) for file in CONFIG_FILES]
+    return sorted({*files_of(".", names), *(file for file in own if not file.startswith(".."))})
+
+
+rule manifest:
+    input:
+        results=everything_built,
+        sources=lambda wildcards: sources_of(COMPUTING),
+    output:
+        json=report(
+            f"{RESULTS}/manifest.json",
+            caption="../report/manifest.rst",
+            category="Provenance",
+            labels={"result": "manifest"},
+        ),
+    params:
+        case=CASE,
+        configuration=config,
+        configuration_files=[os.path.relpath(file) for file in CONFIG_FILES],
+        sources=lambda wildcards: sources_of(COMPUTING),
+        jobs=lambda wildcards: jobs_behind_everything(),
+        code=lambda wildcards: code_version(".", VERSION),
+        lock="requirements.lock",
+    message:
+        "Manifest: configuration, code, packages, digests"
+    script:
+        "../scripts/provenance.py"
+
+
+rule crate:
+    input:
+        manifest=rules.manifest.output.json,
+        citation="CITATION.cff",
+        modules=script_modules("crate.py"),
+    output:
+        json=report(
+            f"{RESULTS}/ro-crate-metadata.json",
+            caption="../report/crate.rst",
+            category="Provenance",
+            labels={"result": "crate"},
+        ),
+    params:
+        root=RESULTS,
+    message:
+        "RO-Crate of the results"
+    script:
+        "../scripts/crate.py"
+
+
+rule archive:
+    input:
+        manifest=rules.manifest.output.json,
+        crate=rules.crate.output.json,
+        results=everything_built,
+        sources=lambda wildcards: sources_of(PROJECT),
+    output:
+        archive=f"results/archive/{ARCHIVE_NAME}.tar.gz",
+    params:
+        sources=lambda wildcards: sources_of(PROJECT),
+        citation="CITATION.cff",
+        rebuild=" ".join(
+            ["make"]
+            if CASE == "paper"
+            else [
+                ". .venv/bin/activate && snakemake --cores all --configfile",
+                *(os.path.relpath(file) for file in workflow.overwrite_configfiles),
+            ]
+        ),
+    message:
+        "Archive of sources and results"
+    script:
+        "../scripts/archive.py"
