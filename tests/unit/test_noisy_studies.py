@@ -12,12 +12,13 @@ import pytest
 import yaml
 
 from dampbalance import BaseMotion, Oscillator, __version__
-from dampbalance.balance import APPROACHES, Rows
 from dampbalance.configuration import ConfigurationError
-from dampbalance.identify import least_squares
+from dampbalance.information import cramer_rao, noise_of_rms
+from dampbalance.measured.identification import identify
 from dampbalance.measured.reading import read_features
 from dampbalance.measured.simulated import simulated_measurement
 from dampbalance.studies import drawing, evaluate, facts, groups, outputs, settings, summary
+from dampbalance.studies.bounds import bounds_of
 from dampbalance.wording import percent
 
 ROOT = Path(__file__).parents[2]
@@ -74,7 +75,7 @@ def test_a_case_is_an_experiment_as_one_would_do_it(done):
     case = 7  # 3.5 Hz, 0.1 %, run 2
     assert table.loc[case, ["frequency_hz", "noise", "run"]].tolist() == [3.5, 0.001, 2]
     omega = 2.0 * math.pi * 3.5
-    rows, drawn = [], []
+    readings, rng = [], []
     for level, Y in enumerate((0.004, 0.012)):
         random = np.random.default_rng([7, case, level])
         start = random.random() / 3.5
@@ -87,25 +88,25 @@ def test_a_case_is_an_experiment_as_one_would_do_it(done):
             seed=random,
             start=start,
         )
-        reading = read_features(measurement, PAPER.k)
-        rows.append(APPROACHES["fourier"](reading.features, PAPER.k))
-        drawn.append(APPROACHES["fourier"](reading.resampled(25, random), PAPER.k))
-    expected = least_squares(Rows(*(np.concatenate(parts) for parts in zip(*rows, strict=True))))
+        readings.append(read_features(measurement, PAPER.k))
+        rng.append(random)
+    # what `identify` makes of them; its replicates differ, as they are drawn from one generator
+    expected = identify(readings, PAPER.k, phase="fundamental", replicates=400).estimates
     found = table.loc[case]
-    # The same records; the two solvers sum in another order, times the condition number of two levels.
-    assert found["F_k_N__fourier__least_squares"] == pytest.approx(expected.F_k, rel=1e-12)
-    assert found["c_N_s_per_m__fourier__least_squares"] == pytest.approx(expected.c, rel=1e-12)
-
-    replicates = [
-        least_squares(Rows(*(np.array([level[part][i] for level in drawn]) for part in range(3))))
-        for i in range(25)
-    ]
-    for name, true in (("F_k", 1.28), ("c", 90.0)):
-        error = np.std([getattr(each, name) for each in replicates], ddof=1)
-        stated = found[f"{name}_relative_standard_error__fourier__least_squares"]
-        assert stated == pytest.approx(error / true, rel=1e-9)
-        held = abs(getattr(expected, name) - true) <= 1.959964 * error
-        assert found[f"{name}_covered__fourier__least_squares"] == float(held)
+    for approach, label in (
+        ("fourier", "fourier__least_squares"),
+        ("direct", "direct__least_squares"),
+        ("X_s", "X_s__fundamental__individual__least_squares"),
+    ):
+        for name, unit, true in (("F_k", "N", 1.28), ("c", "N_s_per_m", 90.0)):
+            parameter = getattr(expected[approach], name)
+            # The same records; the two solvers sum in another order, times the condition number of two levels.
+            assert found[f"{name}_{unit}__{label}"] == pytest.approx(parameter.value, rel=1e-11)
+            stated = true * found[f"{name}_relative_standard_error__{label}"]
+            # 25 replicates know a standard error to 14 %: three of these
+            assert stated == pytest.approx(parameter.standard_error, rel=0.45)
+            held = abs(found[f"{name}_{unit}__{label}"] - true) <= 1.959964 * stated
+            assert found[f"{name}_covered__{label}"] == float(held)
 
 
 def test_a_case_does_not_depend_on_its_chunk(done):
@@ -193,9 +194,32 @@ def test_the_summary_tells_the_groups_apart(done):
     assert of_c["scatter_percent"].to_numpy() == pytest.approx(100.0 * errors.std().to_numpy())
     covered = by[f"c_covered__{label}"].mean().to_numpy()
     assert of_c["coverage_percent"].to_numpy() == pytest.approx(100.0 * covered)
+    # the bound is in proportion to the noise; the information its square over that of the rms error
+    bound = found.drop_duplicates(["frequency_hz", "noise", "quantity"])["bound_percent"].to_numpy()
+    np.testing.assert_allclose(bound[2:4] / bound[:2], 10.0, rtol=1e-9)
+    osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    motions = [BaseMotion(Y=Y, omega=2.0 * math.pi * 4.92) for Y in study.levels]
+    noise = noise_of_rms(osc, motions, 0.001, ("y", "x"))
+    least = cramer_rao(
+        osc, motions, rate_hz=study.fixed["sampling_hz"], cycles=study.cycles, noise=noise
+    )
+    np.testing.assert_allclose(bound[:2], 100.0 * np.array(least.relative[:2]), rtol=1e-12)
+    np.testing.assert_allclose(
+        found["information_percent"], 100.0 * (found["bound_percent"] / found["rms_percent"]) ** 2
+    )
     page = summary.summary_markdown(study, found, "", "")
     assert page.count("## frequency_hz = 3.5, noise = 0.01") == 1
     assert "nan" not in page
+
+
+def test_no_bound_where_it_would_mean_nothing(done, make):
+    study, table, _ = done
+    of_all = bounds_of(study, table["case"].to_numpy())  # four groups at once
+    assert math.isnan(of_all["F_k"])
+    assert math.isnan(bounds_of(study, np.array([], dtype=int))["c"])
+    exact = make({k: v for k, v in SMALL.items() if k not in ("route", "columns", "summary_by", "figure")} | {
+        "axes": [{"frequency_hz": {"values": [4.92]}}]})  # fmt: skip
+    assert math.isnan(bounds_of(exact, np.array([0]))["F_k"])
 
 
 def test_facts_of_many_runs(done, make):

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy import special  # scipy.stats has the same functions, and takes seconds to import
 
 from ..balance import APPROACHES, Approach, Rows
@@ -33,9 +33,9 @@ from .identified import (
     Parameter,
 )
 from .judging import agreement, judged
+from .microstick import Lengths, microstick_of, weights_of, with_length
 from .one_thread import one_thread
-from .onset import Waveform
-from .reading import RESOLVED, Reading
+from .reading import Reading
 
 Array = NDArray[np.float64]
 
@@ -70,21 +70,23 @@ def identify(
     left = [reading.left_out(onset=True) for reading in readings]
     points = [reading.with_onset(True) for reading in readings]
     known = [reading.waveform is not None for reading in readings]
-    weights = _weights(readings)
-    lengths = _Lengths.of(points, drawn, left, weights)
-    microstick = _microstick(readings, lengths)
+    weights = weights_of(readings)
+    lengths = Lengths.of(points, drawn, left, weights)
+    microstick = microstick_of(readings, lengths)
     if not microstick.resolved:
-        rigid = _Lengths.rigid(lengths)
-        microstick = replace(
-            microstick, rigid_bias=_rigid_bias(points, known, microstick.bound, k, phase)
-        )
+        rigid = Lengths.rigid(lengths)
+        microstick = replace(microstick, rigid_bias=_rigid_bias(points, known, microstick.bound, k))
         lengths = rigid
 
-    shared = [_shared(f, lengths.point, known[i], phase) for i, f in enumerate(points)]
-    resampled = [_shared(f, lengths.drawn, known[i], phase) for i, f in enumerate(drawn)]
+    shared = [
+        with_length(f, lengths.point, known[i]).with_phase(phase) for i, f in enumerate(points)
+    ]
+    resampled = [
+        with_length(f, lengths.drawn, known[i]).with_phase(phase) for i, f in enumerate(drawn)
+    ]
     without = [
         [
-            _shared(f, lengths.left[j], known[i], phase)
+            with_length(f, lengths.left[j], known[i]).with_phase(phase)
             for i, f in enumerate([*points[:j], left[j], *points[j + 1 :]])
         ]
         for j in range(len(readings))
@@ -139,117 +141,18 @@ def _require(
         raise ValueError(f"no approach is asked for; known are {', '.join(APPROACHES)}")
 
 
-@dataclass(frozen=True, eq=False)
-class _Lengths:
-    """Shared length of the microstick line, m: as estimated (1,), of the bootstrap (r,), and without each group of
-    cycles of the record j, (g,) for each j."""
-
-    point: Array
-    drawn: Array
-    left: tuple[Array, ...]
-
-    @classmethod
-    def of(
-        cls,
-        points: Sequence[Features],
-        drawn: Sequence[Features],
-        left: Sequence[Features],
-        weights: Array,
-    ) -> _Lengths:
-        each = [f.X + f.X_s for f in points]
-        point = np.atleast_1d(sum(w * length for w, length in zip(weights, each, strict=True)))
-        return cls(
-            point=point,
-            drawn=np.asarray(sum(w * (f.X + f.X_s) for w, f in zip(weights, drawn, strict=True))),
-            left=tuple(
-                point + w * (f.X + f.X_s - length)
-                for w, f, length in zip(weights, left, each, strict=True)
-            ),
-        )
-
-    @classmethod
-    def rigid(cls, like: _Lengths) -> _Lengths:
-        """No length at all."""
-        return cls(0.0 * like.point, 0.0 * like.drawn, tuple(0.0 * a for a in like.left))
-
-
-def _weights(readings: Sequence[Reading]) -> Array:
-    """Weight of each record's microstick length in their mean; 0 where no waveform was fitted.
-
-    The standard error of a length grows with the root of the length found. Inverse variances at one common length,
-    L_i/σ_i², do not favour the records that happen to find a short one.
-    """
-    precision = np.array(
-        [
-            0.0 if r.waveform is None else _found(r.waveform) / r.waveform.length_error**2
-            for r in readings
-        ]
-    )
-    total = precision.sum()
-    weights: Array = precision / total if total > 0.0 else precision
-    return weights
-
-
-def _found(waveform: Waveform) -> float:
-    """Length of the microstick line of the fitted waveform itself, m."""
-    return waveform.orbit.X + waveform.orbit.X_s
-
-
-def _microstick(readings: Sequence[Reading], lengths: _Lengths) -> Microstick:
-    """The shared length, and whether it is resolved."""
-    waveforms = [r.waveform for r in readings if r.waveform is not None]
-    if not waveforms:
-        return Microstick(math.nan, math.nan, False, math.nan, math.nan)
-    length, error = float(lengths.point[0]), float(lengths.drawn.std(ddof=1))
-    resolved = length > RESOLVED * error
-    misfit = math.nan
-    if len(waveforms) > 1 and resolved:
-        apart = [
-            (w.length - length) ** 2 * _found(w) / (length * w.length_error**2) for w in waveforms
-        ]
-        misfit = math.fsum(apart) / (len(waveforms) - 1)
-    bound = max(length, 0.0) + 1.96 * error
-    if not resolved:
-        bound = min(bound, *(w.length_bound for w in waveforms))
-    return Microstick(length, error, resolved, bound, misfit)
-
-
-def _shared(features: Features, length: Array, known: bool, phase: Phase) -> Features:
-    """The features with the shared length of the microstick line: X_s = L − X, a = 2(X − X_s).
-
-    length : m, (1,) or one per response.   known : whether V_s and t_s were read; a contact that is not rigid has
-    others than 0.
-    """
-    count = max(len(features), length.size)
-    if len(features) < count:
-        features = features.take([0] * count)
-    X_s = length - features.X
-    changed: dict[str, ArrayLike] = {
-        "X_s": X_s,
-        "X_r": -X_s,
-        "a": 2.0 * (features.X - X_s),
-    }
-    if not length.any():
-        changed |= dict.fromkeys(("V_s", "t_s", "V_r", "t_r"), 0.0)
-    elif not known:
-        changed |= dict.fromkeys(("V_s", "t_s", "V_r", "t_r"), math.nan)
-    return features.replaced(**changed).with_phase(phase)
-
-
 def _rows(approach: Approach, responses: Sequence[Features], k: float) -> Rows:
     """Rows of n records and their r replicates: a, b, W each (n, r)."""
     parts = [approach(features, k) for features in responses]
     return Rows(*(np.stack(arrays) for arrays in zip(*parts, strict=True)))
 
 
-def _rigid_bias(
-    points: Sequence[Features], known: Sequence[bool], bound: float, k: float, phase: Phase
-) -> float:
+def _rigid_bias(points: Sequence[Features], known: Sequence[bool], bound: float, k: float) -> float:
     """Relative error of F_k by direct integration when a contact with the microstick length `bound` is taken as rigid;
     NaN where no bound is known."""
     found = []
     for length in (0.0, bound):
-        shared = [_shared(f, np.array([length]), known[i], phase) for i, f in enumerate(points)]
+        shared = [with_length(f, np.array([length]), known[i]) for i, f in enumerate(points)]
         found.append(float(least_squares_of_cases(_rows(APPROACHES["direct"], shared, k)).F_k[0]))
     return found[0] / found[1] - 1.0
 
@@ -262,7 +165,7 @@ class _Sets(NamedTuple):
     left: tuple[Rows, ...]
 
 
-def _estimated(name: str, sets: _Sets, lengths: _Lengths, microstick: Microstick) -> Estimated:
+def _estimated(name: str, sets: _Sets, lengths: Lengths, microstick: Microstick) -> Estimated:
     point = Rows(*(array[:, 0] for array in sets.point))
     nothing = Parameter(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
     try:

@@ -14,6 +14,7 @@ outputs.py      the chunks as one Parquet file, and a manifest
 stretches.py    the table of cases read a stretch at a time, and sizes of errors counted along the way
 summary.py      a table of errors, and the page that shows it
 groups.py       the same by the values of some axes: bias, scatter, coverage
+bounds.py       and how much of the information in noisy records that uses
 facts.py        numbers of the paragraph that says what a study shows
 drawing.py      its figure; maps.py, scatter.py and logarithmic.py belong to it
 """

@@ -11,6 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from ..wording import percent
+from .bounds import bounds_of
 from .settings import Fit, Study
 from .stretches import column_of
 
@@ -75,15 +76,23 @@ def groups(
 
 
 def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
-    """One row per combination of values of `study.summary_by`, quantity and fit; shares of `Spread` in %."""
-    return pd.DataFrame.from_records(
-        [
-            _record(where, quantity, fit, spread_of(study, cases, quantity, fit, kept))
-            for where, kept in groups(study, cases, study.summary_by)
-            for quantity in QUANTITIES
-            for fit in study.fits
-        ]
-    )
+    """One row per combination of values of `study.summary_by`, quantity and fit; shares of `Spread` in %.
+
+    Of noisy records, besides: the Cramér–Rao bound, and the information used, (bound/rms error)².
+    """
+    records = []
+    for where, kept in groups(study, cases, study.summary_by):
+        bounds = bounds_of(study, np.flatnonzero(kept))
+        for quantity in QUANTITIES:
+            for fit in study.fits:
+                found = spread_of(study, cases, quantity, fit, kept)
+                record = _record(where, quantity, fit, found)
+                if study.route == "measured":
+                    bound = bounds[quantity]
+                    used = (bound / found.rms) ** 2 if found.rms > 0.0 else np.nan
+                    record |= {"bound_percent": 100.0 * bound, "information_percent": 100.0 * used}
+                records.append(record)
+    return pd.DataFrame.from_records(records)
 
 
 def _record(where: Mapping[str, Any], quantity: str, fit: Fit, found: Spread) -> dict[str, Any]:
@@ -106,16 +115,25 @@ def _record(where: Mapping[str, Any], quantity: str, fit: Fit, found: Spread) ->
 
 def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
     """The tables for reading: one for each combination of values."""
+    measured = study.route == "measured"
     lines = [
         "Relative errors of the identified F_k and c over the runs. Scatter: their standard deviation. Standard error: "
-        "what the bootstrap of each run states, rms. Coverage: share of the 95 % intervals that hold the true value.",
+        "what the bootstrap of each run states, rms. Coverage: share of the 95 % intervals that hold the true value."
     ]
+    if measured:
+        lines[0] += (
+            " Information: what the approach uses of that in the records, the square of the Cramér–Rao bound (m, k and "
+            "the drive frequency known, K_z not) over the rms error."
+        )
     for values, rows in summary.groupby(list(study.summary_by), sort=False):
         where = [
             f"{name} = {value if isinstance(value, str) else format(value, 'g')}"
             for name, value in zip(study.summary_by, values, strict=True)
         ]
-        lines += ["", f"## {', '.join(where)}", "", _HEAD, _RULE]
+        head = (
+            [_HEAD + " bound | information |", _RULE + "---:|---:|"] if measured else [_HEAD, _RULE]
+        )
+        lines += ["", f"## {', '.join(where)}", "", *head]
         lines += [_line(row) for row in rows.to_dict("records")]
     return lines
 
@@ -138,6 +156,7 @@ def _line(row: Mapping[Any, Any]) -> str:
         f"{row['identified']:,} of {row['runs']:,}",
         f"{sign}{_percent(row, 'bias')} ± {_percent(row, 'bias_error')}",
         *(_percent(row, name) for name in ("scatter", "standard_error", "p95", "coverage")),
+        *(_percent(row, name) for name in ("bound", "information") if f"{name}_percent" in row),
     ]
     return f"| {' | '.join(cells)} |"
 

@@ -6,14 +6,15 @@ level): a case does not depend on the chunk it is computed in.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..features import COLUMNS, Features
-from ..measured.reading import read_features
+from ..measured.microstick import Lengths, microstick_of, weights_of, with_length
+from ..measured.reading import Reading, read_features
 from ..measured.simulated import measured_orbit
 from ..model import BaseMotion, Oscillator
 from ..orbit import NoSteadyOrbit, Orbit, steady_orbit
@@ -54,6 +55,8 @@ def measured_responses(
     regime = np.zeros((levels, n), dtype=np.uint8)
     for case in range(n):
         osc = Oscillator(*(float(si[name][case]) for name in ("m", "c", "k", "K_z", "F_k")))
+        readings: dict[int, Reading] = {}
+        drawings: list[Features] = []
         for level in range(levels):
             motion = BaseMotion(Y=float(Y[level, case]), omega=float(si["omega"][case]))
             try:
@@ -62,21 +65,22 @@ def measured_responses(
                 regime[level, case] = Regime.NOT_FOUND
                 continue
             random = np.random.default_rng([seed, int(cases[case]), level])
-            found = _measured(
+            reading = _measured(
                 orbit,
                 float(numerics["sampling_hz"][case]),
                 cycles,
                 float(numerics["noise"][case]),
-                count,
                 random,
             )
-            if found is None:
+            if reading is None:
                 regime[level, case] = NOT_READ
                 continue
-            features, replicates, resolved = found
+            readings[level] = reading
+            drawings.append(reading.resampled(count, random, onset=True))
+        for level, found, replicates, resolved in _shared(readings, drawings):
             regime[level, case] = Regime.ONE_SLIP if resolved else RIGID_LIMIT
             for name in ("omega", *COLUMNS):
-                read[name][level, case] = np.atleast_1d(getattr(features, name))[0]
+                read[name][level, case] = np.atleast_1d(getattr(found, name))[0]
                 drawn[name][level, case] = getattr(replicates, name)
     return Measured(
         Responses(regime=regime, **read),
@@ -88,20 +92,37 @@ def measured_responses(
 
 
 def _measured(
-    orbit: Orbit,
-    rate_hz: float,
-    cycles: int,
-    noise: float,
-    count: int,
-    random: np.random.Generator,
-) -> tuple[Features, Features, bool] | None:
-    """Features, their replicates, and whether the slip onset was resolved; None for a record that cannot be read."""
+    orbit: Orbit, rate_hz: float, cycles: int, noise: float, random: np.random.Generator
+) -> Reading | None:
+    """What is read off one record; None for one that cannot be read."""
     start = random.random() * orbit.motion.period  # the record begins anywhere in the cycle
     measurement = measured_orbit(
         orbit, rate_hz=rate_hz, cycles=cycles, noise=noise, seed=random, start=start
     )
     try:
-        reading = read_features(measurement, orbit.oscillator.k)
+        return read_features(measurement, orbit.oscillator.k)
     except ValueError:  # too few samples or cycles, or nothing but noise
         return None
-    return reading.features, reading.resampled(count, random), bool(reading.onset_resolved)
+
+
+def _shared(
+    readings: Mapping[int, Reading], drawn: Sequence[Features]
+) -> Iterator[tuple[int, Features, Features, bool]]:
+    """(level, features, replicates, whether the slip onset is resolved), with one length of the microstick line for all
+    levels, as `measured.identification` takes it."""
+    if not readings:
+        return
+    each = list(readings.values())
+    points = [reading.with_onset(True) for reading in each]
+    lengths = Lengths.of(points, drawn, (), weights_of(each))
+    resolved = microstick_of(each, lengths).resolved
+    if not resolved:
+        lengths = Lengths.rigid(lengths)
+    for level, reading, point, drawing in zip(readings, each, points, drawn, strict=True):
+        known = reading.waveform is not None
+        yield (
+            level,
+            with_length(point, lengths.point, known),
+            with_length(drawing, lengths.drawn, known),
+            resolved,
+        )
