@@ -20,6 +20,8 @@ endif
 
 # Nothing of the user's own Python set-up may leak into the environment.
 unexport PYTHONPATH PYTHONHOME VIRTUAL_ENV PIP_REQUIRE_VIRTUALENV PIP_USER PIP_TARGET PIP_PREFIX
+# Modules are compiled once, when they are first imported: not by every process anew, which takes seconds each.
+unexport PYTHONDONTWRITEBYTECODE PYTHONPYCACHEPREFIX
 export PYTHONNOUSERSITE = 1
 
 .DEFAULT_GOAL := all
