@@ -13,6 +13,7 @@ import pytest
 
 from dampbalance.balance import APPROACHES
 from dampbalance.commands.main import main
+from dampbalance.measured.loading import load
 from dampbalance.measured.outputs import OUTPUTS
 from dampbalance.measured.readers import read
 from dampbalance.measured.results import identified
@@ -297,3 +298,17 @@ def test_the_version_is_told(capsys):
     with pytest.raises(SystemExit):
         main(["--version"])
     assert capsys.readouterr().out.startswith("dampbalance ")
+
+
+def test_a_mapping_says_frequency_and_level(tmp_path, capsys):
+    for i in (0, 1):
+        name = f"run{i}.csv"
+        (tmp_path / name).write_bytes(Path(RECORDS[i]).read_bytes())
+        (tmp_path / f"run{i}.yaml").write_text(
+            f"frequency_hz: {3.5 if i else 6.0}\nlevel: {i + 1} of 2\n", encoding="utf-8"
+        )
+    records = [str(tmp_path / f"run{i}.csv") for i in (0, 1)]
+    assert main(["identify", *records, *COMMON]) == 2
+    assert "run0.csv: the excitation oscillates" in capsys.readouterr().err
+    assert main(["identify", *records, *COMMON, "--frequency", "3.5"]) == 0
+    assert load(records[1], 2310.0).label == "2 of 2"

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -66,7 +65,7 @@ def cycles(loaded: Sequence[Loaded]) -> Figure:
         axes.plot(np.degrees(averaged["phase"]), factor * averaged[key], color=STICK)
         axes.set_xlim(0.0, 360.0)
         axes.set_xticks([0, 90, 180, 270, 360])
-        axes.set_title(_name(one.path), pad=3.0)
+        axes.set_title(_name(one.label), pad=3.0)
         axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
     _below(panels, "phase of the drive (°)")
     return figure
@@ -106,7 +105,7 @@ def loops(loaded: Sequence[Loaded], found: Identification) -> Figure:
                     color=STICK,
                     markersize=2.5,
                 )
-        axes.set_title(_name(one.path), pad=3.0)
+        axes.set_title(_name(one.label), pad=3.0)
         axes.set_ylabel(r"$\ddot x$ (m/s²)", labelpad=1.0)
         axes.margins(0.08)
     _below(panels, "$x$ (mm)")
@@ -191,8 +190,8 @@ def _below(panels: Sequence[Axes], label: str) -> None:
         axes.set_xlabel(label)
 
 
-def _name(path: Path) -> str:
-    return path.name.replace("_", r"\_") if "$" in path.name else path.name
+def _name(label: str) -> str:
+    return label.replace("$", r"\$")  # else matplotlib takes it for mathematics
 
 
 def _origin(one: Loaded) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .conditioning import condition_blocks
+from .mapping import mapping_for
 from .measurement import Measurement
 from .readers import MappingLike, RecordWarning, open_channels, read
 from .reading import Reading, read_features, read_steady
@@ -26,12 +27,13 @@ EXCERPT = 16_384  # leading samples of each channel that are kept for plots
 
 @dataclass(frozen=True, eq=False)
 class Loaded:
-    """One record: where it is, its features, and its leading samples (t, values) by quantity, s and SI.
+    """One record: where it is, its name, its features, and its leading samples (t, values) by quantity, s and SI.
 
     measurement : the whole of it; None for a large file.
     """
 
     path: Path
+    label: str
     reading: Reading
     excerpt: Mapping[str, tuple[Array, Array]]
     measurement: Measurement | None = None
@@ -48,32 +50,32 @@ def load(
     """The features of a record in a file.
 
     k : stiffness, N/m.   mapping : what the file does not say of its channels.   frequency_hz : the drive frequency as
-    known, compared with the one found.   skip_cycles : left out at the start.
+    known, or that of the mapping; compared with the one found.   skip_cycles : left out at the start.
 
     What its reader finds odd is among the warnings of the reading. Raises RecordError for a file that cannot be read,
     ValueError for a record that cannot be used; both name the file.
     """
     path = Path(path)
+    rules = mapping_for(path, mapping)
+    nominal = rules.frequency_hz if frequency_hz is None else frequency_hz
     measurement: Measurement | None = None
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
         if path.is_file() and path.stat().st_size > LARGE:
-            channels = open_channels(path, mapping)
+            channels = open_channels(path, rules)
             reading = read_steady(
                 condition_blocks(
-                    str(path), channels, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles
+                    str(path), channels, k, frequency_hz=nominal, skip_cycles=skip_cycles
                 )
             )
             first = {q: next(chain(blocks())) for q, blocks in channels.items()}
         else:
-            measurement = replace(read(path, mapping), source=str(path))
-            reading = read_features(
-                measurement, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles
-            )
+            measurement = replace(read(path, rules), source=str(path))
+            reading = read_features(measurement, k, frequency_hz=nominal, skip_cycles=skip_cycles)
             first = {q: (measurement[q].t, measurement[q].values) for q in measurement}
     said = [w.message for w in caught if issubclass(w.category, RecordWarning)]
     found = dict.fromkeys(str(words).removeprefix(f"{path}: ") for words in said)
     if found:
         reading = replace(reading, warnings=(*found, *reading.warnings))
     excerpt = {q: (t[:EXCERPT], values[:EXCERPT]) for q, (t, values) in first.items()}
-    return Loaded(path, reading, excerpt, measurement)
+    return Loaded(path, str(rules.level or path.name), reading, excerpt, measurement)

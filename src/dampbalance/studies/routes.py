@@ -44,7 +44,7 @@ ROUTES = {
         optional=("run",),
         settings=("cycles", "seed", "replicates"),
         cycles=100,
-        chunk_cases=16,
+        chunk_cases=60,
     ),
 }
 
