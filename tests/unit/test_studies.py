@@ -19,12 +19,12 @@ from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
 from dampbalance.balance import APPROACHES, PHASELESS, Rows
 from dampbalance.configuration import ConfigurationError
 from dampbalance.features import of_orbit, stack
+from dampbalance.fitting import least_squares_of_cases
 from dampbalance.identify import estimate_table, least_squares, pair
 from dampbalance.reading import of_record
 from dampbalance.readout import ReadOut
 from dampbalance.studies import evaluate, facts, outputs, plan, settings, summary
 from dampbalance.studies.axes import SOBOL_BITS, Listed, Range, Sampled, case_values, spread
-from dampbalance.studies.fitting import least_squares_of_cases
 from dampbalance.studies.logarithmic import is_logarithmic
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.stretches import Sizes

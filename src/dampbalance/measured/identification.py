@@ -22,8 +22,8 @@ from scipy import special  # scipy.stats has the same functions, and takes secon
 
 from ..balance import APPROACHES, Approach, Rows
 from ..features import Features, Phase
+from ..fitting import least_squares_of_cases
 from ..identify import contact_stiffness, least_squares
-from ..studies.fitting import least_squares_of_cases
 from .identified import (
     CONFIDENCE,
     Estimated,

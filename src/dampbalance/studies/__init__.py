@@ -8,7 +8,6 @@ responses.py    features of the exact orbits of many cases at several levels, as
 routes.py       what each way to the responses needs
 stepwise.py     the same from fixed-step simulations or sampled records, response by response
 noisy.py        and from noisy records, with bootstrap replicates
-fitting.py      least squares of many cases at once
 evaluate.py     one chunk: cases → responses → rows → errors, as a table
 outputs.py      the chunks as one Parquet file, and a manifest
 stretches.py    the table of cases read a stretch at a time, and sizes of errors counted along the way

@@ -10,9 +10,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from ..balance import APPROACHES, Rows
+from ..fitting import Estimates, least_squares_of_cases
 from ..readout import ReadOut
 from .axes import case_values
-from .fitting import Estimates, least_squares_of_cases
 from .parameters import MECHANICAL, PARAMETERS, SI_COLUMNS, in_si
 from .plan import columns_of
 from .responses import REGIME_NAMES, Responses, exact_responses

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..balance import Rows
-from ..identify import SINGULAR
+from .balance import Rows
+from .identify import SINGULAR
 
 Array = NDArray[np.float64]
 
