@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -312,3 +313,29 @@ def test_a_mapping_says_frequency_and_level(tmp_path, capsys):
     assert "run0.csv: the excitation oscillates" in capsys.readouterr().err
     assert main(["identify", *records, *COMMON, "--frequency", "3.5"]) == 0
     assert load(records[1], 2310.0).label == "2 of 2"
+
+
+@pytest.mark.parametrize("friction", ["100", "1e-6"], ids=["sticks", "no friction"])
+def test_responses_that_do_not_slip_are_said_to_be_so(friction, tmp_path, capsys):
+    records = []
+    for i, amplitude in enumerate(("0.002", "0.004", "0.006"), start=1):
+        records.append(str(tmp_path / f"run{i}.csv"))
+        command = (
+            f"simulate {records[-1]} --frequency 4 --amplitude {amplitude} --friction {friction}"
+        )
+        assert main([*command.split(), "--rate", "1000", "--cycles", "20", "--noise", "0.01"]) == 0
+    capsys.readouterr()
+    assert main(["identify", *records, *COMMON, "--mass", "2.42", "--approach", "direct"]) == 0
+    said = capsys.readouterr().out
+    assert "no record shows harmonics above its noise" in said
+    assert "no maximum-likelihood fit with m = 2.42 kg: the records are those of a linear" in said
+    low, high = map(float, re.search(r"^direct +\S+ \[(\S+), (\S+)\]", said, re.MULTILINE).groups())
+    assert low < 0.02  # no friction, within the noise
+    assert high > -0.02
+
+
+def test_a_wrong_mass_costs_the_fit_and_nothing_else(capsys):
+    assert main(["identify", *RECORDS, *COMMON, "--mass", "24", "--approach", "direct"]) == 0
+    said = capsys.readouterr().out
+    assert "no maximum-likelihood fit with m = 24 kg" in said
+    assert "\ndirect " in said

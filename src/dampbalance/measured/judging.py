@@ -34,7 +34,7 @@ def _notes(estimated: Estimated, yardstick: Estimated | None) -> list[str]:
     found = []
     for symbol, unit in (("F_k", "N"), ("c", "N s/m")):
         parameter = getattr(estimated, symbol)
-        if parameter.value < 0.0:
+        if parameter.value < -_APART * parameter.standard_error:
             found.append(
                 f"{symbol} = {parameter.value:.3g} {unit} is negative: no such oscillator exists; check signs, "
                 "channels and the stiffness"
@@ -78,15 +78,16 @@ def _apart(estimated: Estimated, yardstick: Estimated | None) -> str:
 def agreement(microstick: Microstick, estimates: Mapping[str, Estimated]) -> list[str]:
     """Warnings on all records together."""
     found = []
-    if not microstick.resolved:
-        bound = (
-            ""
-            if not math.isfinite(microstick.bound)
-            else f"; F_k is then too small by up to {100.0 * abs(microstick.rigid_bias):.2g} % (97.5 % confidence)"
+    if not math.isfinite(microstick.bound):
+        found.append(
+            "no record shows harmonics above its noise: nothing may slip, or there may be no friction; K_z is unknown, "
+            "and the contact is taken as rigid, which costs F_k an unknown part: excite it more, or reduce the noise"
         )
+    elif not microstick.resolved:
         found.append(
             "the records together do not resolve the slip onset: K_z has no upper limit, and the contact is taken as "
-            f"rigid{bound}; sample faster, measure acceleration, or reduce the noise"
+            f"rigid; F_k is then too small by up to {100.0 * abs(microstick.rigid_bias):.2g} % (97.5 % confidence); "
+            "sample faster, measure acceleration, or reduce the noise"
         )
     if microstick.misfit > 1.0 and math.isfinite(microstick.misfit):
         freedom = sum(math.isfinite(a) for a in next(iter(estimates.values())).rows.a) - 1

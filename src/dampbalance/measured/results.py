@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from .. import __version__
 from ..balance import APPROACHES
 from ..features import Phase
 from ..files import write_csv, write_json, write_text
+from ..information import NotIdentifiable
 from ..likelihood import reference_fit
 from ..record import Record
 from ..reference import ReferenceFit
@@ -82,7 +83,13 @@ def identified(
         replicates=replicates,
         seed=seed,
     )
-    reference = None if mass is None else maximum_likelihood(records, mass, k)
+    reference = None
+    if mass is not None:
+        try:
+            reference = maximum_likelihood(records, mass, k)
+        except (ArithmeticError, NotIdentifiable) as error:  # the approaches stand without it
+            said = f"no maximum-likelihood fit with m = {mass:g} kg: {error}"
+            found = replace(found, warnings=(*found.warnings, said))
     return Results(records, found, reference)
 
 
