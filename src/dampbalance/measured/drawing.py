@@ -51,7 +51,7 @@ def cycles(loaded: Sequence[Loaded]) -> Figure:
         t, values = one.excerpt[quantity]
         kept = slice(None, None, max(1, t.size // _POINTS))
         base = float(np.angle(steady.mean(steady.Y)[1]))
-        theta = (steady.omega * (t[kept] - _origin(one)) + base) % (2.0 * math.pi)
+        theta = (steady.omega * (t[kept] - steady.start) + base) % (2.0 * math.pi)
         axes.plot(
             np.degrees(theta),
             factor * values[kept],
@@ -86,25 +86,14 @@ def loops(loaded: Sequence[Loaded], found: Identification) -> Figure:
         axes.plot(np.append(x, x[0]), np.append(acceleration, acceleration[0]), color=SLIP)
         waveform = one.reading.waveform
         if shared.resolved and waveform is not None:
-            orbit = waveform.orbit
+            osc, X = waveform.orbit.oscillator, 1e3 * waveform.orbit.X
             length = 1e3 * shared.length
-            osc, X = orbit.oscillator, 1e3 * orbit.X
             drop = (osc.k * shared.length + 2.0 * osc.F_k) / osc.m
-            highest = float(np.interp(-X, np.sort(x), acceleration[np.argsort(x)]))
-            start = float(acceleration[int(np.argmin(x))])
+            start = float(acceleration[int(np.argmin(x))])  # at the reversal
             for sign in (1.0, -1.0):
-                axes.plot(
-                    sign * np.array([-X, length - X]),
-                    sign * np.array([max(start, highest), max(start, highest) - drop]),
-                    color=STICK,
-                )
-                axes.plot(
-                    sign * (length - X),
-                    sign * (max(start, highest) - drop),
-                    "o",
-                    color=STICK,
-                    markersize=2.5,
-                )
+                line = sign * np.array([[-X, length - X], [start, start - drop]])
+                axes.plot(*line, color=STICK)
+                axes.plot(*line[:, 1], "o", color=STICK, markersize=2.5)
         axes.set_title(_name(one.label), pad=3.0)
         axes.set_ylabel(r"$\ddot x$ (m/s²)", labelpad=1.0)
         axes.margins(0.08)
@@ -192,8 +181,3 @@ def _below(panels: Sequence[Axes], label: str) -> None:
 
 def _name(label: str) -> str:
     return label.replace("$", r"\$")  # else matplotlib takes it for mathematics
-
-
-def _origin(one: Loaded) -> float:
-    """The time that the phases of the harmonics are counted from, s."""
-    return one.reading.steady.start

@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -68,7 +67,7 @@ def load(
                     str(path), channels, k, frequency_hz=nominal, skip_cycles=skip_cycles
                 )
             )
-            first = {q: next(chain(blocks())) for q, blocks in channels.items()}
+            first = {q: next(iter(blocks())) for q, blocks in channels.items()}
         else:
             measurement = replace(read(path, rules), source=str(path))
             reading = read_features(measurement, k, frequency_hz=nominal, skip_cycles=skip_cycles)

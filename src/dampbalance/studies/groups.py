@@ -145,14 +145,16 @@ _HEAD = (
 _RULE = "|---|---|---|---|---|---:|---:|---:|---:|---:|---:|"
 
 
+def fit_cells(row: Mapping[Any, Any]) -> list[str]:
+    """The cells of a line that say which quantity and which fit it is about."""
+    phase, fit = (row[name].replace("_", " ") for name in ("phase", "fit"))
+    return [row["quantity"], row["approach"], phase, row["sharing"], fit]
+
+
 def _line(row: Mapping[Any, Any]) -> str:
     sign = "−" if row["bias_percent"] < 0.0 else ""
     cells = [
-        row["quantity"],
-        row["approach"],
-        row["phase"].replace("_", " "),
-        row["sharing"],
-        row["fit"].replace("_", " "),
+        *fit_cells(row),
         f"{row['identified']:,} of {row['runs']:,}",
         f"{sign}{_percent(row, 'bias')} ± {_percent(row, 'bias_error')}",
         *(_percent(row, name) for name in ("scatter", "standard_error", "p95", "coverage")),

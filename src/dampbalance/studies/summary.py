@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from ..wording import percent
-from .groups import grouped_markdown, grouped_summary
+from .groups import fit_cells, grouped_markdown, grouped_summary
 from .settings import Study
 from .stretches import Sizes, stretches
 
@@ -76,11 +76,7 @@ def _overall_markdown(summary: pd.DataFrame) -> list[str]:
     for row in summary.to_dict("records"):
         errors = [row[f"{name}_error_percent"] for name in ("median", "p95", "max")]
         cells = [
-            row["quantity"],
-            row["approach"],
-            row["phase"].replace("_", " "),
-            row["sharing"],
-            row["fit"].replace("_", " "),
+            *fit_cells(row),
             f"{row['identified']:,}",
             *(percent(0.01 * error) for error in errors),
             percent(row[SHARE]) if row["identified"] else "–",
