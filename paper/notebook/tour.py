@@ -205,7 +205,7 @@ pd.DataFrame(
 
 # %%
 from dampbalance.balance import APPROACHES
-from dampbalance.identify import least_squares, pair
+from dampbalance.solver import least_squares, pair
 
 rows = APPROACHES["direct"](features, oscillator.k)
 pd.DataFrame(

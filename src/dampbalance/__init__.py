@@ -5,11 +5,11 @@ DETC2010-28049.
 """
 
 from .model import BaseMotion, Oscillator
-from .orbit import NoSteadyOrbit, Orbit, steady_orbit
-from .orbits import Orbits, steady_orbits
-from .regime import Regime
-from .states import State
-from .transient import Trajectory, transient
+from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
+from .motion.orbits import Orbits, steady_orbits
+from .motion.regime import Regime
+from .motion.states import State
+from .motion.transient import Trajectory, transient
 
 __version__ = "0.1.0"
 

@@ -13,7 +13,7 @@ limit X_s → −X, t_s → 0, V_s → 0 of each: a = 4X.
 The Fourier energy balance, which is not in the paper, assumes no shape of x(t): of a harmonic base's work it is the
 fundamental alone that counts, exactly, and the odd harmonics make up the viscous integral. It holds off resonance.
 
-A row is NaN where its response lacks a feature (nothing slips). The solver of `identify.py` leaves such rows out.
+A row is NaN where its response lacks a feature (nothing slips). The solver of `solver.py` leaves such rows out.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Features of n responses at one frequency: all that the estimators know (Tables 1 and 2).
 
-`of_orbit` takes them from an exact orbit, `reading.py` reads them off a sampled record; `stack` joins responses. What
-a response does not have (no slip, no slip onset) is NaN, and its `regime` says why.
+`of_orbit` takes them from an exact orbit, `reading/clean.py` reads them off a sampled record; `stack` joins
+responses. What a response does not have (no slip, no slip onset) is NaN, and its `regime` says why.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .orbit import Orbit
+from .motion.orbit import Orbit
 
 if TYPE_CHECKING:
     import pandas as pd

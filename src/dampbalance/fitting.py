@@ -1,4 +1,4 @@
-"""F_k and c of many cases at once: the solver of `identify.py`, one column of rows per case."""
+"""F_k and c of many cases at once: the solver of `solver.py`, one column of rows per case."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .balance import Rows
-from .identify import SINGULAR
+from .solver import SINGULAR
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from dampbalance.flow import move, phase_start, step_response
 from dampbalance.model import Parameters
+from dampbalance.motion.flow import move, phase_start, step_response
 
 EPS = np.finfo(float).eps
 

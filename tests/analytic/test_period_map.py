@@ -8,8 +8,8 @@ import pytest
 from analytic.cases import SEVERAL_SLIPS, case
 from dampbalance import State, steady_orbit, transient
 from dampbalance.model import parameters
-from dampbalance.period_map import half_period_map, solve_period_map
-from dampbalance.steady import MAX_PHASES
+from dampbalance.motion.period_map import half_period_map, solve_period_map
+from dampbalance.motion.steady import MAX_PHASES
 
 CASES = [(0.6, 1.0, 90.0, 0.14), (0.1, 0.8, 2.0, 0.6), (2.0, 0.7, 30.0, 0.1), *SEVERAL_SLIPS]
 PHASES = np.empty((MAX_PHASES, 5))

@@ -1,4 +1,4 @@
-"""One steady orbit, reached from everywhere: the theorem behind `dampbalance.period_map`, README.md, section 9."""
+"""One steady orbit, reached from everywhere: the theorem behind `motion/period_map.py` (README.md, section 9)."""
 
 from __future__ import annotations
 

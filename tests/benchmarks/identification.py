@@ -21,13 +21,13 @@ import pandas as pd
 from dampbalance import BaseMotion
 from dampbalance.balance import APPROACHES
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
-from dampbalance.files import write_csv, write_text
-from dampbalance.likelihood import reference_fit
-from dampbalance.measured.identification import REPLICATES, identify
-from dampbalance.measured.measurement import Measurement
-from dampbalance.measured.reading import read_features
-from dampbalance.measured.simulated import simulated_measurement
+from dampbalance.identification.identify import REPLICATES, identify
+from dampbalance.likelihood.fit import reference_fit
+from dampbalance.project.files import write_csv, write_text
+from dampbalance.reading.noisy import read_features
 from dampbalance.record import Record
+from dampbalance.records.measurement import Measurement
+from dampbalance.records.synthetic import simulated_measurement
 
 from .cases import PAPER
 from .measuring import (
@@ -57,9 +57,9 @@ _FIRST_CALL = """
 import sys, time
 clocks = lambda: (time.perf_counter(), time.process_time())
 start = clocks()
-from dampbalance.measured.identification import identify
-from dampbalance.measured.measurement import Channel, Measurement
-from dampbalance.measured.reading import read_features
+from dampbalance.identification.identify import identify
+from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.reading.noisy import read_features
 loaded = clocks()
 import numpy as np
 readings = []

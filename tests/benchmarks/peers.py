@@ -14,7 +14,7 @@ import pandas as pd
 
 from dampbalance import steady_orbits
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
-from dampbalance.files import write_csv, write_text
+from dampbalance.project.files import write_csv, write_text
 
 from . import peer_scipy
 from .cases import FEATURES, Sweep, forty_digits, sweep, worst_error

@@ -16,7 +16,7 @@ from pathlib import Path
 import pandas as pd
 
 from dampbalance.figures.style import SLIP, page, place, save, styled
-from dampbalance.files import write_csv, write_text
+from dampbalance.project.files import write_csv, write_text
 
 from .measuring import machine, markdown, quantity
 

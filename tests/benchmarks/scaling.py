@@ -15,7 +15,7 @@ import pandas as pd
 
 from dampbalance import Regime, steady_orbits
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
-from dampbalance.files import write_csv, write_text
+from dampbalance.project.files import write_csv, write_text
 
 from .cases import PAPER, Sweep, sweep
 from .measuring import Contestant, cores, interleaved, machine, markdown, quantity

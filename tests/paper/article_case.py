@@ -16,13 +16,15 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from dampbalance import comparison, figures, steady_orbit, tables
-from dampbalance.claims import claims_table, read_published
-from dampbalance.configuration import motions_from
+from dampbalance import figures, steady_orbit
 from dampbalance.features import Features
-from dampbalance.files import write_csv
-from dampbalance.studies import drawing, evaluate, outputs
+from dampbalance.project.case import motions_from
+from dampbalance.project.files import write_csv
+from dampbalance.replication import comparison, tables
+from dampbalance.replication.claims import claims_table, read_published
+from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.settings import read_study
+from dampbalance.studies.shown import drawing
 from paper.routes import (
     CONFIG,
     FREQUENCIES_HZ,
@@ -80,13 +82,13 @@ class Project:
         told = SimpleNamespace(input=inputs, params=params, output=SimpleNamespace(**output))
         with contextlib.chdir(self.folder):
             runpy.run_path(
-                str(ROOT / f"workflow/scripts/{script}.py"), {"snakemake": told}, "__main__"
+                str(ROOT / f"workflow/scripts/article/{script}.py"), {"snakemake": told}, "__main__"
             )
 
     def typeset(self, output: str = f"{RESULTS}/article.pdf") -> None:
         """The rule `article`."""
         params = SimpleNamespace(source="paper/article/article.typ", inputs=INPUTS)
-        self.run("article_pdf", None, params, {"pdf": output})
+        self.run("article", None, params, {"pdf": output})
 
 
 def build(folder: Path) -> Project:

@@ -8,12 +8,13 @@ from pathlib import Path
 
 import pandas as pd
 
-from dampbalance import comparison, steady_orbit, tables
-from dampbalance.claims import claims_table, read_published
-from dampbalance.configuration import motions_from
+from dampbalance import steady_orbit
 from dampbalance.features import Features
-from dampbalance.files import read_csv, write_csv
-from dampbalance.page.report import Results, report_page
+from dampbalance.project.case import motions_from
+from dampbalance.project.files import read_csv, write_csv
+from dampbalance.publishing.page.report import Results, report_page
+from dampbalance.replication import comparison, tables
+from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.settings import Study, read_study
 from paper.routes import (

@@ -9,15 +9,15 @@ from pathlib import Path
 import yaml
 
 from dampbalance.balance import APPROACHES_OF_TABLE_3
-from dampbalance.claims import Route, Setting
-from dampbalance.configuration import oscillator_from, pairs_from
+from dampbalance.estimates import estimate_table
 from dampbalance.features import of_orbit, stack
-from dampbalance.identify import estimate_table
 from dampbalance.model import BaseMotion, Oscillator
-from dampbalance.orbit import steady_orbit
-from dampbalance.reading import of_record
-from dampbalance.readout import ReadOut
-from dampbalance.timestepping import simulate
+from dampbalance.motion.fixed_step import simulate
+from dampbalance.motion.orbit import steady_orbit
+from dampbalance.project.case import oscillator_from, pairs_from
+from dampbalance.reading.clean import of_record
+from dampbalance.replication.claims import Route, Setting
+from dampbalance.replication.readout import ReadOut
 
 ROOT = Path(__file__).parents[2]
 PUBLISHED = ROOT / "paper/published"

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from pypdf import PdfReader
 
-from dampbalance.article import compiling
+from dampbalance.publishing.article import compiling
 from paper.article_case import INPUTS, build
 from paper.routes import ROOT
 

@@ -7,10 +7,10 @@ import re
 import pytest
 import yaml
 
-from dampbalance.article.book import Book
-from dampbalance.article.sources import MissingValue, Place, Results
-from dampbalance.article.style import Style, decimals, significant
-from dampbalance.article.typed import not_excused, typed_numbers
+from dampbalance.publishing.article.book import Book
+from dampbalance.publishing.article.sources import MissingValue, Place, Results
+from dampbalance.publishing.article.style import Style, decimals, significant
+from dampbalance.publishing.article.typed import not_excused, typed_numbers
 from paper.routes import ROOT
 
 ARTICLE = ROOT / "paper/article"

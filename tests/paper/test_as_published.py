@@ -16,12 +16,12 @@ import pytest
 
 from dampbalance.balance import direct, slip_displacement, slip_time, slip_velocity_as_printed
 from dampbalance.features import of_orbit, stack
-from dampbalance.identify import pair
 from dampbalance.model import BaseMotion, Oscillator
-from dampbalance.orbit import steady_orbit
-from dampbalance.reading import of_record
-from dampbalance.readout import ReadOut
-from dampbalance.timestepping import simulate
+from dampbalance.motion.fixed_step import simulate
+from dampbalance.motion.orbit import steady_orbit
+from dampbalance.reading.clean import of_record
+from dampbalance.replication.readout import ReadOut
+from dampbalance.solver import pair
 
 PUBLISHED = Path(__file__).parents[2] / "paper/published"
 PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)

@@ -11,7 +11,8 @@ import pandas as pd
 import pytest
 
 from dampbalance import balance
-from dampbalance.claims import (
+from dampbalance.project.files import write_csv
+from dampbalance.replication.claims import (
     VERDICTS,
     Route,
     check,
@@ -23,11 +24,10 @@ from dampbalance.claims import (
     record,
     summary,
 )
-from dampbalance.claims.inputs import CORRECTED, HARMONIC
-from dampbalance.claims.published import Printed
-from dampbalance.claims.table import COLUMNS
-from dampbalance.claims.verdict import ROUTES, Claim, Resolution, explanation, verdict
-from dampbalance.files import write_csv
+from dampbalance.replication.claims.inputs import CORRECTED, HARMONIC
+from dampbalance.replication.claims.published import Printed
+from dampbalance.replication.claims.table import COLUMNS
+from dampbalance.replication.claims.verdict import ROUTES, Claim, Resolution, explanation, verdict
 from paper.routes import PAPER, PUBLISHED, as_published, exact, setting
 
 

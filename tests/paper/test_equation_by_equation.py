@@ -1,7 +1,7 @@
 """Equations (1) to (7) and (10) to (14) of the paper, each on exact orbits or on a harmonic motion.
 
 The formulas solved for two unknowns, (8) and (15) to (19), are in `test_formulas.py`, the least squares (9) in
-`tests/unit/test_identify.py`.
+`tests/unit/test_solver.py`.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import pytest
 
 from dampbalance.balance import slip_displacement, slip_time, slip_velocity
 from dampbalance.features import of_orbit, single
-from dampbalance.identify import contact_stiffness, pair
 from dampbalance.model import BaseMotion
-from dampbalance.orbit import steady_orbit
+from dampbalance.motion.orbit import steady_orbit
+from dampbalance.solver import contact_stiffness, pair
 from paper.routes import PAPER
 
 CASES = [(hertz, Y) for hertz in (4.92, 3.5, 11.1) for Y in (0.004, 0.012)]

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from dampbalance.balance import Rows, slip_displacement, slip_time, slip_velocity
 from dampbalance.features import single, stack
-from dampbalance.identify import pair
+from dampbalance.solver import pair
 from paper.formulas import eq_8, eq_15, eq_16, eq_17, eq_18, eq_19
 
 # Two responses of an oscillator somewhere near the paper's: the second 1.2 to 5 times the first, slip setting in at

@@ -8,16 +8,16 @@ from decimal import Decimal
 import pytest
 
 from dampbalance.balance import APPROACHES, slip_velocity_as_printed
-from dampbalance.claims.from_print import (
+from dampbalance.replication.claims.from_print import (
     from_print,
     printed_estimates,
     printed_features,
     printed_pair_statistics,
 )
-from dampbalance.claims.inputs import PAIR_LABELS
-from dampbalance.claims.of_tables import rounding_ranges
-from dampbalance.claims.published import Printed, numbers, read_published
-from dampbalance.identify import least_squares
+from dampbalance.replication.claims.inputs import PAIR_LABELS
+from dampbalance.replication.claims.of_tables import rounding_ranges
+from dampbalance.replication.claims.published import Printed, numbers, read_published
+from dampbalance.solver import least_squares
 from paper.routes import PUBLISHED, setting
 
 APPROACH_IDS = {"direct": "direct", "Xs": "X_s", "ts": "t_s", "Vs": "V_s"}

@@ -13,7 +13,7 @@ import nbformat
 import numpy as np
 import pytest
 
-from dampbalance import notebook
+from dampbalance.publishing import notebook
 from paper.chromium import CHROMIUM, REASON
 
 FOLDER = Path(__file__).parents[2] / "paper/notebook"

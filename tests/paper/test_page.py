@@ -18,14 +18,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from dampbalance.claims import read_record
-from dampbalance.claims.table import counts as counts_of_claims
-from dampbalance.page import charts, colours, words
-from dampbalance.page.cells import claim_of
-from dampbalance.page.match import match_picture
-from dampbalance.page.report import LARGEST
-from dampbalance.page.sources import SOURCES, link, study_source
-from dampbalance.page.verdicts import VERDICTS, counts
+from dampbalance.publishing.page import charts, colours, words
+from dampbalance.publishing.page.cells import claim_of
+from dampbalance.publishing.page.match import match_picture
+from dampbalance.publishing.page.origins import SOURCES, link, study_source
+from dampbalance.publishing.page.report import LARGEST
+from dampbalance.publishing.page.verdicts import VERDICTS, counts
+from dampbalance.replication.claims import read_record
+from dampbalance.replication.claims.table import counts as counts_of_claims
 from paper.page_case import PAGE, claims_of_paper, page_of, results
 from paper.routes import PUBLISHED, ROOT
 
@@ -174,7 +174,7 @@ def test_the_same_results_give_the_same_bytes(made, html):
 
 def test_it_is_small_enough_and_says_when_it_is_not(made, html, monkeypatch):
     assert len(html.encode()) < LARGEST == 3_000_000
-    monkeypatch.setattr("dampbalance.page.report.LARGEST", 1000)
+    monkeypatch.setattr("dampbalance.publishing.page.report.LARGEST", 1000)
     with pytest.raises(ValueError, match=r"report\.html would have [\d,]+ bytes, more than 1,000"):
         page_of(made)
 
@@ -228,7 +228,9 @@ def test_the_package_ships_what_the_page_is_made_of(tmp_path):
     (wheel,) = tmp_path.glob("*.whl")
     held = set(zipfile.ZipFile(wheel).namelist())
     parts = [
-        p for f in ("static", "templates") for p in (ROOT / "src/dampbalance/page" / f).iterdir()
+        p
+        for f in ("static", "templates")
+        for p in (ROOT / "src/dampbalance/publishing/page" / f).iterdir()
     ]
     assert len(parts) == 5
     assert {p.relative_to(ROOT / "src").as_posix() for p in parts} <= held
@@ -265,7 +267,7 @@ def test_every_colour_of_the_page_is_one_that_is_checked(html):
     assert used <= colours.LIGHT.keys()
     checked = {name for pair in (*colours.TEXT_ON, *colours.GRAPHICS_ON) for name in pair}
     assert used - checked == {"rule"}  # lines of tables and grids, which only decorate
-    style = (ROOT / "src/dampbalance/page/static/style.css").read_text(encoding="utf-8")
+    style = (ROOT / "src/dampbalance/publishing/page/static/style.css").read_text(encoding="utf-8")
     assert re.findall(r"#[0-9a-fA-F]{3,8}\b", style) == []  # no colour outside the palette
     specs = next(e["text"] for e in Tree(html).named("script") if e.get("id") == "charts")
     assert re.findall(r'"#[0-9a-fA-F]{3,8}"', specs) == []

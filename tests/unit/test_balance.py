@@ -23,9 +23,9 @@ from dampbalance.balance import (
     viscous_integral,
 )
 from dampbalance.features import of_orbit, single, stack
-from dampbalance.identify import least_squares
 from dampbalance.model import BaseMotion, Oscillator
-from dampbalance.orbit import steady_orbit
+from dampbalance.motion.orbit import steady_orbit
+from dampbalance.solver import least_squares
 
 K = 2310.0
 HARMONIC = ("X_s", "t_s", "V_s")

@@ -9,11 +9,11 @@ import pytest
 
 from dampbalance.features import COLUMNS, Features, of_orbit, single, stack
 from dampbalance.model import BaseMotion, Oscillator
-from dampbalance.orbit import steady_orbit
-from dampbalance.quadrature import integral
-from dampbalance.reading import of_record
-from dampbalance.readout import ReadOut
+from dampbalance.motion.orbit import steady_orbit
+from dampbalance.reading.clean import of_record
+from dampbalance.reading.quadrature import integral
 from dampbalance.record import Record
+from dampbalance.replication.readout import ReadOut
 
 PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
 OMEGA = 2.0 * math.pi * 4.92

@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 import yaml
 
-from dampbalance.measured.outputs import OUTPUTS
-from dampbalance.measured.results import identified
+from dampbalance.identification.outputs import OUTPUTS
+from dampbalance.identification.run import identified
 
 pytestmark = pytest.mark.slow
 

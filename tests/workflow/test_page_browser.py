@@ -9,7 +9,7 @@ import re
 
 import pytest
 
-from dampbalance.page import colours
+from dampbalance.publishing.page import colours
 from paper.chromium import CHROMIUM, REASON
 from paper.page_case import page_of, results
 

@@ -98,12 +98,24 @@ def test_a_changed_value_reruns_what_depends_on_it(built):
 @pytest.mark.parametrize(
     ("file", "reruns", "stays"),
     [
-        ("src/dampbalance/flow.py", {"simulate_exact", "features_exact"}, {"check"}),
+        ("src/dampbalance/motion/flow.py", {"simulate_exact", "features_exact"}, {"check"}),
         ("src/dampbalance/balance.py", {"estimate_exact"}, {"simulate_exact", "features_exact"}),
-        ("src/dampbalance/timestepping.py", {"simulate_as_published"}, {"simulate_exact"}),
-        ("src/dampbalance/tables.py", {"tables"}, {"estimate_exact", "simulate_exact", "figure3"}),
-        ("workflow/scripts/estimate_exact.py", {"estimate_exact"}, {"estimate_as_published"}),
-        ("src/dampbalance/transient.py", set(), {"simulate_exact", "estimate_exact", "tables"}),
+        ("src/dampbalance/motion/fixed_step.py", {"simulate_as_published"}, {"simulate_exact"}),
+        (
+            "src/dampbalance/replication/tables.py",
+            {"tables"},
+            {"estimate_exact", "simulate_exact", "figure3"},
+        ),
+        (
+            "workflow/scripts/estimates/estimate_exact.py",
+            {"estimate_exact"},
+            {"estimate_as_published"},
+        ),
+        (
+            "src/dampbalance/motion/transient.py",
+            set(),
+            {"simulate_exact", "estimate_exact", "tables"},
+        ),
     ],
 )
 def test_an_edited_module_or_script_reruns_what_depends_on_it(built, file, reruns, stays):

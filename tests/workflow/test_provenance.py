@@ -20,8 +20,8 @@ import pytest
 from rocrate.rocrate import ROCrate
 
 from dampbalance import __version__
-from dampbalance.provenance import archive
-from dampbalance.provenance.sources import digest_of, files_of, sha256
+from dampbalance.publishing.provenance import archive
+from dampbalance.publishing.provenance.sources import digest_of, files_of, sha256
 from workflow.tiny import ROOT, TINY, digests_hold, whole
 
 RESULTS = "results/tiny"
@@ -70,10 +70,10 @@ def test_every_result_is_in_the_manifest_with_its_digest(built, stated):
         (
             "features/as_published/resonance.csv",
             "features_as_published",
-            "features_as_published.py",
+            "features/features_as_published.py",
         ),
-        ("tables/table3.md", "tables", "tables.py"),
-        ("figures/figure2.png", "figure2", "figure2.py"),
+        ("tables/table3.md", "tables", "tables/tables.py"),
+        ("figures/figure2.png", "figure2", "figures/figure2.py"),
     ],
 )
 def test_the_rule_and_the_job_of_a_result_are_named(stated, file, rule, script):
@@ -108,7 +108,7 @@ def test_the_configuration_is_the_merged_one(stated):
 
 def test_sources_are_listed_with_their_digests(built, stated):
     sources = stated["reproducible"]["sources"]
-    wanted = {"Snakefile", "config/config.yaml", "tiny.yaml", "src/dampbalance/flow.py"}
+    wanted = {"Snakefile", "config/config.yaml", "tiny.yaml", "src/dampbalance/motion/flow.py"}
     assert wanted | {"paper/published/table1.csv", "requirements.lock"} <= set(sources)
     for file in wanted:
         assert sources[file] == sha256(built.folder / file)
@@ -174,8 +174,10 @@ def test_an_action_leads_from_the_configuration_to_its_results(read_back):
         "#config/config.yaml",
         "#tiny.yaml",
     }
-    assert action["instrument"]["name"] == "workflow/scripts/features_exact.py"
-    assert action["instrument"]["sha256"] == sha256(ROOT / "workflow/scripts/features_exact.py")
+    assert action["instrument"]["name"] == "workflow/scripts/features/features_exact.py"
+    assert action["instrument"]["sha256"] == sha256(
+        ROOT / "workflow/scripts/features/features_exact.py"
+    )
 
 
 def test_every_reference_within_the_crate_is_answered(built):

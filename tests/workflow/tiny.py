@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 from urllib.parse import unquote
 
-from dampbalance.provenance.sources import files_of, sha256
+from dampbalance.publishing.provenance.sources import files_of, sha256
 
 ROOT = Path(__file__).parents[2]
 CONFIGURATION = """\

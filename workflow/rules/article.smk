@@ -30,7 +30,7 @@ if config["published"]:
 
     rule article_schemes:
         input:
-            modules=script_modules("article_schemes.py"),
+            modules=script_modules("article/article_schemes.py"),
         output:
             csv=f"{ARTICLE}/schemes.csv",
         params:
@@ -41,7 +41,7 @@ if config["published"]:
         message:
             "Article: the integrals by other schemes"
         script:
-            "../scripts/article_schemes.py"
+            "../scripts/article/article_schemes.py"
 
     rule article_evidence:
         input:
@@ -50,7 +50,7 @@ if config["published"]:
             claims=rules.claims.output.csv,
             approaches=f"{RESULTS}/tables/approaches.csv",
             schemes=rules.article_schemes.output.csv,
-            modules=script_modules("article_evidence.py"),
+            modules=script_modules("article/article_evidence.py"),
         output:
             json=f"{ARTICLE}/evidence.json",
         params:
@@ -63,13 +63,13 @@ if config["published"]:
         message:
             "Article: numbers to argue with"
         script:
-            "../scripts/article_evidence.py"
+            "../scripts/article/article_evidence.py"
 
     rule article_studies:
         input:
             cases=expand(rules.study_cases.output.cases, study=ARTICLE_STUDIES),
             files=expand(str(STUDY_FOLDER / "{study}.yaml"), study=ARTICLE_STUDIES),
-            modules=script_modules("article_studies.py"),
+            modules=script_modules("article/article_studies.py"),
         output:
             json=f"{ARTICLE}/studies.json",
         params:
@@ -77,12 +77,12 @@ if config["published"]:
         message:
             "Article: what the studies show"
         script:
-            "../scripts/article_studies.py"
+            "../scripts/article/article_studies.py"
 
     rule article_environment:
         input:
             lock="requirements.lock",
-            modules=script_modules("article_environment.py"),
+            modules=script_modules("article/article_environment.py"),
         output:
             json=f"{ARTICLE}/environment.json",
         params:
@@ -90,7 +90,7 @@ if config["published"]:
         message:
             "Article: versions of the environment"
         script:
-            "../scripts/article_environment.py"
+            "../scripts/article/article_environment.py"
 
     rule article_figure:
         input:
@@ -100,7 +100,7 @@ if config["published"]:
             estimates=f"{RESULTS}/estimates/as_published/{FREQUENCIES[0]}.csv",
             schemes=rules.article_schemes.output.csv,
             steps=f"{STUDY_RESULTS}/step_size/cases.parquet",
-            modules=script_modules("article_figure.py"),
+            modules=script_modules("article/article_figure.py"),
         output:
             **figure_files("numerics"),
         params:
@@ -109,7 +109,7 @@ if config["published"]:
         message:
             "Article: how the printed digits arose"
         script:
-            "../scripts/article_figure.py"
+            "../scripts/article/article_figure.py"
 
     # The files that the article takes numbers from, and the rule that makes each.
     ARTICLE_READS = {
@@ -130,7 +130,7 @@ if config["published"]:
     rule article_values:
         input:
             sources=list(ARTICLE_SOURCES),
-            modules=script_modules("article_values.py"),
+            modules=script_modules("article/article_values.py"),
         output:
             json=f"{ARTICLE}/values.json",
         params:
@@ -140,7 +140,7 @@ if config["published"]:
         message:
             "Article: the values it prints"
         script:
-            "../scripts/article_values.py"
+            "../scripts/article/article_values.py"
 
     rule article:
         input:
@@ -150,7 +150,7 @@ if config["published"]:
             figures=list(ARTICLE_FIGURES.values()),
             study_figure=f"{STUDY_RESULTS}/frequency/figure.svg",
             claims=rules.claims.output.csv,
-            modules=script_modules("article_pdf.py"),
+            modules=script_modules("article/article.py"),
         output:
             pdf=report(
                 f"{RESULTS}/article.pdf",
@@ -167,4 +167,4 @@ if config["published"]:
         message:
             "Article: PDF"
         script:
-            "../scripts/article_pdf.py"
+            "../scripts/article/article.py"

@@ -1,7 +1,7 @@
 # A verdict on every printed number, and the comparison with the verdicts on record.
 
 if config["published"] and workflow.is_main_process:
-    from dampbalance.claims import PRINTED_FREQUENCIES, PRINTED_LEVELS
+    from dampbalance.replication.claims import PRINTED_FREQUENCIES, PRINTED_LEVELS
 
     where = f"{CONFIG_FILES[-1]}: published: {config['published']}"
     other = "use null for a case of your own, with nothing printed to compare with"
@@ -30,7 +30,7 @@ rule claims:
             f"{RESULTS}/estimates/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
         ),
         published=published_files,
-        modules=script_modules("claims.py"),
+        modules=script_modules("claims/claims.py"),
     output:
         csv=report(
             f"{RESULTS}/claims.csv",
@@ -49,14 +49,14 @@ rule claims:
     message:
         "Verdicts on the printed numbers"
     script:
-        "../scripts/claims.py"
+        "../scripts/claims/claims.py"
 
 
 rule check:
     input:
         claims=rules.claims.output.csv,
         recorded=f"{config['published']}/verdicts.csv",
-        modules=script_modules("check.py"),
+        modules=script_modules("claims/check.py"),
     output:
         summary=report(
             f"{RESULTS}/summary.txt",
@@ -67,4 +67,4 @@ rule check:
     message:
         "Comparison with the verdicts on record"
     script:
-        "../scripts/check.py"
+        "../scripts/claims/check.py"

@@ -7,9 +7,10 @@ from snakemake.logging import logger
 ROOT = Path(workflow.current_basedir).parent.parent
 
 try:
-    from dampbalance.configuration import ConfigurationError, check
-    from dampbalance.dependencies import package_modules
-    from dampbalance.feasibility import check_feasible
+    from dampbalance.project.case import check
+    from dampbalance.project.documents import ConfigurationError
+    from dampbalance.project.dependencies import package_modules
+    from dampbalance.replication.feasibility import check_feasible
 except ImportError as error:
     raise WorkflowError(
         f"{error}: the environment lacks a package of this project. Run 'make', or activate .venv ('. .venv/bin/activate')."

@@ -4,7 +4,7 @@
 rule estimate_exact:
     input:
         features=rules.features_exact.output.features,
-        modules=script_modules("estimate_exact.py"),
+        modules=script_modules("estimates/estimate_exact.py"),
     output:
         estimates=f"{RESULTS}/estimates/exact/{{frequency}}.csv",
     params:
@@ -13,14 +13,14 @@ rule estimate_exact:
     message:
         "Estimates from the exact features at {wildcards.frequency}"
     script:
-        "../scripts/estimate_exact.py"
+        "../scripts/estimates/estimate_exact.py"
 
 
 rule estimate_as_published:
     input:
         tabulated=rules.features_as_published.output.tabulated,
         two_point=rules.features_as_published.output.two_point,
-        modules=script_modules("estimate_as_published.py"),
+        modules=script_modules("estimates/estimate_as_published.py"),
     output:
         estimates=f"{RESULTS}/estimates/as_published/{{frequency}}.csv",
     params:
@@ -29,7 +29,7 @@ rule estimate_as_published:
     message:
         "Estimates from the as-published features at {wildcards.frequency}"
     script:
-        "../scripts/estimate_as_published.py"
+        "../scripts/estimates/estimate_as_published.py"
 
 
 rule estimates:

@@ -4,7 +4,7 @@
 rule features_exact:
     input:
         orbits=rules.simulate_exact.output.orbits,
-        modules=script_modules("features_exact.py"),
+        modules=script_modules("features/features_exact.py"),
     output:
         features=f"{RESULTS}/features/exact/{{frequency}}.csv",
     params:
@@ -12,13 +12,13 @@ rule features_exact:
     message:
         "Exact features at {wildcards.frequency}"
     script:
-        "../scripts/features_exact.py"
+        "../scripts/features/features_exact.py"
 
 
 rule features_as_published:
     input:
         records=rules.simulate_as_published.output.records,
-        modules=script_modules("features_as_published.py"),
+        modules=script_modules("features/features_as_published.py"),
     output:
         tabulated=f"{RESULTS}/features/as_published/{{frequency}}.csv",
         two_point=f"{RESULTS}/features/as_published/two_point/{{frequency}}.csv",
@@ -30,7 +30,7 @@ rule features_as_published:
     message:
         "Features read off the fixed-step records at {wildcards.frequency}"
     script:
-        "../scripts/features_as_published.py"
+        "../scripts/features/features_as_published.py"
 
 
 rule features:

@@ -16,43 +16,43 @@ def figure_files(name):
 
 rule figure1:
     input:
-        modules=script_modules("figure1.py"),
+        modules=script_modules("figures/figure1.py"),
     output:
         **figure_files("figure1"),
     message:
         "Figure 1: the oscillator and its contact"
     script:
-        "../scripts/figure1.py"
+        "../scripts/figures/figure1.py"
 
 
 rule figure2:
     input:
         orbits=f"{RESULTS}/orbits/{FREQUENCIES[0]}.json",
-        modules=script_modules("figure2.py"),
+        modules=script_modules("figures/figure2.py"),
     output:
         **figure_files("figure2"),
     message:
         "Figure 2: friction force against velocity"
     script:
-        "../scripts/figure2.py"
+        "../scripts/figures/figure2.py"
 
 
 rule figure3:
     input:
         orbits=f"{RESULTS}/orbits/{FREQUENCIES[0]}.json",
-        modules=script_modules("figure3.py"),
+        modules=script_modules("figures/figure3.py"),
     output:
         **figure_files("figure3"),
     message:
         "Figure 3: acceleration against displacement and velocity"
     script:
-        "../scripts/figure3.py"
+        "../scripts/figures/figure3.py"
 
 
 rule estimation_error:
     input:
         estimates=expand(f"{RESULTS}/estimates/exact/{{frequency}}.csv", frequency=FREQUENCIES),
-        modules=script_modules("estimation_error.py"),
+        modules=script_modules("figures/estimation_error.py"),
     output:
         **figure_files("estimation_error"),
     params:
@@ -62,7 +62,7 @@ rule estimation_error:
     message:
         "Estimation error of each approach"
     script:
-        "../scripts/estimation_error.py"
+        "../scripts/figures/estimation_error.py"
 
 
 rule figures:

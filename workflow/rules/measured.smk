@@ -1,9 +1,9 @@
 # F_k, c and K_z from measured records: snakemake --cores all --configfile config/measured.yaml
 import glob
 
-from dampbalance.configuration import refuse
-from dampbalance.measured.mapping import find_mapping
-from dampbalance.measured.outputs import OUTPUTS
+from dampbalance.project.documents import refuse
+from dampbalance.records.mapping import find_mapping
+from dampbalance.identification.outputs import OUTPUTS
 
 MEASURED = {one["name"]: one for one in config.get("measured") or []}
 MEASURED_FILES = f"{RESULTS}/measured"
@@ -47,7 +47,7 @@ rule identify:
     input:
         records=lambda wildcards: record_files(wildcards.set),
         mappings=lambda wildcards: mapping_files(wildcards.set),
-        modules=script_modules("identify.py"),
+        modules=script_modules("measured/identify.py"),
     output:
         **{name.replace(".", "_"): f"{MEASURED_FILES}/{{set}}/{name}" for name in OUTPUTS},
     wildcard_constraints:
@@ -58,13 +58,13 @@ rule identify:
     message:
         "F_k, c and K_z from the records of {wildcards.set}"
     script:
-        "../scripts/identify.py"
+        "../scripts/measured/identify.py"
 
 
 rule measured:
     input:
         sets=expand(f"{MEASURED_FILES}/{{set}}/identification.csv", set=MEASURED),
-        modules=script_modules("measured.py"),
+        modules=script_modules("measured/measured.py"),
     output:
         csv=f"{MEASURED_FILES}/identification.csv",
     params:
@@ -72,4 +72,4 @@ rule measured:
     message:
         "Estimates of all sets of records"
     script:
-        "../scripts/measured.py"
+        "../scripts/measured/measured.py"

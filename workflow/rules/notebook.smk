@@ -8,7 +8,7 @@ rule notebook:
         source=f"{NOTEBOOK}/tour.py",
         template=f"{NOTEBOOK}/page.html",
         style=f"{NOTEBOOK}/page.css",
-        modules=script_modules("notebook.py"),
+        modules=script_modules("notebook/notebook.py"),
         imported=package_modules(f"{NOTEBOOK}/tour.py", ROOT / "src", relative_to=Path.cwd()),
     output:
         ipynb=f"{RESULTS}/notebook/tour.ipynb",
@@ -21,4 +21,4 @@ rule notebook:
     message:
         "Notebook: the guided tour"
     script:
-        "../scripts/notebook.py"
+        "../scripts/notebook/notebook.py"

@@ -7,7 +7,7 @@ PAGE_STUDIES = ["frequency", "level", "damping", "contact_stiffness", "read_out"
 PAGE_PARTS = sorted(
     str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else str(path)
     for folder in ("static", "templates")
-    for path in (ROOT / "src/dampbalance/page" / folder).iterdir()
+    for path in (ROOT / "src/dampbalance/publishing/page" / folder).iterdir()
 )
 
 
@@ -25,7 +25,7 @@ rule page:
         study_files=page_studies(str(STUDY_FOLDER / "{study}.yaml")),
         study_cases=page_studies(f"{STUDY_RESULTS}/{{study}}/cases.parquet"),
         parts=PAGE_PARTS,
-        modules=script_modules("page.py"),
+        modules=script_modules("page/page.py"),
     output:
         page=report(
             f"{RESULTS}/report.html",
@@ -39,13 +39,13 @@ rule page:
     message:
         "The page of the case"
     script:
-        "../scripts/page.py"
+        "../scripts/page/page.py"
 
 
 rule match:
     input:
         claims=f"{RESULTS}/claims.csv",
-        modules=script_modules("page_match.py"),
+        modules=script_modules("page/match.py"),
     output:
         picture=report(
             f"{RESULTS}/figures/match.svg",
@@ -56,4 +56,4 @@ rule match:
     message:
         "The picture of the match"
     script:
-        "../scripts/page_match.py"
+        "../scripts/page/match.py"

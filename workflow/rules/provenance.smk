@@ -6,7 +6,7 @@ import functools
 import os
 
 from dampbalance import __version__ as VERSION
-from dampbalance.provenance.sources import COMPUTING, PROJECT, code_version, files_of
+from dampbalance.publishing.provenance.sources import COMPUTING, PROJECT, code_version, files_of
 from snakemake.io import is_flagged
 
 PROVENANCE_RULES = ("manifest", "crate", "archive")
@@ -82,14 +82,14 @@ rule manifest:
     message:
         "Manifest: configuration, code, packages, digests"
     script:
-        "../scripts/provenance.py"
+        "../scripts/provenance/manifest.py"
 
 
 rule crate:
     input:
         manifest=rules.manifest.output.json,
         citation="CITATION.cff",
-        modules=script_modules("crate.py"),
+        modules=script_modules("provenance/crate.py"),
     output:
         json=report(
             f"{RESULTS}/ro-crate-metadata.json",
@@ -102,7 +102,7 @@ rule crate:
     message:
         "RO-Crate of the results"
     script:
-        "../scripts/crate.py"
+        "../scripts/provenance/crate.py"
 
 
 rule archive:
@@ -127,4 +127,4 @@ rule archive:
     message:
         "Archive of sources and results"
     script:
-        "../scripts/archive.py"
+        "../scripts/provenance/archive.py"

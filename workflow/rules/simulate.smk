@@ -3,7 +3,7 @@
 
 rule simulate_exact:
     input:
-        modules=script_modules("simulate_exact.py"),
+        modules=script_modules("simulate/simulate_exact.py"),
     output:
         orbits=f"{RESULTS}/orbits/{{frequency}}.json",
     params:
@@ -13,12 +13,12 @@ rule simulate_exact:
     message:
         "Exact steady orbits at {wildcards.frequency}"
     script:
-        "../scripts/simulate_exact.py"
+        "../scripts/simulate/simulate_exact.py"
 
 
 rule simulate_as_published:
     input:
-        modules=script_modules("simulate_as_published.py"),
+        modules=script_modules("simulate/simulate_as_published.py"),
     output:
         records=f"{RESULTS}/records/as_published/{{frequency}}.parquet",
     params:
@@ -29,7 +29,7 @@ rule simulate_as_published:
     message:
         "Fixed-step simulation at {wildcards.frequency}"
     script:
-        "../scripts/simulate_as_published.py"
+        "../scripts/simulate/simulate_as_published.py"
 
 
 rule orbits:

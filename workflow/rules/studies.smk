@@ -89,7 +89,7 @@ wildcard_constraints:
 
 rule study_chunk:
     input:
-        modules=script_modules("study_chunk.py"),
+        modules=script_modules("studies/study_chunk.py"),
     output:
         chunk=temp(f"{STUDY_RESULTS}/{{study}}/chunks/{{chunk}}.parquet"),
     threads: 1
@@ -103,13 +103,13 @@ rule study_chunk:
     message:
         "Study {wildcards.study}: chunk {wildcards.chunk}, the last is {params.chunks} − 1"
     script:
-        "../scripts/study_chunk.py"
+        "../scripts/studies/study_chunk.py"
 
 
 rule study_cases:
     input:
         chunks=study_chunks,
-        modules=script_modules("study_cases.py"),
+        modules=script_modules("studies/study_cases.py"),
     output:
         cases=f"{STUDY_RESULTS}/{{study}}/cases.parquet",
         manifest=f"{STUDY_RESULTS}/{{study}}/manifest.json",
@@ -122,14 +122,14 @@ rule study_cases:
     message:
         "Study {wildcards.study}: chunks joined"
     script:
-        "../scripts/study_cases.py"
+        "../scripts/studies/study_cases.py"
 
 
 rule study_figure:
     input:
         cases=rules.study_cases.output.cases,
         file=str(STUDY_FOLDER / "{study}.yaml"),
-        modules=script_modules("study_figure.py"),
+        modules=script_modules("studies/study_figure.py"),
     output:
         svg=report(
             f"{STUDY_RESULTS}/{{study}}/figure.svg",
@@ -144,7 +144,7 @@ rule study_figure:
     message:
         "Study {wildcards.study}: figure"
     script:
-        "../scripts/study_figure.py"
+        "../scripts/studies/study_figure.py"
 
 
 rule study_summary:
@@ -152,7 +152,7 @@ rule study_summary:
         cases=rules.study_cases.output.cases,
         figure=study_figure_files,
         file=str(STUDY_FOLDER / "{study}.yaml"),
-        modules=script_modules("study_summary.py"),
+        modules=script_modules("studies/study_summary.py"),
     output:
         csv=f"{STUDY_RESULTS}/{{study}}/summary.csv",
         md=f"{STUDY_RESULTS}/{{study}}/summary.md",
@@ -162,7 +162,7 @@ rule study_summary:
     message:
         "Study {wildcards.study}: summary"
     script:
-        "../scripts/study_summary.py"
+        "../scripts/studies/study_summary.py"
 
 
 rule studies:

@@ -21,7 +21,7 @@ rule tables:
             f"{RESULTS}/estimates/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
         ),
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
-        modules=script_modules("tables.py"),
+        modules=script_modules("tables/tables.py"),
     output:
         csv=report(
             [*table_files("csv"), f"{RESULTS}/tables/approaches.csv"],
@@ -37,4 +37,4 @@ rule tables:
     message:
         "Tables"
     script:
-        "../scripts/tables.py"
+        "../scripts/tables/tables.py"

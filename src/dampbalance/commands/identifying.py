@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from ..balance import APPROACHES
-from ..measured.identification import REPLICATES, SEED
-from ..measured.outputs import OUTPUTS
-from ..measured.results import identified, write_results
+from ..identification.identify import REPLICATES, SEED
+from ..identification.outputs import OUTPUTS
+from ..identification.run import identified, write_results
 
 _EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ..measured.errors import RecordError
-from ..measured.measurement import QUANTITIES, Channel, Measurement
-from ..measured.simulated import simulated_measurement
-from ..measured.writers import write
 from ..model import BaseMotion, Oscillator
+from ..records.errors import RecordError
+from ..records.measurement import QUANTITIES, Channel, Measurement
+from ..records.synthetic import simulated_measurement
+from ..records.writers import write
 
 _EPILOG = """\
 Each record is exact but for its noise, which is white, of every channel by itself. The oscillator is that of the paper

@@ -7,7 +7,7 @@ what each shows in the paper's case, for readers who cannot see it.
 from __future__ import annotations
 
 from .acceleration import figure3
-from .error import estimation_error
+from .error_levels import estimation_error
 from .friction_loop import friction_velocity_loop
 from .schematic import schematic
 from .style import APPROACH_LOOKS, save

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from ..orbit import Array, Orbit
-from ..states import State
+from ..motion.orbit import Array, Orbit
+from ..motion.states import State
 from .cycle import LEFT, RIGHT, RING, WIDTH, arrow_along, branches, name_regime
 from .style import (
     DOUBLE_COLUMN,

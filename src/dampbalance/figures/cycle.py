@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..orbit import Array, Orbit
-from ..states import State
+from ..motion.orbit import Array, Orbit
+from ..motion.states import State
 from .style import INK, SLIP, STICK, arrow
 
 POINTS = {False: 240, True: 90}  # instants drawn per slip phase, per microstick phase

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from ..orbit import Orbit
+from ..motion.orbit import Orbit
 from .cycle import LEFT, RIGHT, RING, WIDTH, Branch, arrow_along, branches, name_regime
 from .style import DOUBLE_COLUMN, FAINT, HALO, SLIP, STICK, arrow, page, panel_letter, place, styled
 

@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from ..files import replacing
+from ..project.files import replacing
 
 SINGLE_COLUMN, DOUBLE_COLUMN = 90.0, 180.0  # mm
 MM = 1.0 / 25.4  # inches

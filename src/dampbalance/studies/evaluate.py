@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..balance import APPROACHES, Rows
 from ..fitting import Estimates, least_squares_of_cases
-from ..readout import ReadOut
+from ..replication.readout import ReadOut
 from .axes import case_values
 from .parameters import MECHANICAL, PARAMETERS, SI_COLUMNS, in_si
 from .plan import columns_of

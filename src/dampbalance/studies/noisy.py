@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..features import COLUMNS, Features
-from ..measured.microstick import Lengths, microstick_of, weights_of, with_length
-from ..measured.reading import Reading, read_features
-from ..measured.simulated import measured_orbit
+from ..identification.microstick import Lengths, microstick_of, weights_of, with_length
 from ..model import BaseMotion, Oscillator
-from ..orbit import NoSteadyOrbit, Orbit, steady_orbit
-from ..regime import Regime
+from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
+from ..motion.regime import Regime
+from ..reading.noisy import Reading, read_features
+from ..records.synthetic import measured_orbit
 from .responses import NOT_READ, RIGID_LIMIT, Responses
 
 Array = NDArray[np.float64]

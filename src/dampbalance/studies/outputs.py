@@ -18,7 +18,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from ..files import replacing, write_json
+from ..project.files import replacing, write_json
 from .plan import Column, columns_of
 from .responses import REGIME_NAMES, REGIME_WORDS
 from .settings import Study

@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 from typing import NamedTuple
 
-from ..configuration import ConfigurationError
+from ..project.documents import ConfigurationError
 from .axes import Sampled
 from .parameters import PARAMETERS, SI_COLUMNS
 from .responses import REGIME_NAMES

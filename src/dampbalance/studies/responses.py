@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Self
@@ -10,14 +9,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from .._jit import jit
-from ..events import write_phase
 from ..features import COLUMNS
-from ..model import Parameters
-from ..orbits import steady_orbits
-from ..regime import Regime
-from ..states import zero_crossing
-from ..steady import MAX_PHASES, solve_steady
+from ..motion.orbits import steady_orbits, write_zero_crossings
+from ..motion.regime import Regime
 
 Array = NDArray[np.float64]
 
@@ -41,7 +35,8 @@ REGIME_WORDS = [
 class Responses:
     """Features as in `features.Features`, but of many cases: arrays (L, n), omega (1, n), regime codes (L, n).
 
-    The row functions of `balance.py` and the rules of `readout.py` work element by element and take it as it is.
+    The row functions of `balance.py` and the rules of `replication/readout.py` work element by element
+    and take it as it is.
     """
 
     omega: Array
@@ -106,7 +101,7 @@ def exact_responses(
     crossing = np.full(Y.shape, np.nan)
     if zero_crossings:
         inputs = [np.broadcast_to(array, Y.shape).ravel() for array in (*system.values(), Y)]
-        _zero_crossings(
+        write_zero_crossings(
             np.stack(inputs),
             np.stack(
                 [orbits.X.ravel(), orbits.V_s.ravel(), orbits.t_s.ravel(), orbits.phi.ravel()]
@@ -141,41 +136,3 @@ def exact_responses(
 def wrapped(angle: Array) -> Array:
     """The angles plus multiples of 2π, in [−π/2, 3π/2), as in `features.wrapped`."""
     return np.asarray((angle + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi)
-
-
-@jit
-def _zero_crossings(inputs: Array, features: Array, regime: NDArray[np.uint8], out: Array) -> None:
-    """Write the lag of the upward zero crossing of x behind that of y, rad, of each response.
-
-    inputs : (7, n), rows m, c, k, K_z, F_k, ω, Y.   features : (4, n), rows X, V_s, t_s, φ of the reversal. They
-    hold the two phases of an orbit with one slip (`steady.solve_steady`), and the one of an orbit without events;
-    an orbit with several slips is solved again.
-    """
-    phases = np.empty((MAX_PHASES, 5))
-    for i in range(out.size):
-        par = Parameters(
-            inputs[0, i],
-            inputs[1, i],
-            inputs[2, i],
-            inputs[3, i],
-            inputs[4, i],
-            inputs[6, i],
-            inputs[5, i],
-        )
-        X, V_s, t_s, phi = features[0, i], features[1, i], features[2, i], features[3, i]
-        if regime[i] == 0:
-            out[i] = math.nan
-            continue
-        if regime[i] == 3 or regime[i] == 4:  # sinusoidal: every lag is the same
-            out[i] = phi
-            continue
-        theta, count = phi - math.pi, 2
-        if regime[i] == 1:
-            Z_m = par.F_k / par.K_z
-            write_phase(phases, 0, 0.0, 0.0, -X, 0.0, -Z_m)
-            write_phase(phases, 1, t_s, 1.0, -X + 2.0 * Z_m, V_s, Z_m)
-        else:
-            _, count, theta = solve_steady(par, phases)
-        delay = zero_crossing(phases, count, theta, par)
-        angle = theta + par.omega * delay + 0.5 * math.pi
-        out[i] = (angle + 0.5 * math.pi) % (2.0 * math.pi) - 0.5 * math.pi

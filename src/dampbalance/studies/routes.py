@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..configuration import Problem
+from ..project.documents import Problem
 from .parameters import PARAMETERS
 
 

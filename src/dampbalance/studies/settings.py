@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from ..balance import APPROACHES, PHASELESS
-from ..configuration import (
+from ..project.documents import (
     ConfigurationError,
     Key,
     Problem,

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from ..features import COLUMNS, Features, single
 from ..model import BaseMotion, Oscillator
-from ..orbit import NoSteadyOrbit, steady_orbit
-from ..reading import Reading, of_record
+from ..motion.fixed_step import StepTooCoarse, simulate
+from ..motion.orbit import NoSteadyOrbit, steady_orbit
+from ..motion.regime import Regime
+from ..reading.clean import Reading, of_record
 from ..record import Record
-from ..regime import Regime
-from ..timestepping import StepTooCoarse, simulate
 from .responses import NOT_READ, STEP_TOO_COARSE, Responses
 
 Array = NDArray[np.float64]

@@ -1,0 +1,183 @@
+"""What an identification looks like: the records with their averaged cycle, the loops with the fitted lines, and the
+rows of the balance with what is left of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from ..figures.style import (
+    APPROACH_LOOKS,
+    DOUBLE_COLUMN,
+    FAINT,
+    INK,
+    SLIP,
+    STICK,
+    page,
+    place,
+    styled,
+)
+from .loading import Loaded
+from .result import Identification
+
+Array = NDArray[np.float64]
+
+_POINTS = 6000  # samples drawn at most
+_SHOWN = {  # quantity → (symbol, factor, unit)
+    "displacement": ("x", 1e3, "mm"),
+    "velocity": (r"\dot x", 1.0, "m/s"),
+    "acceleration": (r"\ddot x", 1.0, "m/s²"),
+}
+_HEIGHT, _GAP, _BOTTOM, _TOP = 34.0, 9.0, 11.0, 7.0  # mm
+
+
+@styled()
+def cycles(loaded: Sequence[Loaded]) -> Figure:
+    """Each record folded onto one cycle of the drive (dots), and its averaged cycle (line), a panel per record.
+
+    Of several response channels the sharpest is shown. The phase is that of the base, whose peak is at 0.
+    """
+    figure, panels = _panels(len(loaded))
+    for one, axes in zip(loaded, panels, strict=True):
+        steady = one.reading.steady
+        quantity = next(q for q in reversed(_SHOWN) if q in one.excerpt)
+        symbol, factor, unit = _SHOWN[quantity]
+        t, values = one.excerpt[quantity]
+        kept = slice(None, None, max(1, t.size // _POINTS))
+        base = float(np.angle(steady.mean(steady.Y)[1]))
+        theta = (steady.omega * (t[kept] - steady.start) + base) % (2.0 * math.pi)
+        axes.plot(
+            np.degrees(theta),
+            factor * values[kept],
+            ".",
+            color=FAINT,
+            markersize=1.0,
+            rasterized=True,
+        )
+        averaged = one.reading.averaged_cycle()
+        key = {"displacement": "x", "velocity": "v", "acceleration": "acceleration"}[quantity]
+        axes.plot(np.degrees(averaged["phase"]), factor * averaged[key], color=STICK)
+        axes.set_xlim(0.0, 360.0)
+        axes.set_xticks([0, 90, 180, 270, 360])
+        axes.set_title(_name(one.label), pad=3.0)
+        axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
+    _below(panels, "phase of the drive (°)")
+    return figure
+
+
+@styled()
+def loops(loaded: Sequence[Loaded], found: Identification) -> Figure:
+    """Acceleration against displacement, a panel per record: the averaged cycle, and the lines fitted to it.
+
+    The steep line from a reversal is the microstick line, of slope −(k + K_z)/m; where it ends slip begins (dot). It
+    has the length that all records share. Where that is not resolved, there is none.
+    """
+    figure, panels = _panels(len(loaded))
+    shared = found.microstick
+    for one, axes in zip(loaded, panels, strict=True):
+        cycle = one.reading.averaged_cycle()
+        x, acceleration = 1e3 * cycle["x"], cycle["acceleration"]
+        axes.plot(np.append(x, x[0]), np.append(acceleration, acceleration[0]), color=SLIP)
+        waveform = one.reading.waveform
+        if shared.resolved and waveform is not None:
+            osc, X = waveform.orbit.oscillator, 1e3 * waveform.orbit.X
+            length = 1e3 * shared.length
+            drop = (osc.k * shared.length + 2.0 * osc.F_k) / osc.m
+            start = float(acceleration[int(np.argmin(x))])  # at the reversal
+            for sign in (1.0, -1.0):
+                line = sign * np.array([[-X, length - X], [start, start - drop]])
+                axes.plot(*line, color=STICK)
+                axes.plot(*line[:, 1], "o", color=STICK, markersize=2.5)
+        axes.set_title(_name(one.label), pad=3.0)
+        axes.set_ylabel(r"$\ddot x$ (m/s²)", labelpad=1.0)
+        axes.margins(0.08)
+    _below(panels, "$x$ (mm)")
+    return figure
+
+
+@styled()
+def balance(found: Identification) -> Figure:
+    """The rows of the balance, and their residuals.
+
+    (a) W/b against a/b: a F_k + b c = W is a straight line of slope F_k that meets the axis at c. The line is that of
+    the direct balance. (b) what each row leaves, over its standard deviation, for every approach.
+    """
+    figure = page(DOUBLE_COLUMN, 78.0)
+    left, right = place(figure, 17.0, 20.0, 68.0, 50.0), place(figure, 107.0, 20.0, 70.0, 50.0)
+    for index, (name, estimated) in enumerate(found.estimates.items()):
+        rows, usable = estimated.rows, estimated.rows.usable
+        look = APPROACH_LOOKS.get(name)
+        label, colour, marker = (look.label, look.colour, look.marker) if look else (name, INK, "v")
+        along, height = rows.a / rows.b, rows.W / rows.b
+        left.plot(
+            along[usable], height[usable], marker, color=colour, fillstyle="none", label=label
+        )
+        if index == 0 and np.isfinite(estimated.F_k.value):
+            ends = np.array([0.0, 1.06 * float(np.max(along[usable]))])
+            left.plot(ends, estimated.F_k.value * ends + estimated.c.value, color=FAINT, zorder=0)
+        off = estimated.F_k.value * rows.a + estimated.c.value * rows.b - rows.W
+        with np.errstate(divide="ignore", invalid="ignore"):
+            scaled = off / estimated.row_errors
+        places = np.arange(len(scaled)) + 1 + 0.12 * (index - 0.5 * (len(found.estimates) - 1))
+        right.errorbar(
+            places[usable], scaled[usable], yerr=1.0, fmt=marker, color=colour, fillstyle="none",
+            elinewidth=0.6, label=label,
+        )  # fmt: skip
+    left.set_xlim(left=0.0)
+    left.set_xlabel("$a/b$ (s/m)")
+    left.set_ylabel("$W/b$ (N s/m)")
+    right.axhline(0.0, color=FAINT, linewidth=0.6, zorder=0)
+    right.set_xlabel("record")
+    right.set_ylabel("residual / standard deviation")
+    right.xaxis.set_major_locator(MaxNLocator(integer=True))
+    largest = max((abs(v) for v in right.get_ylim()), default=1.0)
+    if largest > 20.0:
+        right.set_yscale("symlog", linthresh=3.0)
+    handles, labels = left.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncols=max(1, len(labels)), borderaxespad=0.3)
+    return figure
+
+
+def alternative_texts(found: Identification) -> Mapping[str, str]:
+    """What each figure shows, in words."""
+    count = len(found.readings)
+    return {
+        "cycles": f"{count} records folded onto one cycle of the drive, with their averaged cycle",
+        "loops": f"acceleration against displacement of {count} records, with the fitted microstick lines",
+        "balance": "rows of the energy balance on a line of slope F_k, and the residual of each row by approach",
+    }
+
+
+def _panels(count: int) -> tuple[Figure, list[Axes]]:
+    """Panels three abreast."""
+    rows = math.ceil(count / 3)
+    height = _BOTTOM + rows * (_HEIGHT + _GAP) - _GAP + _TOP
+    figure = page(DOUBLE_COLUMN, height)
+    width, step = 44.0, 60.0
+    panels = [
+        place(
+            figure,
+            13.0 + step * (i % 3),
+            height - _TOP - _HEIGHT - (i // 3) * (_HEIGHT + _GAP),
+            width,
+            _HEIGHT,
+        )
+        for i in range(count)
+    ]
+    return figure, panels
+
+
+def _below(panels: Sequence[Axes], label: str) -> None:
+    """Label of the abscissa under the lowest panel of each column."""
+    for axes in panels[-3:]:
+        axes.set_xlabel(label)
+
+
+def _name(label: str) -> str:
+    return label.replace("$", r"\$")  # else matplotlib takes it for mathematics

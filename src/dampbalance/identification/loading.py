@@ -1,0 +1,80 @@
+"""From a file to what was read off it; large files a block at a time."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..reading.conditioning import condition_blocks
+from ..reading.noisy import Reading, read_features, read_steady
+from ..records.mapping import mapping_for
+from ..records.measurement import Measurement
+from ..records.readers import MappingLike, RecordWarning, open_channels, read
+
+Array = NDArray[np.float64]
+
+LARGE = 256_000_000
+"""Size of a file, bytes, from which it is not taken into memory as a whole."""
+
+EXCERPT = 16_384  # leading samples of each channel that are kept for plots
+
+
+@dataclass(frozen=True, eq=False)
+class Loaded:
+    """One record: where it is, its name, its features, and its leading samples (t, values) by quantity, s and SI.
+
+    measurement : the whole of it; None for a large file.
+    """
+
+    path: Path
+    label: str
+    reading: Reading
+    excerpt: Mapping[str, tuple[Array, Array]]
+    measurement: Measurement | None = None
+
+
+def load(
+    path: str | Path,
+    k: float,
+    *,
+    mapping: MappingLike = None,
+    frequency_hz: float | None = None,
+    skip_cycles: int = 0,
+) -> Loaded:
+    """The features of a record in a file.
+
+    k : stiffness, N/m.   mapping : what the file does not say of its channels.   frequency_hz : the drive frequency as
+    known, or that of the mapping; compared with the one found.   skip_cycles : left out at the start.
+
+    What its reader finds odd is among the warnings of the reading. Raises RecordError for a file that cannot be read,
+    ValueError for a record that cannot be used; both name the file.
+    """
+    path = Path(path)
+    rules = mapping_for(path, mapping)
+    nominal = rules.frequency_hz if frequency_hz is None else frequency_hz
+    measurement: Measurement | None = None
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", RecordWarning)
+        if path.is_file() and path.stat().st_size > LARGE:
+            channels = open_channels(path, rules)
+            reading = read_steady(
+                condition_blocks(
+                    str(path), channels, k, frequency_hz=nominal, skip_cycles=skip_cycles
+                )
+            )
+            first = {q: next(iter(blocks())) for q, blocks in channels.items()}
+        else:
+            measurement = replace(read(path, rules), source=str(path))
+            reading = read_features(measurement, k, frequency_hz=nominal, skip_cycles=skip_cycles)
+            first = {q: (measurement[q].t, measurement[q].values) for q in measurement}
+    said = [w.message for w in caught if issubclass(w.category, RecordWarning)]
+    found = dict.fromkeys(str(words).removeprefix(f"{path}: ") for words in said)
+    if found:
+        reading = replace(reading, warnings=(*found, *reading.warnings))
+    excerpt = {q: (t[:EXCERPT], values[:EXCERPT]) for q, (t, values) in first.items()}
+    return Loaded(path, str(rules.level or path.name), reading, excerpt, measurement)

@@ -1,0 +1,278 @@
+"""Reference fit: maximum likelihood of (F_k, c, K_z) against the exact steady orbit, the yardstick for every approach.
+
+Records of steady responses at one or more levels, channels y, x[, ẋ, ẍ] with white Gaussian noise. With known standard
+deviations σ the likelihood is largest where Σ r²/σ² is smallest, r = measured − model. With unknown ones, one for each
+channel of each record, they are profiled out: σ² = Σ r²/n, and the fit minimises Σ ½ n log Σ r². Its gradient is that
+of weighted least squares with those σ, so that both are solved by Levenberg–Marquardt steps on
+
+    I δ = Σ J r / σ²,   I = Σ J Jᵀ / σ²  (the Fisher information of `information.py`),
+
+the weights following r. Unknown besides (F_k, c, ρ = K_z^{−1/2}) are Y, ψ and the channel offsets of each record, and
+on request the mass and the frequencies. All samples enter, at their own times; nothing is folded or interpolated.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model import BaseMotion, Oscillator, finite_number
+from ..record import Record
+from .derivatives import clean_signals, compliance_root, response, smallest_compliance_root
+from .information import (
+    Noise,
+    Terms,
+    assemble,
+    channel_terms,
+    covariance_of_K_z,
+    deviation,
+    inverse,
+    require_known,
+)
+from .maximise import Evaluation, climb
+from .residuals import Residual, adequacy
+from .result import ReferenceFit, warnings_of
+from .start import Lines, lines_of, refuse_linear, starting_point
+
+Array = NDArray[np.float64]
+
+_COARSE = 2048  # samples of a record that a first fit looks at: it brings the start within a few standard errors
+_FLOOR = 1e-9  # of the rms of a channel: the least noise that is assumed; below it stands rounding (of ωt, above all)
+
+
+def reference_fit(
+    records: Sequence[Record],
+    omega: float | Sequence[float],
+    m: float,
+    k: float,
+    *,
+    start: Oscillator | None = None,
+    noise: Noise | None = None,
+    free: Collection[str] = (),
+) -> ReferenceFit:
+    """F_k, c and K_z of largest likelihood given steady records.
+
+    omega : rad/s, one for all records or one per record.   m : kg.   k : N/m.
+    start : its F_k, c, K_z (and m, if free) are where to begin; default: an energy balance of the harmonics.
+    noise : standard deviation of every channel, one for all records or one per record; default: estimated.
+    free : "m" and "omega" are fitted, too; the numbers given are then where they begin.
+
+    Raises NotIdentifiable where nothing slips, NoConvergence, NoSteadyOrbit; ValueError for what makes no sense.
+    """
+    problem = _Problem.of(records, omega, m, k, noise, free)
+    lines = [
+        lines_of(r, tau, w)
+        for r, tau, w in zip(problem.records, problem.tau, problem.omega, strict=True)
+    ]
+    refuse_linear(lines, problem.omega, m, k)
+    osc = starting_point(lines, problem.omega, m, k) if start is None else start
+    point, lower, scale = problem.point(osc, lines), *problem.limits(lines)
+    coarse = problem.thinned()
+    if coarse is not None:
+        point = climb(coarse.evaluate, point, lower, scale).point
+    climbed = climb(problem.evaluate, point, lower, scale)
+    return problem.report(climbed.point, climbed.evaluation, climbed.active, climbed.iterations)
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """Records with all that is known about them. A point holds F_k, c, ρ[, m], then Y, ψ[, ω] of each record."""
+
+    records: list[Record]
+    tau: list[Array]
+    omega: list[float]
+    m: float
+    k: float
+    noise: Noise | None
+    free: Collection[str]
+
+    @classmethod
+    def of(
+        cls,
+        records: Sequence[Record],
+        omega: float | Sequence[float],
+        m: float,
+        k: float,
+        noise: Noise | None,
+        free: Collection[str],
+    ) -> _Problem:
+        """The problem, checked."""
+        if not records:
+            raise ValueError("a fit needs at least one record")
+        require_known(noise or {}, free)
+        for name, value in (("m", m), ("k", k)):
+            if not finite_number(name, value) > 0.0:
+                raise ValueError(f"{name} must be positive, got {value!r}")
+        omegas = np.atleast_1d(np.asarray(omega, dtype=float)).tolist()
+        if len(omegas) == 1:
+            omegas *= len(records)
+        if len(omegas) != len(records) or not all(math.isfinite(w) and w > 0.0 for w in omegas):
+            raise ValueError(
+                f"omega must be one positive number, or one per record, got {omega!r} for {len(records)} records"
+            )
+        for i, record in enumerate(records):
+            missing = sorted(_channels(record).keys() - noise.keys()) if noise is not None else []
+            if missing:
+                raise ValueError(f"noise lacks the channels {missing} of record {i + 1}")
+        tau = [record.t - record.t.mean() for record in records]
+        return cls(list(records), tau, omegas, m, k, noise, free)
+
+    @property
+    def common(self) -> int:
+        """Number of unknowns common to all records."""
+        return 3 + ("m" in self.free)
+
+    @property
+    def own(self) -> int:
+        """Number of unknowns of each record, but for offsets."""
+        return 2 + ("omega" in self.free)
+
+    def thinned(self) -> _Problem | None:
+        """The same problem with about `_COARSE` samples of each record, or None where they have not many more."""
+        strides = [len(record) // _COARSE for record in self.records]
+        if max(strides) < 2:
+            return None
+        records, tau = [], []
+        for record, times, stride in zip(self.records, self.tau, strides, strict=True):
+            kept = slice(None, None, max(stride, 1))
+            records.append(
+                Record(**{name: signal[kept] for name, signal in record.signals().items()})
+            )
+            tau.append(times[kept])
+        return _Problem(records, tau, self.omega, self.m, self.k, self.noise, self.free)
+
+    def point(self, osc: Oscillator, lines: Sequence[Lines]) -> Array:
+        """The point of an oscillator, with Y and ψ of the records' own harmonics."""
+        own = [(line.Y, line.psi, w)[: self.own] for line, w in zip(lines, self.omega, strict=True)]
+        common = [osc.F_k, osc.c, compliance_root(osc.K_z), osc.m][: self.common]
+        return np.concatenate([common, np.ravel(own)])
+
+    def limits(self, lines: Sequence[Lines]) -> tuple[Array, Array]:
+        """The least value of each unknown, and one that is as good as zero.
+
+        F_k stays just above zero, where it would take K_z along.
+        """
+        force = self.k * max(line.Y for line in lines)
+        rigid = smallest_compliance_root(self.k)
+        common = [
+            (1e-9 * force, 1e-9 * force),
+            (0.0, 1e-6 * math.sqrt(self.k * self.m)),
+            (rigid, rigid),
+            (1e-6 * self.m, 1e-6 * self.m),
+        ][: self.common]
+        own = [
+            ((1e-3 * line.Y, 1e-3 * line.Y), (-math.inf, 1.0), (0.9 * w, w))[: self.own]
+            for line, w in zip(lines, self.omega, strict=True)
+        ]
+        lower, scale = np.array([*common, *(pair for pairs in own for pair in pairs)]).T
+        return lower, scale
+
+    def model(self, point: Array, i: int) -> tuple[Oscillator, BaseMotion, float]:
+        """Oscillator, motion of the base and ψ of record i."""
+        F_k, c, rho = point[:3].tolist()
+        m = float(point[3]) if "m" in self.free else self.m
+        Y, psi, *omega = point[self.common :].reshape(len(self.records), -1)[i].tolist()
+        motion = BaseMotion(Y, omega[0] if omega else self.omega[i])
+        return Oscillator(m, c, self.k, rho**-2, F_k), motion, psi
+
+    def evaluate(self, point: Array) -> Evaluation:
+        """−log L but for a constant, and the normal equations."""
+        terms: list[dict[str, Terms]] = []
+        weights: list[dict[str, float]] = []
+        value, slips = 0.0, False
+        for i, (record, tau) in enumerate(zip(self.records, self.tau, strict=True)):
+            osc, motion, psi = self.model(point, i)
+            channels = _channels(record)
+            found = response(osc, motion, psi, tau, list(channels), self.free)
+            slips |= math.isfinite(found.orbit.X_s)
+            terms.append(
+                {
+                    name: channel_terms(found.jacobian[name], signal - found.values[name])
+                    for name, signal in channels.items()
+                }
+            )
+            weights.append({})
+            for name, sums in terms[-1].items():
+                if self.noise is None:
+                    least = max((_FLOOR * float(np.std(channels[name]))) ** 2 * sums.n, 1e-300)
+                    rss = max(sums.rss, least)
+                    weights[-1][name] = sums.n / rss
+                    value += 0.5 * sums.n * (math.log(rss) + min(sums.rss / least, 1.0))
+                else:
+                    weights[-1][name] = deviation(self.noise, name, i, len(self.records)) ** -2
+                    value += 0.5 * weights[-1][name] * sums.rss
+        information, gradient = assemble(terms, weights, self.common)
+        return Evaluation(value if slips else math.inf, information, gradient)
+
+    def report(
+        self, point: Array, evaluation: Evaluation, active: NDArray[np.bool_], iterations: int
+    ) -> ReferenceFit:
+        """The estimate at a point, with everything that can be said of it."""
+        residuals: list[Residual] = []
+        noise: dict[str, list[float]] = {}
+        offsets: dict[str, list[float]] = {}
+        fitted = point.size - len(self.records) * ("omega" in self.free)
+        channels = sum(len(_channels(record)) for record in self.records)
+        weighted, samples, silent = 0.0, 0, []
+        for i, (record, tau) in enumerate(zip(self.records, self.tau, strict=True)):
+            osc, motion, psi = self.model(point, i)
+            signals = _channels(record)
+            orbit, values = clean_signals(osc, motion, psi, tau, list(signals))
+            if not math.isfinite(orbit.X_s):
+                silent.append(i + 1)
+            for name, signal in signals.items():
+                r = signal - values[name]
+                residuals.append(Residual(r, signal, motion.omega * tau))
+                offsets.setdefault(name, []).append(float(r.mean()))
+                square = float(np.sum((r - r.mean()) ** 2))
+                if self.noise is None:
+                    # each channel pays its share of the degrees of freedom
+                    sigma = math.sqrt(square / max(r.size - 1 - point.size / channels, 1.0))
+                else:
+                    sigma = deviation(self.noise, name, i, len(self.records))
+                    weighted += square / sigma**2
+                    samples += r.size - 1
+                noise.setdefault(name, []).append(sigma)
+
+        covariance = inverse(evaluation.information)
+        osc = self.model(point, 0)[0]
+        rigid = bool(active[2])
+        of_K_z = covariance_of_K_z(covariance, osc.K_z)
+        if rigid:
+            of_K_z[2, :] = of_K_z[:, 2] = math.nan
+            of_K_z[2, 2] = math.inf
+        verdict = adequacy(residuals, fitted)
+        own = point[self.common :].reshape(len(self.records), -1)
+        middles = np.array([record.t.mean() for record in self.records])
+        omega = own[:, 2] if "omega" in self.free else np.array(self.omega)
+        psi = np.mod(own[:, 1] - omega * middles + math.pi, 2.0 * math.pi) - math.pi
+        fit = ReferenceFit(
+            F_k=osc.F_k,
+            c=osc.c,
+            K_z=math.inf if rigid else osc.K_z,
+            covariance=of_K_z,
+            rho=0.0 if rigid else compliance_root(osc.K_z),
+            rho_standard_error=math.sqrt(covariance[2, 2]),
+            m=osc.m,
+            m_standard_error=math.sqrt(covariance[3, 3]) if "m" in self.free else 0.0,
+            Y=own[:, 0].copy(),
+            psi=psi,
+            omega=omega,
+            noise={name: np.array(values) for name, values in noise.items()},
+            offsets={name: np.array(values) for name, values in offsets.items()},
+            chi_square=math.nan if self.noise is None else weighted / (samples - point.size),
+            adequacy=verdict,
+            iterations=iterations,
+            warnings=(),
+        )
+        return replace(
+            fit, warnings=tuple(warnings_of(fit, silent, bool(active[1]), max(samples, 1)))
+        )
+
+
+def _channels(record: Record) -> dict[str, Array]:
+    return {name: signal for name, signal in record.signals().items() if name != "t"}

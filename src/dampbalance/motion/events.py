@@ -1,0 +1,228 @@
+"""Event-located motion: from any state, phase by phase, each event found to rounding.
+
+A state is (x, ẋ, z) with |z| ≤ Z_m. In slip, the phase ends where the velocity changes sign; in stick, where the
+deflection z of the contact spring reaches ±Z_m. Events are bracketed by steps short beside every time scale of the
+phase, divided at the extrema inside them so that a touch and go is not stepped over, and located by Newton's method
+kept inside the bracket.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model import Parameters
+from .flow import move, phase_start, unit
+from .jit import jit
+
+_STEPS_PER_RADIAN = 2.5
+_HALVINGS = 60
+
+
+@jit
+def contact_state(x: float, v: float, z: float, theta: float, par: Parameters) -> float:
+    """State s of the contact at (x, ẋ, z): slip when z is at its limit and the mass moves on, or is about to."""
+    Z_m = par.F_k / par.K_z
+    if abs(z) < Z_m:
+        return 0.0
+    s = 1.0 if z > 0.0 else -1.0
+    if Z_m == 0.0:
+        s = 1.0 if v > 0.0 else -1.0
+    if v == 0.0:
+        push = par.k * par.Y * math.cos(theta) - par.k * x
+        if Z_m == 0.0:
+            return 1.0 if push > 0.0 else -1.0
+        return s if s * push > par.F_k else 0.0
+    return s if s * v > 0.0 else 0.0
+
+
+class _Phase(NamedTuple):
+    """What the flow of one phase needs: see `dampbalance.motion.flow`."""
+
+    v0: float
+    f0: float
+    A: complex
+    delta: float
+    Omega2: float
+    omega: float
+
+
+@jit
+def _motion(t: float, phase: _Phase) -> tuple[float, float, float, float, float]:
+    """u, u̇, ü and the next two derivatives at time t of a phase."""
+    u, v = move(t, phase.v0, phase.f0, phase.A, phase.delta, phase.Omega2, phase.omega)
+    omega, damping = phase.omega, 2.0 * phase.delta
+    force = phase.A * unit(omega * t)
+    a = phase.f0 + force.real - damping * v - phase.Omega2 * u
+    jerk = -omega * force.imag - damping * a - phase.Omega2 * v
+    return u, v, a, jerk, -omega * omega * force.real - damping * jerk - phase.Omega2 * a
+
+
+@jit
+def _locate(which: int, level: float, low: float, high: float, phase: _Phase) -> float:
+    """Time at which the derivative of u of order `which`, 0 to 3, crosses `level`; it is beyond it at `high` alone."""
+    beyond = _motion(high, phase)[which] > level
+    t = 0.5 * (low + high)
+    for _ in range(100):
+        values = _motion(t, phase)
+        error, slope = values[which] - level, values[which + 1]
+        if error == 0.0:
+            break
+        if (error > 0.0) == beyond:
+            high = t
+        else:
+            low = t
+        newton = t - error / slope if slope != 0.0 else low
+        before = t
+        t = newton if low < newton < high else 0.5 * (low + high)
+        if abs(t - before) <= 2.3e-16 * high or high - low <= 2.3e-16 * high:
+            break
+    return t
+
+
+@jit
+def locate_displacement(
+    u: float,
+    end: float,
+    v0: float,
+    f0: float,
+    A: complex,
+    delta: float,
+    Omega2: float,
+    omega: float,
+) -> float:
+    """The time before `end` at which a phase has moved by u, which it has passed at `end`; arguments as in
+    `flow.move`."""
+    return _locate(0, u, 0.0, end, _Phase(v0, f0, A, delta, Omega2, omega))
+
+
+@jit
+def _turns(
+    which: int,
+    low: float,
+    high: float,
+    at_low: tuple[float, float, float, float, float],
+    at_high: tuple[float, float, float, float, float],
+    phase: _Phase,
+) -> tuple[float, float]:
+    """The times in (low, high) at which u (which = 0) or u̇ (which = 1) has an extremum, at most two; `high` for none.
+
+    at_low, at_high : `_motion` at both ends.
+    """
+    slope = which + 1
+    start, end = at_low[slope], at_high[slope]
+    bend_start, bend_end = at_low[slope + 1], at_high[slope + 1]
+    if start == 0.0:  # from rest: the slope just after
+        start = bend_start
+    if start * end < 0.0:
+        return _locate(slope, 0.0, low, high, phase), high
+    if start * bend_start < 0.0 < end * bend_end:  # the slope falls towards zero and rises again
+        between = _locate(slope + 1, 0.0, low, high, phase)
+        if start * _motion(between, phase)[slope] < 0.0:
+            first = _locate(slope, 0.0, low, between, phase)
+            return first, _locate(slope, 0.0, between, high, phase)
+    return high, high
+
+
+@jit
+def _just_inside(which: int, lower: float, upper: float, before: float, phase: _Phase) -> float:
+    """A time before `before` at which a motion that starts on the edge of [lower, upper] is within it; 0 if it
+    leaves at once."""
+    t = before
+    for _ in range(_HALVINGS):
+        t *= 0.5
+        if lower < _motion(t, phase)[which] < upper:
+            return t
+    return 0.0
+
+
+@jit
+def phase_end(
+    s: float, x: float, v: float, z: float, theta: float, limit: float, par: Parameters
+) -> tuple[float, float, float, float]:
+    """(duration, x, ẋ, z) at the end of the phase that starts at (x, ẋ, z) with the contact in state s, or at `limit`.
+
+    A stick phase lasts while −Z_m ≤ z ≤ Z_m, a slip phase while ẋ does not change sign; at the event the equality
+    is exact.
+    theta : phase of the base at the start, rad.   limit : longest duration, s.
+    """
+    delta, Z_m = par.c / (2.0 * par.m), par.F_k / par.K_z
+    f0, A, Omega2 = phase_start(s, x, z, theta, par)
+    phase = _Phase(v, f0, A, delta, Omega2, par.omega)
+    if s == 0.0:
+        which, lower, upper = 0, -Z_m - z, Z_m - z
+    elif s > 0.0:
+        which, lower, upper = 1, 0.0, math.inf
+    else:
+        which, lower, upper = 1, -math.inf, 0.0
+
+    n = max(
+        1,
+        math.ceil(_STEPS_PER_RADIAN * limit * max(par.omega, math.sqrt(Omega2), delta)),
+    )
+    low, at_low = 0.0, _motion(0.0, phase)
+    for i in range(1, n + 1):
+        high = limit * i / n
+        at_high = _motion(high, phase)
+        first, second = _turns(which, low, high, at_low, at_high, phase)
+        inside, out, value = low, high, at_high[which]
+        for turn in (first, second):
+            if turn < high:
+                at_turn = _motion(turn, phase)[which]
+                if not lower <= at_turn <= upper:
+                    out, value = turn, at_turn
+                    break
+                inside = turn
+        if not lower <= value <= upper:
+            if inside == 0.0 and (at_low[which] == lower or at_low[which] == upper):
+                inside = _just_inside(which, lower, upper, out, phase)
+            level = upper if value > upper else lower
+            t = _locate(which, level, inside, out, phase)
+            if s == 0.0:
+                return (
+                    t,
+                    x + level,
+                    _motion(t, phase)[1],
+                    (Z_m if level == upper else -Z_m),
+                )
+            return t, x + _motion(t, phase)[0], 0.0, s * Z_m
+        low, at_low = high, at_high
+    return limit, x + at_low[0], at_low[1], (z + at_low[0] if s == 0.0 else s * Z_m)
+
+
+@jit
+def write_phase(
+    phases: NDArray[np.float64], i: int, t: float, s: float, x: float, v: float, z: float
+) -> None:
+    """Set row i of `phases`."""
+    phases[i, 0], phases[i, 1], phases[i, 2], phases[i, 3], phases[i, 4] = t, s, x, v, z
+
+
+@jit
+def run(
+    x: float,
+    v: float,
+    z: float,
+    t: float,
+    end: float,
+    theta: float,
+    par: Parameters,
+    phases: NDArray[np.float64],
+) -> tuple[int, float, float, float, float]:
+    """Follow the motion from (x, ẋ, z) at time t to `end`: (number of phases, t, x, ẋ, z) reached.
+
+    Row i of `phases` receives (t, s, x, ẋ, z) at the start of phase i. The run stops short of `end` when the rows
+    are used up.
+    theta : phase of the base at t = 0, rad.
+    """
+    count = 0
+    while t < end and count < phases.shape[0]:
+        s = contact_state(x, v, z, theta + par.omega * t, par)
+        write_phase(phases, count, t, s, x, v, z)
+        duration, x, v, z = phase_end(s, x, v, z, theta + par.omega * t, end - t, par)
+        t = end if duration >= end - t else t + duration
+        count += 1
+    return count, t, x, v, z

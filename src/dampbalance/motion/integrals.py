@@ -1,0 +1,218 @@
+"""What is read off an exact orbit: extremes, slip onset, energy terms and harmonics, phase by phase.
+
+An orbit is given by the phases of its half cycle from the reversal at −X: rows (t, s, x, ẋ, z). Within a phase the
+velocity is ẋ = Re[V e^{iψ}] + q̇(t), ψ = θ + ωt the phase of the base and q the free motion, q̈ + 2δq̇ + Ω²q = 0. Its
+integrals are closed forms in the values of q and q̇ at the two ends,
+
+    ∫ q̇ e^{iσt} dt = [e^{iσt} (iσ q̇ + Ω² q)] / (Ω² − σ² − 2iδσ),      ∫ q̇² dt = −[½ (q̇² + Ω² q²)] / 2δ,
+
+so that under-, critically and over-damped phases need no separate treatment. Where digits would cancel (hardly any
+damping, or a motion that is small beside its forced and free parts, as near resonance), Gauss's rule takes their place.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model import Parameters
+from .flow import inverse, move, phase_constants, unit
+from .jit import jit
+
+_UNDAMPED_BELOW = 1e-3  # of 2δt
+_CANCELLED_BELOW = 1e-2  # of ∫ ẋ² beside the same integral of the forced motion
+_PANEL = 8.0  # rad of the fastest oscillation of an integrand: 12 Gauss points are then exact to rounding
+_GAUSS_NODES, _GAUSS_WEIGHTS = (
+    np.ascontiguousarray(a) for a in np.polynomial.legendre.leggauss(12)
+)
+
+
+class Measures(NamedTuple):
+    """Exact features of an orbit with slip; units as in `dampbalance.model`, harmonics as X_n e^{−iφ_n} in m."""
+
+    X: float
+    X_s: float
+    V_s: float
+    t_s: float
+    a: float
+    b: float
+    W: float
+    harmonic_1: complex
+    harmonic_3: complex
+    harmonic_5: complex
+
+
+@jit
+def measure(phases: NDArray[np.float64], count: int, theta: float, par: Parameters) -> Measures:
+    """Features of the orbit whose half cycle from the reversal at −X has the given phases.
+
+    phases : (≥ count, 5), rows (t, s, x, ẋ, z), SI.   theta : phase of the base at the reversal, rad.
+
+    a = ∮ |ẋ| over the slip phases, b = ∮ ẋ² dt, W = ∮ k y ẋ dt, each over a whole cycle: Eqs. (5)–(7) of Liang &
+    Feeny (2010). X_s, V_s, t_s belong to the first forward slip onset after the reversal. The harmonics are those of
+    the velocity over inω.
+    """
+    omega, delta = par.omega, par.c / (2.0 * par.m)
+    half = math.pi / omega
+    X = -phases[0, 2]
+    X_s = V_s = t_s = math.nan
+    a = b = 0.0
+    first = third = fifth = 0j  # ∫ ẋ e^{inψ} dt over the half cycle, ψ = θ + ωt
+    start = turn = unit(theta)  # e^{iψ}
+    for i in range(count):
+        t, s, x, v, z = phases[i, 0], phases[i, 1], phases[i, 2], phases[i, 3], phases[i, 4]
+        if i + 1 < count:
+            j = i + 1
+            t_end, x_end, v_end, z_end = phases[j, 0], phases[j, 2], phases[j, 3], phases[j, 4]
+            turn_end = unit(theta + omega * t_end)
+        else:  # the mirror image of the beginning
+            t_end, x_end, v_end, z_end = half, X, -phases[0, 3], -phases[0, 4]
+            turn_end = -start
+        if s > 0.0 and math.isnan(X_s):
+            X_s, V_s, t_s = x, v, t
+        if s != 0.0:
+            a += 2.0 * abs(x_end - x)
+        duration = t_end - t
+        f0, A, Omega2 = phase_constants(s, x, z, turn, par)
+        undamped = 2.0 * delta * duration < _UNDAMPED_BELOW
+        forced = square = 0.0
+        one = three = five = 0j
+        if not undamped:
+            gained = z_end - z if s == 0.0 else x_end - x  # z keeps the digits of a short stick
+            before, after = (0.0, v, turn), (gained, v_end, turn_end)
+            drive = par.k * par.Y / par.m
+            forced, square, one, three, five = _by_ends(
+                duration, before, after, f0, drive, delta, Omega2, omega
+            )
+        if undamped or (square < _CANCELLED_BELOW * forced and delta * delta < Omega2):
+            square, one, three, five = _by_gauss(duration, v, f0, A, turn, delta, Omega2, omega)
+        b += 2.0 * square
+        first += one
+        third += three
+        fifth += five
+        turn = turn_end
+    scale = complex(0.0, -2.0 / math.pi)  # 4/T over iω
+    return Measures(
+        X,
+        X_s,
+        V_s,
+        t_s,
+        a,
+        b,
+        2.0 * par.k * par.Y * first.real,
+        scale * first.conjugate(),
+        scale * third.conjugate() / 3.0,
+        scale * fifth.conjugate() / 5.0,
+    )
+
+
+@jit
+def _by_ends(
+    duration: float,
+    start: tuple[float, float, complex],
+    end: tuple[float, float, complex],
+    f0: float,
+    drive: float,
+    delta: float,
+    Omega2: float,
+    omega: float,
+) -> tuple[float, float, complex, complex, complex]:
+    """∫ ẋ² dt of the forced motion and of the whole, and ∫ ẋ e^{inψ} dt, n = 1, 3, 5, over a phase, from the values
+    at its ends.
+
+    start, end : u, m, ẋ, m/s, and e^{iψ}, u displacement gained, ψ phase of the base.   drive : kY/m, m/s².   Others as
+    in `flow.move`.
+    """
+    u0, v0, turn0 = start
+    u1, v1, turn1 = end
+    over_D = inverse(Omega2 - omega * omega, 2.0 * delta * omega)
+    B = complex(drive * over_D.real, drive * over_D.imag)  # forced motion Re[B e^{iψ}] about `rest`
+    V = complex(-omega * B.imag, omega * B.real)
+    rest = f0 / Omega2
+    q0, w0 = u0 - rest - (B * turn0).real, v0 - (V * turn0).real
+    q1, w1 = u1 - rest - (B * turn1).real, v1 - (V * turn1).real
+
+    square0, square1 = turn0 * turn0, turn1 * turn1
+    cube0, cube1 = square0 * turn0, square1 * turn1
+    second = _over_i(square1 - square0, 2.0 * omega)  # ∫ e^{2iψ} dt
+    fourth = _over_i(square1 * square1 - square0 * square0, 4.0 * omega)
+    sixth = _over_i(cube1 * cube1 - cube0 * cube0, 6.0 * omega)
+    back = V.conjugate()
+    ends = (q0, w0, q1, w1)
+    free_1 = _free_integral(ends, turn0, turn1, omega, delta, Omega2)
+    free_3 = _free_integral(ends, cube0, cube1, 3.0 * omega, delta, Omega2)
+    free_5 = _free_integral(ends, cube0 * square0, cube1 * square1, 5.0 * omega, delta, Omega2)
+
+    free_square = (w0 * w0 - w1 * w1 + Omega2 * (q0 * q0 - q1 * q1)) / (4.0 * delta)
+    speed_squared = V.real * V.real + V.imag * V.imag
+    forced_square = 0.5 * (speed_squared * duration + (V * V * second).real)
+    return (
+        forced_square,
+        free_square + 2.0 * (V * free_1).real + forced_square,
+        free_1 + 0.5 * (V * second + back * duration),
+        free_3 + 0.5 * (V * fourth + back * second),
+        free_5 + 0.5 * (V * sixth + back * fourth),
+    )
+
+
+@jit
+def _over_i(z: complex, rate: float) -> complex:
+    """z / (i · rate)."""
+    return complex(z.imag / rate, -z.real / rate)
+
+
+@jit
+def _free_integral(
+    ends: tuple[float, float, float, float],
+    turn0: complex,
+    turn1: complex,
+    sigma: float,
+    delta: float,
+    Omega2: float,
+) -> complex:
+    """∫ q̇ e^{iσt} dt over a phase, from q, q̇ and e^{iσt} at its start and end."""
+    q0, w0, q1, w1 = ends
+    difference = turn1 * complex(Omega2 * q1, sigma * w1) - turn0 * complex(Omega2 * q0, sigma * w0)
+    return difference * inverse(Omega2 - sigma * sigma, -2.0 * delta * sigma)
+
+
+@jit
+def _by_gauss(
+    duration: float,
+    v0: float,
+    f0: float,
+    A: complex,
+    start: complex,
+    delta: float,
+    Omega2: float,
+    omega: float,
+) -> tuple[float, complex, complex, complex]:
+    """The same integrals, but for that of the forced motion, by Gauss's rule; not for over-damped phases.
+
+    start : e^{iψ} at the start.   Others as in `flow.move`.
+    """
+    panels = 1 + int(duration * (2.0 * math.sqrt(Omega2) + 6.0 * omega) / _PANEL)
+    h = duration / panels
+    square = 0.0
+    one = three = five = 0j
+    for i in range(panels):
+        for node, weight in zip(_GAUSS_NODES, _GAUSS_WEIGHTS):  # noqa: B905 (no strict= in compiled code)
+            t = h * (i + 0.5 + 0.5 * node)
+            _, v = move(t, v0, f0, A, delta, Omega2, omega)
+            turn = start * unit(omega * t)
+            turn2 = turn * turn
+            weighted = 0.5 * h * weight * v
+            square += weighted * v
+            one += weighted * turn
+            three += weighted * turn * turn2
+            five += weighted * turn * turn2 * turn2
+    return square, one, three, five
+
+
+@jit
+def wrapped(angle: float) -> float:
+    """The angle plus a multiple of 2π, in [−π/2, 3π/2)."""
+    return (angle + 0.5 * math.pi) % (2.0 * math.pi) - 0.5 * math.pi

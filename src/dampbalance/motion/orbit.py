@@ -1,0 +1,179 @@
+"""The exact steady response of one oscillator."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..model import BaseMotion, Oscillator, Parameters, parameters
+from .integrals import Measures, measure, wrapped
+from .regime import Regime
+from .states import State, states_in_phases, zero_crossing
+from .steady import MAX_PHASES, solve_steady
+
+Array = NDArray[np.float64]
+
+
+class NoSteadyOrbit(ArithmeticError):
+    """The oscillator has no steady orbit, or none was found."""
+
+
+@dataclass(frozen=True, eq=False)
+class Orbit:
+    """Steady orbit: the phases of its half cycle, from the reversal at x = −X on, and everything that follows from
+    them.
+
+    The other half cycle is the mirror image, x(t + T/2) = −x(t). Features are exact to rounding; one that does not
+    exist is NaN, and `regime` says why.
+
+    oscillator, motion : what the orbit belongs to.   regime : pattern of slip and stick.
+    theta : phase of the base, ωt, at the reversal at −X, rad.
+    phases : (n, 5), rows (t, s, x, ẋ, z) at the start of each phase; t from the reversal, s; s = ±1 in slip, 0 in
+    stick.
+    """
+
+    oscillator: Oscillator
+    motion: BaseMotion
+    regime: Regime
+    theta: float
+    phases: Array = field(repr=False)
+
+    @cached_property
+    def _parameters(self) -> Parameters:
+        return parameters(self.oscillator, self.motion)
+
+    @cached_property
+    def _measures(self) -> Measures:
+        return measure(self.phases, len(self.phases), self.theta, self._parameters)
+
+    @property
+    def X(self) -> float:
+        """Peak displacement, m."""
+        return self._measures.X
+
+    @property
+    def X_s(self) -> float:
+        """Displacement at the first forward slip onset after the reversal, m; NaN without slip."""
+        return self._measures.X_s
+
+    @property
+    def V_s(self) -> float:
+        """Velocity at that slip onset, m/s; NaN without slip."""
+        return self._measures.V_s
+
+    @property
+    def t_s(self) -> float:
+        """Time of that slip onset counted from the reversal t_1 at −X, s, as in Eqs. (17), (18); NaN without slip."""
+        return self._measures.t_s
+
+    @property
+    def phi(self) -> float:
+        """Lag of the velocity reversal at x = +X behind the base's peak, rad."""
+        return wrapped(self.theta + math.pi)
+
+    @cached_property
+    def phi_zero_crossing(self) -> float:
+        """Lag of the upward zero crossing of x behind that of the base, rad."""
+        delay = zero_crossing(self.phases, len(self.phases), self.theta, self._parameters)
+        return wrapped(self.theta + self.motion.omega * delay + 0.5 * math.pi)
+
+    @property
+    def t_1(self) -> float:
+        """Time of the reversal at −X that precedes t_2, s (y = Y cos ωt)."""
+        return (self.phi - math.pi) / self.motion.omega
+
+    @property
+    def t_2(self) -> float:
+        """Time of the reversal at +X, φ/ω, s."""
+        return self.phi / self.motion.omega
+
+    @property
+    def a(self) -> float:
+        """Distance slid per cycle, ∮ |ẋ| dt over the slip phases, m: Eq. (7a)."""
+        return self._measures.a
+
+    @property
+    def b(self) -> float:
+        """Viscous integral ∮ ẋ² dt, m²/s: Eq. (7b)."""
+        return self._measures.b
+
+    @property
+    def W(self) -> float:
+        """Work put in per cycle, ∮ k y ẋ dt, J: Eq. (5)."""
+        return self._measures.W
+
+    def harmonic(self, n: int) -> tuple[float, float]:
+        """(X_n, φ_n) of x = Σ X_n cos(nωt − φ_n), m and rad, for n = 1, 3, 5. Even harmonics vanish by symmetry."""
+        if n not in (1, 3, 5):
+            raise ValueError(f"harmonic n must be 1, 3 or 5, got {n!r}")
+        value: complex = getattr(self._measures, f"harmonic_{int(n)}")
+        return abs(value), -math.atan2(value.imag, value.real)
+
+    def state(self, t: ArrayLike) -> State:
+        """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
+        times = np.asarray(t, dtype=float)
+        period = self.motion.period
+        since = np.mod(times.ravel() - self.theta / self.motion.omega, period)
+        mirrored = since >= 0.5 * period
+        out = np.empty((4, times.size))
+        states_in_phases(
+            np.where(mirrored, since - 0.5 * period, since),
+            self.phases,
+            self.theta,
+            self._parameters,
+            out,
+        )
+        out = np.where(mirrored, -out, out)
+        return State(*(row.reshape(times.shape) for row in out))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The orbit as plain numbers and lists, from which `from_dict` makes it again, bit for bit."""
+        o, y = self.oscillator, self.motion
+        return {
+            "oscillator": {name: getattr(o, name) for name in ("m", "c", "k", "K_z", "F_k")},
+            "motion": {"Y": y.Y, "omega": y.omega},
+            "regime": self.regime.name,
+            "theta": self.theta,
+            "phases": self.phases.tolist(),
+        }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """The orbit that `to_dict` described."""
+        phases = np.array(data["phases"], dtype=float).reshape(-1, 5)
+        phases.flags.writeable = False
+        return cls(
+            Oscillator(**data["oscillator"]),
+            BaseMotion(**data["motion"]),
+            Regime[data["regime"]],
+            float(data["theta"]),
+            phases,
+        )
+
+
+def read_orbits(path: str | Path) -> list[Orbit]:
+    """The orbits of a JSON file that holds a list of `Orbit.to_dict`."""
+    return [Orbit.from_dict(data) for data in json.loads(Path(path).read_text(encoding="utf-8"))]
+
+
+def steady_orbit(oscillator: Oscillator, motion: BaseMotion) -> Orbit:
+    """The exact steady response to harmonic base motion, in any regime.
+
+    Raises NoSteadyOrbit where there is none (an undamped oscillator driven at resonance, with F_k < πkY/4) or none was
+    found.
+    """
+    phases = np.empty((MAX_PHASES, 5))
+    code, count, theta = solve_steady(parameters(oscillator, motion), phases)
+    regime = Regime(code)
+    if regime is Regime.NOT_FOUND:
+        raise NoSteadyOrbit(f"no steady orbit found for {oscillator} under {motion}")
+    kept = phases[:count].copy()
+    kept.flags.writeable = False
+    return Orbit(oscillator, motion, regime, theta, kept)

@@ -1,0 +1,68 @@
+"""The state along an orbit or a transient, at any times, from the rows of its phases."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model import Parameters
+from .events import locate_displacement
+from .flow import move, phase_start
+from .jit import jit
+
+Array = NDArray[np.float64]
+
+
+class State(NamedTuple):
+    """State of the oscillator at the times asked for, each an array of their shape.
+
+    x : displacement, m.   v : velocity, m/s.   acceleration : m/s².   z : deflection of the contact spring, m.
+    """
+
+    x: Array
+    v: Array
+    acceleration: Array
+    z: Array
+
+
+@jit
+def states_in_phases(
+    times: Array, phases: Array, theta: float, par: Parameters, out: Array
+) -> None:
+    """Write x, ẋ, ẍ, z at `times` (n,) into the rows of `out` (4, n).
+
+    phases : (count, 5), rows (t, s, x, ẋ, z).   theta : phase of the base at t = 0.   Times before the first phase
+    are not allowed.
+    """
+    delta = par.c / (2.0 * par.m)
+    Z_m = par.F_k / par.K_z
+    for j in range(times.size):
+        t = times[j]
+        i = max(0, np.searchsorted(phases[:, 0], t, side="right") - 1)
+        s, x0, v0, z0 = phases[i, 1], phases[i, 2], phases[i, 3], phases[i, 4]
+        start = phases[i, 0]
+        f0, A, Omega2 = phase_start(s, x0, z0, theta + par.omega * start, par)
+        u, v = move(t - start, v0, f0, A, delta, Omega2, par.omega)
+        x = x0 + u
+        z = z0 + u if s == 0.0 else s * Z_m
+        force = par.k * (par.Y * math.cos(theta + par.omega * t) - x) - par.c * v - par.K_z * z
+        out[0, j], out[1, j], out[2, j], out[3, j] = x, v, force / par.m, z
+
+
+@jit
+def zero_crossing(phases: Array, count: int, theta: float, par: Parameters) -> float:
+    """Time from the reversal at −X to the first upward zero of x, s; `phases` holds the half cycle from that
+    reversal."""
+    delta = par.c / (2.0 * par.m)
+    for i in range(count):
+        start, s, x, v, z = phases[i, 0], phases[i, 1], phases[i, 2], phases[i, 3], phases[i, 4]
+        end = phases[i + 1, 0] if i + 1 < count else math.pi / par.omega
+        x_end = phases[i + 1, 2] if i + 1 < count else -phases[0, 2]
+        if x < 0.0 <= x_end:
+            f0, A, Omega2 = phase_start(s, x, z, theta + par.omega * start, par)
+            delay = locate_displacement(-x, end - start, v, f0, A, delta, Omega2, par.omega)
+            return float(start + delay)
+    return math.nan

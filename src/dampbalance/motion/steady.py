@@ -1,0 +1,71 @@
+"""The steady orbit of one oscillator, whatever its regime: the kernel behind `steady_orbit` and `steady_orbits`.
+
+Tried in this order: no friction and no slip, where the oscillator is linear; one slip onset per half cycle, from
+its scalar equation; anything else by Newton's method on the event-located half-period map. With c > 0 the steady
+velocity is unique (see `dampbalance.motion.period_map`), so whichever answer is valid is the only one.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model import Parameters
+from .events import write_phase
+from .jit import jit
+from .one_slip import solve_one_slip
+from .period_map import solve_general
+
+MAX_PHASES = 16384  # of a period; an orbit with more events is reported as not found
+_NOT_FOUND, _ONE_SLIP, _SEVERAL_SLIPS, _NO_SLIP, _NO_FRICTION = range(5)  # as in `Regime`
+_SHORTEST = (
+    1e-12  # of half a period: a last phase shorter than this is the rounding of the half period
+)
+
+
+@jit
+def solve_steady(par: Parameters, phases: NDArray[np.float64]) -> tuple[int, int, float]:
+    """(regime, number of phases, θ) of the steady orbit; `phases` (MAX_PHASES, 5) receives its half cycle from the
+    reversal at −X.
+
+    θ : phase of the base at that reversal, rad. Rows of `phases`: (t, s, x, ẋ, z), see `dampbalance.motion.events.run`.
+    """
+    Z_m = par.F_k / par.K_z
+    if Z_m == 0.0:
+        X, theta = _linear(par, par.k, 1.0, phases)
+        return (_NO_FRICTION, 1, theta) if math.isfinite(X) else (_NOT_FOUND, 0, 0.0)
+    X, theta = _linear(par, par.k + par.K_z, 0.0, phases)
+    if Z_m >= X:
+        return _NO_SLIP, 1, theta
+
+    found, tau, X, theta, V_s = solve_one_slip(par)
+    if found:
+        write_phase(phases, 0, 0.0, 0.0, -X, 0.0, -Z_m)
+        write_phase(phases, 1, tau, 1.0, -X + 2.0 * Z_m, V_s, Z_m)
+        return _ONE_SLIP, 2, theta
+
+    found, count, theta = solve_general(par, phases)
+    if not found:
+        return _NOT_FOUND, 0, 0.0
+    half = math.pi / par.omega
+    while count > 1 and half - phases[count - 1, 0] < _SHORTEST * half:
+        count -= 1
+    return (_ONE_SLIP if count == 2 else _SEVERAL_SLIPS), count, theta
+
+
+@jit
+def _linear(
+    par: Parameters, kappa: float, s: float, phases: NDArray[np.float64]
+) -> tuple[float, float]:
+    """(X, θ) of the orbit without events on stiffness κ, and its half cycle written to `phases`; X is infinite at the
+    resonance of an undamped oscillator.
+
+    X e^{−iφ} = kY / (κ − mω² + icω);  θ = φ − π is the phase of the base at the reversal at −X.
+    """
+    reactance, resistance = kappa - par.m * par.omega * par.omega, par.c * par.omega
+    impedance = math.hypot(reactance, resistance)
+    X = par.k * par.Y / impedance if impedance > 0.0 else math.inf
+    write_phase(phases, 0, 0.0, s, -X, 0.0, 0.0 if s != 0.0 else -X)
+    return X, math.atan2(resistance, reactance) + math.pi

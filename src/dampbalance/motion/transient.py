@@ -1,0 +1,73 @@
+"""The exact response from any initial state, event by event."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..model import BaseMotion, Oscillator, finite_number, parameters
+from .events import run
+from .states import State, states_in_phases
+
+Array = NDArray[np.float64]
+_CHUNK = 1024  # phases computed per call
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Motion from an initial state, phase by phase.
+
+    phases : (n, 5), rows (t, s, x, ẋ, z) at the start of each phase, absolute time; s = ±1 in slip, 0 in stick.
+    end : time up to which the motion was computed, s.
+    """
+
+    oscillator: Oscillator
+    motion: BaseMotion
+    phases: Array = field(repr=False)
+    end: float
+
+    def state(self, t: ArrayLike) -> State:
+        """(x, ẋ, ẍ, z) at the times t, s, any shape, within the span of the trajectory."""
+        times = np.asarray(t, dtype=float)
+        start = self.phases[0, 0]
+        if times.size and not (times.min() >= start and times.max() <= self.end):
+            raise ValueError(f"times must lie within [{start}, {self.end}] s")
+        out = np.empty((4, times.size))
+        par = parameters(self.oscillator, self.motion)
+        states_in_phases(times.ravel(), self.phases, 0.0, par, out)
+        return State(*(row.reshape(times.shape) for row in out))
+
+
+def transient(
+    oscillator: Oscillator,
+    motion: BaseMotion,
+    end: float,
+    *,
+    x: float = 0.0,
+    v: float = 0.0,
+    z: float = 0.0,
+    start: float = 0.0,
+) -> Trajectory:
+    """The exact motion from the state (x, ẋ, z) at time `start` to `end`, s; y = Y cos ωt.
+
+    x : displacement, m.   v : velocity, m/s.   z : deflection of the contact spring, m, |z| ≤ Z_m.
+
+    Raises ValueError for a state that the contact cannot have or an end before the start, TypeError for a value that
+    is not a number; both name the argument.
+    """
+    x, v, z = finite_number("x", x), finite_number("v", v), finite_number("z", z)
+    start, end = finite_number("start", start), finite_number("end", end)
+    if abs(z) > oscillator.Z_m:
+        raise ValueError(f"z must lie within ±Z_m = ±{oscillator.Z_m:.6g} m, got {z!r}")
+    if not end > start:
+        raise ValueError(f"end must be later than start = {start!r}, got {end!r}")
+    par = parameters(oscillator, motion)
+    kept = []
+    t = start
+    while t < end:
+        rows = np.empty((_CHUNK, 5))
+        count, t, x, v, z = run(x, v, z, t, end, 0.0, par, rows)
+        kept.append(rows[:count])
+    return Trajectory(oscillator, motion, np.concatenate(kept), end)

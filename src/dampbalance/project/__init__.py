@@ -1,0 +1,1 @@
+"""The configured case, files read and written, and words that several rooms share."""

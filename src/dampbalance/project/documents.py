@@ -1,0 +1,163 @@
+"""A configuration, checked before anything is computed: one error, naming file, key and remedy."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, NoReturn
+
+import jsonschema
+import yaml
+
+Key = tuple[str | int, ...]
+Problem = tuple[Key, str]
+"""A key, and what is wrong with it and what would be right."""
+
+_NAMES = 'Use letters, digits, "-" and "_".'
+
+
+class ConfigurationError(ValueError):
+    """A configuration that cannot be used; the message names the file, the key and the remedy."""
+
+
+def refuse(key: Key, text: str, files: Iterable[str | Path]) -> NoReturn:
+    """Raise the ConfigurationError for one key; the text says what is wrong and what would be right."""
+    raise ConfigurationError(
+        in_lines([(key, text)], {str(file): read_yaml(file) for file in files})
+    )
+
+
+def read_yaml(file: str | Path) -> Any:
+    """The document of a YAML file in which every key stands once; {} for an empty one.
+
+    Raises ConfigurationError naming the file and what is wrong.
+    """
+    with open(file, encoding="utf-8") as stream:
+        try:
+            return yaml.load(stream, _StrictLoader) or {}
+        except yaml.YAMLError as error:
+            raise ConfigurationError(f"{file}: not readable as YAML: {error}") from None
+
+
+def against_schema(document: Any, schema: Mapping[str, Any]) -> list[Problem]:
+    """What a JSON schema, and the rule that every number is finite, find wrong with a document; in a fixed order.
+
+    The texts tell what is wrong and what would be right, from the `description` of the key in the schema.
+    """
+    validator = jsonschema.Draft202012Validator(schema)
+    errors = sorted(validator.iter_errors(document), key=lambda error: list(map(str, error.path)))
+    problems = [problem for error in errors for problem in _explain(error)]
+    return problems + [
+        (key, f"{value!r} is not a finite number") for key, value in _not_finite(document)
+    ]
+
+
+def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:
+    """A line for each problem, "file: key: what is wrong, what would be right".
+
+    documents : file → what it says, merged in this order, the last one winning: they tell where a key stands.
+    """
+    return "\n".join(f"{_origin(key, documents)}: {_dotted(key)}: {text}" for key, text in problems)
+
+
+def _explain(error: jsonschema.ValidationError) -> Iterable[Problem]:
+    key: Key = tuple(error.absolute_path)
+    schema: Any = error.schema  # a mapping: the schema has no true or false in it
+    wanted: Any = error.validator_value
+    meaning = schema.get("description", "").strip()
+    value: Any = error.instance
+    if error.validator == "additionalProperties":
+        known = list(schema["properties"])
+        for name in value:
+            if name not in known:
+                yield (
+                    (*key, name),
+                    f"unknown key{_nearest(name, known)}; known here: {', '.join(known)}",
+                )
+    elif error.validator == "required":
+        for name in wanted:
+            if name not in value:
+                described = schema["properties"][name].get("description", "").strip()
+                yield (*key, name), f"missing; {described}"
+    elif error.validator == "type" and isinstance(value, str) and _reads_as_number(value):
+        remedy = (
+            f"write {_yaml_number(value)}" if "e" in value.lower() else "write it without quotes"
+        )
+        yield key, f"{value!r} is text to YAML; {remedy}. {meaning}"
+    elif error.validator == "pattern":
+        yield key, f"{value!r} cannot be a name. {meaning or _NAMES}"
+    else:
+        yield key, f"{value!r} is not allowed. {meaning}"
+
+
+def _nearest(name: object, known: list[str]) -> str:
+    matches = difflib.get_close_matches(str(name), known, n=1)
+    return f" (did you mean {matches[0]}?)" if matches else ""
+
+
+def _reads_as_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _yaml_number(text: str) -> str:
+    """The number as YAML reads it: a mantissa with a point, an exponent with a sign."""
+    mantissa, exponent = text.lower().split("e")
+    point = mantissa if "." in mantissa else f"{mantissa}.0"
+    return f"{point}e{int(exponent):+d}"
+
+
+def _not_finite(value: Any, key: Key = ()) -> Iterable[tuple[Key, float]]:
+    if isinstance(value, Mapping):
+        for name, item in value.items():
+            yield from _not_finite(item, (*key, name))
+    elif isinstance(value, list):
+        for i, item in enumerate(value):
+            yield from _not_finite(item, (*key, i))
+    elif isinstance(value, float) and not math.isfinite(value):
+        yield key, value
+
+
+def _dotted(key: Key) -> str:
+    """The key as a person writes it, list positions counted from 1."""
+    text = ""
+    for part in key:
+        text += f"[{part + 1}]" if isinstance(part, int) else f".{part}"
+    return text.removeprefix(".") or "(top level)"
+
+
+def _origin(key: Key, documents: Mapping[str, Any]) -> str:
+    """The last file that sets the key, or the longest part of it that any file sets."""
+    best, depth = "configuration", 0
+    for file, document in documents.items():
+        found = 0
+        for part in key:
+            try:
+                document = document[part]
+            except (KeyError, IndexError, TypeError):
+                break
+            found += 1
+        if found >= depth:
+            best, depth = file, found
+    return best
+
+
+class _StrictLoader(yaml.SafeLoader):
+    """YAML in which a key stands once."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        seen = set()
+        for key_node, _ in node.value:
+            key = self.construct_object(key_node, deep=True)
+            if key in seen:
+                line = key_node.start_mark.line + 1
+                raise ConfigurationError(
+                    f"{key_node.start_mark.name}: {key}: stands twice (again in line {line}); keep one of them"
+                )
+            seen.add(key)
+        return super().construct_mapping(node, deep)

@@ -1,0 +1,257 @@
+"""Numbers that the article argues with and no other result holds, each computed from the tables of results.
+
+`evidence` collects them as one nested dictionary, so that every one has a place (a JSON pointer) in one file.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ...balance import PHASELESS, viscous_integral
+from ...estimates import estimate_table
+from ...features import Features
+from ...model import Oscillator
+from ...solver import Pair
+
+INTEGRALS = {"a": "a_m", "b": "b_m2_per_s", "W": "W_J"}
+
+Json = dict[str, Any]
+
+
+def evidence(
+    oscillator: Oscillator,
+    features: Mapping[str, Mapping[str, pd.DataFrame]],
+    estimates: Mapping[str, Mapping[str, pd.DataFrame]],
+    claims: pd.DataFrame,
+    approaches: pd.DataFrame,
+    schemes: pd.DataFrame,
+    pairs: Sequence[Pair],
+    numerics: Mapping[str, Any],
+    frequencies_hz: Mapping[str, float],
+) -> Json:
+    """Everything below, by name.
+
+    features, estimates : route (exact, as_published) → frequency → table.   claims : the table of verdicts, as text.
+    approaches : of `comparison.approaches_table`.   schemes : of `schemes.scheme_table`.
+    pairs : of levels, counted from 0.   numerics : the section `as_published` of the configuration.
+
+    None stands where there is no number: an error relative to a true value of zero.
+    """
+    exact = {name: Features.from_frame(table) for name, table in features["exact"].items()}
+    first = next(iter(exact))
+    terms = {name: balance_terms(f, oscillator) for name, f in exact.items()}
+    found: Json = _without_nan(
+        {
+            "setting": setting(oscillator, exact[first], pairs, numerics, frequencies_hz),
+            "verdicts": verdicts(claims),
+            "dissipation": dissipation(oscillator, exact[first].omega, numerics["step_s"]),
+            "integrals": integral_deviations(features, claims, schemes, first),
+            "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},
+            "fourier_largest": _largest_of(approaches, "fourier"),
+            "balance": terms,
+            "fundamental_work_largest": max(of["W_fundamental"]["max"] for of in terms.values()),
+            "largest": largest_errors(estimates, oscillator),
+        }
+    )
+    return found
+
+
+def setting(
+    oscillator: Oscillator,
+    first: Features,
+    pairs: Sequence[Pair],
+    numerics: Mapping[str, Any],
+    frequencies_hz: Mapping[str, float],
+) -> Json:
+    """The case: parameters, frequencies, levels, and the rounded coefficients of the equation divided by m."""
+    osc = oscillator
+    step = numerics["step_s"]
+    return {
+        "m": osc.m,
+        "c": osc.c,
+        "k": osc.k,
+        "K_z": osc.K_z,
+        "F_k": osc.F_k,
+        "zeta": osc.zeta,
+        "natural_frequency_hz": osc.omega_n / (2.0 * math.pi),
+        "swing_um": 2e6 * osc.Z_m,  # 2 Z_m
+        "frequency_hz": dict(frequencies_hz),
+        "levels_mm": (1e3 * first.Y).tolist(),
+        "levels": len(first),
+        "frequencies": len(frequencies_hz),
+        "pairs": len(pairs),
+        "scheme": numerics["scheme"].replace("-", " ").replace("euler", "Euler"),
+        "step_us": 1e6 * step,
+        "cycles": numerics["cycles"],
+        "steps_per_cycle": round(2.0 * math.pi / first.omega / step),
+        "c_over_m": _rounded(osc.c / osc.m, numerics["c_over_m_decimals"]),
+        "k_over_m": _rounded(osc.k / osc.m, numerics["k_over_m_decimals"]),
+        "t_s_mean_ms": 1e3 * float(np.mean(first.t_s)),
+        "phi_mean": float(np.mean(first.phi)),
+    }
+
+
+def verdicts(claims: pd.DataFrame) -> Json:
+    """How many printed numbers there are, by part and verdict, and how many levels of each part."""
+    part = claims["id"].str.split(".").str[0]
+    counts: Json = {}
+    for name in [*dict.fromkeys(part), "all"]:
+        chosen = claims if name == "all" else claims[part == name]
+        kinds = ("reproduced", "reconstructed", "last digit", "reading", "differs")
+        counts[name] = {kind: int((chosen["verdict"] == kind).sum()) for kind in kinds}
+        counts[name]["printed"] = len(chosen)
+    return counts
+
+
+def dissipation(oscillator: Oscillator, omega: float, step: float) -> Json:
+    """Backward Euler near resonance: c acts as c + mω²h.   added, effective : N s/m.   relative : of c."""
+    added = oscillator.m * omega**2 * step
+    return {
+        "added": added,
+        "effective": oscillator.c + added,
+        "relative": added / oscillator.c if oscillator.c else math.nan,
+    }
+
+
+def integral_deviations(
+    features: Mapping[str, Mapping[str, pd.DataFrame]],
+    claims: pd.DataFrame,
+    schemes: pd.DataFrame,
+    frequency: str,
+) -> Json:
+    """a, b, W of Table 2: relative deviations, smallest and largest over the levels.
+
+    printed : of the printed numbers from the exact ones.   as_published : of the rebuilt simulation from the exact.
+    printed_from_rebuilt : size of that of the printed from the rebuilt numbers; for b also without the first level.
+    printed_from_unrounded : the same, had the coefficients of the equation not been rounded.
+    """
+    unrounded = schemes[
+        (schemes["scheme"] == "backward-euler") & (schemes["coefficients"] == "exact")
+    ]
+    found: Json = {}
+    for name, column in INTEGRALS.items():
+        exact, rebuilt = (features[route][frequency][column] for route in ("exact", "as_published"))
+        printed = printed_numbers(claims, f"table2.{name}.")
+        from_rebuilt = np.abs(printed / rebuilt.to_numpy() - 1.0)
+        found[name] = {
+            "printed": _range(printed / exact.to_numpy() - 1.0),
+            "as_published": _range(rebuilt.to_numpy() / exact.to_numpy() - 1.0),
+            "printed_from_rebuilt": _range(from_rebuilt),
+            "printed_from_rebuilt_beyond_first": _range(from_rebuilt[1:]),
+            "printed_from_unrounded": _range(np.abs(printed / unrounded[column].to_numpy() - 1.0)),
+            "printed_from_rebuilt_at_first": float(from_rebuilt[0]),
+        }
+    return found
+
+
+def printed_numbers(claims: pd.DataFrame, prefix: str) -> np.ndarray:
+    """The printed numbers whose identifier begins so, in their order."""
+    return claims.loc[claims["id"].str.startswith(prefix), "printed"].astype(float).to_numpy()
+
+
+def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[Pair]) -> Json:
+    """{pair, least_squares} → error of F_k and c, %, of the Fourier balance with b = πωX_1² alone: a lock-in at ω.
+
+    The error of a pair is the largest of all pairs.
+    """
+    table = estimate_table(features.replaced(X_3=0.0, X_5=0.0), oscillator.k, pairs)
+    rows = table[table["approach"] == "fourier"]
+    error = pd.DataFrame(
+        {
+            "kind": rows["kind"],
+            "F_k": 100.0 * (rows["F_k_N"] / oscillator.F_k - 1.0).abs(),
+            "c": 100.0 * (rows["c_N_s_per_m"] / oscillator.c - 1.0).abs(),
+        }
+    )
+    largest = error.groupby("kind")[["F_k", "c"]].max()
+    return {kind: largest.loc[kind].to_dict() for kind in ("pair", "least_squares")}
+
+
+def balance_terms(features: Features, oscillator: Oscillator) -> Json:
+    """How the terms of the balance compare, per level and as ranges over the levels, in %.
+
+    friction_share : a F_k / W.   phase_spread : (largest − smallest sin φ)/mean, φ of the reversal.
+    W_common, W_individual : error of W = πkYX sin φ with the mean and with the own φ of the reversal.
+    W_fundamental : error of πkYX_1 sin φ_1, which is rounding.   b_harmonic : error of πωX².   b_first, b_fifth :
+    error of πωΣn²X_n² up to n = 1, 5.   third : X_3/X_1.
+    """
+    k, Y, X = oscillator.k, features.Y, features.X
+    work = np.pi * k * Y * X
+    fundamental = np.pi * k * Y * features.X_1 * np.sin(features.phi_fundamental)
+    sines = np.sin(features.phi_reversal)
+    common = np.sin(np.mean(features.phi_reversal))
+    harmonics = {1: features.X_1, 3: features.X_3, 5: features.X_5}
+    terms = {
+        "friction_share": features.a * oscillator.F_k / features.W,
+        "W_common": work * common / features.W - 1.0,
+        "W_individual": work * sines / features.W - 1.0,
+        "W_fundamental": np.abs(fundamental / features.W - 1.0),
+        "b_harmonic": np.pi * features.omega * X**2 / features.b - 1.0,
+        "b_first": viscous_integral(features.omega, {1: features.X_1}) / features.b - 1.0,
+        "b_fifth": viscous_integral(features.omega, harmonics) / features.b - 1.0,
+        "third": features.X_3 / features.X_1,
+    }
+    found: Json = {name: _range(100.0 * values) for name, values in terms.items()}
+    found["sine"] = {"first": float(sines[0]), "last": float(sines[-1])}
+    found["phase_spread"] = 100.0 * float(np.ptp(sines) / np.mean(sines))
+    return found
+
+
+def largest_errors(
+    estimates: Mapping[str, Mapping[str, pd.DataFrame]], oscillator: Oscillator
+) -> Json:
+    """route → frequency → largest error of F_k and c, %, of direct integration and of Table 3's two-point formulas."""
+    found: Json = {}
+    for route, tables in estimates.items():
+        for frequency, table in tables.items():
+            pairs = table[table["kind"] == "pair"]
+            sets = {
+                "direct": pairs[pairs["approach"] == "direct"],
+                "common": pairs[(pairs["phase"] == "common") & ~pairs["approach"].isin(PHASELESS)],
+            }
+            found.setdefault(route, {})[frequency] = {
+                name: {
+                    "F_k": 100.0 * float((rows["F_k_N"] / oscillator.F_k - 1.0).abs().max()),
+                    "c": 100.0 * float((rows["c_N_s_per_m"] / oscillator.c - 1.0).abs().max()),
+                }
+                for name, rows in sets.items()
+            }
+    return found
+
+
+def _largest_of(approaches: pd.DataFrame, approach: str) -> Json:
+    """The largest error of a pair at any frequency by an approach: of F_k and c, %."""
+    rows = approaches[approaches["approach"] == approach]
+    return {
+        quantity: float(rows[f"{quantity}_largest_pair_error_percent"].max())
+        for quantity in ("F_k", "c")
+    }
+
+
+def _range(values: np.ndarray) -> Json:
+    """Smallest and largest, and the first and the last, in the order of the levels."""
+    return {
+        "min": float(np.min(values)),
+        "max": float(np.max(values)),
+        "first": float(values[0]),
+        "last": float(values[-1]),
+        "size": float(np.max(np.abs(values))),
+    }
+
+
+def _rounded(value: float, decimals: int | None) -> float:
+    return value if decimals is None else round(value, decimals)
+
+
+def _without_nan(found: Any) -> Any:
+    """The same with None for every number that is not finite, which JSON has no word for."""
+    if isinstance(found, dict):
+        return {name: _without_nan(value) for name, value in found.items()}
+    if isinstance(found, list):
+        return [_without_nan(value) for value in found]
+    return None if isinstance(found, float) and not math.isfinite(found) else found

@@ -1,0 +1,356 @@
+"""The page: everything the pipeline found about a case, in one HTML file that needs nothing else.
+
+`Results` holds what the page is made from; `report_page` makes it, the same bytes for the same results.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import pandas as pd
+from markupsafe import Markup
+
+from ... import __version__
+from ...figures.cycle import POINTS
+from ...motion.orbit import Orbit
+from ...project.case import oscillator_from
+from ...project.wording import percent
+from ...studies.settings import Study
+from ...studies.shown.facts import paragraph
+from . import words
+from .cells import Block, blocks
+from .charts import CONFIG, Chart, as_json, runtime
+from .colours import DARK, LIGHT, css_variables, series_colour
+from .curves import WIDTHS, study_charts
+from .error_levels import NAMES, SHAPES, error_charts
+from .loops import figure3_charts
+from .origins import SOURCES, Source, link, study_source
+from .verdicts import BY_NAME, VERDICTS, Count, Verdict, counts, part_of
+
+TITLE = "How the printed numbers of an energy balance fare"
+LARGEST = 3_000_000  # bytes: a page that a phone loads
+TITLE_OF_CASE = "Friction and damping from an energy balance"
+TABLE_TITLES = {
+    "table1": "Table 1: amplitudes, slip onset and phase",
+    "table2": "Table 2: energy integrals, and estimates by direct integration",
+    "table3": "Table 3: estimates of the harmonic approaches with common phi and t_s",
+    "statistics": "Statistics of the text: least squares, and mean and standard deviation of the pairs",
+}
+PHASES = {
+    "reversal": "reversal",
+    "zero_crossing": "zero crossing",
+    "fundamental": "fundamental",
+}
+
+
+@dataclass(frozen=True)
+class Results:
+    """What the page shows.
+
+    config : the merged configuration.   claims : `claims.csv` as text, or None for a case with nothing printed.
+    tables : frequency → name → frame of `tables.COLUMNS`.   approaches : tables/approaches.csv.
+    orbits : of the first frequency.   estimates : the exact ones by frequency.   studies : (study, its table of cases).
+    """
+
+    config: Mapping[str, Any]
+    claims: pd.DataFrame | None
+    tables: Mapping[str, Mapping[str, pd.DataFrame]]
+    approaches: pd.DataFrame
+    orbits: Sequence[Orbit]
+    estimates: Mapping[str, pd.DataFrame]
+    studies: Sequence[tuple[Study, Path]] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class ClaimLine:
+    """One printed number as the page shows it."""
+
+    id: str
+    part: str
+    where: str
+    quantity: str
+    unit: str
+    printed: str
+    routes: tuple[tuple[str, str], ...]
+    verdict: Verdict
+    explanation: str
+    in_table: bool
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorLine:
+    """One approach in the table of errors: (least squares, largest of the pairs) per frequency and quantity."""
+
+    approach: str
+    phase: str
+    sharing: str
+    errors: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PaperTable:
+    """A table of the paper."""
+
+    title: str
+    blocks: tuple[Block, ...]
+
+
+def report_page(results: Results, page: str) -> str:
+    """The page as HTML. page : where it will stand, as a path from the repository's root, for its links.
+
+    Raises ValueError where it would become larger than LARGEST.
+    """
+    config = results.config
+    case = str(config["case"])
+    frequencies = {f["name"]: f["hz"] for f in config["excitation"]["frequencies"]}
+    levels = config["excitation"]["levels_m"]
+    by_id: dict[str, dict[str, str]] = {}
+    if results.claims is not None:
+        by_id = {
+            str(row["id"]): {str(k): str(v) for k, v in row.items()}
+            for row in results.claims.to_dict("records")
+        }
+    tables = {
+        frequency: [
+            PaperTable(TABLE_TITLES[name], tuple(blocks(table, name, {} if n else by_id)))
+            for name, table in results.tables[frequency].items()
+        ]
+        for n, frequency in enumerate(frequencies)
+    }
+    in_tables = {
+        cell.claim
+        for made in tables.values()
+        for table in made
+        for block in table.blocks
+        for group in block.groups
+        for row in group
+        for cell in row.cells
+        if cell.verdict
+    }
+    lines = [] if results.claims is None else list(_claim_lines(results.claims, in_tables))
+    counted = [] if results.claims is None else counts(results.claims)
+    figure3 = figure3_charts(results.orbits)
+    errors = error_charts(
+        results.estimates, oscillator_from(config["oscillator"]), frequencies, levels
+    )
+    studies: list[dict[str, Any]] = [
+        {
+            "name": study.name.replace("_", "-"),
+            "title": study.title,
+            "paragraph": paragraph(study, cases),
+            "figure": study_charts(study, cases),
+            "source": study_source(study.name),
+        }
+        for study, cases in results.studies
+    ]
+    charts: list[Chart] = [*figure3, *errors.charts]
+    charts += [chart for study in studies for chart in study["figure"].charts]
+    html = (
+        _environment(case, page)
+        .get_template("report.html.j2")
+        .render(
+            title=TITLE if lines else TITLE_OF_CASE,
+            headline=_headline(counted),
+            version=__version__,
+            case=case,
+            page=page,
+            counts=counted,
+            verdicts=VERDICTS,
+            claims=lines,
+            sections=_sections(bool(lines), bool(studies)),
+            frequencies=[
+                {"name": words.frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
+                for name, hz in frequencies.items()
+            ],
+            figure3=figure3,
+            points_slip=POINTS[False],
+            points_stick=POINTS[True],
+            errors=errors,
+            error_table=list(_error_lines(results.approaches, list(frequencies))),
+            studies=studies,
+            sources=SOURCES,
+            all_sources=_shown_sources(bool(lines), bool(studies)),
+            configuration=list(_flat(config)),
+            chart_tables={chart.table.id: chart.table for chart in charts}.values(),
+            chart_specs=as_json({"config": CONFIG, "charts": {c.id: c.spec for c in charts}}),
+            style=_style(),
+            script=_text("static/page.js"),
+            charts_script=_text("static/charts.js"),
+            runtime=runtime(),
+        )
+    )
+    size = len(html.encode())
+    if size > LARGEST:
+        raise ValueError(
+            f"{page} would have {size:,} bytes, more than {LARGEST:,}: show fewer studies, or coarser ones"
+        )
+    return html
+
+
+def _environment(case: str, page: str) -> jinja2.Environment:
+    """Templates with the filters that they use; an undefined name is an error."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("dampbalance.publishing.page"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {
+        "rich": words.rich,
+        "symbol": _quantity,
+        "here": lambda path: link(path.format(case=case), page),
+        "at_case": lambda path: path.format(case=case),
+        "colour": series_colour,
+        "approach": lambda key: words.rich(str(NAMES.get(key, key))),
+        "shape": _shape,
+        "width": lambda key: WIDTHS.get(key, 1.6),
+    }
+    return environment
+
+
+def _quantity(text: str) -> Markup:
+    """A column head: F_k by X_s, a."""
+    symbol, by, approach = text.partition(" by ")
+    return words.one_letter(symbol) + by + words.rich(approach)
+
+
+def _claim_lines(claims: pd.DataFrame, in_tables: set[str]) -> Iterator[ClaimLine]:
+    """The printed numbers in the paper's order."""
+    for row in claims.to_dict("records"):
+        routes = (
+            ("Exact", "exact"),
+            ("As published", "as_published"),
+            ("From print", "from_print"),
+        )
+        yield ClaimLine(
+            id=row["id"],
+            part=part_of(row["id"]),
+            where=row["where"],
+            quantity=row["quantity"],
+            unit=words.unit_of(row["unit"]),
+            printed=words.minus(row["printed"]),
+            routes=tuple((label, words.minus(row[name])) for label, name in routes),
+            verdict=BY_NAME[row["verdict"]],
+            explanation=words.minus(row["explanation"]),
+            in_table=row["id"] in in_tables,
+        )
+
+
+def _headline(counted: Sequence[Count]) -> str:
+    """The whole match in a sentence."""
+    if not counted:
+        return "Friction and viscous damping of a driven oscillator from the balance of energy over a period."
+    total = counted[-1]
+    n = dict(zip((verdict.name for verdict in VERDICTS), total.of_verdict, strict=True))
+    differs = "none differs" if not n["differs"] else f"{n['differs']} differ"
+    return (
+        f"Of {total.printed} printed numbers, {n['reproduced']} are reproduced by the exact solution and "
+        f"{n['reconstructed']} by reconstructing how they were computed; {n['last digit']} are one unit off in the "
+        f"last digit, {n['reading']} lie within what can be read off, and {differs}."
+    )
+
+
+def _error_lines(approaches: pd.DataFrame, frequencies: Sequence[str]) -> Iterator[ErrorLine]:
+    """The table of errors with the frequencies side by side."""
+    for key, rows in approaches.groupby(["approach", "phase", "sharing"], sort=False):
+        approach, phase, sharing = (str(word) for word in key)
+        at = rows.set_index("frequency")
+        errors = tuple(
+            (
+                _signed(float(at[f"{unknown}_error_percent"][frequency])),
+                _size(float(at[f"{unknown}_largest_pair_error_percent"][frequency])),
+            )
+            for frequency in frequencies
+            for unknown in ("F_k", "c")
+        )
+        yield ErrorLine(approach, PHASES.get(phase, phase) or "–", sharing or "–", errors)
+
+
+def _size(error: float) -> str:
+    """The size of an error given in %; of rounding its bound."""
+    text = percent(0.01 * error).removesuffix(" %")
+    return f"≤ {text}" if abs(error) < 1e-6 else text
+
+
+def _signed(error: float) -> str:
+    """The same with its sign."""
+    if not math.isfinite(error) or abs(error) < 1e-6:
+        return _size(error)
+    return ("−" if error < 0.0 else "+") + _size(error)
+
+
+def _flat(settings: Any, above: str = "") -> Iterator[tuple[str, str]]:
+    """Every value of the configuration by its dotted key; lists in one line."""
+    if isinstance(settings, Mapping):
+        for key, value in settings.items():
+            yield from _flat(value, f"{above}.{key}" if above else str(key))
+    else:
+        yield above, _value(settings)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key}: {_value(part)}" for key, part in value.items())
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        mapped = any(isinstance(part, Mapping) for part in value)
+        return ("; " if mapped else ", ").join(
+            f"({_value(part)})"
+            if isinstance(part, Sequence) and not isinstance(part, str)
+            else _value(part)
+            for part in value
+        )
+    return "none" if value is None else str(value)
+
+
+def _sections(printed: bool, studies: bool) -> list[tuple[str, str]]:
+    """Id and name of the sections that there are."""
+    return [
+        *([("match", "Match"), ("numbers", "Every number")] if printed else []),
+        ("tables", "Tables"),
+        ("figure3", "Figure 3"),
+        ("errors", "Off resonance"),
+        *([("studies", "Studies")] if studies else []),
+        ("provenance", "Sources"),
+    ]
+
+
+def _shown_sources(printed: bool, studies: bool) -> list[Source]:
+    left_out = {name for name, there in (("claims", printed), ("studies", studies)) if not there}
+    return [source for name, source in SOURCES.items() if name not in left_out]
+
+
+def _shape(key: str) -> Markup:
+    """The mark of an approach in a legend, as an element of SVG; nothing where marks have no shape."""
+    paths = {
+        "circle": '<circle cx="17" cy="7" r="4.5" {0}/>',
+        "square": '<rect x="12.5" y="2.5" width="9" height="9" {0}/>',
+        "triangle-up": '<path d="M17 1.5L22.5 12H11.5Z" {0}/>',
+        "cross": '<path d="M15 2h4v3h3v4h-3v3h-4v-3h-3V5h3Z" {0}/>',
+        "diamond": '<path d="M17 1L23 7L17 13L11 7Z" {0}/>',
+        "triangle-down": '<path d="M17 12.5L11.5 2H22.5Z" {0}/>',
+    }
+    return Markup(paths[SHAPES.get(key, "triangle-down")].format(f'fill="{series_colour(key)}"'))
+
+
+def _style() -> str:
+    """The style sheet, with the colours of both modes; print is always light."""
+    light, dark = css_variables(LIGHT), css_variables(DARK)
+    return "\n".join(
+        [
+            f":root {{ color-scheme: light dark; {light} }}",
+            f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}",
+            _text("static/style.css"),
+        ]
+    )
+
+
+def _text(name: str) -> str:
+    return files(__package__).joinpath(name).read_text(encoding="utf-8")

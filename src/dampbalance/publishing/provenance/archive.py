@@ -1,0 +1,185 @@
+"""An archive that a reader can verify and rebuild in ten years: sources, results, digests and a README of its own.
+
+The same files give the same bytes: names sorted, one time and one owner for all, no time in the compression. (Another
+version of zlib may compress differently; what is unpacked is the same.)
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import io
+import json
+import os
+import tarfile
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from ...project.files import replacing
+from .crate import crate
+from .sources import ARCHIVED_VERSION, sha256
+
+LARGEST = 5_000_000  # bytes; larger results are not packed: a rebuild makes them, the manifest has their digests
+TIME = 315_532_800  # of every file, s: 1980-01-01, the earliest that all formats can hold
+SUMS = "SHA256SUMS"
+
+README = """\
+# {name}
+
+Sources of dampbalance {version} ({commit})
+with the results of the case `{case}`. Start with `README.md`: what this is; `results/README.md`: what the results mean.
+
+## Verify
+
+In this folder
+
+```
+sha256sum --check --quiet SHA256SUMS
+```
+
+says nothing when every file is as it was packed.
+
+## Rebuild
+
+The results were made with {python}. Needed are Python 3.11 or newer, make, and once,
+for the packages, a connection to a package index:
+
+```
+make setup    # the packages of requirements.lock, each checked against its digest
+make clean    # removes the packed results; keep a copy if you like
+{rebuild}
+sha256sum --check --quiet SHA256SUMS
+```
+
+Then only `{manifest}` may differ, because it names the machine of the run. On another kind of
+processor, or with other packages, the last bits of numbers may differ, and digests with them; verdicts should not.
+
+Should the packages no longer be on offer: `requirements.lock` says which version of which package it took, and the
+manifest which were installed. Those that compute the numbers are {packages}.
+
+## What is here
+
+- `SHA256SUMS`: the digest of every file
+- `VERSION.json`: which commit the sources are
+- `ro-crate-metadata.json`: the archive as an RO-Crate, with the job that made each result
+- `{manifest}`: the configuration as merged, digests, packages and machine
+- everything else: the project as under version control, and its results
+
+## What is not
+
+{omitted}
+"""
+
+
+def pack(
+    path: str | Path,
+    sources: Iterable[str],
+    manifest: Mapping[str, Any],
+    manifest_file: str,
+    crate_file: str,
+    citation: Mapping[str, Any],
+    rebuild: str,
+) -> None:
+    """Write the archive. All paths are relative to the folder of the project, which is the current one.
+
+    sources : files of the project.   manifest, manifest_file, citation : as in `crate.crate`.   crate_file : the
+    crate of the results, packed as it is.   rebuild : the command that builds the results again.
+    """
+    name = Path(path).name.removesuffix(".tar.gz")
+    results = {r["path"]: r for r in manifest["reproducible"]["results"]}
+    packed = {file for file, result in results.items() if result["bytes"] <= LARGEST}
+    files = {file: Path(file) for file in {*sources, *packed, manifest_file, crate_file}}
+    digests = {file: sha256(source) for file, source in files.items()}
+
+    code = manifest["run"]["code"]
+    written = {
+        ARCHIVED_VERSION: _json({k: v for k, v in code.items() if k != "known_from"}),
+        "ARCHIVE.md": readme(
+            name, manifest, set(results) - packed, manifest_file, rebuild
+        ).encode(),
+    }
+    digests |= {file: hashlib.sha256(data).hexdigest() for file, data in written.items()}
+    kept = dict(manifest["reproducible"])
+    kept["results"] = [results[file] for file in sorted(packed)]
+    inside = set(digests)
+    kept["jobs"] = [
+        {**job, "outputs": [file for file in job["outputs"] if file in inside]}
+        for job in kept["jobs"]
+        if inside & set(job["outputs"])
+    ]
+    described = crate(
+        {**manifest, "reproducible": kept},
+        manifest_file,
+        citation,
+        others={file: digest for file, digest in digests.items() if file != manifest_file},
+    )
+    written["ro-crate-metadata.json"] = _json(described)
+    digests["ro-crate-metadata.json"] = hashlib.sha256(
+        written["ro-crate-metadata.json"]
+    ).hexdigest()
+    lines = [f"{digest}  {file}\n" for file, digest in sorted(digests.items())]
+    written[SUMS] = "".join(lines).encode()
+
+    with (
+        replacing(path) as temporary,
+        open(temporary, "wb") as stream,
+        gzip.GzipFile(filename="", fileobj=stream, mode="wb", compresslevel=9, mtime=0) as packer,
+        tarfile.open(fileobj=packer, mode="w", format=tarfile.PAX_FORMAT) as tar,
+    ):
+        for file in sorted({*files, *written}):
+            data = written[file] if file in written else files[file].read_bytes()
+            executable = file in files and os.access(files[file], os.X_OK)
+            tar.addfile(_entry(f"{name}/{file}", len(data), executable), io.BytesIO(data))
+
+
+def readme(
+    name: str,
+    manifest: Mapping[str, Any],
+    left_out: set[str],
+    manifest_file: str,
+    rebuild: str,
+) -> str:
+    """What the archive holds, how to verify it and how to rebuild it."""
+    made, run = manifest["reproducible"], manifest["run"]
+    code = run["code"]
+    commit = f"commit {code['commit']}" if code["commit"] else "a commit that is not known"
+    if code["modified"]:
+        commit += ", with changes that the archive holds"
+    sizes = {result["path"]: result["bytes"] for result in made["results"]}
+    omitted = [f"- `{file}` ({sizes[file] / 1e6:.0f} MB)" for file in sorted(left_out)]
+    if omitted:
+        heading = (
+            f"Results above {LARGEST / 1e6:.0f} MB are left out. A rebuild makes them again; their digests stand in "
+            f"`{manifest_file}`."
+        )
+        omitted = [heading, "", *omitted]
+    else:
+        omitted = ["Nothing: every result is here."]
+    return README.format(
+        name=name,
+        version=made["version"],
+        commit=commit,
+        case=made["case"],
+        python=f"Python {run['python']} on {run['system']} ({run['machine']})",
+        packages=_versions(run["packages"]),
+        rebuild=rebuild,
+        manifest=manifest_file,
+        omitted="\n".join(omitted),
+    )
+
+
+def _versions(packages: Mapping[str, str]) -> str:
+    wanted = ("numpy", "scipy", "numba", "pandas", "matplotlib")
+    known = [f"{name} {packages[name]}" for name in wanted if name in packages]
+    return ", ".join(known) or "those named in pyproject.toml"
+
+
+def _entry(name: str, size: int, executable: bool) -> tarfile.TarInfo:
+    entry = tarfile.TarInfo(name)
+    entry.size, entry.mtime, entry.mode = size, TIME, 0o755 if executable else 0o644
+    return entry
+
+
+def _json(data: Any) -> bytes:
+    return (json.dumps(data, indent=1, ensure_ascii=False) + "\n").encode()

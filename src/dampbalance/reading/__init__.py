@@ -1,0 +1,1 @@
+"""From records to features: read off clean ones, estimated from noisy ones."""

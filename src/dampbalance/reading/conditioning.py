@@ -1,0 +1,364 @@
+"""From a measurement to the harmonics of its steady state, with everything that is wrong with it said in words.
+
+Each channel is worked on in its own times: nothing is resampled, unless its samples are unevenly spaced. The drive
+frequency comes from the excitation; the harmonics from least squares, cycle by cycle (`cycles.py`); a slow drift of the
+offset is removed with what it adds to the harmonics. Harmonics are then turned into those of displacements,
+
+    y_n = −a_n/(nω)²   of a base acceleration,      y_n = f_n/k   of a force,
+    x_n = v_n/(inω)    of a velocity,               x_n = −a_n/(nω)²   of an acceleration,
+
+and those of several response channels are averaged, weighted by the inverse of their variances, harmonic by harmonic.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from itertools import chain
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
+from . import checks
+from .cycles import Block, CycleHarmonics, accumulate
+from .frequency import FEWEST_CYCLES, drive_frequency, frequency_offset
+from .one_thread import one_thread
+
+Array = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+Blocks = Callable[[], Iterable[Block]]
+
+MOST_HARMONICS = {"displacement": 31, "velocity": 61, "acceleration": 91}
+"""Highest harmonic taken of each response; a quarter of the samples per cycle limits it too."""
+
+_HARMONICS_OF_BASE = 9
+_LEADING = 1 << 18  # samples from which the drive frequency is found
+_JITTER = 0.05  # of a step: times closer to an even grid than that are on it
+_RELATIVE_FLOOR = 1e-9  # of the fundamental: rounding, below which no noise is told
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyRecord:
+    """The steady state of one response: harmonics of base and mass per row (a cycle, or several), and their noise.
+
+    source : where it comes from.   k : N/m.   omega, omega_standard_error : rad/s.   start : of the first cycle, s.
+    cycles : whole cycles that were used.   cycles_per_row : how many a row averages.
+    Y : y_n of the base displacement, rows × (n = 0 … ), m.   X : x_n of the displacement, rows × (0 … N), m.
+    Each signal is Re Σ s_n e^{inω(t − start)}.
+    weights : usable cycles in each row.   X_error, Y_error : standard deviation of the real and of the imaginary part
+    of the mean of each harmonic, m; infinite where no channel reaches.
+    bandwidth : N, the highest odd harmonic that stands out of the noise.
+    channels : harmonics of each channel as measured, by quantity.
+    noise_rms : of the samples, by quantity, in the unit of the channel.
+    skew : by how much each response lags the first, s, as corrected (only where it is significant).
+    warnings : what is wrong with the record, one sentence each.
+    """
+
+    source: str
+    k: float
+    omega: float
+    omega_standard_error: float
+    start: float
+    cycles: int
+    cycles_per_row: int
+    Y: Complexes
+    X: Complexes
+    weights: Array
+    X_error: Array
+    Y_error: Array
+    bandwidth: int
+    channels: Mapping[str, CycleHarmonics]
+    noise_rms: Mapping[str, float]
+    skew: Mapping[str, float]
+    warnings: tuple[str, ...]
+
+    @property
+    def frequency_hz(self) -> float:
+        """Drive frequency, Hz."""
+        return self.omega / (2.0 * math.pi)
+
+    def mean(self, rows: Complexes) -> Complexes:
+        """Mean of the rows, each with its weight."""
+        average: Complexes = self.weights @ rows / self.weights.sum()
+        return average
+
+
+def condition(
+    measurement: Measurement,
+    k: float,
+    *,
+    frequency_hz: float | None = None,
+    skip_cycles: int = 0,
+) -> SteadyRecord:
+    """The steady state of a measurement.
+
+    k : stiffness, N/m.   frequency_hz : the drive frequency as known, compared with the one found.
+    skip_cycles : cycles left out at the start, when the motion has not settled.
+
+    Raises ValueError naming the source when the record cannot be used: a constant channel, too few cycles, another
+    frequency, signals that contradict each other.
+    """
+    warnings: list[str] = []
+    blocks: dict[str, Blocks] = {}
+    for quantity in measurement:
+        channel = _evenly_sampled(measurement[quantity], measurement.source, warnings)
+        blocks[quantity] = lambda block=(channel.t, channel.values): iter([block])  # type: ignore[misc]
+    steady = condition_blocks(
+        measurement.source, blocks, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles
+    )
+    return _warned(steady, warnings)
+
+
+@one_thread
+def condition_blocks(
+    source: str,
+    channels: Mapping[str, Blocks],
+    k: float,
+    *,
+    frequency_hz: float | None = None,
+    skip_cycles: int = 0,
+) -> SteadyRecord:
+    """As `condition`, of channels that come in blocks: memory stays bounded however long the record is.
+
+    channels : by quantity, a function that starts the blocks (t, values) of the channel from the beginning. It is
+    called twice: for the leading 262,144 samples, and for all.
+    """
+    try:
+        return _condition(source, channels, k, frequency_hz, skip_cycles)
+    except ValueError as error:
+        raise ValueError(f"{source}: {error}") from error
+
+
+def _condition(
+    source: str,
+    channels: Mapping[str, Blocks],
+    k: float,
+    frequency_hz: float | None,
+    skip_cycles: int,
+) -> SteadyRecord:
+    if not (math.isfinite(k) and k > 0.0):
+        raise ValueError(f"the stiffness k must be positive, got {k} N/m")
+    driving = next(q for q in EXCITATIONS if q in channels)
+    responses = [q for q in RESPONSES if q in channels]
+    leading = {
+        q: _leading(blocks(), _LEADING if q == driving else 64) for q, blocks in channels.items()
+    }
+    steps = {q: _step(t, q) for q, (t, _) in leading.items()}
+    checks.require_signal(driving, leading[driving][1])
+    try:
+        omega, omega_error = drive_frequency(*leading[driving], steps[driving])
+    except ValueError as error:
+        raise ValueError(f"{driving}: {error}") from error
+    warnings = checks.frequency(omega, omega_error, frequency_hz)
+
+    period = 2.0 * math.pi / omega
+    start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
+    found = {}
+    for q, blocks in channels.items():
+        most = _harmonics_of(q, period / steps[q])
+        found[q] = accumulate(
+            blocks(), omega, start=start, dt=steps[q], harmonics=most, cycles=1 << 62
+        )
+    rows = min(len(f.weights) for f in found.values())
+    per_row = {q: f.cycles_per_row for q, f in found.items()}
+    if len(set(per_row.values())) > 1:
+        raise ValueError(f"the channels differ too much in length: cycles per row are {per_row}")
+    weights = np.min([f.weights[:rows] for f in found.values()], axis=0)
+    usable = weights > 0.0
+    cycles = int(weights.sum())
+    warnings += checks.bad_cycles({q: f.bad_cycles for q, f in found.items()}, rows)
+    checks.require_cycles(cycles, usable.sum(), omega, FEWEST_CYCLES)
+    warnings += checks.few_cycles(cycles)
+    for q, f in found.items():
+        checks.require_level(q, f)
+        warnings += checks.clipping(q, f)
+
+    # a longer look corrects the frequency found in the leading part
+    offset, omega_error = frequency_offset(found[driving])
+    times = found[driving].times[:rows][usable] - start
+    weights = weights[usable]
+    settled = {
+        q: _without_drift(f.coefficients[:rows][usable], f.drift, times, weights)
+        * np.exp(1j * np.outer(omega * start - offset * times, np.arange(f.coefficients.shape[1])))
+        for q, f in found.items()
+    }
+    omega += offset
+    noise_rms = {q: _noise_rms(c, weights, found[q].dt, period) for q, c in settled.items()}
+    Y = settled[driving] * _to_displacement(driving, settled[driving].shape[1], omega, k)
+    Y_error = _error(Y, weights)
+    moved = {q: settled[q] * _to_displacement(q, settled[q].shape[1], omega, k) for q in responses}
+    skew, said = checks.consistency(moved, weights, omega)
+    warnings += said
+    X, X_error = _combined(moved, weights)
+    mean_X = weights @ X / weights.sum()
+    Y_1 = abs(complex(weights @ Y[:, 1] / weights.sum()))
+    warnings += checks.plausible(Y_1, abs(mean_X[1]), omega, driving)
+    warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, period)
+    warnings += checks.harmonic_base(weights @ Y / weights.sum(), Y_error)
+    warnings += checks.symmetry(mean_X, X_error)
+    warnings += checks.work(weights @ Y[:, 1] / weights.sum(), mean_X[1], Y_error[1], X_error[1])
+    return SteadyRecord(
+        source=source,
+        k=k,
+        omega=omega,
+        omega_standard_error=omega_error,
+        start=start,
+        cycles=cycles,
+        cycles_per_row=found[driving].cycles_per_row,
+        Y=Y,
+        X=X,
+        weights=weights,
+        X_error=X_error,
+        Y_error=Y_error,
+        bandwidth=_bandwidth(mean_X, X_error),
+        channels=found,
+        noise_rms=noise_rms,
+        skew=skew,
+        warnings=tuple(warnings),
+    )
+
+
+def _warned(steady: SteadyRecord, warnings: list[str]) -> SteadyRecord:
+    return replace(steady, warnings=(*warnings, *steady.warnings)) if warnings else steady
+
+
+def _evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Channel:
+    """The channel itself, or resampled by a cubic spline when its samples are unevenly spaced (but for gaps)."""
+    steps = np.diff(channel.t)
+    dt = float(np.median(steps))
+    odd = np.abs(steps / dt - np.round(steps / dt)) > 2.0 * _JITTER
+    if odd.mean() < 0.01:
+        return channel
+    from scipy.interpolate import CubicSpline  # rarely needed, slow to import
+
+    if channel.t.size < 8:
+        raise ValueError(f"{source}: {channel.name} has only {channel.t.size} samples")
+    gap = float(steps.max())
+    if gap > 20.0 * dt:
+        raise ValueError(
+            f"{source}: {channel.name} is unevenly sampled and has a gap of {gap:.3g} s after "
+            f"{channel.t[int(np.argmax(steps))]:.6g} s; cut the record there"
+        )
+    spline = CubicSpline(channel.t, channel.values)
+    t = np.arange(channel.t[0], channel.t[-1], dt)
+    coarse = CubicSpline(channel.t[::2], channel.values[::2])(channel.t[1:-1:2])
+    error = float(np.sqrt(np.mean((coarse - channel.values[1:-1:2]) ** 2))) / 16.0
+    warnings.append(
+        f"{channel.name}: unevenly sampled (steps of {steps.min():.3g} to {gap:.3g} s), resampled every {dt:.3g} s by "
+        f"a cubic spline; error about {error:.2g} {channel.unit} beside the noise"
+    )
+    return Channel(channel.quantity, t, spline(t), channel.name)
+
+
+def _leading(blocks: Iterable[Block], count: int) -> Block:
+    """The first samples of a channel, at least `count` of them if there are as many."""
+    parts: list[Block] = []
+    size = 0
+    for t, values in chain(blocks):
+        parts.append((t[: count - size], values[: count - size]))
+        size += len(parts[-1][0])
+        if size >= count:
+            break
+    if not parts:
+        raise ValueError("a channel has no samples")
+    return np.concatenate([t for t, _ in parts]), np.concatenate([v for _, v in parts])
+
+
+def _step(t: Array, quantity: str) -> float:
+    """Sampling interval, s: the mean over the steps that are no gaps."""
+    if t.size < 3:
+        raise ValueError(f"{quantity} has only {t.size} samples")
+    steps = np.diff(t)
+    return float(np.mean(steps[np.abs(steps - np.median(steps)) < 0.5 * np.median(steps)]))
+
+
+def _harmonics_of(quantity: str, per_cycle: float) -> int:
+    quarter = math.floor(per_cycle / 4.0)
+    if quarter < 3:
+        raise ValueError(
+            f"{quantity}: {per_cycle:.1f} samples per cycle are too few; at least 12 are needed for a third harmonic"
+        )
+    return min(MOST_HARMONICS.get(quantity, _HARMONICS_OF_BASE), quarter)
+
+
+def _to_displacement(quantity: str, count: int, omega: float, k: float) -> Complexes:
+    """Factors that turn the harmonics of a channel into those of a displacement; of the mean of a rate: 0."""
+    n = np.arange(count)
+    rate = np.concatenate([[0.0], 1.0 / (1j * n[1:] * omega)])
+    factors: Complexes = {
+        "velocity": rate,
+        "acceleration": rate**2,
+        "base_acceleration": rate**2,
+        "force": np.full(count, 1.0 / k, dtype=np.complex128),
+    }.get(quantity, np.ones(count, dtype=np.complex128))
+    return factors
+
+
+def _without_drift(rows: Complexes, drift: Complexes, times: Array, weights: Array) -> Complexes:
+    """The harmonics freed of what a drifting offset adds to them; the drift is a parabola through the means.
+
+    drift : harmonics of τ and τ² in a cycle.   times : middle of the rows, s.
+    """
+    degree = 2 if len(rows) >= 8 else 1
+    span = max(float(np.ptp(times)), 1e-300)
+    at = (times - times.mean()) / span
+    means = np.polynomial.Polynomial(
+        np.polynomial.polynomial.polyfit(at, rows[:, 0].real, degree, w=np.sqrt(weights))
+    )
+    rate, bend = means.deriv()(at) / span, 0.5 * means.deriv(2)(at) / span**2
+    correction = np.outer(rate, drift[0]) + np.outer(bend, drift[1])
+    correction[:, 0] = 0.0
+    corrected: Complexes = rows - correction
+    return corrected
+
+
+def _error(rows: Complexes, weights: Array) -> Array:
+    """Standard deviation of the real and of the imaginary part of the mean of each harmonic, from its scatter.
+
+    Smoothed over five neighbouring harmonics: of few cycles, each by itself would be a poor estimate.
+    """
+    mean = weights @ rows / weights.sum()
+    scatter = weights @ np.abs(rows - mean) ** 2 / (2.0 * (len(rows) - 1))
+    variance = scatter / weights.sum()
+    smooth = variance.copy()
+    for n in range(2, len(variance)):
+        smooth[n] = np.median(variance[max(2, n - 2) : n + 3])
+    floor = (_RELATIVE_FLOOR * abs(mean[1])) ** 2
+    errors: Array = np.sqrt(np.maximum(smooth, floor))
+    return errors
+
+
+def _noise_rms(rows: Complexes, weights: Array, dt: float, period: float) -> float:
+    """Standard deviation of the samples, were all noise white: from the scatter of the harmonics between rows."""
+    mean = weights @ rows / weights.sum()
+    scatter = weights @ np.abs(rows - mean) ** 2 / (2.0 * (len(rows) - 1))
+    return math.sqrt(float(np.median(scatter[1:])) * 0.5 * period / dt)
+
+
+def _combined(moved: Mapping[str, Complexes], weights: Array) -> tuple[Complexes, Array]:
+    """The mean of the harmonics of all responses, weighted by inverse variance, and its standard deviations."""
+    count = max(rows.shape[1] for rows in moved.values())
+    total = np.zeros((len(weights), count), dtype=np.complex128)
+    precision = np.zeros(count)
+    for rows in moved.values():
+        size = rows.shape[1]
+        weight = 1.0 / _error(rows, weights) ** 2
+        total[:, :size] += weight * rows
+        precision[:size] += weight
+    total /= precision
+    return total, 1.0 / np.sqrt(precision)
+
+
+def _bandwidth(mean: Complexes, error: Array) -> int:
+    """The highest odd harmonic that stands out of the noise by four standard deviations; two in a row may be hidden."""
+    highest, hidden = 1, 0
+    for n in range(3, len(mean), 2):
+        if abs(mean[n]) > 4.0 * error[n]:
+            highest, hidden = n, 0
+        else:
+            hidden += 1
+            if hidden > 2:
+                break
+    return highest

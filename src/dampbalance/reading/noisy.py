@@ -1,0 +1,390 @@
+"""Features of one noisy record, with standard errors and bootstrap replicates.
+
+All features are functions of the mean harmonics of base and response, relative to the phase of the base:
+
+    X_n² = |x_n|² − var x_n              freed of the bias that noise gives a square
+    W = π k Y X₁ sin φ₁,  b = πω Σ n²X_n²     exact by orthogonality; n odd; beyond the bandwidth, the waveform
+    X                                    largest value of Σ x_n e^{inωt}; beyond the bandwidth, the waveform
+    X_s, V_s, t_s                        from the length of the microstick line (`onset.py`);   a = 2(X − X_s)
+
+Standard errors are those of the jackknife over cycles; replicates draw cycles with replacement. Both evaluate the same
+functions on many means at once, the slip onset to first order.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..features import COLUMNS, Features
+from ..records.measurement import Measurement
+from .conditioning import SteadyRecord, condition
+from .one_thread import one_thread
+from .onset import Waveform, fit_waveform
+
+Array = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+
+RESOLVED = 2.0
+"""Standard errors that the length of the microstick line must exceed to count as resolved."""
+
+RIGID = "slip onset not resolved: rigid limit"
+ONE_SLIP = "one slip onset per half cycle"
+
+_EXTRA = 4  # odd harmonics beyond the bandwidth that the waveform is fitted to: they bound it
+_JACKKNIFE_GROUPS = 400
+_MISFIT = 5.0  # standard deviations of χ²
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """Features of one response read off a record, and how sure they are.
+
+    features : of the one response; where the onset is not resolved, X_s = −X and a = 4X (the rigid limit).
+    standard_errors : by feature name; NaN for what is not read.
+    steady : the conditioned record.   waveform : the fitted exact waveform, or None.
+    onset_resolved : whether X_s, V_s, t_s were read.   length_bound : X + X_s is below it with 97.5 % confidence, m.
+    warnings : all that was found wrong, one sentence each; the last is `onset_note`, if there is one.
+    onset_note : why the slip onset is not resolved, and what that costs.
+    """
+
+    features: Features
+    standard_errors: Mapping[str, float]
+    steady: SteadyRecord
+    waveform: Waveform | None
+    onset_resolved: bool
+    length_bound: float
+    warnings: tuple[str, ...]
+    onset_note: str = ""
+
+    @one_thread
+    def with_onset(self, onset: bool) -> Features:
+        """The features with the slip onset of the waveform, resolved or not, or without: the rigid limit."""
+        numbers = _evaluate(_Parts.of(self.steady, self.waveform), self.waveform, onset)
+        return Features(omega=self.steady.omega, regime=(_regime(self, onset),), **numbers)
+
+    @one_thread
+    def resampled(
+        self, count: int, rng: np.random.Generator, *, onset: bool | None = None
+    ) -> Features:
+        """`count` bootstrap replicates of the features: of means over cycles drawn with replacement.
+
+        Their deviations from the mean are stretched by √(n/(n − 1)), n rows, for the bootstrap falls short of the
+        scatter by that much.   onset : whether they have a slip onset; default, where it is resolved.
+        """
+        steady = self.steady
+        rows = len(steady.weights)
+        drawn = rng.multinomial(rows, np.full(rows, 1.0 / rows), size=count) * steady.weights
+        return _replicates(self, drawn, math.sqrt(rows / max(1, rows - 1)), onset=onset)
+
+    @one_thread
+    def left_out(self, *, onset: bool | None = None) -> Features:
+        """Jackknife replicates of the features: of means without one group of cycles after the other.
+
+        g groups (all cycles, or 400): (g − 1)/g Σ (p_j − p̄)² over the replicates is the variance of any p.
+        """
+        weights = self.steady.weights
+        rows = len(weights)
+        groups = min(rows, _JACKKNIFE_GROUPS)
+        member = np.arange(rows) * groups // rows
+        drawn = np.where(member[None, :] == np.arange(groups)[:, None], 0.0, weights)
+        return _replicates(self, drawn, 1.0, bias=1.0, onset=onset)
+
+    @one_thread
+    def averaged_cycle(self, points: int = 720) -> dict[str, Array]:
+        """One cycle as the harmonics within the bandwidth and the waveform beyond give it, for plots.
+
+        phase : ωt, the peak of the base at 0, rad.   x, v, acceleration : m, m/s, m/s².
+        """
+        parts = _Parts.of(self.steady, self.waveform)
+        theta = np.linspace(0.0, 2.0 * math.pi, points, endpoint=False)
+        turn = np.exp(1j * np.outer(theta, parts.n_all))
+        rate = 1j * parts.n_all * self.steady.omega
+        x = np.concatenate([parts.x[0], parts.tail])
+        return {
+            "phase": theta,
+            "x": (turn @ x).real,
+            "v": (turn @ (rate * x)).real,
+            "acceleration": (turn @ (rate**2 * x)).real,
+        }
+
+
+def read_features(
+    measurement: Measurement,
+    k: float,
+    *,
+    frequency_hz: float | None = None,
+    skip_cycles: int = 0,
+) -> Reading:
+    """Features of the response of one measurement.
+
+    k : stiffness, N/m.   frequency_hz : the drive frequency as known, to be compared with the one found.
+    skip_cycles : cycles left out at the start.   Raises ValueError naming the source when the record cannot be used.
+    """
+    return read_steady(
+        condition(measurement, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles)
+    )
+
+
+@one_thread
+def read_steady(steady: SteadyRecord) -> Reading:
+    """Features of a conditioned record."""
+    waveform = _waveform(steady)
+    warnings = list(steady.warnings)
+    resolved, bound, note = False, math.nan, ""
+    if waveform is None:
+        note = (
+            f"the harmonics show no slip onset (bandwidth: harmonic {steady.bandwidth}); the rigid limit a = 4X stands "
+            "for the friction travel"
+        )
+    else:
+        bound = waveform.length_bound
+        resolved = waveform.length > RESOLVED * waveform.length_error
+        if waveform.misfit > 1.0 + _MISFIT * math.sqrt(2.0 / max(1, waveform.freedom)):
+            warnings.append(
+                f"the waveform of one mass on a compliant contact fits the harmonics {waveform.misfit:.1f} times worse "
+                "than their noise (χ² per degree of freedom): the slip onset is that of the nearest such waveform"
+            )
+    parts = _Parts.of(steady, waveform)
+    numbers = _evaluate(parts, waveform, resolved)
+    X = float(numbers["X"][0])
+    if waveform is not None and not resolved:
+        note = (
+            f"the slip onset is not resolved: the microstick line is {1e6 * waveform.length:.2g} ± "
+            f"{1e6 * waveform.length_error:.2g} µm long; the rigid limit a = 4X is used, too large by less than "
+            f"{50.0 * bound / X:.2g} % (97.5 % confidence)"
+        )
+    regime = ONE_SLIP if resolved else RIGID
+    reading = Reading(
+        features=Features(omega=steady.omega, regime=(regime,), **numbers),
+        standard_errors={},
+        steady=steady,
+        waveform=waveform,
+        onset_resolved=resolved,
+        length_bound=bound,
+        warnings=(*warnings, note) if note else tuple(warnings),
+        onset_note=note,
+    )
+    return replace(reading, standard_errors=_jackknife(reading))
+
+
+def _waveform(steady: SteadyRecord) -> Waveform | None:
+    """The exact waveform fitted to the odd harmonics up to a little beyond the bandwidth."""
+    if steady.bandwidth < 3:
+        return None
+    highest = min(steady.bandwidth + 2 * _EXTRA, len(steady.X_error) - 1)
+    n = np.arange(1, highest + 1, 2)
+    parts = _Parts.of(steady, None)
+    mean = steady.mean(steady.X)[n] * np.exp(-1j * n * parts.phase[0])
+    return fit_waveform(
+        steady.omega,
+        steady.k,
+        float(parts.Y[0]),
+        float(steady.Y_error[1]),
+        n,
+        mean,
+        steady.X_error[n],
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Parts:
+    """Means of r drawings of cycles: amplitude and phase of the base, odd harmonics of x relative to it.
+
+    Y, phase : (r,).   x : (r, h), n = 1, 3 … bandwidth, m.   variance : of x_n as a complex number, to be taken from
+    |x_n|², (h,), m².   tail : harmonics beyond, from the waveform.   n, n_all : orders of x, of x and tail.
+    """
+
+    omega: float
+    k: float
+    Y: Array
+    phase: Array
+    x: Complexes
+    variance: Array
+    tail: Complexes
+    n: Array
+    n_all: Array
+
+    @classmethod
+    def of(
+        cls,
+        steady: SteadyRecord,
+        waveform: Waveform | None,
+        drawn: Array | None = None,
+        stretch: float = 1.0,
+        bias: float = 1.0,
+    ) -> _Parts:
+        """drawn : weights of the rows, (r, rows); default, all once.   stretch : of the deviations from the mean.
+        bias : how many variances |x_n|² holds too much."""
+        # without a waveform to stand for them, the third and fifth are taken as they are
+        least = 1 if waveform is not None else min(5, steady.X.shape[1] - 1)
+        n = np.arange(1, max(steady.bandwidth, least) + 1, 2)
+        Y, x = steady.mean(steady.Y[:, 1:2]), steady.mean(steady.X[:, n])
+        if drawn is None:
+            Y, x = Y, x[None]
+        else:
+            total = drawn.sum(axis=1)
+            Y = Y + stretch * (drawn @ steady.Y[:, 1] / total - Y)
+            x = x + stretch * (drawn @ steady.X[:, n] / total[:, None] - x)
+        phase = np.angle(Y)
+        orders = 2.0 * np.arange(0 if waveform is None else len(waveform.tail)) + 1.0
+        beyond = orders > n[-1]
+        tail = np.zeros(0, dtype=np.complex128) if waveform is None else waveform.tail[beyond]
+        return cls(
+            omega=steady.omega,
+            k=steady.k,
+            Y=np.abs(Y),
+            phase=phase,
+            x=x * np.exp(-1j * np.outer(phase, n)),
+            variance=bias * 2.0 * steady.X_error[n] ** 2,
+            tail=tail,
+            n=n.astype(np.float64),
+            n_all=np.concatenate([n, orders[beyond]]),
+        )
+
+
+def _evaluate(
+    parts: _Parts, waveform: Waveform | None, resolved: bool, at: _Parts | None = None
+) -> dict[str, Array]:
+    """All features of r means, arrays (r,). The onset follows the waveform to first order in the deviations from `at`,
+    the means that it was fitted to."""
+    omega, x = parts.omega, parts.x
+    squares = (
+        np.abs(x) ** 2 - parts.variance
+    )  # may fall below zero: cutting that off would be a bias in b
+    amplitudes = np.sqrt(np.maximum(squares, 0.0))
+    lag = -np.angle(x[:, 0])
+    tail_b = float(np.sum((parts.n_all[len(parts.n) :] * np.abs(parts.tail)) ** 2))
+    b = math.pi * omega * (squares @ parts.n**2 + tail_b)
+    theta_peak, X = _peak(parts, lag)
+    numbers = {name: np.full(len(x), np.nan) for name in COLUMNS}
+    for index, name in enumerate(("X_1", "X_3", "X_5")):
+        if index < amplitudes.shape[1]:
+            numbers[name] = amplitudes[:, index]
+        elif index - len(parts.n) < len(parts.tail):
+            numbers[name] = np.full(len(x), abs(parts.tail[index - len(parts.n)]))
+        else:
+            numbers[name] = np.zeros(len(x))
+    if waveform is not None and resolved:
+        length, V_s, t_s = _onset(parts, waveform, at)
+    else:
+        length = V_s = t_s = np.zeros(len(x))
+    reversal = _wrapped(theta_peak)
+    numbers |= {
+        "Y": parts.Y,
+        "X": X,
+        "X_s": length - X,
+        "V_s": V_s,
+        "t_s": t_s,
+        "phi": reversal,
+        "phi_reversal": reversal,
+        "phi_zero_crossing": _wrapped(_upward_zero(parts, lag) + 0.5 * math.pi),
+        "phi_fundamental": _wrapped(lag),
+        "X_r": X - length,
+        "V_r": -V_s,
+        "t_r": t_s,
+        "a": 4.0 * X - 2.0 * length,
+        "b": b,
+        "W": math.pi * parts.k * parts.Y * amplitudes[:, 0] * np.sin(lag),
+    }
+    return numbers
+
+
+def _onset(parts: _Parts, waveform: Waveform, at: _Parts | None) -> tuple[Array, Array, Array]:
+    """(L, V_s, t_s) of each mean, (r,)."""
+    here = np.array([waveform.length, waveform.orbit.V_s, waveform.orbit.t_s])
+    values = np.tile(here[:, None], len(parts.Y))
+    if at is not None:
+        fitted = (waveform.sensitivity.shape[1] - 1) // 2
+        used = min(fitted, len(parts.n))
+        off = parts.x[:, :used] - at.x[:, :used]
+        columns = [0, *range(1, 1 + used), *range(1 + fitted, 1 + fitted + used)]
+        deviations = np.column_stack([parts.Y - at.Y, off.real, off.imag])
+        values = values + waveform.sensitivity[:, columns] @ deviations.T
+    return values[0], values[1], values[2]
+
+
+def _peak(parts: _Parts, guess: Array) -> tuple[Array, Array]:
+    """(ωt, x) at the largest value of x, (r,): by Newton's method on the velocity, from the largest of 360 points."""
+    mean = np.concatenate([parts.x.mean(axis=0), parts.tail])[:8]
+    theta = np.linspace(0.0, 2.0 * math.pi, 360, endpoint=False)
+    values = (np.exp(1j * np.outer(theta, parts.n_all[:8])) @ mean).real
+    start = float(theta[int(np.argmax(values))])
+    at = np.full(len(parts.Y), start)
+    limit = 2.0 * math.pi / 360
+    for _ in range(4):
+        _, rate, bend = _motion(parts, at)
+        step = np.where(bend < 0.0, -rate / np.where(bend < 0.0, bend, -1.0), 0.0)
+        at = at + np.clip(step, -limit, limit)
+    return at, _motion(parts, at)[0]
+
+
+def _upward_zero(parts: _Parts, lag: Array) -> Array:
+    """ωt of the upward zero of x, (r,)."""
+    at = lag - 0.5 * math.pi
+    for _ in range(5):
+        x, rate, _ = _motion(parts, at)
+        at = at - np.clip(x / np.where(rate > 0.0, rate, np.inf), -0.5, 0.5)
+    return at
+
+
+def _motion(parts: _Parts, theta: Array) -> tuple[Array, Array, Array]:
+    """x, dx/dωt, d²x/dωt² at one phase for each mean, (r,)."""
+    size = len(parts.n)
+    turn = np.exp(1j * theta[:, None] * parts.n_all)
+    turn[:, :size] *= parts.x
+    turn[:, size:] *= parts.tail
+    n = parts.n_all
+    return turn.real.sum(axis=1), -(turn.imag @ n), -(turn.real @ n**2)
+
+
+def _wrapped(angle: Array) -> Array:
+    """The angle plus a multiple of 2π, in [−π/2, 3π/2), as in `dampbalance.features`."""
+    wrapped: Array = (angle + 0.5 * math.pi) % (2.0 * math.pi) - 0.5 * math.pi
+    return wrapped
+
+
+def _regime(reading: Reading, onset: bool) -> str:
+    return ONE_SLIP if onset and reading.waveform is not None else RIGID
+
+
+def _replicates(
+    reading: Reading,
+    drawn: Array,
+    stretch: float,
+    bias: float = 2.0,
+    onset: bool | None = None,
+) -> Features:
+    """Features of the means over the rows drawn.
+
+    A replicate's |x_n|² holds the variance twice: the mean's own, and that of the drawing. Taking off both centres the
+    replicates on the estimate.
+    """
+    steady, waveform = reading.steady, reading.waveform
+    parts = _Parts.of(steady, waveform, drawn, stretch, bias)
+    at = _Parts.of(steady, waveform)
+    resolved = reading.onset_resolved if onset is None else onset
+    numbers = _evaluate(parts, waveform, resolved, at)
+    regime = _regime(reading, resolved)
+    return Features(omega=steady.omega, regime=(regime,) * len(drawn), **numbers)
+
+
+def _jackknife(reading: Reading) -> dict[str, float]:
+    """Standard errors by leaving out one group of rows after the other; NaN for what is not read."""
+    left = reading.left_out()
+    groups = len(left)
+    errors = {}
+    for name in COLUMNS:
+        values = getattr(left, name)
+        if name.startswith("phi"):  # phases near the ends of the interval
+            values = np.unwrap(values)
+        errors[name] = math.sqrt(
+            (groups - 1) / groups * float(np.sum((values - values.mean()) ** 2))
+        )
+    if not reading.onset_resolved:
+        errors |= dict.fromkeys(("V_s", "t_s", "V_r", "t_r"), math.nan)
+    return errors

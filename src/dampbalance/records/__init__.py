@@ -1,0 +1,1 @@
+"""Measured records: channels, units, mapping; read from the files of laboratories and written to them."""

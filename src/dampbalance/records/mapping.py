@@ -1,0 +1,159 @@
+"""What stands beside a record: a small YAML file that says which channel holds what, in which unit.
+
+    channels:
+      base_displacement: {channel: Laser 1, unit: mm}
+      acceleration: {channel: 3, unit: g, sign: -1}
+    sample_rate_hz: 5000
+
+`mapping.schema.yaml` defines the keys; config/records/README.md explains them with examples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from .errors import RecordError, library
+from .units import UnitError, unit_for
+
+SCHEMA = Path(__file__).with_name("mapping.schema.yaml")
+FOLDER_FILE = "channels.yaml"
+
+Which = str | int
+"""A channel by its name, or by its number counted from 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelRule:
+    """Where a quantity is found: value in SI = sign · scale · reading · (the unit in SI).
+
+    unit : of scale · reading, None for what the file says.   time : its own time channel, None for the common one.
+    """
+
+    channel: Which
+    unit: str | None = None
+    scale: float = 1.0
+    sign: int = 1
+    time: Which | None = None
+
+
+@dataclass(frozen=True)
+class RecordMapping:
+    """How to read a record; what is None or empty is found out from the file.
+
+    source : the file it stands in.   channels : by quantity.   time, time_unit : the common time channel.
+    sample_rate_hz : instead of a time channel.   delimiter ("\\t", "whitespace", …), decimal, header_lines : of a text
+    file.   frequency_hz : nominal frequency of the drive.   level : what the level of excitation is called.
+    """
+
+    source: str = ""
+    channels: Mapping[str, ChannelRule] = field(default_factory=lambda: MappingProxyType({}))
+    time: Which | None = None
+    time_unit: str | None = None
+    sample_rate_hz: float | None = None
+    delimiter: str | None = None
+    decimal: str | None = None
+    header_lines: int | None = None
+    frequency_hz: float | None = None
+    level: str | None = None
+    notes: str = ""
+
+
+def find_mapping(record: str | Path) -> Path | None:
+    """The mapping that stands beside a record: run1.csv.yaml, run1.yaml or channels.yaml, the first that exists."""
+    record = Path(record)
+    names = (f"{record.name}.yaml", f"{record.stem}.yaml", FOLDER_FILE)
+    return next((file for name in names if (file := record.with_name(name)).is_file()), None)
+
+
+def mapping_for(
+    record: str | Path, mapping: RecordMapping | Mapping[str, Any] | str | Path | None = None
+) -> RecordMapping:
+    """The mapping given (itself, as a document or as a file), else the one beside the record, else an empty one.
+
+    Raises RecordError naming file, key and remedy.
+    """
+    if isinstance(mapping, RecordMapping):
+        return mapping
+    if isinstance(mapping, Mapping):
+        return mapping_from(mapping)
+    file = find_mapping(record) if mapping is None else Path(mapping)
+    return RecordMapping() if file is None else read_mapping(file)
+
+
+def read_mapping(file: str | Path) -> RecordMapping:
+    """The mapping of a YAML file. Raises RecordError naming file, key and remedy."""
+    library("yaml", "a mapping")
+    library("jsonschema", "a mapping")
+    from ..project.documents import ConfigurationError, read_yaml
+
+    try:
+        document = read_yaml(file)
+    except ConfigurationError as error:
+        raise RecordError(str(error)) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise RecordError(f"{file}: not readable as a mapping: {error}") from None
+    return mapping_from(document, str(file))
+
+
+def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
+    """The mapping that a document describes. Raises RecordError with a line for each problem: source, key, remedy."""
+    from ..project.documents import against_schema, in_lines, read_yaml
+
+    problems = against_schema(document, read_yaml(SCHEMA)) or list(_contradictions(document))
+    if problems:
+        raise RecordError(in_lines(problems, {source: document}))
+    time = document.get("time", {})
+    level = document.get("level")
+    return RecordMapping(
+        source=source,
+        channels=MappingProxyType(
+            {
+                quantity: ChannelRule(**rule)
+                for quantity, rule in document.get("channels", {}).items()
+            }
+        ),
+        time=time.get("channel"),
+        time_unit=time.get("unit"),
+        sample_rate_hz=document.get("sample_rate_hz"),
+        delimiter=document.get("delimiter", "").replace("\\t", "\t") or None,
+        decimal=document.get("decimal"),
+        header_lines=document.get("header_lines"),
+        frequency_hz=document.get("frequency_hz"),
+        level=None if level is None else str(level),
+        notes=document.get("notes", ""),
+    )
+
+
+def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | int, ...], str]]:
+    """What no schema can say: units that do not fit, keys that exclude each other."""
+    channels = document.get("channels", {})
+    for quantity, rule in channels.items():
+        if "unit" in rule:
+            try:
+                unit_for(rule["unit"], quantity)
+            except UnitError as error:
+                yield ("channels", quantity, "unit"), str(error)
+        if "time" in rule and "sample_rate_hz" in document:
+            yield ("channels", quantity, "time"), "not together with sample_rate_hz; keep one"
+        for other in channels:
+            if other == quantity:
+                break
+            if channels[other]["channel"] == rule["channel"]:
+                yield (
+                    ("channels", quantity, "channel"),
+                    f"{rule['channel']!r} is {other} already; a channel holds one quantity",
+                )
+    if "time" in document:
+        if "sample_rate_hz" in document:
+            yield ("time",), "not together with sample_rate_hz; keep one"
+        if "unit" in document["time"]:
+            try:
+                unit_for(document["time"]["unit"], "time")
+            except UnitError as error:
+                yield ("time", "unit"), str(error)
+    if document.get("delimiter") == "," == document.get("decimal"):
+        yield ("decimal",), "the same as the delimiter; a file has two different marks"

@@ -1,0 +1,153 @@
+"""Signals of one response as a laboratory hands them over: channels by quantity, each with its own times.
+
+A measurement is not yet a `Record`: its channels may have different time bases, offsets and noise, and the base may
+have been measured as displacement, acceleration or force. `reading/conditioning.py` makes the one out of the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+EXCITATIONS = {
+    "base_displacement": "m",
+    "base_acceleration": "m/s²",
+    "force": "N",
+}
+"""What drives the oscillator, one of these; a force f stands for the base motion y = f/k."""
+
+RESPONSES = {
+    "displacement": "m",
+    "velocity": "m/s",
+    "acceleration": "m/s²",
+}
+"""What the mass does, at least one of these; absolute, not relative to the base."""
+
+QUANTITIES = EXCITATIONS | RESPONSES
+"""Every quantity that a channel may hold, with the SI unit of its values."""
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One signal: read-only arrays t (s) and values (SI unit of its quantity), shape (n,), n ≥ 2.
+
+    name : what the file calls it, for messages.
+
+    Raises ValueError naming the channel: unknown quantity, unequal lengths, a value that is not finite, times that do
+    not increase.
+    """
+
+    quantity: str
+    t: Array
+    values: Array
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if self.quantity not in QUANTITIES:
+            raise ValueError(
+                f"channel {self.name!r}: unknown quantity {self.quantity!r}; known are {', '.join(QUANTITIES)}"
+            )
+        object.__setattr__(self, "name", self.name or self.quantity)
+        for field in ("t", "values"):
+            array = np.ascontiguousarray(getattr(self, field), dtype=np.float64).view()
+            array.flags.writeable = False
+            object.__setattr__(self, field, array)
+        if self.t.ndim != 1 or self.t.shape != self.values.shape:
+            raise ValueError(
+                f"channel {self.name!r} has {self.values.size} values at {self.t.size} times; "
+                "each value needs its time"
+            )
+        if self.t.size < 2:
+            raise ValueError(
+                f"channel {self.name!r} has {self.t.size} samples; a signal needs at least 2"
+            )
+        for array, what in ((self.t, "time"), (self.values, "value")):
+            if not np.isfinite(array).all():
+                i = int(np.argmin(np.isfinite(array)))
+                raise ValueError(
+                    f"channel {self.name!r}: {what} {i} (counted from 0) is {array[i]}; "
+                    "cut the record before it, or repair it"
+                )
+        steps = np.diff(self.t)
+        if not (steps > 0.0).all():
+            i = int(np.argmin(steps > 0.0))
+            raise ValueError(
+                f"channel {self.name!r}: its time does not increase from sample {i} to {i + 1} "
+                f"({self.t[i]:g} s, {self.t[i + 1]:g} s)"
+            )
+
+    def __len__(self) -> int:
+        return self.values.size
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the values."""
+        return QUANTITIES[self.quantity]
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """The channels of one response: one excitation and at least one response.
+
+    source : where it comes from (a path), for messages.   channels : by quantity.
+
+    Raises ValueError naming the source when a channel is missing, or the excitation is there more than once.
+    """
+
+    source: str
+    channels: Mapping[str, Channel]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "channels", MappingProxyType(dict(self.channels)))
+        for quantity, channel in self.channels.items():
+            if quantity != channel.quantity:
+                raise ValueError(
+                    f"{self.source}: the channel under {quantity!r} holds {channel.quantity!r}"
+                )
+        driving = [q for q in EXCITATIONS if q in self.channels]
+        if len(driving) != 1:
+            found = " and ".join(driving) or "none"
+            raise ValueError(
+                f"{self.source}: needs one excitation ({', '.join(EXCITATIONS)}), found {found}"
+            )
+        if not any(q in self.channels for q in RESPONSES):
+            raise ValueError(
+                f"{self.source}: needs a response ({', '.join(RESPONSES)}), found none"
+            )
+
+    @classmethod
+    def of(cls, source: str, channels: Iterable[Channel]) -> Measurement:
+        """A measurement of the channels given. Raises ValueError when two hold the same quantity."""
+        by_quantity: dict[str, Channel] = {}
+        for channel in channels:
+            other = by_quantity.setdefault(channel.quantity, channel)
+            if other is not channel:
+                raise ValueError(
+                    f"{source}: the channels {other.name!r} and {channel.name!r} both hold {channel.quantity}"
+                )
+        return cls(source, by_quantity)
+
+    def __getitem__(self, quantity: str) -> Channel:
+        return self.channels[quantity]
+
+    def __contains__(self, quantity: object) -> bool:
+        return quantity in self.channels
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.channels)
+
+    @property
+    def excitation(self) -> Channel:
+        """The channel that drives the oscillator."""
+        return next(self.channels[q] for q in EXCITATIONS if q in self.channels)
+
+    @property
+    def responses(self) -> tuple[Channel, ...]:
+        """The channels of the mass, in the order displacement, velocity, acceleration."""
+        return tuple(self.channels[q] for q in RESPONSES if q in self.channels)

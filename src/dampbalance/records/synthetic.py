@@ -1,0 +1,105 @@
+"""Measurements made by simulation: the exact steady motion, sampled, with noise. Always labelled as such.
+
+They serve to try an estimator on records whose truth is known. The channels are what transducers would give: white
+noise on each, independent of the others.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model import BaseMotion, Oscillator
+from ..motion.orbit import Orbit, steady_orbit
+from .measurement import QUANTITIES, Channel, Measurement
+
+Array = NDArray[np.float64]
+
+
+def simulated_measurement(
+    osc: Oscillator,
+    motion: BaseMotion,
+    *,
+    rate_hz: float,
+    cycles: float,
+    noise: float | Mapping[str, float] = 0.0,
+    seed: int | np.random.Generator = 0,
+    channels: Sequence[str] = ("base_displacement", "displacement"),
+    start: float = 0.0,
+    source: str = "",
+) -> Measurement:
+    """The steady response sampled at `rate_hz` for `cycles` periods of the drive, from the time `start` (s) on.
+
+    noise : standard deviation of the white noise of each channel, as a part of the rms of its clean signal (0.01: 1 %);
+    one number for all channels or one by quantity (those not named have none).
+    seed : of the noise, channel by channel in the order of `channels`, or a generator to draw from.
+    channels : quantities to measure.
+
+    Raises ValueError for an unknown quantity, a rate, a duration or a noise that makes no sense.
+    """
+    return measured_orbit(
+        steady_orbit(osc, motion),
+        rate_hz=rate_hz,
+        cycles=cycles,
+        noise=noise,
+        seed=seed,
+        channels=channels,
+        start=start,
+        source=source,
+    )
+
+
+def measured_orbit(
+    orbit: Orbit,
+    *,
+    rate_hz: float,
+    cycles: float,
+    noise: float | Mapping[str, float] = 0.0,
+    seed: int | np.random.Generator = 0,
+    channels: Sequence[str] = ("base_displacement", "displacement"),
+    start: float = 0.0,
+    source: str = "",
+) -> Measurement:
+    """As `simulated_measurement`, of an orbit at hand."""
+    motion = orbit.motion
+    if not (math.isfinite(rate_hz) and rate_hz > 0.0):
+        raise ValueError(f"rate_hz must be a positive number of samples per second, got {rate_hz}")
+    count = round(cycles * motion.period * rate_hz) if math.isfinite(cycles) else 0
+    if count < 2:
+        raise ValueError(
+            f"{cycles} cycles at {rate_hz:g} samples per second are {count} samples; at least 2 are needed"
+        )
+    unknown = sorted({*channels, *(noise if isinstance(noise, Mapping) else ())} - set(QUANTITIES))
+    if unknown:
+        raise ValueError(f"unknown quantities {unknown}; known are {', '.join(QUANTITIES)}")
+    parts = noise if isinstance(noise, Mapping) else dict.fromkeys(channels, noise)
+    for quantity, part in parts.items():
+        if not (math.isfinite(part) and part >= 0.0):
+            raise ValueError(
+                f"noise of {quantity} must be 0 or a positive part of its rms, got {part}"
+            )
+
+    random = np.random.default_rng(seed)
+    t = start + np.arange(count) / rate_hz
+    state = orbit.state(t)
+    y = np.asarray(motion.y(t), dtype=np.float64)
+    clean: dict[str, Array] = {
+        "base_displacement": y,
+        "base_acceleration": -(motion.omega**2) * y,
+        "force": orbit.oscillator.k * y,
+        "displacement": state.x,
+        "velocity": state.v,
+        "acceleration": state.acceleration,
+    }
+    made = []
+    for quantity in channels:
+        values = clean[quantity]
+        part = parts.get(quantity, 0.0)
+        if part > 0.0:
+            rms = math.sqrt(float(np.mean(values**2)))
+            values = values + part * rms * random.standard_normal(count)
+        made.append(Channel(quantity, t, values))
+    return Measurement.of(source or f"simulated, Y = {motion.Y:g} m", made)

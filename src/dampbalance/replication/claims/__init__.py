@@ -1,0 +1,28 @@
+"""Claims: a verdict on every number that the paper prints.
+
+`claims_table` judges; `check` compares with the verdicts on record. Only this package reads `paper/published/`.
+"""
+
+from .inputs import FREQUENCIES as PRINTED_FREQUENCIES
+from .inputs import LEVELS as PRINTED_LEVELS
+from .inputs import Route, Setting
+from .published import Published, read_published
+from .table import check, claims_markdown, claims_table, read_claims, read_record, record, summary
+from .verdict import VERDICTS
+
+__all__ = [
+    "PRINTED_FREQUENCIES",
+    "PRINTED_LEVELS",
+    "VERDICTS",
+    "Published",
+    "Route",
+    "Setting",
+    "check",
+    "claims_markdown",
+    "claims_table",
+    "read_claims",
+    "read_published",
+    "read_record",
+    "record",
+    "summary",
+]

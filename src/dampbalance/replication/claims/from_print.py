@@ -1,0 +1,85 @@
+"""The from-print route: the paper's own printed inputs put into its own equations.
+
+Table 1 and the integrals of Table 2 go through the same rows and the same solver as everything else. For the least
+squares, the residuals, the means and the deviations the printed numbers come out: the paper's arithmetic is sound.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from ...estimates import estimate_table
+from ...features import COLUMNS, Features
+from ...solver import Estimate, Statistics, mean_and_deviation
+from .inputs import HARMONIC, PAIR_LABELS, PAIRS, Route, Setting
+from .published import Printed, Published, numbers
+
+
+def printed_features(published: Published, omega: float) -> Features:
+    """Tables 1 and 2 as features: each printed number as it stands, everything the paper does not print NaN.
+
+    omega : drive frequency, rad/s.
+    """
+    table1, integrals = published.table1, published.table2_integrals
+    known = {column: numbers(table1, column) for column in table1.columns}
+    known |= {column: numbers(integrals, column) for column in ("a_m", "b_m2_per_s", "W_J")}
+    missing = np.full(len(table1), np.nan)
+    arrays = {name: known.get(column, missing) for name, column in COLUMNS.items()}
+    return Features(omega=omega, regime=("as printed",) * len(table1), **arrays)
+
+
+def from_print(published: Published, setting: Setting) -> Route:
+    """Estimates at ω1 from the printed features, pair-wise with the φ = 1.542 and t_s = 2.1 ms that the text states.
+
+    Only ω, k and the pairs come from outside the print.
+    """
+    features = printed_features(published, setting.omega())
+    common = features.replaced(
+        phi=Printed(published.text_values["printed"]["phi_mean"]).value,
+        t_s=Printed(published.text_values["printed"]["t_s_mean"]).value,
+    )
+    estimates = estimate_table(features, setting.oscillator.k, PAIRS, common=common)
+    return Route({"omega1": features.to_frame()}, {"omega1": estimates})
+
+
+def printed_pair_statistics(published: Published) -> Statistics:
+    """Mean and standard deviation (n − 1) of the five pairs that Table 2 prints."""
+    F_k = numbers(published.table2_pairs, "direct_F_k_N")
+    c = numbers(published.table2_pairs, "direct_c_N_s_per_m")
+    blank = np.full((2, 2), np.nan)
+    return mean_and_deviation(
+        [Estimate(*p, residual=np.nan, covariance=blank, n=2) for p in zip(F_k, c, strict=True)]
+    )
+
+
+def printed_estimates(published: Published) -> Route:
+    """The printed pairs of Tables 2 and 3 as a table of estimates, to ask it for its largest errors."""
+    records = []
+    for approach, phase, table in (
+        ("direct", "individual", published.table2_pairs),
+        *((name, "common", published.table3) for name in HARMONIC),
+    ):
+        for label in PAIR_LABELS:
+            found = {
+                column: Printed(table[f"{approach}_{column}"][label]).value
+                for column in ("F_k_N", "c_N_s_per_m")
+            }
+            records.append(
+                {"approach": approach, "kind": "pair", "phase": phase, "pair": label} | found
+            )
+    return Route({}, {"omega1": pd.DataFrame.from_records(records)})
+
+
+def printed_as_table1(features: Features, published: Published) -> Features:
+    """Features with as many decimals as Table 1 prints of each, as if its authors had tabulated them."""
+    table1 = published.table1
+    columns = {name: column for name, column in COLUMNS.items() if column in table1.columns}
+    return features.replaced(
+        **{
+            name: np.round(
+                getattr(features, name), max(-Printed(text).exponent for text in table1[column])
+            )
+            for name, column in columns.items()
+        }
+    )

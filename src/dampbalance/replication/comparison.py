@@ -1,0 +1,128 @@
+"""Every approach at every frequency: how far off F_k and c are, for each definition of the phase.
+
+The paper compares its approaches at resonance, with one definition of the phase. This table is the comparison that it
+lacks: what each approach gives off resonance, from exact features, so that what is left is the error of the approach.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from ..balance import APPROACHES, PHASELESS
+from ..estimates import estimate_table
+from ..features import Features, Phase
+from ..model import Oscillator
+from ..project.wording import percent
+from ..solver import Pair
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+PHASES: tuple[Phase, ...] = ("reversal", "zero_crossing", "fundamental")
+"""The lags of x behind y that the harmonic approaches can use."""
+
+COLUMNS = (
+    "frequency",
+    "frequency_hz",
+    "approach",  # a key of balance.APPROACHES
+    "phase",  # reversal, zero_crossing or fundamental; empty for an approach that takes no choice of phase
+    "sharing",  # φ and t_s individual to each level or common to all; empty likewise
+    "F_k_error_percent",  # of the least squares over all levels, with sign
+    "c_error_percent",
+    "F_k_largest_pair_error_percent",  # size, over the pairs of levels
+    "c_largest_pair_error_percent",
+)
+_UNKNOWNS = {"F_k": "F_k_N", "c": "c_N_s_per_m"}
+
+
+def approaches_table(
+    features: Mapping[str, Features],
+    frequencies_hz: Mapping[str, float],
+    osc: Oscillator,
+    chosen: Sequence[Pair],
+) -> pd.DataFrame:
+    """Errors of F_k and c, %, by every approach, definition of the phase, and frequency: columns COLUMNS.
+
+    features : exact ones by frequency.   frequencies_hz : f, Hz, by frequency, in the order of the table.
+    osc : with the true F_k and c.   chosen : pairs of levels, counted from 0.
+
+    NaN: an estimate that does not exist (nothing slips), and an error relative to a true value of zero.
+    """
+    records = [
+        {"frequency": name, "frequency_hz": hz, **errors}
+        for name, hz in frequencies_hz.items()
+        for errors in _errors(features[name], osc, chosen)
+    ]
+    import pandas as pd  # slow to import, and needed for tables only
+
+    return pd.DataFrame.from_records(records, columns=list(COLUMNS))
+
+
+def approaches_markdown(table: pd.DataFrame, title: str) -> str:
+    """The table for reading: a line per approach and phase, the frequencies side by side."""
+    lines = [f"# {title}", ""]
+    for heading, column in (
+        ("Least squares over all levels", "{}_error_percent"),
+        ("The pair of levels that is furthest off", "{}_largest_pair_error_percent"),
+    ):
+        lines += [f"## {heading}", "", *_side_by_side(table, column), ""]
+    lines += [
+        "From exact features: what is left is the error of the approach. Phase: the lag of x behind y of the velocity "
+        "reversal, of the displacement's zero crossing, or of its fundamental; φ and t_s of each level, or their mean.",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _errors(
+    features: Features, osc: Oscillator, chosen: Sequence[Pair]
+) -> Iterator[dict[str, object]]:
+    """The lines of one frequency, approach by approach; one that takes no choice of phase has a single line."""
+    tables = {phase: estimate_table(features.with_phase(phase), osc.k, chosen) for phase in PHASES}
+    for approach in APPROACHES:
+        for phase in PHASES[:1] if approach in PHASELESS else PHASES:
+            lines = tables[phase][tables[phase]["approach"] == approach]
+            for sharing, estimates in lines.groupby("phase", sort=False):
+                words = ("", "") if approach in PHASELESS else (phase, sharing)
+                head = {"approach": approach, "phase": words[0], "sharing": words[1]}
+                yield head | _errors_of(estimates, osc)
+
+
+def _errors_of(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, object]:
+    """The errors of one approach: of its least squares, and of the pair that is furthest off."""
+    found: dict[str, object] = {}
+    for name, column in _UNKNOWNS.items():
+        true = getattr(osc, name) or math.nan  # of nothing there is no relative error
+        error = 100.0 * (estimates[column] / true - 1.0)
+        found[f"{name}_error_percent"] = error[estimates["kind"] == "least_squares"].iloc[0]
+        pairs = error[estimates["kind"] == "pair"]
+        found[f"{name}_largest_pair_error_percent"] = pairs.abs().max()
+    return found
+
+
+def _side_by_side(table: pd.DataFrame, column: str) -> list[str]:
+    frequencies = dict(zip(table["frequency"], table["frequency_hz"], strict=True))
+    heads = [f"{name}, {hz:g} Hz" for hz in frequencies.values() for name in _UNKNOWNS]
+    lines = [
+        "| approach | phase | φ, t_s | " + " | ".join(heads) + " |",
+        "|---|---|---|" + "---:|" * len(heads),
+    ]
+    for key, rows in table.groupby(["approach", "phase", "sharing"], sort=False):
+        at = {
+            name: dict(zip(rows["frequency"], rows[column.format(name)], strict=True))
+            for name in _UNKNOWNS
+        }
+        errors = [at[name].get(f, math.nan) for f in frequencies for name in _UNKNOWNS]
+        approach, phase, sharing = (str(word) for word in key)
+        words = [approach, phase.replace("_", " ") or "–", sharing or "–"]
+        lines.append("| " + " | ".join([*words, *map(_signed, errors)]) + " |")
+    return lines
+
+
+def _signed(error: float) -> str:
+    """An error in % as words, with its sign if it is negative; of rounding a bound."""
+    if abs(error) < 1e-6:
+        return f"≤ {percent(0.01 * error)}"
+    return ("−" if error < 0.0 else "") + percent(0.01 * error)

@@ -1,0 +1,177 @@
+"""Errors over many runs, told apart by the values of some axes: bias, scatter, stated standard error, coverage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from ...project.wording import percent
+from ..settings import Fit, Study
+from ..stretches import column_of
+from .bounds import bounds_of
+
+Array = NDArray[np.float64]
+QUANTITIES = ("F_k", "c")
+
+
+class Spread(NamedTuple):
+    """What n runs say of an estimator. All but the counts relative to the true value; NaN for what is not known.
+
+    bias : mean error.   bias_error : its standard error, scatter/√n.   scatter : standard deviation of the errors.
+    rms : root of their mean square.   p95 : size that 95 % do not exceed.   standard_error : rms of the stated ones.
+    coverage : share of the runs whose 95 % interval holds the true value.
+    """
+
+    runs: int
+    identified: int
+    bias: float
+    bias_error: float
+    scatter: float
+    rms: float
+    p95: float
+    standard_error: float
+    coverage: float
+
+
+def spread(errors: Array, standard_errors: Array | None, covered: Array | None) -> Spread:
+    """The spread of relative errors, with the standard errors and the coverage that were stated, if they were."""
+    known = errors[np.isfinite(errors)]
+    n = len(known)
+    scatter = float(known.std(ddof=1)) if n > 1 else np.nan
+    return Spread(
+        runs=len(errors),
+        identified=n,
+        bias=float(known.mean()) if n else np.nan,
+        bias_error=scatter / np.sqrt(n) if n else np.nan,
+        scatter=scatter,
+        rms=_rms(known),
+        p95=float(np.quantile(np.abs(known), 0.95)) if n else np.nan,
+        standard_error=_rms(standard_errors),
+        coverage=_mean(covered),
+    )
+
+
+def spread_of(study: Study, cases: str | Path, quantity: str, fit: Fit, kept: Any = ...) -> Spread:
+    """The spread of one quantity by one fit over the cases `kept` (an index or a mask; default: all)."""
+    errors = column_of(cases, f"{quantity}_relative_error__{fit.label}")[kept]
+    if "intervals" not in study.columns:
+        return spread(errors, None, None)
+    standard = column_of(cases, f"{quantity}_relative_standard_error__{fit.label}")[kept]
+    return spread(errors, standard, column_of(cases, f"{quantity}_covered__{fit.label}")[kept])
+
+
+def groups(
+    study: Study, cases: str | Path, by: Sequence[str]
+) -> Iterator[tuple[dict[str, Any], NDArray[np.bool_]]]:
+    """({axis: value}, which cases) for each combination of values of the axes `by`, in the order of the cases."""
+    values = pd.DataFrame({name: column_of(cases, name) for name in by})
+    for combination in values.drop_duplicates().to_dict("records"):
+        where = {str(name): value for name, value in combination.items()}
+        yield where, (values[list(by)] == pd.Series(combination)).all(axis=1).to_numpy()
+
+
+def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
+    """One row per combination of values of `study.summary_by`, quantity and fit; shares of `Spread` in %.
+
+    Of noisy records, besides: the Cramér–Rao bound, and the information used, (bound/rms error)².
+    """
+    records = []
+    for where, kept in groups(study, cases, study.summary_by):
+        bounds = bounds_of(study, np.flatnonzero(kept))
+        for quantity in QUANTITIES:
+            for fit in study.fits:
+                found = spread_of(study, cases, quantity, fit, kept)
+                record = _record(where, quantity, fit, found)
+                if study.route == "measured":
+                    bound = bounds[quantity]
+                    used = (bound / found.rms) ** 2 if found.rms > 0.0 else np.nan
+                    record |= {"bound_percent": 100.0 * bound, "information_percent": 100.0 * used}
+                records.append(record)
+    return pd.DataFrame.from_records(records)
+
+
+def _record(where: Mapping[str, Any], quantity: str, fit: Fit, found: Spread) -> dict[str, Any]:
+    how = {
+        "quantity": quantity,
+        "approach": fit.approach,
+        "phase": fit.phase,
+        "sharing": fit.sharing,
+        "fit": fit.kind,
+    }
+    shares = found._asdict()
+    counts = {name: shares.pop(name) for name in ("runs", "identified")}
+    return {
+        **where,
+        **how,
+        **counts,
+        **{f"{name}_percent": 100.0 * share for name, share in shares.items()},
+    }
+
+
+def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
+    """The tables for reading: one for each combination of values."""
+    measured = study.route == "measured"
+    lines = [
+        "Relative errors of the identified F_k and c over the runs. Scatter: their standard deviation. Standard error: "
+        "what the bootstrap of each run states, rms. Coverage: share of the 95 % intervals that hold the true value."
+    ]
+    if measured:
+        lines[0] += (
+            " Information: what the approach uses of that in the records, the square of the Cramér–Rao bound (m, k and "
+            "the drive frequency known, K_z not) over the rms error."
+        )
+    for values, rows in summary.groupby(list(study.summary_by), sort=False):
+        where = [
+            f"{name} = {value if isinstance(value, str) else format(value, 'g')}"
+            for name, value in zip(study.summary_by, values, strict=True)
+        ]
+        head = (
+            [_HEAD + " bound | information |", _RULE + "---:|---:|"] if measured else [_HEAD, _RULE]
+        )
+        lines += ["", f"## {', '.join(where)}", "", *head]
+        lines += [_line(row) for row in rows.to_dict("records")]
+    return lines
+
+
+_HEAD = (
+    "| quantity | approach | phase | φ, t_s | fit | identified | bias | scatter | standard error "
+    "| 95 % of the errors below | coverage |"
+)
+_RULE = "|---|---|---|---|---|---:|---:|---:|---:|---:|---:|"
+
+
+def fit_cells(row: Mapping[Any, Any]) -> list[str]:
+    """The cells of a line that say which quantity and which fit it is about."""
+    phase, fit = (row[name].replace("_", " ") for name in ("phase", "fit"))
+    return [row["quantity"], row["approach"], phase, row["sharing"], fit]
+
+
+def _line(row: Mapping[Any, Any]) -> str:
+    sign = "−" if row["bias_percent"] < 0.0 else ""
+    cells = [
+        *fit_cells(row),
+        f"{row['identified']:,} of {row['runs']:,}",
+        f"{sign}{_percent(row, 'bias')} ± {_percent(row, 'bias_error')}",
+        *(_percent(row, name) for name in ("scatter", "standard_error", "p95", "coverage")),
+        *(_percent(row, name) for name in ("bound", "information") if f"{name}_percent" in row),
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
+def _percent(row: Mapping[Any, Any], name: str) -> str:
+    return percent(0.01 * row[f"{name}_percent"])
+
+
+def _rms(values: Array | None) -> float:
+    known = np.empty(0) if values is None else values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(known**2))) if len(known) else np.nan
+
+
+def _mean(values: Array | None) -> float:
+    known = np.empty(0) if values is None else values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else np.nan

@@ -1,0 +1,83 @@
+"""`paper/equations.md` tells the truth: every equation has its line, and every function and test named there exists."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "paper/equations.md").read_text(encoding="utf-8")
+PACKAGE = ROOT / "src/dampbalance"
+LINES = [line for line in TEXT.splitlines() if re.match(r"\| \(\d+[ab]?\)", line)]
+NUMBERED = range(1, 20)
+TEST = re.compile(r"`(tests/[\w/]+\.py)::(\w+)`")
+FUNCTION = re.compile(r"`((?:[a-z_]+)(?:\.\w+)+)`")
+
+
+def number(line):
+    return int(re.match(r"\| \((\d+)", line).group(1))
+
+
+def module_of(name):
+    """The longest part of a dotted name that is a module of the package."""
+    parts = name.split(".")
+    while parts and not PACKAGE.joinpath(*parts).with_suffix(".py").is_file():
+        parts.pop()
+    assert parts, f"dampbalance.{name} does not exist"
+    return ".".join(parts)
+
+
+def named_functions(text):
+    return sorted({name for name in FUNCTION.findall(text) if not name.startswith("tests")})
+
+
+def named_tests(text):
+    return sorted(set(TEST.findall(text)))
+
+
+def test_every_numbered_equation_has_its_line_in_order():
+    assert sorted({number(line) for line in LINES}) == list(NUMBERED)
+    assert [number(line) for line in LINES] == sorted(number(line) for line in LINES)
+
+
+@pytest.mark.parametrize("line", LINES, ids=lambda line: line.split("|")[1].strip())
+def test_every_equation_names_a_function_and_a_test(line):
+    _, _, _, functions, tests, _ = re.split(r"(?<!\\)\|", line)
+    assert named_functions(functions)
+    assert named_tests(tests)
+
+
+@pytest.mark.parametrize("name", named_functions(TEXT))
+def test_every_function_exists(name):
+    module = module_of(name)
+    found = importlib.import_module(f"dampbalance.{module}")
+    for part in name.removeprefix(f"{module}.").split("."):
+        assert hasattr(found, part), f"dampbalance.{name} does not exist"
+        found = getattr(found, part)
+
+
+@pytest.mark.parametrize(("file", "test"), named_tests(TEXT))
+def test_every_test_exists(file, test):
+    tree = ast.parse((ROOT / file).read_text(encoding="utf-8"))
+    assert test in {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+
+
+# (4) is computed nowhere by itself: it is the step from the forces to the balance (5).
+@pytest.mark.parametrize("n", sorted(set(NUMBERED) - {4}))
+def test_the_number_stands_where_the_equation_is_implemented(n):
+    """One of the modules named for an equation cites it by its number."""
+    modules = {
+        module_of(name) for line in LINES if number(line) == n for name in named_functions(line)
+    }
+    cited = "".join(
+        (PACKAGE / f"{module.replace('.', '/')}.py").read_text(encoding="utf-8")
+        for module in modules
+    )
+    numbers = {int(n) for n in re.findall(r"\((\d+)[ab]?\)", cited)}
+    for first, last in re.findall(r"\((\d+)[ab]?\)(?:–| to )\((\d+)[ab]?\)", cited):
+        numbers |= set(range(int(first), int(last) + 1))
+    assert n in numbers

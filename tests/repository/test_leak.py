@@ -1,0 +1,101 @@
+"""What is compared with does not leak into what is computed: only claims code reads the printed numbers."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+# A file refers to the printed numbers when it names their folder, the configuration key that holds it, the package that
+# reads them, or its functions. To ask whether there is anything to compare with is no reference.
+REFERENCE = re.compile(
+    r"paper/published"
+    r"|(?<!if config\[)['\"]published['\"]"
+    r"|published_files|read_published|dampbalance\.(?:replication\.)?claims|from \.+claims|from \.+ import .*\bclaims\b"
+)
+
+# Claims code and its rules; the configuration and its schema name the key.
+ALLOWED = (
+    "src/dampbalance/replication/claims/",
+    "workflow/rules/claims.smk",
+    "workflow/scripts/claims/claims.py",
+    "workflow/scripts/claims/check.py",
+    "config/config.yaml",
+    "workflow/schemas/config.schema.yaml",
+)
+
+
+def sources():
+    """Everything that computes: package, workflow, Snakefile, configurations."""
+    found = [*ROOT.glob("Snakefile"), *ROOT.glob("config/**/*.yaml")]
+    for folder in ("src", "workflow"):
+        found += [p for p in (ROOT / folder).rglob("*") if p.suffix in (".py", ".smk", ".yaml", "")]
+    return sorted(p for p in found if p.is_file() and "__pycache__" not in p.parts)
+
+
+def named(path):
+    return path.relative_to(ROOT).as_posix()
+
+
+def test_there_is_something_to_scan():
+    names = {named(path) for path in sources()}
+    assert {
+        "src/dampbalance/balance.py",
+        "src/dampbalance/replication/claims/published.py",
+    } <= names
+    assert any(name.startswith("workflow/scripts/") for name in names)
+
+
+@pytest.mark.parametrize("path", sources(), ids=named)
+def test_only_claims_refer_to_the_printed_numbers(path):
+    name = named(path)
+    if name.startswith(ALLOWED):
+        return
+    assert REFERENCE.findall(path.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize("path", sources(), ids=named)
+def test_no_printed_estimate_is_typed_into_the_sources(path):
+    """The digits of the printed results: long enough not to stand anywhere by chance."""
+    digits = [
+        "90.0115",
+        "1.279987",
+        "9.1587",
+        "1.284786",
+        "1.285022",
+        "1.285163",
+        "0.07939719",
+        "0.010885625",
+    ]
+    digits += [
+        "0.19139123",
+        "0.35158214",
+        "0.55996992",
+        "0.81655453",
+        "1.279799",
+        "1.280015",
+        "1.280030",
+    ]
+    text = path.read_text(encoding="utf-8")
+    assert not [number for number in digits if number in text]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        'read_csv("paper/published/table1.csv")',
+        'folder = config["published"]',
+        "from dampbalance.replication.claims import read_published",
+        "from .claims.published import numbers",
+        "from . import claims",
+    ],
+)
+def test_a_leak_would_be_seen(text):
+    assert REFERENCE.search(text)
+
+
+def test_asking_whether_there_is_a_paper_is_no_leak():
+    assert not REFERENCE.search('claims=f"{RESULTS}/claims.csv" if config["published"] else []')

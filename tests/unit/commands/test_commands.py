@@ -1,0 +1,341 @@
+"""The command line: what it writes, what it says, and that it never takes away what was there."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from dampbalance.balance import APPROACHES
+from dampbalance.commands.main import main
+from dampbalance.identification.loading import load
+from dampbalance.identification.outputs import OUTPUTS
+from dampbalance.identification.run import identified
+from dampbalance.records.readers import read
+
+EXAMPLE = Path(__file__).parents[3] / "config/records/example"
+RECORDS = sorted(str(path) for path in EXAMPLE.glob("level*.csv"))
+SMALL = ["--cycles", "3", "--rate", "1000", "--noise", "0.01", "--seed", "5"]
+WHOLE = ["--mass", "2.42", "--frequency", "3.5"]
+COMMON = ["--stiffness", "2310", "--replicates", "40"]
+
+
+def simulate(path, *arguments):
+    return main(["simulate", str(path), "--frequency", "4.92", "--amplitude", "0.004", *arguments])
+
+
+@pytest.fixture(scope="module")
+def output(tmp_path_factory):
+    """Where the example was identified, and what was shown."""
+    folder = tmp_path_factory.mktemp("identified") / "found"
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "dampbalance",
+            "identify",
+            *RECORDS,
+            *COMMON,
+            *WHOLE,
+            "--output",
+            str(folder),
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return folder, done.stdout
+
+
+def test_everything_is_written(output):
+    folder, shown = output
+    assert sorted(path.name for path in folder.iterdir()) == sorted(OUTPUTS)
+    assert (folder / "summary.txt").read_text(encoding="utf-8") in shown
+    for approach in APPROACHES:
+        assert f"\n{approach}" in shown
+    assert "\nmaximum likelihood" in shown
+
+
+def test_the_document_holds_the_truth_of_the_example(output):
+    found = json.loads((output[0] / "identification.json").read_text(encoding="utf-8"))
+    truth = {"F_k": ("N", 1.28), "c": ("N_s_per_m", 90.0), "K_z": ("N_per_m", 208000.0)}
+    for numbers in (
+        found["approaches"]["direct"],
+        found["approaches"]["fourier"],
+        found["maximum_likelihood"],
+    ):
+        for symbol, (unit, true) in truth.items():
+            low, high = numbers[f"{symbol}_interval_{unit}"]
+            assert low < true < high
+            assert low < numbers[f"{symbol}_{unit}"] < high
+            assert high - low < 0.03 * true
+    assert found["warnings"] == []
+    assert [record["record"] for record in found["records"]] == RECORDS
+    assert found["records"][0]["frequency_Hz"] == pytest.approx(3.5, abs=1e-4)
+
+
+def test_figures_are_pictures_with_a_description(output):
+    for name in ("cycles", "loops", "balance"):
+        assert (output[0] / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        text = (output[0] / f"{name}.svg").read_text(encoding="utf-8")
+        assert "<dc:description>" in text
+
+
+def test_the_same_records_give_the_same_bytes(output, tmp_path):
+    assert main(["identify", *RECORDS, *COMMON, *WHOLE, "--output", str(tmp_path)]) == 0
+    for name in OUTPUTS:
+        assert (tmp_path / name).read_bytes() == (output[0] / name).read_bytes(), name
+
+
+def test_results_are_not_overwritten_unasked(tmp_path, capsys):
+    (tmp_path / "identification.json").write_text("mine", encoding="utf-8")
+    arguments = [
+        "identify",
+        *RECORDS[:2],
+        *COMMON,
+        "--approach",
+        "fourier",
+        "--output",
+        str(tmp_path),
+    ]
+    assert main(arguments) == 2
+    assert "holds identification.json already" in capsys.readouterr().err
+    assert (tmp_path / "identification.json").read_text(encoding="utf-8") == "mine"
+    assert list(tmp_path.iterdir()) == [tmp_path / "identification.json"]
+    assert main([*arguments, "--overwrite"]) == 0
+    assert list(json.loads((tmp_path / "identification.json").read_text())["approaches"]) == [
+        "fourier"
+    ]
+
+
+@pytest.mark.parametrize(
+    "name", ["a.csv", "a.tsv", "a.parquet", "a.mat", "a.h5", "a.uff", "a.tdms", "a.wav"]
+)
+def test_simulated_records_come_back_in_every_format(name, tmp_path):
+    path = tmp_path / name
+    assert simulate(path, *SMALL) == 0
+    assert simulate(tmp_path / "plain.csv", *SMALL) == 0
+    found, plain = read(path), read(tmp_path / "plain.csv")
+    for quantity in ("base_displacement", "displacement"):
+        np.testing.assert_allclose(found[quantity].values, plain[quantity].values, rtol=1e-12)
+        np.testing.assert_allclose(found[quantity].t, plain[quantity].t, rtol=1e-12)
+
+
+def test_the_example_is_what_its_commands_write(tmp_path):
+    for i, amplitude in enumerate(("0.004", "0.006", "0.008", "0.010", "0.012"), start=1):
+        path = tmp_path / f"level{i}.csv"
+        command = (
+            f"simulate {path} --frequency 3.5 --amplitude {amplitude} --rate 1000 --cycles 20 --noise 0.01 --seed {i} "
+            "--start 0.1 --channel base_displacement --channel displacement --channel acceleration --decimals 6"
+        )
+        assert main(command.split()) == 0
+        made, kept = (pd.read_csv(p) for p in (path, EXAMPLE / path.name))
+        assert list(made) == list(kept)
+        # another machine may round the sixth decimal the other way
+        np.testing.assert_allclose(made, kept, atol=1.01e-6, rtol=0.0)
+
+
+def test_a_simulated_record_is_not_overwritten_unasked(tmp_path, capsys):
+    path = tmp_path / "a.csv"
+    path.write_text("mine", encoding="utf-8")
+    assert simulate(path) == 2
+    assert "exists already" in capsys.readouterr().err
+    assert path.read_text(encoding="utf-8") == "mine"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--frequency", "0"], "--frequency must be a positive number of Hz"),
+        (["--amplitude", "-1"], "Y"),
+        (["--mass", "-2"], "m"),
+        (["--rate", "0"], "rate_hz must be a positive number"),
+        (["--cycles", "0"], "at least 2 are needed"),
+        (["--noise", "-0.1"], "noise of"),
+        (["--seed", "-1"], "--seed must be 0 or"),
+        (["--decimals", "1"], "constant when rounded to 1 decimals"),
+    ],
+)
+def test_a_simulation_that_makes_no_sense_is_refused(arguments, message, tmp_path, capsys):
+    assert simulate(tmp_path / "a.csv", *arguments) == 2
+    assert message in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def spoiled(folder, change):
+    """The first record of the example, changed, and the second as it is."""
+    folder.mkdir(exist_ok=True)
+    first = change(pd.read_csv(RECORDS[0]))
+    first.to_csv(folder / "first.csv", index=False)
+    return [str(folder / "first.csv"), RECORDS[1]]
+
+
+def with_value(column, row, value):
+    def change(table):
+        table.loc[row, column] = value
+        return table
+
+    return change
+
+
+WRONG = {
+    "nan": (with_value("displacement_m", 500, np.nan), "first.csv"),
+    "constant": (lambda t: t.assign(displacement_m=0.001), "displacement"),
+    "backwards": (with_value("time_s", 500, 0.0), "first.csv"),
+    "few cycles": (lambda t: t.head(500), "cycles"),
+    "no base": (lambda t: t.drop(columns="base_displacement_m"), "base_displacement"),
+    "no response": (lambda t: t[["time_s", "base_displacement_m"]], "displacement"),
+    "empty": (lambda t: t.head(0), "first.csv"),
+    "unit of one response": (
+        lambda t: t.assign(displacement_m=1e3 * t["displacement_m"]),
+        "first.csv",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_record_that_cannot_be_used_is_one_clear_error(name, tmp_path, capsys):
+    change, message = WRONG[name]
+    output = tmp_path / "out"
+    code = main(["identify", *spoiled(tmp_path / "in", change), *COMMON, "--output", str(output)])
+    said = capsys.readouterr()
+    assert code == 2
+    assert said.err.startswith("dampbalance identify: error: ")
+    assert "Traceback" not in said.err
+    assert said.out == ""
+    assert message in said.err
+    assert not output.exists()
+
+
+ODD = {
+    "gap": (lambda t: t.drop(index=range(1000, 1400)), "first.csv"),
+    "wrong unit of all": (
+        lambda t: t.assign(**{c: 1e3 * t[c] for c in t.columns if c != "time_s"}),
+        "is a unit wrong (mm taken for m)?",
+    ),
+    "unequal lengths": (
+        lambda t: t.assign(acceleration_m_per_s2=t["acceleration_m_per_s2"].where(t.index < 5000)),
+        "first.csv",
+    ),
+    "clipped": (
+        lambda t: t.assign(displacement_m=t["displacement_m"].clip(-0.003, 0.003)),
+        "first.csv",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_what_looks_odd_is_reported_or_refused(name, tmp_path, capsys):
+    change, message = ODD[name]
+    code = main(["identify", *spoiled(tmp_path, change), *COMMON])
+    said = capsys.readouterr()
+    text = said.err if code else said.out
+    assert code in (0, 2)
+    assert message in text.replace("\n", " ")
+    assert "warning: " in text or "error: " in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--stiffness", "0"], "must be a positive number"),
+        (["--stiffness", "nan"], "must be a positive number"),
+        (["--stiffness", "2310", "--frequency", "-1"], "must be a positive number"),
+        (["--stiffness", "2310", "--approach", "best"], "invalid choice"),
+        (["--stiffness", "2310", "--replicates", "some"], "must be 0 or a positive whole number"),
+        ([], "--stiffness"),
+    ],
+)
+def test_wrong_options_are_refused(arguments, message, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(["identify", *RECORDS[:2], *arguments])
+    assert stopped.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("records", "message"),
+    [
+        ([RECORDS[0]], "two levels or more"),
+        ([RECORDS[0], RECORDS[0]], "is named twice"),
+        ([RECORDS[0], "none.csv"], "none.csv: no such file"),
+        ([RECORDS[0], __file__], "test_commands.py"),
+    ],
+)
+def test_wrong_records_are_refused(records, message, capsys):
+    assert main(["identify", *records, *COMMON]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_file_that_is_not_what_its_name_says(tmp_path, capsys):
+    for name, content in (("a.mat", b"time,x\n0,1\n"), ("b.parquet", b"PAR1"), ("c.wav", b"RIFF")):
+        (tmp_path / name).write_bytes(content)
+        assert main(["identify", str(tmp_path / name), RECORDS[1], *COMMON]) == 2
+        assert name in capsys.readouterr().err
+
+
+def test_a_wrong_frequency_is_refused(capsys):
+    assert main(["identify", *RECORDS[:2], *COMMON, "--frequency", "7"]) == 2
+    assert "not at the 7 Hz given" in capsys.readouterr().err
+
+
+def test_large_files_are_read_in_blocks_with_the_same_result(monkeypatch):
+    whole = identified(RECORDS[:2], 2310.0, approaches=["direct"], replicates=20).document()
+    monkeypatch.setattr("dampbalance.identification.loading.LARGE", 1000)
+    blocks = identified(RECORDS[:2], 2310.0, approaches=["direct"], replicates=20)
+    assert blocks.document() == whole
+    with pytest.raises(ValueError, match="too large for the maximum-likelihood fit"):
+        identified(RECORDS[:2], 2310.0, replicates=20, mass=2.42)
+
+
+def test_the_version_is_told(capsys):
+    with pytest.raises(SystemExit):
+        main(["--version"])
+    assert capsys.readouterr().out.startswith("dampbalance ")
+
+
+def test_a_mapping_says_frequency_and_level(tmp_path, capsys):
+    for i in (0, 1):
+        name = f"run{i}.csv"
+        (tmp_path / name).write_bytes(Path(RECORDS[i]).read_bytes())
+        (tmp_path / f"run{i}.yaml").write_text(
+            f"frequency_hz: {3.5 if i else 6.0}\nlevel: {i + 1} of 2\n", encoding="utf-8"
+        )
+    records = [str(tmp_path / f"run{i}.csv") for i in (0, 1)]
+    assert main(["identify", *records, *COMMON]) == 2
+    assert "run0.csv: the excitation oscillates" in capsys.readouterr().err
+    assert main(["identify", *records, *COMMON, "--frequency", "3.5"]) == 0
+    assert load(records[1], 2310.0).label == "2 of 2"
+
+
+@pytest.mark.parametrize("friction", ["100", "1e-6"], ids=["sticks", "no friction"])
+def test_responses_that_do_not_slip_are_said_to_be_so(friction, tmp_path, capsys):
+    records = []
+    for i, amplitude in enumerate(("0.002", "0.004", "0.006"), start=1):
+        records.append(str(tmp_path / f"run{i}.csv"))
+        command = (
+            f"simulate {records[-1]} --frequency 4 --amplitude {amplitude} --friction {friction}"
+        )
+        assert main([*command.split(), "--rate", "1000", "--cycles", "20", "--noise", "0.01"]) == 0
+    capsys.readouterr()
+    assert main(["identify", *records, *COMMON, "--mass", "2.42", "--approach", "direct"]) == 0
+    said = capsys.readouterr().out
+    assert "no record shows harmonics above its noise" in said
+    assert "no maximum-likelihood fit with m = 2.42 kg: the records are those of a linear" in said
+    low, high = map(float, re.search(r"^direct +\S+ \[(\S+), (\S+)\]", said, re.MULTILINE).groups())
+    assert low < 0.02  # no friction, within the noise
+    assert high > -0.02
+
+
+def test_a_wrong_mass_costs_the_fit_and_nothing_else(capsys):
+    assert main(["identify", *RECORDS, *COMMON, "--mass", "24", "--approach", "direct"]) == 0
+    said = capsys.readouterr().out
+    assert "no maximum-likelihood fit with m = 24 kg" in said
+    assert "\ndirect " in said

@@ -1,0 +1,477 @@
+"""Figures: the same bytes each time, marks where the numbers are, nothing clipped and nothing on top of another."""
+
+from __future__ import annotations
+
+import ast
+import functools
+import itertools
+import math
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from PIL import Image
+
+from dampbalance import BaseMotion, Oscillator, figures, steady_orbit
+from dampbalance.estimates import estimate_table
+from dampbalance.features import of_orbit, stack
+from dampbalance.figures import style
+from dampbalance.figures.cycle import branches
+
+OSCILLATOR = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
+FREQUENCIES = {"omega1": 4.92, "omega2": 3.5, "omega3": 11.1}
+PAIRS = [(0, 1), (1, 2), (2, 3), (3, 4), (0, 4)]
+NAMES = ("figure1", "figure2", "figure3", "estimation_error")
+
+
+def orbits_at(hz: float, oscillator: Oscillator = OSCILLATOR) -> list:
+    return [steady_orbit(oscillator, BaseMotion(Y, 2 * math.pi * hz)) for Y in LEVELS]
+
+
+@pytest.fixture(scope="module")
+def orbits() -> list:
+    return orbits_at(4.92)
+
+
+@pytest.fixture(scope="module")
+def estimates() -> dict[str, pd.DataFrame]:
+    return {
+        name: estimate_table(stack([of_orbit(orbit) for orbit in orbits_at(hz)]), 2310.0, PAIRS)
+        for name, hz in FREQUENCIES.items()
+    }
+
+
+@pytest.fixture(scope="module")
+def make(orbits, estimates):
+    """Name of a figure → a new one."""
+    return {
+        "figure1": figures.schematic,
+        "figure2": lambda: figures.friction_velocity_loop(orbits[0]),
+        "figure3": lambda: figures.figure3(orbits),
+        "estimation_error": lambda: figures.estimation_error(
+            estimates, OSCILLATOR, FREQUENCIES, LEVELS
+        ),
+    }
+
+
+def written(figure: Figure, folder: Path) -> tuple[bytes, bytes]:
+    svg, png = folder / "figure.svg", folder / "figure.png"
+    figures.save(figure, svg, png, "What it shows: φ − 1.")
+    return svg.read_bytes(), png.read_bytes()
+
+
+@pytest.fixture(scope="module")
+def saved(make, tmp_path_factory):
+    """Name of a figure → the folder with its files, written once for all tests."""
+    return functools.cache(lambda name: _saved(make[name](), tmp_path_factory.mktemp(name)))
+
+
+def _saved(figure: Figure, folder: Path) -> Path:
+    written(figure, folder)
+    return folder
+
+
+def panels(figure: Figure) -> dict:
+    return dict(zip("abcd", figure.axes, strict=False))
+
+
+def line(axes, label: str):
+    (found,) = [line for line in axes.lines if line.get_label() == label]
+    return found
+
+
+# --- files ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_same_figure_gives_the_same_bytes(make, saved, name, tmp_path):
+    first = tuple((saved(name) / file).read_bytes() for file in ("figure.svg", "figure.png"))
+    figure = make[name]()
+    assert written(figure, tmp_path / "new") == first
+    assert written(figure, tmp_path / "again") == first
+
+
+def test_the_settings_of_the_user_change_nothing(make, tmp_path):
+    usual = written(make["figure2"](), tmp_path / "usual")
+    theirs = {"font.size": 20.0, "svg.hashsalt": None, "savefig.dpi": 50, "axes.grid": True}
+    with matplotlib.rc_context(theirs):
+        before = dict(matplotlib.rcParams)
+        assert written(make["figure2"](), tmp_path / "theirs") == usual
+        assert dict(matplotlib.rcParams) == before
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_files_tell_what_they_show_and_nothing_of_when_or_with_what(saved, name):
+    text = (saved(name) / "figure.svg").read_text(encoding="utf-8")
+    assert "<dc:description>What it shows: φ − 1.</dc:description>" in text
+    assert matplotlib.__version__ not in text
+    assert not {"dc:date", "dc:creator"} & {word.strip("</ >") for word in text.split(">")}
+    with Image.open(saved(name) / "figure.png") as image:
+        assert set(image.info) == {"Description", "dpi"}
+        assert image.info["dpi"] == pytest.approx((300, 300), abs=0.01)  # PNG counts in dots per m
+
+
+@pytest.mark.parametrize(
+    ("name", "width"),
+    [("figure1", 90), ("figure2", 180), ("figure3", 180), ("estimation_error", 180)],
+)
+def test_figures_fit_a_column(saved, name, width):
+    with Image.open(saved(name) / "figure.png") as image:
+        assert image.width == int(width / 25.4 * 300)  # whole pixels
+
+
+def test_a_failing_save_leaves_what_was_there(tmp_path, monkeypatch):
+    svg, png = tmp_path / "figure.svg", tmp_path / "figure.png"
+    svg.write_text("old")
+
+    def fails(_, path, **__):
+        Path(path).write_text("half a fi")
+        raise OSError("disk full")
+
+    monkeypatch.setattr(Figure, "savefig", fails)
+    with pytest.raises(OSError, match="disk full"):
+        figures.save(Figure(), svg, png)
+    assert svg.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [svg]
+
+
+# --- legibility ----------------------------------------------------------------------------------
+
+
+def texts(figure: Figure) -> list[tuple[str, object]]:
+    """Every text that is seen, with the box it takes on the page."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    hidden = set()
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            if not axes.axison:
+                hidden.update(axis.findobj(Text))
+            for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks()):
+                if not low <= tick.get_loc() <= high:
+                    hidden.update(tick.findobj(Text))
+    return [
+        (text.get_text(), Text.get_window_extent(text, canvas.get_renderer()))
+        for text in figure.findobj(Text)
+        if text.get_visible() and text.get_text().strip() and text not in hidden
+    ]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_text_is_clipped_or_overlaps_another(make, name):
+    with style.styled():
+        figure = make[name]()
+        seen = texts(figure)
+    assert len(seen) > 5
+    page = figure.bbox
+    clipped = [
+        text
+        for text, box in seen
+        if box.x0 < page.x0 or box.y0 < page.y0 or box.x1 > page.x1 or box.y1 > page.y1
+    ]
+    assert clipped == []
+    overlapping = [
+        (one, other)
+        for (one, a), (other, b) in itertools.combinations(seen, 2)
+        if min(a.x1, b.x1) > max(a.x0, b.x0) and min(a.y1, b.y1) > max(a.y0, b.y0)
+    ]
+    assert overlapping == []
+
+
+def lightness(colour: str) -> float:
+    """CIE L* of a colour: what is left of it in grey."""
+    channels = np.array(to_rgb(colour))
+    linear = np.where(channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
+    return 116.0 * np.cbrt(float(linear @ [0.2126, 0.7152, 0.0722])) - 16.0
+
+
+def test_approaches_stay_apart_in_grey():
+    looks = figures.APPROACH_LOOKS
+    assert len({look.marker for look in looks.values()}) == len(looks)
+    values = sorted(lightness(look.colour) for look in looks.values())
+    # A step of 2 is just seen side by side; 8 is seen between markers that are apart.
+    assert min(np.diff(values)) > 8.0
+    assert abs(lightness(style.SLIP) - lightness(style.STICK)) > 25.0
+
+
+def test_every_approach_has_a_look(estimates):
+    assert set(estimates["omega1"]["approach"]) <= set(figures.APPROACH_LOOKS)
+
+
+def test_every_figure_has_an_alternative_text_of_one_sentence():
+    assert set(figures.ALT) == set(NAMES)
+    for text in figures.ALT.values():
+        assert text.endswith(".")
+        assert text.count(". ") == 0
+
+
+def test_figures_leave_the_global_state_of_pyplot_alone():
+    for module in Path(figures.__file__).parent.glob("*.py"):
+        for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in getattr(node, "names", [])]
+            assert "pyplot" not in f"{getattr(node, 'module', '')} {names}", module.name
+
+
+# --- Figure 2 ------------------------------------------------------------------------------------
+
+
+def test_branches_make_one_closed_cycle(orbits):
+    orbit = orbits[0]
+    cycle = branches(orbit)
+    assert [branch.stick for branch in cycle] == [True, False, True, False]
+    Z_m = OSCILLATOR.F_k / OSCILLATOR.K_z
+    for here, following in zip(cycle, [*cycle[1:], cycle[0]], strict=True):
+        for end, start, scale in zip(
+            here.state, following.state, (orbit.X, 0.1, 3.0, Z_m), strict=True
+        ):
+            # rounding of the instant, carried by the steepest change (acceleration: 5e2 m/s³)
+            assert end[-1] == pytest.approx(start[0], abs=1e-11 * scale)
+        deflection = np.abs(here.state.z[1:-1])
+        if here.stick:
+            assert np.all(deflection < Z_m)
+        else:
+            assert deflection == pytest.approx(Z_m, rel=1e-12)
+
+
+def test_figure2_marks_the_four_instants_where_they_are(make, orbits):
+    zoom = panels(make["figure2"]())["b"]
+    orbit, F_k = orbits[0], OSCILLATOR.F_k
+    where = {letter: line(zoom, letter).get_xydata()[0] for letter in "ABCD"}
+    assert where["A"] == pytest.approx((0.0, F_k))
+    assert where["B"] == pytest.approx((-orbit.V_s, -F_k))
+    assert where["C"] == pytest.approx((0.0, -F_k))
+    assert where["D"] == pytest.approx((orbit.V_s, F_k))
+    written_there = " ".join(text.get_text() for text in zoom.texts)
+    for letter, instant in (("A", "t_2"), ("B", "t_r"), ("C", "t_1"), ("D", "t_s")):
+        assert rf"\mathbf{{{letter}}}$, ${instant}$" in written_there
+
+
+def test_figure2_draws_the_friction_force_of_the_orbit(make, orbits):
+    orbit = orbits[0]
+    whole = panels(make["figure2"]())["a"]
+    curve = [line.get_xydata() for line in whole.lines if len(line.get_xydata()) > 2]
+    v, f = np.concatenate(curve).T
+    # The work of the friction force over the cycle is what slip takes: ∮ f ẋ dt = ∮ f dx = F_k a, Eq. (6).
+    x = np.concatenate([branch.state.x for branch in branches(orbit)])
+    work = np.trapezoid(f, x)
+    # z is linear in x in stick and constant in slip: the trapezoidal rule is exact but for rounding.
+    assert work == pytest.approx(OSCILLATOR.F_k * orbit.a, rel=1e-9)
+    assert v.max() < whole.get_xlim()[1]
+    assert np.abs(f).max() == pytest.approx(OSCILLATOR.F_k)
+    assert whole.get_ylim()[1] > OSCILLATOR.F_k
+
+
+# --- Figure 3 ------------------------------------------------------------------------------------
+
+
+def test_figure3_has_four_lettered_panels_with_units(make):
+    figure = make["figure3"]()
+    for letter, x in (
+        ("a", "displacement $x$ (mm)"),
+        ("b", "displacement $x$ (mm)"),
+        ("c", r"velocity $\dot{x}$ (m/s)"),
+        ("d", r"velocity $\dot{x}$ (m/s)"),
+    ):
+        axes = panels(figure)[letter]
+        assert f"({letter})" in [text.get_text() for text in axes.texts]
+        assert axes.get_xlabel() == x
+        assert axes.get_ylabel() == r"acceleration $\ddot{x}$ (m/s$^2$)"
+
+
+def test_figure3_marks_what_table_1_lists(make, orbits):
+    figure, orbit = make["figure3"](), orbits[0]
+    b, d = (panels(figure)[letter] for letter in "bd")
+    assert line(b, "-X").get_xdata() == pytest.approx([-orbit.X * 1e3] * 2)
+    assert line(b, "X_s").get_xdata() == pytest.approx([orbit.X_s * 1e3] * 2)
+    assert line(d, "V_s").get_xdata() == pytest.approx([orbit.V_s] * 2)
+    # Each mark ends on the curve: the acceleration follows from the equation of motion, Eqs. (1), (2).
+    m, c, k, F_k = OSCILLATOR.m, OSCILLATOR.c, OSCILLATOR.k, OSCILLATOR.F_k
+    force = k * orbit.motion.y(orbit.t_1 + orbit.t_s)
+    at_slip = (force - c * orbit.V_s - k * orbit.X_s - F_k) / m
+    at_reversal = (k * orbit.motion.y(orbit.t_1) + k * orbit.X + F_k) / m
+    assert line(b, "X_s").get_ydata()[1] == pytest.approx(at_slip, rel=1e-9)
+    assert line(d, "V_s").get_ydata()[1] == pytest.approx(at_slip, rel=1e-9)
+    assert line(b, "-X").get_ydata()[1] == pytest.approx(at_reversal, rel=1e-9)
+    labels = {text.get_text() for axes in (b, d) for text in axes.texts}
+    assert {"$-X_{1}$", "$X_{1s}$", "$V_{1s}$", "$2Z_m$ = 12.31 µm"} <= labels
+
+
+def test_the_microsticking_line_is_straight_and_as_steep_as_the_contact(make, orbits):
+    b = panels(make["figure3"]())["b"]
+    stick = next(
+        line.get_xydata()
+        for line in b.lines
+        if line.get_color() == style.STICK and line.get_xydata()[0, 0] < 0.0
+    )
+    x, acceleration = stick[:, 0] * 1e-3, stick[:, 1]
+    # m dẍ/dx = −(k + K_z) + (kẏ − cẍ)/ẋ. At the reversal kẏ and cẍ all but cancel, being at resonance; at slip onset
+    # the last term is (285 − 174 N/s)/0.0077 m/s = 14 kN/m, 7 % of k + K_z.
+    slope = np.polyfit(x, acceleration, 1)[0]
+    assert slope == pytest.approx(-(OSCILLATOR.k + OSCILLATOR.K_z) / OSCILLATOR.m, rel=0.07)
+    bend = acceleration - np.polyval(np.polyfit(x, acceleration, 1), x)
+    assert np.abs(bend).max() < 0.02 * np.ptp(acceleration)  # less than the width of the line
+
+
+def test_figure3_shows_and_names_every_level(make, orbits):
+    figure = make["figure3"]()
+    a, c = (panels(figure)[letter] for letter in "ac")
+    for axes, of_state in ((a, lambda o: o.X * 1e3), (c, lambda o: o.V_s)):
+        ends = {round(float(line.get_xdata()[n]), 9) for line in axes.lines for n in (0, -1)}
+        assert {round(of_state(orbit), 9) for orbit in orbits} <= ends
+    assert {"$Y$ = 4 mm", "6", "8", "10", "12"} <= {text.get_text() for text in a.texts}
+    assert {"4", "6", "8", "10", "12"} <= {text.get_text() for text in c.texts}
+
+
+@pytest.mark.parametrize(
+    ("zoomed", "whole"), [("b", "a"), ("d", "c")], ids=["microsticking line", "corner"]
+)
+def test_figure3_frames_what_it_enlarges(make, zoomed, whole):
+    figure = panels(make["figure3"]())
+    (frame,) = figure[whole].patches
+    assert frame.get_bbox().intervalx == pytest.approx(figure[zoomed].get_xlim())
+    assert frame.get_bbox().intervaly == pytest.approx(figure[zoomed].get_ylim())
+
+
+def test_figure3_enlarges_the_first_level_that_slips(orbits):
+    stuck = steady_orbit(OSCILLATOR, BaseMotion(1e-4, orbits[0].motion.omega))
+    assert math.isnan(stuck.X_s)
+    d = panels(figures.figure3([stuck, *orbits[1:]]))["d"]
+    assert line(d, "V_s").get_xdata()[0] == pytest.approx(orbits[1].V_s)
+    assert "$V_{2s}$" in [text.get_text() for text in d.texts]
+
+
+@pytest.mark.parametrize(
+    ("oscillator", "words"),
+    [
+        (Oscillator(2.42, 90.0, 2310.0, 208000.0, 50.0), "no slip: the contact only sticks"),
+        (
+            Oscillator(2.42, 90.0, 2310.0, 208000.0, 0.0),
+            "no friction: the contact slips all the time",
+        ),
+    ],
+    ids=["no slip", "no friction"],
+)
+def test_where_nothing_is_to_be_marked_the_regime_is_named(oscillator, words, tmp_path):
+    some = orbits_at(4.92, oscillator)
+    for figure in (figures.friction_velocity_loop(some[0]), figures.figure3(some)):
+        assert words in [text.get_text() for axes in figure.axes for text in axes.texts]
+        written(figure, tmp_path)
+
+
+def test_several_slip_onsets_are_drawn(tmp_path):
+    oscillator = Oscillator(m=2.42, c=10.0, k=2310.0, K_z=20000.0, F_k=3.0)
+    orbit = steady_orbit(oscillator, BaseMotion(0.004, 0.25 * 2 * math.pi * 4.92))
+    assert len(orbit.phases) > 2
+    written(figures.friction_velocity_loop(orbit), tmp_path)
+    written(figures.figure3([orbit]), tmp_path)
+
+
+def test_figure3_needs_an_orbit():
+    with pytest.raises(ValueError, match="at least one orbit"):
+        figures.figure3([])
+
+
+# --- estimation error ----------------------------------------------------------------------------
+
+
+def table(**columns: list) -> pd.DataFrame:
+    return pd.DataFrame(columns)
+
+
+@pytest.fixture
+def stand_in() -> pd.DataFrame:
+    """A table whose errors are plain: F_k off by 1 %, 0, missing and 10 %; c off by twice that."""
+    off = np.array([0.01, 0.0, math.nan, 0.1])
+    return table(
+        approach=["X_s"] * 4,
+        kind=["pair", "pair", "pair", "least_squares"],
+        phase=["common"] * 4,
+        pair=["1-2", "2-3", "1-3", "all"],
+        F_k_N=1.28 * (1.0 - off),
+        c_N_s_per_m=90.0 * (1.0 + 2.0 * off),
+    )
+
+
+def drawn(figure: Figure, axes: str, label: str) -> np.ndarray:
+    """The errors drawn with a label in the named axes, in the order of the pairs, then all."""
+    (found,) = [ax for ax in figure.axes if ax.get_label() == axes]
+    return np.concatenate([line.get_ydata() for line in found.lines if line.get_label() == label])
+
+
+def test_errors_are_relative_to_the_truth(stand_in):
+    figure = figures.estimation_error({"omega1": stand_in}, OSCILLATOR, {"omega1": 4.92}, LEVELS)
+    # neighbouring pairs 1-2, 2-3 first; then 1-3, which is missing; then least squares
+    expected = np.array([1.0, 1e-14, math.nan, 10.0])
+    assert drawn(figure, "F_k omega1", "X_s common") == pytest.approx(
+        expected, rel=1e-12, nan_ok=True
+    )
+    expected = np.array([2.0, 1e-14, math.nan, 20.0])
+    assert drawn(figure, "c omega1", "X_s common") == pytest.approx(
+        expected, rel=1e-12, nan_ok=True
+    )
+    assert "$\\omega_{1}/2\\pi$ = 4.92 Hz" in [axes.get_title() for axes in figure.axes]
+    (lowest,) = [axes for axes in figure.axes if axes.get_label() == "c omega1"]
+    assert [t.get_text() for t in lowest.get_xticklabels()] == ["4–6", "6–8", "4–8", "all"]
+
+
+@pytest.mark.parametrize("name", FREQUENCIES)
+@pytest.mark.parametrize("phase", ["common", "individual"])
+def test_every_estimate_is_in_the_picture(make, estimates, name, phase):
+    figure = make["estimation_error"]()
+    frame = estimates[name]
+    for approach in ("X_s", "t_s", "V_s", "fourier"):
+        if phase == "common" and approach == "fourier":
+            continue  # it takes no choice of phase
+        chosen = frame[(frame["approach"] == approach) & (frame["phase"] == phase)]
+        chosen = chosen[chosen["kind"].isin(["pair", "least_squares"])]
+        for symbol, column, true in (("F_k", "F_k_N", 1.28), ("c", "c_N_s_per_m", 90.0)):
+            shown = drawn(figure, f"{symbol} {name}", f"{approach} {phase}")
+            assert shown == pytest.approx(100.0 * abs(chosen[column] / true - 1.0), rel=1e-12)
+            (axes,) = [axes for axes in figure.axes if axes.get_label() == f"{symbol} {name}"]
+            low, high = axes.get_ylim()
+            assert low < shown.min()
+            assert shown.max() < high
+
+
+def test_what_is_exact_stands_below_the_break_with_its_bound(make):
+    figure = make["estimation_error"]()
+    for symbol in ("F_k", "c"):
+        shown = drawn(figure, f"{symbol} omega1 exact", "direct individual")
+        assert len(shown) == len(PAIRS) + 1
+        assert np.all(shown == 0.5)
+        assert drawn(figure, f"{symbol} omega1 exact", "direct common") == pytest.approx(
+            [math.nan] * (len(PAIRS) + 1), nan_ok=True
+        ), "direct integration knows no phase"
+        (strip,) = [axes for axes in figure.axes if axes.get_label() == f"{symbol} omega1 exact"]
+        (tick,) = strip.get_yticklabels()
+        # exact to 1e-10 relative is what direct integration promises, 1e-8 %
+        assert tick.get_text() in {rf"$\leq 10^{{{n}}}$" for n in range(-11, -7)}
+
+
+def test_direct_integration_that_is_not_exact_is_drawn_like_the_others(estimates):
+    frame = estimates["omega1"].copy()
+    frame.loc[frame["approach"] == "direct", ["F_k_N", "c_N_s_per_m"]] *= 1.0001
+    figure = figures.estimation_error({"omega1": frame}, OSCILLATOR, {"omega1": 4.92}, LEVELS)
+    assert len(figure.axes) == 2
+    # 0.01 %, on top of errors of 1e-12 %
+    assert drawn(figure, "c omega1", "direct individual") == pytest.approx(
+        [0.01] * (len(PAIRS) + 1), rel=1e-6
+    )
+
+
+def test_an_unknown_approach_or_a_missing_frequency_is_named(stand_in):
+    with pytest.raises(ValueError, match="omega2"):
+        figures.estimation_error({"omega1": stand_in}, OSCILLATOR, {"omega2": 3.5}, LEVELS)
+    with pytest.raises(ValueError, match="frequencies"):
+        figures.estimation_error({}, OSCILLATOR, {}, LEVELS)
+    unknown = stand_in.replace("X_s", "magic")
+    with pytest.raises(ValueError, match="magic"):
+        figures.estimation_error({"omega1": unknown}, OSCILLATOR, {"omega1": 4.92}, LEVELS)

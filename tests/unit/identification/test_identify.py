@@ -1,0 +1,283 @@
+"""F_k, c and K_z from measured responses: against the truth, with intervals that hold, and by records of other code."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from dampbalance import BaseMotion, Oscillator, steady_orbit
+from dampbalance.balance import APPROACHES
+from dampbalance.identification.identify import identify
+from dampbalance.identification.reporting import document, features_frame, frame, text_table
+from dampbalance.reading.noisy import read_features
+from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.synthetic import measured_orbit
+
+OSC = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
+BOTH = ("base_displacement", "displacement", "acceleration")
+
+
+def readings(
+    hz=4.92, noise=0.0, seed=1, levels=LEVELS, rate_hz=2000.0, cycles=25.0, channels=BOTH, osc=OSC
+):
+    rng = np.random.default_rng(seed)
+    orbits = [steady_orbit(osc, BaseMotion(Y=Y, omega=2.0 * math.pi * hz)) for Y in levels]
+    return [
+        read_features(
+            measured_orbit(
+                orbit,
+                rate_hz=rate_hz,
+                cycles=cycles,
+                noise=noise,
+                seed=rng,
+                channels=channels,
+                start=rng.random(),
+                source=f"level {i + 1}",
+            ),
+            osc.k,
+        )
+        for i, orbit in enumerate(orbits)
+    ]
+
+
+def relative(parameter, true):
+    return parameter.value / true - 1.0
+
+
+@pytest.mark.parametrize("hz", [4.92, 3.5, 11.1])
+def test_exact_records_give_the_truth_off_resonance_too(hz):
+    found = identify(readings(hz), OSC.k, replicates=20)
+    direct, fourier = found.estimates["direct"], found.estimates["fourier"]
+    # the waveform has 1,024 points per half cycle; F_k takes up the small errors of large rows
+    assert relative(direct.F_k, OSC.F_k) == pytest.approx(0.0, abs=2e-5)
+    assert relative(direct.c, OSC.c) == pytest.approx(0.0, abs=2e-6)
+    assert relative(direct.K_z, OSC.K_z) == pytest.approx(0.0, abs=1e-4)
+    # what a balance of three harmonics cuts off
+    assert relative(fourier.F_k, OSC.F_k) == pytest.approx(0.0, abs=5e-4)
+    assert relative(fourier.c, OSC.c) == pytest.approx(0.0, abs=5e-5)
+    assert found.warnings == ()
+
+
+def test_records_of_several_frequencies_go_together():
+    mixed = [
+        readings(hz, 0.005, levels=(0.005, 0.011))[i] for i, hz in ((0, 4.92), (1, 3.5), (1, 11.1))
+    ]
+    direct = identify(mixed, OSC.k, replicates=200).estimates["direct"]
+    for symbol in ("F_k", "c", "K_z"):
+        low, high = getattr(direct, symbol).interval
+        assert low < getattr(OSC, symbol) < high
+
+
+def test_intervals_tell_the_truth():
+    runs = [
+        identify(
+            readings(
+                3.5, 0.01, seed=100 + i, levels=(0.004, 0.008, 0.012), rate_hz=1000.0, cycles=20.0
+            ),
+            OSC.k,
+            approaches={"direct": APPROACHES["direct"]},
+            replicates=100,
+        ).estimates["direct"]
+        for i in range(40)
+    ]
+    for symbol in ("F_k", "c", "K_z"):
+        true = getattr(OSC, symbol)
+        parameters = [getattr(run, symbol) for run in runs]
+        values = np.array([p.value for p in parameters])
+        stated = np.mean([p.standard_error for p in parameters])
+        # 40 runs know their scatter to 11 %, twenty cycles the noise to a few: three standard deviations
+        assert stated / values.std(ddof=1) == pytest.approx(1.0, abs=0.35)
+        assert np.mean([p.propagated_error for p in parameters]) == pytest.approx(stated, rel=0.05)
+        # the mean of 40 lies within three standard errors of the truth
+        assert abs(values.mean() - true) < 3.0 * stated / math.sqrt(40)
+        covered = np.mean([p.interval.low <= true <= p.interval.high for p in parameters])
+        assert covered >= 0.85  # 95 % of 40, less three standard deviations
+    misfits = [run.misfit for run in runs]
+    assert np.mean(misfits) == pytest.approx(1.0, abs=3.0 * math.sqrt(2.0 / 40))
+
+
+def test_the_records_share_what_no_single_one_resolves():
+    read = readings(4.92, 0.05, rate_hz=5000.0, cycles=60.0, channels=BOTH[:2])
+    assert not all(reading.onset_resolved for reading in read)
+    found = identify(read, OSC.k, replicates=200)
+    assert found.microstick.resolved
+    direct = found.estimates["direct"]
+    assert direct.K_z.interval.low < OSC.K_z < direct.K_z.interval.high
+    assert direct.F_k.interval.low < OSC.F_k < direct.F_k.interval.high
+    # one length for all
+    lengths = [float(f.X[0] + f.X_s[0]) for f in found.features]
+    assert lengths == pytest.approx([found.microstick.length] * 5, rel=1e-9)
+    assert not any("rigid limit" in words for words in found.warnings)
+
+
+def test_an_onset_that_is_not_resolved_is_said_and_costed():
+    # 2,000 N/mm: a microstick line of 1.3 µm beside 24 µm of noise
+    stiff = Oscillator(m=OSC.m, c=OSC.c, k=OSC.k, K_z=2e6, F_k=OSC.F_k)
+    found = identify(
+        readings(noise=0.03, rate_hz=1000.0, channels=BOTH[:2], osc=stiff), OSC.k, replicates=100
+    )
+    assert not found.microstick.resolved
+    assert "taken as rigid" in found.warnings[-1]
+    direct = found.estimates["direct"]
+    assert direct.K_z.interval.high == math.inf
+    assert 0.0 < direct.K_z.interval.low < stiff.K_z
+    assert all(f.X_s[0] == -f.X[0] for f in found.features)
+    # what a rigid contact costs is stated, and is no more than the bound on the length allows
+    assert -0.05 < found.microstick.rigid_bias < 0.0
+    low, high = direct.F_k.interval
+    assert low < stiff.F_k < high / (1.0 + found.microstick.rigid_bias)
+    shown = text_table(found)
+    assert "> " in shown.splitlines()[3]
+    assert document(found)["approaches"]["direct"]["K_z_interval_N_per_m"][1] is None
+
+
+def test_an_approach_whose_shape_does_not_hold_is_named():
+    found = identify(readings(3.5, 0.005), OSC.k, replicates=100)
+    assert found.estimates["direct"].notes == ()
+    assert "off the direct balance, F_k by -1" in found.estimates["X_s"].notes[0]
+    better = identify(readings(3.5, 0.005), OSC.k, phase="fundamental", replicates=100)
+    assert abs(relative(better.estimates["X_s"].F_k, OSC.F_k)) < 0.5 * abs(
+        relative(found.estimates["X_s"].F_k, OSC.F_k)
+    )
+
+
+def test_a_level_that_does_not_belong_is_noticed():
+    odd = Oscillator(m=OSC.m, c=1.01 * OSC.c, k=OSC.k, K_z=OSC.K_z, F_k=OSC.F_k)
+    mixed = [*readings(noise=0.005)[:4], readings(noise=0.005, osc=odd)[4]]
+    notes = " ".join(identify(mixed, OSC.k, replicates=100).estimates["direct"].notes)
+    assert "times farther from the fit than noise explains" in notes
+
+
+def test_levels_that_are_alike_are_reported():
+    found = identify(readings(noise=0.001, levels=(0.0100, 0.0101)), OSC.k, replicates=50)
+    assert "so alike" in " ".join(found.warnings)
+
+
+def test_equal_seeds_give_equal_numbers_whatever_is_asked_beside():
+    read = readings(noise=0.01)
+    one = identify(read, OSC.k, replicates=50, seed=3)
+    two = identify(
+        read, OSC.k, replicates=50, seed=3, approaches={"fourier": APPROACHES["fourier"]}
+    )
+    other = identify(read, OSC.k, replicates=50, seed=4)
+    assert one.estimates["fourier"].F_k == two.estimates["fourier"].F_k
+    assert one.estimates["fourier"].F_k.value == other.estimates["fourier"].F_k.value
+    assert (
+        one.estimates["fourier"].F_k.standard_error != other.estimates["fourier"].F_k.standard_error
+    )
+
+
+def test_tables_and_documents_hold_the_same_numbers():
+    found = identify(readings(noise=0.01), OSC.k, replicates=50)
+    table, told = frame(found), document(found, version="0")
+    assert list(table["approach"]) == list(told["approaches"]) == list(APPROACHES)
+    for row in table.to_dict("records"):
+        numbers = told["approaches"][row["approach"]]
+        for key in ("F_k_N", "c_standard_error_N_s_per_m", "K_z_N_per_m", "misfit"):
+            assert row[key] == numbers[key]
+        assert [row["F_k_low_N"], row["F_k_high_N"]] == numbers["F_k_interval_N"]
+    features = features_frame(found)
+    assert len(features) == 5
+    assert (features["X_standard_error_m"] > 0.0).all()
+    assert (features["W_standard_error_J"] > 0.0).all()
+    direct = found.estimates["direct"].F_k
+    line = text_table(found).splitlines()[3]
+    assert f"{direct.value:.4f} [{direct.interval.low:.4f}, {direct.interval.high:.4f}]" in line
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"count": 1}, "two levels or more, got 1: add records"),
+        ({"k": 0.0}, "stiffness k must be a positive number"),
+        ({"k": math.nan}, "stiffness k must be a positive number"),
+        ({"k": 2400.0}, "level 1 was read with k = 2310 N/m, not with 2400"),
+        ({"replicates": 1}, "replicates must be at least 2"),
+        ({"approaches": {}}, "no approach is asked for; known are direct"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(change, message):
+    read = readings(noise=0.01, levels=LEVELS[:2], cycles=12.0)[: change.pop("count", 2)]
+    k = change.pop("k", OSC.k)
+    with pytest.raises(ValueError, match=message):
+        identify(read, k, **change)
+
+
+# --- records by code that is not ours ------------------------------------------------------------
+
+
+def integrated(Y, hz, cycles, rate_hz):
+    """t, y, x, ẍ of the oscillator by scipy's Radau with events, from rest: nothing of this package is used."""
+    m, c, k, K_z, F_k = 2.42, 90.0, 2310.0, 208000.0, 1.28
+    omega = 2.0 * math.pi * hz
+    t_all = np.arange(round(cycles / hz * rate_hz)) / rate_hz
+    x_all, a_all = np.empty_like(t_all), np.empty_like(t_all)
+    t, q, s = 0.0, np.array([0.0, 0.0, 0.0]), 0  # x, ẋ, spring force; s = ±1 in slip
+    while t < t_all[-1]:
+
+        def rate(t, q, s=s):
+            force = s * F_k if s else q[2]
+            a = (k * Y * math.cos(omega * t) - k * q[0] - c * q[1] - force) / m
+            return [q[1], a, 0.0 if s else K_z * q[1]]
+
+        event = (lambda t, q: q[1]) if s else (lambda t, q: abs(q[2]) - F_k)
+        event.terminal, event.direction = True, (-s if s else 1)
+        span = t_all[(t_all >= t)]
+        step = solve_ivp(
+            rate, (t, t_all[-1]), q, "DOP853", rtol=1e-10, atol=1e-14, events=event, dense_output=True,
+            max_step=0.02 / hz,
+        )  # fmt: skip
+        inside = span[span <= step.t[-1]]
+        where = slice(t_all.size - span.size, t_all.size - span.size + inside.size)
+        states = step.sol(inside) if inside.size else np.empty((3, 0))
+        x_all[where] = states[0]
+        a_all[where] = [rate(at, state)[1] for at, state in zip(inside, states.T, strict=True)]
+        t, q = step.t[-1], step.y[:, -1].copy()
+        if step.status == 0:
+            break
+        s = 0 if s else int(math.copysign(1, q[2]))
+        q[2] = math.copysign(F_k, q[2]) if s else q[2]
+        q[1] = q[1] if s else 0.0
+    return t_all, Y * np.cos(omega * t_all), x_all, a_all
+
+
+@pytest.mark.parametrize("hz", [4.92, 3.5, 11.1])
+@pytest.mark.parametrize("driven_by", ["base_displacement", "base_acceleration", "force"])
+def test_records_of_an_independent_integrator(hz, driven_by, independent):
+    rng = np.random.default_rng(8)
+    read = []
+    for Y in (0.004, 0.008, 0.012):
+        t, y, x, a = independent(Y, hz)
+        omega = 2.0 * math.pi * hz
+        drive = {"base_displacement": y, "base_acceleration": -(omega**2) * y, "force": OSC.k * y}[
+            driven_by
+        ]
+        channels = [
+            Channel(name, t, values + 0.002 * values.std() * rng.standard_normal(t.size))
+            for name, values in ((driven_by, drive), ("displacement", x), ("acceleration", a))
+        ]
+        # from rest; e^{−ct/2m} falls by e⁻¹⁶ or more in ten cycles
+        read.append(read_features(Measurement.of("independent", channels), OSC.k, skip_cycles=10))
+    found = identify(read, OSC.k, replicates=200)
+    for name in ("direct", "fourier"):
+        for symbol in ("F_k", "c", "K_z"):
+            parameter, true = getattr(found.estimates[name], symbol), getattr(OSC, symbol)
+            # two parameters in a hundred intervals: four standard errors
+            assert abs(parameter.value - true) < 4.0 * parameter.standard_error + 6e-4 * true
+            assert parameter.standard_error < 0.01 * true
+
+
+@pytest.fixture(scope="module")
+def independent():
+    made = {}
+
+    def of(Y, hz):
+        if (Y, hz) not in made:
+            made[Y, hz] = integrated(Y, hz, 30.0, 1000.0 if hz < 10.0 else 2500.0)
+        return made[Y, hz]
+
+    return of

@@ -1,0 +1,190 @@
+"""Fixed-step schemes do what they declare: order, dissipation, velocity lag, and stick–slip switching at step ends."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from dampbalance.model import BaseMotion, Oscillator
+from dampbalance.motion.fixed_step import (
+    MIN_STICK_SAMPLES,
+    SCHEMES,
+    StepTooCoarse,
+    _linear_map,
+    simulate,
+)
+from dampbalance.motion.orbit import steady_orbit
+from dampbalance.reading.clean import of_record
+
+PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+RESONANCE = BaseMotion(Y=0.008, omega=2.0 * math.pi * 4.92)
+BELOW = BaseMotion(Y=0.008, omega=2.0 * math.pi * 3.5)
+
+# Smooth problems: without friction the mass always slips, under a huge F_k it never does and rides on k + K_z.
+ALWAYS_SLIP = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=0.0)
+NO_SLIP = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=2000.0, F_k=1000.0)
+SMOOTH = pytest.mark.parametrize(
+    ("osc", "stiffness"), [(ALWAYS_SLIP, 2310.0), (NO_SLIP, 4310.0)], ids=["always-slip", "no-slip"]
+)
+EACH_SCHEME = pytest.mark.parametrize("scheme", SCHEMES)
+
+
+def steady(osc, motion, scheme, step):
+    """Three cycles after twelve: the start has decayed by e^(−12 · 2π · 0.6) < 1e-19 (ζ = 0.6)."""
+    return simulate(osc, motion, scheme=scheme, step=step, cycles=15, keep_cycles=3)
+
+
+@SMOOTH
+@EACH_SCHEME
+def test_error_falls_with_the_declared_order(scheme, osc, stiffness):
+    X = osc.k * BELOW.Y / (stiffness - osc.m * BELOW.omega**2 + 1j * osc.c * BELOW.omega)
+    errors = []
+    for n in (200, 400, 800):
+        record = steady(osc, BELOW, scheme, BELOW.period / n)
+        errors.append(np.max(np.abs(record.x - (X * np.exp(1j * BELOW.omega * record.t)).real)))
+    measured = np.log2(np.array(errors[:-1]) / errors[1:])
+    # The next term of the error shifts the measured order by a few per cent at 200 steps a cycle.
+    assert measured == pytest.approx(SCHEMES[scheme].order, abs=0.05)
+
+
+@SMOOTH
+@EACH_SCHEME
+@pytest.mark.parametrize("motion", [RESONANCE, BELOW], ids=["resonance", "below"])
+def test_steady_motion_has_the_declared_dissipation(scheme, osc, stiffness, motion):
+    def excess(step):
+        features = of_record(steady(osc, motion, scheme, step), motion.omega, osc.k)
+        effective = osc.k * motion.Y * math.sin(features.phi_fundamental[0]) / features.X_1[0]
+        return (effective / motion.omega - osc.c) / (osc.m * motion.omega**2 * step)
+
+    coarse, fine = excess(motion.period / 800), excess(motion.period / 1600)
+    # The remainder is of next order: 0.5 % at 800 steps a cycle, half of that at 1600; extrapolated it is gone.
+    assert 2.0 * fine - coarse == pytest.approx(SCHEMES[scheme].dissipation, abs=1e-4)
+
+
+@SMOOTH
+@EACH_SCHEME
+def test_energy_balance_of_the_samples_shows_the_declared_bias(scheme, osc, stiffness):
+    step = BELOW.period / 1600
+    features = of_record(steady(osc, BELOW, scheme, step), BELOW.omega, osc.k)
+    on_spring = Oscillator(m=osc.m, c=osc.c, k=stiffness, K_z=osc.K_z, F_k=osc.F_k)
+    declared = SCHEMES[scheme].balance_bias(on_spring, BELOW.omega, step)
+    # Simpson's rule is good to 1e-10; what is left is of second order, c (ωh)² ≈ 1e-3 at most.
+    assert features.W[0] / features.b[0] - osc.c == pytest.approx(declared, abs=1e-3)
+    if SCHEMES[scheme].dissipation:
+        assert abs(declared) > 0.1
+
+
+def test_backward_euler_at_the_papers_step_acts_like_90_0116():
+    bias = SCHEMES["backward-euler"].balance_bias(PAPER, RESONANCE.omega, 5e-6)
+    assert 90.0 + bias == pytest.approx(90.0116, abs=5e-5)  # half a unit of the last digit
+
+
+@pytest.mark.parametrize("scheme", ["trapezoidal", "rk4", "semi-implicit-euler"])
+def test_late_events_cost_an_error_of_second_order_at_most(scheme):
+    exact = steady_orbit(PAPER, RESONANCE)
+
+    def worst(n):
+        errors = []
+        for shift in (0.0, 0.21, 0.43, 0.68, 0.87):  # the error depends on where the grid falls
+            record = steady(PAPER, RESONANCE, scheme, RESONANCE.period / (n + shift))
+            errors.append(abs(of_record(record, RESONANCE.omega, PAPER.k).X_s[0] / exact.X_s - 1.0))
+        return max(errors)
+
+    order = math.log2(worst(4000) / worst(64000)) / 4.0
+    # The worst of five grids scatters by a factor of two or so over a ratio of 16: ±0.35 in the order.
+    assert order == pytest.approx(min(2, SCHEMES[scheme].order), abs=0.35)
+
+
+@EACH_SCHEME
+def test_a_step_of_the_map_is_a_step_of_the_scheme(scheme):
+    step, rng = SCHEMES[scheme].step, np.random.default_rng(7)
+    C, K, h = 37.0, 950.0, 1e-3
+    matrix, weights = _linear_map(step, C, K, h)
+    u, p = rng.normal(size=2), rng.normal(size=3)
+    direct = step(u, p, np.array([[0.0, 1.0], [-K, -C]]), h)
+    assert matrix @ u + weights @ p == pytest.approx(direct, rel=1e-13)  # rounding
+
+
+def test_the_march_is_backward_euler_written_out():
+    """The loop a researcher would write, for one case, sample by sample."""
+    m, c, k, K_z, F_k = 2.42, 90.0, 2310.0, 208000.0, 1.28
+    Y, omega, h, n = RESONANCE.Y, RESONANCE.omega, 5e-5, 6000
+    Z_m = F_k / K_z
+    x = v = z_0 = X_t = s = 0.0
+    stick = True
+    xs, vs, accelerations = [x], [v], [k * Y / m]
+    for i in range(1, n + 1):
+        spring, force = (k, k * Y * math.cos(omega * i * h) - s * F_k)
+        if stick:
+            spring, force = k + K_z, k * Y * math.cos(omega * i * h) - K_z * (z_0 - X_t)
+        v_new = (m * v + h * (force - spring * x)) / (m + h * c + h * h * spring)
+        x += h * v_new
+        xs.append(x), vs.append(v_new), accelerations.append((v_new - v) / h)
+        v = v_new
+        if stick and abs(K_z * (z_0 + x - X_t)) > F_k:
+            stick, s = False, math.copysign(1.0, z_0 + x - X_t)
+        elif not stick and v * s < 0.0:
+            stick, X_t, z_0 = True, x, s * Z_m
+    cycles = n * h / RESONANCE.period
+    record = simulate(PAPER, RESONANCE, step=h, cycles=cycles, keep_cycles=cycles)
+    # Both round: 1e-15 a step, not amplified by a damped motion; (v_new − v)/h loses five digits more.
+    assert record.x[: n + 1] == pytest.approx(xs, abs=1e-13)
+    assert record.v[: n + 1] == pytest.approx(vs, abs=1e-12)
+    assert record.acceleration[: n + 1] == pytest.approx(accelerations, abs=1e-8)
+
+
+def test_kept_samples_are_the_end_of_the_whole_run():
+    whole = simulate(PAPER, RESONANCE, step=1e-4, cycles=4, keep_cycles=4)
+    end = simulate(PAPER, RESONANCE, step=1e-4, cycles=4, keep_cycles=1.5)
+    assert whole.t[0] == 0.0
+    assert end.t[0] <= 2.5 * RESONANCE.period < end.t[1]
+    assert end.t[-2] < 4.0 * RESONANCE.period <= end.t[-1]
+    for name, signal in end.signals().items():
+        assert np.array_equal(signal, whole.signals()[name][-len(end) :]), name
+
+
+def test_rounded_coefficients_replace_the_quotients():
+    def simulated(osc, **coefficients):
+        return simulate(osc, RESONANCE, step=1e-4, cycles=3, keep_cycles=1, **coefficients)
+
+    exact, rounded = simulated(PAPER), simulated(PAPER, c_over_m=37.0, k_over_m=950.0)
+    other = simulated(Oscillator(m=2.42, c=37.0 * 2.42, k=950.0 * 2.42, K_z=208000.0, F_k=1.28))
+    assert rounded.x == pytest.approx(other.x, abs=1e-15)  # rounding of the products
+    assert np.max(np.abs(rounded.x - exact.x)) > 1e-6
+
+
+def test_a_step_too_coarse_for_the_stick_phase_is_refused_with_one_that_is_not():
+    with pytest.raises(
+        StepTooCoarse, match=r"samples in a stick phase, 20 are needed: take a step"
+    ) as caught:
+        simulate(PAPER, RESONANCE, step=2e-4, cycles=10, keep_cycles=2)
+    proposed = float(str(caught.value).split("at most ")[1].split(" s")[0])
+    record = simulate(PAPER, RESONANCE, step=proposed, cycles=10, keep_cycles=2)
+    t_s = steady_orbit(PAPER, RESONANCE).t_s
+    assert MIN_STICK_SAMPLES <= t_s / record.dt < 2 * MIN_STICK_SAMPLES
+
+
+def test_an_unstable_step_is_refused():
+    with pytest.raises(StepTooCoarse, match=r"explicit-euler with a step of 0\.1 s is unstable"):
+        simulate(
+            ALWAYS_SLIP, RESONANCE, scheme="explicit-euler", step=0.1, cycles=500, keep_cycles=2
+        )
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"scheme": "leapfrog"}, "unknown scheme 'leapfrog'; known are backward-euler"),
+        ({"step": 0.0}, "step must be positive"),
+        ({"step": 1.0}, "below the period"),
+        ({"keep_cycles": 0.0}, "need 0 < keep_cycles ≤ cycles"),
+        ({"keep_cycles": 4.0}, "need 0 < keep_cycles ≤ cycles"),
+        ({"cycles": math.inf}, "need 0 < keep_cycles ≤ cycles"),
+    ],
+)
+def test_numbers_outside_their_range_are_refused(wrong, message):
+    given = {"step": 1e-4, "cycles": 3.0, "keep_cycles": 1.0} | wrong
+    with pytest.raises(ValueError, match=message):
+        simulate(PAPER, RESONANCE, **given)

@@ -1,0 +1,172 @@
+"""Compiled kernels are kept on disk, and never outlive the source they were compiled from."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import dampbalance
+from dampbalance.project.dependencies import package_modules
+
+SOURCE = Path(dampbalance.__file__).parent
+
+# `_motion` is in events.py and calls `move` in flow.py: u = v₀ S(t), with S(t) = sin t for δ = 0, Ω = 1
+PROGRAM = """
+import json, math
+from dampbalance.motion import events, jit
+u = events._motion(0.5 * math.pi, events._Phase(3.0, 0.0, 0j, 0.0, 1.0, 2.0))[0]
+stats = events._motion.stats
+print(json.dumps({
+    "folder": str(jit._FOLDER), "u": u, "hits": sum(stats.cache_hits.values()),
+    "package": events.__file__,
+}))
+"""
+
+
+@pytest.fixture
+def package(tmp_path):
+    """A copy of the package, without anything compiled."""
+    copy = tmp_path / "site" / "dampbalance"
+    shutil.copytree(SOURCE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    return copy
+
+
+def run(package):
+    """What PROGRAM prints when it runs on that copy, in a fresh process."""
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", PROGRAM],
+        env=os.environ | {"PYTHONPATH": str(package.parent), "PYTHONDONTWRITEBYTECODE": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    assert Path(result["package"]).parents[1] == package
+    return result
+
+
+def edit(path, old, new):
+    text = path.read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def test_an_edit_of_a_called_kernel_takes_effect(package):
+    first = run(package)
+    assert first["u"] == pytest.approx(3.0, rel=1e-15)
+    assert Path(first["folder"]).parent == package / "__pycache__"
+    assert first["hits"] == 0
+
+    again = run(package)
+    assert (again["folder"], again["u"]) == (first["folder"], first["u"])
+    assert again["hits"] == 1  # not compiled a second time
+
+    # a kernel in another file than the one that is called from here
+    edit(package / "motion/flow.py", "v0 * S + f0 * J", "2.0 * v0 * S + f0 * J")
+    edited = run(package)
+    assert edited["u"] == pytest.approx(6.0, rel=1e-15)
+    assert edited["folder"] != first["folder"]
+
+
+def digest_of(package, monkeypatch):
+    monkeypatch.setattr(dampbalance.motion.jit, "_PACKAGE", package)
+    return dampbalance.motion.jit._source_digest()
+
+
+def test_digest_follows_every_module_that_kernels_are_made_of(package, monkeypatch):
+    kernels = [
+        path for path in package.rglob("*.py") if "import jit" in path.read_text(encoding="utf-8")
+    ]
+    names = {path.name for path in kernels}
+    assert {"flow.py", "events.py", "one_slip.py", "steady.py", "integrals.py"} <= names
+    imported = {
+        package.parent / module
+        for kernel in kernels
+        for module in package_modules(kernel, package.parent)
+    }
+    seen = {digest_of(package, monkeypatch)}
+    for path in sorted({*kernels, *imported}):
+        path.write_text(path.read_text(encoding="utf-8") + "# edited\n", encoding="utf-8")
+        digest = digest_of(package, monkeypatch)
+        assert digest not in seen, path.name
+        seen.add(digest)
+
+
+def test_digest_ignores_the_rest(package, monkeypatch):
+    before = digest_of(package, monkeypatch)
+    for name in ("balance.py", "__init__.py", "figures/style.py"):
+        with (package / name).open("a", encoding="utf-8") as file:
+            file.write("# edited\n")
+    (package / "notes.txt").write_text("import jit")
+    assert digest_of(package, monkeypatch) == before
+
+
+def block(path):
+    """Make it impossible to create a folder there, for root as well: a file is in its place."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("")
+
+
+@pytest.fixture
+def chosen_folder(package, monkeypatch, tmp_path):
+    """The function that chooses where kernels go, for the copy of the package, with a home of its own."""
+    monkeypatch.setattr(dampbalance.motion.jit, "_PACKAGE", package)
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    return dampbalance.motion.jit._cache_folder
+
+
+def test_a_package_that_cannot_be_written_to_uses_the_users_cache(
+    package, chosen_folder, monkeypatch, tmp_path
+):
+    assert chosen_folder().parent == package / "__pycache__"
+    shutil.rmtree(package / "__pycache__")
+    block(package / "__pycache__")
+    assert chosen_folder().parent == tmp_path / "cache" / "dampbalance"
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    assert chosen_folder().parent == tmp_path / "home" / ".cache" / "dampbalance"
+
+
+def no_home():
+    raise RuntimeError("Could not determine home directory.")
+
+
+def test_without_any_place_to_write_kernels_still_compile(
+    package, chosen_folder, monkeypatch, tmp_path
+):
+    block(package / "__pycache__")
+    block(tmp_path / "cache")
+    assert chosen_folder() is None
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setattr(Path, "home", no_home)
+    assert chosen_folder() is None
+    monkeypatch.setattr(dampbalance.motion.jit, "_FOLDER", None)
+    assert dampbalance.motion.jit.jit(lambda x: 3.0 * x)(2.0) == 6.0
+
+
+@pytest.mark.skipif(
+    not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write to read-only folders"
+)
+def test_a_read_only_package(package, chosen_folder, tmp_path):
+    package.chmod(0o555)
+    try:
+        assert chosen_folder().parent == tmp_path / "cache" / "dampbalance"
+    finally:
+        package.chmod(0o755)
+
+
+def test_numba_is_left_as_it_was(monkeypatch, tmp_path):
+    from numba.core import config
+
+    monkeypatch.setattr(config, "CACHE_DIR", "somewhere")
+    monkeypatch.setattr(dampbalance.motion.jit, "_FOLDER", tmp_path)
+    double = dampbalance.motion.jit.jit(lambda x: 2.0 * x)
+    assert config.CACHE_DIR == "somewhere"
+    assert double(3.0) == 6.0

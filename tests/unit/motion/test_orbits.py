@@ -1,0 +1,200 @@
+"""Many steady orbits at once: the same numbers as one by one, in any shape, on any number of threads."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from analytic.cases import PAPER, SEVERAL_SLIPS, dimensions
+from dampbalance import (
+    BaseMotion,
+    NoSteadyOrbit,
+    Orbits,
+    Oscillator,
+    Regime,
+    steady_orbit,
+    steady_orbits,
+)
+from dampbalance.motion.orbits import _BLOCK
+
+NAMES = [field.name for field in dataclasses.fields(Orbits)]
+MODEL = ("m", "c", "k", "K_z", "F_k")
+PAPER_CASE = {name: getattr(PAPER, name) for name in MODEL} | {"Y": 0.004, "omega": 30.9}
+
+
+def one_by_one(**numbers):
+    """Every field of `Orbits` for one case, from `steady_orbit`."""
+    try:
+        orbit = steady_orbit(
+            Oscillator(**{name: numbers[name] for name in MODEL}),
+            BaseMotion(Y=numbers["Y"], omega=numbers["omega"]),
+        )
+    except NoSteadyOrbit:
+        return dict.fromkeys(NAMES, math.nan) | {"regime": 0}
+    values = {n: getattr(orbit, n) for n in NAMES if hasattr(orbit, n)}
+    for n in (1, 3, 5):
+        values[f"X_{n}"], values[f"phi_{n}"] = orbit.harmonic(n)
+    return values
+
+
+def random_cases(n, seed=0):
+    rng = np.random.default_rng(seed)
+    zeta, r, K, F = (
+        low * (high / low) ** rng.random(n)
+        for low, high in ((1e-3, 3.0), (0.2, 3.0), (0.1, 1e3), (1e-3, 3.0))
+    )
+    return dimensions(zeta, r, K, F)
+
+
+@settings(max_examples=80)
+@given(
+    *(
+        st.floats(math.log(low), math.log(high)).map(math.exp)
+        for low, high in ((1e-4, 10.0), (0.05, 10.0), (0.01, 1e5), (1e-4, 10.0))
+    )
+)
+def test_one_case_bit_for_bit(zeta, r, K, F):
+    numbers = dimensions(zeta, r, K, F)
+    many, one = steady_orbits(**numbers), one_by_one(**numbers)
+    for name in NAMES:
+        assert np.float64(getattr(many, name)[()]).tobytes() == np.float64(one[name]).tobytes(), (
+            name
+        )
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [*SEVERAL_SLIPS, (0.4, 0.8, 10.0, 0.0), (0.3, 0.7, 5.0, 3.0), (0.0, 1.0, 10.0, 0.1)],
+    ids=str,
+)
+def test_every_regime_bit_for_bit(numbers):
+    many, one = steady_orbits(**dimensions(*numbers)), one_by_one(**dimensions(*numbers))
+    for name in NAMES:
+        assert np.float64(getattr(many, name)[()]).tobytes() == np.float64(one[name]).tobytes(), (
+            name
+        )
+
+
+def test_any_number_of_threads_gives_the_same_bytes():
+    # more than two blocks, so that the threads do share them
+    cases = random_cases(2 * _BLOCK + 17)
+    reference = steady_orbits(**cases, threads=1)
+    assert len(np.unique(reference.regime)) == 3
+    for threads in (2, 3, 8, None):
+        others = steady_orbits(**cases, threads=threads)
+        for name in NAMES:
+            assert getattr(others, name).tobytes() == getattr(reference, name).tobytes(), name
+
+
+def test_a_case_does_not_depend_on_its_neighbours():
+    cases = random_cases(_BLOCK + 5)
+    whole = steady_orbits(**cases)
+    chosen = np.array([0, 7, _BLOCK - 1, _BLOCK, _BLOCK + 4])
+    some = steady_orbits(**{n: v[chosen] if np.ndim(v) else v for n, v in cases.items()})
+    for name in NAMES:
+        np.testing.assert_array_equal(getattr(some, name), getattr(whole, name)[chosen], name)
+
+
+@pytest.mark.parametrize(
+    ("shapes", "expected"),
+    [
+        ({}, ()),
+        ({"Y": (1,)}, (1,)),
+        ({"Y": (5,)}, (5,)),
+        ({"Y": (5,), "omega": (3, 1)}, (3, 5)),
+        ({"Y": (2, 1, 1), "c": (3, 1), "F_k": (4,)}, (2, 3, 4)),
+        ({"Y": (0,)}, (0,)),
+        ({"Y": (0,), "omega": (3, 1)}, (3, 0)),
+        (
+            {"m": (2,), "c": (2,), "k": (2,), "K_z": (2,), "F_k": (2,), "Y": (2,), "omega": (2,)},
+            (2,),
+        ),
+    ],
+    ids=str,
+)
+def test_shapes(shapes, expected):
+    rng = np.random.default_rng(1)
+    cases = PAPER_CASE | {
+        name: PAPER_CASE[name] * rng.uniform(0.8, 1.2, shape) for name, shape in shapes.items()
+    }
+    orbits = steady_orbits(**cases)
+    for name in NAMES:
+        assert isinstance(getattr(orbits, name), np.ndarray)
+        assert getattr(orbits, name).shape == expected, name
+        assert getattr(orbits, name).dtype == (np.uint8 if name == "regime" else np.float64)
+    full = {name: np.broadcast_to(value, expected) for name, value in cases.items()}
+    for index in np.ndindex(expected):
+        one = one_by_one(**{name: float(value[index]) for name, value in full.items()})
+        assert orbits.W[index] == one["W"]
+        assert orbits.X_3[index] == one["X_3"]
+
+
+def test_lists_integers_and_views_are_taken_as_they_are():
+    Y = np.linspace(0.004, 0.012, 9)
+    expected = steady_orbits(**PAPER_CASE | {"Y": Y[::2]}).X
+    backwards = np.ascontiguousarray(Y[::-2])[::-1]
+    for same in (list(Y[::2]), tuple(Y[::2]), backwards):
+        np.testing.assert_array_equal(steady_orbits(**PAPER_CASE | {"Y": same}).X, expected)
+    whole = steady_orbits(**PAPER_CASE | {"c": np.array([90, 91])}).X
+    np.testing.assert_array_equal(whole, steady_orbits(**PAPER_CASE | {"c": [90.0, 91.0]}).X)
+
+
+def test_inputs_are_left_alone():
+    Y = np.linspace(0.004, 0.012, 5)
+    Y.flags.writeable = False
+    before = Y.tobytes()
+    steady_orbits(**PAPER_CASE | {"Y": Y})
+    assert Y.tobytes() == before
+
+
+def test_no_orbit_is_nan_with_its_code_among_others():
+    # undamped, at resonance, friction too weak: between two ordinary cases
+    numbers = dimensions(np.array([0.1, 0.0, 0.1]), 1.0, 10.0, 0.1)
+    orbits = steady_orbits(**numbers)
+    np.testing.assert_array_equal(orbits.regime, [1, Regime.NOT_FOUND, 1])
+    for name in NAMES[:-1]:
+        np.testing.assert_array_equal(np.isnan(getattr(orbits, name)), [False, True, False], name)
+
+
+@pytest.mark.parametrize("name", PAPER_CASE)
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, -1.0])
+def test_bad_values_name_the_argument(name, bad):
+    bound = "not negative" if name in ("c", "F_k") else "positive"
+    array = np.full((2, 3), PAPER_CASE[name])
+    array[1, 1] = bad
+    for value in (bad, array):
+        with pytest.raises(ValueError, match=rf"^{name} must be finite and {bound}, got {bad}$"):
+            steady_orbits(**PAPER_CASE | {name: value})
+
+
+@pytest.mark.parametrize("name", PAPER_CASE)
+def test_zero_is_refused_where_it_makes_no_sense(name):
+    if name in ("c", "F_k"):
+        assert steady_orbits(**PAPER_CASE | {name: 0.0}).X > 0.0
+    else:
+        with pytest.raises(ValueError, match=f"^{name} must be finite and positive, got 0.0$"):
+            steady_orbits(**PAPER_CASE | {name: 0.0})
+
+
+@pytest.mark.parametrize("name", PAPER_CASE)
+@pytest.mark.parametrize("bad", ["1e-6", ["a"], True, None, 1j, [None, 1.0]], ids=repr)
+def test_anything_but_numbers_is_refused(name, bad):
+    with pytest.raises(TypeError, match=f"^{name} must be a number or an array of numbers, got "):
+        steady_orbits(**PAPER_CASE | {name: bad})
+
+
+def test_shapes_that_do_not_fit_are_named():
+    with pytest.raises(ValueError, match=r"do not broadcast to one shape: .*c \(3,\).*Y \(2,\)"):
+        steady_orbits(**PAPER_CASE | {"Y": [0.004, 0.006], "c": [1.0, 2.0, 3.0]})
+
+
+def test_arguments_are_named():
+    with pytest.raises(TypeError, match="positional"):
+        steady_orbits(*PAPER_CASE.values())
+    with pytest.raises(TypeError, match="omega"):
+        steady_orbits(**{n: v for n, v in PAPER_CASE.items() if n != "omega"})

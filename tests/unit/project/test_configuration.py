@@ -1,0 +1,146 @@
+"""Every mistake in a configuration gets one line that names file, key and remedy."""
+
+from __future__ import annotations
+
+import copy
+import math
+from pathlib import Path
+
+import pytest
+import yaml
+
+from dampbalance.project.case import Case, check, motions_from, oscillator_from
+from dampbalance.project.documents import ConfigurationError
+
+ROOT = Path(__file__).parents[3]
+FILE = ROOT / "config/config.yaml"
+SCHEMA = ROOT / "workflow/schemas/config.schema.yaml"
+
+
+@pytest.fixture
+def config():
+    return yaml.safe_load(FILE.read_text(encoding="utf-8"))
+
+
+def problem(config, files=(FILE,)):
+    with pytest.raises(ConfigurationError) as caught:
+        check(config, SCHEMA, files)
+    return str(caught.value)
+
+
+def edited(config, key, value):
+    changed = copy.deepcopy(config)
+    section = changed
+    for part in key[:-1]:
+        section = section[part]
+    section[key[-1]] = value
+    return changed
+
+
+def test_the_shipped_configuration_passes(config):
+    check(config, SCHEMA, [FILE])
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "expected"),
+    [
+        (("oscillator", "m_kg"), -2.42, ["oscillator.m_kg", "-2.42", "Mass m, kg; positive"]),
+        (("oscillator", "m_kg"), 0, ["oscillator.m_kg", "positive"]),
+        (("oscillator", "c_N_s_per_m"), True, ["oscillator.c_N_s_per_m", "N s/m"]),
+        (("oscillator", "k_N_per_m"), "2310", ["oscillator.k_N_per_m", "without quotes"]),
+        (("oscillator", "mass"), 2.0, ["oscillator.mass", "unknown key", "m_kg"]),
+        (("oscillator", "m_g"), 2.0, ["oscillator.m_g", "did you mean m_kg?"]),
+        (("oscillator", "F_k_N"), math.nan, ["oscillator.F_k_N", "finite"]),
+        (("oscillator", "K_z_N_per_m"), math.inf, ["oscillator.K_z_N_per_m", "finite"]),
+        (("as_published", "step_s"), "5e-6", ["as_published.step_s", "text", "5.0e-6"]),
+        (("as_published", "scheme"), "euler", ["as_published.scheme", "Integration scheme"]),
+        (("as_published", "cycles"), 0, ["as_published.cycles", "read"]),
+        (("excitation", "levels_m"), [], ["excitation.levels_m", "at least two"]),
+        (("excitation", "levels_m"), [0.004], ["excitation.levels_m", "cannot tell F_k from c"]),
+        (("excitation", "levels_m"), [0.004, 0.01, 0.004], ["levels_m", "all different"]),
+        (("excitation", "levels_m"), [0.004, 0.0], ["excitation.levels_m[2]", "positive"]),
+        (("excitation", "frequencies"), [], ["excitation.frequencies", "at least one"]),
+        (("excitation", "frequencies", 1, "hz"), 0.0, ["frequencies[2].hz", "0.0", "positive"]),
+        (
+            ("excitation", "frequencies", 0, "name"),
+            "a/b",
+            ["frequencies[1].name", "a/b", "letters"],
+        ),
+        (("excitation", "frequencies", 0, "name"), "omega2", ["frequencies[2].name", "twice"]),
+        (("as_published", "tabulated", "X_s_mark_m"), 1e-6, ["X_s_mark_m", "X_s_decimals"]),
+        (("estimation", "pairs"), [[1, 6]], ["estimation.pairs[1]", "no level 6", "has 5"]),
+        (("estimation", "pairs"), [[2, 2]], ["estimation.pairs[1]", "[2, 2]", "Two positions"]),
+        (("estimation", "pairs"), [], ["estimation.pairs", "Pairs of levels"]),
+        (("estimation", "phase"), "lag", ["estimation.phase", "velocity reversal"]),
+        (("case",), "my case", ["case", "my case", "Letters, digits"]),
+    ],
+)
+def test_a_wrong_value_is_named_with_its_file_and_remedy(config, key, value, expected):
+    message = problem(edited(config, key, value))
+    assert str(FILE) in message
+    assert len(message.splitlines()) == 1
+    for part in expected:
+        assert part in message
+
+
+def test_a_missing_key_is_named_with_its_meaning(config):
+    del config["oscillator"]["F_k_N"]
+    message = problem(config)
+    assert "oscillator.F_k_N: missing" in message
+    assert "Friction force F_k in slip, N" in message
+
+
+def test_all_problems_are_listed_at_once(config):
+    changed = edited(edited(config, ("oscillator", "m_kg"), -1.0), ("estimation", "phase"), "x")
+    lines = problem(changed).splitlines()
+    assert len(lines) == 2
+    assert "oscillator.m_kg" in lines[1]
+    assert "estimation.phase" in lines[0]
+
+
+def test_the_file_that_sets_the_key_is_named_when_several_are_merged(config, tmp_path):
+    override = tmp_path / "mine.yaml"
+    override.write_text("oscillator: {m_kg: -1}\n", encoding="utf-8")
+    message = problem(edited(config, ("oscillator", "m_kg"), -1), [FILE, override])
+    assert message.startswith(f"{override}: oscillator.m_kg")
+    message = problem(edited(config, ("oscillator", "c_N_s_per_m"), -1), [FILE, override])
+    assert message.startswith(f"{FILE}: oscillator.c_N_s_per_m")
+
+
+def test_a_key_that_stands_twice_is_refused(config, tmp_path):
+    file = tmp_path / "twice.yaml"
+    file.write_text("case: a\noscillator: {}\ncase: b\n", encoding="utf-8")
+    message = problem(config, [file])
+    assert str(file) in message
+    assert "case: stands twice (again in line 3)" in message
+
+
+def test_broken_yaml_is_reported_with_its_file(config, tmp_path):
+    file = tmp_path / "broken.yaml"
+    file.write_text("case: [a\n", encoding="utf-8")
+    assert str(file) in problem(config, [file])
+
+
+def test_every_key_is_described_and_documented():
+    schema = yaml.safe_load(SCHEMA.read_text(encoding="utf-8"))
+    readme = (ROOT / "config/README.md").read_text(encoding="utf-8")
+
+    def walk(node, name):
+        for key, child in node.get("properties", {}).items():
+            assert child.get("description"), f"{key} has no description in the schema"
+            assert f"`{key}`" in readme, f"config/README.md does not explain `{key}`"
+            walk(child, key)
+        if node.get("properties"):
+            assert node["additionalProperties"] is False, f"{name} would take unknown keys"
+
+    walk(schema, "top level")
+
+
+def test_the_case_is_in_si_units_and_the_packages_types(config):
+    case = Case.from_config(config)
+    assert case.oscillator == oscillator_from(config["oscillator"])
+    assert case.oscillator.K_z == 208000.0
+    assert case.pairs[0] == (0, 1)
+    assert [m.Y for m in case.motions("omega1")] == [0.004, 0.006, 0.008, 0.010, 0.012]
+    assert case.motions("omega3")[0].omega == 2.0 * math.pi * 11.1
+    assert motions_from(1.0, [0.1])[0].period == pytest.approx(1.0, rel=1e-15)

@@ -1,0 +1,76 @@
+"""Results are written whole or not at all, and read back as they were."""
+
+from __future__ import annotations
+
+import math
+
+import pandas as pd
+import pytest
+
+from dampbalance.project.files import (
+    read_csv,
+    replacing,
+    write_csv,
+    write_json,
+    write_parquet,
+    write_text,
+)
+
+
+def test_a_failed_write_leaves_the_old_file_and_no_rest(tmp_path):
+    file = tmp_path / "result.txt"
+    write_text(file, "old")
+
+    def fail():
+        with replacing(file) as temporary:
+            temporary.write_text("new")
+            raise RuntimeError("half way")
+
+    with pytest.raises(RuntimeError, match="half way"):
+        fail()
+    assert file.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["result.txt"]
+
+
+def test_folders_are_made_and_permissions_are_the_users_own(tmp_path):
+    file = tmp_path / "a/b/result.txt"
+    plain = tmp_path / "plain.txt"
+    plain.write_text("x")
+    write_text(file, "x")
+    assert file.stat().st_mode == plain.stat().st_mode
+
+
+def test_a_csv_keeps_fifteen_digits_and_missing_values(tmp_path):
+    # Fifteen significant digits: half a unit of the last is at most 5e-15 of the value.
+    frame = pd.DataFrame({"a": [1 / 3, math.nan, 1e-300], "n": [1, 2, 3], "w": ["x", "", "z, w"]})
+    write_csv(tmp_path / "t.csv", frame)
+    back = read_csv(tmp_path / "t.csv")
+    assert back["a"][0] == pytest.approx(1 / 3, rel=5e-15)
+    assert math.isnan(back["a"][1])
+    assert back["a"][2] == 1e-300
+    assert list(back["n"]) == [1, 2, 3]
+    assert list(back["w"]) == ["x", "", "z, w"]
+    assert (tmp_path / "t.csv").read_bytes().splitlines()[1] == b"0.333333333333333,1,x"
+
+
+def test_a_second_trip_changes_nothing(tmp_path):
+    frame = pd.DataFrame({"a": [math.pi, math.e * 1e-7]})
+    write_csv(tmp_path / "1.csv", frame)
+    write_csv(tmp_path / "2.csv", read_csv(tmp_path / "1.csv"))
+    assert (tmp_path / "1.csv").read_bytes() == (tmp_path / "2.csv").read_bytes()
+
+
+def test_json_keeps_every_bit_and_refuses_nan(tmp_path):
+    write_json(tmp_path / "a.json", {"x": 0.1 + 0.2})
+    assert "0.30000000000000004" in (tmp_path / "a.json").read_text()
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        write_json(tmp_path / "a.json", {"x": math.nan})
+    assert "0.30000000000000004" in (tmp_path / "a.json").read_text()
+
+
+def test_parquet_has_the_same_bytes_each_time(tmp_path):
+    frame = pd.DataFrame({"t_s": [0.0, 0.1], "x_m": [1.0, 2.0]})
+    for name in ("a.parquet", "b.parquet"):
+        write_parquet(tmp_path / name, frame)
+    assert (tmp_path / "a.parquet").read_bytes() == (tmp_path / "b.parquet").read_bytes()
+    pd.testing.assert_frame_equal(pd.read_parquet(tmp_path / "a.parquet"), frame)

@@ -1,0 +1,159 @@
+"""What a manifest, a crate and an archive are made of, without a run of the workflow."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import tarfile
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+import yaml
+
+from dampbalance.publishing.provenance import archive
+from dampbalance.publishing.provenance.crate import crate
+from dampbalance.publishing.provenance.manifest import manifest
+from dampbalance.publishing.provenance.sources import (
+    PROJECT,
+    code_version,
+    digest_of,
+    files_of,
+    sha256,
+)
+
+ROOT = Path(__file__).parents[3]
+needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
+
+
+def git(folder, *arguments):
+    identity = ["-c", "user.name=tester", "-c", "user.email=tester@example.org"]
+    command = ["git", *identity, "-c", "commit.gpgsign=false", *arguments]
+    return subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
+
+
+@needs_git
+def test_the_version_is_the_commit_and_whether_files_differ_from_it(tmp_path):
+    (tmp_path / "file").write_text("one", encoding="utf-8")
+    git(tmp_path, "init", "--quiet")
+    git(tmp_path, "add", "file")
+    git(tmp_path, "commit", "--quiet", "--message=one", "--date=2001-02-03T12:00:00Z")
+    found = code_version(tmp_path, "9.9")
+    assert found["commit"] == git(tmp_path, "rev-parse", "HEAD").strip()
+    assert (found["version"], found["known_from"], found["modified"]) == ("9.9", "git", False)
+    (tmp_path / "file").write_text("two", encoding="utf-8")
+    assert code_version(tmp_path, "9.9")["modified"] is True
+
+
+@needs_git
+def test_a_repository_around_an_unpacked_archive_says_nothing_of_it(tmp_path):
+    git(tmp_path, "init", "--quiet")
+    (tmp_path / "other").write_text("", encoding="utf-8")
+    git(tmp_path, "add", "other")
+    git(tmp_path, "commit", "--quiet", "--message=theirs")
+    inner = tmp_path / "unpacked"
+    inner.mkdir()
+    assert code_version(inner, "1.0")["known_from"] == "nothing"
+    stated = {"commit": "abc", "committed": "2026-01-02", "modified": False}
+    (inner / "VERSION.json").write_text(json.dumps(stated), encoding="utf-8")
+    assert code_version(inner, "1.0") == {"version": "1.0", **stated, "known_from": "archive"}
+
+
+@needs_git
+@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="not a git checkout")
+def test_the_files_of_the_project_are_those_under_version_control():
+    def listed(*options):
+        return set(filter(None, git(ROOT, "ls-files", "-z", *options).split("\0")))
+
+    found = set(files_of(ROOT, PROJECT))
+    tracked = {file for file in listed() if (ROOT / file).exists()}
+    assert tracked - found == set()
+    assert found - tracked - listed("--others", "--exclude-standard") == set()
+
+
+def test_caches_are_no_sources(tmp_path):
+    for file in ("src/a.py", "src/__pycache__/a.pyc", "src/a.py~", "paper/.ipynb_checkpoints/b"):
+        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / file).write_text("", encoding="utf-8")
+    assert files_of(tmp_path) == ["src/a.py"]
+
+
+def test_a_digest_does_not_depend_on_the_order_of_keys_and_does_on_every_value():
+    assert digest_of({"a": 1.0, "b": [2]}) == digest_of({"b": [2], "a": 1.0})
+    assert digest_of({"a": 1.0}) != digest_of({"a": 1.0000000000000002})
+
+
+def of_one_file(folder, monkeypatch, locked):
+    monkeypatch.chdir(folder)
+    Path("in").write_text("1", encoding="utf-8")
+    Path("out").write_text("2", encoding="utf-8")
+    Path("lock").write_text(f"{locked} \\\n    --hash=sha256:00\n", encoding="utf-8")
+    job = {"rule": "r", "script": "s.py", "inputs": ["in"], "outputs": ["out"]}
+    code = {"version": "1", "commit": None, "committed": "2026-01-02", "modified": None}
+    return manifest("case", {"case": "case"}, [], ["in"], [job], code, "lock")
+
+
+def test_a_package_that_is_not_as_locked_is_named(tmp_path, monkeypatch):
+    right = of_one_file(tmp_path, monkeypatch, f"numpy=={metadata.version('numpy')}")
+    assert right["run"]["packages_not_as_locked"] == []
+    other = of_one_file(tmp_path, monkeypatch, "numpy==0.1")
+    assert other["run"]["packages_not_as_locked"] == ["numpy"]
+    assert right["reproducible"] == other["reproducible"]  # what differs is in its own part
+
+
+def test_the_date_of_a_crate_is_that_of_the_release(tmp_path, monkeypatch):
+    made = of_one_file(tmp_path, monkeypatch, "numpy==0.1")
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    citation.pop("date-released", None)
+
+    def date(citation):
+        graph = crate(made, "manifest.json", citation)["@graph"]
+        return next(entity for entity in graph if entity["@id"] == "./")["datePublished"]
+
+    assert date(citation) == "2026-01-02"  # not released: of the commit
+    assert date(citation | {"date-released": "2027-05-06"}) == "2027-05-06"
+
+
+def test_large_results_stay_out_and_are_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(archive, "LARGEST", 10)
+    results = []
+    for name, data in (("small", b"123"), ("large", b"x" * 11)):
+        (tmp_path / name).write_bytes(data)
+        results.append(
+            {"path": name, "bytes": len(data), "sha256": sha256(tmp_path / name), "rule": name}
+        )
+    for name in ("source", "manifest.json", "crate.json"):
+        (tmp_path / name).write_text("{}", encoding="utf-8")
+    manifest = {
+        "reproducible": {
+            "case": "tiny",
+            "version": "1.0",
+            "configuration_files": [],
+            "sources": {},
+            "results": results,
+            "jobs": [
+                {"rule": name, "script": "s.py", "inputs": [], "outputs": [name]}
+                for name in ("small", "large")
+            ],
+        },
+        "run": {
+            "code": {"version": "1.0", "commit": "c0ffee", "committed": None, "modified": False},
+            "python": "3.11.0",
+            "system": "Linux",
+            "machine": "x86_64",
+            "packages": {},
+        },
+    }
+    citation = {"title": "t", "abstract": "a", "license": "BSD-3-Clause"}
+    archive.pack(
+        "it.tar.gz", ["source"], manifest, "manifest.json", "crate.json", citation, rebuild="make"
+    )
+    with tarfile.open("it.tar.gz") as tar:
+        names = {name.removeprefix("it/") for name in tar.getnames()}
+        text = tar.extractfile("it/ARCHIVE.md").read().decode()
+    assert {"small", "source"} <= names
+    assert "large" not in names
+    assert "- `large`" in text
+    assert "commit c0ffee" in text

@@ -1,0 +1,166 @@
+"""Features of noisy records: exact without noise, with standard errors that are those of the scatter."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from dampbalance import BaseMotion, Oscillator, steady_orbit
+from dampbalance.features import COLUMNS, of_orbit
+from dampbalance.reading.noisy import read_features
+from dampbalance.records.measurement import Measurement
+from dampbalance.records.synthetic import measured_orbit
+
+OSC = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+DISPLACEMENT = ("base_displacement", "displacement")
+BOTH = (*DISPLACEMENT, "acceleration")
+
+
+def _orbit(frequency_hz=4.92, Y=0.004, **changed):
+    numbers = {"m": 2.42, "c": 90.0, "k": 2310.0, "K_z": 208000.0, "F_k": 1.28} | changed
+    return steady_orbit(Oscillator(**numbers), BaseMotion(Y=Y, omega=2 * math.pi * frequency_hz))
+
+
+def _measured(orbit, noise, channels=DISPLACEMENT, seed=3, cycles=40.0, rate_hz=3000.0):
+    return measured_orbit(
+        orbit, rate_hz=rate_hz, cycles=cycles, noise=noise, seed=seed, channels=channels
+    )
+
+
+@pytest.mark.parametrize("channels", [DISPLACEMENT, BOTH], ids=["x", "x+a"])
+@pytest.mark.parametrize("frequency_hz", [4.92, 3.5, 11.1])
+def test_without_noise_the_features_are_exact(frequency_hz, channels):
+    orbit = _orbit(frequency_hz)
+    reading = read_features(_measured(orbit, 0.0, channels), OSC.k)
+    exact = of_orbit(orbit)
+    assert reading.warnings == ()
+    assert reading.onset_resolved
+    for name in COLUMNS:
+        # waveform sampled at 1,024 points of half a cycle, harmonics beyond those fitted: parts in a million
+        expected = getattr(exact, name)[0]
+        assert getattr(reading.features, name)[0] == pytest.approx(expected, rel=3e-6), name
+
+
+def test_features_converge_with_the_noise():
+    orbit = _orbit()
+    exact = of_orbit(orbit)
+    off = []
+    for noise in (0.01, 1e-4, 1e-6):
+        read = [read_features(_measured(orbit, noise, seed=s), OSC.k).features for s in range(4)]
+        off.append(
+            [
+                np.mean([abs(getattr(f, n)[0] / getattr(exact, n)[0] - 1) for f in read])
+                for n in ("a", "b", "W", "t_s")
+            ]
+        )
+    # two decades of noise, two decades of error; four runs know each within a factor of three or so
+    ratios = np.array(off[:-1]) / np.array(off[1:])
+    assert np.all((ratios > 15.0) & (ratios < 700.0))
+
+
+@pytest.mark.parametrize("channels", [DISPLACEMENT, BOTH], ids=["x", "x+a"])
+def test_standard_errors_are_those_of_the_scatter(channels):
+    orbit = _orbit()
+    readings = [
+        read_features(_measured(orbit, 0.01, channels, seed=s, rate_hz=1500.0, cycles=25.0), OSC.k)
+        for s in range(50)
+    ]
+    exact = of_orbit(orbit)
+    for name in (
+        "X",
+        "X_s",
+        "V_s",
+        "t_s",
+        "phi_fundamental",
+        "phi_reversal",
+        "X_1",
+        "X_3",
+        "X_5",
+        "a",
+        "b",
+        "W",
+    ):
+        values = np.array([getattr(r.features, name)[0] for r in readings])
+        error = np.sqrt(np.mean([r.standard_errors[name] ** 2 for r in readings]))
+        # 50 runs know the scatter to 10 %, its mean to 14 % of it: three times that, and a little for the jackknife
+        assert values.std(ddof=1) == pytest.approx(error, rel=0.35), name
+        assert abs(values.mean() - getattr(exact, name)[0]) < 0.5 * error, name
+
+
+def test_replicates_scatter_as_the_standard_errors_say_about_the_estimate():
+    reading = read_features(_measured(_orbit(), 0.01, BOTH), OSC.k)
+    replicates = reading.resampled(2000, np.random.default_rng(1))
+    assert len(replicates) == 2000
+    for name in ("X", "X_s", "t_s", "X_1", "X_3", "a", "b", "W", "phi_fundamental"):
+        values = getattr(replicates, name)
+        error = reading.standard_errors[name]
+        # bootstrap and jackknife agree to first order; 2,000 replicates know the scatter to 1.6 %
+        assert values.std() == pytest.approx(error, rel=0.08), name
+        assert abs(values.mean() - getattr(reading.features, name)[0]) < 0.12 * error, name
+
+
+def test_replicates_depend_on_the_seed_alone():
+    reading = read_features(_measured(_orbit(), 0.01), OSC.k)
+    a, b, c = (reading.resampled(20, np.random.default_rng(s)) for s in (1, 1, 2))
+    np.testing.assert_array_equal(a.W, b.W)
+    assert np.all(a.W != c.W)
+
+
+def test_squares_of_harmonics_are_freed_of_noise():
+    reading = read_features(_measured(_orbit(11.1, 0.012), 0.05, cycles=20.0), OSC.k)
+    steady, f = reading.steady, reading.features
+    plain = np.abs(steady.mean(steady.X)) ** 2
+    bias = 2.0 * steady.X_error**2  # E|x̂|² = |x|² + variance, of the real and of the imaginary part
+    assert bias[3] > 0.01 * plain[3]
+    assert f.X_1[0] ** 2 == pytest.approx(plain[1] - bias[1], rel=1e-12)
+    assert f.X_3[0] ** 2 == pytest.approx(plain[3] - bias[3], rel=1e-12)
+
+
+def test_an_onset_that_noise_hides_is_said_and_the_rigid_limit_taken():
+    orbit = _orbit(Y=0.012, K_z=2e7)
+    reading = read_features(_measured(orbit, 0.05), OSC.k)
+    assert not reading.onset_resolved
+    assert "rigid limit" in " ".join(reading.warnings)
+    f = reading.features
+    assert (f.X_s[0], f.t_s[0], f.V_s[0]) == (-f.X[0], 0.0, 0.0)
+    assert f.a[0] == pytest.approx(4.0 * f.X[0])
+    assert math.isnan(reading.standard_errors["t_s"])
+    assert reading.length_bound > 2.0 * 1.28 / 2e7  # the bound holds
+
+
+def test_a_linear_response_has_no_onset():
+    orbit = _orbit(F_k=0.0)
+    reading = read_features(_measured(orbit, 0.01), OSC.k)
+    assert not reading.onset_resolved
+    # W = b c: the rows of a linear oscillator say that there is no friction
+    assert reading.features.W[0] == pytest.approx(90.0 * reading.features.b[0], rel=1e-3)
+
+
+def test_another_waveform_is_said():
+    measurement = _measured(_orbit(), 0.001)
+    channel = measurement["displacement"]
+    values = channel.values + 2e-5 * np.cos(5.0 * 2 * math.pi * 4.92 * channel.t + 1.0)
+    wrong = type(channel)("displacement", channel.t, values)
+    reading = read_features(
+        Measurement.of("distorted", [measurement["base_displacement"], wrong]), OSC.k
+    )
+    assert "times worse than their noise" in " ".join(reading.warnings)
+
+
+def test_averaged_cycle_is_the_motion():
+    orbit = _orbit()
+    cycle = read_features(_measured(orbit, 0.0, BOTH), OSC.k).averaged_cycle(200)
+    state = orbit.state(cycle["phase"] / orbit.motion.omega)
+    np.testing.assert_allclose(cycle["x"], state.x, atol=1e-5 * orbit.X)
+    np.testing.assert_allclose(cycle["v"], state.v, atol=1e-4 * state.v.max())
+
+
+@pytest.mark.parametrize("response", ["velocity", "acceleration"])
+def test_one_response_of_any_kind_is_enough(response):
+    orbit = _orbit(3.5, 0.008)
+    reading = read_features(_measured(orbit, 0.01, ("base_acceleration", response)), OSC.k)
+    for name in ("X", "a", "b", "W", "X_s"):
+        off = getattr(reading.features, name)[0] - getattr(of_orbit(orbit), name)[0]
+        assert abs(off) < 4.0 * reading.standard_errors[name], name

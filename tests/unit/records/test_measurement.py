@@ -1,0 +1,110 @@
+"""Channels and measurements refuse what is not a signal; simulated ones are the exact motion plus the noise asked."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from dampbalance import BaseMotion, Oscillator, steady_orbit
+from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.synthetic import simulated_measurement
+
+OSC = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+MOTION = BaseMotion(0.008, 2.0 * math.pi * 4.92)
+T = np.arange(5) / 100.0
+
+
+def channel(quantity="displacement", t=T, values=None, name=""):
+    return Channel(quantity, t, np.sin(t) if values is None else values, name)
+
+
+def test_a_channel_is_read_only_and_leaves_the_array_it_came_from_alone():
+    values = np.sin(T)
+    made = channel(values=values)
+    with pytest.raises(ValueError, match="read-only"):
+        made.values[0] = 1.0
+    values[0] = 2.0  # still the caller's to write
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"quantity": "jerk"}, "unknown quantity 'jerk'"),
+        ({"values": np.zeros(4)}, "4 values at 5 times"),
+        ({"t": T[:1], "values": T[:1]}, "1 samples"),
+        ({"values": np.array([0, 1, np.nan, 3, 4.0])}, "value 2 .* is nan"),
+        ({"t": np.array([0, 1, np.inf, 3, 4.0]), "values": T}, "time 2 .* is inf"),
+        ({"t": np.array([0, 1, 1, 3, 4.0]), "values": T}, "does not increase from sample 1 to 2"),
+    ],
+)
+def test_a_channel_that_is_no_signal_is_refused_by_name(arguments, message):
+    with pytest.raises(ValueError, match=f"channel 'A1'.*{message}"):
+        channel(name="A1", **arguments)
+
+
+@pytest.mark.parametrize(
+    ("quantities", "message"),
+    [
+        (["displacement"], "needs one excitation .* found none"),
+        (["force", "base_displacement", "velocity"], "found base_displacement and force"),
+        (["force"], "needs a response"),
+        (["force", "velocity", "velocity"], "both hold velocity"),
+    ],
+)
+def test_a_measurement_needs_one_excitation_and_a_response(quantities, message):
+    with pytest.raises(ValueError, match=f"run7: .*{message}|run7: the channels .*{message}"):
+        Measurement.of("run7", [channel(q, name=f"c{i}") for i, q in enumerate(quantities)])
+
+
+def test_the_simulated_signals_are_those_of_the_exact_orbit():
+    made = simulated_measurement(
+        OSC,
+        MOTION,
+        rate_hz=997.0,
+        cycles=3.5,
+        channels=("force", "displacement", "velocity", "acceleration"),
+        start=0.7,
+    )
+    t = made["force"].t
+    assert t[0] == 0.7
+    assert len(t) == round(3.5 / 4.92 * 997.0)
+    state = steady_orbit(OSC, MOTION).state(t)
+    np.testing.assert_array_equal(made["displacement"].values, state.x)
+    np.testing.assert_array_equal(made["acceleration"].values, state.acceleration)
+    np.testing.assert_allclose(made["force"].values, OSC.k * MOTION.y(t), rtol=1e-14)
+    assert [c.quantity for c in made.responses] == ["displacement", "velocity", "acceleration"]
+
+
+def test_the_noise_is_white_of_the_size_asked_for_and_the_same_for_the_same_seed():
+    arguments = {"rate_hz": 5000.0, "cycles": 40.0, "channels": ("base_displacement", "velocity")}
+    clean = simulated_measurement(OSC, MOTION, **arguments)
+    noisy = simulated_measurement(OSC, MOTION, noise={"velocity": 0.02}, seed=3, **arguments)
+    again = simulated_measurement(OSC, MOTION, noise={"velocity": 0.02}, seed=3, **arguments)
+    np.testing.assert_array_equal(noisy["velocity"].values, again["velocity"].values)
+    np.testing.assert_array_equal(
+        noisy["base_displacement"].values, clean["base_displacement"].values
+    )
+    added = noisy["velocity"].values - clean["velocity"].values
+    rms = math.sqrt(np.mean(clean["velocity"].values ** 2))
+    n = len(added)
+    # the standard deviation of n normal values scatters by 1/√(2n), its autocorrelation by 1/√n: four sigma each
+    assert abs(added.std() / (0.02 * rms) - 1.0) < 4.0 / math.sqrt(2.0 * n)
+    assert abs(np.corrcoef(added[1:], added[:-1])[0, 1]) < 4.0 / math.sqrt(n)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"rate_hz": 0.0}, "rate_hz"),
+        ({"cycles": 0.0}, "0 samples"),
+        ({"cycles": math.nan}, "nan cycles"),
+        ({"noise": -0.1}, "noise of base_displacement"),
+        ({"noise": {"jerk": 0.1}}, "unknown quantities"),
+        ({"channels": ("displacement",)}, "needs one excitation"),
+    ],
+)
+def test_a_simulation_that_makes_no_sense_is_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        simulated_measurement(OSC, MOTION, **({"rate_hz": 1000.0, "cycles": 2.0} | arguments))

@@ -1,0 +1,115 @@
+"""Units: their spellings, their size in SI, what they fit, and where headers hide them."""
+
+from __future__ import annotations
+
+import pytest
+
+from dampbalance.records.units import (
+    DIMENSIONS,
+    UNITS,
+    UnitError,
+    find_unit,
+    header_suffix,
+    split_label,
+    unit_for,
+)
+
+# The definitions: the inch is 25.4 mm, the pound-force 0.45359237 kg under 9.80665 m/s².
+IN_SI = {
+    "mm": 1e-3,
+    "µm": 1e-6,
+    "in": 0.0254,
+    "mm/s": 1e-3,
+    "in/s": 0.0254,
+    "mm/s²": 1e-3,
+    "g": 9.80665,
+    "kN": 1e3,
+    "lbf": 0.45359237 * 9.80665,
+    "ms": 1e-3,
+    "kHz": 1e3,
+}
+
+
+@pytest.mark.parametrize(("name", "factor"), IN_SI.items())
+def test_unit_in_si(name, factor):
+    unit = find_unit(name)
+    assert unit is not None
+    assert unit.factor == pytest.approx(factor, rel=1e-15)  # a product of decimals, rounded once
+
+
+@pytest.mark.parametrize(
+    ("spelling", "name"),
+    [
+        ("um", "µm"),
+        ("μm", "µm"),  # the Greek letter, not the micro sign
+        ("[mm]", "mm"),
+        (" MM ", "mm"),
+        ("inch", "in"),
+        ("m/s^2", "m/s²"),
+        ("m/s2", "m/s²"),
+        ("m/s**2", "m/s²"),
+        ("m s-2", "m/s²"),
+        ("m·s⁻²", "m/s²"),
+        ("m_per_s2", "m/s²"),
+        ("m/s/s", "m/s²"),
+        ("m/sec^2", "m/s²"),
+        ("m s^-1", "m/s"),
+        ("um/s", "µm/s"),
+        ("G", "g"),
+        ("Sec", "s"),
+        ("usec", "µs"),
+        ("1/s", "Hz"),
+    ],
+)
+def test_spellings(spelling, name):
+    assert find_unit(spelling) is not None
+    assert find_unit(spelling).name == name
+
+
+@pytest.mark.parametrize("text", ["", "V", "MN", "furlong", "m/m", "s2", "Mhz"])
+def test_what_is_no_unit(text):
+    # MN is not mN: where the case decides, it must be right
+    assert find_unit(text) is None
+
+
+def test_every_unit_is_found_by_its_name_and_its_header_suffix():
+    for unit in UNITS:
+        assert find_unit(unit.name) is unit
+        assert find_unit(header_suffix(unit.name)) is unit
+
+
+@pytest.mark.parametrize("quantity", DIMENSIONS)
+def test_only_units_of_the_dimension_fit(quantity):
+    for unit in UNITS:
+        if unit.dimension == DIMENSIONS[quantity]:
+            assert unit_for(unit.name, quantity) is unit
+        else:
+            with pytest.raises(UnitError, match=f"is a unit of {unit.dimension}, but"):
+                unit_for(unit.name, quantity)
+
+
+def test_an_unknown_unit_names_the_nearest_and_those_that_fit():
+    with pytest.raises(UnitError, match=r"unknown unit 'mmm' \(did you mean mm\?\).*length: m, cm"):
+        unit_for("mmm", "displacement")
+
+
+@pytest.mark.parametrize(
+    ("label", "parts"),
+    [
+        ("x [mm]", ("x", "mm")),
+        ("x(mm)", ("x", "mm")),
+        ("x / mm", ("x", "mm")),
+        ("x, mm", ("x", "mm")),
+        ("base displacement in µm", ("base displacement", "µm")),
+        ("acc_m_per_s2", ("acc", "m_per_s2")),
+        ("base_displacement_m", ("base_displacement", "m")),
+        ("time_s", ("time", "s")),
+        ("x", ("x", None)),
+        ("x_rel", ("x_rel", None)),
+        ("CH1 [V]", ("CH1", "V")),  # unknown, but clearly meant as one
+        ("x []", ("x", None)),
+        ("m", ("m", None)),  # a name is never empty
+    ],
+)
+def test_labels(label, parts):
+    assert split_label(label) == parts

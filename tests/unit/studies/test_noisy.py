@@ -1,0 +1,321 @@
+"""Studies of noisy records: that a case is one experiment as one would do it, and what many of them say together."""
+
+from __future__ import annotations
+
+import copy
+import math
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from dampbalance import BaseMotion, Oscillator, __version__
+from dampbalance.identification.identify import identify
+from dampbalance.likelihood.information import cramer_rao, noise_of_rms
+from dampbalance.project.documents import ConfigurationError
+from dampbalance.project.wording import percent
+from dampbalance.reading.noisy import read_features
+from dampbalance.records.synthetic import simulated_measurement
+from dampbalance.studies import evaluate, outputs, settings
+from dampbalance.studies.shown import drawing, facts, groups, summary
+from dampbalance.studies.shown.bounds import bounds_of
+
+ROOT = Path(__file__).parents[3]
+SCHEMA_FILE = ROOT / "workflow/schemas/study.schema.yaml"
+PAPER_FILE = ROOT / "config/config.yaml"
+PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+
+SMALL = {
+    "title": "Small",
+    "axes": [
+        {"frequency_hz": {"values": [4.92, 3.5]}},
+        {"noise": {"values": [0.001, 0.01]}},
+        {"run": {"values": [1, 2, 3]}},
+    ],
+    "levels_m": [0.004, 0.012],
+    "estimation": {"approaches": ["direct", "X_s", "fourier"], "phases": ["fundamental"]},
+    "route": {
+        "kind": "measured",
+        "sampling_hz": 1000,
+        "cycles": 20,
+        "seed": 7,
+        "replicates": 25,
+    },
+    "columns": ["parameters", "errors", "estimates", "intervals"],
+    "summary_by": ["frequency_hz", "noise"],
+    "figure": {"kind": "scatter", "x": "noise", "panels": "frequency_hz"},
+}
+
+
+@pytest.fixture(scope="module")
+def make(tmp_path_factory):
+    """Makes the study of a document: make(document) -> Study."""
+
+    def study(document):
+        path = tmp_path_factory.mktemp("study") / "test.yaml"
+        path.write_text(yaml.safe_dump(document), encoding="utf-8")
+        return settings.read_study(path, SCHEMA_FILE, PAPER_FILE)
+
+    return study
+
+
+@pytest.fixture(scope="module")
+def done(make, tmp_path_factory):
+    """The small study, its table of cases, and the file that holds it."""
+    study = make(SMALL)
+    table = evaluate.evaluate(study, 0, study.cases)
+    path = tmp_path_factory.mktemp("cases") / "cases.parquet"
+    outputs.write_chunk(path, table, study, __version__)
+    return study, table, path
+
+
+def test_a_case_is_an_experiment_as_one_would_do_it(done):
+    _, table, _ = done
+    case = 7  # 3.5 Hz, 0.1 %, run 2
+    assert table.loc[case, ["frequency_hz", "noise", "run"]].tolist() == [3.5, 0.001, 2]
+    omega = 2.0 * math.pi * 3.5
+    readings, rng = [], []
+    for level, Y in enumerate((0.004, 0.012)):
+        random = np.random.default_rng([7, case, level])
+        start = random.random() / 3.5
+        measurement = simulated_measurement(
+            PAPER,
+            BaseMotion(Y, omega),
+            rate_hz=1000,
+            cycles=20,
+            noise=0.001,
+            seed=random,
+            start=start,
+        )
+        readings.append(read_features(measurement, PAPER.k))
+        rng.append(random)
+    # what `identify` makes of them; its replicates differ, as they are drawn from one generator
+    expected = identify(readings, PAPER.k, phase="fundamental", replicates=400).estimates
+    found = table.loc[case]
+    for approach, label in (
+        ("fourier", "fourier__least_squares"),
+        ("direct", "direct__least_squares"),
+        ("X_s", "X_s__fundamental__individual__least_squares"),
+    ):
+        for name, unit, true in (("F_k", "N", 1.28), ("c", "N_s_per_m", 90.0)):
+            parameter = getattr(expected[approach], name)
+            # The same records; the two solvers sum in another order, times the condition number of two levels.
+            assert found[f"{name}_{unit}__{label}"] == pytest.approx(parameter.value, rel=1e-11)
+            stated = true * found[f"{name}_relative_standard_error__{label}"]
+            # 25 replicates know a standard error to 14 %: three of these
+            assert stated == pytest.approx(parameter.standard_error, rel=0.45)
+            held = abs(found[f"{name}_{unit}__{label}"] - true) <= 1.959964 * stated
+            assert found[f"{name}_covered__{label}"] == float(held)
+
+
+def test_a_case_does_not_depend_on_its_chunk(done):
+    study, table, _ = done
+    part = evaluate.evaluate(study, 5, 8)
+    expected = table.iloc[5:8].reset_index(drop=True)
+    pd.testing.assert_frame_equal(part, expected, check_exact=True)
+
+
+def test_runs_differ_and_seeds_too(done, make):
+    _, table, _ = done
+    column = "F_k_relative_error__direct__least_squares"
+    assert table[column].nunique() == len(table)
+    other = make(SMALL | {"route": SMALL["route"] | {"seed": 8}})
+    assert other.seeds == [8]
+    assert evaluate.evaluate(other, 0, 1)[column][0] != table[column][0]
+
+
+def test_without_noise_the_truth_comes_back(make):
+    document = copy.deepcopy(SMALL) | {"axes": [{"frequency_hz": {"values": [4.92, 3.5, 11.1]}}]}
+    document["route"] |= {"noise": 0.0, "sampling_hz": 5000}
+    document |= {"summary_by": ["frequency_hz"], "figure": {}}
+    del document["figure"]
+    study = make(document)
+    table = evaluate.evaluate(study, 0, 3)
+    # Direct integration of the record's harmonics and of the waveform beyond: what is left is the waveform's fit.
+    assert table["F_k_relative_error__direct__least_squares"].abs().max() < 1e-4
+    assert table["c_relative_error__direct__least_squares"].abs().max() < 1e-5
+    # The Fourier balance: what it leaves out, 0.08 % of F_k for the two levels at 3.5 Hz (tests of balance.py).
+    assert table["F_k_relative_error__fourier__least_squares"].abs().max() < 1e-3
+    assert (table["regime"] == "one_slip").all()
+
+
+def test_a_record_that_cannot_be_read_says_so(make):
+    document = copy.deepcopy(SMALL)
+    document["route"] |= {"sampling_hz": 6, "cycles": 3}  # hardly a sample per cycle
+    study = make(document)
+    table = evaluate.evaluate(study, 0, 1)
+    assert table["regime"][0] == "not_read"
+    assert math.isnan(table["F_k_relative_error__direct__least_squares"][0])
+    assert math.isnan(table["F_k_covered__direct__least_squares"][0])
+
+
+# --- many runs together ----------------------------------------------------------------------------
+
+
+def test_the_spread_of_known_errors():
+    rng = np.random.default_rng(3)
+    n, bias, scatter = 20_000, 0.02, 0.05
+    errors = bias + scatter * rng.standard_normal(n)
+    stated = np.full(n, scatter)
+    covered = (np.abs(errors - bias) <= 1.959964 * stated).astype(float)
+    errors[::100], stated[::100], covered[::100] = np.nan, np.nan, np.nan
+    found = groups.spread(errors, stated, covered)
+    assert (found.runs, found.identified) == (n, n - n // 100)
+    # Four standard errors of each, from n runs: σ/√n, σ/√2n, √(0.95 · 0.05/n).
+    assert found.bias == pytest.approx(bias, abs=4.0 * scatter / math.sqrt(n))
+    assert found.bias_error == pytest.approx(scatter / math.sqrt(n), rel=0.05)
+    assert found.scatter == pytest.approx(scatter, rel=4.0 / math.sqrt(2.0 * n))
+    assert found.rms == pytest.approx(math.hypot(bias, scatter), rel=0.03)
+    assert found.standard_error == pytest.approx(scatter, rel=1e-12)
+    assert found.coverage == pytest.approx(0.95, abs=4.0 * math.sqrt(0.95 * 0.05 / n))
+    nothing = groups.spread(np.full(3, np.nan), None, None)
+    assert (nothing.runs, nothing.identified) == (3, 0)
+    assert math.isnan(nothing.bias)
+    assert math.isnan(nothing.coverage)
+
+
+def test_the_summary_tells_the_groups_apart(done):
+    study, table, path = done
+    found = summary.summary_of(path, study)
+    assert len(found) == 4 * 2 * len(study.fits)
+    # in the order of the study's axes
+    assert found[["frequency_hz", "noise"]].drop_duplicates().to_numpy().tolist() == [
+        [4.92, 0.001],
+        [4.92, 0.01],
+        [3.5, 0.001],
+        [3.5, 0.01],
+    ]
+    of_c = found[(found["quantity"] == "c") & (found["approach"] == "X_s")]
+    label = "X_s__fundamental__individual__least_squares"
+    by = table.groupby(["frequency_hz", "noise"], sort=False)
+    errors = by[f"c_relative_error__{label}"]
+    assert of_c["bias_percent"].to_numpy() == pytest.approx(100.0 * errors.mean().to_numpy())
+    assert of_c["scatter_percent"].to_numpy() == pytest.approx(100.0 * errors.std().to_numpy())
+    covered = by[f"c_covered__{label}"].mean().to_numpy()
+    assert of_c["coverage_percent"].to_numpy() == pytest.approx(100.0 * covered)
+    # the bound is in proportion to the noise; the information its square over that of the rms error
+    bound = found.drop_duplicates(["frequency_hz", "noise", "quantity"])["bound_percent"].to_numpy()
+    np.testing.assert_allclose(bound[2:4] / bound[:2], 10.0, rtol=1e-9)
+    osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    motions = [BaseMotion(Y=Y, omega=2.0 * math.pi * 4.92) for Y in study.levels]
+    noise = noise_of_rms(osc, motions, 0.001, ("y", "x"))
+    least = cramer_rao(
+        osc, motions, rate_hz=study.fixed["sampling_hz"], cycles=study.cycles, noise=noise
+    )
+    np.testing.assert_allclose(bound[:2], 100.0 * np.array(least.relative[:2]), rtol=1e-12)
+    np.testing.assert_allclose(
+        found["information_percent"], 100.0 * (found["bound_percent"] / found["rms_percent"]) ** 2
+    )
+    page = summary.summary_markdown(study, found, "", "")
+    assert page.count("## frequency_hz = 3.5, noise = 0.01") == 1
+    assert "nan" not in page
+
+
+def test_no_bound_where_it_would_mean_nothing(done, make):
+    study, table, _ = done
+    of_all = bounds_of(study, table["case"].to_numpy())  # four groups at once
+    assert math.isnan(of_all["F_k"])
+    assert math.isnan(bounds_of(study, np.array([], dtype=int))["c"])
+    exact = make({k: v for k, v in SMALL.items() if k not in ("route", "columns", "summary_by", "figure")} | {
+        "axes": [{"frequency_hz": {"values": [4.92]}}]})  # fmt: skip
+    assert math.isnan(bounds_of(exact, np.array([0]))["F_k"])
+
+
+def test_facts_of_many_runs(done, make):
+    _, table, path = done
+    where = {"frequency_hz": 4.92, "noise": 0.01}
+    takes = ("bias", "rms", "standard_error", "coverage", "p95")
+    study = make(
+        SMALL
+        | {
+            "facts": {
+                take: {"of": "F_k", "take": take, "approach": "direct", "at": where}
+                for take in takes
+            },
+            "shows": "; ".join(f"{{{take}}}" for take in takes),
+        }
+    )
+    cases = table[(table["frequency_hz"] == 4.92) & (table["noise"] == 0.01)]
+    errors = cases["F_k_relative_error__direct__least_squares"]
+    stated = cases["F_k_relative_standard_error__direct__least_squares"]
+    bias, rms, error, coverage, p95 = facts.paragraph(study, path).split("; ")
+    assert bias == ("−" if errors.mean() < 0.0 else "+") + percent(abs(errors.mean()))
+    assert rms == percent(math.sqrt((errors**2).mean()))
+    assert error == percent(math.sqrt((stated**2).mean()))
+    assert coverage == percent(cases["F_k_covered__direct__least_squares"].mean())
+    # Counted in bins of 0.1 %: of three runs the largest.
+    assert float(p95.split()[0]) == pytest.approx(100.0 * errors.abs().max(), rel=0.01)
+
+
+def test_the_figure_shows_error_and_standard_error_of_each_approach(done):
+    study, table, path = done
+    figure = drawing.study_figure(study, path)
+    axes = {axes.get_label(): axes for axes in figure.axes}
+    assert list(axes) == ["F_k 4.92", "F_k 3.5", "c 4.92", "c 3.5"]
+    at = table[table["frequency_hz"] == 3.5]
+    for fit in study.fits:
+        lines = {line.get_label(): line for line in axes["c 3.5"].lines}
+        errors = at.groupby("noise")[f"c_relative_error__{fit.label}"]
+        rms = 100.0 * errors.apply(lambda e: math.sqrt((e**2).mean())).to_numpy()
+        assert lines[f"{fit.label} rms"].get_ydata() == pytest.approx(rms)
+        stated = at.groupby("noise")[f"c_relative_standard_error__{fit.label}"]
+        expected = 100.0 * stated.apply(lambda e: math.sqrt((e**2).mean())).to_numpy()
+        assert lines[f"{fit.label} standard_error"].get_ydata() == pytest.approx(expected)
+    low, high = axes["c 3.5"].get_ylim()
+    assert low == axes["c 4.92"].get_ylim()[0]
+    assert all(low <= y <= high for line in axes["c 3.5"].lines for y in line.get_ydata())
+    assert "rms error" in drawing.alternative_text(study)
+
+
+# --- what does not fit -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"route": {"kind": "measured", "sampling_hz": 1e3}}, "route.seed: missing; the seed"),
+        (
+            {"route": {"kind": "measured", "seed": 1}, "axes": [{"run": {"values": [1]}}]},
+            "measured needs sampling_hz",
+        ),
+        ({"route": {"kind": "exact"}}, "noise means nothing to the route exact"),
+        ({"route": {"kind": "sampled", "sampling_hz": 1e3, "seed": 1}}, "route.seed: means noth"),
+        (
+            {"route": SMALL["route"] | {"reading": "sample"}},
+            "route.reading: means nothing to the route measured",
+        ),
+        ({"route": SMALL["route"] | {"noise_m": 1e-6}}, "noise_m: unknown key"),
+        ({"route": SMALL["route"] | {"noise": -0.1}}, "route.noise: -0.1 is not allowed"),
+        ({"axes": [{"noise": {"values": [-0.1]}}]}, "axes[1].noise: -0.1 is out of range"),
+        ({"axes": [{"run": {"values": [1.5]}}]}, "1.5 is not a whole number"),
+        ({"read_out": {"X_decimals": 5}}, "read_out.X_decimals: means nothing to the route meas"),
+        ({"summary_by": ["zeta"]}, "summary_by[1]: 'zeta' is not an axis"),
+        (
+            {"facts": {"one": {"of": "c", "take": "bias"}}},
+            "facts.one: bias is that of one fit, and direct__least_squares, X_s",
+        ),
+        (
+            {
+                "columns": ["errors"],
+                "facts": {"one": {"of": "c", "take": "coverage", "approach": "direct"}},
+            },
+            "facts.one.take: needs the columns of intervals",
+        ),
+    ],
+)
+def test_a_wrong_study_is_refused_in_one_sentence(make, change, expected):
+    with pytest.raises(ConfigurationError) as caught:
+        make(copy.deepcopy(SMALL) | change)
+    assert expected in str(caught.value)
+
+
+def test_intervals_need_noisy_records(make):
+    document = {
+        "title": "T",
+        "axes": [{"zeta": {"values": [0.1]}}],
+        "columns": ["errors", "intervals"],
+    }
+    with pytest.raises(ConfigurationError, match="they need the route measured"):
+        make(document)

@@ -1,0 +1,590 @@
+"""Studies: axes, settings, and that the arrays of a chunk are the numbers of one case at a time."""
+
+from __future__ import annotations
+
+import copy
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
+from dampbalance.balance import APPROACHES, PHASELESS, Rows
+from dampbalance.estimates import estimate_table
+from dampbalance.features import of_orbit, stack
+from dampbalance.fitting import least_squares_of_cases
+from dampbalance.motion.fixed_step import simulate
+from dampbalance.project.documents import ConfigurationError
+from dampbalance.project.wording import percent
+from dampbalance.reading.clean import of_record
+from dampbalance.replication.readout import ReadOut
+from dampbalance.solver import least_squares, pair
+from dampbalance.studies import evaluate, outputs, plan, settings
+from dampbalance.studies.axes import SOBOL_BITS, Listed, Range, Sampled, case_values, spread
+from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
+from dampbalance.studies.shown import facts, summary
+from dampbalance.studies.shown.logarithmic import is_logarithmic
+from dampbalance.studies.stretches import Sizes
+
+ROOT = Path(__file__).parents[3]
+SCHEMA_FILE = ROOT / "workflow/schemas/study.schema.yaml"
+PAPER_FILE = ROOT / "config/config.yaml"
+SCHEMA = yaml.safe_load(SCHEMA_FILE.read_text(encoding="utf-8"))
+SHIPPED = sorted((ROOT / "config/studies").glob("*.yaml"))
+
+# The estimates come from the same rows by the same algorithm, summed in another order: a condition number of up to 1000
+# for levels as close as these, times rounding.
+SOLVER = 1e-12
+
+
+@pytest.fixture
+def study(tmp_path):
+    """Makes the study of a document: study({"axes": …}) -> Study."""
+
+    def make(document, name="test"):
+        path = tmp_path / f"{name}.yaml"
+        path.write_text(yaml.safe_dump({"title": "Test"} | document), encoding="utf-8")
+        return settings.read_study(path, SCHEMA_FILE, PAPER_FILE)
+
+    return make
+
+
+SOBOL = {
+    "axes": [
+        {
+            "sample": {
+                "method": "sobol",
+                "count": 40,
+                "seed": 3,
+                "over": {
+                    "omega_over_omega_n": {"from": 0.5, "to": 3.0, "spacing": "log"},
+                    "zeta": {"from": 0.02, "to": 1.0, "spacing": "log"},
+                    "K_z_over_k": {"from": 3.0, "to": 300.0, "spacing": "log"},
+                    "F_k_over_kY": {"from": 0.02, "to": 4.0, "spacing": "log"},
+                },
+            }
+        }
+    ],
+    "levels_of_Y": [1.0, 1.7, 3.0],
+    "estimation": {
+        "phases": ["reversal", "zero_crossing", "fundamental"],
+        "sharing": ["individual", "common"],
+        "fits": ["least_squares", [1, 3]],
+    },
+    "columns": ["parameters", "errors", "estimates", "residuals"],
+}
+
+
+# --- the numbers -----------------------------------------------------------------------------------
+
+
+def one_by_one(row, levels, phase):
+    """The table of estimates of one case, from its orbits one at a time."""
+    osc = Oscillator(
+        m=row["m_kg"],
+        c=row["c_N_s_per_m"],
+        k=row["k_N_per_m"],
+        K_z=row["K_z_N_per_m"],
+        F_k=row["F_k_N"],
+    )
+    motions = [BaseMotion(Y=level * row["Y_m"], omega=row["omega_rad_per_s"]) for level in levels]
+    features = stack([of_orbit(steady_orbit(osc, motion)) for motion in motions])
+    return estimate_table(features.with_phase(phase), osc.k, [(0, 2)]), features
+
+
+def test_a_chunk_is_its_cases_one_at_a_time(study):
+    made = study(SOBOL)
+    table = evaluate.evaluate(made, 0, made.cases)
+    compared = 0
+    for _, row in table.iterrows():
+        for phase in ("reversal", "zero_crossing", "fundamental"):
+            expected, features = one_by_one(row, made.levels, phase)
+            words = row["regime"].split(", ")
+            assert len(words) in (1, 3)
+            assert [word == "no_slip" for word in words * (3 // len(words))] == [
+                regime.startswith("no slip") for regime in features.regime
+            ]
+            for line in expected.to_dict("records"):
+                kind = {"least_squares": "least_squares", "pair": "pair_1_3"}.get(line["kind"])
+                if kind is None:
+                    continue
+                parts = [line["approach"], phase, line["phase"], kind]
+                label = "__".join([parts[0], kind] if line["approach"] in PHASELESS else parts)
+                for column, true in (("F_k_N", row["F_k_N"]), ("c_N_s_per_m", row["c_N_s_per_m"])):
+                    found = row[f"{column}__{label}"]
+                    assert found == pytest.approx(
+                        line[column], rel=SOLVER, abs=SOLVER * true, nan_ok=True
+                    )
+                    error = row[f"{column[:3].strip('_N')}_relative_error__{label}"]
+                    assert error == pytest.approx(found / true - 1.0, abs=1e-15, nan_ok=True)
+                    compared += math.isfinite(found)
+    assert compared > 2000
+    assert len(set(table["regime"])) > 2  # levels that slip, and levels that do not
+
+
+def test_no_number_is_missing_without_a_regime_that_says_why(study):
+    made = study(SOBOL)
+    table = evaluate.evaluate(made, 0, made.cases)
+    missing = table["F_k_N__X_s__reversal__individual__least_squares"].isna()
+    slipping = table["regime"].map(
+        lambda words: (
+            (words.split(", ") * 3)[: len(made.levels)].count("one_slip")
+            + (words.split(", ") * 3)[: len(made.levels)].count("several_slips")
+        )
+    )
+    assert missing.any()
+    assert (missing == (slipping < 2)).all()
+
+
+@pytest.mark.parametrize("bounds", [(0, 7), (7, 40), (13, 14)])
+def test_a_case_does_not_depend_on_its_chunk_or_the_threads(study, bounds):
+    made = study(SOBOL)
+    whole = evaluate.evaluate(made, 0, made.cases, threads=2)
+    part = evaluate.evaluate(made, *bounds, threads=1)
+    expected = whole.iloc[slice(*bounds)].reset_index(drop=True)
+    pd.testing.assert_frame_equal(part, expected, check_exact=True)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(2, 6))
+def test_the_solver_of_many_cases_is_the_solver_of_one(seed, levels):
+    rng = np.random.default_rng(seed)
+    a, b, W = rng.uniform(0.1, 1.0, (3, levels, 5))
+    a[0, 1] = np.nan  # a level that lacks a feature
+    a[:, 2], b[:, 2] = 1.0, 2.0  # one and the same response
+    found = least_squares_of_cases(Rows(a, b, W))
+    for case in range(5):
+        rows = Rows(a[:, case], b[:, case], W[:, case])
+        try:
+            expected = least_squares(rows)
+        except ValueError:
+            assert math.isnan(found.F_k[case])
+            assert math.isnan(found.c[case])
+            continue
+        # random rows can be nearly parallel: the error is the condition number times rounding
+        matrix = np.column_stack([rows.a, rows.b])[rows.usable]
+        tolerance = 1e-14 * np.linalg.cond(matrix) ** 2
+        size = abs(expected.F_k) + abs(expected.c)
+        assert found.F_k[case] == pytest.approx(expected.F_k, abs=tolerance * size)
+        assert found.c[case] == pytest.approx(expected.c, abs=tolerance * size)
+        if expected.n > 2:
+            assert found.residual[case] == pytest.approx(expected.residual, abs=tolerance + 1e-12)
+
+
+def test_read_out_rules_are_applied_case_by_case(study):
+    made = study(
+        {
+            "axes": [{"X_decimals": {"values": [5, 6]}, "X_s_decimals": {"values": [6, 5]}}],
+            "levels_m": [0.004, 0.008, 0.012],
+            "read_out": {"phi_decimals": 3, "common_t_s_decimals": 4},
+            "estimation": {"sharing": ["individual", "common"]},
+            "columns": ["errors", "estimates"],
+        }
+    )
+    table = evaluate.evaluate(made, 0, 2)
+    paper = yaml.safe_load(PAPER_FILE.read_text(encoding="utf-8"))
+    osc = Oscillator(*paper["oscillator"].values())
+    omega = 2.0 * math.pi * paper["excitation"]["frequencies"][0]["hz"]
+    orbits = [steady_orbit(osc, BaseMotion(Y=Y, omega=omega)) for Y in (0.004, 0.008, 0.012)]
+    features = stack([of_orbit(orbit) for orbit in orbits])
+    for case, decimals in enumerate([(5, 6), (6, 5)]):
+        rules = ReadOut(
+            X_decimals=decimals[0],
+            X_s_decimals=decimals[1],
+            phi_decimals=3,
+            common_t_s_decimals=4,
+        )
+        for sharing, seen in (
+            ("individual", rules.apply(features)),
+            ("common", rules.common(features)),
+        ):
+            expected = least_squares(APPROACHES["t_s"](seen, osc.k))
+            label = f"t_s__reversal__{sharing}__least_squares"
+            assert table[f"F_k_N__{label}"][case] == pytest.approx(expected.F_k, rel=SOLVER)
+
+
+def test_a_fixed_step_route_reads_its_records_as_one_would(study):
+    made = study(
+        {
+            "axes": [{"scheme": {"values": ["backward-euler", "rk4"]}}],
+            "levels_m": [0.006, 0.012],
+            "route": {"kind": "fixed_step", "steps_per_cycle": 8000, "cycles": 5},
+            "columns": ["errors", "estimates", "parameters"],
+        }
+    )
+    table = evaluate.evaluate(made, 0, 2)
+    row = table.iloc[0]
+    osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    parts = []
+    for Y in made.levels:
+        motion = BaseMotion(Y=Y, omega=row["omega_rad_per_s"])
+        record = simulate(osc, motion, step=motion.period / 8000, cycles=5, keep_cycles=3)
+        parts.append(of_record(record, motion.omega, osc.k))
+    expected = pair(APPROACHES["direct"](stack(parts), osc.k), 0, 1)
+    assert row["c_N_s_per_m__direct__least_squares"] == pytest.approx(expected.c, rel=SOLVER)
+    # Backward Euler damps, c + m ω² h; Runge–Kutta 4 does not.
+    h = 2.0 * math.pi / row["omega_rad_per_s"] / 8000
+    bias = osc.m * row["omega_rad_per_s"] ** 2 * h
+    errors = table["c_relative_error__direct__least_squares"] * osc.c
+    assert errors[0] == pytest.approx(bias, rel=0.02)  # the next order in ωh, and the events
+    assert abs(errors[1]) < 0.02 * bias
+
+
+def test_a_step_too_coarse_is_a_regime_not_an_error(study):
+    made = study(
+        {
+            "axes": [{"step_s": {"values": [2.0e-5, 2.0e-3, 1.0]}}],
+            "levels_m": [0.004, 0.012],
+            "route": {"kind": "fixed_step", "scheme": "rk4", "cycles": 4},
+        }
+    )
+    table = evaluate.evaluate(made, 0, 3)
+    assert table["regime"].tolist() == ["one_slip", "step_too_coarse", "step_too_coarse"]
+    errors = table["F_k_relative_error__X_s__reversal__individual__least_squares"]
+    assert errors.isna().tolist() == [False, True, True]
+
+
+def test_a_sampled_route_tends_to_the_exact_one(study):
+    document = {
+        "axes": [{"sampling_hz": {"values": [5000.0, 40000.0]}}],
+        "levels_m": [0.004, 0.012],
+        "route": {"kind": "sampled"},
+        "columns": ["errors", "estimates"],
+    }
+    sampled = evaluate.evaluate(study(document), 0, 2)
+    del document["axes"], document["route"]
+    exact = evaluate.evaluate(study(document | {"axes": [{"m_kg": {"values": [2.42]}}]}), 0, 1)
+    for column in ("F_k_N__t_s__reversal__individual__least_squares",):
+        off = np.abs(sampled[column] / exact[column][0] - 1.0)
+        assert off[1] < 0.2 * off[0]
+        assert off[1] < 1e-4  # 12 samples and more in a stick phase, continued by cubics
+
+
+# --- axes ------------------------------------------------------------------------------------------
+
+
+def test_blocks_are_multiplied_and_the_last_runs_fastest():
+    blocks = [Listed({"zeta": [0.1, 0.2]}), Listed({"m_kg": [1, 2, 3], "k_N_per_m": [4, 5, 6]})]
+    values = case_values(blocks, 1, 5)
+    assert values["zeta"].tolist() == [0.1, 0.1, 0.2, 0.2]
+    assert values["m_kg"].tolist() == [2, 3, 1, 2]
+    assert values["k_N_per_m"].tolist() == [5, 6, 4, 5]
+
+
+@pytest.mark.parametrize("method", ["sobol", "random"])
+def test_any_stretch_of_a_sample_is_part_of_the_whole(method):
+    sample = Sampled(
+        method, 100, 7, {"zeta": Range(0.01, 1.0, "log"), "Y_m": Range(1, 2, "linear")}
+    )
+    whole = case_values([sample], 0, 100)
+    for start, stop in ((0, 33), (33, 100), (50, 51)):
+        part = case_values([sample], start, stop)
+        assert all(np.array_equal(part[name], whole[name][start:stop]) for name in whole)
+    assert 0.01 <= whole["zeta"].min() < whole["zeta"].max() <= 1.0
+    # spread evenly in the logarithm: the mean of 100 points is within 3 standard errors, 3·0.289/10
+    share = np.log(whole["zeta"] / 0.01) / math.log(100.0)
+    assert abs(share.mean() - 0.5) < 0.09
+    other = case_values([Sampled(method, 100, 8, sample.ranges)], 0, 100)
+    assert not np.array_equal(other["zeta"], whole["zeta"])
+
+
+def test_ranges_hold_both_ends():
+    assert spread(1.0, 3.0, 3, "linear") == [1.0, 2.0, 3.0]
+    assert spread(1.0, 100.0, 3, "log") == pytest.approx([1.0, 10.0, 100.0], rel=1e-15)
+    assert is_logarithmic(spread(0.01, 10.0, 30, "log"))
+    assert not is_logarithmic(spread(0.01, 10.0, 30, "linear"))
+
+
+def test_dimensionless_groups_are_what_they_say():
+    one = np.ones(1)
+    si = in_si(
+        {
+            "m_kg": 2.0 * one,
+            "k_N_per_m": 50.0 * one,
+            "Y_m": 0.1 * one,
+            "zeta": 0.3 * one,
+            "K_z_over_k": 4.0 * one,
+            "F_k_over_kY": 0.2 * one,
+            "omega_over_omega_n": 3.0 * one,
+        }
+    )
+    osc = Oscillator(*(float(si[name][0]) for name in ("m", "c", "k", "K_z", "F_k")))
+    assert osc.zeta == pytest.approx(0.3, rel=1e-15)
+    assert osc.K_z == 200.0
+    assert pytest.approx(1.0, rel=1e-15) == osc.F_k
+    assert si["omega"][0] == pytest.approx(15.0, rel=1e-15)
+
+
+# --- settings --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_shipped_studies_are_in_order(path):
+    made = settings.read_study(path, SCHEMA_FILE, PAPER_FILE)
+    assert made.figure
+    assert made.shows
+    assert set(made.fixed) | set(made.axis_names) >= {"m_kg", "k_N_per_m"}
+    # no number that comes from the results is written into the text
+    settings_named = r"within [15] %|(the|than) 70 %|\b5 % of|[0-9.]+ % of noise|the 95 % intervals|with (0\.1|5) %"
+    assert "%" not in re.sub(settings_named, "", made.shows)
+
+
+def test_the_schema_knows_every_parameter_where_it_belongs():
+    properties = SCHEMA["properties"]
+    block = properties["axes"]["items"]["properties"]
+    assert set(block) == {"sample", *PARAMETERS}
+    assert set(properties["base"]["properties"]) == set(MECHANICAL)
+    assert set(block["sample"]["properties"]["over"]["properties"]) == set(MECHANICAL)
+    rules = {name for name, p in PARAMETERS.items() if p.kind == "read_out"}
+    assert set(properties["read_out"]["properties"]) == rules
+    approaches = properties["estimation"]["properties"]["approaches"]["items"]["enum"]
+    assert approaches == list(APPROACHES)
+    assert set(properties["facts"]["additionalProperties"]["properties"]["approach"]["enum"]) == (
+        set(APPROACHES)
+    )
+
+
+GOOD = {
+    "title": "Good",
+    "axes": [{"zeta": {"values": [0.1, 0.2]}}],
+    "facts": {"one": {"of": "c", "take": "max"}},
+    "shows": "{one}",
+}
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"axes": []}, "axes: [] is not allowed"),
+        ({"axes": [{"zetta": {"values": [1]}}]}, "did you mean zeta?"),
+        ({"axes": [{"zeta": {"values": [0.1], "from": 1}}]}, "either values, or from, to and"),
+        ({"axes": [{"zeta": {"from": 0.1}}]}, "give values: […], or from, to and count"),
+        ({"axes": [{"zeta": {"from": 0.2, "to": 0.1, "count": 3}}]}, "from must lie below to"),
+        ({"axes": [{"zeta": {"from": 0, "to": 1, "count": 3, "spacing": "log"}}]}, "above zero"),
+        ({"axes": [{"m_kg": {"values": [0.0]}}]}, "must be finite and positive"),
+        ({"axes": [{"m_kg": {"values": ["1e-6"]}}]}, "'1e-6' is not a number"),
+        ({"axes": [{"X_decimals": {"values": [2.5]}}]}, "2.5 is not a whole number"),
+        ({"axes": [{"zeta": {"values": [1]}, "m_kg": {"values": [1, 2]}}]}, "as many values each"),
+        (
+            {"axes": [{"zeta": {"values": [1]}}, {"c_N_s_per_m": {"values": [1]}}]},
+            "beside zeta, which it stands for",
+        ),
+        ({"axes": [{"zeta": {"values": [1]}}, {"zeta": {"values": [2]}}]}, "zeta is set twice"),
+        ({"axes": [{"scheme": {"values": ["euler"]}}]}, "'euler' is not allowed"),
+        ({"axes": [{"step_s": {"values": [1.0e-5]}}]}, "step_s means nothing to the route exact"),
+        ({"route": {"kind": "fixed_step", "scheme": "rk4"}}, "needs step_s or steps_per_cycle"),
+        ({"route": {"kind": "sampled"}}, "sampled needs sampling_hz"),
+        ({"levels_m": [0.004]}, "levels_m"),
+        ({"levels_m": [1, 2], "levels_of_Y": [1, 2]}, "not together with levels_of_Y"),
+        ({"base": {"Y_m": 0.01}, "levels_m": [0.004, 0.006]}, "levels as multiples of Y_m"),
+        ({"base": {"zeta": 0.1, "c_N_s_per_m": 1.0}}, "not together with"),
+        ({"base": {"m_kg": -1.0}}, "base.m_kg: -1.0 is out of range"),
+        ({"estimation": {"fits": [[1, 9]]}}, "there are only 5 levels"),
+        ({"figure": {"kind": "curves", "x": "m_kg"}}, "'m_kg' is not an axis of this study"),
+        ({"figure": {"kind": "map", "x": "zeta"}}, "a map has two axes"),
+        ({"facts": {"two": {"of": "c", "take": "max"}}}, "{one} is not among the facts: two"),
+        (
+            {"facts": {"one": {"of": "c", "take": "max", "phase": "fundamental"}}},
+            None,  # direct knows no phase: there is a fit that is meant
+        ),
+        (
+            {"facts": {"one": {"of": "c", "take": "max", "approach": "X_s", "fit": "pairs"}}},
+            "no fit of this study is meant",
+        ),
+        (
+            {"facts": {"one": {"of": "c", "take": "band", "within": 0.1, "along": "m_kg"}}},
+            "facts.one.along: must be an axis of this study",
+        ),
+        (
+            {"read_out": {"X_s_decimals": 5, "X_s_mark_m": 1.0e-6}},
+            "X_s_mark_m and X_s_decimals say the same",
+        ),
+    ],
+)
+def test_a_wrong_study_is_refused_in_one_sentence(study, change, expected):
+    document = copy.deepcopy(GOOD) | change
+    if expected is None:
+        study(document)
+        return
+    with pytest.raises(ConfigurationError) as caught:
+        study(document)
+    assert expected in str(caught.value)
+    assert "test.yaml: " in str(caught.value)
+
+
+def test_a_sobol_sequence_too_long_is_refused(study):
+    document = copy.deepcopy(SOBOL)
+    document["axes"][0]["sample"]["count"] = 2**SOBOL_BITS + 1
+    with pytest.raises(ConfigurationError, match="4,294,967,296 points at most"):
+        study(document)
+
+
+# --- size ------------------------------------------------------------------------------------------
+
+
+def test_the_size_told_is_an_upper_bound_and_not_far_off(study, tmp_path):
+    document = copy.deepcopy(SOBOL)
+    document["axes"][0]["sample"]["count"] = 3000
+    made = study(document)
+    sizes = plan.plan(made)
+    assert (sizes.cases, sizes.responses, sizes.chunks) == (3000, 9000, 1)
+    outputs.write_chunk(tmp_path / "a.parquet", evaluate.evaluate(made, 0, 3000), made, "0")
+    size = (tmp_path / "a.parquet").stat().st_size
+    assert 0.6 * sizes.table_bytes < size < sizes.table_bytes
+
+
+def test_a_study_too_large_is_refused_with_cases_and_bytes(study, tmp_path):
+    document = copy.deepcopy(SOBOL)
+    document["axes"][0]["sample"] |= {"count": 10**14, "method": "random"}
+    made = study(document | {"chunk_cases": 10**11})
+    with pytest.raises(ConfigurationError, match=r"100,000,000,000,000 cases would take .* PB"):
+        plan.check_size(made, plan.plan(made), tmp_path / "not/there", "test.yaml")
+    made = study(document | {"chunk_cases": 1000})
+    with pytest.raises(ConfigurationError, match="take chunks of at least 5,000,000,000 cases"):
+        plan.check_size(made, plan.plan(made), tmp_path, "test.yaml")
+
+
+def test_chunks_cover_every_case_once(study):
+    made = study(SOBOL | {"chunk_cases": 7})
+    bounds = [plan.chunk_bounds(made, i) for i in range(plan.plan(made).chunks)]
+    assert [case for start, stop in bounds for case in range(start, stop)] == list(range(40))
+
+
+def test_progress_tells_what_is_left(study, tmp_path):
+    made = study(SOBOL)
+    for i in range(2):
+        (tmp_path / f"0000{i}.parquet").touch()
+    now = (tmp_path / "00001.parquet").stat().st_mtime
+    text = plan.progress(made, tmp_path, 6, now - 10.0, now)
+    assert text == "Study test: 2 of 6 chunks, about 20 s left"
+    assert plan.progress(made, tmp_path, 6, math.nan, now) == "Study test: 2 of 6 chunks"
+    assert plan.progress(made, tmp_path, 2, now - 10.0, now) == "Study test: 2 of 2 chunks"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"), [(12.4, "12 s"), (240.0, "4 min"), (12600.0, "3.5 h")]
+)
+def test_durations_in_words(seconds, words):
+    assert plan.duration_in_words(seconds) == words
+
+
+# --- outputs ---------------------------------------------------------------------------------------
+
+
+def test_chunks_join_to_the_same_table(study, tmp_path):
+    made = study(SOBOL | {"chunk_cases": 15})
+    chunks = []
+    for i in range(3):
+        chunks.append(tmp_path / f"{i}.parquet")
+        frame = evaluate.evaluate(made, *plan.chunk_bounds(made, i))
+        outputs.write_chunk(chunks[-1], frame, made, __version__)
+    outputs.join_chunks(tmp_path / "cases.parquet", chunks)
+    joined = pd.read_parquet(tmp_path / "cases.parquet")
+    whole = evaluate.evaluate(made, 0, 40)
+    joined["regime"] = joined["regime"].astype(whole["regime"].dtype)
+    pd.testing.assert_frame_equal(joined, whole, check_exact=True)
+    schema = pq.read_schema(tmp_path / "cases.parquet")
+    assert schema.field("K_z_N_per_m").metadata[b"unit"] == b"N/m"
+    assert schema.metadata[b"study"] == b"test"
+    assert pq.ParquetFile(tmp_path / "cases.parquet").num_row_groups == 3
+
+
+def test_the_summary_counts_what_is_there(study, tmp_path):
+    made = study(SOBOL)
+    frame = evaluate.evaluate(made, 0, 40)
+    outputs.write_chunk(tmp_path / "cases.parquet", frame, made, __version__)
+    table = summary.summary_of(tmp_path / "cases.parquet", made)
+    assert len(table) == 2 * len(made.fits)
+    line = table[
+        (table["quantity"] == "c")
+        & (table["approach"] == "X_s")
+        & (table["phase"] == "reversal")
+        & (table["sharing"] == "individual")
+        & (table["fit"] == "least_squares")
+    ].iloc[0]
+    error = frame["c_relative_error__X_s__reversal__individual__least_squares"].abs()
+    assert line["identified"] == error.notna().sum() < 40
+    assert line["max_error_percent"] == pytest.approx(100.0 * error.max(), rel=1e-15)
+    assert line["within_1_percent_share"] == (error <= 0.01).sum() / 40
+
+
+def test_sizes_are_counted_as_if_all_were_there():
+    rng = np.random.default_rng(5)
+    errors = 10.0 ** rng.uniform(-13.0, 2.0, 5000) * rng.choice([-1.0, 1.0], 5000)
+    errors[::7] = np.nan
+    sizes = Sizes(0.01)
+    for part in np.array_split(errors, 7):
+        sizes.add(part)
+    known = np.abs(errors[np.isfinite(errors)])
+    assert (sizes.cases, sizes.known) == (5000, known.size)
+    assert sizes.share == np.count_nonzero(known <= 0.01) / 5000
+    assert (sizes.smallest, sizes.largest) == (known.min(), known.max())
+    for share in (0.0, 0.5, 0.95, 1.0):
+        true = np.quantile(known, share, method="inverted_cdf")
+        assert sizes.quantile(share) == pytest.approx(true, rel=6e-4)  # half a bin
+    assert math.isnan(Sizes(0.01).quantile(0.5))
+
+
+def test_facts_are_taken_from_the_cases_they_name(study, tmp_path):
+    made = study(
+        {
+            "axes": [{"zeta": {"from": 0.1, "to": 0.9, "count": 9}}],
+            "facts": {
+                "worst": {"of": "F_k", "take": "max", "approach": "X_s"},
+                "one": {"of": "F_k", "take": "signed", "approach": "X_s", "at": {"zeta": 0.31}},
+                "part": {
+                    "of": "F_k",
+                    "take": "share",
+                    "within": 0.002,
+                    "approach": "X_s",
+                    "between": {"zeta": [0.0, 0.45]},
+                },
+                "band": {
+                    "of": "F_k",
+                    "take": "band",
+                    "within": 0.01,
+                    "along": "zeta",
+                    "around": 0.1,
+                    "approach": "X_s",
+                },
+            },
+            "shows": "{worst}; {one}; {part}; {band}; {cases}",
+        }
+    )
+    path = tmp_path / "cases.parquet"
+    frame = evaluate.evaluate(made, 0, 9)
+    outputs.write_chunk(path, frame, made, __version__)
+    error = frame["F_k_relative_error__X_s__reversal__individual__least_squares"]
+    worst, one, part, band, cases = facts.paragraph(made, path).split("; ")
+    assert worst == percent(error.abs().max())
+    assert one.lstrip("+−") == percent(abs(error[2]))
+    assert one.startswith("+" if error[2] > 0.0 else "−")
+    assert part == percent((error[:4].abs() <= 0.002).mean())
+    good = (error.abs() <= 0.01).tolist()
+    last = good.index(False) if False in good else 9
+    assert band == f"0.1 to {frame['zeta'][last - 1]:.3g}"
+    assert cases == "9"
+
+
+@pytest.mark.parametrize(
+    ("share", "words"),
+    [
+        (0.1234, "12.3 %"),
+        (0.001234, "0.123 %"),
+        (1.0, "100 %"),
+        (0.99979, "99.98 %"),
+        (2.3e-6, "2.3·10⁻⁴ %"),
+        (3e-14, "10⁻¹¹ %"),
+        (0.0, "0 %"),
+        (math.nan, "–"),
+        (12.0, "1200 %"),
+    ],
+)
+def test_percentages_in_words(share, words):
+    assert percent(share) == words

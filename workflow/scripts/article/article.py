@@ -1,0 +1,14 @@
+"""The article: typst to PDF."""
+
+import sys
+
+from dampbalance.project.files import replacing
+from dampbalance.publishing.article.compiling import ArticleError, pdf
+
+if __name__ == "__main__":
+    try:
+        document = pdf(snakemake.params.source, ".", snakemake.params.inputs)
+    except ArticleError as error:
+        sys.exit(str(error))
+    with replacing(snakemake.output.pdf) as temporary:
+        temporary.write_bytes(document)

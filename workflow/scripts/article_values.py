@@ -1,9 +1,0 @@
-"""Every number that the article prints, made into text once, with the file, the place and the rule it comes from."""
-
-from dampbalance.article.sources import Results
-from dampbalance.article.values import article_values
-from dampbalance.files import write_json
-
-if __name__ == "__main__":
-    p = snakemake.params
-    write_json(snakemake.output.json, article_values(Results(), p.rules, p.folder, p.frequencies))

@@ -1,0 +1,8 @@
+"""Figure 3: acceleration against displacement and velocity, at all levels."""
+
+from dampbalance.figures import ALT, figure3, save
+from dampbalance.motion.orbit import read_orbits
+
+if __name__ == "__main__":
+    figure = figure3(read_orbits(snakemake.input.orbits))
+    save(figure, snakemake.output.svg, snakemake.output.png, ALT["figure3"])

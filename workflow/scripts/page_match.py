@@ -1,9 +1,0 @@
-"""The picture of the match: which share of each part's printed numbers earns which verdict."""
-
-from dampbalance.files import read_csv, write_text
-from dampbalance.page.match import match_picture
-from dampbalance.page.verdicts import counts
-
-if __name__ == "__main__":
-    claims = read_csv(snakemake.input.claims, dtype=str)
-    write_text(snakemake.output.picture, match_picture(counts(claims)))

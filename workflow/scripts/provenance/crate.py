@@ -1,0 +1,15 @@
+"""The manifest as an RO-Crate of the case's results."""
+
+import json
+from pathlib import Path
+
+import yaml
+
+from dampbalance.project.files import write_json
+from dampbalance.publishing.provenance.crate import crate
+
+if __name__ == "__main__":
+    file = snakemake.input.manifest
+    manifest = json.loads(Path(file).read_text(encoding="utf-8"))
+    citation = yaml.safe_load(Path(snakemake.input.citation).read_text(encoding="utf-8"))
+    write_json(snakemake.output.json, crate(manifest, file, citation, root=snakemake.params.root))

@@ -1,0 +1,12 @@
+"""The figure of a study."""
+
+from dampbalance.figures.style import save
+from dampbalance.studies import settings
+from dampbalance.studies.shown import drawing
+
+if __name__ == "__main__":
+    study = settings.read_study(
+        snakemake.input.file, "workflow/schemas/study.schema.yaml", "config/config.yaml"
+    )
+    figure = drawing.study_figure(study, snakemake.input.cases)
+    save(figure, snakemake.output.svg, snakemake.output.png, drawing.alternative_text(study))

@@ -1,0 +1,19 @@
+"""What a study shows: a table of errors, and a page with the figure and its numbers in words."""
+
+from pathlib import Path
+
+from dampbalance.project.files import write_csv, write_text
+from dampbalance.studies import settings
+from dampbalance.studies.shown import facts, summary
+
+if __name__ == "__main__":
+    study = settings.read_study(
+        snakemake.input.file, "workflow/schemas/study.schema.yaml", "config/config.yaml"
+    )
+    table = summary.summary_of(snakemake.input.cases, study)
+    figure = next((Path(file).name for file in snakemake.input.figure if file.endswith(".png")), "")
+    page = summary.summary_markdown(
+        study, table, facts.paragraph(study, snakemake.input.cases), figure
+    )
+    write_csv(snakemake.output.csv, table)
+    write_text(snakemake.output.md, page)
