@@ -19,6 +19,7 @@ A row is NaN where its response lacks a feature (nothing slips). The solver of `
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -28,6 +29,30 @@ if TYPE_CHECKING:
     from .features import Features
 
 Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """A way to lose energy: one column of the balance, and the coefficient that is identified.
+
+    symbol : of the coefficient.   unit : of it.   words : what it is.
+    """
+
+    symbol: str
+    unit: str
+    words: str
+
+    @property
+    def column(self) -> str:
+        """Column of tables that holds the coefficient, named with its unit: F_k_N, c_N_s_per_m."""
+        return f"{self.symbol}_{self.unit.replace(' ', '_').replace('/', '_per_')}"
+
+
+TERMS: dict[str, Term] = {
+    term.symbol: term
+    for term in (Term("F_k", "N", "friction force"), Term("c", "N s/m", "viscous damping"))
+}
+"""The terms that a balance can have, by symbol, in the order of columns in tables."""
 
 
 class Rows(NamedTuple):
@@ -132,25 +157,44 @@ def viscous_integral(omega: float, harmonics: Mapping[int, Floats]) -> Floats:
     return integral
 
 
-Approach = Callable[["Features", float], Rows]
+@dataclass(frozen=True, slots=True)
+class Approach:
+    """A way to obtain the rows of the balance, and what figures, tables and reports need to know of it.
+
+    rows : the function from features and the stiffness k, N/m, to rows.   label : its name in words or as a symbol.
+    takes_phase : whether it depends on a choice of the phase φ, and on a φ and a t_s common to all levels.
+    """
+
+    rows: Callable[[Features, float], Rows]
+    label: str
+    takes_phase: bool = True
+
+    def __call__(self, features: Features, k: float) -> Rows:
+        """The rows that this approach obtains from `features`, with the stiffness k, N/m."""
+        return self.rows(features, k)
+
 
 APPROACHES: dict[str, Approach] = {
-    "direct": direct,
-    "X_s": slip_displacement,
-    "t_s": slip_time,
-    "V_s": slip_velocity,
-    "fourier": fourier,
+    "direct": Approach(direct, "direct integration", takes_phase=False),
+    "X_s": Approach(slip_displacement, "X_s"),
+    "t_s": Approach(slip_time, "t_s"),
+    "V_s": Approach(slip_velocity, "V_s"),
+    "fourier": Approach(fourier, "Fourier", takes_phase=False),
 }
+"""Every approach by the name that configurations and tables know it by: to add one is a function and an entry here."""
 
-PHASELESS = ("direct", "fourier")
-"""Approaches that take no choice of the phase φ, nor a φ and t_s common to all levels."""
+
+def takes_phase(name: str) -> bool:
+    """Whether estimates by the approach of that name depend on a choice of the phase φ."""
+    return name not in APPROACHES or APPROACHES[name].takes_phase
+
 
 # The rows behind the printed Table 3: the V_s pairs with their slip of sign, and beside them the same pairs without it.
 APPROACHES_OF_TABLE_3: dict[str, Approach] = {
-    "X_s": slip_displacement,
-    "t_s": slip_time,
-    "V_s": slip_velocity_as_printed,
-    "V_s with minus": slip_velocity,
+    "X_s": APPROACHES["X_s"],
+    "t_s": APPROACHES["t_s"],
+    "V_s": Approach(slip_velocity_as_printed, "V_s with plus"),
+    "V_s with minus": Approach(slip_velocity, "V_s with minus"),
 }
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .balance import APPROACHES, PHASELESS, Approach, Rows
+from .balance import APPROACHES, Approach, Rows, takes_phase
 from .solver import (
     Estimate,
     Pair,
@@ -55,7 +55,7 @@ def estimate_table(
     common : the same responses with one φ and one t_s; default: the means over the responses that slip.
     common_approaches : the row functions to use with `common`, by name.
 
-    Approaches that know no choice of φ and t_s (`balance.PHASELESS`) appear as "individual" only. What cannot be
+    Approaches that know no choice of φ and t_s (`balance.takes_phase`) appear as "individual" only. What cannot be
     estimated, because a level lacks a feature, stays in the table with NaN and the reason as its note: one level
     without slip stops nothing.
     Columns: ESTIMATE_COLUMNS; the order of the rows is fixed.
@@ -68,7 +68,7 @@ def estimate_table(
     for name, approach in APPROACHES.items():
         records += _records(name, "individual", approach(features, k), features, chosen)
     for name, approach in common_approaches.items():
-        if name not in PHASELESS:
+        if takes_phase(name):
             records += _records(name, "common", approach(common, k), common, chosen)
     return pd.DataFrame.from_records(records, columns=list(ESTIMATE_COLUMNS))
 

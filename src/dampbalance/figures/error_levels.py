@@ -13,7 +13,7 @@ from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator
 
-from ..balance import PHASELESS
+from ..balance import takes_phase
 from ..model import Oscillator
 from .style import APPROACH_LOOKS, DOUBLE_COLUMN, FAINT, INK, MM, page, place, styled
 
@@ -52,7 +52,7 @@ def estimation_error(
     column of panels each, in this order.   levels_m : excitation levels Y_i, m, that a pair "i-j" names.
 
     Filled markers: φ and t_s common to all levels; open: those of each level. Approaches that know no
-    such choice (`balance.PHASELESS`) are filled. An approach that is exact but for rounding stands
+    such choice (`balance.takes_phase`) are filled. An approach that is exact but for rounding stands
     below the break of the axis, beside the bound it keeps. An estimate that does not exist (nothing
     slips) is left out.
     Raises ValueError for an approach without a look in `style.APPROACH_LOOKS`, for a frequency without
@@ -175,7 +175,7 @@ def _draw(
 def _drawing(key: str, phase: str, joined: bool) -> dict[str, Any]:
     """Filled and solid for common features and for approaches that know no choice of them; else open and dashed."""
     look = APPROACH_LOOKS[key]
-    filled = phase == COMMON or key in PHASELESS
+    filled = phase == COMMON or not takes_phase(key)
     return {
         "color": look.colour,
         "marker": look.marker,
@@ -217,7 +217,7 @@ def _legend(figure: Figure, approaches: Sequence[str]) -> None:
     def handle(key: str, phase: str) -> Line2D:
         return Line2D([], [], **_drawing(key, phase, joined=True))
 
-    choosing = [key for key in approaches if key not in PHASELESS]
+    choosing = [key for key in approaches if takes_phase(key)]
     handles: list[Any] = [handle(key, COMMON) for key in approaches]
     labels = [APPROACH_LOOKS[key].label for key in approaches]
     for phase, text in (

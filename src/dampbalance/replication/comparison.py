@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ..balance import APPROACHES, PHASELESS
+from ..balance import APPROACHES, takes_phase
 from ..estimates import estimate_table
 from ..features import Features, Phase
 from ..model import Oscillator
@@ -82,10 +82,10 @@ def _errors(
     """The lines of one frequency, approach by approach; one that takes no choice of phase has a single line."""
     tables = {phase: estimate_table(features.with_phase(phase), osc.k, chosen) for phase in PHASES}
     for approach in APPROACHES:
-        for phase in PHASES[:1] if approach in PHASELESS else PHASES:
+        for phase in PHASES[:1] if not takes_phase(approach) else PHASES:
             lines = tables[phase][tables[phase]["approach"] == approach]
             for sharing, estimates in lines.groupby("phase", sort=False):
-                words = ("", "") if approach in PHASELESS else (phase, sharing)
+                words = ("", "") if not takes_phase(approach) else (phase, sharing)
                 head = {"approach": approach, "phase": words[0], "sharing": words[1]}
                 yield head | _errors_of(estimates, osc)
 

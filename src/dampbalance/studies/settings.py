@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
-from ..balance import APPROACHES, PHASELESS
+from ..balance import APPROACHES, takes_phase
 from ..project.documents import (
     ConfigurationError,
     Key,
@@ -364,7 +364,7 @@ def _fits(estimation: Mapping[str, Any]) -> Iterator[Fit]:
             estimation.get("phases", ["reversal"]),
             estimation.get("sharing", ["individual"]),
         )
-        if approach in PHASELESS:
+        if not takes_phase(approach):
             phases, sharings = [""], [""]
         for phase in phases:
             for sharing in sharings:

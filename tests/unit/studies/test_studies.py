@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
-from dampbalance.balance import APPROACHES, PHASELESS, Rows
+from dampbalance.balance import APPROACHES, Rows, takes_phase
 from dampbalance.estimates import estimate_table
 from dampbalance.features import of_orbit, stack
 from dampbalance.fitting import least_squares_of_cases
@@ -116,7 +116,7 @@ def test_a_chunk_is_its_cases_one_at_a_time(study):
                 if kind is None:
                     continue
                 parts = [line["approach"], phase, line["phase"], kind]
-                label = "__".join([parts[0], kind] if line["approach"] in PHASELESS else parts)
+                label = "__".join([parts[0], kind] if not takes_phase(line["approach"]) else parts)
                 for column, true in (("F_k_N", row["F_k_N"]), ("c_N_s_per_m", row["c_N_s_per_m"])):
                     found = row[f"{column}__{label}"]
                     assert found == pytest.approx(

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...balance import PHASELESS, viscous_integral
+from ...balance import takes_phase, viscous_integral
 from ...estimates import estimate_table
 from ...features import Features
 from ...model import Oscillator
@@ -212,7 +212,7 @@ def largest_errors(
             pairs = table[table["kind"] == "pair"]
             sets = {
                 "direct": pairs[pairs["approach"] == "direct"],
-                "common": pairs[(pairs["phase"] == "common") & ~pairs["approach"].isin(PHASELESS)],
+                "common": pairs[(pairs["phase"] == "common") & pairs["approach"].map(takes_phase)],
             }
             found.setdefault(route, {})[frequency] = {
                 name: {

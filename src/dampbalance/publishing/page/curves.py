@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...balance import PHASELESS
+from ...balance import takes_phase
 from ...model import Oscillator
 from ...motion.fixed_step import SCHEMES
 from ...studies.parameters import PARAMETERS
@@ -142,7 +142,7 @@ def _series(study: Study, cases: str | Path, quantity: str, panel: _Panel) -> It
     fits = chosen(study.fits, settings)
     sharings = [n for n in ("individual", "common") if any(fit.sharing == n for fit in fits)]
     for approach in dict.fromkeys(fit.approach for fit in fits):
-        for sharing in ("",) if approach in PHASELESS else sharings:
+        for sharing in ("",) if not takes_phase(approach) else sharings:
             spec = settings | {"of": quantity, "approach": approach, "sharing": sharing}
             spec |= {"phase": panel.phase} if panel.phase else {}
             error = 100.0 * np.abs(worst_errors(study, cases, spec)[panel.kept])

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from ...balance import PHASELESS
+from ...balance import takes_phase
 from ...figures.style import (
     APPROACH_LOOKS,
     DOUBLE_COLUMN,
@@ -105,7 +105,7 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
             axes = place(figure, LEFT + column * (width + COLUMN_GAP), bottom, width, HEIGHT)
             row.append(axes)
             for approach in approaches:
-                for sharing in ("",) if approach in PHASELESS else sharings:
+                for sharing in ("",) if not takes_phase(approach) else sharings:
                     spec = {"fit": "least_squares"} | dict(settings)
                     spec |= {"of": quantity, "approach": approach, "sharing": sharing}
                     spec |= {"phase": phase} if phase else {}
