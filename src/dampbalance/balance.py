@@ -18,65 +18,103 @@ A row is NaN where its response lacks a feature (nothing slips). The solver of `
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
+
+from .arrays import Array, Mask
 
 if TYPE_CHECKING:
     from .features import Features
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class Term:
     """A way to lose energy: one column of the balance, and the coefficient that is identified.
 
-    symbol : of the coefficient.   unit : of it.   words : what it is.
+    symbol, unit, words : of the coefficient p, and what it is.
+    integral, integral_unit : of the factor g that its force contributes over a period, g p = energy.
     """
 
     symbol: str
     unit: str
     words: str
+    integral: str
+    integral_unit: str
 
     @property
     def column(self) -> str:
         """Column of tables that holds the coefficient, named with its unit: F_k_N, c_N_s_per_m."""
-        return f"{self.symbol}_{self.unit.replace(' ', '_').replace('/', '_per_')}"
+        return named_with_unit(self.symbol, self.unit)
+
+    @property
+    def error_column(self) -> str:
+        """Column of tables that holds its standard error."""
+        return named_with_unit(f"{self.symbol}_standard_error", self.unit)
+
+    @property
+    def integral_column(self) -> str:
+        """Column of tables that holds the integral: a_m, b_m2_per_s."""
+        return named_with_unit(self.integral, self.integral_unit)
+
+
+def named_with_unit(name: str, unit: str) -> str:
+    """A name for a column or key: what it holds, then its unit, as in c_N_s_per_m."""
+    return f"{name}_{unit.replace(' ', '_').replace('/', '_per_').replace('²', '2')}"
 
 
 TERMS: dict[str, Term] = {
     term.symbol: term
-    for term in (Term("F_k", "N", "friction force"), Term("c", "N s/m", "viscous damping"))
+    for term in (
+        Term("F_k", "N", "friction force", "a", "m"),
+        Term("c", "N s/m", "viscous damping", "b", "m²/s"),
+    )
 }
 """The terms that a balance can have, by symbol, in the order of columns in tables."""
 
 
-class Rows(NamedTuple):
-    """Rows a F_k + b c = W of the energy balance, one per response; each an array of shape (n,).
+@dataclass(frozen=True, eq=False, slots=True)
+class Rows:
+    """Rows Σ g_j p_j = W of the energy balance, one per response; the unknowns p_j are the coefficients of TERMS.
 
-    a : friction travel per period, m.   b : viscous integral, m²/s.   W : input work per period, J.
+    The first axis counts the rows that are solved together; further axes count cases.
+
+    terms : symbol of p_j → g_j, its integral over a period, in m for F_k (a) and m²/s for c (b).   W : input work, J.
+    weights : of the squares of the rows' misfits, 1/J²; None weighs all alike, as (9).
+    given : symbol → value of the coefficients that are known and not to be identified.
     """
 
-    a: Floats
-    b: Floats
-    W: Floats
+    terms: Mapping[str, Array]
+    W: Array
+    weights: Array | None = None
+    given: Mapping[str, float] = field(default_factory=dict)
 
-    def take(self, indices: Sequence[int]) -> Rows:
-        """The rows of the responses `indices`, in that order."""
-        chosen = list(indices)
-        return Rows(self.a[chosen], self.b[chosen], self.W[chosen])
+    def __getitem__(self, index: Any) -> Rows:
+        """The rows at `index`, an index of arrays: [[1, 0]] is two rows in that order, [:, 0] those of a case."""
+        return replace(
+            self,
+            terms={symbol: integral[index] for symbol, integral in self.terms.items()},
+            W=self.W[index],
+            weights=None if self.weights is None else self.weights[index],
+        )
 
     @property
-    def usable(self) -> NDArray[np.bool_]:
-        """Which rows can enter an estimate: all three numbers are finite. Shape (n,)."""
-        return np.isfinite(self.a) & np.isfinite(self.b) & np.isfinite(self.W)
+    def usable(self) -> Mask:
+        """Which rows can enter an estimate: all their numbers are finite."""
+        finite = [np.isfinite(array) for array in (*self.terms.values(), self.W)]
+        usable: Mask = np.logical_and.reduce(finite)
+        return usable
+
+    def misfit(self, coefficients: Mapping[str, ArrayLike]) -> Array:
+        """Σ g_j p_j − W, J, for these coefficients, by symbol."""
+        work = sum(np.asarray(p) * self.terms[symbol] for symbol, p in coefficients.items())
+        return np.asarray(work - self.W)
 
 
-def direct(features: Features, k: float) -> Rows:
+def direct(features: Features, k: ArrayLike) -> Rows:
     """Rows of the direct integration: nothing is assumed of the shape of x(t).
 
         a = 2 ∫ |ẋ| dt, t_s … t_2      (7a, whose lower limit is printed t_i)
@@ -84,10 +122,10 @@ def direct(features: Features, k: float) -> Rows:
 
     features : a (m), b (m²/s), W (J) integrated from the records.   k : not used again; W holds it already.
     """
-    return Rows(features.a, features.b, features.W)
+    return Rows({"F_k": features.a, "c": features.b}, features.W)
 
 
-def slip_displacement(features: Features, k: float) -> Rows:
+def slip_displacement(features: Features, k: ArrayLike) -> Rows:
     """Rows of the harmonic-response-X_s approach: a = 2(X − X_s), with (13) and (14).
 
     features : X, X_s (m, X_s < 0), Y (m), phi (rad), omega (rad/s).   k : stiffness, N/m.
@@ -95,7 +133,7 @@ def slip_displacement(features: Features, k: float) -> Rows:
     return _harmonic(features, k, a=2.0 * (features.X - features.X_s))
 
 
-def slip_time(features: Features, k: float) -> Rows:
+def slip_time(features: Features, k: ArrayLike) -> Rows:
     """Rows of the harmonic-response-t_s approach: a = 2X(1 + cos ωt_s), with (11) and (14).
 
     t_s counts from the velocity reversal at x = −X, as in (17) and (18). In (11) it is an absolute time:
@@ -108,7 +146,7 @@ def slip_time(features: Features, k: float) -> Rows:
     )
 
 
-def slip_velocity(features: Features, k: float) -> Rows:
+def slip_velocity(features: Features, k: ArrayLike) -> Rows:
     """Rows of the harmonic-response-V_s approach: a = 2X(1 + √((ωX)² − V_s²)/(ωX)), with (12) and (14).
 
     A V_s above ωX has no place in a harmonic motion of amplitude X: such a row is NaN.
@@ -118,7 +156,7 @@ def slip_velocity(features: Features, k: float) -> Rows:
     return _harmonic(features, k, a=_travel_from_velocity(features, sign=-1.0))
 
 
-def slip_velocity_as_printed(features: Features, k: float) -> Rows:
+def slip_velocity_as_printed(features: Features, k: ArrayLike) -> Rows:
     """Rows behind the V_s columns of the paper's Table 3, which hold a slip of sign: not an approach to use.
 
     The paper defines α = ωX + √((ωX)² − V_s²) with (19); the printed columns come out, to the last digit, with a plus
@@ -128,7 +166,7 @@ def slip_velocity_as_printed(features: Features, k: float) -> Rows:
     return _harmonic(features, k, a=_travel_from_velocity(features, sign=+1.0))
 
 
-def fourier(features: Features, k: float) -> Rows:
+def fourier(features: Features, k: ArrayLike) -> Rows:
     """Rows of the Fourier energy balance: no shape of x(t) is assumed, but that the base moves as y = Y cos ωt.
 
         a = 2(X − X_s)                    as the X_s approach: ẋ keeps its sign from slip onset to reversal, so (7a)
@@ -143,17 +181,17 @@ def fourier(features: Features, k: float) -> Rows:
     """
     a = 2.0 * (features.X - features.X_s)
     b = viscous_integral(features.omega, {1: features.X_1, 3: features.X_3, 5: features.X_5})
-    W = np.pi * k * features.Y * features.X_1 * np.sin(features.phi_fundamental)
-    return Rows(a, b, W)
+    W = np.pi * np.asarray(k) * features.Y * features.X_1 * np.sin(features.phi_fundamental)
+    return Rows({"F_k": a, "c": b}, W)
 
 
-def viscous_integral(omega: float, harmonics: Mapping[int, Floats]) -> Floats:
+def viscous_integral(omega: ArrayLike, harmonics: Mapping[int, Array]) -> Array:
     """b = ∮ ẋ² dt = πω Σ n² X_n² of x = Σ X_n cos(nωt − φ_n), m²/s: (7b) by Parseval's theorem.
 
     omega : ω, rad/s.   harmonics : n → X_n, m, each of shape (n,).
     """
     total = sum(n**2 * X_n**2 for n, X_n in harmonics.items())
-    integral: Floats = np.asarray(np.pi * omega * total)
+    integral: Array = np.asarray(np.pi * np.asarray(omega) * total)
     return integral
 
 
@@ -163,13 +201,15 @@ class Approach:
 
     rows : the function from features and the stiffness k, N/m, to rows.   label : its name in words or as a symbol.
     takes_phase : whether it depends on a choice of the phase φ, and on a φ and a t_s common to all levels.
+    terms : symbols of the coefficients that it identifies, of TERMS.
     """
 
-    rows: Callable[[Features, float], Rows]
+    rows: Callable[[Features, ArrayLike], Rows]
     label: str
     takes_phase: bool = True
+    terms: tuple[str, ...] = ("F_k", "c")
 
-    def __call__(self, features: Features, k: float) -> Rows:
+    def __call__(self, features: Features, k: ArrayLike) -> Rows:
         """The rows that this approach obtains from `features`, with the stiffness k, N/m."""
         return self.rows(features, k)
 
@@ -198,18 +238,18 @@ APPROACHES_OF_TABLE_3: dict[str, Approach] = {
 }
 
 
-def _harmonic(features: Features, k: float, a: Floats) -> Rows:
+def _harmonic(features: Features, k: ArrayLike, a: Array) -> Rows:
     """Friction travel a, with the viscous integral b = πωX² of (11)–(13) and the input work W = πkYX sin φ of (14)."""
     X = features.X
     b = np.pi * features.omega * X**2
-    W = np.pi * k * features.Y * X * np.sin(features.phi)
-    return Rows(a, b, W)
+    W = np.pi * np.asarray(k) * features.Y * X * np.sin(features.phi)
+    return Rows({"F_k": a, "c": b}, W)
 
 
-def _travel_from_velocity(features: Features, sign: float) -> Floats:
+def _travel_from_velocity(features: Features, sign: float) -> Array:
     """a = 2X(1 + √(1 ± (V_s/ωX)²)): with the minus, cos ωt_s written in terms of V_s = ωX sin ωt_s."""
     X = features.X
     with np.errstate(invalid="ignore"):  # V_s > ωX: NaN, as documented
         cosine = np.sqrt(1.0 + sign * (features.V_s / (features.omega * X)) ** 2)
-    travel: Floats = 2.0 * X * (1.0 + cosine)
+    travel: Array = 2.0 * X * (1.0 + cosine)
     return travel

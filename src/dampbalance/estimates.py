@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .balance import APPROACHES, Approach, Rows, takes_phase
+from .arrays import Array
+from .balance import APPROACHES, TERMS, Approach, Rows, takes_phase
 from .solver import (
     Estimate,
     Pair,
@@ -25,20 +25,23 @@ if TYPE_CHECKING:
 
     from .features import Features
 
-ESTIMATE_COLUMNS = (
-    "approach",  # a key of APPROACHES
-    "kind",  # pair, mean, std (of the pairs: F_k_N and c_N_s_per_m hold the deviations) or least_squares
-    "phase",  # individual φ and t_s of each level, or common to all levels
-    "pair",  # "1-2" …; "all" for the other kinds
-    "levels",  # number of responses that entered
-    "F_k_N",
-    "c_N_s_per_m",
-    "F_k_standard_error_N",  # least squares of three or more levels only
-    "c_standard_error_N_s_per_m",
-    "residual",  # ‖A p − W‖ / ‖W‖
-    "K_z_N_per_m",  # from F_k and the mean length of the microstick line
-    "note",  # why a number is missing
-)
+
+def estimate_columns() -> list[str]:
+    """Columns of a table of estimates, in order."""
+    return [
+        "approach",  # a key of APPROACHES
+        "kind",  # pair, mean, std (of the pairs: columns of coefficients hold the deviations) or least_squares
+        "phase",  # individual φ and t_s of each level, or common to all levels
+        "pair",  # "1-2" …; "all" for the other kinds
+        "levels",  # number of responses that entered
+        *(term.column for term in TERMS.values()),
+        *(
+            term.error_column for term in TERMS.values()
+        ),  # least squares of more levels than terms only
+        "residual",  # ‖A p − W‖ / ‖W‖
+        "K_z_N_per_m",  # from F_k and the mean length of the microstick line
+        "note",  # why a number is missing
+    ]
 
 
 def estimate_table(
@@ -58,7 +61,7 @@ def estimate_table(
     Approaches that know no choice of φ and t_s (`balance.takes_phase`) appear as "individual" only. What cannot be
     estimated, because a level lacks a feature, stays in the table with NaN and the reason as its note: one level
     without slip stops nothing.
-    Columns: ESTIMATE_COLUMNS; the order of the rows is fixed.
+    Columns: `estimate_columns()`; the order of the rows is fixed.
     """
     import pandas as pd  # slow to import, and needed for tables only
 
@@ -70,7 +73,7 @@ def estimate_table(
     for name, approach in common_approaches.items():
         if takes_phase(name):
             records += _records(name, "common", approach(common, k), common, chosen)
-    return pd.DataFrame.from_records(records, columns=list(ESTIMATE_COLUMNS))
+    return pd.DataFrame.from_records(records, columns=estimate_columns())
 
 
 def _records(
@@ -92,9 +95,9 @@ def _records(
 
     head |= {"pair": "all", "levels": int(np.count_nonzero(rows.usable))}
     if estimates:
-        F_k_mean, c_mean, F_k_std, c_std = mean_and_deviation(estimates)
-        records.append(head | {"kind": "mean", "F_k_N": F_k_mean, "c_N_s_per_m": c_mean})
-        records.append(head | {"kind": "std", "F_k_N": F_k_std, "c_N_s_per_m": c_std})
+        mean, deviation = mean_and_deviation([estimate.values for estimate in estimates])
+        for kind, values in (("mean", mean), ("std", deviation)):
+            records.append(head | {"kind": kind} | _in_columns(values))
 
     left_out = ", ".join(str(level + 1) for level in np.flatnonzero(~rows.usable))
     fit = head | {"kind": "least_squares", "note": f"without level {left_out}" if left_out else ""}
@@ -105,16 +108,21 @@ def _records(
     return [*records, fit]
 
 
-def _numbers(estimate: Estimate, swing: NDArray[np.float64]) -> dict[str, object]:
+def _in_columns(values: Mapping[str, Any]) -> dict[str, object]:
+    return {TERMS[symbol].column: value for symbol, value in values.items()}
+
+
+def _numbers(estimate: Estimate, swing: Array) -> dict[str, object]:
     """An estimate as columns of the table; `swing` are the lengths X + X_s of its responses' microstick lines, m."""
-    F_k_error, c_error = estimate.standard_errors
     length = float(swing.mean())  # read-outs with few digits may have lost it
-    K_z = float(contact_stiffness(estimate.F_k, length, 0.0)) if length > 0.0 else math.nan
+    K_z = math.nan
+    if "F_k" in estimate.values and length > 0.0:
+        K_z = float(contact_stiffness(estimate["F_k"], length, 0.0))
+    errors = {TERMS[s].error_column: estimate.standard_error(s) for s in estimate.values}
+    overdetermined = estimate.n > len(estimate.values)
     return {
-        "F_k_N": estimate.F_k,
-        "c_N_s_per_m": estimate.c,
-        "F_k_standard_error_N": F_k_error,
-        "c_standard_error_N_s_per_m": c_error,
-        "residual": estimate.residual if estimate.n > 2 else math.nan,  # of a pair: rounding only
+        **_in_columns(estimate.values),
+        **errors,
+        "residual": estimate.residual if overdetermined else math.nan,  # else rounding only
         "K_z_N_per_m": K_z,
     }

@@ -1,24 +1,26 @@
-"""Features of n responses at one frequency: all that the estimators know (Tables 1 and 2).
+"""Features of responses: all that the estimators know (Tables 1 and 2).
 
-`of_orbit` takes them from an exact orbit, `reading/clean.py` reads them off a sampled record; `stack` joins
-responses. What a response does not have (no slip, no slip onset) is NaN, and its `regime` says why.
+`of_orbit` takes them from an exact orbit, `of_orbits` from many, `reading/clean.py` reads them off a sampled record;
+`stack` joins responses. What a response does not have (no slip, no slip onset) is NaN, and its `regime` says why.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import Array, Mask, Words
 from .motion.orbit import Orbit
+from .motion.orbits import Orbits
+from .motion.regime import Regime
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
 Phase = Literal["reversal", "zero_crossing", "fundamental"]
 
 COLUMNS = {
@@ -48,7 +50,10 @@ _OMEGA, _REGIME = "omega_rad_per_s", "regime"
 
 @dataclass(frozen=True, eq=False)
 class Features:
-    """Features of n responses at one frequency; read-only arrays of shape (n,), SI units, NaN where one does not exist.
+    """Features of responses: read-only arrays of one shape, SI units, NaN where one does not exist.
+
+    The first axis counts the levels (or records) that are solved together, further ones cases or replicates. What is
+    given with fewer axes is broadcast to the shape of Y, or a single number to all responses.
 
     omega : drive frequency ω, rad/s.
     Y : amplitude of the base, m.   X : peak displacement, m.
@@ -60,12 +65,12 @@ class Features:
     X_r, V_r, t_r : the mirror image at reverse slip onset; X_r > 0, V_r < 0, t_r from the reversal at +X.
     X_1, X_3, X_5 : amplitudes of the harmonics of x, m.
     a, b, W : friction travel (m), viscous integral (m²/s), input work (J) per cycle by direct integration, (5), (7).
-    regime : for each response, what kind it is, or why something is missing.
+    regime : in words, what kind each response is, or why something is missing.
 
-    Raises ValueError naming the field when lengths differ.
+    Raises ValueError naming the field whose shape does not fit.
     """
 
-    omega: float
+    omega: Array
     Y: Array
     X: Array
     X_s: Array
@@ -84,39 +89,39 @@ class Features:
     a: Array
     b: Array
     W: Array
-    regime: tuple[str, ...]
+    regime: Words
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "omega", float(self.omega))
-        object.__setattr__(self, "regime", tuple(str(words) for words in self.regime))
-        for name in COLUMNS:
-            values = np.array(getattr(self, name), dtype=np.float64)
-            if values.shape != (len(self.regime),):
+        shape = np.shape(self.Y)
+        for name in _FIELDS:
+            values = np.asarray(
+                getattr(self, name), dtype=object if name == _REGIME else np.float64
+            )
+            try:
+                broadcast = np.broadcast_to(values, shape)  # read-only
+            except ValueError:
                 raise ValueError(
-                    f"Features.{name} has shape {values.shape}, regime has {len(self.regime)} entries"
-                )
-            values.flags.writeable = False
-            object.__setattr__(self, name, values)
+                    f"Features.{name} has shape {values.shape}, Y has {shape}"
+                ) from None
+            object.__setattr__(self, name, broadcast)
 
     def __len__(self) -> int:
-        return len(self.regime)
+        return len(self.Y)
 
     @property
-    def slipping(self) -> NDArray[np.bool_]:
-        """Which responses have a slip onset, shape (n,)."""
+    def slipping(self) -> Mask:
+        """Which responses have a slip onset."""
         return np.isfinite(self.X_s)
 
     def replaced(self, **values: ArrayLike) -> Self:
-        """The same features but for those given by name; a single number stands for all responses."""
+        """These features, except those given by name; they are broadcast as everywhere."""
         unknown = sorted(set(values) - set(COLUMNS))
         if unknown:
             raise ValueError(f"unknown features {unknown}; known are {list(COLUMNS)}")
-        arrays = {name: np.asarray(value, dtype=np.float64) for name, value in values.items()}
-        filled = {n: np.full(len(self), a) if a.ndim == 0 else a for n, a in arrays.items()}
-        return replace(self, **filled)  # type: ignore[arg-type]
+        return replace(self, **values)  # type: ignore[arg-type]
 
-    def with_phase(self, phase: Phase) -> Self:
-        """The same features with `phi` the phase named: "reversal", "zero_crossing" or "fundamental"."""
+    def with_phase(self, phase: str) -> Self:
+        """These features with `phi` the phase named: "reversal", "zero_crossing" or "fundamental"."""
         name = f"phi_{phase}"
         if name not in COLUMNS:
             raise ValueError(
@@ -125,48 +130,49 @@ class Features:
         return self.replaced(phi=getattr(self, name))
 
     def with_common(self, *names: str) -> Self:
-        """The same features with each of those named replaced by its mean over the responses that have it.
+        """These features, each of those named replaced by its mean over the levels that have it, case by case.
 
         `with_common("phi", "t_s")` is the common phase and slip time of Eqs. (16), (18), (19). A response that lacks
         the feature goes on lacking it.
         """
-        common: dict[str, ArrayLike] = {}
+        common = {}
         for name in names:
             values: Array = getattr(self, name)
-            known = np.isfinite(values)
-            common[name] = np.where(
-                known, np.mean(values[known]) if known.any() else np.nan, np.nan
-            )
+            exists = np.isfinite(values)
+            with np.errstate(invalid="ignore"):  # no level has it: NaN
+                mean = np.sum(np.where(exists, values, 0.0), axis=0) / np.sum(exists, axis=0)
+            common[name] = np.where(exists, mean, np.nan)
         return self.replaced(**common)
 
-    def take(self, indices: Sequence[int]) -> Self:
-        """The responses `indices`, counted from 0, in that order."""
-        chosen = list(indices)
-        arrays = {name: getattr(self, name)[chosen] for name in COLUMNS}
-        return replace(self, regime=tuple(self.regime[i] for i in chosen), **arrays)
+    def __getitem__(self, index: Any) -> Self:
+        """The responses at `index`, an index of arrays: [[1, 0]] is two levels in that order, [:, i] a case."""
+        return replace(self, **{name: getattr(self, name)[index] for name in _FIELDS})
 
     def to_frame(self) -> pd.DataFrame:
         """One row per response, columns named with their units (`COLUMNS`), ω first and the regime last."""
         import pandas as pd  # slow to import, and needed for tables only
 
         columns = {column: getattr(self, name) for name, column in COLUMNS.items()}
-        frame = pd.DataFrame({**columns, _REGIME: list(self.regime)})
-        frame.insert(0, _OMEGA, self.omega)
-        return frame
+        return pd.DataFrame({_OMEGA: self.omega, **columns, _REGIME: list(self.regime)})
 
     @classmethod
     def from_frame(cls, frame: pd.DataFrame) -> Self:
-        """The features that `to_frame` described. Raises ValueError: a column missing, several frequencies, no row."""
-        missing = [c for c in (_OMEGA, *COLUMNS.values(), _REGIME) if c not in frame.columns]
+        """The features that `to_frame` described. Raises ValueError: a column missing, or no row."""
+        columns = {"omega": _OMEGA, **COLUMNS}
+        missing = [c for c in (*columns.values(), _REGIME) if c not in frame.columns]
         if missing:
             raise ValueError(
                 f"a table of features needs the columns {missing}, found {list(frame.columns)}"
             )
+        if frame.empty:
+            raise ValueError("there are no responses: give at least one")
         return cls(
-            omega=_one_frequency(frame[_OMEGA].to_numpy(dtype=np.float64)),
-            regime=tuple(frame[_REGIME]),
-            **{name: frame[column].to_numpy(dtype=np.float64) for name, column in COLUMNS.items()},
+            regime=frame[_REGIME].to_numpy(dtype=object),
+            **{name: frame[column].to_numpy(dtype=np.float64) for name, column in columns.items()},
         )
+
+
+_FIELDS = ("omega", *COLUMNS, _REGIME)
 
 
 def of_orbit(orbit: Orbit) -> Features:
@@ -174,56 +180,61 @@ def of_orbit(orbit: Orbit) -> Features:
 
     The orbit is symmetric, x(t + T/2) = −x(t): reverse slip is the mirror image of forward slip.
     """
-    (X_1, phi_1), (X_3, _), (X_5, _) = (orbit.harmonic(n) for n in (1, 3, 5))
-    return single(
+    harmonics = {n: orbit.harmonic(n) for n in (1, 3, 5)}
+    return of_numbers(
         orbit.motion.omega,
         str(orbit.regime),
         Y=orbit.motion.Y,
-        X=orbit.X,
-        X_s=orbit.X_s,
-        V_s=orbit.V_s,
-        t_s=orbit.t_s,
-        phi=orbit.phi,
-        phi_reversal=orbit.phi,
-        phi_zero_crossing=orbit.phi_zero_crossing,
-        phi_fundamental=wrapped(phi_1),
-        X_r=-orbit.X_s,
-        V_r=-orbit.V_s,
-        t_r=orbit.t_s,
-        X_1=X_1,
-        X_3=X_3,
-        X_5=X_5,
-        a=orbit.a,
-        b=orbit.b,
-        W=orbit.W,
+        **_of_either(orbit),
+        phi_fundamental=wrapped(harmonics[1][1]),
+        **{f"X_{n}": amplitude for n, (amplitude, _) in harmonics.items()},
     )
 
 
-def single(omega: float, regime: str, **values: float) -> Features:
-    """Features of one response from its numbers by name; one that is not given does not exist (NaN)."""
-    numbers = dict.fromkeys(COLUMNS, np.nan) | values
+def of_orbits(orbits: Orbits, Y: Array, omega: Array) -> Features:
+    """Features of many exact steady orbits.   Y : m, omega : rad/s, of each, any shapes that broadcast to theirs."""
+    words = np.array([str(regime) for regime in Regime], dtype=object)
     return Features(
-        omega=omega, regime=(regime,), **{name: np.array([v]) for name, v in numbers.items()}
+        omega=omega,
+        regime=words[orbits.regime],
+        Y=np.broadcast_to(Y, orbits.X.shape),
+        **_of_either(orbits),
+        phi_fundamental=wrapped(orbits.phi_1),
+        **{f"X_{n}": getattr(orbits, f"X_{n}") for n in (1, 3, 5)},
     )
 
 
-def wrapped(angle: float) -> float:
-    """The angle plus a multiple of 2π, in [−π/2, 3π/2): lags near 0 and near π both lie well inside."""
-    return float((angle + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi)
+def _of_either(orbit: Orbit | Orbits) -> dict[str, Any]:
+    """What one orbit and many have by the same names, and the mirror image of the slip onset."""
+    names = ("X", "X_s", "V_s", "t_s", "phi", "phi_zero_crossing", "a", "b", "W")
+    numbers = {name: getattr(orbit, name) for name in names}
+    mirrored = {"X_r": -numbers["X_s"], "V_r": -numbers["V_s"], "t_r": numbers["t_s"]}
+    return numbers | mirrored | {"phi_reversal": numbers["phi"]}
+
+
+def of_numbers(omega: ArrayLike, regime: ArrayLike, **numbers: ArrayLike) -> Features:
+    """Features from their numbers by name, of one response or of arrays; one that is not given does not exist (NaN)."""
+    values: dict[str, Any] = {"omega": omega, "regime": regime, **dict.fromkeys(COLUMNS, np.nan)}
+    values |= numbers
+    values["Y"] = np.atleast_1d(np.asarray(values["Y"], dtype=np.float64))
+    return Features(**values)
+
+
+def wrapped(angle: ArrayLike) -> Array:
+    """The angles plus multiples of 2π, in [−π/2, 3π/2): lags near 0 and near π both lie well inside."""
+    return np.asarray((np.asarray(angle) + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi)
+
+
+def beside(parts: Sequence[Features]) -> Features:
+    """The responses of all parts, each of shape (n,), as cases: shape (n, number of parts)."""
+    return Features(
+        **{name: np.stack([getattr(part, name) for part in parts], axis=1) for name in _FIELDS}
+    )
 
 
 def stack(parts: Sequence[Features]) -> Features:
-    """The responses of all parts as one, in order. Raises ValueError when there is none or the frequencies differ."""
-    omega = _one_frequency(np.array([part.omega for part in parts]))
-    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in COLUMNS}
-    return Features(omega=omega, regime=tuple(r for part in parts for r in part.regime), **arrays)
-
-
-def _one_frequency(omegas: Array) -> float:
-    if omegas.size == 0:
+    """The responses of all parts, in order, as levels. Raises ValueError when there is none."""
+    if not parts:
         raise ValueError("there are no responses: give at least one")
-    if np.any(omegas != omegas[0]):
-        raise ValueError(
-            f"features belong to one frequency, got ω = {sorted(set(omegas.tolist()))} rad/s"
-        )
-    return float(omegas[0])
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _FIELDS}
+    return Features(**arrays)

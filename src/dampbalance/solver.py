@@ -1,80 +1,111 @@
-"""From rows of the energy balance to F_k and c: Eqs. (8), (9) and the corrected (10).
+"""From rows of the energy balance to its coefficients: Eqs. (8), (9) and the corrected (10).
 
-One solver serves every approach and both uses: A p = W with A = [a b], p = (F_k, c), solved by a QR factorisation of
-the matrix with its columns scaled to unit length. With two rows the solution is the pair-wise one of (8), of which
-(15)–(19) are special cases; with more it is the least squares of (9). The normal equations written in (9) would square
-a condition number that is 20 to 100 for the paper's levels and grows without bound as levels approach each other.
+One solver serves every approach and every use: A p = W with a column of A for each term that is not given, solved by an
+orthogonal factorisation of the matrix with its columns scaled to unit length. With as many rows as columns the solution
+is the pair-wise one of (8), of which (15)–(19) are special cases; with more it is the least squares of (9). The normal
+equations written in (9) would square a condition number that is 20 to 100 for the paper's levels and grows without
+bound as levels approach each other.
+
+A case is solved by itself: the cases beside it change no bit of its estimate.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import Array, Integers
 from .balance import Rows
-
-if TYPE_CHECKING:
-    pass
+from .factorisation import solve_cases
 
 Pair = tuple[int, int]
 
-# Responses are one and the same when the columns of A, scaled to unit length, enclose an angle below this: what
-# tells them apart is rounding. Two levels that differ by one part in a million enclose 5e-7.
-SINGULAR = 1e-12
 
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Estimate:
-    """Friction force and viscous damping identified from n rows.
+    """Coefficients identified from rows of the balance, for one case or an array of cases.
 
-    F_k : N.   c : N s/m.   residual : ‖A p − W‖ / ‖W‖, the paper's normalised root mean squared residual.
-    covariance : of (F_k, c), shape (2, 2), from the scatter of the rows about the fit; NaN for n = 2.
-    n : number of rows that entered.
+    values : symbol → coefficient, SI unit, in the shape of the cases; NaN where the rows do not tell.
+    residual : ‖A p − W‖ / ‖W‖, the paper's normalised root mean squared residual, of rows times the root of their
+    weights.   covariance : of the values in their order, (p, p, …), from the scatter of the rows about the fit; NaN
+    without more rows than values.   n : number of rows that entered.
     """
 
-    F_k: float
-    c: float
-    residual: float
-    covariance: NDArray[np.float64]
-    n: int
+    values: Mapping[str, Array]
+    residual: Array
+    covariance: Array
+    n: Integers
 
-    @property
-    def standard_errors(self) -> tuple[float, float]:
-        """Standard errors of F_k (N) and c (N s/m): roots of the diagonal of the covariance."""
-        return math.sqrt(self.covariance[0, 0]), math.sqrt(self.covariance[1, 1])
+    def __getitem__(self, symbol: str) -> Array:
+        return self.values[symbol]
+
+    def standard_error(self, symbol: str) -> Array:
+        """Standard error of a coefficient: root of the diagonal of the covariance."""
+        j = list(self.values).index(symbol)
+        error: Array = np.sqrt(self.covariance[j, j])
+        return error
 
 
 class Statistics(NamedTuple):
-    """Mean and standard deviation of several estimates: F_k in N, c in N s/m."""
+    """Mean and standard deviation of several estimates, by symbol."""
 
-    F_k_mean: float
-    c_mean: float
-    F_k_std: float
-    c_std: float
+    mean: Mapping[str, float]
+    deviation: Mapping[str, float]
+
+
+def solve(rows: Rows) -> Estimate:
+    """The coefficients that fit the usable rows of each case best, p = (AᵀA)⁻¹ Aᵀ W, Eq. (9).
+
+    rows : of shape (L, …), the cases behind the first axis. Rows with a NaN are left out. A case with fewer usable rows
+    than unknowns, or whose rows describe one and the same response, has NaN.
+    """
+    symbols = [symbol for symbol in rows.terms if symbol not in rows.given]
+    shape, cases = rows.W.shape, rows.W.shape[1:]
+    flat = (shape[0], math.prod(cases))
+    usable = rows.usable
+    kept = usable if rows.weights is None else np.where(usable, np.sqrt(rows.weights), 0.0)
+    columns = np.empty((len(symbols), *shape))
+    for column, symbol in zip(columns, symbols, strict=True):
+        np.multiply(rows.terms[symbol], kept, out=column)
+    right = full = rows.W * kept
+    if rows.given:
+        right = full - kept * sum(p * rows.terms[symbol] for symbol, p in rows.given.items())
+    if not usable.all():  # NaN · 0
+        for array in (columns, right, full):
+            array[..., ~usable] = 0.0
+    n = np.asarray(np.count_nonzero(usable, axis=0))
+    values, residual, covariance = solve_cases(
+        columns.reshape(-1, *flat), right.reshape(flat), full.reshape(flat), n.ravel()
+    )
+    return Estimate(
+        {symbol: v.reshape(cases)[()] for symbol, v in zip(symbols, values, strict=True)},
+        residual.reshape(cases)[()],
+        covariance.reshape(len(symbols), len(symbols), *cases),
+        n[()],
+    )
 
 
 def least_squares(rows: Rows) -> Estimate:
-    """F_k and c that fit all usable rows best: p = (AᵀA)⁻¹ Aᵀ W, Eq. (9). Rows with a NaN are left out.
+    """The coefficients that fit all usable rows of one case best: `solve`, with an error where there is no solution.
 
-    Raises ValueError for fewer than two usable rows, or when all usable rows describe the same response.
+    Raises ValueError for fewer usable rows than unknowns, or when all usable rows describe the same response.
     """
-    usable = rows.usable
-    if np.count_nonzero(usable) < 2:
+    estimate = solve(rows)
+    unknowns, usable = list(estimate.values), int(np.count_nonzero(rows.usable))
+    if usable < len(unknowns):
         raise ValueError(
-            f"F_k and c need at least two usable responses, got {np.count_nonzero(usable)} of {usable.size}: "
-            "the others lack a feature (nothing slips); raise their excitation or add levels"
+            f"{_listed(unknowns)} need at least {_number(len(unknowns))} usable responses, got {usable} of "
+            f"{rows.usable.size}: the others lack a feature (nothing slips); raise their excitation or add levels"
         )
-    kept = rows.take(np.flatnonzero(usable).tolist())
-    estimate = _solve(kept)
-    if estimate is None:
+    if math.isnan(estimate.residual):
         raise ValueError(
-            f"the {len(kept.a)} usable responses are one and the same, or nothing slides in any of them: "
-            "F_k and c cannot be told apart; use levels that differ and slip"
+            f"the {usable} usable responses are one and the same, or nothing slides in any of them: "
+            f"{_listed(unknowns)} cannot be told apart; use levels that differ and slip"
         )
     return estimate
 
@@ -92,11 +123,16 @@ def pair(rows: Rows, i: int, j: int) -> Estimate:
                 f"pair {pair_label(i, j)}: level {index + 1} lacks a feature of the balance (nothing slips there); "
                 "choose pairs among the levels that slip"
             )
-    estimate = _solve(rows.take([i, j]))
-    if estimate is None:
+    estimate = solve(rows[[i, j]])
+    if math.isnan(estimate.residual):
+        unknowns = list(estimate.values)
+        if len(unknowns) > 2:
+            raise ValueError(
+                f"pair {pair_label(i, j)}: two levels do not tell {_listed(unknowns)} apart; give all but two of them"
+            )
         raise ValueError(
             f"pair {pair_label(i, j)}: levels {i + 1} and {j + 1} give the same response, or nothing slides in either: "
-            "F_k and c cannot be told apart; use two levels that differ and slip"
+            f"{_listed(unknowns)} cannot be told apart; use two levels that differ and slip"
         )
     return estimate
 
@@ -106,20 +142,21 @@ def pairs(rows: Rows, chosen: Iterable[Pair]) -> list[Estimate]:
     return [pair(rows, i, j) for i, j in chosen]
 
 
-def mean_and_deviation(estimates: Sequence[Estimate]) -> Statistics:
+def mean_and_deviation(estimates: Sequence[Mapping[str, ArrayLike]]) -> Statistics:
     """Mean and standard deviation (divisor n − 1, NaN for n = 1) of estimates, as the paper takes over its pairs.
 
-    Raises ValueError when there are none.
+    estimates : the values of each, by symbol. Raises ValueError when there are none.
     """
     if not estimates:
         raise ValueError("mean of no estimates: give at least one pair of responses that slip")
-    values = np.array([(estimate.F_k, estimate.c) for estimate in estimates])
-    mean = values.mean(axis=0)
-    deviation = values.std(axis=0, ddof=1) if len(values) > 1 else np.full(2, np.nan)
-    return Statistics(float(mean[0]), float(mean[1]), float(deviation[0]), float(deviation[1]))
+    values = {s: np.array([estimate[s] for estimate in estimates]) for s in estimates[0]}
+    return Statistics(
+        {s: float(v.mean()) for s, v in values.items()},
+        {s: float(v.std(ddof=1)) if len(v) > 1 else math.nan for s, v in values.items()},
+    )
 
 
-def contact_stiffness(F_k: ArrayLike, X: ArrayLike, X_s: ArrayLike) -> NDArray[np.float64]:
+def contact_stiffness(F_k: ArrayLike, X: ArrayLike, X_s: ArrayLike) -> Array:
     """Stiffness of the contact from the length of its microstick line, K_z = 2F_k/(X + X_s), N/m.
 
     Eq. (10), corrected: from the reversal at −X to the onset of slip at X_s the contact spring swings from −Z_m to +Z_m
@@ -134,7 +171,7 @@ def contact_stiffness(F_k: ArrayLike, X: ArrayLike, X_s: ArrayLike) -> NDArray[n
             f"X + X_s must be positive to give a contact stiffness, got {float(np.nanmin(swing)):.3g} m: "
             "read X and X_s with more digits, or take the contact as rigid"
         )
-    stiffness: NDArray[np.float64] = np.asarray(2.0 * np.asarray(F_k, dtype=float) / swing)
+    stiffness: Array = np.asarray(2.0 * np.asarray(F_k, dtype=float) / swing)
     return stiffness
 
 
@@ -143,26 +180,9 @@ def pair_label(i: int, j: int) -> str:
     return f"{i + 1}-{j + 1}"
 
 
-def _solve(rows: Rows) -> Estimate | None:
-    """Solve A p = W in the sense of least squares; None if the columns of A are parallel or one of them is zero."""
-    A = np.column_stack([rows.a, rows.b])
-    W = rows.W
-    scale = np.linalg.norm(A, axis=0)
-    if not np.all(scale > 0.0):
-        return None
-    Q, R = np.linalg.qr(A / scale)
-    if abs(R[1, 1]) < SINGULAR:  # sine of the angle between the columns, which have unit length
-        return None
-    R_inverse = np.array([[1.0 / R[0, 0], -R[0, 1] / (R[0, 0] * R[1, 1])], [0.0, 1.0 / R[1, 1]]])
-    p = R_inverse @ (Q.T @ W) / scale
-    p += (
-        R_inverse @ (Q.T @ (W - A @ p)) / scale
-    )  # keeps the digits of a small row beside a large one
-    misfit = float(np.linalg.norm(A @ p - W))
-    n = len(W)
-    if n > 2:
-        half = R_inverse / scale[:, None]  # (AᵀA)⁻¹ = half halfᵀ
-        covariance = misfit**2 / (n - 2) * (half @ half.T)
-    else:
-        covariance = np.full((2, 2), np.nan)
-    return Estimate(float(p[0]), float(p[1]), misfit / float(np.linalg.norm(W)), covariance, n)
+def _listed(symbols: Sequence[str]) -> str:
+    return " and ".join([", ".join(symbols[:-1]), symbols[-1]] if len(symbols) > 1 else symbols)
+
+
+def _number(n: int) -> str:
+    return {1: "one", 2: "two", 3: "three"}.get(n, str(n))

@@ -114,14 +114,16 @@ def balance(found: Identification) -> Figure:
         rows, usable = estimated.rows, estimated.rows.usable
         look = APPROACH_LOOKS.get(name)
         label, colour, marker = (look.label, look.colour, look.marker) if look else (name, INK, "v")
-        along, height = rows.a / rows.b, rows.W / rows.b
+        a, b = rows.terms["F_k"], rows.terms["c"]
+        along, height = a / b, rows.W / b
         left.plot(
             along[usable], height[usable], marker, color=colour, fillstyle="none", label=label
         )
-        if index == 0 and np.isfinite(estimated.F_k.value):
+        values = {symbol: p.value for symbol, p in estimated.coefficients.items()}
+        if index == 0 and np.isfinite(values["F_k"]):
             ends = np.array([0.0, 1.06 * float(np.max(along[usable]))])
-            left.plot(ends, estimated.F_k.value * ends + estimated.c.value, color=FAINT, zorder=0)
-        off = estimated.F_k.value * rows.a + estimated.c.value * rows.b - rows.W
+            left.plot(ends, values["F_k"] * ends + values["c"], color=FAINT, zorder=0)
+        off = rows.misfit(values)
         with np.errstate(divide="ignore", invalid="ignore"):
             scaled = off / estimated.row_errors
         places = np.arange(len(scaled)) + 1 + 0.12 * (index - 0.5 * (len(found.estimates) - 1))

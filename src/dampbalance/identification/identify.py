@@ -11,26 +11,23 @@ solved for each drawing) and by propagation (the jackknife: one cycle of one rec
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import special  # scipy.stats has the same functions, and takes seconds to import
 
+from ..arrays import Array
 from ..balance import APPROACHES, Approach, Rows
-from ..features import Features, Phase
-from ..fitting import least_squares_of_cases
+from ..features import Phase
 from ..reading.noisy import Reading
 from ..reading.one_thread import one_thread
-from ..solver import contact_stiffness, least_squares
-from .microstick import Lengths, microstick_of, weights_of, with_length
+from ..solver import Estimate, contact_stiffness, least_squares, solve
+from .microstick import SharedLine, share_line, with_length
 from .notes import agreement, judged
-from .result import CONFIDENCE, Estimated, Identification, Interval, Microstick, Parameter
-
-Array = NDArray[np.float64]
+from .result import CONFIDENCE, ApproachResult, Identification, Interval, Parameter
 
 __all__ = ["REPLICATES", "SEED", "Identification", "identify"]
 
@@ -60,57 +57,33 @@ def identify(
     _require(readings, k, approaches, replicates)
     random = np.random.default_rng(seed)
     drawn = [reading.resampled(replicates, random, onset=True) for reading in readings]
-    left = [reading.left_out(onset=True) for reading in readings]
-    points = [reading.with_onset(True) for reading in readings]
-    known = [reading.waveform is not None for reading in readings]
-    weights = weights_of(readings)
-    lengths = Lengths.of(points, drawn, left, weights)
-    microstick = microstick_of(readings, lengths)
-    if not microstick.resolved:
-        rigid = Lengths.rigid(lengths)
-        microstick = replace(microstick, rigid_bias=_rigid_bias(points, known, microstick.bound, k))
-        lengths = rigid
-
-    shared = [
-        with_length(f, lengths.point, known[i]).with_phase(phase) for i, f in enumerate(points)
+    line = share_line(readings, drawn, [reading.left_out(onset=True) for reading in readings])
+    if not line.microstick.resolved:
+        bias = _rigid_bias(line, k)
+        line = replace(line, microstick=replace(line.microstick, rigid_bias=bias))
+    line = replace(
+        line,
+        point=line.point.with_phase(phase),
+        drawn=line.drawn.with_phase(phase),
+        left=tuple(features.with_phase(phase) for features in line.left),
+    )
+    estimates = judged({name: _result(name, way, line, k) for name, way in approaches.items()})
+    of_records = [
+        f"{reading.steady.source}: {words}"
+        for reading in readings
+        for words in reading.warnings
+        if words != reading.onset_note  # the shared length speaks for all
     ]
-    resampled = [
-        with_length(f, lengths.drawn, known[i]).with_phase(phase) for i, f in enumerate(drawn)
-    ]
-    without = [
-        [
-            with_length(f, lengths.left[j], known[i]).with_phase(phase)
-            for i, f in enumerate([*points[:j], left[j], *points[j + 1 :]])
-        ]
-        for j in range(len(readings))
-    ]
-    estimates = {}
-    for name, approach in approaches.items():
-        sets = _Sets(
-            _rows(approach, shared, k),
-            _rows(approach, resampled, k),
-            tuple(_rows(approach, responses, k) for responses in without),
-        )
-        estimates[name] = _estimated(name, sets, lengths, microstick)
-    estimates = judged(estimates)
     return Identification(
         k=k,
         phase=phase,
         readings=tuple(readings),
-        features=tuple(shared),
-        microstick=microstick,
+        features=line.point,
+        microstick=line.microstick,
         estimates=estimates,
         replicates=replicates,
         seed=seed,
-        warnings=(
-            *(
-                f"{r.steady.source}: {words}"
-                for r in readings
-                for words in r.warnings
-                if words != r.onset_note  # the shared length speaks for all
-            ),
-            *agreement(microstick, estimates),
-        ),
+        warnings=(*of_records, *agreement(line.microstick, estimates)),
     )
 
 
@@ -134,78 +107,85 @@ def _require(
         raise ValueError(f"no approach is asked for; known are {', '.join(APPROACHES)}")
 
 
-def _rows(approach: Approach, responses: Sequence[Features], k: float) -> Rows:
-    """Rows of n records and their r replicates: a, b, W each (n, r)."""
-    parts = [approach(features, k) for features in responses]
-    return Rows(*(np.stack(arrays) for arrays in zip(*parts, strict=True)))
+def _rigid_bias(line: SharedLine, k: float) -> float:
+    """Relative error of F_k by direct integration when a contact whose microstick line is as long as the bound is taken
+    as rigid; NaN where no bound is known."""
+    F_k = [
+        float(solve(APPROACHES["direct"](with_length(line.point, length, line.fitted), k))["F_k"])
+        for length in (0.0, line.microstick.bound)
+    ]
+    return F_k[0] / F_k[1] - 1.0
 
 
-def _rigid_bias(points: Sequence[Features], known: Sequence[bool], bound: float, k: float) -> float:
-    """Relative error of F_k by direct integration when a contact with the microstick length `bound` is taken as rigid;
-    NaN where no bound is known."""
-    found = []
-    for length in (0.0, bound):
-        shared = [with_length(f, np.array([length]), known[i]) for i, f in enumerate(points)]
-        found.append(float(least_squares_of_cases(_rows(APPROACHES["direct"], shared, k)).F_k[0]))
-    return found[0] / found[1] - 1.0
+_NOTHING = Parameter(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
 
 
-class _Sets(NamedTuple):
-    """Rows of one approach: as read, (n, 1); of the bootstrap, (n, r); n times without cycles of a record, (n, g)."""
-
-    point: Rows
-    drawn: Rows
-    left: tuple[Rows, ...]
-
-
-def _estimated(name: str, sets: _Sets, lengths: Lengths, microstick: Microstick) -> Estimated:
-    point = Rows(*(array[:, 0] for array in sets.point))
-    nothing = Parameter(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
+def _result(name: str, approach: Approach, line: SharedLine, k: float) -> ApproachResult:
+    """What an approach says of the records, with standard errors and intervals."""
+    rows = approach(line.point, k)
     try:
-        estimate = least_squares(point)
+        estimate = least_squares(rows)
     except ValueError as error:
-        unknown = np.full(len(point.a), math.nan)
-        return Estimated(
-            name, nothing, nothing, nothing, math.nan, math.nan, math.nan, point, unknown, (str(error),)
-        )  # fmt: skip
-    notes = []
-    left_out = np.flatnonzero(~point.usable)
-    if left_out.size:
-        numbers = ", ".join(str(i + 1) for i in left_out)
-        notes.append(f"without record {numbers}, which lacks a feature that this approach needs")
-    drawn = least_squares_of_cases(sets.drawn)
-    left = [least_squares_of_cases(rows) for rows in sets.left]
-    F_k, c = (
-        _parameter(value, getattr(drawn, key), [getattr(e, key) for e in left])
-        for key, value in (("F_k", estimate.F_k), ("c", estimate.c))
+        nothing = dict.fromkeys(rows.terms, _NOTHING)
+        unknown = np.full(len(rows.W), math.nan)
+        return ApproachResult(
+            name, nothing, _NOTHING, {}, math.nan, math.nan, rows, unknown, (str(error),)
+        )
+    drawn_rows = approach(line.drawn, k)
+    drawn = solve(drawn_rows)
+    left = [solve(approach(features, k)) for features in line.left]
+    row_errors = drawn_rows.misfit({s: float(p) for s, p in estimate.values.items()}).std(
+        axis=1, ddof=1
     )
-    K_z = nothing
-    if microstick.resolved:
+    freedom = int(estimate.n) - len(estimate.values)
+    return ApproachResult(
+        approach=name,
+        coefficients={
+            symbol: _parameter(float(value), drawn[symbol], [e[symbol] for e in left])
+            for symbol, value in estimate.values.items()
+        },
+        K_z=_stiffness(line, estimate, drawn, left),
+        correlations={
+            (one, other): float(np.corrcoef(drawn[one], drawn[other])[0, 1])
+            for one, other in itertools.combinations(estimate.values, 2)
+        },
+        residual=float(estimate.residual) if freedom else math.nan,
+        misfit=_misfit(rows, row_errors, freedom),
+        rows=rows,
+        row_errors=row_errors,
+        notes=_left_out(rows),
+    )
+
+
+def _left_out(rows: Rows) -> tuple[str, ...]:
+    missing = ", ".join(str(i + 1) for i in np.flatnonzero(~rows.usable))
+    if not missing:
+        return ()
+    return (f"without record {missing}, which lacks a feature that this approach needs",)
+
+
+def _stiffness(
+    line: SharedLine, estimate: Estimate, drawn: Estimate, left: Sequence[Estimate]
+) -> Parameter:
+    """K_z from F_k and the shared microstick line; a lower limit where the line is not resolved."""
+    if "F_k" not in estimate.values:
+        return _NOTHING
+    F_k = float(estimate["F_k"])
+    if line.microstick.resolved:
         with np.errstate(divide="ignore", invalid="ignore"):
             compliance = _parameter(
-                float(lengths.point[0]) / (2.0 * estimate.F_k),
-                lengths.drawn / (2.0 * drawn.F_k),
-                [at / (2.0 * e.F_k) for at, e in zip(lengths.left, left, strict=True)],
+                line.length / (2.0 * F_k),
+                line.drawn_length / (2.0 * drawn["F_k"]),
+                [
+                    lengths / (2.0 * e["F_k"])
+                    for lengths, e in zip(line.left_lengths, left, strict=True)
+                ],
             )
-        K_z = _inverse(compliance)
-    elif microstick.bound > 0.0 and estimate.F_k > 0.0:
-        low = float(contact_stiffness(estimate.F_k, microstick.bound, 0.0))
-        K_z = Parameter(math.inf, math.nan, math.nan, Interval(low, math.inf))
-    rest = estimate.F_k * sets.drawn.a + estimate.c * sets.drawn.b - sets.drawn.W
-    row_errors = rest.std(axis=1, ddof=1)
-    freedom = int(point.usable.sum()) - 2
-    return Estimated(
-        approach=name,
-        F_k=F_k,
-        c=c,
-        K_z=K_z,
-        correlation=float(np.corrcoef(drawn.F_k, drawn.c)[0, 1]),
-        residual=estimate.residual if freedom else math.nan,
-        misfit=_misfit(point, row_errors, freedom),
-        rows=point,
-        row_errors=row_errors,
-        notes=tuple(notes),
-    )
+        return _inverse(compliance)
+    if line.microstick.bound > 0.0 and F_k > 0.0:
+        low = float(contact_stiffness(F_k, line.microstick.bound, 0.0))
+        return Parameter(math.inf, math.nan, math.nan, Interval(low, math.inf))
+    return _NOTHING
 
 
 def _misfit(rows: Rows, errors: Array, freedom: int) -> float:
@@ -213,13 +193,12 @@ def _misfit(rows: Rows, errors: Array, freedom: int) -> float:
 
     The estimate itself weights all rows alike, as (9): what its residuals leave is not χ².
     """
-    usable = rows.usable
-    if freedom < 1 or not np.all(errors[usable] > 0.0):
+    if freedom < 1 or not np.all(errors[rows.usable] > 0.0):
         return math.nan
-    a, b, W = (array[usable] / errors[usable] for array in rows)
-    Q, _ = np.linalg.qr(np.column_stack([a, b / np.linalg.norm(b) * np.linalg.norm(a)]))
-    left = W - Q @ (Q.T @ W)
-    return float(left @ left) / freedom
+    weights = errors**-2.0
+    fit = solve(replace(rows, weights=weights))
+    total = float(np.sum((weights * rows.W**2)[rows.usable]))
+    return float(fit.residual) ** 2 * total / freedom
 
 
 def _parameter(value: float, drawn: Array, left: Sequence[Array]) -> Parameter:

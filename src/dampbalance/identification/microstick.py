@@ -1,6 +1,7 @@
 """The microstick line, whose length X + X_s = 2F_k/K_z (10) is the same for all records of a contact.
 
-The weighted mean of the records' own lengths serves each of them, also those that do not resolve it alone.
+The weighted mean of the records' own lengths serves each of them, also those that do not resolve it alone. Where the
+mean does not stand out of its noise either, the contact is taken as rigid.
 """
 
 from __future__ import annotations
@@ -10,49 +11,99 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-from ..features import Features
+from ..arrays import Array, Mask
+from ..features import Features, stack
 from ..reading.noisy import RESOLVED, Reading
 from ..reading.onset import Waveform
 from .result import Microstick
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True, eq=False)
-class Lengths:
-    """Shared length of the microstick line, m: as estimated (1,), of the bootstrap (r,), and without each group of
-    cycles of the record j, (g,) for each j."""
+class SharedLine:
+    """Features of n records with the microstick line that they share.
 
-    point: Array
-    drawn: Array
-    left: tuple[Array, ...]
+    microstick : what is known of its length.   length : the one in use, m, 0 for a rigid contact; drawn_length : of the
+    r replicates, (r,), and left_lengths without each group of cycles of the record j, (g_j,).
+    point : features as read, (n,).   drawn : of the replicates, (n, r).   left : without groups of cycles of the record
+    j, (n, g_j) for each j.   fitted : whether a waveform was fitted, so that V_s and t_s were read, (n,).
+    """
 
-    @classmethod
-    def of(
-        cls,
-        points: Sequence[Features],
-        drawn: Sequence[Features],
-        left: Sequence[Features],
-        weights: Array,
-    ) -> Lengths:
-        """Weighted means. points, drawn : a response, and r replicates, per record.   left : per record, or empty."""
-        each = [f.X + f.X_s for f in points]
-        point = np.atleast_1d(sum(w * length for w, length in zip(weights, each, strict=True)))
-        return cls(
-            point=point,
-            drawn=np.asarray(sum(w * (f.X + f.X_s) for w, f in zip(weights, drawn, strict=True))),
-            left=tuple(point + weights[j] * (f.X + f.X_s - each[j]) for j, f in enumerate(left)),
+    microstick: Microstick
+    length: float
+    drawn_length: Array
+    left_lengths: tuple[Array, ...]
+    point: Features
+    drawn: Features
+    left: tuple[Features, ...]
+    fitted: Mask
+
+
+def share_line(
+    readings: Sequence[Reading], drawn: Sequence[Features], left: Sequence[Features] = ()
+) -> SharedLine:
+    """Give all records the weighted mean of their microstick lengths, or none where it is not resolved.
+
+    drawn : replicates of each reading, (r,).   left : jackknife replicates of each, (g,); or none.
+    """
+    points = stack([reading.with_onset(True) for reading in readings])
+    replicates = stack([features[None] for features in drawn])
+    fitted = np.array([reading.waveform is not None for reading in readings])
+    weights = _weights(readings)
+    own = points.X + points.X_s
+    length = float(_weighted(weights, own))
+    drawn_length = _weighted(weights, replicates.X + replicates.X_s)
+    left_lengths = tuple(
+        length + weight * (f.X + f.X_s - at)
+        for weight, f, at in zip(weights, left, own, strict=False)
+    )
+    microstick = _microstick(readings, length, drawn_length)
+    if not microstick.resolved:
+        length, drawn_length = 0.0, 0.0 * drawn_length
+        left_lengths = tuple(0.0 * lengths for lengths in left_lengths)
+    return SharedLine(
+        microstick,
+        length,
+        drawn_length,
+        left_lengths,
+        with_length(points, length, fitted),
+        with_length(replicates, drawn_length, fitted[:, None]),
+        tuple(
+            with_length(_replaced(points, j, f), lengths, fitted[:, None])
+            for j, (f, lengths) in enumerate(zip(left, left_lengths, strict=True))
+        ),
+        fitted,
+    )
+
+
+def with_length(features: Features, length: float | Array, fitted: Mask) -> Features:
+    """The features with the shared length of the microstick line: X_s = L − X, a = 2(X − X_s).
+
+    length : m; 0 for a rigid contact.   fitted : whether V_s and t_s were read; a contact that is not rigid has others
+    than 0, which are then unknown.
+    """
+    X_s = length - features.X
+    changed = {"X_s": X_s, "X_r": -X_s, "a": 2.0 * (features.X - X_s)}
+    rigid = not np.any(length)
+    for name in ("V_s", "t_s", "V_r", "t_r"):
+        changed[name] = (
+            np.where(fitted, getattr(features, name), np.nan) if not rigid else 0.0 * X_s
         )
-
-    @classmethod
-    def rigid(cls, like: Lengths) -> Lengths:
-        """No length at all."""
-        return cls(0.0 * like.point, 0.0 * like.drawn, tuple(0.0 * a for a in like.left))
+    return features.replaced(**changed)
 
 
-def weights_of(readings: Sequence[Reading]) -> Array:
+def _replaced(points: Features, record: int, left: Features) -> Features:
+    """Each record as read, but for one, which stands with its jackknife replicates: (n, g)."""
+    others = points[:, None][:, [0] * len(left)]
+    return stack([others[:record], left[None], others[record + 1 :]])
+
+
+def _weighted(weights: Array, values: Array) -> Array:
+    """Σ w_i values_i over the records, in their order."""
+    return np.asarray(sum(w * value for w, value in zip(weights, values, strict=True)))
+
+
+def _weights(readings: Sequence[Reading]) -> Array:
     """Weight of each record's microstick length in their mean; 0 where no waveform was fitted.
 
     The standard error of a length grows with the root of the length found. Inverse variances at one common length,
@@ -74,12 +125,12 @@ def _found(waveform: Waveform) -> float:
     return waveform.orbit.X + waveform.orbit.X_s
 
 
-def microstick_of(readings: Sequence[Reading], lengths: Lengths) -> Microstick:
-    """The shared length, and whether it is resolved."""
+def _microstick(readings: Sequence[Reading], length: float, drawn: Array) -> Microstick:
+    """The shared length, and whether it stands out of the scatter of its replicates."""
     waveforms = [r.waveform for r in readings if r.waveform is not None]
     if not waveforms:
         return Microstick(math.nan, math.nan, False, math.nan, math.nan)
-    length, error = float(lengths.point[0]), float(lengths.drawn.std(ddof=1))
+    error = float(drawn.std(ddof=1))
     resolved = length > RESOLVED * error
     misfit = math.nan
     if len(waveforms) > 1 and resolved:
@@ -91,25 +142,3 @@ def microstick_of(readings: Sequence[Reading], lengths: Lengths) -> Microstick:
     if not resolved:
         bound = min(bound, *(w.length_bound for w in waveforms))
     return Microstick(length, error, resolved, bound, misfit)
-
-
-def with_length(features: Features, length: Array, known: bool) -> Features:
-    """The features with the shared length of the microstick line: X_s = L − X, a = 2(X − X_s).
-
-    length : m, (1,) or one per response.   known : whether V_s and t_s were read; a contact that is not rigid has
-    others than 0.
-    """
-    count = max(len(features), length.size)
-    if len(features) < count:
-        features = features.take([0] * count)
-    X_s = length - features.X
-    changed: dict[str, ArrayLike] = {
-        "X_s": X_s,
-        "X_r": -X_s,
-        "a": 2.0 * (features.X - X_s),
-    }
-    if not length.any():
-        changed |= dict.fromkeys(("V_s", "t_s", "V_r", "t_r"), 0.0)
-    elif not known:
-        changed |= dict.fromkeys(("V_s", "t_s", "V_r", "t_r"), math.nan)
-    return features.replaced(**changed)

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import special  # scipy.stats has the same functions, and takes seconds to import
 
+from ..balance import TERMS, Rows
+
 if TYPE_CHECKING:
-    from .result import Estimated, Microstick
+    from .result import ApproachResult, Microstick
 
 YARDSTICK = "direct"
 """The approach that assumes no shape of x(t): the others are held against it."""
@@ -21,7 +23,7 @@ _APART = 3.0  # standard errors
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly tell F_k and c apart
 
 
-def judged(estimates: Mapping[str, Estimated]) -> dict[str, Estimated]:
+def judged(estimates: Mapping[str, ApproachResult]) -> dict[str, ApproachResult]:
     """The estimates, with notes on each."""
     yardstick = estimates.get(YARDSTICK)
     return {
@@ -30,40 +32,42 @@ def judged(estimates: Mapping[str, Estimated]) -> dict[str, Estimated]:
     }
 
 
-def _notes(estimated: Estimated, yardstick: Estimated | None) -> list[str]:
+def _notes(estimated: ApproachResult, yardstick: ApproachResult | None) -> list[str]:
     found = []
-    for symbol, unit in (("F_k", "N"), ("c", "N s/m")):
-        parameter = getattr(estimated, symbol)
+    for symbol, parameter in estimated.coefficients.items():
         if parameter.value < -_APART * parameter.standard_error:
             found.append(
-                f"{symbol} = {parameter.value:.3g} {unit} is negative: no such oscillator exists; check signs, "
-                "channels and the stiffness"
+                f"{symbol} = {parameter.value:.3g} {TERMS[symbol].unit} is negative: no such oscillator exists; "
+                "check signs, channels and the stiffness"
             )
     apart = _apart(estimated, yardstick)
     if apart:
         found.append(apart)
     elif _misfits(estimated):
         found.append(
-            f"the rows lie {math.sqrt(estimated.misfit):.2g} times farther from the fit than noise explains: F_k or c "
-            "is not the same at every level, or the oscillator is not of this kind; the intervals do not tell"
+            f"the rows lie {math.sqrt(estimated.misfit):.2g} times farther from the fit than noise explains: "
+            f"{_listed(estimated, 'or')} is not the same at every level, or the oscillator is not of this kind; the "
+            "intervals do not tell"
         )
     return found
 
 
-def _misfits(estimated: Estimated) -> bool:
-    freedom = int(estimated.rows.usable.sum()) - 2
+def _misfits(estimated: ApproachResult) -> bool:
+    freedom = int(estimated.rows.usable.sum()) - len(estimated.coefficients)
     if freedom < 1 or not math.isfinite(estimated.misfit):
         return False
     return bool(special.chdtrc(freedom, estimated.misfit * freedom) < _CHANCE)
 
 
-def _apart(estimated: Estimated, yardstick: Estimated | None) -> str:
+def _apart(estimated: ApproachResult, yardstick: ApproachResult | None) -> str:
     """A sentence where an approach contradicts the direct balance, whose noise it shares: its shape is then wrong."""
     if yardstick is None:
         return ""
     parts = []
-    for symbol in ("F_k", "c"):
-        own, other = getattr(estimated, symbol), getattr(yardstick, symbol)
+    for symbol, own in estimated.coefficients.items():
+        other = yardstick.coefficients.get(symbol)
+        if other is None:
+            continue
         error = max(own.standard_error, other.standard_error)
         if abs(own.value - other.value) > _APART * error and other.value:
             parts.append(f"{symbol} by {100.0 * (own.value / other.value - 1.0):+.2g} %")
@@ -75,7 +79,7 @@ def _apart(estimated: Estimated, yardstick: Estimated | None) -> str:
     )
 
 
-def agreement(microstick: Microstick, estimates: Mapping[str, Estimated]) -> list[str]:
+def agreement(microstick: Microstick, estimates: Mapping[str, ApproachResult]) -> list[str]:
     """Warnings on all records together."""
     found = []
     if not math.isfinite(microstick.bound):
@@ -90,19 +94,27 @@ def agreement(microstick: Microstick, estimates: Mapping[str, Estimated]) -> lis
             "sample faster, measure acceleration, or reduce the noise"
         )
     if microstick.misfit > 1.0 and math.isfinite(microstick.misfit):
-        freedom = sum(math.isfinite(a) for a in next(iter(estimates.values())).rows.a) - 1
+        freedom = int(next(iter(estimates.values())).rows.usable.sum()) - 1
         if freedom > 0 and special.chdtrc(freedom, microstick.misfit * freedom) < _CHANCE:
             found.append(
                 f"the microstick lines of the records differ {math.sqrt(microstick.misfit):.2g} times more than their "
                 "noise explains: 2F_k/K_z is not the same at every level"
             )
-    rows = next((e.rows for e in estimates.values() if e.rows.usable.sum() >= 2), None)
-    if rows is not None:
-        a, b = rows.a[rows.usable], rows.b[rows.usable]
-        cosine = float(a @ b) / float(np.linalg.norm(a) * np.linalg.norm(b))
-        if math.sqrt(max(0.0, 1.0 - cosine**2)) < _ALIKE:
-            found.append(
-                "the levels are so alike that F_k and c can hardly be told apart: add a record at a much higher or "
-                "lower amplitude"
-            )
+    first = next((e for e in estimates.values() if e.rows.usable.sum() >= 2), None)
+    if first is not None and _sine(first.rows) < _ALIKE:
+        found.append(
+            f"the levels are so alike that {_listed(first, 'and')} can hardly be told apart: add a record at a much "
+            "higher or lower amplitude"
+        )
     return found
+
+
+def _sine(rows: Rows) -> float:
+    """The smallest sine of the angle that a column of the balance makes with those before it."""
+    columns = [g[rows.usable] / np.linalg.norm(g[rows.usable]) for g in rows.terms.values()]
+    return float(np.min(np.abs(np.diag(np.linalg.qr(np.column_stack(columns))[1]))))
+
+
+def _listed(estimated: ApproachResult, word: str) -> str:
+    """ "F_k or c" """
+    return f" {word} ".join(estimated.coefficients)

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from ..balance import TERMS, named_with_unit
 from ..features import COLUMNS
 from ..likelihood.result import ReferenceFit
 from ..reading.noisy import Reading
-from .result import CONFIDENCE, Estimated, Identification, Parameter
+from .result import CONFIDENCE, ApproachResult, Identification, Parameter
 
 if TYPE_CHECKING:
     import pandas as pd
 
-UNITS = {"F_k": "N", "c": "N_s_per_m", "K_z": "N_per_m"}
-_SHOWN = {"F_k": "F_k (N)", "c": "c (N s/m)", "K_z": "K_z (N/m)"}
+K_Z_UNIT = "N/m"
 
 REFERENCE = "maximum likelihood"
 
@@ -47,19 +49,19 @@ def document(
 
 
 def frame(found: Identification) -> pd.DataFrame:
-    """One row per approach: value, standard errors and interval of F_k, c and K_z, in columns named with units."""
+    """One row per approach: value, standard errors and interval of each parameter, in columns named with units."""
     records = []
     for name, estimated in found.estimates.items():
         line: dict[str, Any] = {"approach": name}
-        for symbol, unit in UNITS.items():
-            parameter: Parameter = getattr(estimated, symbol)
-            line |= {
-                f"{symbol}_{unit}": parameter.value,
-                f"{symbol}_standard_error_{unit}": parameter.standard_error,
-                f"{symbol}_propagated_error_{unit}": parameter.propagated_error,
-                f"{symbol}_low_{unit}": parameter.interval.low,
-                f"{symbol}_high_{unit}": parameter.interval.high,
+        for symbol, parameter in estimated.parameters.items():
+            numbers = {
+                "": parameter.value,
+                "_standard_error": parameter.standard_error,
+                "_propagated_error": parameter.propagated_error,
+                "_low": parameter.interval.low,
+                "_high": parameter.interval.high,
             }
+            line |= {_key(symbol, what): number for what, number in numbers.items()}
         line |= {"residual": estimated.residual, "misfit": estimated.misfit}
         records.append(line | {"note": "; ".join(estimated.notes)})
     import pandas as pd  # slow to import, and needed for tables only
@@ -69,38 +71,27 @@ def frame(found: Identification) -> pd.DataFrame:
 
 def features_frame(found: Identification) -> pd.DataFrame:
     """One row per record: its features, and the standard error of each, in columns named with units."""
-    parts = []
-    for reading, features in zip(found.readings, found.features, strict=True):
-        line = features.to_frame()
-        line.insert(0, "record", reading.steady.source)
-        for name, column in COLUMNS.items():
-            line[_error_column(name, column)] = reading.standard_errors[name]
-        parts.append(line)
-    import pandas as pd  # slow to import, and needed for tables only
-
-    return pd.concat(parts, ignore_index=True)
+    table = found.features.to_frame()
+    table.insert(0, "record", [reading.steady.source for reading in found.readings])
+    for name, column in COLUMNS.items():
+        error = column.replace(name, f"{name}_standard_error", 1)
+        table[error] = [reading.standard_errors[name] for reading in found.readings]
+    return table
 
 
 def text_table(found: Identification, reference: ReferenceFit | None = None) -> str:
     """Estimates with their 95 % intervals, a line per approach, then what must be known of them; for a screen."""
-    lines = [["", *_SHOWN.values()]]
+    symbols = list(dict.fromkeys(s for e in found.estimates.values() for s in e.coefficients))
+    symbols.append("K_z")
+    lines = [["", *(f"{symbol} ({_unit(symbol)})" for symbol in symbols)]]
     for name, estimated in found.estimates.items():
+        parameters = {s: _with_interval(p) for s, p in estimated.parameters.items()}
         mark = " *" if estimated.notes else ""
-        lines.append(
-            [name + mark, *(_with_interval(getattr(estimated, symbol)) for symbol in UNITS)]
-        )
+        lines.append([name + mark, *(parameters.get(symbol, "") for symbol in symbols)])
     if reference is not None:
-        numbers = _reference(reference)
-        lines.append(
-            [
-                REFERENCE,
-                *(
-                    _interval_text(numbers[f"{s}_{unit}"], *numbers[f"{s}_interval_{unit}"])
-                    for s, unit in UNITS.items()
-                ),
-            ]
-        )
-    widths = [max(len(line[i]) for line in lines) for i in range(4)]
+        numbers = {s: _interval_text(v, *ends) for s, v, _, ends in _of_reference(reference)}
+        lines.append([REFERENCE, *(numbers.get(symbol, "") for symbol in symbols)])
+    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
     shown = [
         "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
         for line in lines
@@ -116,50 +107,63 @@ def text_table(found: Identification, reference: ReferenceFit | None = None) -> 
     return "\n".join([head, "", *shown, *([""] if said else []), *said]) + "\n"
 
 
-def _approach(estimated: Estimated) -> dict[str, Any]:
+def _approach(estimated: ApproachResult) -> dict[str, Any]:
     made: dict[str, Any] = {}
-    for symbol, unit in UNITS.items():
-        parameter: Parameter = getattr(estimated, symbol)
+    for symbol, parameter in estimated.parameters.items():
         made |= {
-            f"{symbol}_{unit}": _number(parameter.value),
-            f"{symbol}_standard_error_{unit}": _number(parameter.standard_error),
-            f"{symbol}_propagated_error_{unit}": _number(parameter.propagated_error),
-            f"{symbol}_interval_{unit}": [_number(end) for end in parameter.interval],
+            _key(symbol): _number(parameter.value),
+            _key(symbol, "_standard_error"): _number(parameter.standard_error),
+            _key(symbol, "_propagated_error"): _number(parameter.propagated_error),
+            _key(symbol, "_interval"): [_number(end) for end in parameter.interval],
         }
+    made |= {
+        f"correlation_of_{one}_and_{other}": _number(
+            estimated.correlations.get((one, other), math.nan)
+        )
+        for one, other in itertools.combinations(estimated.coefficients, 2)
+    }
+    integrals = {
+        TERMS[symbol].integral_column: values for symbol, values in estimated.rows.terms.items()
+    }
+    columns = {**integrals, "W_J": estimated.rows.W, "standard_error_J": estimated.row_errors}
     return made | {
-        "correlation_of_F_k_and_c": _number(estimated.correlation),
         "residual": _number(estimated.residual),
         "misfit": _number(estimated.misfit),
-        "rows": {
-            "a_m": [_number(v) for v in estimated.rows.a],
-            "b_m2_per_s": [_number(v) for v in estimated.rows.b],
-            "W_J": [_number(v) for v in estimated.rows.W],
-            "standard_error_J": [_number(v) for v in estimated.row_errors],
-        },
+        "rows": {key: [_number(v) for v in values] for key, values in columns.items()},
         "notes": list(estimated.notes),
     }
 
 
 def _reference(fit: ReferenceFit) -> dict[str, Any]:
-    errors = dict(zip(UNITS, fit.standard_errors, strict=True))
     made: dict[str, Any] = {}
-    for symbol, unit in UNITS.items():
-        value = float(getattr(fit, symbol))
-        ends = (
-            fit.K_z_interval
-            if symbol == "K_z"
-            else (value - 1.96 * errors[symbol], value + 1.96 * errors[symbol])
-        )
+    for symbol, value, error, ends in _of_reference(fit):
         made |= {
-            f"{symbol}_{unit}": _number(value),
-            f"{symbol}_standard_error_{unit}": _number(errors[symbol]),
-            f"{symbol}_interval_{unit}": [_number(end) for end in ends],
+            _key(symbol): _number(value),
+            _key(symbol, "_standard_error"): _number(error),
+            _key(symbol, "_interval"): [_number(end) for end in ends],
         }
     return made | {"m_kg": fit.m, "warnings": list(fit.warnings)}
 
 
+def _of_reference(fit: ReferenceFit) -> Iterator[tuple[str, float, float, tuple[float, float]]]:
+    """(symbol, value, standard error, ends of the interval) of what the maximum-likelihood fit identifies."""
+    for symbol, error in zip(("F_k", "c", "K_z"), fit.standard_errors, strict=True):
+        value = float(getattr(fit, symbol))
+        ends = (value - 1.96 * error, value + 1.96 * error)
+        yield symbol, value, error, fit.K_z_interval if symbol == "K_z" else ends
+
+
+def _unit(symbol: str) -> str:
+    return K_Z_UNIT if symbol == "K_z" else TERMS[symbol].unit
+
+
+def _key(symbol: str, what: str = "") -> str:
+    """F_k_standard_error_N: what is said of a parameter, and its unit."""
+    return named_with_unit(f"{symbol}{what}", _unit(symbol))
+
+
 def _record(reading: Reading, found: Identification, index: int) -> dict[str, Any]:
-    steady, features = reading.steady, found.features[index]
+    steady, features = reading.steady, found.features
     return {
         "record": steady.source,
         "frequency_Hz": steady.frequency_hz,
@@ -169,7 +173,8 @@ def _record(reading: Reading, found: Identification, index: int) -> dict[str, An
         "noise_rms": dict(steady.noise_rms),
         "slip_onset_resolved_alone": bool(reading.onset_resolved),
         "features": {
-            column: _number(float(getattr(features, name)[0])) for name, column in COLUMNS.items()
+            column: _number(float(getattr(features, name)[index]))
+            for name, column in COLUMNS.items()
         },
         "standard_errors": {
             column: _number(reading.standard_errors[name]) for name, column in COLUMNS.items()
@@ -181,10 +186,6 @@ def _record(reading: Reading, found: Identification, index: int) -> dict[str, An
 def _number(value: float) -> float | None:
     """A number of JSON: null for what is not known or has no bound."""
     return float(value) if math.isfinite(value) else None
-
-
-def _error_column(name: str, column: str) -> str:
-    return column.replace(name, f"{name}_standard_error", 1)
 
 
 def _with_interval(parameter: Parameter) -> str:

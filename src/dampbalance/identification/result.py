@@ -6,14 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..arrays import Array
 from ..balance import Rows
 from ..features import Features, Phase
 from ..reading.noisy import Reading
-
-Array = NDArray[np.float64]
 
 CONFIDENCE = 0.95
 
@@ -40,27 +36,31 @@ class Parameter:
 
 
 @dataclass(frozen=True, eq=False)
-class Estimated:
+class ApproachResult:
     """What one approach says.
 
-    F_k : N.   c : N s/m.   K_z : N/m; its interval comes from that of the compliance 1/K_z.
-    correlation : of the errors of F_k and c.   residual : ‖A p − W‖/‖W‖ of the rows.
-    misfit : χ² of the rows about the fit, over their noise, per degree of freedom: 1 where the balance holds for
-    every level alike; NaN for two rows.
-    rows : of the balance, one per response.   row_errors : standard deviation of a F_k + b c − W, J, one per response.
-    notes : what a reader of this approach must know; why something is missing.
+    coefficients : of the balance's terms, by symbol, SI units.   K_z : N/m; its interval comes from that of the
+    compliance 1/K_z.   correlations : of the errors of two coefficients, by their symbols.
+    residual : ‖A p − W‖/‖W‖ of the rows.   misfit : χ² of the rows about the fit, over their noise, per degree of
+    freedom: 1 where the balance holds for every level alike; NaN where there are no more rows than coefficients.
+    rows : of the balance, one per response.   row_errors : standard deviation of the misfit Σ g_j p_j − W, J, one per
+    response.   notes : what a reader of this approach must know; why something is missing.
     """
 
     approach: str
-    F_k: Parameter
-    c: Parameter
+    coefficients: Mapping[str, Parameter]
     K_z: Parameter
-    correlation: float
+    correlations: Mapping[tuple[str, str], float]
     residual: float
     misfit: float
     rows: Rows
     row_errors: Array
     notes: tuple[str, ...] = ()
+
+    @property
+    def parameters(self) -> dict[str, Parameter]:
+        """The coefficients, and K_z."""
+        return {**self.coefficients, "K_z": self.K_z}
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,16 +86,16 @@ class Microstick:
 class Identification:
     """Estimates by approach, and all that they come from.
 
-    k : N/m.   phase : of the harmonic approaches.   features : one response per record, with the microstick length
-    they share.   warnings : of the records, and of how the approaches agree.
+    k : N/m.   phase : of the harmonic approaches.   features : of the records, (n,), with the microstick length they
+    share.   warnings : of the records, and of how the approaches agree.
     """
 
     k: float
     phase: Phase
     readings: tuple[Reading, ...]
-    features: tuple[Features, ...]
+    features: Features
     microstick: Microstick
-    estimates: Mapping[str, Estimated]
+    estimates: Mapping[str, ApproachResult]
     replicates: int
     seed: int
     warnings: tuple[str, ...]

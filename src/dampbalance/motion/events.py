@@ -84,22 +84,6 @@ def _locate(which: int, level: float, low: float, high: float, phase: _Phase) ->
 
 
 @jit
-def locate_displacement(
-    u: float,
-    end: float,
-    v0: float,
-    f0: float,
-    A: complex,
-    delta: float,
-    Omega2: float,
-    omega: float,
-) -> float:
-    """The time before `end` at which a phase has moved by u, which it has passed at `end`; arguments as in
-    `flow.move`."""
-    return _locate(0, u, 0.0, end, _Phase(v0, f0, A, delta, Omega2, omega))
-
-
-@jit
 def _turns(
     which: int,
     low: float,

@@ -25,8 +25,9 @@ _PACKAGE = Path(__file__).parents[1]
 
 
 def _sources() -> list[Path]:
-    """The modules that kernels are made of: this room, and what it imports from the root."""
-    return [_PACKAGE / "model.py", _PACKAGE / "record.py", *sorted(_PACKAGE.glob("motion/*.py"))]
+    """The modules that kernels are made of: this room and the factorisation, and what they import from the root."""
+    root = ("arrays", "factorisation", "model", "record")
+    return [*(_PACKAGE / f"{name}.py" for name in root), *sorted(_PACKAGE.glob("motion/*.py"))]
 
 
 def _source_digest() -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -11,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..model import Parameters
-from .events import write_phase
 from .integrals import measure, wrapped
 from .jit import jit
 from .states import zero_crossing
@@ -26,6 +24,7 @@ _COLUMNS = (
     "V_s",
     "t_s",
     "phi",
+    "phi_zero_crossing",
     "a",
     "b",
     "W",
@@ -53,6 +52,7 @@ class Orbits:
     V_s: Array
     t_s: Array
     phi: Array
+    phi_zero_crossing: Array
     a: Array
     b: Array
     W: Array
@@ -154,49 +154,11 @@ def _solve_block(inputs: Array, out: Array, regime: NDArray[np.uint8]) -> None:
             out[:, i] = np.nan
             continue
         found = measure(phases, count, theta, par)
+        delay = zero_crossing(phases, count, theta, par)
         out[0, i], out[1, i], out[2, i], out[3, i] = found.X, found.X_s, found.V_s, found.t_s
         out[4, i] = wrapped(theta + np.pi)
-        out[5, i], out[6, i], out[7, i] = found.a, found.b, found.W
-        out[8, i], out[9, i] = abs(found.harmonic_1), -np.angle(found.harmonic_1)
-        out[10, i], out[11, i] = abs(found.harmonic_3), -np.angle(found.harmonic_3)
-        out[12, i], out[13, i] = abs(found.harmonic_5), -np.angle(found.harmonic_5)
-
-
-@jit
-def write_zero_crossings(
-    inputs: Array, features: Array, regime: NDArray[np.uint8], out: Array
-) -> None:
-    """Write the lag of the upward zero crossing of x behind that of y, rad, of each response.
-
-    inputs : (7, n), rows m, c, k, K_z, F_k, ω, Y.   features : (4, n), rows X, V_s, t_s, φ of the reversal. They
-    hold the two phases of an orbit with one slip (`steady.solve_steady`), and the one of an orbit without events;
-    an orbit with several slips is solved again.
-    """
-    phases = np.empty((MAX_PHASES, 5))
-    for i in range(out.size):
-        par = Parameters(
-            inputs[0, i],
-            inputs[1, i],
-            inputs[2, i],
-            inputs[3, i],
-            inputs[4, i],
-            inputs[6, i],
-            inputs[5, i],
-        )
-        X, V_s, t_s, phi = features[0, i], features[1, i], features[2, i], features[3, i]
-        if regime[i] == 0:
-            out[i] = math.nan
-            continue
-        if regime[i] == 3 or regime[i] == 4:  # sinusoidal: every lag is the same
-            out[i] = phi
-            continue
-        theta, count = phi - math.pi, 2
-        if regime[i] == 1:
-            Z_m = par.F_k / par.K_z
-            write_phase(phases, 0, 0.0, 0.0, -X, 0.0, -Z_m)
-            write_phase(phases, 1, t_s, 1.0, -X + 2.0 * Z_m, V_s, Z_m)
-        else:
-            _, count, theta = solve_steady(par, phases)
-        delay = zero_crossing(phases, count, theta, par)
-        angle = theta + par.omega * delay + 0.5 * math.pi
-        out[i] = (angle + 0.5 * math.pi) % (2.0 * math.pi) - 0.5 * math.pi
+        out[5, i] = wrapped(theta + par.omega * delay + 0.5 * np.pi)
+        out[6, i], out[7, i], out[8, i] = found.a, found.b, found.W
+        out[9, i], out[10, i] = abs(found.harmonic_1), -np.angle(found.harmonic_1)
+        out[11, i], out[12, i] = abs(found.harmonic_3), -np.angle(found.harmonic_3)
+        out[13, i], out[14, i] = abs(found.harmonic_5), -np.angle(found.harmonic_5)

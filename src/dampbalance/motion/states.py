@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import Parameters
-from .events import locate_displacement
 from .flow import move, phase_start
 from .jit import jit
 
@@ -56,13 +55,34 @@ def states_in_phases(
 def zero_crossing(phases: Array, count: int, theta: float, par: Parameters) -> float:
     """Time from the reversal at −X to the first upward zero of x, s; `phases` holds the half cycle from that
     reversal."""
-    delta = par.c / (2.0 * par.m)
     for i in range(count):
         start, s, x, v, z = phases[i, 0], phases[i, 1], phases[i, 2], phases[i, 3], phases[i, 4]
         end = phases[i + 1, 0] if i + 1 < count else math.pi / par.omega
         x_end = phases[i + 1, 2] if i + 1 < count else -phases[0, 2]
         if x < 0.0 <= x_end:
             f0, A, Omega2 = phase_start(s, x, z, theta + par.omega * start, par)
-            delay = locate_displacement(-x, end - start, v, f0, A, delta, Omega2, par.omega)
-            return float(start + delay)
+            return float(start + _time_of(-x, end - start, v, f0, A, Omega2, par))
     return math.nan
+
+
+@jit
+def _time_of(
+    level: float, end: float, v0: float, f0: float, A: complex, Omega2: float, par: Parameters
+) -> float:
+    """The time before `end` at which a phase has moved by `level`, which it has passed at `end`; others as in
+    `flow.move`. Newton's method, kept inside the bracket."""
+    delta = par.c / (2.0 * par.m)
+    low, high, t = 0.0, end, 0.5 * end
+    for _ in range(100):
+        u, v = move(t, v0, f0, A, delta, Omega2, par.omega)
+        if u > level:
+            high = t
+        else:
+            low = t
+        step = (level - u) / v if v != 0.0 else math.inf
+        if not low <= t + step <= high:
+            step = 0.5 * (low + high) - t
+        t += step
+        if abs(step) <= 1e-9 * t:  # the next step would be its square
+            break
+    return t

@@ -17,13 +17,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from ..features import Features, single, wrapped
+from ..features import Features, of_numbers, wrapped
 from ..motion.regime import Regime
 from ..record import Record
 from .quadrature import integral
@@ -75,7 +75,7 @@ def of_record(
         raise ValueError(f"the base does not move at ω = {omega:g} rad/s: y has no fundamental")
     lag = -math.atan2(base.imag, base.real)  # of y behind cos ωt, zero in a simulation
     X_1, X_3, X_5 = (_lock_in(s, s.x, n, start.place) for n in (1, 3, 5))
-    numbers = {
+    numbers: dict[str, Any] = {
         "Y": abs(base),
         "X": 0.5 * float(np.ptp(s.x[n_1 : n_1 + round(s.per_cycle) + 2])),
         "phi_fundamental": wrapped(-math.atan2(X_1.imag, X_1.real) - lag),
@@ -93,7 +93,7 @@ def of_record(
         numbers |= {"X": 0.5 * (turn.x - start.x), "phi": phi, "phi_reversal": phi}
         forward, reverse = _onset(s, n_1, n_2), _onset(s, n_2, n_1 + round(s.per_cycle))
     except _NoOnset as reason:
-        return single(omega, str(reason), **numbers)
+        return of_numbers(omega, str(reason), **numbers)
     begin = forward.place if s.between_samples else forward.place + 1.0
     numbers |= {
         "X_s": forward.x,
@@ -104,7 +104,7 @@ def of_record(
         "t_r": (reverse.place - turn.place) * s.dt,
         "a": 2.0 * integral(s.v, s.dt, begin, turn.place),
     }
-    return single(omega, str(Regime.ONE_SLIP), **numbers)
+    return of_numbers(omega, str(Regime.ONE_SLIP), **numbers)
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..features import COLUMNS, Features
+from ..features import COLUMNS, Features, of_numbers, wrapped
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
 from .one_thread import one_thread
@@ -65,7 +65,7 @@ class Reading:
     def with_onset(self, onset: bool) -> Features:
         """The features with the slip onset of the waveform, resolved or not, or without: the rigid limit."""
         numbers = _evaluate(_Parts.of(self.steady, self.waveform), self.waveform, onset)
-        return Features(omega=self.steady.omega, regime=(_regime(self, onset),), **numbers)
+        return of_numbers(self.steady.omega, _regime(self, onset), **numbers)
 
     @one_thread
     def resampled(
@@ -160,7 +160,7 @@ def read_steady(steady: SteadyRecord) -> Reading:
         )
     regime = ONE_SLIP if resolved else RIGID
     reading = Reading(
-        features=Features(omega=steady.omega, regime=(regime,), **numbers),
+        features=of_numbers(steady.omega, regime, **numbers),
         standard_errors={},
         steady=steady,
         waveform=waveform,
@@ -273,7 +273,7 @@ def _evaluate(
         length, V_s, t_s = _onset(parts, waveform, at)
     else:
         length = V_s = t_s = np.zeros(len(x))
-    reversal = _wrapped(theta_peak)
+    reversal = wrapped(theta_peak)
     numbers |= {
         "Y": parts.Y,
         "X": X,
@@ -282,8 +282,8 @@ def _evaluate(
         "t_s": t_s,
         "phi": reversal,
         "phi_reversal": reversal,
-        "phi_zero_crossing": _wrapped(_upward_zero(parts, lag) + 0.5 * math.pi),
-        "phi_fundamental": _wrapped(lag),
+        "phi_zero_crossing": wrapped(_upward_zero(parts, lag) + 0.5 * math.pi),
+        "phi_fundamental": wrapped(lag),
         "X_r": X - length,
         "V_r": -V_s,
         "t_r": t_s,
@@ -342,12 +342,6 @@ def _motion(parts: _Parts, theta: Array) -> tuple[Array, Array, Array]:
     return turn.real.sum(axis=1), -(turn.imag @ n), -(turn.real @ n**2)
 
 
-def _wrapped(angle: Array) -> Array:
-    """The angle plus a multiple of 2π, in [−π/2, 3π/2), as in `dampbalance.features`."""
-    wrapped: Array = (angle + 0.5 * math.pi) % (2.0 * math.pi) - 0.5 * math.pi
-    return wrapped
-
-
 def _regime(reading: Reading, onset: bool) -> str:
     return ONE_SLIP if onset and reading.waveform is not None else RIGID
 
@@ -370,7 +364,7 @@ def _replicates(
     resolved = reading.onset_resolved if onset is None else onset
     numbers = _evaluate(parts, waveform, resolved, at)
     regime = _regime(reading, resolved)
-    return Features(omega=steady.omega, regime=(regime,) * len(drawn), **numbers)
+    return of_numbers(steady.omega, regime, **numbers)
 
 
 def _jackknife(reading: Reading) -> dict[str, float]:

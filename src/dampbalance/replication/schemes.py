@@ -76,8 +76,8 @@ def scheme_table(
                         "a_m": features.a,
                         "b_m2_per_s": features.b,
                         "W_J": features.W,
-                        "F_k_N": estimate.F_k,
-                        "c_N_s_per_m": estimate.c,
+                        "F_k_N": estimate["F_k"],
+                        "c_N_s_per_m": estimate["c"],
                     }
                 )
             )

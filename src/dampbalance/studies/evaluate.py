@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from ..balance import APPROACHES, Rows
-from ..fitting import Estimates, least_squares_of_cases
+from ..arrays import Array, Integers, Words
+from ..balance import APPROACHES, TERMS, Rows
+from ..features import Features
 from ..replication.readout import ReadOut
+from ..solver import Estimate, solve
 from .axes import case_values
 from .parameters import MECHANICAL, PARAMETERS, SI_COLUMNS, in_si
 from .plan import columns_of
-from .responses import REGIME_NAMES, Responses, exact_responses
+from .responses import NOT_READ, REGIME_NAMES, exact_responses
 from .settings import Fit, Study
-
-if TYPE_CHECKING:
-    from ..features import Features
-
-Array = NDArray[np.float64]
 
 READ = (
     "X",
@@ -70,7 +67,7 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
     si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
     levels = np.array(study.levels)[:, None]
     Y = levels * si["Y"] if study.levels_relative else np.repeat(levels, stop - start, axis=1)
-    replicates: Responses | None = None
+    replicates: Features | None = None
     if study.route == "measured":
         from .noisy import measured_responses  # reads records: much to import, for this route only
 
@@ -85,54 +82,49 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
     table: dict[str, Any] = {"case": np.arange(start, stop)}
     table |= {name: values[name] for name in study.axis_names}
     table |= {name: si[key] for key, (name, _, _) in SI_COLUMNS.items() if name not in table}
-    table["regime"] = _regime_words(responses.regime)
+    table["regime"] = _regime_names(responses.regime)
     cached: dict[tuple[str, str, str], Rows] = {}
     for fit in study.fits:
         key = (fit.approach, fit.phase, fit.sharing)
         if key not in cached:
             cached[key] = _rows(fit, responses, si["k"], rules)
-        estimates = least_squares_of_cases(_of_levels(cached[key], fit))
-        for name, unit, found in (("F_k", "N", estimates.F_k), ("c", "N_s_per_m", estimates.c)):
-            table[f"{name}_{unit}__{fit.label}"] = found
+        estimate = solve(_of_levels(cached[key], fit))
+        for symbol, found in estimate.values.items():
+            table[f"{TERMS[symbol].column}__{fit.label}"] = found
             with np.errstate(divide="ignore", invalid="ignore"):
-                error = np.where(si[name] > 0.0, found / si[name] - 1.0, np.nan)
-            table[f"{name}_relative_error__{fit.label}"] = error
+                error = np.where(si[symbol] > 0.0, found / si[symbol] - 1.0, np.nan)
+            table[f"{symbol}_relative_error__{fit.label}"] = error
         if replicates is not None:
-            table |= _intervals(fit, estimates, replicates, si)
-        if fit.levels is None and len(study.levels) > 2:
-            table[f"residual__{fit.label}"] = estimates.residual
-        else:  # of two rows: rounding only
+            table |= _intervals(fit, estimate, replicates, si)
+        if len(cached[key].W if fit.levels is None else fit.levels) > len(estimate.values):
+            table[f"residual__{fit.label}"] = estimate.residual
+        else:  # rounding only
             table[f"residual__{fit.label}"] = np.full(stop - start, np.nan)
     return table
 
 
 def _of_levels(rows: Rows, fit: Fit) -> Rows:
     """The rows that a fit takes: all, or those of its two levels."""
-    if fit.levels is None:
-        return rows
-    chosen = list(fit.levels)
-    return Rows(rows.a[chosen], rows.b[chosen], rows.W[chosen])
+    return rows if fit.levels is None else rows[list(fit.levels)]
 
 
 def _intervals(
-    fit: Fit, estimates: Estimates, replicates: Responses, si: Mapping[str, Array]
+    fit: Fit, estimate: Estimate, replicates: Features, si: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """Standard errors of F_k and c over the replicates, and whether estimate ± 1.96 of them holds the true value."""
-    count = replicates.X.shape[1] // len(si["k"])
-    drawn = least_squares_of_cases(
-        _of_levels(_rows(fit, replicates, np.repeat(si["k"], count), ()), fit)
-    )
+    """Standard errors of the coefficients over the replicates, and whether estimate ± 1.96 of them holds the true
+    value."""
+    drawn = solve(_of_levels(_rows(fit, replicates, si["k"][:, None], ()), fit))
     table = {}
-    for name in ("F_k", "c"):
-        found, true = getattr(estimates, name), si[name]
-        error = getattr(drawn, name).reshape(-1, count).std(axis=1, ddof=1)
+    for symbol, found in estimate.values.items():
+        true = si[symbol]
+        error = drawn[symbol].std(axis=1, ddof=1)
         held = np.where(np.abs(found - true) <= NORMAL_95 * error, 1.0, 0.0)
-        known = np.isfinite(found) & np.isfinite(error)
+        judged = np.isfinite(found) & np.isfinite(error)
         with np.errstate(divide="ignore", invalid="ignore"):
-            table[f"{name}_relative_standard_error__{fit.label}"] = np.where(
+            table[f"{symbol}_relative_standard_error__{fit.label}"] = np.where(
                 true > 0.0, error / true, np.nan
             )
-        table[f"{name}_covered__{fit.label}"] = np.where(known, held, np.nan)
+        table[f"{symbol}_covered__{fit.label}"] = np.where(judged, held, np.nan)
     return table
 
 
@@ -142,13 +134,12 @@ def _responses(
     Y: Array,
     values: Mapping[str, NDArray[Any]],
     threads: int | None,
-) -> Responses:
+) -> Features:
     if study.route == "exact":
-        wanted = any(fit.phase == "zero_crossing" for fit in study.fits)
-        return exact_responses(si, Y, wanted, threads)
+        return exact_responses(si, Y, threads)
     from .stepwise import fixed_step_responses, sampled_responses  # scipy.integrate: slow to import
 
-    routes: dict[str, Callable[..., Responses]] = {
+    routes: dict[str, Callable[..., Features]] = {
         "fixed_step": fixed_step_responses,
         "sampled": sampled_responses,
     }
@@ -156,21 +147,20 @@ def _responses(
 
 
 def _rows(
-    fit: Fit, responses: Responses, k: Array, rules: Sequence[tuple[NDArray[np.int64], ReadOut]]
+    fit: Fit, responses: Features, k: Array, rules: Sequence[tuple[Integers, ReadOut]]
 ) -> Rows:
-    """Rows of the balance, (L, n), as the approach of a fit forms them from what is read."""
+    """Rows of the balance as the approach of a fit forms them from what is read."""
     seen = responses.with_phase(fit.phase) if fit.phase else responses
     if rules:
         seen = _as_read(seen, rules, common=fit.sharing == "common")
     elif fit.sharing == "common":
         seen = seen.with_common("phi", "t_s")
-    # The row functions are sums, products and cosines of their arrays, whatever the shape.
-    return APPROACHES[fit.approach](cast("Features", seen), cast(float, k))
+    return APPROACHES[fit.approach](seen, k)
 
 
 def _read_out_rules(
     values: Mapping[str, NDArray[Any]],
-) -> list[tuple[NDArray[np.int64], ReadOut]]:
+) -> list[tuple[Integers, ReadOut]]:
     """(cases, rules of reading) for each set of rules among the cases; nothing if there are no rules."""
     names = [name for name in values if PARAMETERS[name].kind == "read_out"]
     if not names:
@@ -188,27 +178,28 @@ def _read_out_rules(
 
 
 def _as_read(
-    responses: Responses, rules: Sequence[tuple[NDArray[np.int64], ReadOut]], common: bool
-) -> Responses:
+    responses: Features, rules: Sequence[tuple[Integers, ReadOut]], common: bool
+) -> Features:
     """The responses as read, each case by its own rules; with the mean φ and t_s of its levels if `common`."""
     changed = {name: np.empty(responses.X.shape) for name in READ}
     for cases, read_out in rules:
-        part = cast("Features", responses.cases(cases))
+        part = responses[:, cases]
         seen = read_out.common(part) if common else read_out.apply(part)
         for name, array in changed.items():
             array[:, cases] = getattr(seen, name)
     return responses.replaced(**changed)
 
 
-def _regime_words(codes: NDArray[np.uint8]) -> NDArray[Any]:
-    """The kind of response of each case: one word if all levels are alike, else the words of the levels."""
-    base = len(REGIME_NAMES)
-    packed = np.zeros(codes.shape[1], dtype=np.int64)
-    for row in codes:
+def _regime_names(words: Words) -> Words:
+    """The kind of response of each case: one name if all levels are alike, else the names of the levels."""
+    kinds, known = pd.factorize(words.ravel())
+    base = len(known)
+    packed = np.zeros(words.shape[1], dtype=np.int64)
+    for row in kinds.reshape(words.shape):
         packed = packed * base + row
-    kinds, first, member = np.unique(packed, return_index=True, return_inverse=True)
-    words = []
-    for i in range(len(kinds)):
-        names = [REGIME_NAMES[code] for code in codes[:, first[i]]]
-        words.append(names[0] if len(set(names)) == 1 else ", ".join(names))
-    return np.array(words, dtype=object)[member.ravel()]
+    _, first, member = np.unique(packed, return_index=True, return_inverse=True)
+    names = []
+    for i in first:
+        levels = [REGIME_NAMES.get(word, NOT_READ) for word in words[:, i]]
+        names.append(levels[0] if len(set(levels)) == 1 else ", ".join(levels))
+    return np.array(names, dtype=object)[member.ravel()]

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..project.files import replacing, write_json
 from .plan import Column, columns_of
-from .responses import REGIME_NAMES, REGIME_WORDS
+from .responses import REGIME_NAMES
 from .settings import Study
 from .stretches import stretches
 
@@ -86,11 +86,7 @@ def write_manifest(path: str | Path, cases: str | Path, study: Study, version: s
             "levels_are": "multiples of Y_m" if study.levels_relative else "m",
             "seeds": study.seeds,
             "cases_per_regime": dict(sorted(counts.items(), key=lambda item: (-item[1], item[0]))),
-            "regimes": {
-                name: words
-                for name, words in zip(REGIME_NAMES, REGIME_WORDS, strict=True)
-                if name in seen
-            },
+            "regimes": {name: words for words, name in REGIME_NAMES.items() if name in seen},
             "settings": dict(study.settings),
             "columns": [column._asdict() for column in columns_of(study)],
         },

@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 from typing import NamedTuple
 
+from ..balance import APPROACHES, TERMS
 from ..project.documents import ConfigurationError
 from .axes import Sampled
 from .parameters import PARAMETERS, SI_COLUMNS
@@ -43,11 +44,13 @@ def columns_of(study: Study) -> list[Column]:
         Column(
             "regime",
             "",
-            "kind of response at each level, one word if all are alike: " + ", ".join(REGIME_NAMES),
+            "kind of response at each level, one word if all are alike: "
+            + ", ".join(REGIME_NAMES.values()),
             words=True,
         )
     )
     for fit in study.fits:
+        symbols = APPROACHES[fit.approach].terms
         how = " ".join(part.replace("_", " ") for part in fit.label.split("__"))
         if "errors" in study.columns:
             columns += [
@@ -56,15 +59,19 @@ def columns_of(study: Study) -> list[Column]:
                     "1",
                     f"{name} identified / true − 1; {how}",
                 )
-                for name in ("F_k", "c")
+                for name in symbols
             ]
         if "estimates" in study.columns:
             columns += [
-                Column(f"F_k_N__{fit.label}", "N", f"F_k identified; {how}"),
-                Column(f"c_N_s_per_m__{fit.label}", "N s/m", f"c identified; {how}"),
+                Column(
+                    f"{TERMS[name].column}__{fit.label}",
+                    TERMS[name].unit,
+                    f"{name} identified; {how}",
+                )
+                for name in symbols
             ]
         if "intervals" in study.columns:
-            for name in ("F_k", "c"):
+            for name in symbols:
                 columns += [
                     Column(
                         f"{name}_relative_standard_error__{fit.label}",

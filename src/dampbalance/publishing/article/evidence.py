@@ -49,7 +49,9 @@ def evidence(
         {
             "setting": setting(oscillator, exact[first], pairs, numerics, frequencies_hz),
             "verdicts": verdicts(claims),
-            "dissipation": dissipation(oscillator, exact[first].omega, numerics["step_s"]),
+            "dissipation": dissipation(
+                oscillator, float(exact[first].omega[0]), numerics["step_s"]
+            ),
             "integrals": integral_deviations(features, claims, schemes, first),
             "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},
             "fourier_largest": _largest_of(approaches, "fourier"),
@@ -88,7 +90,7 @@ def setting(
         "scheme": numerics["scheme"].replace("-", " ").replace("euler", "Euler"),
         "step_us": 1e6 * step,
         "cycles": numerics["cycles"],
-        "steps_per_cycle": round(2.0 * math.pi / first.omega / step),
+        "steps_per_cycle": round(2.0 * math.pi / float(first.omega[0]) / step),
         "c_over_m": _rounded(osc.c / osc.m, numerics["c_over_m_decimals"]),
         "k_over_m": _rounded(osc.k / osc.m, numerics["k_over_m_decimals"]),
         "t_s_mean_ms": 1e3 * float(np.mean(first.t_s)),

@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 
 from ...estimates import estimate_table
-from ...features import COLUMNS, Features
-from ...solver import Estimate, Statistics, mean_and_deviation
+from ...features import COLUMNS, Features, of_numbers
+from ...solver import Statistics, mean_and_deviation
 from .inputs import HARMONIC, PAIR_LABELS, PAIRS, Route, Setting
 from .published import Printed, Published, numbers
 
@@ -26,7 +26,7 @@ def printed_features(published: Published, omega: float) -> Features:
     known |= {column: numbers(integrals, column) for column in ("a_m", "b_m2_per_s", "W_J")}
     missing = np.full(len(table1), np.nan)
     arrays = {name: known.get(column, missing) for name, column in COLUMNS.items()}
-    return Features(omega=omega, regime=("as printed",) * len(table1), **arrays)
+    return of_numbers(omega, "as printed", **arrays)
 
 
 def from_print(published: Published, setting: Setting) -> Route:
@@ -47,10 +47,7 @@ def printed_pair_statistics(published: Published) -> Statistics:
     """Mean and standard deviation (n − 1) of the five pairs that Table 2 prints."""
     F_k = numbers(published.table2_pairs, "direct_F_k_N")
     c = numbers(published.table2_pairs, "direct_c_N_s_per_m")
-    blank = np.full((2, 2), np.nan)
-    return mean_and_deviation(
-        [Estimate(*p, residual=np.nan, covariance=blank, n=2) for p in zip(F_k, c, strict=True)]
-    )
+    return mean_and_deviation([{"F_k": p, "c": q} for p, q in zip(F_k, c, strict=True)])
 
 
 def printed_estimates(published: Published) -> Route:

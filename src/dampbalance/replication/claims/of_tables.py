@@ -173,8 +173,9 @@ def rounding_ranges(published: Published) -> dict[tuple[str, str], tuple[float, 
                 column[[i, j]] + half[[i, j]] * step
                 for column, half, step in zip(columns, halves, steps, strict=True)
             ]
-            estimate = pair(Rows(*rows), 0, 1)
-            corners.append((estimate.F_k, estimate.c))
+            a, b, W = rows
+            estimate = pair(Rows({"F_k": a, "c": b}, W), 0, 1)
+            corners.append([estimate[symbol] for symbol, _ in UNKNOWNS.values()])
         for column, ends in zip(UNKNOWNS, np.transpose(corners), strict=True):
             ranges[label, column] = (float(ends.min()), float(ends.max()))
     return ranges

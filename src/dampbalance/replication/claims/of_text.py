@@ -84,11 +84,11 @@ def means(sources: Sources) -> Iterator[Claim]:
     """Means and deviations of printed numbers: the pairs of Table 2, and the φ and t_s that Table 3 uses."""
     printed = printed_pair_statistics(sources.published)
     for symbol in ("c", "F_k"):
-        for kind in ("mean", "std"):
+        for kind, name in (("mean", "mean"), ("std", "deviation")):
             values = {
                 route: table.estimate(COLUMNS[symbol], "direct", kind=kind)
                 for route, table in sources.routes.items()
-            } | {"from_print": float(getattr(printed, f"{symbol}_{kind}"))}
+            } | {"from_print": getattr(printed, name)[symbol]}
             yield _claim(
                 sources,
                 f"{symbol}_direct_{kind}",
