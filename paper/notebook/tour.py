@@ -204,17 +204,18 @@ pd.DataFrame(
 # integration** takes them from the recorded signals, and is exact.
 
 # %%
-from dampbalance.balance import APPROACHES
+from dampbalance.balance import APPROACHES, Rows
 from dampbalance.solver import least_squares, pair
 
 rows = APPROACHES["direct"](features, oscillator.k)
+a, b, W = rows.terms["F_k"], rows.terms["c"], rows.W
 pd.DataFrame(
     {
         "Y (mm)": 1e3 * features.Y,
-        "a (mm)": (1e3 * rows.a).round(4),
-        "b (mm²/s)": (1e6 * rows.b).round(2),
-        "W (mJ)": (1e3 * rows.W).round(4),
-        "share lost to friction": [f"{s:.1%}" for s in rows.a * oscillator.F_k / rows.W],
+        "a (mm)": (1e3 * a).round(4),
+        "b (mm²/s)": (1e6 * b).round(2),
+        "W (mJ)": (1e3 * W).round(4),
+        "share lost to friction": [f"{s:.1%}" for s in a * oscillator.F_k / W],
     }
 ).set_index("Y (mm)")
 
@@ -228,7 +229,7 @@ pd.DataFrame(
 # its velocity. An approach is a function from features to rows, and that is all it is:
 
 # %%
-{name: approach.__name__ for name, approach in APPROACHES.items()}
+{name: approach.rows.__name__ for name, approach in APPROACHES.items()}
 
 # %% [markdown]
 # ## Identify
@@ -244,10 +245,10 @@ def identified(features, approaches=PAPER, oscillator=oscillator):
     fits = {name: least_squares(APPROACHES[name](features, oscillator.k)) for name in approaches}
     return pd.DataFrame(
         {
-            "F_k (N)": [f"{fit.F_k:.4f}" for fit in fits.values()],
-            "error of F_k": [f"{fit.F_k / oscillator.F_k - 1:+z.2%}" for fit in fits.values()],
-            "c (N s/m)": [f"{fit.c:.4f}" for fit in fits.values()],
-            "error of c": [f"{fit.c / oscillator.c - 1:+z.3%}" for fit in fits.values()],
+            "F_k (N)": [f"{fit['F_k']:.4f}" for fit in fits.values()],
+            "error of F_k": [f"{fit['F_k'] / oscillator.F_k - 1:+z.2%}" for fit in fits.values()],
+            "c (N s/m)": [f"{fit['c']:.4f}" for fit in fits.values()],
+            "error of c": [f"{fit['c'] / oscillator.c - 1:+z.3%}" for fit in fits.values()],
         },
         index=pd.Index(fits, name="approach"),
     )
@@ -280,7 +281,7 @@ figure, panels = plt.subplots(1, 2, figsize=(180 * MM, 72 * MM), sharey=True)
 for axes, hertz in zip(panels, (RESONANCE, ABOVE), strict=True):
     for name, (colour, dashes) in looks.items():
         rows = APPROACHES[name](features_at(hertz), oscillator.k)
-        for i, (a, b, W) in enumerate(zip(*rows, strict=True)):
+        for i, (a, b, W) in enumerate(zip(*rows.terms.values(), rows.W, strict=True)):
             label = APPROACH_LOOKS[name].label if i == 0 else None
             axes.plot(F_k, (W - a * F_k) / b, color=colour, ls=dashes, lw=0.9, label=label)
     axes.plot(oscillator.F_k, oscillator.c, "o", color=STICK, ms=5, label="true values", zorder=3)
@@ -303,8 +304,12 @@ def blame(features):
     """Errors of the X_s rows, term by term; the last column is what that of W does to the share of friction."""
     exact = APPROACHES["direct"](features, oscillator.k)
     harmonic = APPROACHES["X_s"](features, oscillator.k)
-    share = exact.a * oscillator.F_k / exact.W
-    error = {term: getattr(harmonic, term) / getattr(exact, term) - 1 for term in exact._fields}
+    share = exact.terms["F_k"] * oscillator.F_k / exact.W
+    error = {
+        "a": harmonic.terms["F_k"] / exact.terms["F_k"] - 1,
+        "b": harmonic.terms["c"] / exact.terms["c"] - 1,
+        "W": harmonic.W / exact.W - 1,
+    }
     return pd.DataFrame(
         {
             "Y (mm)": 1e3 * features.Y,
@@ -356,7 +361,8 @@ by_frequency = [features_at(f) for f in hertz]
 
 
 def error_of_F_k(approach, features):
-    return abs(least_squares(APPROACHES[approach](features, oscillator.k)).F_k / oscillator.F_k - 1)
+    fit = least_squares(APPROACHES[approach](features, oscillator.k))
+    return abs(fit["F_k"] / oscillator.F_k - 1)
 
 
 figure, axes = plt.subplots(figsize=(150 * MM, 78 * MM))
@@ -439,12 +445,13 @@ identified(with_gentle)
 random = np.random.default_rng(seed=1)
 exact = APPROACHES["direct"](features, oscillator.k)
 noise = 1 + 1e-3 * random.standard_normal((2000, len(exact.W)))
-experiments = [exact._replace(W=exact.W * factor) for factor in noise]
+experiments = [Rows(exact.terms, exact.W * factor) for factor in noise]
 choices = {"pair 1-2": (0, 1), "pair 4-5": (3, 4), "pair 1-5": (0, 4)}
 scatter = {
-    name: np.std([pair(rows, i, j).F_k for rows in experiments]) for name, (i, j) in choices.items()
+    name: np.std([pair(rows, i, j)["F_k"] for rows in experiments])
+    for name, (i, j) in choices.items()
 }
-scatter["all five"] = np.std([least_squares(rows).F_k for rows in experiments])
+scatter["all five"] = np.std([least_squares(rows)["F_k"] for rows in experiments])
 for name, deviation in scatter.items():
     print(f"{name}: F_k scatters by {deviation / oscillator.F_k:.1%}")
 

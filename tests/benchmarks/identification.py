@@ -116,11 +116,12 @@ def errors(samples: int) -> pd.DataFrame:
     found = identify([read_features(m, PAPER.k) for m in given], PAPER.k)
     rows: list[tuple[str, float, float, float, float]] = []
     for name, e in found.estimates.items():
+        F_k, c = e.coefficients["F_k"], e.coefficients["c"]
         rows.append(
             (
                 name,
-                *_relative(e.F_k.value, e.F_k.standard_error, PAPER.F_k),
-                *_relative(e.c.value, e.c.standard_error, PAPER.c),
+                *_relative(F_k.value, F_k.standard_error, PAPER.F_k),
+                *_relative(c.value, c.standard_error, PAPER.c),
             )
         )
     fit = reference_fit([record(m) for m in given], OMEGA, PAPER.m, PAPER.k)

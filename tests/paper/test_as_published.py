@@ -98,8 +98,8 @@ def table_3(features, readout):
     for (i, j), (_, line) in zip(PAIRS, printed("table3").iterrows(), strict=True):
         for name, of in rows.items():
             estimate = pair(of, i, j)
-            cells.append((f"{name} F_k {i + 1}-{j + 1}", line[f"{name}_F_k_N"], estimate.F_k))
-            cells.append((f"{name} c {i + 1}-{j + 1}", line[f"{name}_c_N_s_per_m"], estimate.c))
+            cells.append((f"{name} F_k {i + 1}-{j + 1}", line[f"{name}_F_k_N"], estimate["F_k"]))
+            cells.append((f"{name} c {i + 1}-{j + 1}", line[f"{name}_c_N_s_per_m"], estimate["c"]))
     return cells
 
 
@@ -145,7 +145,7 @@ def test_a_of_table_2_within_a_sample(simulated, sampled):
     # Taken as 2 (x(t_2) − x) from the sample after the jump, levels 2 to 5 agree fifty times better: all five
     # printed values were read in one and the same sampling grid, and level 1 at the jump itself.
     after = []
-    for record, features in zip(simulated, [sampled.take([i]) for i in range(5)], strict=True):
+    for record, features in zip(simulated, [sampled[[i]] for i in range(5)], strict=True):
         corner = int(np.flatnonzero(record.x == features.X_s[0])[0])
         peak = corner + int(np.argmax(record.x[corner : corner + round(0.5 / 4.92 / STEP)]))
         after.append([2.0 * (record.x[peak] - record.x[corner + d]) for d in (0, 1)])
@@ -159,9 +159,9 @@ def test_pairs_of_table_2_without_level_1(sampled):
     for line in (1, 2, 3):
         estimate = pair(rows, *PAIRS[line])
         text = table.direct_c_N_s_per_m[line]
-        assert with_digits_of(text, estimate.c) == Decimal(text)
+        assert with_digits_of(text, estimate["c"]) == Decimal(text)
         # a, half a sample off, moves F_k by up to that part of it: 3.5e-6.
-        assert estimate.F_k == pytest.approx(float(table.direct_F_k_N[line]), abs=5e-6)
+        assert estimate["F_k"] == pytest.approx(float(table.direct_F_k_N[line]), abs=5e-6)
 
 
 def test_no_other_scheme_gives_table_2():

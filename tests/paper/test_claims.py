@@ -313,11 +313,12 @@ def test_a_flipped_sign_in_a_row_is_found(monkeypatch, recorded, approach):
 
     def flipped(features, k):
         rows = right(features, k)
-        return rows._replace(a=4.0 * features.X - rows.a)
+        terms = rows.terms | {"F_k": 4.0 * features.X - rows.terms["F_k"]}
+        return replace(rows, terms=terms)
 
     for approaches in (balance.APPROACHES, balance.APPROACHES_OF_TABLE_3):
         if approaches[approach] is right:
-            monkeypatch.setitem(approaches, approach, flipped)
+            monkeypatch.setitem(approaches, approach, replace(right, rows=flipped))
     exact.cache_clear()
     as_published.cache_clear()
     try:

@@ -12,8 +12,8 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.balance import slip_displacement, slip_time, slip_velocity
-from dampbalance.features import of_orbit, single
+from dampbalance.balance import Rows, slip_displacement, slip_time, slip_velocity
+from dampbalance.features import of_numbers, of_orbit, stack
 from dampbalance.model import BaseMotion
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.solver import contact_stiffness, pair
@@ -167,7 +167,7 @@ OMEGA, X, PHI, PSI, F_K, C, K, Y = 30.0, 0.006, 1.3, 0.08, 1.28, 90.0, 2310.0, 0
 
 @pytest.fixture
 def harmonic():
-    return single(
+    return of_numbers(
         OMEGA,
         "harmonic",
         Y=Y,
@@ -183,7 +183,7 @@ def harmonic():
 
 
 def dissipated(rows):
-    return rows.a[0] * F_K + rows.b[0] * C
+    return rows.terms["F_k"][0] * F_K + rows.terms["c"][0] * C
 
 
 def test_eq_11_with_absolute_times(harmonic):
@@ -224,12 +224,13 @@ def test_rigid_limit_of_eq_11(harmonic):
 
 def test_eq_15_to_19_come_from_one_balance(harmonic):
     """Two harmonic responses that obey W_d = W_a give back F_k and c by each approach."""
-    features = [
-        harmonic.replaced(X=x, X_s=-x * math.cos(PSI), V_s=OMEGA * x * math.sin(PSI))
-        for x in (X, 2 * X)
-    ]
+    features = stack(
+        [
+            harmonic.replaced(X=x, X_s=-x * math.cos(PSI), V_s=OMEGA * x * math.sin(PSI))
+            for x in (X, 2 * X)
+        ]
+    )
     for approach in (slip_displacement, slip_time, slip_velocity):
-        rows = [approach(one, K) for one in features]
-        a, b = (np.concatenate([getattr(r, name) for r in rows]) for name in "ab")
-        estimate = pair(rows[0]._replace(a=a, b=b, W=a * F_K + b * C), 0, 1)
-        assert (estimate.F_k, estimate.c) == pytest.approx((F_K, C), rel=1e-13)
+        terms = approach(features, K).terms
+        estimate = pair(Rows(terms, terms["F_k"] * F_K + terms["c"] * C), 0, 1)
+        assert estimate.values == pytest.approx({"F_k": F_K, "c": C}, rel=1e-13)

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dampbalance.balance import Rows, slip_displacement, slip_time, slip_velocity
-from dampbalance.features import single, stack
+from dampbalance.features import of_numbers, stack
 from dampbalance.solver import pair
 from paper.formulas import eq_8, eq_15, eq_16, eq_17, eq_18, eq_19
 
@@ -48,7 +48,7 @@ def two(r):
     }
     features = stack(
         [
-            single(omega, "drawn", **{name: values[i] for name, values in plain.items()})
+            of_numbers(omega, "drawn", **{name: values[i] for name, values in plain.items()})
             for i in (0, 1)
         ]
     )
@@ -62,14 +62,14 @@ def assert_same(solved, formula, rows):
     number, which reaches 60 with amplitudes a factor 1.2 apart: a few 1e-14, for which 1e-12 leaves room. They are
     measured against W over the column as well, for a F_k and b c may cancel in W and leave one unknown small.
     """
-    for value, expected, column in zip(solved, formula, rows[:2], strict=False):
+    for value, expected, column in zip(solved, formula, rows.terms.values(), strict=False):
         floor = 1e-12 * float(np.max(np.abs(rows.W / column)))
         assert value == pytest.approx(expected, rel=1e-12, abs=floor)
 
 
 def solved(rows):
     estimate = pair(rows, 0, 1)
-    return estimate.F_k, estimate.c
+    return estimate["F_k"], estimate["c"]
 
 
 @given(
@@ -81,7 +81,7 @@ def test_eq_8(a, b, W):
     # b grows faster than a, as it does with level: by ratio_a · ratio_b against ratio_a.
     a_i, a_j = a[0], a[0] * a[1]
     b_i, b_j = b[0], b[0] * a[1] * b[1]
-    rows = Rows(np.array([a_i, a_j]), np.array([b_i, b_j]), np.array(W))
+    rows = Rows({"F_k": np.array([a_i, a_j]), "c": np.array([b_i, b_j])}, np.array(W))
     assert_same(solved(rows), eq_8(a_i, a_j, b_i, b_j, *W), rows)
 
 

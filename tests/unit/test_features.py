@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from dampbalance.features import COLUMNS, Features, of_orbit, single, stack
+from dampbalance.features import COLUMNS, Features, beside, of_numbers, of_orbit, of_orbits, stack
 from dampbalance.model import BaseMotion, Oscillator
 from dampbalance.motion.orbit import steady_orbit
+from dampbalance.motion.orbits import steady_orbits
 from dampbalance.reading.clean import of_record
 from dampbalance.reading.quadrature import integral
 from dampbalance.record import Record
@@ -44,11 +46,11 @@ def worst(read, exact, *names):
 def test_features_of_an_orbit_are_those_of_the_orbit():
     exact = orbit()
     features = of_orbit(exact)
-    assert (features.omega, features.Y[0]) == (OMEGA, 0.008)
+    assert (features.omega[0], features.Y[0]) == (OMEGA, 0.008)
     for name in ("X", "X_s", "V_s", "t_s", "phi", "a", "b", "W"):
         assert getattr(features, name)[0] == getattr(exact, name), name
     assert features.X_r[0] == -exact.X_s
-    assert features.regime == ("one slip onset per half cycle",)
+    assert features.regime.tolist() == ["one slip onset per half cycle"]
     assert features.slipping.tolist() == [True]
 
 
@@ -64,7 +66,7 @@ def test_an_orbit_that_never_slips_has_no_slip_features_and_says_so():
 def test_stacking_and_taking_keep_the_order():
     features = stack([of_orbit(orbit(Y)) for Y in LEVELS])
     assert features.Y.tolist() == list(LEVELS)
-    some = features.take([3, 0])
+    some = features[[3, 0]]
     assert some.Y.tolist() == [0.010, 0.004]
     assert some.W.tolist() == [features.W[3], features.W[0]]
     assert len(some) == 2
@@ -77,8 +79,8 @@ def test_frames_keep_every_bit():
         frame.columns
     )
     again = Features.from_frame(frame)
-    assert (again.omega, again.regime) == (features.omega, features.regime)
-    for name in COLUMNS:
+    assert again.regime.tolist() == features.regime.tolist()
+    for name in ("omega", *COLUMNS):
         assert np.array_equal(getattr(again, name), getattr(features, name), equal_nan=True), name
 
 
@@ -101,8 +103,6 @@ def test_common_values_are_means_over_the_responses_that_have_them():
 
 
 def test_what_does_not_fit_together_is_refused():
-    with pytest.raises(ValueError, match="one frequency, got"):
-        stack([of_orbit(orbit()), of_orbit(orbit(omega=20.0))])
     with pytest.raises(ValueError, match="at least one"):
         stack([])
     with pytest.raises(ValueError, match=r"Features\.X has shape"):
@@ -111,6 +111,91 @@ def test_what_does_not_fit_together_is_refused():
         of_orbit(orbit()).replaced(Z=1.0)
     with pytest.raises(ValueError, match="X_m"):
         Features.from_frame(of_orbit(orbit()).to_frame().drop(columns="X_m"))
+
+
+def test_responses_of_different_frequencies_go_together():
+    features = stack([of_orbit(orbit()), of_orbit(orbit(omega=20.0))])
+    assert features.omega.tolist() == [OMEGA, 20.0]
+    assert features.to_frame()["omega_rad_per_s"].tolist() == [OMEGA, 20.0]
+
+
+# ---- levels by cases ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def by_case():
+    """Three levels of four oscillators, (3, 4): the lowest level does not slip in the first two of them."""
+    Y = np.array([[5e-4], [0.004], [0.012]]) * np.ones(4)
+    F_k, omega = np.array([3.0, 2.0, 0.5, 1.28]), np.array([OMEGA, 20.0, 25.0, 40.0])
+    orbits = steady_orbits(
+        m=PAPER.m, c=PAPER.c, k=PAPER.k, K_z=PAPER.K_z, F_k=F_k, Y=Y, omega=omega
+    )
+    return of_orbits(orbits, Y, omega), F_k
+
+
+def test_features_of_many_orbits_are_those_of_each(by_case):
+    features, F_k = by_case
+    assert len(features) == 3
+    for level, case in np.ndindex(3, 4):
+        alone = of_orbit(
+            orbit(
+                features.Y[level, case],
+                replace(PAPER, F_k=float(F_k[case])),
+                float(features.omega[level, case]),
+            )
+        )
+        for name in ("omega", *COLUMNS):
+            found, expected = getattr(features, name)[level, case], getattr(alone, name)[0]
+            assert found == pytest.approx(expected, rel=1e-15, nan_ok=True), name
+        assert features.regime[level, case] == alone.regime[0]
+        assert features.slipping[level, case] == alone.slipping[0]
+    assert features.slipping.tolist() == [[False, False, True, False], [True] * 4, [True] * 4]
+
+
+def test_what_has_fewer_axes_is_broadcast():
+    """A frequency per case, a word for all, and the features that are not given: all in the shape of Y."""
+    Y = np.arange(1.0, 7.0).reshape(3, 2)
+    features = of_numbers([20.0, 30.0], "drawn", Y=Y, X=Y[:, :1], phi=1.5)
+    assert features.omega.tolist() == [[20.0, 30.0]] * 3
+    assert features.X.tolist() == [[1.0, 1.0], [3.0, 3.0], [5.0, 5.0]]
+    assert features.regime.shape == features.t_s.shape == features.phi.shape == (3, 2)
+    assert set(features.regime.ravel()) == {"drawn"}
+    assert np.isnan(features.t_s).all()
+    with pytest.raises(ValueError, match="read-only"):
+        features.X[0, 0] = 1.0
+    changed = features.replaced(t_s=0.1, phi=[1.0, 2.0])
+    assert changed.t_s.tolist() == [[0.1, 0.1]] * 3
+    assert changed.phi.tolist() == [[1.0, 2.0]] * 3
+    with pytest.raises(ValueError, match=r"Features\.phi has shape \(3,\), Y has \(3, 2\)"):
+        features.replaced(phi=[1.0, 2.0, 3.0])
+    with pytest.raises(ValueError, match=r"Features\.regime has shape \(3,\), Y has \(3, 2\)"):
+        of_numbers(20.0, ["one", "two", "three"], Y=Y)
+
+
+def test_an_index_is_that_of_arrays(by_case):
+    features, _ = by_case
+    assert features[[2, 0]].W.tolist() == [features.W[2].tolist(), features.W[0].tolist()]
+    assert features[:, 1].X.tolist() == features.X[:, 1].tolist()
+    assert features[:, 1].regime.tolist() == features.regime[:, 1].tolist()
+    assert features[:, None].Y.shape == (3, 1, 4)
+    cases = beside([features[:, case] for case in range(4)])
+    levels = stack([features[[level]] for level in range(3)])
+    for name in ("omega", *COLUMNS, "regime"):
+        for again in (cases, levels):
+            np.testing.assert_array_equal(getattr(again, name), getattr(features, name), name)
+
+
+def test_common_values_are_taken_case_by_case(by_case):
+    features, _ = by_case
+    common = features.with_common("phi", "t_s")
+    for case in range(4):
+        alone = features[:, case].with_common("phi", "t_s")
+        for name in COLUMNS:
+            np.testing.assert_array_equal(getattr(common, name)[:, case], getattr(alone, name))
+    assert np.isnan(common.t_s).tolist() == np.isnan(features.t_s).tolist()
+    assert common.t_s[1].tolist() == common.t_s[2].tolist()
+    nowhere = features.replaced(t_s=np.where(np.arange(4) == 2, np.nan, features.t_s))
+    assert np.isnan(nowhere.with_common("t_s").t_s[:, 2]).all()
 
 
 # ---- reading records ------------------------------------------------------------------------------------------------
@@ -123,7 +208,7 @@ def test_interpolated_reading_of_an_exact_record_is_exact(Y, frequency_hz):
     read = of_record(sampled(motion_orbit, 10000.3), motion_orbit.motion.omega, PAPER.k)
     # Fourth order in the step; the corner is 40 to 150 samples after the reversal and the least well read.
     assert worst(read, of_orbit(motion_orbit)) < 2e-7
-    assert read.regime == ("one slip onset per half cycle",)
+    assert read.regime.tolist() == ["one slip onset per half cycle"]
 
 
 def test_interpolated_reading_converges_as_the_fourth_power_of_the_step():
@@ -193,7 +278,7 @@ def test_lock_in_uses_all_whole_cycles():
 def test_a_record_without_a_corner_has_no_slip_onset(osc, Y, reading):
     exact = orbit(Y, osc)
     read = of_record(sampled(exact, 4000.3), OMEGA, osc.k, reading=reading)
-    assert read.regime == ("no slip onset: the acceleration has no corner",)
+    assert read.regime.tolist() == ["no slip onset: the acceleration has no corner"]
     for name in ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r", "a"):
         assert np.isnan(getattr(read, name)[0]), name
     assert worst(read, of_orbit(exact), "Y", "X", "b", "X_1") < 1e-6  # (h ω)² / 2 for "sample"
@@ -274,7 +359,7 @@ def test_integral_stays_inside_the_samples():
 
 
 def read_off(**rules):
-    return ReadOut(**rules), single(
+    return ReadOut(**rules), of_numbers(
         OMEGA,
         "one slip onset per half cycle",
         X=0.0060473738,
@@ -323,7 +408,7 @@ def test_features_without_a_rule_are_left_alone():
 def test_common_values_are_read_first_and_rounded_last():
     features = stack(
         [
-            single(OMEGA, "", phi=p, t_s=t)
+            of_numbers(OMEGA, "", phi=p, t_s=t)
             for p, t in ((1.51, 2.96e-3), (1.53, 2.47e-3), (1.55, 1.99e-3))
         ]
     )

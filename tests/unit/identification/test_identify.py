@@ -53,12 +53,12 @@ def test_exact_records_give_the_truth_off_resonance_too(hz):
     found = identify(readings(hz), OSC.k, replicates=20)
     direct, fourier = found.estimates["direct"], found.estimates["fourier"]
     # the waveform has 1,024 points per half cycle; F_k takes up the small errors of large rows
-    assert relative(direct.F_k, OSC.F_k) == pytest.approx(0.0, abs=2e-5)
-    assert relative(direct.c, OSC.c) == pytest.approx(0.0, abs=2e-6)
+    assert relative(direct.coefficients["F_k"], OSC.F_k) == pytest.approx(0.0, abs=2e-5)
+    assert relative(direct.coefficients["c"], OSC.c) == pytest.approx(0.0, abs=2e-6)
     assert relative(direct.K_z, OSC.K_z) == pytest.approx(0.0, abs=1e-4)
     # what a balance of three harmonics cuts off
-    assert relative(fourier.F_k, OSC.F_k) == pytest.approx(0.0, abs=5e-4)
-    assert relative(fourier.c, OSC.c) == pytest.approx(0.0, abs=5e-5)
+    assert relative(fourier.coefficients["F_k"], OSC.F_k) == pytest.approx(0.0, abs=5e-4)
+    assert relative(fourier.coefficients["c"], OSC.c) == pytest.approx(0.0, abs=5e-5)
     assert found.warnings == ()
 
 
@@ -68,7 +68,7 @@ def test_records_of_several_frequencies_go_together():
     ]
     direct = identify(mixed, OSC.k, replicates=200).estimates["direct"]
     for symbol in ("F_k", "c", "K_z"):
-        low, high = getattr(direct, symbol).interval
+        low, high = direct.parameters[symbol].interval
         assert low < getattr(OSC, symbol) < high
 
 
@@ -86,7 +86,7 @@ def test_intervals_tell_the_truth():
     ]
     for symbol in ("F_k", "c", "K_z"):
         true = getattr(OSC, symbol)
-        parameters = [getattr(run, symbol) for run in runs]
+        parameters = [run.parameters[symbol] for run in runs]
         values = np.array([p.value for p in parameters])
         stated = np.mean([p.standard_error for p in parameters])
         # 40 runs know their scatter to 11 %, twenty cycles the noise to a few: three standard deviations
@@ -107,10 +107,12 @@ def test_the_records_share_what_no_single_one_resolves():
     assert found.microstick.resolved
     direct = found.estimates["direct"]
     assert direct.K_z.interval.low < OSC.K_z < direct.K_z.interval.high
-    assert direct.F_k.interval.low < OSC.F_k < direct.F_k.interval.high
+    low, high = direct.coefficients["F_k"].interval
+    assert low < OSC.F_k < high
     # one length for all
-    lengths = [float(f.X[0] + f.X_s[0]) for f in found.features]
-    assert lengths == pytest.approx([found.microstick.length] * 5, rel=1e-9)
+    assert found.features.X + found.features.X_s == pytest.approx(
+        [found.microstick.length] * 5, rel=1e-9
+    )
     assert not any("rigid limit" in words for words in found.warnings)
 
 
@@ -125,10 +127,10 @@ def test_an_onset_that_is_not_resolved_is_said_and_costed():
     direct = found.estimates["direct"]
     assert direct.K_z.interval.high == math.inf
     assert 0.0 < direct.K_z.interval.low < stiff.K_z
-    assert all(f.X_s[0] == -f.X[0] for f in found.features)
+    assert np.array_equal(found.features.X_s, -found.features.X)
     # what a rigid contact costs is stated, and is no more than the bound on the length allows
     assert -0.05 < found.microstick.rigid_bias < 0.0
-    low, high = direct.F_k.interval
+    low, high = direct.coefficients["F_k"].interval
     assert low < stiff.F_k < high / (1.0 + found.microstick.rigid_bias)
     shown = text_table(found)
     assert "> " in shown.splitlines()[3]
@@ -140,9 +142,11 @@ def test_an_approach_whose_shape_does_not_hold_is_named():
     assert found.estimates["direct"].notes == ()
     assert "off the direct balance, F_k by -1" in found.estimates["X_s"].notes[0]
     better = identify(readings(3.5, 0.005), OSC.k, phase="fundamental", replicates=100)
-    assert abs(relative(better.estimates["X_s"].F_k, OSC.F_k)) < 0.5 * abs(
-        relative(found.estimates["X_s"].F_k, OSC.F_k)
+    of_better, of_found = (
+        abs(relative(each.estimates["X_s"].coefficients["F_k"], OSC.F_k))
+        for each in (better, found)
     )
+    assert of_better < 0.5 * of_found
 
 
 def test_a_level_that_does_not_belong_is_noticed():
@@ -164,11 +168,12 @@ def test_equal_seeds_give_equal_numbers_whatever_is_asked_beside():
         read, OSC.k, replicates=50, seed=3, approaches={"fourier": APPROACHES["fourier"]}
     )
     other = identify(read, OSC.k, replicates=50, seed=4)
-    assert one.estimates["fourier"].F_k == two.estimates["fourier"].F_k
-    assert one.estimates["fourier"].F_k.value == other.estimates["fourier"].F_k.value
-    assert (
-        one.estimates["fourier"].F_k.standard_error != other.estimates["fourier"].F_k.standard_error
+    first, again, drawn = (
+        each.estimates["fourier"].coefficients["F_k"] for each in (one, two, other)
     )
+    assert first == again
+    assert first.value == drawn.value
+    assert first.standard_error != drawn.standard_error
 
 
 def test_tables_and_documents_hold_the_same_numbers():
@@ -184,7 +189,7 @@ def test_tables_and_documents_hold_the_same_numbers():
     assert len(features) == 5
     assert (features["X_standard_error_m"] > 0.0).all()
     assert (features["W_standard_error_J"] > 0.0).all()
-    direct = found.estimates["direct"].F_k
+    direct = found.estimates["direct"].coefficients["F_k"]
     line = text_table(found).splitlines()[3]
     assert f"{direct.value:.4f} [{direct.interval.low:.4f}, {direct.interval.high:.4f}]" in line
 
@@ -265,7 +270,7 @@ def test_records_of_an_independent_integrator(hz, driven_by, independent):
     found = identify(read, OSC.k, replicates=200)
     for name in ("direct", "fourier"):
         for symbol in ("F_k", "c", "K_z"):
-            parameter, true = getattr(found.estimates[name], symbol), getattr(OSC, symbol)
+            parameter, true = found.estimates[name].parameters[symbol], getattr(OSC, symbol)
             # two parameters in a hundred intervals: four standard errors
             assert abs(parameter.value - true) < 4.0 * parameter.standard_error + 6e-4 * true
             assert parameter.standard_error < 0.01 * true

@@ -80,6 +80,33 @@ def test_every_regime_bit_for_bit(numbers):
         )
 
 
+@pytest.mark.parametrize(
+    ("numbers", "regime"),
+    [
+        ((0.4, 0.8, 10.0, 0.3), Regime.ONE_SLIP),
+        (next(iter(SEVERAL_SLIPS)), Regime.SEVERAL_SLIPS),
+        ((0.3, 0.7, 5.0, 3.0), Regime.NO_SLIP),
+        ((0.4, 0.8, 10.0, 0.0), Regime.NO_FRICTION),
+    ],
+    ids=str,
+)
+def test_the_zero_crossing_is_where_x_crosses_zero(numbers, regime):
+    """It lags a quarter period and φ behind the peak of the base; as `Orbit` has it, and as x(t) does it."""
+    numbers = dimensions(*numbers)
+    many = steady_orbits(**numbers)
+    assert many.regime == regime
+    orbit = steady_orbit(
+        Oscillator(**{name: numbers[name] for name in MODEL}),
+        BaseMotion(Y=numbers["Y"], omega=numbers["omega"]),
+    )
+    assert many.phi_zero_crossing == orbit.phi_zero_crossing
+    at = (many.phi_zero_crossing - 0.5 * math.pi) / numbers["omega"] + orbit.motion.period
+    small = 1e-6 * orbit.motion.period
+    before, there, after = orbit.state(np.array([at - small, at, at + small])).x
+    assert abs(there) < 1e-13 * orbit.X
+    assert before < 0.0 < after
+
+
 def test_any_number_of_threads_gives_the_same_bytes():
     # more than two blocks, so that the threads do share them
     cases = random_cases(2 * _BLOCK + 17)

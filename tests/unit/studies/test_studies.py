@@ -12,14 +12,11 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 import yaml
-from hypothesis import given
-from hypothesis import strategies as st
 
 from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
-from dampbalance.balance import APPROACHES, Rows, takes_phase
+from dampbalance.balance import APPROACHES, takes_phase
 from dampbalance.estimates import estimate_table
 from dampbalance.features import of_orbit, stack
-from dampbalance.fitting import least_squares_of_cases
 from dampbalance.motion.fixed_step import simulate
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.wording import percent
@@ -39,8 +36,8 @@ PAPER_FILE = ROOT / "config/config.yaml"
 SCHEMA = yaml.safe_load(SCHEMA_FILE.read_text(encoding="utf-8"))
 SHIPPED = sorted((ROOT / "config/studies").glob("*.yaml"))
 
-# The estimates come from the same rows by the same algorithm, summed in another order: a condition number of up to 1000
-# for levels as close as these, times rounding.
+# The estimates come from the same rows by the same solver, but sin and cos of longer arrays may round otherwise: a
+# condition number of up to 1000 for levels as close as these, times rounding.
 SOLVER = 1e-12
 
 
@@ -152,31 +149,6 @@ def test_a_case_does_not_depend_on_its_chunk_or_the_threads(study, bounds):
     pd.testing.assert_frame_equal(part, expected, check_exact=True)
 
 
-@given(st.integers(0, 2**32 - 1), st.integers(2, 6))
-def test_the_solver_of_many_cases_is_the_solver_of_one(seed, levels):
-    rng = np.random.default_rng(seed)
-    a, b, W = rng.uniform(0.1, 1.0, (3, levels, 5))
-    a[0, 1] = np.nan  # a level that lacks a feature
-    a[:, 2], b[:, 2] = 1.0, 2.0  # one and the same response
-    found = least_squares_of_cases(Rows(a, b, W))
-    for case in range(5):
-        rows = Rows(a[:, case], b[:, case], W[:, case])
-        try:
-            expected = least_squares(rows)
-        except ValueError:
-            assert math.isnan(found.F_k[case])
-            assert math.isnan(found.c[case])
-            continue
-        # random rows can be nearly parallel: the error is the condition number times rounding
-        matrix = np.column_stack([rows.a, rows.b])[rows.usable]
-        tolerance = 1e-14 * np.linalg.cond(matrix) ** 2
-        size = abs(expected.F_k) + abs(expected.c)
-        assert found.F_k[case] == pytest.approx(expected.F_k, abs=tolerance * size)
-        assert found.c[case] == pytest.approx(expected.c, abs=tolerance * size)
-        if expected.n > 2:
-            assert found.residual[case] == pytest.approx(expected.residual, abs=tolerance + 1e-12)
-
-
 def test_read_out_rules_are_applied_case_by_case(study):
     made = study(
         {
@@ -206,7 +178,7 @@ def test_read_out_rules_are_applied_case_by_case(study):
         ):
             expected = least_squares(APPROACHES["t_s"](seen, osc.k))
             label = f"t_s__reversal__{sharing}__least_squares"
-            assert table[f"F_k_N__{label}"][case] == pytest.approx(expected.F_k, rel=SOLVER)
+            assert table[f"F_k_N__{label}"][case] == pytest.approx(expected["F_k"], rel=SOLVER)
 
 
 def test_a_fixed_step_route_reads_its_records_as_one_would(study):
@@ -227,7 +199,7 @@ def test_a_fixed_step_route_reads_its_records_as_one_would(study):
         record = simulate(osc, motion, step=motion.period / 8000, cycles=5, keep_cycles=3)
         parts.append(of_record(record, motion.omega, osc.k))
     expected = pair(APPROACHES["direct"](stack(parts), osc.k), 0, 1)
-    assert row["c_N_s_per_m__direct__least_squares"] == pytest.approx(expected.c, rel=SOLVER)
+    assert row["c_N_s_per_m__direct__least_squares"] == pytest.approx(expected["c"], rel=SOLVER)
     # Backward Euler damps, c + m ω² h; Runge–Kutta 4 does not.
     h = 2.0 * math.pi / row["omega_rad_per_s"] / 8000
     bias = osc.m * row["omega_rad_per_s"] ** 2 * h
