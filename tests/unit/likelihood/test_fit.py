@@ -10,10 +10,10 @@ from scipy.stats import chi2
 
 from dampbalance.likelihood.fit import reference_fit
 from dampbalance.likelihood.information import NotIdentifiable, cramer_rao, noise_of_rms
-from dampbalance.likelihood.maximise import Evaluation, NoConvergence, climb
 from dampbalance.likelihood.residuals import Residual, adequacy
 from dampbalance.model import BaseMotion, Oscillator
 from dampbalance.motion.orbit import steady_orbit
+from dampbalance.reading.climb import Evaluation, NoConvergence, climb
 from dampbalance.record import Record
 
 PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
