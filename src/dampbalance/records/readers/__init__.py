@@ -1,7 +1,7 @@
 """Reading records of every format that laboratories have into a `Measurement` in SI units.
 
 measurement = read("level1.mat")                    # mapping beside it, or names and units in the file
-for block in open_blocks("long.tdms"): ...          # in bounded memory
+for t, values in open_channels("long.tdms")["force"](): ...  # in bounded memory
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ __all__ = [
     "RecordError",
     "RecordWarning",
     "channels",
-    "open_blocks",
     "open_channels",
     "read",
 ]
@@ -46,10 +45,13 @@ def read(path: str | Path, mapping: MappingLike = None) -> Measurement:
         return whole(source, picks_of(source, rules))
 
 
-def open_blocks(
+def open_channels(
     path: str | Path, mapping: MappingLike = None, block: int = 1_000_000
-) -> Iterator[Measurement]:
-    """The same measurement in blocks of `block` samples, in memory that does not grow with the file.
+) -> dict[str, Callable[[], Iterator[tuple[Array, Array]]]]:
+    """For each quantity of the measurement, a function that reads its channel from the beginning, block by block.
+
+    A block is the times (s) and the values (SI), shape (n,), n ≤ block. The channels may have unequal lengths and times
+    of their own, and each may be read as often as wanted; only one of them is in memory.
 
     Text, Parquet, HDF5, MATLAB 7.3, TDMS (segment by segment) and WAV are read piece by piece; MATLAB 5 and universal
     files are read whole and handed out in blocks, as their libraries know no other way. File and mapping are checked
@@ -60,40 +62,12 @@ def open_blocks(
     if block < 3:
         raise ValueError(f"block must be at least 3 samples, got {block}")
     path, rules = Path(path), mapping_for(path, mapping)
-    source = _open(path, rules)
-    try:
-        picks = picks_of(source, rules)
-    except RecordError:
-        source.close()
-        raise
-
-    def blocks() -> Iterator[Measurement]:
-        with closing(source):
-            for found in in_blocks(source, picks, block):
-                yield Measurement.of(str(path), found)
-
-    return blocks()
-
-
-def open_channels(
-    path: str | Path, mapping: MappingLike = None, block: int = 1_000_000
-) -> dict[str, Callable[[], Iterator[tuple[Array, Array]]]]:
-    """For each quantity of the measurement, a function that reads its channel from the beginning, block by block.
-
-    A block is the times (s) and the values (SI), shape (n,), n ≤ block. The channels may have unequal lengths and times
-    of their own, and each may be read as often as wanted; only one of them is in memory.
-
-    Raises RecordError as `open_blocks`.
-    """
-    if block < 3:
-        raise ValueError(f"block must be at least 3 samples, got {block}")
-    path, rules = Path(path), mapping_for(path, mapping)
     with closing(_open(path, rules)) as source:
         picks = picks_of(source, rules)
 
     def blocks(pick: Pick) -> Iterator[tuple[Array, Array]]:
         with closing(_open(path, rules)) as source:
-            for (channel,) in in_blocks(source, [pick], block):
+            for channel in in_blocks(source, pick, block):
                 yield channel.t, channel.values
 
     return {pick.quantity: partial(blocks, pick) for pick in picks}

@@ -46,48 +46,36 @@ def whole(source: Source, picks: Sequence[Pick]) -> Measurement:
     return Measurement.of(str(source.path), channels)
 
 
-def in_blocks(source: Source, picks: Sequence[Pick], size: int) -> Iterator[list[Channel]]:
-    """The channels of the same samples, `size` at a time; the last block may be shorter, but has at least 2.
+def in_blocks(source: Source, pick: Pick, size: int) -> Iterator[Channel]:
+    """One channel, `size` samples at a time; the last block may be shorter, but has at least 2.
 
     Raises RecordError as `whole`, when the block that is wrong comes up, a constant channel after the last.
     """
-    wanted = _wanted(picks)
-    sizes = {source.channels[i].size for i in wanted}
-    if len(sizes) > 1:
+    wanted = _wanted([pick])
+    if len({source.channels[i].size for i in wanted}) > 1:
         named = ", ".join(f"{source.channels[i].name!r} {source.channels[i].size}" for i in wanted)
         raise RecordError(
             f"{source.path}: its channels have unequal lengths ({named}); such a file is read only as a whole"
         )
-    stretches = [Stretch() for _ in picks]
+    stretch = Stretch()
+
+    def channel(columns: list[Array]) -> Channel:
+        by_index = dict(zip(wanted, columns, strict=True))
+        time = None if pick.time is None else by_index[pick.time]
+        return stretch.channel(source, pick, by_index[pick.index], time)
+
     # One block is kept back, so that a last one of a single sample can join it.
     waiting: list[Array] | None = None
     raw = source.blocks(wanted, size)
-    for block in raw if any(pick.time is None for pick in picks) else _without_empty_end(raw):
+    for block in raw if pick.time is None else _without_empty_end(raw):
         if waiting is not None and block[0].size < 2:
             waiting = [np.concatenate(pair) for pair in zip(waiting, block, strict=True)]
             continue
         if waiting is not None:
-            yield _block(source, picks, stretches, dict(zip(wanted, waiting, strict=True)))
+            yield channel(waiting)
         waiting = block
-    yield _block(
-        source,
-        picks,
-        stretches,
-        dict(zip(wanted, waiting or [np.empty(0)] * len(wanted), strict=True)),
-    )
-    for pick, stretch in zip(picks, stretches, strict=True):
-        stretch.finish(source, pick)
-
-
-def _block(
-    source: Source, picks: Sequence[Pick], stretches: Sequence[Stretch], columns: dict[int, Array]
-) -> list[Channel]:
-    return [
-        stretch.channel(
-            source, pick, columns[pick.index], None if pick.time is None else columns[pick.time]
-        )
-        for pick, stretch in zip(picks, stretches, strict=True)
-    ]
+    yield channel(waiting or [np.empty(0)] * len(wanted))
+    stretch.finish(source, pick)
 
 
 @dataclass
