@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
-Block = tuple[Array, Array]  # times, values
+Samples = tuple[Array, Array]  # times, values
 
 _MOST_ROWS = 2048
 _CYCLES_AT_ONCE = 256
@@ -67,7 +67,7 @@ class CycleHarmonics:
 
 
 def accumulate(
-    blocks: Iterable[Block], omega: float, *, start: float, dt: float, harmonics: int, cycles: int
+    blocks: Iterable[Samples], omega: float, *, start: float, dt: float, harmonics: int, cycles: int
 ) -> CycleHarmonics:
     """The harmonics of every cycle of a signal that comes in blocks.
 
@@ -101,7 +101,7 @@ class _Accumulator:
             raise ValueError(f"{self.shortest} samples per cycle are more than can be worked on")
         self.longest = self.shortest + 2  # rounding of times may give and take a sample
         self.next_cycle = 0
-        self.carry: Block = (np.empty(0), np.empty(0))
+        self.carry: Samples = (np.empty(0), np.empty(0))
         self.rows: list[Complexes] = []  # sums of harmonics, number of usable cycles
         self.waiting = np.zeros((0, self.count + 1), dtype=np.complex128)  # cycles for the next row
         self.cycles_per_row = 1

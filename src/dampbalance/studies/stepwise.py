@@ -17,7 +17,7 @@ from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
-from ..reading.clean import Reading, of_record
+from ..reading.clean import Readout, of_record
 from ..record import Record
 from .responses import NOT_READ, STEP_TOO_COARSE, Responses
 
@@ -27,7 +27,7 @@ KEPT_CYCLES = 3  # of a simulation: whole cycles enough for the reader, whatever
 
 
 def fixed_step_responses(
-    si: Mapping[str, Array], Y: Array, numerics: Mapping[str, Any], cycles: int, reading: Reading
+    si: Mapping[str, Array], Y: Array, numerics: Mapping[str, Any], cycles: int, reading: Readout
 ) -> Responses:
     """The responses that a fixed-step scheme gives, read off their last three cycles.
 
@@ -59,7 +59,7 @@ def fixed_step_responses(
 
 
 def sampled_responses(
-    si: Mapping[str, Array], Y: Array, numerics: Mapping[str, Any], cycles: int, reading: Reading
+    si: Mapping[str, Array], Y: Array, numerics: Mapping[str, Any], cycles: int, reading: Readout
 ) -> Responses:
     """The exact responses, sampled at sampling_hz (Hz, (n,)) for `cycles` cycles from ωt = 0 on, and read."""
 
@@ -80,7 +80,7 @@ def sampled_responses(
 
 
 def _read(
-    record: Record, osc: Oscillator, motion: BaseMotion, reading: Reading
+    record: Record, osc: Oscillator, motion: BaseMotion, reading: Readout
 ) -> tuple[Features, int]:
     try:
         features = of_record(record, motion.omega, osc.k, reading)
