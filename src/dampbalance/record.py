@@ -26,9 +26,9 @@ COLUMNS = {
 }
 """Column of a data frame that holds each signal, named with its unit."""
 
-# A time stamp may be off the uniform grid by this part of a step: room for times written with few digits, while
-# a missing or doubled sample (one whole step) is still found.
-_GRID_TOLERANCE = 0.05
+GRID_TOLERANCE = 0.05
+"""Part of a step by which a time stamp may be off the uniform grid: room for times written with few digits, while a
+missing or doubled sample (one whole step) is still found."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +150,7 @@ def _require_uniform(t: Array) -> None:
         )
     grid = np.linspace(t[0], t[-1], t.size)
     i = int(np.argmax(np.abs(t - grid)))
-    if abs(t[i] - grid[i]) > _GRID_TOLERANCE * dt:
+    if abs(t[i] - grid[i]) > GRID_TOLERANCE * dt:
         raise ValueError(
             f"Record.t is not uniform: sample {i}, {t[i]:g} s, lies {abs(t[i] - grid[i]):.2g} s off the grid of "
             f"{dt:g} s steps; resample the record to equal steps"

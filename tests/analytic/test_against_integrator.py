@@ -10,6 +10,7 @@ import pytest
 from analytic.cases import PAPER, PAPER_MOTIONS, SEVERAL_SLIPS, case
 from analytic.integrator import integrate
 from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit, transient
+from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X
 
 # DOP853 is asked for 1e-12 a step and takes a few hundred steps a period; events are found on its dense output, of
 # order 7. Measured: below 1e-12 on states and times, 2e-12 on the integrals.
@@ -53,10 +54,10 @@ def test_steady_orbit_is_periodic_and_has_its_integrals(numbers):
     assert len(run.events) in (2 * inner + 1, 2 * inner + 2) if inner else not run.events
     for event, row in zip(run.events, orbit.phases[1:], strict=False):
         t, s, x, v = event
-        assert s == row[1]
-        assert t == pytest.approx(row[0], rel=0, abs=TOLERANCE * motion.period)
-        assert x == pytest.approx(row[2], rel=0, abs=TOLERANCE * scale)
-        assert v == pytest.approx(row[3], rel=0, abs=TOLERANCE * speed)
+        assert s == row[PHASE_S]
+        assert t == pytest.approx(row[PHASE_T], rel=0, abs=TOLERANCE * motion.period)
+        assert x == pytest.approx(row[PHASE_X], rel=0, abs=TOLERANCE * scale)
+        assert v == pytest.approx(row[PHASE_V], rel=0, abs=TOLERANCE * speed)
     if orbit.regime is not Regime.NO_SLIP:
         first_forward = next(e for e in run.events if e[1] == 1)
         assert first_forward[0] == pytest.approx(orbit.t_s, rel=0, abs=TOLERANCE * motion.period)
@@ -116,10 +117,12 @@ def test_transient_from_a_random_state(seed):
     path = transient(oscillator, motion, end, x=x, v=v, z=z)
     assert len(path.phases) == len(expected.events) + 1
     for row, (t, s, at, speed) in zip(path.phases[1:], expected.events, strict=True):
-        assert row[1] == s
-        assert row[0] == pytest.approx(t, rel=0, abs=TOLERANCE * motion.period)
-        assert row[2] == pytest.approx(at, rel=0, abs=TOLERANCE * 5 * motion.Y)
-        assert row[3] == pytest.approx(speed, rel=0, abs=TOLERANCE * 5 * motion.omega * motion.Y)
+        assert row[PHASE_S] == s
+        assert row[PHASE_T] == pytest.approx(t, rel=0, abs=TOLERANCE * motion.period)
+        assert row[PHASE_X] == pytest.approx(at, rel=0, abs=TOLERANCE * 5 * motion.Y)
+        assert row[PHASE_V] == pytest.approx(
+            speed, rel=0, abs=TOLERANCE * 5 * motion.omega * motion.Y
+        )
     state = path.state(end)
     assert float(state.x) == pytest.approx(expected.x, rel=0, abs=TOLERANCE * 5 * motion.Y)
     assert float(state.z) == pytest.approx(expected.z, rel=0, abs=TOLERANCE * 5 * motion.Y)
@@ -134,10 +137,10 @@ def test_transient_that_overstretches_the_spring_for_a_moment():
     expected = integrate(oscillator, motion, end, **start, step=0.01)
     path = transient(oscillator, motion, end, **start)
     assert [event[1] for event in expected.events[:3]] == [-1, 0, 1]
-    assert list(path.phases[1:4, 1]) == [-1.0, 0.0, 1.0]
+    assert list(path.phases[1:4, PHASE_S]) == [-1.0, 0.0, 1.0]
     for row, (t, _, at, _) in zip(path.phases[1:], expected.events, strict=True):
-        assert row[0] == pytest.approx(t, rel=0, abs=TOLERANCE * motion.period)
-        assert row[2] == pytest.approx(at, rel=0, abs=TOLERANCE * 3.0 * motion.Y)
+        assert row[PHASE_T] == pytest.approx(t, rel=0, abs=TOLERANCE * motion.period)
+        assert row[PHASE_X] == pytest.approx(at, rel=0, abs=TOLERANCE * 3.0 * motion.Y)
 
 
 def test_transient_that_only_just_reaches_the_limit_of_the_spring():
@@ -155,5 +158,5 @@ def test_transient_that_only_just_reaches_the_limit_of_the_spring():
     times = [event[0] for event in expected.events]
     assert times[0] < first_turn < times[1]  # it slips before the turn, and a moment later sticks
     # the velocity is some 1e-4 of its later size where it changes sign: times lose as many digits
-    np.testing.assert_allclose(path.phases[1:, 0] - start, times, rtol=0, atol=1e-9)
-    assert list(path.phases[1:, 1]) == [event[1] for event in expected.events]
+    np.testing.assert_allclose(path.phases[1:, PHASE_T] - start, times, rtol=0, atol=1e-9)
+    assert list(path.phases[1:, PHASE_S]) == [event[1] for event in expected.events]

@@ -12,6 +12,7 @@ from analytic.cases import PAPER, PAPER_MOTIONS, SEVERAL_SLIPS, case
 from analytic.forty_digits import keeps_its_pattern, solve
 from dampbalance import Regime, steady_orbit
 from dampbalance.model import parameters
+from dampbalance.motion.events import PHASE_S, PHASE_T
 
 # Rounding is 2e-16; the worst measured over a thousand cases of the range below is 1e-13 (V_s) and 6e-14 (b, W).
 RELATIVE = 5e-13
@@ -20,9 +21,13 @@ RELATIVE = 5e-13
 def compare(oscillator, motion, relative=RELATIVE):
     """Check every feature, each relative to itself but for those that may vanish: X_s to X, the phases to a turn."""
     orbit = steady_orbit(oscillator, motion)
-    states = [int(s) for s in orbit.phases[:, 1]]
+    states = [int(s) for s in orbit.phases[:, PHASE_S]]
     exact = solve(
-        parameters(oscillator, motion), orbit.X, orbit.theta, list(orbit.phases[1:, 0]), states
+        parameters(oscillator, motion),
+        orbit.X,
+        orbit.theta,
+        list(orbit.phases[1:, PHASE_T]),
+        states,
     )
     assert keeps_its_pattern(exact, oscillator.Z_m)
     for name in ("X", "V_s", "t_s", "a", "b", "W"):
@@ -37,7 +42,7 @@ def compare(oscillator, motion, relative=RELATIVE):
         error = abs(mp.mpf(X_n) * mp.exp(-1j * mp.mpf(phi_n)) - exact.harmonics[n])
         # the higher ones are what is left of motions of the size of X: they carry its rounding, some 10 units
         assert error <= relative * abs(exact.harmonics[n]) + 2e-15 * exact.X, n
-    for time, value in zip(orbit.phases[1:, 0], exact.events, strict=True):
+    for time, value in zip(orbit.phases[1:, PHASE_T], exact.events, strict=True):
         assert abs(time - value) <= relative * value
     return orbit
 

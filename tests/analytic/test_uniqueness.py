@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from analytic.cases import SEVERAL_SLIPS, case
 from dampbalance import Regime, steady_orbit, transient
+from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X
 
 unit = st.floats(-1.0, 1.0)
 
@@ -109,11 +110,13 @@ def test_phases_of_the_steady_orbit_are_those_of_the_transient_that_starts_on_it
     start, end = orbit.t_1, orbit.t_1 + motion.period
     path = transient(oscillator, motion, end, x=-orbit.X, z=-oscillator.Z_m, start=start)
     phases = path.phases
-    assert list(phases[:4, 1]) == [0.0, 1.0, 0.0, -1.0]
+    assert list(phases[:4, PHASE_S]) == [0.0, 1.0, 0.0, -1.0]
     half = 0.5 * motion.period
     expected = start + np.array([0.0, orbit.t_s, half, half + orbit.t_s])
-    np.testing.assert_allclose(phases[:4, 0], expected, rtol=0, atol=1e-14 * motion.period)
+    np.testing.assert_allclose(phases[:4, PHASE_T], expected, rtol=0, atol=1e-14 * motion.period)
     np.testing.assert_allclose(
-        phases[:4, 2], [-orbit.X, orbit.X_s, orbit.X, -orbit.X_s], rtol=1e-13
+        phases[:4, PHASE_X], [-orbit.X, orbit.X_s, orbit.X, -orbit.X_s], rtol=1e-13
     )
-    np.testing.assert_allclose(phases[:4, 3], [0.0, orbit.V_s, 0.0, -orbit.V_s], rtol=1e-12, atol=0)
+    np.testing.assert_allclose(
+        phases[:4, PHASE_V], [0.0, orbit.V_s, 0.0, -orbit.V_s], rtol=1e-12, atol=0
+    )

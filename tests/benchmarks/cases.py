@@ -11,6 +11,7 @@ from scipy.stats import qmc
 
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.model import parameters
+from dampbalance.motion.events import PHASE_S, PHASE_T
 
 PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
 FREQUENCIES_HZ = (3.0, 12.0)
@@ -82,8 +83,8 @@ def forty_digits(cases: Sweep) -> np.ndarray:
             parameters(PAPER, motion),
             start.X,
             start.theta,
-            list(start.phases[1:, 0]),
-            [int(s) for s in start.phases[:, 1]],
+            list(start.phases[1:, PHASE_T]),
+            [int(s) for s in start.phases[:, PHASE_S]],
         )
         rows.append([float(getattr(exact, name)) for name in FEATURES])
     return np.array(rows)

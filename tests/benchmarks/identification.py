@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from dampbalance import BaseMotion
+from dampbalance import BaseMotion, steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
 from dampbalance.identification.identify import REPLICATES, identify
@@ -27,7 +27,7 @@ from dampbalance.project.files import write_csv, write_text
 from dampbalance.reading.noisy import read_features
 from dampbalance.record import Record
 from dampbalance.records.measurement import Measurement
-from dampbalance.records.synthetic import simulated_measurement
+from dampbalance.records.synthetic import measured_orbit
 
 from .cases import PAPER
 from .measuring import (
@@ -77,9 +77,8 @@ _IMPORTED = re.compile(r"import time:\s*(\d+) \|\s*\d+ \|\s*(\S+)")
 def measurements(samples: int) -> list[Measurement]:
     """One simulated measurement of `samples` samples for each level: displacements of base and mass."""
     return [
-        simulated_measurement(
-            PAPER,
-            BaseMotion(Y, OMEGA),
+        measured_orbit(
+            steady_orbit(PAPER, BaseMotion(Y, OMEGA)),
             rate_hz=samples * OMEGA / (2.0 * np.pi * CYCLES),
             cycles=CYCLES,
             noise=NOISE,

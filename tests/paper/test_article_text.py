@@ -10,8 +10,8 @@ import yaml
 from dampbalance.publishing.article.book import Book
 from dampbalance.publishing.article.sources import MissingValue, Place, Results
 from dampbalance.publishing.article.style import Style, decimals, significant
-from dampbalance.publishing.article.typed import not_excused, typed_numbers
 from paper.routes import ROOT
+from paper.typed import not_excused, typed_numbers
 
 ARTICLE = ROOT / "paper/article"
 

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from ..model import BaseMotion, Oscillator
+from ..motion.orbit import steady_orbit
 from ..records.errors import RecordError
 from ..records.measurement import QUANTITIES, Channel, Measurement
-from ..records.synthetic import simulated_measurement
+from ..records.synthetic import measured_orbit
 from ..records.writers import write
 
 _EPILOG = """\
@@ -86,9 +87,8 @@ def run(options: argparse.Namespace) -> None:
         F_k=options.friction,
     )
     motion = BaseMotion(Y=options.amplitude, omega=2.0 * math.pi * options.frequency)
-    measurement = simulated_measurement(
-        osc,
-        motion,
+    measurement = measured_orbit(
+        steady_orbit(osc, motion),
         rate_hz=options.rate,
         cycles=options.cycles,
         noise=options.noise,

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
+from ..motion.events import PHASE_S, PHASE_T
 from ..motion.orbit import Array, Orbit
 from ..motion.states import State
 from .style import INK, SLIP, STICK, arrow
@@ -38,10 +39,10 @@ class Branch(NamedTuple):
 def branches(orbit: Orbit) -> list[Branch]:
     """The phases of one cycle, in order, from the reversal at −X at time t_1 on; neighbours share an instant."""
     half = 0.5 * orbit.motion.period
-    edges = np.append(orbit.phases[:, 0], half)
+    edges = np.append(orbit.phases[:, PHASE_T], half)
     found = []
     for start in (orbit.t_1, orbit.t_1 + half):
-        for n, sign in enumerate(orbit.phases[:, 1]):
+        for n, sign in enumerate(orbit.phases[:, PHASE_S]):
             stick = bool(sign == 0.0)
             times = start + np.linspace(edges[n], edges[n + 1], POINTS[stick])
             found.append(Branch(orbit.state(times), stick))

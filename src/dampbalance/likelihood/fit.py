@@ -14,13 +14,15 @@ on request the mass and the frequencies. All samples enter, at their own times; 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model import BaseMotion, Oscillator, finite_number
+from ..motion.orbit import NoSteadyOrbit
+from ..reading.climb import Climb, Evaluation, NoStart, climb
 from ..record import Record
 from .derivatives import clean_signals, compliance_root, response, smallest_compliance_root
 from .information import (
@@ -33,7 +35,6 @@ from .information import (
     inverse,
     require_known,
 )
-from .maximise import Evaluation, climb
 from .residuals import Residual, adequacy
 from .result import ReferenceFit, warnings_of
 from .start import Lines, lines_of, refuse_linear, starting_point
@@ -70,12 +71,18 @@ def reference_fit(
     ]
     refuse_linear(lines, problem.omega, m, k)
     osc = starting_point(lines, problem.omega, m, k) if start is None else start
-    point, lower, scale = problem.point(osc, lines), *problem.limits(lines)
-    coarse = problem.thinned()
-    if coarse is not None:
-        point = climb(coarse.evaluate, point, lower, scale).point
-    climbed = climb(problem.evaluate, point, lower, scale)
-    return problem.report(climbed.point, climbed.evaluation, climbed.active, climbed.iterations)
+    point, (lower, scale) = problem.point(osc, lines), problem.limits(lines)
+    try:
+        for part in (problem.thinned(), problem):
+            if part is not None:
+                climbed = climb(part.evaluate, point, lower, scale)
+                point = climbed.point
+    except NoStart:
+        raise ValueError(
+            "nothing slips in any record with the F_k, c and K_z of the start, or it has no steady orbit; start with a "
+            "smaller F_k, or leave the start to the fit"
+        ) from None
+    return problem.report(climbed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,19 +186,22 @@ class _Problem:
         motion = BaseMotion(Y, omega[0] if omega else self.omega[i])
         return Oscillator(m, c, self.k, rho**-2, F_k), motion, psi
 
-    def evaluate(self, point: Array) -> Evaluation:
-        """−log L but for a constant, and the normal equations."""
+    def evaluate(self, point: Array) -> Evaluation | None:
+        """−log L up to a constant, and the normal equations; None where nothing slips or an orbit is missing."""
         terms: list[dict[str, Terms]] = []
         weights: list[dict[str, float]] = []
         value, slips = 0.0, False
         for i, (record, tau) in enumerate(zip(self.records, self.tau, strict=True)):
             osc, motion, psi = self.model(point, i)
             channels = _channels(record)
-            found = response(osc, motion, psi, tau, list(channels), self.free)
-            slips |= math.isfinite(found.orbit.X_s)
+            try:
+                model = response(osc, motion, psi, tau, list(channels), self.free)
+            except NoSteadyOrbit:
+                return None
+            slips |= math.isfinite(model.orbit.X_s)
             terms.append(
                 {
-                    name: channel_terms(found.jacobian[name], signal - found.values[name])
+                    name: channel_terms(model.jacobian[name], signal - model.values[name])
                     for name, signal in channels.items()
                 }
             )
@@ -205,51 +215,22 @@ class _Problem:
                 else:
                     weights[-1][name] = deviation(self.noise, name, i, len(self.records)) ** -2
                     value += 0.5 * weights[-1][name] * sums.rss
-        information, gradient = assemble(terms, weights, self.common)
-        return Evaluation(value if slips else math.inf, information, gradient)
+        return Evaluation(value, *assemble(terms, weights, self.common)) if slips else None
 
-    def report(
-        self, point: Array, evaluation: Evaluation, active: NDArray[np.bool_], iterations: int
-    ) -> ReferenceFit:
-        """The estimate at a point, with everything that can be said of it."""
-        residuals: list[Residual] = []
-        noise: dict[str, list[float]] = {}
-        offsets: dict[str, list[float]] = {}
-        fitted = point.size - len(self.records) * ("omega" in self.free)
-        channels = sum(len(_channels(record)) for record in self.records)
-        weighted, samples, silent = 0.0, 0, []
-        for i, (record, tau) in enumerate(zip(self.records, self.tau, strict=True)):
-            osc, motion, psi = self.model(point, i)
-            signals = _channels(record)
-            orbit, values = clean_signals(osc, motion, psi, tau, list(signals))
-            if not math.isfinite(orbit.X_s):
-                silent.append(i + 1)
-            for name, signal in signals.items():
-                r = signal - values[name]
-                residuals.append(Residual(r, signal, motion.omega * tau))
-                offsets.setdefault(name, []).append(float(r.mean()))
-                square = float(np.sum((r - r.mean()) ** 2))
-                if self.noise is None:
-                    # each channel pays its share of the degrees of freedom
-                    sigma = math.sqrt(square / max(r.size - 1 - point.size / channels, 1.0))
-                else:
-                    sigma = deviation(self.noise, name, i, len(self.records))
-                    weighted += square / sigma**2
-                    samples += r.size - 1
-                noise.setdefault(name, []).append(sigma)
-
-        covariance = inverse(evaluation.information)
+    def report(self, climbed: Climb[Evaluation]) -> ReferenceFit:
+        """The estimate where a climb ended, with everything that can be said of it."""
+        point, (_, undamped, rigid) = climbed.point, climbed.active[:3].tolist()
         osc = self.model(point, 0)[0]
-        rigid = bool(active[2])
+        covariance = inverse(climbed.evaluation.information)
         of_K_z = covariance_of_K_z(covariance, osc.K_z)
         if rigid:
             of_K_z[2, :] = of_K_z[:, 2] = math.nan
             of_K_z[2, 2] = math.inf
-        verdict = adequacy(residuals, fitted)
-        own = point[self.common :].reshape(len(self.records), -1)
-        middles = np.array([record.t.mean() for record in self.records])
-        omega = own[:, 2] if "omega" in self.free else np.array(self.omega)
-        psi = np.mod(own[:, 1] - omega * middles + math.pi, 2.0 * math.pi) - math.pi
+        Y, psi, omega = self.bases(point)
+        residuals, silent = self.residuals(point)
+        noise = self.noise_of(residuals, point.size)
+        every = [r for channels in residuals for r in channels.values()]
+        samples = sum(r.values.size - 1 for r in every)
         fit = ReferenceFit(
             F_k=osc.F_k,
             c=osc.c,
@@ -259,19 +240,77 @@ class _Problem:
             rho_standard_error=math.sqrt(covariance[2, 2]),
             m=osc.m,
             m_standard_error=math.sqrt(covariance[3, 3]) if "m" in self.free else 0.0,
-            Y=own[:, 0].copy(),
+            Y=Y,
             psi=psi,
             omega=omega,
-            noise={name: np.array(values) for name, values in noise.items()},
-            offsets={name: np.array(values) for name, values in offsets.items()},
-            chi_square=math.nan if self.noise is None else weighted / (samples - point.size),
-            adequacy=verdict,
-            iterations=iterations,
+            noise=_by_channel(noise),
+            offsets=_by_channel(
+                [{name: float(r.values.mean()) for name, r in rs.items()} for rs in residuals]
+            ),
+            chi_square=math.nan
+            if self.noise is None
+            else sum(
+                _square(r) / sigmas[name] ** 2
+                for channels, sigmas in zip(residuals, noise, strict=True)
+                for name, r in channels.items()
+            )
+            / (samples - point.size),
+            adequacy=adequacy(every, point.size - len(self.records) * ("omega" in self.free)),
+            iterations=climbed.iterations,
             warnings=(),
         )
-        return replace(
-            fit, warnings=tuple(warnings_of(fit, silent, bool(active[1]), max(samples, 1)))
-        )
+        return replace(fit, warnings=tuple(warnings_of(fit, silent, undamped, samples)))
+
+    def bases(self, point: Array) -> tuple[Array, Array, Array]:
+        """Y (m), ψ (rad, of the records' own times) and ω (rad/s) of each record."""
+        own = point[self.common :].reshape(len(self.records), -1)
+        omega = own[:, 2] if "omega" in self.free else np.array(self.omega)
+        middles = np.array([record.t.mean() for record in self.records])
+        psi = np.mod(own[:, 1] - omega * middles + math.pi, 2.0 * math.pi) - math.pi
+        return own[:, 0].copy(), psi, omega
+
+    def residuals(self, point: Array) -> tuple[list[dict[str, Residual]], list[int]]:
+        """What the model leaves of each record, by channel; and the numbers of the records in which nothing slips."""
+        residuals, silent = [], []
+        for i, (record, tau) in enumerate(zip(self.records, self.tau, strict=True)):
+            osc, motion, psi = self.model(point, i)
+            signals, phase = _channels(record), motion.omega * tau
+            orbit, values = clean_signals(osc, motion, psi, tau, list(signals))
+            if not math.isfinite(orbit.X_s):
+                silent.append(i + 1)
+            residuals.append(
+                {name: Residual(u - values[name], u, phase) for name, u in signals.items()}
+            )
+        return residuals, silent
+
+    def noise_of(
+        self, residuals: Sequence[Mapping[str, Residual]], unknowns: int
+    ) -> list[dict[str, float]]:
+        """Standard deviation of each channel of each record, as given or as estimated.
+
+        Each channel pays its share of the degrees of freedom.
+        """
+        share = unknowns / sum(map(len, residuals))
+        return [
+            {
+                name: math.sqrt(_square(r) / max(r.values.size - 1 - share, 1.0))
+                if self.noise is None
+                else deviation(self.noise, name, i, len(residuals))
+                for name, r in channels.items()
+            }
+            for i, channels in enumerate(residuals)
+        ]
+
+
+def _square(residual: Residual) -> float:
+    """Sum of squares about the offset."""
+    return float(np.sum((residual.values - residual.values.mean()) ** 2))
+
+
+def _by_channel(records: Sequence[Mapping[str, float]]) -> dict[str, Array]:
+    """A number of each record, by the channels of the records that have them."""
+    names = dict.fromkeys(name for record in records for name in record)
+    return {name: np.array([r[name] for r in records if name in r]) for name in names}
 
 
 def _channels(record: Record) -> dict[str, Array]:

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 Noise = Mapping[str, float | Sequence[float]]
 
 _SINGULAR = (
-    1e-13  # of the smallest eigenvalue of I scaled to unit diagonal: what is left of it is rounding
+    1e-13  # of the smallest eigenvalue of I scaled to unit diagonal: below it only rounding is left
 )
 _DENSE = 4096  # phases of a cycle that stand for all; slip onset lies between two of them: good to about 1e-4
 
@@ -94,31 +94,30 @@ def cramer_rao(
 
     Raises NotIdentifiable where nothing slips, ValueError for a channel or a noise that makes no sense.
     """
-    records: list[tuple[Array, float]] = []
-    for motion in motions:
+    require_known(noise, free)
+    channels = [name for name in CHANNELS if name in noise]
+    terms, weights, samples = [], [], 0
+    for i, motion in enumerate(motions):
         n = round(rate_hz * cycles * motion.period)
         if n < 3:
             raise ValueError(f"{cycles:g} cycles at {rate_hz:g} Hz are {n} samples; give 3 or more")
-        records.append((np.arange(n) / rate_hz, n))
-    return _bound(osc, motions, records, noise, free)
-
-
-def cramer_rao_dense(
-    osc: Oscillator,
-    motions: Sequence[BaseMotion],
-    *,
-    samples: float,
-    noise: Noise,
-) -> Bound:
-    """Bound in the limit of dense sampling over whole cycles: n samples that share out evenly over the phases.
-
-        I = n ⟨(∂u/∂p)(∂u/∂p)ᵀ⟩ / σ_u²,   ⟨·⟩ the mean over one cycle
-
-    samples : n, of each record.   Otherwise as `cramer_rao`, which comes within O(1/samples per cycle) of it.
-    """
-    phases = (np.arange(_DENSE) + 0.5) / _DENSE
-    records = [(phases * motion.period, samples) for motion in motions]
-    return _bound(osc, motions, records, noise, ())
+        t = np.arange(n) / rate_hz
+        middle = float(t.mean())
+        u = response(osc, motion, motion.omega * middle, t - middle, channels, free)
+        terms.append({name: channel_terms(u.jacobian[name], np.zeros(n)) for name in channels})
+        weights.append(
+            {name: 1.0 / deviation(noise, name, i, len(motions)) ** 2 for name in channels}
+        )
+        samples += n
+    covariance = inverse(assemble(terms, weights, 3 + ("m" in free))[0])
+    return Bound(
+        osc.F_k,
+        osc.c,
+        osc.K_z,
+        covariance_of_K_z(covariance, osc.K_z),
+        math.sqrt(covariance[3, 3]) if "m" in free else 0.0,
+        samples,
+    )
 
 
 def noise_of_rms(
@@ -207,37 +206,3 @@ def covariance_of_K_z(covariance: Array, K_z: float) -> Array:
     """Covariance of (F_k, c, K_z) from that of (F_k, c, ρ, …): dK_z = −2 K_z^{3/2} dρ."""
     turn = np.array([1.0, 1.0, -2.0 * K_z / compliance_root(K_z)])
     return covariance[:3, :3] * np.outer(turn, turn)
-
-
-def _bound(
-    osc: Oscillator,
-    motions: Sequence[BaseMotion],
-    records: Sequence[tuple[Array, float]],
-    noise: Noise,
-    free: Collection[str],
-) -> Bound:
-    """Bound of records given as (times, number of samples that these stand for)."""
-    require_known(noise, free)
-    channels = [name for name in CHANNELS if name in noise]
-    terms, weights = [], []
-    for i, (motion, (t, samples)) in enumerate(zip(motions, records, strict=True)):
-        middle = float(t.mean())
-        found = response(osc, motion, motion.omega * middle, t - middle, channels, free)
-        blank = np.zeros(t.size)
-        terms.append({name: channel_terms(found.jacobian[name], blank) for name in channels})
-        weights.append(
-            {
-                name: samples / t.size / deviation(noise, name, i, len(motions)) ** 2
-                for name in channels
-            }
-        )
-    common = 3 + ("m" in free)
-    covariance = inverse(assemble(terms, weights, common)[0])
-    return Bound(
-        osc.F_k,
-        osc.c,
-        osc.K_z,
-        covariance_of_K_z(covariance, osc.K_z),
-        math.sqrt(covariance[3, 3]) if "m" in free else 0.0,
-        round(sum(samples for _, samples in records)),
-    )

@@ -30,7 +30,6 @@ _FEWEST = 100  # samples; with fewer, neither statistic follows its distribution
 _ROUNDING = (
     1e-9  # of the signal's rms: a residual below it is rounding, and says nothing of the model
 )
-_LEVEL = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +44,6 @@ class Adequacy:
     whiteness: float
     whiteness_p: float
 
-    @property
-    def passes(self) -> bool:
-        """Whether neither test rejects at the level of 0.1 %; an untested fit passes."""
-        return not (self.harmonics_p < _LEVEL or self.whiteness_p < _LEVEL)
-
 
 class Residual(NamedTuple):
     """What a fit leaves of one channel of one record, each (n,): measured minus model, the measured signal, and the
@@ -61,7 +55,7 @@ class Residual(NamedTuple):
 
 
 def adequacy(residuals: Iterable[Residual], fitted: int) -> Adequacy:
-    """Test the residuals of a fit; `fitted` counts its parameters but for offsets and frequencies."""
+    """Test the residuals of a fit; `fitted` counts its parameters except offsets and frequencies."""
     power = correlation = 0.0
     power_dof, correlation_dof = 0, 0
     for r, signal, phase in residuals:

@@ -18,6 +18,9 @@ from ..model import Parameters
 from .flow import move, phase_start, unit
 from .jit import jit
 
+PHASE_T, PHASE_S, PHASE_X, PHASE_V, PHASE_Z = range(5)
+"""Columns of an array of phases, a row for the start of each: time, state of the contact, x, ẋ, z."""
+
 _STEPS_PER_RADIAN = 2.5
 _HALVINGS = 60
 
@@ -182,7 +185,20 @@ def write_phase(
     phases: NDArray[np.float64], i: int, t: float, s: float, x: float, v: float, z: float
 ) -> None:
     """Set row i of `phases`."""
-    phases[i, 0], phases[i, 1], phases[i, 2], phases[i, 3], phases[i, 4] = t, s, x, v, z
+    phases[i, PHASE_T], phases[i, PHASE_S] = t, s
+    phases[i, PHASE_X], phases[i, PHASE_V], phases[i, PHASE_Z] = x, v, z
+
+
+@jit
+def read_phase(phases: NDArray[np.float64], i: int) -> tuple[float, float, float, float, float]:
+    """(t, s, x, ẋ, z) of row i of `phases`."""
+    return (
+        phases[i, PHASE_T],
+        phases[i, PHASE_S],
+        phases[i, PHASE_X],
+        phases[i, PHASE_V],
+        phases[i, PHASE_Z],
+    )
 
 
 @jit

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import Parameters
+from .events import PHASE_V, PHASE_X, PHASE_Z, read_phase
 from .flow import inverse, move, phase_constants, unit
 from .jit import jit
 
@@ -57,19 +58,19 @@ def measure(phases: NDArray[np.float64], count: int, theta: float, par: Paramete
     """
     omega, delta = par.omega, par.c / (2.0 * par.m)
     half = math.pi / omega
-    X = -phases[0, 2]
+    X = -phases[0, PHASE_X]
     X_s = V_s = t_s = math.nan
     a = b = 0.0
     first = third = fifth = 0j  # ∫ ẋ e^{inψ} dt over the half cycle, ψ = θ + ωt
     start = turn = unit(theta)  # e^{iψ}
     for i in range(count):
-        t, s, x, v, z = phases[i, 0], phases[i, 1], phases[i, 2], phases[i, 3], phases[i, 4]
+        t, s, x, v, z = read_phase(phases, i)
         if i + 1 < count:
-            j = i + 1
-            t_end, x_end, v_end, z_end = phases[j, 0], phases[j, 2], phases[j, 3], phases[j, 4]
+            t_end, _, x_end, v_end, z_end = read_phase(phases, i + 1)
             turn_end = unit(theta + omega * t_end)
         else:  # the mirror image of the beginning
-            t_end, x_end, v_end, z_end = half, X, -phases[0, 3], -phases[0, 4]
+            t_end, x_end = half, X
+            v_end, z_end = -phases[0, PHASE_V], -phases[0, PHASE_Z]
             turn_end = -start
         if s > 0.0 and math.isnan(X_s):
             X_s, V_s, t_s = x, v, t

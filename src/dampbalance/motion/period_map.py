@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import Parameters
-from .events import run
+from .events import PHASE_S, PHASE_T, PHASE_X, run
 from .flow import step_response
 from .jit import jit
 
@@ -55,8 +55,8 @@ def half_period_map(
         for j in range(3):
             jacobian[i, j] = 1.0 if i == j else 0.0
     for i in range(count):
-        duration = (phases[i + 1, 0] if i + 1 < count else half) - phases[i, 0]
-        sticks = phases[i, 1] == 0.0
+        duration = (phases[i + 1, PHASE_T] if i + 1 < count else half) - phases[i, PHASE_T]
+        sticks = phases[i, PHASE_S] == 0.0
         Omega2 = (par.k + par.K_z if sticks else par.k) / par.m
         J, S, R = step_response(duration, delta, Omega2)
         for j in range(3):
@@ -149,8 +149,8 @@ def solve_general(par: Parameters, phases: NDArray[np.float64]) -> tuple[bool, i
     count = run(x, v, z, 0.0, 2.0 * half, 0.0, par, phases)[0]
     peak, theta = 0.0, 0.0
     for i in range(1, count):
-        if phases[i - 1, 1] != 0.0 and phases[i, 2] < peak:
-            peak, theta = phases[i, 2], par.omega * phases[i, 0]
+        if phases[i - 1, PHASE_S] != 0.0 and phases[i, PHASE_X] < peak:
+            peak, theta = phases[i, PHASE_X], par.omega * phases[i, PHASE_T]
     if peak == 0.0:
         return False, 0, 0.0
     found, x, _, _ = solve_period_map(peak, 0.0, -Z_m, theta, par, phases)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import Parameters
+from .events import PHASE_T, PHASE_X, read_phase
 from .flow import move, phase_start
 from .jit import jit
 
@@ -40,9 +41,8 @@ def states_in_phases(
     Z_m = par.F_k / par.K_z
     for j in range(times.size):
         t = times[j]
-        i = max(0, np.searchsorted(phases[:, 0], t, side="right") - 1)
-        s, x0, v0, z0 = phases[i, 1], phases[i, 2], phases[i, 3], phases[i, 4]
-        start = phases[i, 0]
+        i = max(0, np.searchsorted(phases[:, PHASE_T], t, side="right") - 1)
+        start, s, x0, v0, z0 = read_phase(phases, i)
         f0, A, Omega2 = phase_start(s, x0, z0, theta + par.omega * start, par)
         u, v = move(t - start, v0, f0, A, delta, Omega2, par.omega)
         x = x0 + u
@@ -56,9 +56,9 @@ def zero_crossing(phases: Array, count: int, theta: float, par: Parameters) -> f
     """Time from the reversal at −X to the first upward zero of x, s; `phases` holds the half cycle from that
     reversal."""
     for i in range(count):
-        start, s, x, v, z = phases[i, 0], phases[i, 1], phases[i, 2], phases[i, 3], phases[i, 4]
-        end = phases[i + 1, 0] if i + 1 < count else math.pi / par.omega
-        x_end = phases[i + 1, 2] if i + 1 < count else -phases[0, 2]
+        start, s, x, v, z = read_phase(phases, i)
+        end = phases[i + 1, PHASE_T] if i + 1 < count else math.pi / par.omega
+        x_end = phases[i + 1, PHASE_X] if i + 1 < count else -phases[0, PHASE_X]
         if x < 0.0 <= x_end:
             f0, A, Omega2 = phase_start(s, x, z, theta + par.omega * start, par)
             return float(start + _time_of(-x, end - start, v, f0, A, Omega2, par))

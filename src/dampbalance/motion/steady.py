@@ -13,16 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import Parameters
-from .events import write_phase
+from .events import PHASE_T, write_phase
 from .jit import jit
 from .one_slip import solve_one_slip
 from .period_map import solve_general
+from .regime import Regime
 
 MAX_PHASES = 16384  # of a period; an orbit with more events is reported as not found
-_NOT_FOUND, _ONE_SLIP, _SEVERAL_SLIPS, _NO_SLIP, _NO_FRICTION = range(5)  # as in `Regime`
-_SHORTEST = (
-    1e-12  # of half a period: a last phase shorter than this is the rounding of the half period
-)
+_NOT_FOUND, _ONE_SLIP, _SEVERAL_SLIPS, _NO_SLIP, _NO_FRICTION = map(int, Regime)
+# Of half a period: a last phase shorter than this is the rounding of the half period.
+_SHORTEST = 1e-12
 
 
 @jit
@@ -50,7 +50,7 @@ def solve_steady(par: Parameters, phases: NDArray[np.float64]) -> tuple[int, int
     if not found:
         return _NOT_FOUND, 0, 0.0
     half = math.pi / par.omega
-    while count > 1 and half - phases[count - 1, 0] < _SHORTEST * half:
+    while count > 1 and half - phases[count - 1, PHASE_T] < _SHORTEST * half:
         count -= 1
     return (_ONE_SLIP if count == 2 else _SEVERAL_SLIPS), count, theta
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..model import BaseMotion, Oscillator, finite_number, parameters
-from .events import run
+from .events import PHASE_T, run
 from .states import State, states_in_phases
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ class Trajectory:
     def state(self, t: ArrayLike) -> State:
         """(x, ẋ, ẍ, z) at the times t, s, any shape, within the span of the trajectory."""
         times = np.asarray(t, dtype=float)
-        start = self.phases[0, 0]
+        start = self.phases[0, PHASE_T]
         if times.size and not (times.min() >= start and times.max() <= self.end):
             raise ValueError(f"times must lie within [{start}, {self.end}] s")
         out = np.empty((4, times.size))

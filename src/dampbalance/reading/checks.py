@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,7 +98,7 @@ def frequency(omega: float, error: float, frequency_hz: float | None) -> list[st
     return []
 
 
-def bad_cycles(faults: Mapping[str, Sequence[tuple[int, float, str]]], rows: int) -> list[str]:
+def bad_cycles(faults: Mapping[str, Sequence[tuple[int, float, str]]]) -> list[str]:
     """One warning per channel with cycles that were left out."""
     warnings = []
     for quantity, bad in faults.items():
@@ -133,12 +134,12 @@ def consistency(
     names = list(moved)
     reference = moved[names[0]][:, 1]
     for name in names[1:]:
-        ratio = _weighted(moved[name][:, 1], weights) / _weighted(reference, weights)
+        ratio = weighted_mean(moved[name][:, 1], weights) / weighted_mean(reference, weights)
         rest = moved[name][:, 1] - ratio * reference
         error = math.sqrt(
             float(weights @ np.abs(rest) ** 2) / (2.0 * (len(rest) - 1)) / weights.sum()
         )
-        error /= abs(_weighted(reference, weights))
+        error /= abs(weighted_mean(reference, weights))
         gain, phase = abs(ratio), math.atan2(ratio.imag, ratio.real)
         if abs(gain - 1.0) > _GAIN_WRONG or abs(phase) > _PHASE_WRONG:
             raise ValueError(
@@ -183,7 +184,7 @@ def steadiness(
         size = len(rows)
         if size < 4:
             continue
-        mean = _weighted(rows, weights)
+        mean = weighted_mean(rows, weights)
         s = np.linspace(-1.0, 1.0, size)
         first = (np.arange(size) < max(1, size // 8)).astype(float)
         basis, _ = np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))
@@ -287,5 +288,6 @@ def work(Y: complex, X: complex, Y_error: float, X_error: float) -> list[str]:
     ]
 
 
-def _weighted(rows: Complexes, weights: Array) -> complex:
-    return complex(weights @ rows / weights.sum())
+def weighted_mean(rows: Complexes, weights: Array) -> Any:
+    """Mean of the rows, each with its weight: a number of rows (n,), an array (h,) of rows (n, h)."""
+    return weights @ rows / weights.sum()

@@ -3,7 +3,7 @@
 The acceleration tells the phases apart: at the onset of slip its slope breaks (the corner of Figure 3), for from one
 instant to the next the contact spring no longer follows the mass. At a reversal it does not break: v = 0 there.
 
-Two readings of the same events:
+Two ways to read an event:
 
     "sample"        the first sample at or after the event: what one picks off a listing
     "interpolated"  between samples: the phase that ends at the event is continued, by the cubic through its last four
@@ -29,7 +29,8 @@ from ..record import Record
 from .quadrature import integral
 
 Array = NDArray[np.float64]
-Reading = Literal["interpolated", "sample"]
+ReadAt = Literal["interpolated", "sample"]
+"""Where an event is read."""
 
 PROMINENCE = 10.0
 """How far the break of slope must stand out: largest second difference of the acceleration over its median.
@@ -42,9 +43,7 @@ _SIDE = 4  # samples of one phase through which its acceleration is continued
 _FEWEST = 3  # stick samples below which there is no line to meet the corner
 
 
-def of_record(
-    record: Record, omega: float, k: float, reading: Reading = "interpolated"
-) -> Features:
+def of_record(record: Record, omega: float, k: float, reading: ReadAt = "interpolated") -> Features:
     """Features of one steady response, read off a clean record of y, x, v and acceleration.
 
     The cycle read is the first whole one that begins with a forward reversal (v from − to +, at x = −X).
@@ -134,7 +133,7 @@ class _NoOnset(Exception):
     """Why no slip onset can be read, in words for the regime."""
 
 
-def _signals(record: Record, omega: float, reading: Reading) -> _Signals:
+def _signals(record: Record, omega: float, reading: ReadAt) -> _Signals:
     if reading not in ("interpolated", "sample"):
         raise ValueError(f'reading must be "interpolated" or "sample", got {reading!r}')
     if record.v is None or record.acceleration is None:

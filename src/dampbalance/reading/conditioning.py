@@ -1,4 +1,4 @@
-"""From a measurement to the harmonics of its steady state, with everything that is wrong with it said in words.
+"""From a measurement to the harmonics of its steady state, with everything that is wrong with it in words.
 
 Each channel is worked on in its own times: nothing is resampled, unless its samples are unevenly spaced. The drive
 frequency comes from the excitation; the harmonics from least squares, cycle by cycle (`cycles.py`); a slow drift of the
@@ -15,20 +15,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from . import checks
-from .cycles import Block, CycleHarmonics, accumulate
+from .checks import weighted_mean
+from .cycles import CycleHarmonics, Samples, accumulate
 from .frequency import FEWEST_CYCLES, drive_frequency, frequency_offset
 from .one_thread import one_thread
 
 Array = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
-Blocks = Callable[[], Iterable[Block]]
+SampleBlocks = Callable[[], Iterable[Samples]]
 
 MOST_HARMONICS = {"displacement": 31, "velocity": 61, "acceleration": 91}
 """Highest harmonic taken of each response; a quarter of the samples per cycle limits it too."""
@@ -36,7 +36,7 @@ MOST_HARMONICS = {"displacement": 31, "velocity": 61, "acceleration": 91}
 _HARMONICS_OF_BASE = 9
 _LEADING = 1 << 18  # samples from which the drive frequency is found
 _JITTER = 0.05  # of a step: times closer to an even grid than that are on it
-_RELATIVE_FLOOR = 1e-9  # of the fundamental: rounding, below which no noise is told
+_RELATIVE_FLOOR = 1e-9  # of the fundamental: rounding, below which noise cannot be told from it
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +81,7 @@ class SteadyRecord:
 
     def mean(self, rows: Complexes) -> Complexes:
         """Mean of the rows, each with its weight."""
-        average: Complexes = self.weights @ rows / self.weights.sum()
+        average: Complexes = weighted_mean(rows, self.weights)
         return average
 
 
@@ -94,27 +94,27 @@ def condition(
 ) -> SteadyRecord:
     """The steady state of a measurement.
 
-    k : stiffness, N/m.   frequency_hz : the drive frequency as known, compared with the one found.
+    k : stiffness, N/m.   frequency_hz : the drive frequency as known, compared with that of the excitation.
     skip_cycles : cycles left out at the start, when the motion has not settled.
 
     Raises ValueError naming the source when the record cannot be used: a constant channel, too few cycles, another
     frequency, signals that contradict each other.
     """
     warnings: list[str] = []
-    blocks: dict[str, Blocks] = {}
+    blocks: dict[str, SampleBlocks] = {}
     for quantity in measurement:
         channel = _evenly_sampled(measurement[quantity], measurement.source, warnings)
         blocks[quantity] = lambda block=(channel.t, channel.values): iter([block])  # type: ignore[misc]
     steady = condition_blocks(
         measurement.source, blocks, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles
     )
-    return _warned(steady, warnings)
+    return replace(steady, warnings=(*warnings, *steady.warnings))
 
 
 @one_thread
 def condition_blocks(
     source: str,
-    channels: Mapping[str, Blocks],
+    channels: Mapping[str, SampleBlocks],
     k: float,
     *,
     frequency_hz: float | None = None,
@@ -133,7 +133,7 @@ def condition_blocks(
 
 def _condition(
     source: str,
-    channels: Mapping[str, Blocks],
+    channels: Mapping[str, SampleBlocks],
     k: float,
     frequency_hz: float | None,
     skip_cycles: int,
@@ -146,86 +146,114 @@ def _condition(
         q: _leading(blocks(), _LEADING if q == driving else 64) for q, blocks in channels.items()
     }
     steps = {q: _step(t, q) for q, (t, _) in leading.items()}
-    checks.require_signal(driving, leading[driving][1])
-    try:
-        omega, omega_error = drive_frequency(*leading[driving], steps[driving])
-    except ValueError as error:
-        raise ValueError(f"{driving}: {error}") from error
+    omega, omega_error = _drive_frequency(driving, leading[driving], steps[driving])
     warnings = checks.frequency(omega, omega_error, frequency_hz)
-
     period = 2.0 * math.pi / omega
     start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
-    found = {}
-    for q, blocks in channels.items():
-        most = _harmonics_of(q, period / steps[q])
-        found[q] = accumulate(
-            blocks(), omega, start=start, dt=steps[q], harmonics=most, cycles=1 << 62
+    harmonics = {
+        q: accumulate(
+            blocks(),
+            omega,
+            start=start,
+            dt=steps[q],
+            harmonics=_harmonics_of(q, period / steps[q]),
+            cycles=1 << 62,
         )
-    rows = min(len(f.weights) for f in found.values())
-    per_row = {q: f.cycles_per_row for q, f in found.items()}
-    if len(set(per_row.values())) > 1:
-        raise ValueError(f"the channels differ too much in length: cycles per row are {per_row}")
-    weights = np.min([f.weights[:rows] for f in found.values()], axis=0)
-    usable = weights > 0.0
-    cycles = int(weights.sum())
-    warnings += checks.bad_cycles({q: f.bad_cycles for q, f in found.items()}, rows)
-    checks.require_cycles(cycles, usable.sum(), omega, FEWEST_CYCLES)
-    warnings += checks.few_cycles(cycles)
-    for q, f in found.items():
-        checks.require_level(q, f)
-        warnings += checks.clipping(q, f)
-
-    # a longer look corrects the frequency found in the leading part
-    offset, omega_error = frequency_offset(found[driving])
-    times = found[driving].times[:rows][usable] - start
-    weights = weights[usable]
-    settled = {
-        q: _without_drift(f.coefficients[:rows][usable], f.drift, times, weights)
-        * np.exp(1j * np.outer(omega * start - offset * times, np.arange(f.coefficients.shape[1])))
-        for q, f in found.items()
+        for q, blocks in channels.items()
     }
+    weights = _common_weights(harmonics)
+    warnings += _checked_cycles(harmonics, weights, omega)
+
+    # a longer look corrects the frequency of the leading part
+    offset, omega_error = frequency_offset(harmonics[driving])
+    usable = weights > 0.0
+    times, weights = harmonics[driving].times[: len(weights)][usable] - start, weights[usable]
+    settled = {q: _settled(h, usable, times, weights, start, offset) for q, h in harmonics.items()}
     omega += offset
-    noise_rms = {q: _noise_rms(c, weights, found[q].dt, period) for q, c in settled.items()}
     Y = settled[driving] * _to_displacement(driving, settled[driving].shape[1], omega, k)
     Y_error = _error(Y, weights)
     moved = {q: settled[q] * _to_displacement(q, settled[q].shape[1], omega, k) for q in responses}
-    skew, said = checks.consistency(moved, weights, omega)
-    warnings += said
+    skew, inconsistencies = checks.consistency(moved, weights, omega)
+    warnings += inconsistencies
     X, X_error = _combined(moved, weights)
-    mean_X = weights @ X / weights.sum()
-    Y_1 = abs(complex(weights @ Y[:, 1] / weights.sum()))
-    warnings += checks.plausible(Y_1, abs(mean_X[1]), omega, driving)
+    mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
+    warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
     warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, period)
-    warnings += checks.harmonic_base(weights @ Y / weights.sum(), Y_error)
+    warnings += checks.harmonic_base(mean_Y, Y_error)
     warnings += checks.symmetry(mean_X, X_error)
-    warnings += checks.work(weights @ Y[:, 1] / weights.sum(), mean_X[1], Y_error[1], X_error[1])
+    warnings += checks.work(mean_Y[1], mean_X[1], Y_error[1], X_error[1])
     return SteadyRecord(
         source=source,
         k=k,
         omega=omega,
         omega_standard_error=omega_error,
         start=start,
-        cycles=cycles,
-        cycles_per_row=found[driving].cycles_per_row,
+        cycles=int(weights.sum()),
+        cycles_per_row=harmonics[driving].cycles_per_row,
         Y=Y,
         X=X,
         weights=weights,
         X_error=X_error,
         Y_error=Y_error,
         bandwidth=_bandwidth(mean_X, X_error),
-        channels=found,
-        noise_rms=noise_rms,
+        channels=harmonics,
+        noise_rms={q: _noise_rms(c, weights, steps[q], period) for q, c in settled.items()},
         skew=skew,
         warnings=tuple(warnings),
     )
 
 
-def _warned(steady: SteadyRecord, warnings: list[str]) -> SteadyRecord:
-    return replace(steady, warnings=(*warnings, *steady.warnings)) if warnings else steady
+def _drive_frequency(driving: str, leading: Samples, step: float) -> tuple[float, float]:
+    """ω of the excitation and its standard error, rad/s, from its leading samples."""
+    checks.require_signal(driving, leading[1])
+    try:
+        return drive_frequency(*leading, step)
+    except ValueError as error:
+        raise ValueError(f"{driving}: {error}") from error
+
+
+def _common_weights(harmonics: Mapping[str, CycleHarmonics]) -> Array:
+    """Cycles in each row that are usable in every channel."""
+    per_row = {q: h.cycles_per_row for q, h in harmonics.items()}
+    if len(set(per_row.values())) > 1:
+        raise ValueError(f"the channels differ too much in length: cycles per row are {per_row}")
+    rows = min(len(h.weights) for h in harmonics.values())
+    weights: Array = np.min([h.weights[:rows] for h in harmonics.values()], axis=0)
+    return weights
+
+
+def _checked_cycles(
+    harmonics: Mapping[str, CycleHarmonics], weights: Array, omega: float
+) -> list[str]:
+    """Warnings about cycles that are missing, and about the signals in the others."""
+    warnings = checks.bad_cycles({q: h.bad_cycles for q, h in harmonics.items()})
+    cycles = int(weights.sum())
+    checks.require_cycles(cycles, int(np.count_nonzero(weights)), omega, FEWEST_CYCLES)
+    warnings += checks.few_cycles(cycles)
+    for q, h in harmonics.items():
+        checks.require_level(q, h)
+        warnings += checks.clipping(q, h)
+    return warnings
+
+
+def _settled(
+    harmonics: CycleHarmonics,
+    usable: NDArray[np.bool_],
+    times: Array,
+    weights: Array,
+    start: float,
+    offset: float,
+) -> Complexes:
+    """The usable rows without drift, turned to the time `start` and to a frequency faster by `offset`, rad/s."""
+    rows = harmonics.coefficients[: len(usable)][usable]
+    phase = harmonics.omega * start - offset * times
+    turn = np.exp(1j * np.outer(phase, np.arange(rows.shape[1])))
+    settled: Complexes = _without_drift(rows, harmonics.drift, times, weights) * turn
+    return settled
 
 
 def _evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Channel:
-    """The channel itself, or resampled by a cubic spline when its samples are unevenly spaced (but for gaps)."""
+    """The channel itself, or resampled by a cubic spline when its samples are unevenly spaced (gaps apart)."""
     steps = np.diff(channel.t)
     dt = float(np.median(steps))
     odd = np.abs(steps / dt - np.round(steps / dt)) > 2.0 * _JITTER
@@ -252,11 +280,11 @@ def _evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Chann
     return Channel(channel.quantity, t, spline(t), channel.name)
 
 
-def _leading(blocks: Iterable[Block], count: int) -> Block:
+def _leading(blocks: Iterable[Samples], count: int) -> Samples:
     """The first samples of a channel, at least `count` of them if there are as many."""
-    parts: list[Block] = []
+    parts: list[Samples] = []
     size = 0
-    for t, values in chain(blocks):
+    for t, values in blocks:
         parts.append((t[: count - size], values[: count - size]))
         size += len(parts[-1][0])
         if size >= count:
@@ -319,22 +347,25 @@ def _error(rows: Complexes, weights: Array) -> Array:
 
     Smoothed over five neighbouring harmonics: of few cycles, each by itself would be a poor estimate.
     """
-    mean = weights @ rows / weights.sum()
-    scatter = weights @ np.abs(rows - mean) ** 2 / (2.0 * (len(rows) - 1))
-    variance = scatter / weights.sum()
+    variance = _scatter(rows, weights) / weights.sum()
     smooth = variance.copy()
     for n in range(2, len(variance)):
         smooth[n] = np.median(variance[max(2, n - 2) : n + 3])
-    floor = (_RELATIVE_FLOOR * abs(mean[1])) ** 2
+    floor = (_RELATIVE_FLOOR * abs(weighted_mean(rows, weights)[1])) ** 2
     errors: Array = np.sqrt(np.maximum(smooth, floor))
     return errors
 
 
+def _scatter(rows: Complexes, weights: Array) -> Array:
+    """Variance of the real and of the imaginary part of each harmonic in one cycle."""
+    off = np.abs(rows - weighted_mean(rows, weights)) ** 2
+    scatter: Array = weights @ off / (2.0 * (len(rows) - 1))
+    return scatter
+
+
 def _noise_rms(rows: Complexes, weights: Array, dt: float, period: float) -> float:
     """Standard deviation of the samples, were all noise white: from the scatter of the harmonics between rows."""
-    mean = weights @ rows / weights.sum()
-    scatter = weights @ np.abs(rows - mean) ** 2 / (2.0 * (len(rows) - 1))
-    return math.sqrt(float(np.median(scatter[1:])) * 0.5 * period / dt)
+    return math.sqrt(float(np.median(_scatter(rows, weights)[1:])) * 0.5 * period / dt)
 
 
 def _combined(moved: Mapping[str, Complexes], weights: Array) -> tuple[Complexes, Array]:

@@ -22,10 +22,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
-Block = tuple[Array, Array]  # times, values
-
-BINS = 512
-"""Phase bins of the averaged cycle."""
+Samples = tuple[Array, Array]  # times, values
 
 _MOST_ROWS = 2048
 _CYCLES_AT_ONCE = 256
@@ -43,8 +40,6 @@ class CycleHarmonics:
     coefficients : c_n, shape (rows, N + 1), unit of the channel; c_0 is the mean.
     cycles_per_row : cycles that a row stands for.   weights : usable cycles in each row, shape (rows,).
     drift : what a signal τ, and what τ² adds to c_n, τ in s from the middle of the cycle, shape (2, N + 1).
-    residual_rms : of the samples about the harmonics, in each row.
-    averaged : mean of the samples in each of BINS bins of the phase ω(t − start), NaN where there is none.
     bad_cycles : cycles left out and why, (number, time s, reason).
     span : difference between the highest and the lowest value.
     clipped : part of the usable cycles whose highest or lowest value is held as a clipped signal holds it.
@@ -57,8 +52,6 @@ class CycleHarmonics:
     cycles_per_row: int
     weights: Array
     drift: Complexes
-    residual_rms: Array
-    averaged: Array
     bad_cycles: tuple[tuple[int, float, str], ...]
     span: float
     clipped: float
@@ -74,7 +67,7 @@ class CycleHarmonics:
 
 
 def accumulate(
-    blocks: Iterable[Block], omega: float, *, start: float, dt: float, harmonics: int, cycles: int
+    blocks: Iterable[Samples], omega: float, *, start: float, dt: float, harmonics: int, cycles: int
 ) -> CycleHarmonics:
     """The harmonics of every cycle of a signal that comes in blocks.
 
@@ -108,13 +101,12 @@ class _Accumulator:
             raise ValueError(f"{self.shortest} samples per cycle are more than can be worked on")
         self.longest = self.shortest + 2  # rounding of times may give and take a sample
         self.next_cycle = 0
-        self.carry: Block = (np.empty(0), np.empty(0))
-        self.rows: list[Complexes] = []  # harmonics, weight, sum of squared residuals
-        self.waiting = np.zeros((0, self.count + 2), dtype=np.complex128)  # cycles for the next row
+        self.carry: Samples = (np.empty(0), np.empty(0))
+        self.rows: list[Complexes] = []  # sums of harmonics, number of usable cycles
+        self.waiting = np.zeros((0, self.count + 1), dtype=np.complex128)  # cycles for the next row
         self.cycles_per_row = 1
         self.drift = np.zeros((2, self.count), dtype=np.complex128)
         self.drift_cycles = 0
-        self.bin_sums, self.bin_counts = np.zeros(BINS), np.zeros(BINS)
         self.bad: list[tuple[int, float, str]] = []
         self.held_at_extreme = 0
         self.highest, self.lowest = -math.inf, math.inf
@@ -214,13 +206,8 @@ class _Accumulator:
             )
         whole &= ~self._faulty(s, inside, local, square, whole, number)
         self._extremes(s, inside, whole)
-        phase = (t0 - self.start)[:, None] + self.dt * steps
-        bins = np.floor((phase / self.period) % 1.0 * BINS).astype(np.intp) % BINS
-        kept = inside & whole[:, None]
-        self.bin_sums += np.bincount(bins[kept], s[kept], BINS)
-        self.bin_counts += np.bincount(bins[kept], minlength=BINS)
         self.usable += int(whole.sum())
-        self._gather(local * turn, whole, square)
+        self._gather(local * turn, whole)
 
     def _faulty(
         self,
@@ -285,11 +272,10 @@ class _Accumulator:
             clipped |= row & (count > 4 * next_count) & (top == top.max())
         self.held_at_extreme += int(clipped.sum())
 
-    def _gather(self, harmonics: Complexes, whole: NDArray[np.bool_], square: Array) -> None:
+    def _gather(self, harmonics: Complexes, whole: NDArray[np.bool_]) -> None:
         """Append cycles to the rows, as many to a row as it stands for; join rows when there are many."""
         weights = whole.astype(np.float64)
-        square = np.where(whole, square, 0.0)
-        waiting = np.column_stack([harmonics * weights[:, None], weights, square])
+        waiting = np.column_stack([harmonics * weights[:, None], weights])
         waiting = np.concatenate([self.waiting, waiting])
         full = len(waiting) // self.cycles_per_row * self.cycles_per_row
         self.rows.append(_joined(waiting[:full], self.cycles_per_row))
@@ -303,11 +289,9 @@ class _Accumulator:
     def result(self) -> CycleHarmonics:
         """The rows; cycles that do not fill a row at the end are left out."""
         rows = np.concatenate([self.waiting[:0], *self.rows])
-        weights, squares = rows[:, -2].real, rows[:, -1].real
+        weights = rows[:, -1].real
         with np.errstate(invalid="ignore", divide="ignore"):
-            averaged = self.bin_sums / self.bin_counts
-            coefficients = rows[:, :-2] / weights[:, None]
-            rms = np.sqrt(squares / weights)
+            coefficients = rows[:, :-1] / weights[:, None]
         return CycleHarmonics(
             omega=self.omega,
             start=self.start,
@@ -316,8 +300,6 @@ class _Accumulator:
             cycles_per_row=self.cycles_per_row,
             weights=weights,
             drift=self.drift / max(1, self.drift_cycles),
-            residual_rms=rms,
-            averaged=averaged,
             bad_cycles=tuple(self.bad),
             span=max(0.0, self.highest - self.lowest),
             clipped=self.held_at_extreme / max(1, self.usable),

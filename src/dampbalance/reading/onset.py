@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
+from .climb import Evaluation, NoConvergence, NoStart, climb
 
 Array = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -29,7 +30,7 @@ Orders = NDArray[np.int_]
 _HALF = 1024  # points of half a cycle: harmonics alias below 1e-9 of X
 _SMALLEST_U, _LARGEST_U = 1e-3, 1.9
 _STARTS = (0.06, 0.18, 0.5)
-_MOST_STEPS = 30
+_GAIN = 5e-8  # of half the sum of squares, where the climb ends
 _STEP = 1e-6  # of the finite differences: orbits are exact to 1e-13
 
 
@@ -67,18 +68,12 @@ def fit_waveform(
     if start is None:
         return None
     fit = _Fit(omega, k, Y, Y_error, n, x, x_error)
-    best: tuple[float, Array] | None = None
-    for u in _STARTS:
-        p = np.array([*np.log(start), u, math.log(Y), 0.0])
-        residual = fit.residual(p)
-        if residual is not None and (best is None or residual @ residual < best[0]):
-            best = float(residual @ residual), p
-    if best is None:
+    starts = [np.array([*np.log(start), u, math.log(Y), 0.0]) for u in _STARTS]
+    sizes = [math.inf if (r := fit.residual(p)) is None else float(r @ r) for p in starts]
+    reached = fit.minimised(starts[int(np.argmin(sizes))]) if min(sizes) < math.inf else None
+    if reached is None:
         return None
-    found = fit.minimised(best[1])
-    if found is None:
-        return None
-    p, residual, jacobian = found
+    p, residual, jacobian = reached
     solution = np.linalg.pinv(jacobian)  # p from residuals, to first order
     covariance = solution @ solution.T
     u, u_error = float(p[3]), math.sqrt(covariance[3, 3])
@@ -127,6 +122,14 @@ def _rigid(
 
 
 @dataclass(frozen=True, eq=False)
+class _Linearised(Evaluation):
+    """Residuals at a point and their Jacobian."""
+
+    residual: Array
+    jacobian: Array
+
+
+@dataclass(frozen=True, eq=False)
 class _Fit:
     """Data of a fit and its residuals as functions of p = (log m, log c, log F_k, u, log Y, phase of y)."""
 
@@ -170,42 +173,31 @@ class _Fit:
         return np.array([orbit.X + orbit.X_s, orbit.V_s, orbit.t_s]), orbit
 
     def minimised(self, p: Array) -> tuple[Array, Array, Array] | None:
-        """(p, residual, Jacobian) at the least sum of squares, by Gauss–Newton with steps cut and damped as needed."""
-        residual = self.residual(p)
-        damping = 1e-3
-        for _ in range(_MOST_STEPS):
-            if residual is None:
-                return None
-            jacobian = self.jacobian(p, residual)
-            if jacobian is None:
-                return None
-            scale = np.linalg.norm(jacobian, axis=0)
-            before = float(residual @ residual)
-            while True:
-                damped = np.vstack([jacobian, np.diag(math.sqrt(damping) * scale)])
-                right = np.concatenate([-residual, np.zeros(p.size)])
-                step = (
-                    np.linalg.lstsq(damped / np.tile(scale, (len(damped), 1)), right, rcond=None)[0]
-                    / scale
-                )
-                step = step * min(1.0, 0.7 / max(1e-12, float(np.abs(step).max())))
-                trial = p + step
-                trial[3] = min(max(trial[3], _SMALLEST_U, 0.3 * p[3]), _LARGEST_U)
-                attempt = self.residual(trial)
-                if attempt is not None and attempt @ attempt <= before:
-                    damping *= 0.1
-                    break
-                damping = max(10.0 * damping, 1e-6)
-                if damping > 1e8:
-                    return p, residual, jacobian
-            gain = before - float(attempt @ attempt)
-            p, residual = trial, attempt
-            if gain < 1e-7 * (1.0 + 1e-3 * before):
-                break
-        if residual is None:
+        """(p, residual, Jacobian) at the least sum of squares, or as far as it falls; None where there is no start."""
+        lower, scale = np.array([-math.inf] * 3 + [_SMALLEST_U] + [-math.inf] * 2), np.ones(p.size)
+        try:
+            climbed = climb(self.evaluate, p, lower, scale, longest=0.7, gain=_GAIN)
+        except NoStart:
             return None
-        jacobian = self.jacobian(p, residual)
-        return None if jacobian is None else (p, residual, jacobian)
+        except NoConvergence as stuck:
+            climbed = stuck.best
+        end, here = climbed.point, climbed.evaluation
+        last = self.evaluate(
+            end + climbed.step
+        )  # leaves less than the gain that the climb stopped at
+        if last is not None and last.value <= here.value:
+            end, here = end + climbed.step, last
+        return end, here.residual, here.jacobian
+
+    def evaluate(self, p: Array) -> _Linearised | None:
+        """Half the sum of squares with its information and gradient; None where nothing slips."""
+        residual = self.residual(p)
+        jacobian = None if residual is None else self.jacobian(p, residual)
+        if residual is None or jacobian is None:
+            return None
+        value = 0.5 * float(residual @ residual)
+        information = jacobian.T @ jacobian
+        return _Linearised(value, information, -jacobian.T @ residual, residual, jacobian)
 
     def jacobian(self, p: Array, residual: Array) -> Array | None:
         columns = []

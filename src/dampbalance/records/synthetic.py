@@ -12,16 +12,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import BaseMotion, Oscillator
-from ..motion.orbit import Orbit, steady_orbit
+from ..motion.orbit import Orbit
 from .measurement import QUANTITIES, Channel, Measurement
 
 Array = NDArray[np.float64]
 
 
-def simulated_measurement(
-    osc: Oscillator,
-    motion: BaseMotion,
+def measured_orbit(
+    orbit: Orbit,
     *,
     rate_hz: float,
     cycles: float,
@@ -40,30 +38,6 @@ def simulated_measurement(
 
     Raises ValueError for an unknown quantity, a rate, a duration or a noise that makes no sense.
     """
-    return measured_orbit(
-        steady_orbit(osc, motion),
-        rate_hz=rate_hz,
-        cycles=cycles,
-        noise=noise,
-        seed=seed,
-        channels=channels,
-        start=start,
-        source=source,
-    )
-
-
-def measured_orbit(
-    orbit: Orbit,
-    *,
-    rate_hz: float,
-    cycles: float,
-    noise: float | Mapping[str, float] = 0.0,
-    seed: int | np.random.Generator = 0,
-    channels: Sequence[str] = ("base_displacement", "displacement"),
-    start: float = 0.0,
-    source: str = "",
-) -> Measurement:
-    """As `simulated_measurement`, of an orbit at hand."""
     motion = orbit.motion
     if not (math.isfinite(rate_hz) and rate_hz > 0.0):
         raise ValueError(f"rate_hz must be a positive number of samples per second, got {rate_hz}")
@@ -94,12 +68,12 @@ def measured_orbit(
         "velocity": state.v,
         "acceleration": state.acceleration,
     }
-    made = []
+    measured = []
     for quantity in channels:
         values = clean[quantity]
         part = parts.get(quantity, 0.0)
         if part > 0.0:
             rms = math.sqrt(float(np.mean(values**2)))
             values = values + part * rms * random.standard_normal(count)
-        made.append(Channel(quantity, t, values))
-    return Measurement.of(source or f"simulated, Y = {motion.Y:g} m", made)
+        measured.append(Channel(quantity, t, values))
+    return Measurement.of(source or f"simulated, Y = {motion.Y:g} m", measured)

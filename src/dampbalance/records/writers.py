@@ -18,7 +18,7 @@ from ..project.files import replacing, write_text
 from .errors import RecordError, library
 from .measurement import QUANTITIES, Array, Measurement
 from .readers.formats import FORMATS, format_by_suffix
-from .readers.source import times
+from .readers.record_file import times
 from .units import DIMENSIONS, header_suffix
 
 MATLAB_73 = "matlab73"

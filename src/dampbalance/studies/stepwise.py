@@ -17,7 +17,7 @@ from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
-from ..reading.clean import Reading, of_record
+from ..reading.clean import ReadAt, of_record
 from ..record import Record
 from .responses import NOT_READ, STEP_TOO_COARSE
 
@@ -25,7 +25,7 @@ KEPT_CYCLES = 3  # of a simulation: whole cycles enough for the reader, whatever
 
 
 def fixed_step_responses(
-    si: Mapping[str, Array], Y: Array, numerics: Mapping[str, Any], cycles: int, reading: Reading
+    si: Mapping[str, Array], Y: Array, numerics: Mapping[str, Any], cycles: int, reading: ReadAt
 ) -> Features:
     """The responses that a fixed-step scheme gives, read off their last three cycles.
 
@@ -57,7 +57,7 @@ def fixed_step_responses(
 
 
 def sampled_responses(
-    si: Mapping[str, Array], Y: Array, numerics: Mapping[str, Any], cycles: int, reading: Reading
+    si: Mapping[str, Array], Y: Array, numerics: Mapping[str, Any], cycles: int, reading: ReadAt
 ) -> Features:
     """The exact responses, sampled at sampling_hz (Hz, (n,)) for `cycles` cycles from ωt = 0 on, and read."""
 
@@ -77,7 +77,7 @@ def sampled_responses(
     return _one_by_one(si, Y, read)
 
 
-def _read(record: Record, osc: Oscillator, motion: BaseMotion, reading: Reading) -> Features:
+def _read(record: Record, osc: Oscillator, motion: BaseMotion, reading: ReadAt) -> Features:
     try:
         return of_record(record, motion.omega, osc.k, reading)
     except ValueError:  # too short, or too coarse to hold a reversal

@@ -10,10 +10,10 @@ from scipy.stats import chi2
 
 from dampbalance.likelihood.fit import reference_fit
 from dampbalance.likelihood.information import NotIdentifiable, cramer_rao, noise_of_rms
-from dampbalance.likelihood.maximise import Evaluation, NoConvergence, climb
 from dampbalance.likelihood.residuals import Residual, adequacy
 from dampbalance.model import BaseMotion, Oscillator
 from dampbalance.motion.orbit import steady_orbit
+from dampbalance.reading.climb import Evaluation, NoConvergence, climb
 from dampbalance.record import Record
 
 PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
@@ -59,6 +59,11 @@ def noisy(noise=0.01, seed=SEED, **more):
 
 def fit(records, omega=OMEGA, m=PAPER.m, k=PAPER.k, **more):
     return reference_fit(records, omega, m, k, **more)
+
+
+def passes(verdict):
+    """Whether neither test rejects at the level of 0.1 %; an untested fit passes."""
+    return not (verdict.harmonics_p < 1e-3 or verdict.whiteness_p < 1e-3)
 
 
 @pytest.fixture(scope="module")
@@ -236,7 +241,7 @@ def test_interval_of_K_z_is_that_of_its_root(measured):
 
 def test_adequate_records_pass(measured):
     verdict = fit(measured).adequacy
-    assert verdict.passes
+    assert passes(verdict)
     assert verdict.harmonics == pytest.approx(1.0, abs=0.5)  # 169 degrees of freedom: 4 of √(2/169)
     assert verdict.whiteness == pytest.approx(1.0, abs=0.4)  # 200: 4 of √(2/200)
 
@@ -248,7 +253,7 @@ def test_a_third_harmonic_fails_the_check(measured):
     ]
     found = fit(spoilt)
     assert found.adequacy.harmonics_p < 1e-6
-    assert not found.adequacy.passes
+    assert not passes(found.adequacy)
     assert any("repeat with the drive" in words for words in found.warnings)
 
 
@@ -303,9 +308,9 @@ def test_what_cannot_be_tested_is_not():
     assert short.whiteness_p > 0.01
     ramp = np.linspace(-1.0, 1.0, 1000)
     rounding = adequacy([Residual(1e-12 * ramp, np.cos(4.0 * phase), 4.0 * phase)], 0)
-    assert rounding.passes
+    assert passes(rounding)
     assert math.isnan(rounding.whiteness_p)
-    assert not adequacy([Residual(ramp, np.cos(4.0 * phase), 4.0 * phase)], 0).passes
+    assert not passes(adequacy([Residual(ramp, np.cos(4.0 * phase), 4.0 * phase)], 0))
 
 
 def test_a_contact_that_only_sticks_is_refused():

@@ -1,4 +1,4 @@
-"""The Cramér–Rao bound against textbook cases and its own laws; the efficiency of approaches against simulation."""
+"""The Cramér–Rao bound against textbook cases and its own laws."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from dampbalance.likelihood.derivatives import compliance_root, response
-from dampbalance.likelihood.efficiency import efficiency, fourier_balance_covariance, score
 from dampbalance.likelihood.information import (
     NotIdentifiable,
+    assemble,
     channel_terms,
+    covariance_of_K_z,
     cramer_rao,
-    cramer_rao_dense,
+    inverse,
     noise_of_rms,
 )
 from dampbalance.model import BaseMotion, Oscillator
@@ -157,12 +158,18 @@ def test_an_offset_costs_what_it_takes_as_one_more_unknown():
 
 
 def test_dense_sampling_is_the_limit():
+    """n samples that share out evenly over the phases: I = n ⟨(∂u/∂p)(∂u/∂p)ᵀ⟩/σ², the mean over one cycle."""
     sampled = bound(rate_hz=50000.0, cycles=3.0)
-    dense = cramer_rao_dense(
-        PAPER, MOTIONS, samples=sampled.samples / 5, noise={"y": 5e-5, "x": 5e-5}
-    )
+    phases = (np.arange(4096) + 0.5) / 4096
+    weight = sampled.samples / 5 / 4096 / 5e-5**2
+    terms = []
+    for motion in MOTIONS:
+        J = response(PAPER, motion, 0.0, phases * motion.period, ["y", "x"]).jacobian
+        terms.append({name: channel_terms(J[name], phases) for name in J})
+    dense = inverse(assemble(terms, [dict.fromkeys(sums, weight) for sums in terms], 3)[0])
     # 10,163 samples per cycle, and 4096 phases: both stand for the mean over the cycle.
-    assert sampled.covariance == pytest.approx(dense.covariance, rel=1e-3)
+    expected = covariance_of_K_z(dense, PAPER.K_z)
+    assert sampled.covariance == pytest.approx(expected, rel=1e-3)
 
 
 def test_bound_does_not_depend_on_the_units():
@@ -213,111 +220,3 @@ def test_what_cannot_be_known_or_makes_no_sense_is_refused():
         bound(noise={"y": [1e-5, 1e-5], "x": 1e-5})
     with pytest.raises(ValueError, match="are 1 samples"):
         bound(cycles=1.0, rate_hz=5.0)
-
-
-# --- efficiency ----------------------------------------------------------------------------------
-
-
-def test_efficiency_is_the_ratio_of_variances():
-    b = bound()
-    assert efficiency(b, b.covariance) == pytest.approx([1.0, 1.0, 1.0])
-    assert efficiency(b, 4.0 * b.covariance[:2, :2]) == pytest.approx([0.25, 0.25])
-    with pytest.raises(ValueError, match="positive variances"):
-        efficiency(b, np.full((2, 2), np.nan))
-
-
-def test_score_of_estimates_that_are_known():
-    b = bound()
-    truth = np.array([1.28, 90.0])
-    rng = np.random.default_rng(4)
-    scatter = 2.0 * np.sqrt(np.diag(b.covariance)[:2])
-    given = truth + scatter * (0.5 + rng.standard_normal((4000, 2)))
-    given[7, 1] = np.nan
-    found = score(given, truth, b)
-    assert (found.runs, found.failed) == (3999, 1)
-    # 4000 runs: standard error of a mean 1/63, of a standard deviation 1/89; four of them.
-    assert found.bias / scatter == pytest.approx([0.5, 0.5], abs=4 / 63)
-    assert found.standard_error / scatter == pytest.approx([1.0, 1.0], rel=4 / 89)
-    assert found.bias_error == pytest.approx(found.standard_error / math.sqrt(3999))
-    assert found.rms_error**2 == pytest.approx(
-        found.bias**2 + found.standard_error**2 * 3998 / 3999
-    )
-    low, high = found.efficiency_interval
-    assert np.all((low < 0.25) & (high > 0.25))
-    assert np.all((low < found.efficiency) & (high > found.efficiency))
-    with pytest.raises(ValueError, match="two finite estimates, got 1 of 2"):
-        score([[1.0, 2.0], [np.nan, 1.0]], truth, b)
-    with pytest.raises(ValueError, match="estimates must be"):
-        score([1.0, 2.0], truth, b)
-
-
-@pytest.mark.parametrize("hertz", [3.5, 4.92, 11.1])
-def test_covariance_of_the_fourier_balance_is_that_of_its_derivatives(hertz):
-    """Every line in turn moved a little, in its real and its imaginary part, and the estimate formed anew."""
-    omega = 2.0 * math.pi * hertz
-    orbits = [steady_orbit(PAPER, BaseMotion(Y, omega)) for Y in LEVELS]
-    samples, sigma, h = 10000, {"y": 3e-5, "x": 5e-5}, 1e-9
-    order = np.array([1, 3, 5])
-    lines = np.array([[x * np.exp(-1j * p) for x, p in map(o.harmonic, (1, 3, 5))] for o in orbits])
-    truncated = np.array(
-        [(lines[i] @ np.exp(1j * order * o.phi)).real for i, o in enumerate(orbits)]
-    )
-    lacking = np.array([o.X for o in orbits]) - truncated  # of the peak, from the higher harmonics
-
-    def estimate(x, base):
-        W = -math.pi * PAPER.k * (x[:, 0] * base.conj()).imag
-        b = math.pi * omega * np.abs(x) ** 2 @ order**2
-        # At its maximum the sum does not change with the phase to first order: the true reversal will do.
-        turns = np.exp(1j * np.outer([o.phi for o in orbits], order))
-        a = 4.0 * ((x * turns).real.sum(axis=1) + lacking - PAPER.Z_m)
-        return np.linalg.lstsq(np.column_stack([a, b]), W)[0]
-
-    base = np.array(LEVELS, dtype=complex)
-    expected = np.zeros((2, 2))
-    for i in range(len(orbits)):
-        for part in (h, 1j * h):
-            for n in range(4):
-                x, y = [lines.copy(), lines.copy()], [base.copy(), base.copy()]
-                for sign in (0, 1):
-                    moved, place = (x[sign], (i, n)) if n < 3 else (y[sign], i)
-                    moved[place] += (2 * sign - 1) * part
-                slope = (estimate(x[1], y[1]) - estimate(x[0], y[0])) / (2.0 * h)
-                s = sigma["x" if n < 3 else "y"]
-                expected += 2.0 * s**2 / samples * np.outer(slope, slope)
-    predicted = fourier_balance_covariance(orbits, samples=samples, noise=sigma)
-    # The formula takes e = 0 at the truth; with harmonics 1, 3, 5 alone the rows miss it by up to 2e-4 of W, which
-    # moves the derivative of A⁺ by that times the condition number, 20 to 100.
-    assert predicted == pytest.approx(expected, rel=0.02)
-
-
-@pytest.mark.parametrize("hertz", [3.5, 11.1])
-def test_covariance_of_the_fourier_balance_is_the_scatter_of_its_estimates(hertz):
-    """Lines x_1, x_3, x_5, y_1 of 16 whole cycles of 128 samples, by discrete Fourier transform; W, b and the peak
-    from them, Z_m known."""
-    omega, cycles, per_cycle, runs = 2.0 * math.pi * hertz, 16, 128, 300
-    orbits = [steady_orbit(PAPER, BaseMotion(Y, omega)) for Y in LEVELS]
-    samples = cycles * per_cycle
-    noise = noise_of_rms(PAPER, [orbit.motion for orbit in orbits], 0.01, ["y", "x"])
-    rng = np.random.default_rng(11)
-    alpha = 2.0 * math.pi * np.arange(samples) / per_cycle
-    phases = np.linspace(0.0, 2.0 * math.pi, 2001)
-    order = np.array([1, 3, 5])
-    a, b, W = np.empty((3, runs, len(LEVELS)))
-    for i, orbit in enumerate(orbits):
-        clean = orbit.state(alpha / omega).x
-        x = clean + noise["x"][i] * rng.standard_normal((runs, samples))
-        y = orbit.motion.Y * np.cos(alpha) + noise["y"][i] * rng.standard_normal((runs, samples))
-        lines = 2.0 / samples * x @ np.exp(-1j * np.outer(alpha, order))
-        base = 2.0 / samples * y @ np.exp(-1j * alpha)
-        W[:, i] = -math.pi * PAPER.k * (lines[:, 0] * base.conj()).imag
-        b[:, i] = math.pi * omega * (np.abs(lines) ** 2 @ order**2)
-        peak = (lines @ np.exp(1j * np.outer(order, phases))).real.max(axis=1)
-        a[:, i] = 4.0 * (peak - PAPER.Z_m)
-    A = np.stack([a, b], axis=-1)
-    estimates = np.array([np.linalg.lstsq(A[j], W[j])[0] for j in range(runs)])
-    predicted = fourier_balance_covariance(orbits, samples=samples, noise=noise)
-    measured = np.cov(estimates.T)
-    # 300 runs give a variance to √(2/299) = 8 %, at four of them 33 %; a correlation of −0.9 to 0.04.
-    assert np.diag(measured) == pytest.approx(np.diag(predicted), rel=0.33)
-    correlation = [C[0, 1] / math.sqrt(C[0, 0] * C[1, 1]) for C in (measured, predicted)]
-    assert correlation[0] == pytest.approx(correlation[1], abs=0.05)

@@ -12,6 +12,7 @@ import pytest
 
 from analytic.cases import PAPER, PAPER_FREQUENCIES_HZ, PAPER_LEVELS_M, SEVERAL_SLIPS, case
 from dampbalance import BaseMotion, NoSteadyOrbit, Orbit, Oscillator, Regime, State, steady_orbit
+from dampbalance.motion.events import PHASE_S, PHASE_T
 
 CASES = [
     (0.6, 1.0, 90.0, 0.14),
@@ -123,7 +124,7 @@ def test_states_satisfy_the_equation_of_motion(orbit):
 def test_velocity_and_acceleration_are_the_derivatives(orbit):
     # central differences within phases: the state is one smooth motion, not four unrelated curves
     o, t_1 = orbit.oscillator, orbit.t_1
-    edges = [*orbit.phases[:, 0], 0.5 * orbit.motion.period]
+    edges = [*orbit.phases[:, PHASE_T], 0.5 * orbit.motion.period]
     fastest = max(math.sqrt((o.k + o.K_z) / o.m), o.c / o.m, orbit.motion.omega)
     for start, end in itertools.pairwise(edges):
         h = 1e-4 * min(end - start, 1.0 / fastest)
@@ -139,8 +140,8 @@ def test_velocity_and_acceleration_are_the_derivatives(orbit):
 def test_states_are_continuous_at_events(orbit):
     # x, ẋ, z pass every event without a jump, and so does ẍ: the contact force is continuous
     period, t_1 = orbit.motion.period, orbit.t_1
-    events = np.concatenate([orbit.phases[:, 0], orbit.phases[:, 0] + 0.5 * period])
-    h = 1e-9 * np.diff([*orbit.phases[:, 0], 0.5 * period]).min()
+    events = np.concatenate([orbit.phases[:, PHASE_T], orbit.phases[:, PHASE_T] + 0.5 * period])
+    h = 1e-9 * np.diff([*orbit.phases[:, PHASE_T], 0.5 * period]).min()
     before, after = orbit.state(t_1 + events - h), orbit.state(t_1 + events + h)
     if orbit.regime is Regime.NO_FRICTION:  # the force of a slider without friction is nought
         before, after = before._replace(z=0.0), after._replace(z=0.0)
@@ -167,9 +168,9 @@ def test_integrals_by_quadrature_of_the_states(orbit):
     # a, b, W from the states by Gauss–Legendre on each phase: another route than the closed forms
     o, motion = orbit.oscillator, orbit.motion
     nodes, weights = np.polynomial.legendre.leggauss(40)
-    edges = np.array([*orbit.phases[:, 0], 0.5 * motion.period])
+    edges = np.array([*orbit.phases[:, PHASE_T], 0.5 * motion.period])
     a = b = W = 0.0
-    for (start, end), s in zip(itertools.pairwise(edges), orbit.phases[:, 1], strict=True):
+    for (start, end), s in zip(itertools.pairwise(edges), orbit.phases[:, PHASE_S], strict=True):
         pieces = max(1, math.ceil((end - start) * math.sqrt((o.k + o.K_z) / o.m) / 8.0))
         grid = np.linspace(start, end, pieces + 1)
         for low, high in itertools.pairwise(grid):
@@ -232,7 +233,7 @@ def test_a_damaged_description_is_refused():
 def test_phases_are_read_only(orbit):
     for one in (orbit, Orbit.from_dict(orbit.to_dict())):
         with pytest.raises(ValueError, match="read-only"):
-            one.phases[0, 0] = 1.0
+            one.phases[0, PHASE_T] = 1.0
 
 
 @pytest.mark.parametrize("n", [0, 2, 4, 7, -1, 1.5])

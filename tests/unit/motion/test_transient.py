@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from analytic.cases import PAPER, PAPER_MOTIONS, case
 from dampbalance import BaseMotion, Oscillator, State, transient
+from dampbalance.motion.events import PHASE_S, PHASE_T
 
 MOTION = PAPER_MOTIONS[0]
 END = 3.0 * MOTION.period
@@ -24,7 +25,7 @@ def test_initial_state_is_kept():
     for name, value in start.items():
         assert float(getattr(state, name)) == value
     assert path.end == END
-    assert path.phases[0, 0] == 0.1
+    assert path.phases[0, PHASE_T] == 0.1
 
 
 def test_default_is_rest():
@@ -79,14 +80,14 @@ def test_rules_of_the_contact(zeta, r, K, F, x, v, z):
     path = random_path(zeta, r, K, F, x, v, z)
     o, motion, phases = path.oscillator, path.motion, path.phases
     Z_m = o.Z_m
-    assert np.all(np.diff(phases[:, 0]) >= 0.0)
-    assert set(phases[:, 1]) <= {-1.0, 0.0, 1.0}
+    assert np.all(np.diff(phases[:, PHASE_T]) >= 0.0)
+    assert set(phases[:, PHASE_S]) <= {-1.0, 0.0, 1.0}
     # one phase ends where the next begins; no two phases of the same state follow each other
-    assert np.all(np.diff(phases[:, 1]) != 0.0)
-    t = np.linspace(phases[0, 0], path.end, 500)
+    assert np.all(np.diff(phases[:, PHASE_S]) != 0.0)
+    t = np.linspace(phases[0, PHASE_T], path.end, 500)
     state = path.state(t)
     assert np.all(np.abs(state.z) <= Z_m * (1.0 + 1e-12))  # rounding
-    s = phases[np.searchsorted(phases[:, 0], t, side="right") - 1, 1]
+    s = phases[np.searchsorted(phases[:, PHASE_T], t, side="right") - 1, 1]
     # in slip the spring is at its limit and the mass moves that way; 1e-12 for the instants of reversal
     slips = s != 0.0
     np.testing.assert_array_equal(state.z[slips], s[slips] * Z_m)
@@ -108,7 +109,7 @@ def test_states_pass_events_without_a_jump(zeta, r, K, F, x, v, z):
         np.abs(path.state(np.linspace(0.0, path.end, 200)).v).max(), motion.Y * motion.omega
     )
     h = 1e-10 * motion.period
-    at = phases[1:, 0]
+    at = phases[1:, PHASE_T]
     at = at[(at > h) & (at + h < path.end)]
     before, after = path.state(at - h), path.state(at + h)
     # twice h of motion at the largest speed, three times over; and acceleration by the fastest rate
@@ -126,7 +127,7 @@ def test_without_excitation_worth_the_name_the_energy_falls():
     energy = 0.5 * (o.m * state.v**2 + o.k * state.x**2 + o.K_z * state.z**2)
     assert np.all(np.diff(energy) <= 1e-15)
     # it ends held by the contact, within F_k/k of the middle
-    assert path.phases[-1, 1] == 0.0
+    assert path.phases[-1, PHASE_S] == 0.0
     assert abs(state.x[-1]) < o.F_k / o.k
 
 
@@ -134,7 +135,7 @@ def test_many_events():
     # some 3000 phases: more than are computed at once
     path = transient(PAPER, MOTION, 700.0 * MOTION.period)
     assert len(path.phases) > 2500
-    assert np.all(np.diff(path.phases[:, 0]) > 0.0)
+    assert np.all(np.diff(path.phases[:, PHASE_T]) > 0.0)
 
 
 def test_slider_without_friction():
@@ -158,12 +159,12 @@ def test_slider_without_friction():
 def test_starts_at_the_limit_of_the_spring(z):
     limit = z * PAPER.Z_m
     onward = transient(PAPER, MOTION, END, v=z * 0.1, z=limit)
-    assert onward.phases[0, 1] == z  # slips at once
+    assert onward.phases[0, PHASE_S] == z  # slips at once
     back = transient(PAPER, MOTION, END, v=-z * 0.1, z=limit)
-    assert back.phases[0, 1] == 0.0  # lets go
+    assert back.phases[0, PHASE_S] == 0.0  # lets go
     # at rest the force decides: the base pulls with kY = 9.24 N at t = 0, seven times F_k
     still = transient(PAPER, MOTION, END, z=limit)
-    assert still.phases[0, 1] == (1.0 if z > 0.0 else 0.0)
+    assert still.phases[0, PHASE_S] == (1.0 if z > 0.0 else 0.0)
 
 
 @pytest.mark.parametrize("name", ["x", "v", "z", "start", "end"])

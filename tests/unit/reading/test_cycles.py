@@ -31,7 +31,6 @@ def test_harmonics_are_exact_for_any_number_of_samples_per_cycle():
     assert len(found.weights) == math.floor((t[-1] + DT - 0.13) * OMEGA / (2 * math.pi))
     # least squares on a signal of the model: rounding, times the condition of the normal matrix (about 2)
     np.testing.assert_allclose(found.coefficients, np.tile(expected, (19, 1)), atol=1e-11)
-    assert found.residual_rms.max() < 1e-7
 
 
 def test_blocks_of_any_size_give_the_same_rows():

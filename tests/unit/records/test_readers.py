@@ -24,7 +24,7 @@ from dampbalance.record import Record
 from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.mapping import mapping_from
 from dampbalance.records.measurement import Channel, Measurement
-from dampbalance.records.readers import channels, open_blocks, open_channels, read
+from dampbalance.records.readers import channels, open_channels, read
 from dampbalance.records.writers import write
 
 RATE = 1000.0
@@ -44,6 +44,11 @@ def assert_expected(found, t=T):
         np.testing.assert_array_equal(found[quantity].values, values)
         # ms become s by one more rounding
         np.testing.assert_allclose(found[quantity].t, t, rtol=1e-15, atol=0.0)
+
+
+def values_in_blocks(path, mapping=None, block=3, quantity="acceleration"):
+    """The values of one channel, block by block."""
+    return (values for _, values in open_channels(path, mapping, block)[quantity]())
 
 
 def rows(delimiter=",", decimal=".", columns=(T, Y, A), end="\n"):
@@ -92,10 +97,9 @@ def test_text_layouts(tmp_path, text, suffix):
     path = tmp_path / f"run{suffix}"
     path.write_bytes(text.encode())
     assert_expected(read(path))
-    blocks = list(open_blocks(path, block=3))
+    blocks = list(values_in_blocks(path))
     assert len(blocks) == 3  # 3, 3 and 2 of 8 rows
-    joined = np.concatenate([block["acceleration"].values for block in blocks])
-    np.testing.assert_array_equal(joined, EXPECTED["acceleration"])
+    np.testing.assert_array_equal(np.concatenate(blocks), EXPECTED["acceleration"])
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
@@ -210,8 +214,8 @@ def test_hdf5_rows_and_columns(tmp_path):
         with h5py.File(path, "w") as file:
             file["data"] = table
         assert_expected(read(path, mapping))
-        joined = [b["acceleration"].values for b in open_blocks(path, mapping, block=3)]
-        np.testing.assert_array_equal(np.concatenate(joined), EXPECTED["acceleration"])
+        joined = np.concatenate(list(values_in_blocks(path, mapping)))
+        np.testing.assert_array_equal(joined, EXPECTED["acceleration"])
 
 
 @pytest.mark.parametrize("binary", [0, 1], ids=["text", "binary"])
@@ -255,8 +259,8 @@ def test_tdms_groups_and_segments(tmp_path):
             )  # fmt: skip
     assert_expected(read(path))
     assert [raw.name for raw in channels(path)] == ["base/y", "mass/acc"]
-    joined = [b["acceleration"].values for b in open_blocks(path, block=3)]
-    np.testing.assert_array_equal(np.concatenate(joined), EXPECTED["acceleration"])
+    joined = np.concatenate(list(values_in_blocks(path)))
+    np.testing.assert_array_equal(joined, EXPECTED["acceleration"])
 
 
 @pytest.mark.parametrize(
@@ -302,10 +306,8 @@ def test_parquet_units_in_metadata(tmp_path):
     ]
     pq.write_table(pa.table([T, Y, A], schema=pa.schema(fields)), path, row_group_size=3)
     assert_expected(read(path))
-    sizes = [
-        len(b["acceleration"]) for b in open_blocks(path, block=4)
-    ]  # row groups of 3 make blocks of 4
-    assert sizes == [4, 4]
+    # row groups of 3 make blocks of 4
+    assert [len(values) for values in values_in_blocks(path, block=4)] == [4, 4]
 
 
 # Bad input: one error each, which names the file.
@@ -397,7 +399,7 @@ def test_unequal_lengths(tmp_path):
         file["time_s"], file["base_mm"], file["acc_g"] = T, Y, A[:-1]
     refused(path, r"'acc' has 7 samples, its time 'time' has 8")
     with pytest.raises(RecordError, match=r"unequal lengths.*only as a whole"):
-        list(open_blocks(path, block=3))
+        list(values_in_blocks(path))
     with h5py.File(path, "w") as file:
         file["base_mm"], file["acc_g"], file["fs"] = Y, A[:-1], RATE
     refused(path, r"'base' has 8 samples, 'acc' has 7; channels that share their times")
@@ -491,7 +493,7 @@ def test_a_truncated_file(tmp_path, suffix, kind, part):
     path.write_bytes(content[: int(part * len(content))])
     refused(path, CUT_SHORT)
     with pytest.raises(RecordError, match=CUT_SHORT):
-        list(open_blocks(path, block=50))
+        list(values_in_blocks(path, block=50, quantity="velocity"))
 
 
 def test_a_truncated_text(tmp_path):
@@ -547,7 +549,7 @@ def test_a_missing_library_names_the_extra(tmp_path, monkeypatch, suffix, kind, 
 def test_a_bad_sample_is_found_in_its_block(tmp_path, change, message):
     path = tmp_path / "run.csv"
     path.write_text(HEADER + rows().replace(*change))
-    blocks = open_blocks(path, block=3)
+    blocks = values_in_blocks(path, quantity="base_displacement")
     next(blocks)  # the first three rows are good
     with pytest.raises(RecordError, match=message):
         list(blocks)
@@ -556,10 +558,10 @@ def test_a_bad_sample_is_found_in_its_block(tmp_path, change, message):
 def test_a_channel_constant_in_one_block_only_is_good(tmp_path):
     path = tmp_path / "run.csv"
     path.write_text(HEADER + rows(columns=(T, Y, [1, 1, 1, 1, 1, 1, 2, 1])))
-    assert sum(len(b["acceleration"]) for b in open_blocks(path, block=3)) == N
+    assert sum(map(len, values_in_blocks(path))) == N
     path.write_text(HEADER + rows(columns=(T, Y, [1] * N)))
     with pytest.raises(RecordError, match="'acc' is constant, 1 in all 8 samples"):
-        list(open_blocks(path, block=3))
+        list(values_in_blocks(path))
 
 
 def test_channels_of_unequal_lengths_are_read_one_by_one(tmp_path):
@@ -595,18 +597,18 @@ def test_empty_rows_at_the_end_of_a_table(tmp_path):
     path = tmp_path / "run.csv"
     path.write_text(HEADER + rows() + ",,\n" * 7)  # spreadsheets leave such
     assert_expected(read(path))
-    assert sum(len(b["acceleration"]) for b in open_blocks(path, block=3)) == N
+    assert sum(map(len, values_in_blocks(path))) == N
     path.write_text(HEADER + rows() + ",,\n" * 7 + "0.015,1.0,1.0\n")
     refused(path, "line 10: channel .* is empty")
     with pytest.raises(RecordError, match=r"line 10: channel .* is empty"):
-        list(open_blocks(path, block=3))
+        list(values_in_blocks(path))
 
 
 def test_blocks_are_checked_before_the_first(tmp_path):
     with pytest.raises(RecordError, match="no such file"):
-        open_blocks(tmp_path / "no.csv")
+        open_channels(tmp_path / "no.csv")
     with pytest.raises(ValueError, match="at least 3 samples, got 2"):
-        open_blocks(sample(tmp_path / "run.csv"), block=2)
+        open_channels(sample(tmp_path / "run.csv"), block=2)
 
 
 @pytest.mark.parametrize(
@@ -617,9 +619,9 @@ def test_blocks_need_little_memory(tmp_path, suffix, kind):
     # 200,000 samples are 4.8 MB as three columns of floats, a block of 2,000 is 48 kB. The libraries have buffers that
     # do not grow with the file: 1.2 MB for text, measured for 50,000 to 400,000 samples.
     path = sample(tmp_path / f"run{suffix}", kind, n=200_000)
-    next(open_blocks(path, block=2_000))  # imports and caches
+    next(values_in_blocks(path, block=2_000, quantity="force"))  # imports and caches
     tracemalloc.start()
-    count = sum(len(b["force"]) for b in open_blocks(path, block=2_000))
+    count = sum(map(len, values_in_blocks(path, block=2_000, quantity="force")))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert count == 200_000

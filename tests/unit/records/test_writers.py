@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from dampbalance.records.errors import RecordError
 from dampbalance.records.measurement import Channel, Measurement
-from dampbalance.records.readers import open_blocks, read
+from dampbalance.records.readers import open_channels, read
 from dampbalance.records.writers import write
 
 FORMATS = {
@@ -99,12 +99,11 @@ def test_blocks_make_up_the_whole(tmp_path, suffix, kind, block):
     record = measurement()
     path = tmp_path / f"run{suffix}"
     write(path, record, kind)
-    blocks = list(open_blocks(path, block=block))
-    assert all(len(b["displacement"]) == block for b in blocks[:-1])
-    for quantity in record:
-        for field in ("t", "values"):
-            joined = np.concatenate([getattr(b[quantity], field) for b in blocks])
-            np.testing.assert_array_equal(joined, getattr(record[quantity], field))
+    for quantity, blocks in open_channels(path, block=block).items():
+        t, values = zip(*blocks(), strict=True)
+        assert all(len(part) == block for part in t[:-1])
+        np.testing.assert_array_equal(np.concatenate(t), record[quantity].t)
+        np.testing.assert_array_equal(np.concatenate(values), record[quantity].values)
 
 
 def test_same_bytes_at_another_time(tmp_path):

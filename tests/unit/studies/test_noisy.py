@@ -11,13 +11,13 @@ import pandas as pd
 import pytest
 import yaml
 
-from dampbalance import BaseMotion, Oscillator, __version__
+from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
 from dampbalance.identification.identify import identify
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.wording import percent
 from dampbalance.reading.noisy import read_features
-from dampbalance.records.synthetic import simulated_measurement
+from dampbalance.records.synthetic import measured_orbit
 from dampbalance.studies import evaluate, outputs, settings
 from dampbalance.studies.shown import drawing, facts, groups, summary
 from dampbalance.studies.shown.bounds import bounds_of
@@ -80,9 +80,8 @@ def test_a_case_is_an_experiment_as_one_would_do_it(done):
     for level, Y in enumerate((0.004, 0.012)):
         random = np.random.default_rng([7, case, level])
         start = random.random() / 3.5
-        measurement = simulated_measurement(
-            PAPER,
-            BaseMotion(Y, omega),
+        measurement = measured_orbit(
+            steady_orbit(PAPER, BaseMotion(Y, omega)),
             rate_hz=1000,
             cycles=20,
             noise=0.001,

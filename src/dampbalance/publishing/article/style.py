@@ -6,7 +6,6 @@ file and not of a binary neighbour.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from decimal import ROUND_CEILING, ROUND_HALF_EVEN, Decimal, InvalidOperation
 from typing import Any, Literal
@@ -121,11 +120,6 @@ def decimals(printed: str) -> int:
 def significant(printed: str) -> int:
     """Significant digits of a printed number: 3 of 0.0273, 2 of 2.9E-3."""
     return len(Decimal(printed).as_tuple().digits)
-
-
-def style_from(record: Mapping[str, Any]) -> Style:
-    """The style that `as_json` wrote down."""
-    return Style(**record)
 
 
 def _rounded(number: Decimal, digits: int) -> Decimal:

@@ -1,12 +1,10 @@
-"""The colours of the page, light and dark: one place for style sheet, charts, pictures and the test of their contrast.
+"""The colours of the page, light and dark: one place for style sheet, charts and pictures.
 
 Text keeps a contrast of at least 4.5 : 1 to what it stands on, lines, marks and bars 3 : 1 (WCAG 2.2 AA: criteria 1.4.3
 and 1.4.11). Colour never stands alone: verdicts have a symbol and a word, approaches a shape, a dash or a label.
 """
 
 from __future__ import annotations
-
-TEXT_CONTRAST, GRAPHIC_CONTRAST = 4.5, 3.0
 
 LIGHT = {
     "paper": "#ffffff",  # the page
@@ -77,26 +75,7 @@ DARK = {
     "stick": "#ff9a4d",
 }
 
-VERDICTS = ("reproduced", "reconstructed", "last-digit", "reading", "differs")
 SERIES = ("direct", "X-s", "t-s", "V-s", "fourier", "other", "slip", "stick")
-
-TEXT_ON = [
-    *((text, ground) for text in ("ink", "muted", "link") for ground in ("paper", "raised")),
-    *(("on-verdict", verdict) for verdict in VERDICTS),
-    *((f"{verdict}-text", f"{verdict}-tint") for verdict in VERDICTS),
-    *((f"{verdict}-text", "paper") for verdict in VERDICTS),
-    ("ink", "reconstructed-tint"),  # the row that a link leads to
-    ("muted", "reconstructed-tint"),
-    ("link", "reconstructed-tint"),
-    *((series, "paper") for series in ("slip", "stick")),  # names of branches stand in their colour
-]
-"""(text, ground) of everything that is read."""
-
-GRAPHICS_ON = [
-    *((name, "paper") for name in (*VERDICTS, *SERIES, "edge", "focus", "muted")),
-    *((name, "raised") for name in (*SERIES, "edge", "focus")),
-]
-"""(line, mark or outline, ground) of everything that is looked at."""
 
 
 def css_variables(colours: dict[str, str]) -> str:
@@ -113,16 +92,3 @@ def series_colour(key: str) -> str:
     """The reference to the colour of an approach, by its key in `balance.APPROACHES`."""
     name = key.replace("_", "-")
     return variable(name if name in SERIES else "other")
-
-
-def contrast(one: str, other: str) -> float:
-    """Contrast ratio of two colours #rrggbb, from 1 to 21, as WCAG 2.2 defines it."""
-    low, high = sorted((_luminance(one), _luminance(other)))
-    return (high + 0.05) / (low + 0.05)
-
-
-def _luminance(colour: str) -> float:
-    """Relative luminance of an sRGB colour."""
-    channels = (int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...figures.cycle import branches
+from ...motion.events import PHASE_T
 from ...motion.orbit import Orbit
 from .charts import Axis, Chart, Spec, Table, Value
 from .colours import variable
@@ -79,7 +80,7 @@ def _table(orbits: Sequence[Orbit], name: str) -> Table:
 def _since_reversal(orbit: Orbit, branch: int, count: int) -> np.ndarray:
     """Times since the reversal at −X of the points of a branch, s."""
     half = 0.5 * orbit.motion.period
-    edges = np.append(orbit.phases[:, 0], half)
+    edges = np.append(orbit.phases[:, PHASE_T], half)
     turn, n = divmod(branch, len(orbit.phases))
     times: np.ndarray = turn * half + np.linspace(edges[n], edges[n + 1], count)
     return times

@@ -1,7 +1,7 @@
 """Reading records of every format that laboratories have into a `Measurement` in SI units.
 
 measurement = read("level1.mat")                    # mapping beside it, or names and units in the file
-for block in open_blocks("long.tdms"): ...          # in bounded memory
+for t, values in open_channels("long.tdms")["force"](): ...  # in bounded memory
 """
 
 from __future__ import annotations
@@ -18,14 +18,13 @@ from ..measurement import Measurement
 from .assemble import in_blocks, whole
 from .formats import FORMATS, checked_format
 from .plan import Pick, picks_of
-from .source import Array, RawChannel, Source
+from .record_file import Array, RawChannel, RecordFile
 
 __all__ = [
     "FORMATS",
     "RecordError",
     "RecordWarning",
     "channels",
-    "open_blocks",
     "open_channels",
     "read",
 ]
@@ -42,37 +41,8 @@ def read(path: str | Path, mapping: MappingLike = None) -> Measurement:
     Raises RecordError naming the file, what is wrong with it, and the remedy; warns of what looks odd (RecordWarning).
     """
     path, rules = Path(path), mapping_for(path, mapping)
-    with closing(_open(path, rules)) as source:
-        return whole(source, picks_of(source, rules))
-
-
-def open_blocks(
-    path: str | Path, mapping: MappingLike = None, block: int = 1_000_000
-) -> Iterator[Measurement]:
-    """The same measurement in blocks of `block` samples, in memory that does not grow with the file.
-
-    Text, Parquet, HDF5, MATLAB 7.3, TDMS (segment by segment) and WAV are read piece by piece; MATLAB 5 and universal
-    files are read whole and handed out in blocks, as their libraries know no other way. File and mapping are checked
-    before the first block.
-
-    Raises RecordError as `read`; for a wrong sample, when its block comes up.
-    """
-    if block < 3:
-        raise ValueError(f"block must be at least 3 samples, got {block}")
-    path, rules = Path(path), mapping_for(path, mapping)
-    source = _open(path, rules)
-    try:
-        picks = picks_of(source, rules)
-    except RecordError:
-        source.close()
-        raise
-
-    def blocks() -> Iterator[Measurement]:
-        with closing(source):
-            for found in in_blocks(source, picks, block):
-                yield Measurement.of(str(path), found)
-
-    return blocks()
+    with closing(_open(path, rules)) as file:
+        return whole(file, picks_of(file, rules))
 
 
 def open_channels(
@@ -83,17 +53,21 @@ def open_channels(
     A block is the times (s) and the values (SI), shape (n,), n ≤ block. The channels may have unequal lengths and times
     of their own, and each may be read as often as wanted; only one of them is in memory.
 
-    Raises RecordError as `open_blocks`.
+    Text, Parquet, HDF5, MATLAB 7.3, TDMS (segment by segment) and WAV are read piece by piece; MATLAB 5 and universal
+    files are read whole and handed out in blocks, as their libraries know no other way. File and mapping are checked
+    before the first block.
+
+    Raises RecordError as `read`; for a wrong sample, when its block comes up.
     """
     if block < 3:
         raise ValueError(f"block must be at least 3 samples, got {block}")
     path, rules = Path(path), mapping_for(path, mapping)
-    with closing(_open(path, rules)) as source:
-        picks = picks_of(source, rules)
+    with closing(_open(path, rules)) as file:
+        picks = picks_of(file, rules)
 
     def blocks(pick: Pick) -> Iterator[tuple[Array, Array]]:
-        with closing(_open(path, rules)) as source:
-            for (channel,) in in_blocks(source, [pick], block):
+        with closing(_open(path, rules)) as file:
+            for channel in in_blocks(file, pick, block):
                 yield channel.t, channel.values
 
     return {pick.quantity: partial(blocks, pick) for pick in picks}
@@ -102,29 +76,26 @@ def open_channels(
 def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel, ...]:
     """The channels of a file, with names, units and sampling rates as it has them. Raises RecordError."""
     path, rules = Path(path), mapping_for(path, mapping)
-    with closing(_open(path, rules)) as source:
-        return source.channels
+    with closing(_open(path, rules)) as file:
+        return file.channels
 
 
-def _open(path: Path, rules: RecordMapping) -> Source:
+def _open(path: Path, rules: RecordMapping) -> RecordFile:
     name, content = checked_format(path)
     # Each imports its library when it opens a file.
     if name == "text":
-        from .text import TextSource
+        from .text import TextFile
 
-        return TextSource(path, rules)
-    if name == "parquet":
-        from .tables import ParquetSource
+        return TextFile(path, rules)
+    from . import named_arrays, streams
 
-        return ParquetSource(path)
-    from . import streams, tables
-
-    if content in ("hdf5", "matlab73"):
-        return tables.hdf5_source(path)
-    openers = {
-        "matlab": tables.matlab_source,
-        "uff": streams.uff_source,
-        "tdms": streams.tdms_source,
-        "wav": streams.wav_source,
+    openers: dict[str, Callable[[Path], RecordFile]] = {
+        "parquet": named_arrays.ParquetFile,
+        "hdf5": named_arrays.hdf5_file,
+        "matlab73": named_arrays.hdf5_file,
+        "matlab": named_arrays.matlab_file,
+        "uff": streams.uff_file,
+        "tdms": streams.tdms_file,
+        "wav": streams.wav_file,
     }
-    return openers[name](path)
+    return openers[content](path)

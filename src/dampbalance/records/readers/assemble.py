@@ -3,139 +3,134 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
+from ...record import GRID_TOLERANCE
 from ..errors import RecordError
 from ..measurement import Channel, Measurement
 from .plan import Pick
-from .source import Array, Source, times
+from .record_file import Array, RecordFile, times
 
-# A time stamp may be off the uniform grid by this part of a step (times written with few digits), while a missing or
-# doubled sample, one whole step, is found. The same as in `dampbalance.record`.
-_GRID_TOLERANCE = 0.05
 _GAP = 1.5  # steps
 
 
-def whole(source: Source, picks: Sequence[Pick]) -> Measurement:
+def whole(file: RecordFile, picks: Sequence[Pick]) -> Measurement:
     """All samples of the picked channels.
 
     Raises RecordError naming channel and line or sample: a value that is missing or not finite, times that do not
     increase, have a gap or unequal steps, a constant channel, channels of unequal lengths.
     """
     wanted = _wanted(picks)
-    columns = dict(
-        zip(wanted, next(source.blocks(wanted, None), [np.empty(0)] * len(wanted)), strict=True)
-    )
+    arrays = next(file.blocks(wanted, None), [np.empty(0)] * len(wanted))
+    columns = dict(zip(wanted, arrays, strict=True))
     first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
     channels = []
     for pick in picks:
         values = columns[pick.index]
         time = None if pick.time is None else columns[pick.time]
-        values, time = _without_padding(source, pick, values, time)
+        values, time = _without_padding(file, pick, values, time)
         first = first_of.setdefault((pick.time, pick.rate_hz, pick.start), pick)
         if first is not pick and columns[first.index].size != columns[pick.index].size:
             raise RecordError(
-                f"{source.path}: channel {first.name!r} has {columns[first.index].size} samples, {pick.name!r} has "
+                f"{file.path}: channel {first.name!r} has {columns[first.index].size} samples, {pick.name!r} has "
                 f"{columns[pick.index].size}; channels that share their times have equal lengths"
             )
-        stretch = Stretch()
-        channels.append(stretch.channel(source, pick, values, time))
-        stretch.finish(source, pick)
-    return Measurement.of(str(source.path), channels)
+        stretch = Stretch(file, pick)
+        channels.append(stretch.channel(values, time))
+        stretch.finish()
+    return Measurement.of(str(file.path), channels)
 
 
-def in_blocks(source: Source, picks: Sequence[Pick], size: int) -> Iterator[list[Channel]]:
-    """The channels of the same samples, `size` at a time; the last block may be shorter, but has at least 2.
+def in_blocks(file: RecordFile, pick: Pick, size: int) -> Iterator[Channel]:
+    """One channel, `size` samples at a time; the last block may be shorter, but has at least 2.
 
     Raises RecordError as `whole`, when the block that is wrong comes up, a constant channel after the last.
     """
-    wanted = _wanted(picks)
-    sizes = {source.channels[i].size for i in wanted}
-    if len(sizes) > 1:
-        named = ", ".join(f"{source.channels[i].name!r} {source.channels[i].size}" for i in wanted)
+    wanted = _wanted([pick])
+    if len({file.channels[i].size for i in wanted}) > 1:
+        named = ", ".join(f"{file.channels[i].name!r} {file.channels[i].size}" for i in wanted)
         raise RecordError(
-            f"{source.path}: its channels have unequal lengths ({named}); such a file is read only as a whole"
+            f"{file.path}: its channels have unequal lengths ({named}); such a file is read only as a whole"
         )
-    stretches = [Stretch() for _ in picks]
+    stretch = Stretch(file, pick)
+
+    def channel(columns: list[Array]) -> Channel:
+        by_index = dict(zip(wanted, columns, strict=True))
+        time = None if pick.time is None else by_index[pick.time]
+        return stretch.channel(by_index[pick.index], time)
+
     # One block is kept back, so that a last one of a single sample can join it.
     waiting: list[Array] | None = None
-    raw = source.blocks(wanted, size)
-    for block in raw if any(pick.time is None for pick in picks) else _without_empty_end(raw):
+    raw = file.blocks(wanted, size)
+    for block in raw if pick.time is None else _without_empty_end(raw):
         if waiting is not None and block[0].size < 2:
             waiting = [np.concatenate(pair) for pair in zip(waiting, block, strict=True)]
             continue
         if waiting is not None:
-            yield _block(source, picks, stretches, dict(zip(wanted, waiting, strict=True)))
+            yield channel(waiting)
         waiting = block
-    yield _block(
-        source,
-        picks,
-        stretches,
-        dict(zip(wanted, waiting or [np.empty(0)] * len(wanted), strict=True)),
-    )
-    for pick, stretch in zip(picks, stretches, strict=True):
-        stretch.finish(source, pick)
-
-
-def _block(
-    source: Source, picks: Sequence[Pick], stretches: Sequence[Stretch], columns: dict[int, Array]
-) -> list[Channel]:
-    return [
-        stretch.channel(
-            source, pick, columns[pick.index], None if pick.time is None else columns[pick.time]
-        )
-        for pick, stretch in zip(picks, stretches, strict=True)
-    ]
+    yield channel(waiting or [np.empty(0)] * len(wanted))
+    stretch.finish()
 
 
 @dataclass
 class Stretch:
-    """What is known of a channel so far: number of samples, last time and step (s), lowest and highest value."""
+    """A channel as far as it has come: number of samples, last time and step (s), lowest and highest value."""
 
+    file: RecordFile
+    pick: Pick
     count: int = 0
     last: float | None = None
     step: float | None = None
-    low: float = field(default=np.inf)
-    high: float = field(default=-np.inf)
+    low: float = np.inf
+    high: float = -np.inf
 
-    def channel(self, source: Source, pick: Pick, values: Array, time: Array | None) -> Channel:
+    def channel(self, values: Array, time: Array | None) -> Channel:
         """The next block of the channel, checked on its own and against what came before."""
+        pick = self.pick
         if self.count + values.size < 3:
             raise RecordError(
-                f"{source.path}: channel {pick.name!r} has {self.count + values.size} samples; that is no record"
+                f"{self.file.path}: channel {pick.name!r} has {self.count + values.size} samples; that is no record"
             )
-        _require_finite(source, pick.index, values, self.count)
-        if time is None:
+        self._require_finite(pick.index, values)
+        if pick.time is None or time is None:
             t = times(pick.rate_hz, pick.start, self.count, values.size)
         else:
-            assert pick.time is not None
-            _require_finite(source, pick.time, time, self.count)
+            self._require_finite(pick.time, time)
             t = time * pick.time_factor
-            self._require_uniform(source, pick.time, t)
+            self._require_uniform(pick.time, t)
         self.count += values.size
         self.last = float(t[-1])
-        self.low, self.high = (
-            min(self.low, float(values.min())),
-            max(self.high, float(values.max())),
-        )
+        self.low = min(self.low, float(values.min()))
+        self.high = max(self.high, float(values.max()))
         return Channel(pick.quantity, t, values * pick.factor, pick.name)
 
-    def finish(self, source: Source, pick: Pick) -> None:
+    def finish(self) -> None:
         """Check what only the whole channel shows: that it is not constant."""
         if self.low == self.high:
             raise RecordError(
-                f"{source.path}: channel {pick.name!r} is constant, {self.low:g} in all {self.count} samples; "
+                f"{self.file.path}: channel {self.pick.name!r} is constant, {self.low:g} in all {self.count} samples; "
                 "check transducer and mapping"
             )
 
-    def _require_uniform(self, source: Source, index: int, t: Array) -> None:
-        name = source.channels[index].name
-        where = f"{source.path}: time channel {name!r}"
-        before = np.empty(0) if self.last is None else np.array([self.last])
-        line = np.concatenate([before, t])
-        first = self.count - before.size  # sample number of line[0]
+    def _require_finite(self, index: int, values: Array) -> None:
+        bad = np.flatnonzero(~np.isfinite(values))
+        if not bad.size:
+            return
+        i, file = int(bad[0]), self.file
+        what = "empty or not a number (NaN)" if np.isnan(values[i]) else "infinite"
+        more = f", and so are {bad.size - 1} more" if bad.size > 1 else ""
+        raise RecordError(
+            f"{file.path}: {file.place(index, self.count + i)}: channel {file.channels[index].name!r} is {what}{more}; "
+            "cut the record before it, or repair it"
+        )
+
+    def _require_uniform(self, index: int, t: Array) -> None:
+        where = f"{self.file.path}: time channel {self.file.channels[index].name!r}"
+        line = t if self.last is None else np.concatenate([[self.last], t])
+        first = self.count - (line.size - t.size)  # sample number of line[0]
         steps = np.diff(line)
         if self.step is None:
             self.step = float(np.median(steps))
@@ -143,19 +138,19 @@ class Stretch:
         if steps[i] <= 0.0:
             raise RecordError(
                 f"{where} does not increase: {line[i]:.12g} s, then {line[i + 1]:.12g} s "
-                f"({source.place(index, first + i + 1)}); give sample_rate_hz instead if it has too few digits"
+                f"({self.file.place(index, first + i + 1)}); give sample_rate_hz instead if it has too few digits"
             )
         i = int(np.argmax(steps))
         if steps[i] > _GAP * self.step:
             raise RecordError(
-                f"{where} has a gap of {steps[i]:g} s after {line[i]:.12g} s ({source.place(index, first + i)}), "
+                f"{where} has a gap of {steps[i]:g} s after {line[i]:.12g} s ({self.file.place(index, first + i)}), "
                 f"its step is {self.step:g} s; use the part before or after it"
             )
         grid = np.linspace(line[0], line[-1], line.size)
         i = int(np.argmax(np.abs(line - grid)))
-        if abs(line[i] - grid[i]) > _GRID_TOLERANCE * self.step:
+        if abs(line[i] - grid[i]) > GRID_TOLERANCE * self.step:
             raise RecordError(
-                f"{where} is not in equal steps: {line[i]:.12g} s ({source.place(index, first + i)}) is "
+                f"{where} is not in equal steps: {line[i]:.12g} s ({self.file.place(index, first + i)}) is "
                 f"{abs(line[i] - grid[i]):.2g} s off the grid of {self.step:g} s; resample the record, or give "
                 "sample_rate_hz instead if only the digits are too few"
             )
@@ -166,16 +161,15 @@ def _wanted(picks: Sequence[Pick]) -> list[int]:
 
 
 def _without_padding(
-    source: Source, pick: Pick, values: Array, time: Array | None
+    file: RecordFile, pick: Pick, values: Array, time: Array | None
 ) -> tuple[Array, Array | None]:
     """The channel without the empty cells at its end that a shorter time base leaves in a table."""
-    if time is None:
+    if pick.time is None or time is None:
         return values, None
     if time.size != values.size:
-        assert pick.time is not None
         raise RecordError(
-            f"{source.path}: channel {pick.name!r} has {values.size} samples, its time "
-            f"{source.channels[pick.time].name!r} has {time.size}; each sample needs its time"
+            f"{file.path}: channel {pick.name!r} has {values.size} samples, its time "
+            f"{file.channels[pick.time].name!r} has {time.size}; each sample needs its time"
         )
     present = np.flatnonzero(~(np.isnan(values) & np.isnan(time)))
     end = int(present[-1]) + 1 if present.size else 0
@@ -194,15 +188,3 @@ def _without_empty_end(blocks: Iterator[list[Array]]) -> Iterator[list[Array]]:
             empty = 0
             yield [column[:end] for column in block]
         empty += block[0].size - end
-
-
-def _require_finite(source: Source, index: int, values: Array, offset: int) -> None:
-    if np.isfinite(values).all():
-        return
-    bad = np.flatnonzero(~np.isfinite(values))
-    i = int(bad[0])
-    what = "empty or not a number (NaN)" if np.isnan(values[i]) else "infinite"
-    raise RecordError(
-        f"{source.path}: {source.place(index, offset + i)}: channel {source.channels[index].name!r} is {what}"
-        f"{f', and so are {bad.size - 1} more' if bad.size > 1 else ''}; cut the record before it, or repair it"
-    )

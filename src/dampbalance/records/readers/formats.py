@@ -32,16 +32,11 @@ FORMATS = {
 }
 """The formats read and written, by short name."""
 
-_TITLES = {
-    "text": "delimited text",
-    "parquet": "Parquet",
+_TITLES = {name: known.title for name, known in FORMATS.items()} | {
     "matlab": "MATLAB 5",
     "matlab73": "MATLAB 7.3",
-    "hdf5": "HDF5",
-    "uff": "a universal file",
-    "tdms": "TDMS",
-    "wav": "WAV",
 }
+"""What each kind of content is called."""
 
 
 def format_by_suffix(path: Path) -> str:

@@ -14,6 +14,7 @@ from pathlib import Path
 from ..errors import RecordError
 from ..mapping import RecordMapping
 from ..units import find_unit, split_label
+from .record_file import RawChannel
 
 WHITESPACE = "whitespace"
 
@@ -35,15 +36,6 @@ _MARKS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class Column:
-    """A column by its name, its unit as spelt, or None, and both as they stand in the header."""
-
-    name: str
-    unit: str | None
-    label: str = ""
-
-
 @dataclass(frozen=True)
 class Layout:
     """How to read a text file.
@@ -57,7 +49,7 @@ class Layout:
     decimal: str
     comment: str
     header_lines: int
-    columns: tuple[Column, ...]
+    columns: tuple[RawChannel, ...]
     ends_in_line_end: bool
 
     def rows(self, path: Path) -> Iterator[tuple[int, list[str]]]:
@@ -142,30 +134,27 @@ def _first_row(
         filled = max(i for i, cell in enumerate(cells, start=1) if cell)
         return (len(cells), filled) if len(cells) >= 2 else (0, 0)
 
-    start = (
-        header if header is not None else next((i for i, s in enumerate(lines) if row(s)[0]), None)
-    )
+    start = header
     if start is None:
-        return None
-    found = [row(line) for line in lines[start:] if cells_of(line, delimiter, comment)]
-    counts = Counter(cells for cells, _ in found[:_ROWS_TO_AGREE] if cells)
+        start = next((i for i, line in enumerate(lines) if row(line)[0]), len(lines))
+    sizes = [row(line) for line in lines[start:] if cells_of(line, delimiter, comment)]
+    counts = Counter(cells for cells, _ in sizes[:_ROWS_TO_AGREE] if cells)
     if not counts:
         return None
     usual = max(counts, key=lambda cells: (counts[cells], cells))
     # A delimiter at the end of every row makes no column; a shorter channel's empty cells do.
-    width = max(filled for cells, filled in found if cells == usual)
+    width = max(filled for cells, filled in sizes if cells == usual)
     return (counts[usual], start, width) if width >= 2 else None
 
 
 def _columns(
     path: Path, header: Sequence[str], delimiter: str, comment: str, width: int
-) -> tuple[Column, ...]:
+) -> tuple[RawChannel, ...]:
     """Names and units from the last lines of the header that have as many cells as the rows."""
     table = []
     for line in header:
-        text = (
-            line.strip().lstrip(_COMMENTS).strip() if line.strip()[:1] in tuple(_COMMENTS) else line
-        )
+        bare = line.strip()
+        text = bare.lstrip(_COMMENTS).strip() if bare.startswith(tuple(_COMMENTS)) else line
         cells = _header_cells(text, delimiter, width)
         while len(cells) > width and not cells[-1]:
             cells.pop()
@@ -178,7 +167,7 @@ def _columns(
                 f"{path}: its header has {len(table[-1])} names, its rows have {width} cells; if it has 0,5 for 0.5, "
                 'say decimal: "," and the delimiter in a mapping'
             )
-        return tuple(Column(f"column {i + 1}", None) for i in range(width))
+        return tuple(RawChannel(f"column {i + 1}") for i in range(width))
     units: list[str | None] = [None] * width
     if len(fitting) > 1 and _are_units(fitting[-1]):
         units = [cell.strip("[](){} ") or None for cell in fitting[-1]]
@@ -186,7 +175,7 @@ def _columns(
     columns = []
     for i, (label, unit) in enumerate(zip(fitting[-1], units, strict=True)):
         name, own = split_label(label)
-        columns.append(Column(name or f"column {i + 1}", unit or own, label))
+        columns.append(RawChannel(name or f"column {i + 1}", unit or own, label=label))
     return tuple(columns)
 
 
@@ -195,11 +184,8 @@ def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
         return [
             cell.strip() for cell in next(csv.reader(io.StringIO(line), delimiter=delimiter), [])
         ]
-    for pattern in (
-        r"\s{2,}|\t",
-        r"\s+(?![\[(])",
-        r"\s+",
-    ):  # "x [mm]" is one name, where the number of cells allows
+    # "x [mm]" is one name, where the number of cells allows
+    for pattern in (r"\s{2,}|\t", r"\s+(?![\[(])", r"\s+"):
         cells = re.split(pattern, line.strip())
         if len(cells) == width:
             return cells
@@ -244,7 +230,7 @@ def _encoding(path: Path) -> str:
     except UnicodeDecodeError as error:
         if (
             error.start < len(head) - 4
-        ):  # not merely a character cut in two by the end of the sample
+        ):  # not only a character that the end of the sample cuts in two
             return "cp1252"
     return "utf-8-sig"
 

@@ -11,7 +11,7 @@ from ..errors import RecordError
 from ..mapping import ChannelRule, RecordMapping, Which
 from ..measurement import EXCITATIONS, QUANTITIES, RESPONSES
 from ..units import UnitError, unit_for
-from .source import RawChannel, Source
+from .record_file import RawChannel, RecordFile
 
 NAMES = {
     "base_displacement": ("base_displacement", "base", "ground", "ground_displacement", "y"),
@@ -44,13 +44,13 @@ class Pick:
     start: float = 0.0
 
 
-def picks_of(source: Source, mapping: RecordMapping) -> tuple[Pick, ...]:
+def picks_of(file: RecordFile, mapping: RecordMapping) -> tuple[Pick, ...]:
     """What to read from a file, in the order of QUANTITIES.
 
     Raises RecordError naming the channel and the remedy: one that is not there, is there twice or has no unit or no
     time, a unit that does not fit; channels that cannot be told apart, with the mapping to write.
     """
-    path, channels = source.path, source.channels
+    path, channels = file.path, file.channels
     if mapping.channels:
         rules = dict(mapping.channels)
         chosen = {

@@ -10,26 +10,32 @@ import numpy as np
 
 from ..errors import RecordError, library
 from ..units import split_label
-from .source import Array, RawChannel, Sliced, Source, timing, unit_among
-from .tables import damaged
+from .record_file import (
+    Array,
+    RawChannel,
+    RecordFile,
+    Sliced,
+    described,
+    intact,
+    timing,
+    unit_among,
+)
 
 _TIME_RESPONSE = 1  # function type of a data set 58
 _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
 _NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long a WAV will become
 
 
-def uff_source(path: Path) -> Source:
+def uff_file(path: Path) -> RecordFile:
     """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary.
 
     A channel is called by its ordinate's label, else by its first ID line, else by what the data type says.
     """
     pyuff = library("pyuff", "a universal file")
-    try:
+    with intact(path, "a universal file"):
         file = pyuff.UFF(str(path))
         marks = path.read_bytes().count(b"    -1\n") + path.read_bytes().count(b"    -1\r")
         sets = [file.read_sets(i) for i, kind in enumerate(file.get_set_types()) if int(kind) == 58]
-    except Exception as error:
-        raise damaged(path, "a universal file", error) from None
     sets = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
     channels, arrays = [], []
     for item in sets:
@@ -64,49 +70,42 @@ def uff_source(path: Path) -> Source:
     return Sliced(path, channels, lambda i, a, b: np.asarray(arrays[i][a:b], dtype=np.float64))
 
 
-def tdms_source(path: Path) -> Source:
+def tdms_file(path: Path) -> RecordFile:
     """A TDMS file: its channels, "group/channel" if there are several groups; step and unit are properties."""
     nptdms = library("nptdms", "TDMS")
-    file = None
-    try:
+    with intact(path, "TDMS"):
         file = nptdms.TdmsFile.open(path)
+    with intact(path, "TDMS", file.close):
         groups = file.groups()
-        status = file.file_status
-        found = [
+        signals = [
             c for group in groups for c in group.channels() if c.dtype.kind in "fiu" and len(c)
         ]
-        several = len({c.group_name for c in found}) > 1
-        labels = [f"{c.group_name}/{c.name}" if several else c.name for c in found]
-        properties = [dict(c.properties) for c in found]
-    except Exception as error:
-        if file is not None:
-            file.close()
-        raise damaged(path, "TDMS", error) from None
-    if status.incomplete_final_segment or not found:
-        file.close()
-        raise RecordError(
-            f"{path}: holds no channel of numbers; it was cut short, or the recording was not closed"
-            if not found
-            else f"{path}: its last segment is incomplete: the file was cut short, or the recording was not closed"
-        )
-    channels = []
-    for channel, label, attributes in zip(found, labels, properties, strict=True):
-        name, unit = split_label(label)
-        rate, start = timing(path, label, attributes)
-        channels.append(
-            RawChannel(name, unit_among(attributes) or unit, len(channel), rate, start, label)
-        )
+        if not signals:
+            raise RecordError(
+                f"{path}: holds no channel of numbers; it was cut short, or the recording was not closed"
+            )
+        if file.file_status.incomplete_final_segment:
+            raise RecordError(
+                f"{path}: its last segment is incomplete: the file was cut short, or the recording was not closed"
+            )
+        several = len({c.group_name for c in signals}) > 1
+        channels = []
+        for c in signals:
+            label, attributes = (
+                f"{c.group_name}/{c.name}" if several else c.name,
+                dict(c.properties),
+            )
+            channels.append(described(path, label, len(c), attributes, unit_among(attributes)))
 
     def read(i: int, begin: int, end: int) -> Array:
-        try:
-            return np.asarray(found[i].read_data(begin, end - begin), dtype=np.float64)
-        except Exception as error:
-            raise damaged(path, "TDMS", error) from None
+        with intact(path, "TDMS"):
+            values: Array = np.asarray(signals[i].read_data(begin, end - begin), dtype=np.float64)
+        return values
 
     return Sliced(path, channels, read, file.close)
 
 
-def wav_source(path: Path) -> Source:
+def wav_file(path: Path) -> RecordFile:
     """A WAV file: its channels are "channel 1", …, without unit; integers become parts of full scale, −1 to 1."""
     from scipy.io import wavfile
 
@@ -119,17 +118,13 @@ def wav_source(path: Path) -> Source:
         raise RecordError(
             f"{path}: has {size} of the {said + 8} bytes that its header says; it was cut short"
         )
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter(
-                "ignore", wavfile.WavFileWarning
-            )  # chunks of notes that hold no samples
-            try:
-                rate, data = wavfile.read(path, mmap=True)
-            except ValueError:  # 24-bit samples cannot be mapped
-                rate, data = wavfile.read(path)
-    except Exception as error:
-        raise damaged(path, "WAV", error) from None
+    with intact(path, "WAV"), warnings.catch_warnings():
+        # chunks of notes that hold no samples
+        warnings.simplefilter("ignore", wavfile.WavFileWarning)
+        try:
+            rate, data = wavfile.read(path, mmap=True)
+        except ValueError:  # 24-bit samples cannot be mapped
+            rate, data = wavfile.read(path)
     table = data.reshape(len(data), -1)
     zero, full = 0.0, 1.0
     if data.dtype.kind == "u":

@@ -14,19 +14,16 @@ import pandas as pd
 from ..errors import RecordError, RecordWarning
 from ..mapping import RecordMapping
 from .layout import WHITESPACE, layout_of
-from .source import Array, RawChannel, Source
+from .record_file import Array, RecordFile
 
 
-class TextSource(Source):
+class TextFile(RecordFile):
     """A delimited text file; `layout.py` finds out its delimiter, decimal mark, header and columns."""
 
     def __init__(self, path: Path, mapping: RecordMapping) -> None:
         self.path = path
         self.layout = layout_of(path, mapping)
-        self.channels = tuple(
-            RawChannel(column.name, column.unit, label=column.label)
-            for column in self.layout.columns
-        )
+        self.channels = self.layout.columns
 
     def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
         """The wanted columns, `size` rows at a time; an empty cell is NaN.
@@ -50,12 +47,8 @@ class TextSource(Source):
             "encoding": self.layout.encoding,
             "encoding_errors": "replace",
             "skipinitialspace": True,
+            "sep": r"\s+" if self.layout.delimiter == WHITESPACE else self.layout.delimiter,
         }
-        options |= (
-            {"sep": r"\s+"}
-            if self.layout.delimiter == WHITESPACE
-            else {"sep": self.layout.delimiter}
-        )
         try:
             with pd.read_csv(self.path, chunksize=size or sys.maxsize, **options) as chunks:
                 for chunk in chunks:

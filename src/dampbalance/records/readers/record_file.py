@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,28 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RecordError
+from ..units import split_label
 
 Array = NDArray[np.float64]
 
 RATE_NAMES = (
-    "sample_rate_hz",
-    "sample_rate",
-    "sampling_rate",
-    "samplerate",
-    "sampling_frequency",
-    "fs",
-    "rate_hz",
-)
+    "sample_rate_hz", "sample_rate", "sampling_rate", "samplerate", "sampling_frequency", "fs", "rate_hz",
+)  # fmt: skip
 STEP_NAMES = (
-    "wf_increment",
-    "dt",
-    "dt_s",
-    "delta_t",
-    "time_step",
-    "sample_interval",
-    "increment",
-    "t_increment",
-)
+    "wf_increment", "dt", "dt_s", "delta_t", "time_step", "sample_interval", "increment", "t_increment",
+)  # fmt: skip
 START_NAMES = ("wf_start_offset", "t0", "t_start", "start_time_s")
 UNIT_NAMES = ("unit", "units", "unit_string", "ni_unitdescription")
 """Names, in lower case, under which files keep sampling rate (Hz), step (s), first time (s) and unit."""
@@ -55,7 +44,7 @@ class RawChannel:
     label: str = ""
 
 
-class Source(ABC):
+class RecordFile(ABC):
     """An open file of channels."""
 
     path: Path
@@ -73,7 +62,7 @@ class Source(ABC):
         """Let go of the file."""
 
 
-class Sliced(Source):
+class Sliced(RecordFile):
     """A source whose channels are read from any sample to any other."""
 
     def __init__(
@@ -100,6 +89,30 @@ class Sliced(Source):
     def close(self) -> None:
         """Let go of the file."""
         self._close()
+
+
+@contextmanager
+def intact(path: Path, what: str, close: Callable[[], None] = lambda: None) -> Iterator[None]:
+    """What a library raises about a file that it cannot read becomes a RecordError; `close` lets go of the file."""
+    try:
+        yield
+    except Exception as error:  # the libraries have errors of many kinds for a damaged file
+        close()
+        if isinstance(error, RecordError):
+            raise
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise RecordError(
+            f"{path}: cannot be read as {what}, it is damaged or was cut short ({reason})"
+        ) from None
+
+
+def described(
+    path: Path, label: str, size: int, attributes: dict[str, object], unit: str | None = None
+) -> RawChannel:
+    """The channel of `size` samples with that label, its timing among the attributes; unit : instead of the label's."""
+    name, own = split_label(label)
+    rate, start = timing(path, label, attributes)
+    return RawChannel(name, unit or own, size, rate, start, label)
 
 
 def times(rate_hz: float, start: float, first: int, count: int) -> Array:

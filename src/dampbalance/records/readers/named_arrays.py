@@ -10,29 +10,28 @@ import numpy as np
 
 from ..errors import RecordError, library
 from ..units import split_label
-from .source import (
+from .record_file import (
     RATE_NAMES,
     START_NAMES,
     STEP_NAMES,
     Array,
     RawChannel,
+    RecordFile,
     Sliced,
-    Source,
-    timing,
+    described,
+    intact,
     unit_among,
 )
 
 
-class ParquetSource(Source):
+class ParquetFile(RecordFile):
     """A Parquet file; the unit of a column from its field's metadata, else from its name."""
 
     def __init__(self, path: Path) -> None:
         parquet = library("pyarrow.parquet", "Parquet")
         self.path = path
-        try:
+        with intact(path, "Parquet"):
             self._file = parquet.ParquetFile(path)
-        except Exception as error:  # the library has errors of many kinds for a damaged file
-            raise damaged(path, "Parquet", error) from None
         size = self._file.metadata.num_rows
         channels = []
         for field in self._file.schema_arrow:
@@ -45,7 +44,7 @@ class ParquetSource(Source):
         """The wanted columns, `size` rows at a time; a missing value is NaN."""
         names = [self._file.schema_arrow.names[i] for i in wanted]
         rows = size or max(1, self._file.metadata.num_rows)
-        try:
+        with intact(self.path, "Parquet"):
             pending: list[list[Array]] = [[] for _ in names]
             for batch in self._file.iter_batches(batch_size=rows, columns=sorted(set(names))):
                 for parts, name in zip(pending, names, strict=True):
@@ -55,103 +54,74 @@ class ParquetSource(Source):
                     pending = [[] for _ in names]
             if pending[0]:
                 yield [np.concatenate(parts) for parts in pending]
-        except RecordError:
-            raise
-        except Exception as error:
-            raise damaged(self.path, "Parquet", error) from None
 
     def close(self) -> None:
         """Let go of the file."""
         self._file.close()
 
 
-def hdf5_source(path: Path) -> Source:
+def hdf5_file(path: Path) -> RecordFile:
     """An HDF5 file, or one of MATLAB 7.3: every array of numbers in it is a channel, by its path.
 
     Unit and sampling rate are attributes of the array, or of the groups that hold it, or scalars beside it.
     """
     h5py = library("h5py", "HDF5")
-    try:
+    with intact(path, "HDF5"):
         file = h5py.File(path, "r")
-    except Exception as error:
-        raise damaged(path, "HDF5", error) from None
-    try:
-        found: dict[str, Any] = {}
-        _collect(h5py, file, "", {}, found)
-    except Exception as error:
-        file.close()
-        if isinstance(error, RecordError):
-            raise
-        raise damaged(path, "HDF5", error) from None
-    scalars = {n.rpartition("/")[2]: d[()].item() for n, (d, _) in found.items() if d.size == 1}
+    datasets: dict[str, Any] = {}
+    with intact(path, "HDF5", file.close):
+        _collect(h5py, file, "", {}, datasets)
+    scalars = {n.rpartition("/")[2]: d[()].item() for n, (d, _) in datasets.items() if d.size == 1}
     channels, arrays = [], []
-    for name, (data, inherited) in found.items():
+    for name, (data, inherited) in datasets.items():
         if data.size < 2:
             continue
         for column in _columns(data.shape):
             attributes = scalars | inherited | dict(data.attrs)
             label = name if column is None else f"{name}[{column + 1}]"
-            short, unit = split_label(label)
-            rate, start = timing(path, label, attributes)
-            size = max(data.shape)
-            channels.append(
-                RawChannel(short, unit_among(dict(data.attrs)) or unit, size, rate, start, label)
-            )
+            unit = unit_among(dict(data.attrs))
+            channels.append(described(path, label, max(data.shape), attributes, unit))
             arrays.append((data, column))
 
     def read(i: int, begin: int, end: int) -> Array:
         data, column = arrays[i]
-        try:
+        with intact(path, "HDF5"):
             if data.ndim == 1:
                 part = data[begin:end]
             elif data.shape[0] >= data.shape[1]:
                 part = data[begin:end, column or 0]
             else:
                 part = data[column or 0, begin:end]
-        except Exception as error:
-            raise damaged(path, "HDF5", error) from None
         return np.asarray(part, dtype=np.float64)
 
     return Sliced(path, channels, read, file.close)
 
 
-def matlab_source(path: Path) -> Source:
+def matlab_file(path: Path) -> RecordFile:
     """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field"."""
     reader = library("pymatreader", "MATLAB")
-    try:
+    with intact(path, "MATLAB"):
         document = reader.read_mat(str(path))
-    except Exception as error:
-        raise damaged(path, "MATLAB", error) from None
-    found = dict(_flat({k: v for k, v in document.items() if not k.startswith("__")}, ""))
+    fields = dict(_flat({k: v for k, v in document.items() if not k.startswith("__")}, ""))
     attributes: dict[str, object] = {
         name.rpartition(".")[2]: value
-        for name, value in found.items()
+        for name, value in fields.items()
         if np.size(value) == 1
         and name.rpartition(".")[2].lower() in (*RATE_NAMES, *STEP_NAMES, *START_NAMES)
     }
     channels, arrays = [], []
-    for name, value in found.items():
+    for name, value in fields.items():
         if not isinstance(value, np.ndarray) or value.size < 2:
             continue
         for column in _columns(value.shape):
             label = name if column is None else f"{name}[{column + 1}]"
-            short, unit = split_label(label)
             if column is None:
                 data = value.reshape(-1)
             else:
                 data = value[:, column] if value.shape[0] >= value.shape[1] else value[column]
-            rate, start = timing(path, label, attributes)
-            channels.append(RawChannel(short, unit, data.size, rate, start, label))
+            channels.append(described(path, label, data.size, attributes))
             arrays.append(data)
     return Sliced(path, channels, lambda i, a, b: np.asarray(arrays[i][a:b], dtype=np.float64))
-
-
-def damaged(path: Path, what: str, error: Exception) -> RecordError:
-    """The error for a file that its library cannot read."""
-    reason = " ".join(str(error).split()) or type(error).__name__
-    return RecordError(
-        f"{path}: cannot be read as {what}, it is damaged or was cut short ({reason})"
-    )
 
 
 def _floats(path: Path, name: str, column: Any) -> Array:
@@ -162,7 +132,7 @@ def _floats(path: Path, name: str, column: Any) -> Array:
 
 
 def _collect(
-    h5py: Any, group: Any, prefix: str, inherited: dict[str, object], found: dict[str, Any]
+    h5py: Any, group: Any, prefix: str, inherited: dict[str, object], datasets: dict[str, Any]
 ) -> None:
     """Every array of real numbers below a group, by its path, with the attributes of the groups that hold it."""
     here = inherited | dict(group.attrs)
@@ -171,11 +141,11 @@ def _collect(
             continue
         item = group[name]
         if isinstance(item, h5py.Group):
-            _collect(h5py, item, f"{prefix}{name}/", here, found)
+            _collect(h5py, item, f"{prefix}{name}/", here, datasets)
         elif isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu":
             text = item.attrs.get("MATLAB_class") in (b"char", b"logical", "char", "logical")
             if not text and item.size and (item.ndim <= 2):
-                found[f"{prefix}{name}"] = (item, here)
+                datasets[f"{prefix}{name}"] = (item, here)
 
 
 def _columns(shape: tuple[int, ...]) -> Sequence[int | None]:

@@ -1,0 +1,139 @@
+"""Levenberg–Marquardt steps towards the maximum of a likelihood, with limits on the unknowns.
+
+At a point p the caller gives −log L, its information I and its gradient g = −∂(−log L)/∂p. A step solves
+
+    (I + λ diag I) δ = g
+
+over the unknowns that the gradient does not hold at their lower limit. λ falls after a step that helps, and rises after
+one that does not. The climb ends when a full step (λ ≈ 0) would gain less than a given amount in −log L: 10⁻⁸ unless
+the caller says otherwise, that is, move less than 10⁻⁴ of a standard error; or no unknown by more than 10⁻¹¹ of itself.
+−log L may have kinks, as where the onset of slip passes a sample: a maximum at a kink, where no step helps, counts as
+one if a full step promises less than 0.005, that is, a tenth of a standard error.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_MOST = 100  # evaluations
+_GAIN = 1e-8
+_RELATIVE = 1e-11
+_KINK = 5e-3
+_STALLED = 1e-7  # of an unknown: rounding may refuse a step below this
+_SHRINK = (
+    0.2  # unless zero is allowed, no positive unknown falls below this part of itself in one step
+)
+
+
+class NoStart(ValueError):
+    """The model does not apply where the climb starts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """−log L at a point, information (p, p) and gradient (p,)."""
+
+    value: float
+    information: Array
+    gradient: Array
+
+
+E = TypeVar("E", bound=Evaluation)
+
+
+@dataclass(frozen=True, eq=False)
+class Climb(Generic[E]):
+    """Where a climb ended.
+
+    active : which unknowns are at their lower limit.   step : the next one, not taken.
+    """
+
+    point: Array
+    evaluation: E
+    active: NDArray[np.bool_]
+    step: Array
+    iterations: int
+
+
+class NoConvergence(ArithmeticError):
+    """The likelihood has no maximum within reach of the start; `best` is the best point on the way."""
+
+    def __init__(self, message: str, best: Climb[Any]) -> None:
+        super().__init__(message)
+        self.best = best
+
+
+def climb(
+    evaluate: Callable[[Array], E | None],
+    start: Array,
+    lower: Array,
+    scale: Array,
+    *,
+    longest: float = math.inf,
+    gain: float = _GAIN,
+) -> Climb[E]:
+    """Maximise the likelihood from `start`.
+
+    evaluate : None where the model does not apply.
+    lower : least value of each unknown, −∞ for one that may be negative, a phase or a logarithm.
+    scale : below it an unknown counts as zero, and steps are measured against it.
+    longest : change of any unknown in one step.
+    gain : what a full step must promise in −log L for the climb to go on.
+
+    Raises NoStart; NoConvergence where no step helps or too many are needed.
+    """
+    point = np.maximum(start, lower)
+    here = evaluate(point)
+    if here is None:
+        raise NoStart("the model does not apply where the climb starts")
+    signed = np.isneginf(lower)
+    damping = 1e-3
+    for count in range(1, _MOST + 1):
+        active = (point <= lower) & (here.gradient <= 0.0)
+        full = _step(here, active, 0.0)
+        step = _step(here, active, damping)
+        step *= min(1.0, longest / max(float(np.abs(step).max()), 1e-300))
+        size = float(np.max(np.abs(full) / np.maximum(np.abs(point), scale)))
+        reached = Climb(point, here, active, step, count)
+        if full @ here.gradient < 2.0 * gain or size < _RELATIVE:
+            return reached
+        least = np.where(signed | (lower == 0.0), lower, np.maximum(lower, _SHRINK * point))
+        trial = np.maximum(point + step, least)
+        there = evaluate(trial)
+        if there is not None and there.value < here.value:
+            point, here = trial, there
+            damping = max(damping * 0.1, 1e-12)
+        elif size < _STALLED:
+            return reached
+        else:
+            damping *= 10.0
+        if damping > 1e10:
+            if full @ here.gradient < 2.0 * _KINK:
+                return reached
+            break
+    raise NoConvergence(
+        f"the fit did not converge ({count} iterations, the last step {size:.1g} of the unknowns): check m, k, ω and "
+        "the channels' units, or give a start closer to the answer",
+        reached,
+    )
+
+
+def _step(here: Evaluation, active: NDArray[np.bool_], damping: float) -> Array:
+    """Solution of the damped equations in the unknowns that are not active, scaled to unit diagonal."""
+    free = np.flatnonzero(~active)
+    diagonal = np.sqrt(np.diag(here.information)[free])
+    diagonal[diagonal == 0.0] = 1.0
+    scaled = here.information[np.ix_(free, free)] / np.outer(diagonal, diagonal)
+    scaled[np.diag_indices_from(scaled)] += damping
+    step = np.zeros(active.size)
+    solution = np.linalg.lstsq(scaled, here.gradient[free] / diagonal, rcond=1e-14)[0]
+    step[free] = solution / diagonal
+    return step
