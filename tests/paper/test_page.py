@@ -18,6 +18,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from dampbalance.project import wording
 from dampbalance.publishing.page import charts, colours, words
 from dampbalance.publishing.page.cells import claim_of
 from dampbalance.publishing.page.match import match_picture
@@ -105,9 +106,9 @@ def test_every_claim_has_its_row_and_its_reason(tree, made):
         claim = claims.loc[name]
         assert row["data-verdict"] == claim["verdict"]
         text = " ".join(row["text"].split())
-        assert words.minus(claim["printed"]) in text
+        assert wording.minus(claim["printed"]) in text
         # Symbols are set in HTML: compare what is not one.
-        reason = words.rich(words.minus(claim["explanation"])).striptags()
+        reason = words.rich(wording.minus(claim["explanation"])).striptags()
         assert " ".join(reason.split()) in text
 
 
@@ -117,7 +118,9 @@ def test_every_printed_cell_of_a_table_leads_to_its_claim(tree, made):
     symbols = {verdict.name: verdict.symbol for verdict in VERDICTS}
     for button in buttons:
         claim = claims.loc[button["popovertarget"].removeprefix("why.")]
-        assert button["text"].startswith(words.minus(claim["printed"]) + symbols[claim["verdict"]])
+        assert button["text"].startswith(
+            wording.minus(claim["printed"]) + symbols[claim["verdict"]]
+        )
         assert claim["verdict"] in button["text"]  # in words, not by colour alone
     shown = {button["popovertarget"].removeprefix("why.") for button in buttons}
     of_tables = {name for name in claims.index if re.match(r"table\d", name) and ".Y." not in name}
@@ -409,11 +412,11 @@ def test_symbols_are_set(text, html):
 
 
 def test_plain_symbols_unit_and_signs():
-    assert words.plain("F_k by X_s, K_z") == "Fₖ by Xₛ, K_z"
-    assert words.unit_of("m^2/s") == "m²/s"
-    assert words.minus("-0.5 and 1e-5, x-1") == "−0.5 and 1e-5, x-1"
-    assert words.frequency_name("omega2") == "ω₂"
-    assert words.frequency_name("resonance") == "resonance"
+    assert wording.plain("F_k by X_s, K_z") == "Fₖ by Xₛ, K_z"
+    assert wording.unit_of("m^2/s") == "m²/s"
+    assert wording.minus("-0.5 and 1e-5, x-1") == "−0.5 and 1e-5, x-1"
+    assert wording.frequency_name("omega2") == "ω₂"
+    assert wording.frequency_name("resonance") == "resonance"
 
 
 @pytest.mark.parametrize(
@@ -427,12 +430,12 @@ def test_plain_symbols_unit_and_signs():
     ],
 )
 def test_numbers(value, text):
-    assert words.number(value) == text
+    assert wording.number(value) == text
 
 
 def test_a_bound_is_not_below_what_it_bounds():
-    assert words.power_of_ten(3e-12) == "10⁻¹¹"
-    assert words.power_of_ten(1e-11) == "10⁻¹¹"
+    assert wording.power_of_ten(3e-12) == "10⁻¹¹"
+    assert wording.power_of_ten(1e-11) == "10⁻¹¹"
 
 
 # --- the picture in the README ---------------------------------------------------------------------

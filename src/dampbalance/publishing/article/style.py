@@ -6,16 +6,15 @@ file and not of a binary neighbour.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from decimal import ROUND_CEILING, ROUND_HALF_EVEN, Decimal, InvalidOperation
 from typing import Any, Literal
 
+from ...project.wording import MINUS, NONE, in_words, scientific, ten_to
+
 Form = Literal["text", "verbatim", "plain", "fixed", "significant", "power", "bound", "word"]
 
-MINUS, TIMES, THIN, NONE = "−", "·", "\u2009", "–"
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_WORDS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"]
+THIN = "\u2009"
 _PLAIN_DIGITS = 7  # significant digits of a parameter: more than any configuration states
 
 
@@ -62,7 +61,7 @@ class Style:
 
 def _verbatim(number: Decimal, digits: int, raw: str) -> str:
     mantissa, _, exponent = raw.lower().partition("e")
-    return f"{mantissa}{_power(int(exponent))}" if exponent else mantissa
+    return scientific(mantissa, int(exponent)) if exponent else mantissa
 
 
 def _plain(number: Decimal, digits: int, raw: str) -> str:
@@ -86,19 +85,17 @@ def _with_power(number: Decimal, digits: int, raw: str) -> str:
     if not number:
         return "0"
     mantissa, _, exponent = f"{number:.{digits}e}".partition("e")
-    return f"{mantissa}{_power(int(exponent))}"
+    return scientific(mantissa, int(exponent))
 
 
 def _bound(number: Decimal, digits: int, raw: str) -> str:
     if not number:
         return "0"
-    exponent = int(abs(number).log10().to_integral_value(ROUND_CEILING))
-    return f"10{str(exponent).translate(_RAISED)}"
+    return ten_to(int(abs(number).log10().to_integral_value(ROUND_CEILING)))
 
 
 def _word(number: Decimal, digits: int, raw: str) -> str:
-    whole = int(number)
-    return _WORDS[whole] if whole == number and 0 <= whole < len(_WORDS) else f"{number:f}"
+    return in_words(int(number)) if number == int(number) else f"{number:f}"
 
 
 _FORMS = {
@@ -123,17 +120,8 @@ def significant(printed: str) -> int:
     return len(Decimal(printed).as_tuple().digits)
 
 
-def style_from(record: Mapping[str, Any]) -> Style:
-    """The style that `as_json` wrote down."""
-    return Style(**record)
-
-
 def _rounded(number: Decimal, digits: int) -> Decimal:
     return number.quantize(Decimal(1).scaleb(-digits), ROUND_HALF_EVEN)
-
-
-def _power(exponent: int) -> str:
-    return f"{TIMES}10{str(exponent).translate(_RAISED)}"
 
 
 def _thousands(text: str) -> str:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from ...project.wording import minus, number, unit_of
 from .verdicts import BY_NAME, Verdict
-from .words import minus, number, unit_of
 
 ROUTES = {"as_published": "as published", "exact": "exact"}
 _STATISTICS = {"least squares": "ls", "mean": "mean", "std": "std"}

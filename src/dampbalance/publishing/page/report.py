@@ -20,7 +20,7 @@ from ... import __version__
 from ...figures.cycle import POINTS
 from ...motion.orbit import Orbit
 from ...project.case import oscillator_from
-from ...project.wording import percent
+from ...project.wording import MINUS, NONE, frequency_name, minus, percent, unit_of
 from ...studies.settings import Study
 from ...studies.shown.facts import paragraph
 from . import words
@@ -165,7 +165,7 @@ def report_page(results: Results, page: str) -> str:
             claims=lines,
             sections=_sections(bool(lines), bool(studies)),
             frequencies=[
-                {"name": words.frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
+                {"name": frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
                 for name, hz in frequencies.items()
             ],
             figure3=figure3,
@@ -235,11 +235,11 @@ def _claim_lines(claims: pd.DataFrame, in_tables: set[str]) -> Iterator[ClaimLin
             part=part_of(row["id"]),
             where=row["where"],
             quantity=row["quantity"],
-            unit=words.unit_of(row["unit"]),
-            printed=words.minus(row["printed"]),
-            routes=tuple((label, words.minus(row[name])) for label, name in routes),
+            unit=unit_of(row["unit"]),
+            printed=minus(row["printed"]),
+            routes=tuple((label, minus(row[name])) for label, name in routes),
             verdict=BY_NAME[row["verdict"]],
-            explanation=words.minus(row["explanation"]),
+            explanation=minus(row["explanation"]),
             in_table=row["id"] in in_tables,
         )
 
@@ -271,7 +271,7 @@ def _error_lines(approaches: pd.DataFrame, frequencies: Sequence[str]) -> Iterat
             for frequency in frequencies
             for unknown in ("F_k", "c")
         )
-        yield ErrorLine(approach, PHASES.get(phase, phase) or "–", sharing or "–", errors)
+        yield ErrorLine(approach, PHASES.get(phase, phase) or NONE, sharing or NONE, errors)
 
 
 def _size(error: float) -> str:
@@ -284,7 +284,7 @@ def _signed(error: float) -> str:
     """The same with its sign."""
     if not math.isfinite(error) or abs(error) < 1e-6:
         return _size(error)
-    return ("−" if error < 0.0 else "+") + _size(error)
+    return (MINUS if error < 0.0 else "+") + _size(error)
 
 
 def _flat(settings: Any, above: str = "") -> Iterator[tuple[str, str]]:
