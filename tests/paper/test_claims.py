@@ -13,7 +13,6 @@ import pytest
 from dampbalance import balance
 from dampbalance.project.files import write_csv
 from dampbalance.replication.claims import (
-    VERDICTS,
     Route,
     check,
     claims_markdown,
@@ -25,9 +24,10 @@ from dampbalance.replication.claims import (
     summary,
 )
 from dampbalance.replication.claims.inputs import CORRECTED, HARMONIC
+from dampbalance.replication.claims.judging import Claim, Resolution, explanation, verdict
 from dampbalance.replication.claims.published import Printed
 from dampbalance.replication.claims.table import COLUMNS
-from dampbalance.replication.claims.verdict import ROUTES, Claim, Resolution, explanation, verdict
+from dampbalance.replication.verdicts import DIFFERS, ROUTE_NAMES, VERDICTS
 from paper.routes import PAPER, PUBLISHED, as_published, exact, setting
 
 
@@ -120,7 +120,7 @@ def claim(printed="1.28", resolution=None, holds=None, **values):
 def test_verdict_of_a_number(values, expected):
     near = Resolution(values.get("exact", 9.0) - 0.02, values.get("exact", 9.0) + 0.02, "read so")
     made = claim(resolution=near, **values)
-    assert verdict(made) == expected
+    assert verdict(made).name == expected
     assert explanation(made)
 
 
@@ -133,12 +133,12 @@ def test_verdict_of_a_number(values, expected):
     ],
 )
 def test_verdict_of_a_statement(holds, expected):
-    assert verdict(claim("less", holds=holds, exact=1.0, as_published=1.0)) == expected
+    assert verdict(claim("less", holds=holds, exact=1.0, as_published=1.0)).name == expected
 
 
 def test_a_route_that_is_silent_supports_no_statement():
     made = claim("less", holds={"exact": False, "from_print": True}, exact=1.0, from_print=math.nan)
-    assert verdict(made) == "differs"
+    assert verdict(made) is DIFFERS
 
 
 # ---- The paper ------------------------------------------------------------------------------------------------------
@@ -239,7 +239,7 @@ def test_summary_counts_and_lists_what_is_left_open(claims):
         line = next(line for line in text.splitlines() if line.startswith(f"  {row['id']} "))
         assert row["printed"] in line
         assert row["verdict"] in line
-        assert any(row[route] and row[route] in line for route in ROUTES)
+        assert any(row[route] and row[route] in line for route in ROUTE_NAMES)
     assert "table1.X.1" not in text
 
 
@@ -317,7 +317,7 @@ def test_a_flipped_sign_in_a_row_is_found(monkeypatch, recorded, approach):
 
     for approaches in (balance.APPROACHES, balance.APPROACHES_OF_TABLE_3):
         if approaches[approach] is right:
-            monkeypatch.setitem(approaches, approach, flipped)
+            monkeypatch.setitem(approaches, approach, replace(right, rows=flipped))
     exact.cache_clear()
     as_published.cache_clear()
     try:

@@ -20,13 +20,12 @@ import pytest
 
 from dampbalance.project import wording
 from dampbalance.publishing.page import charts, colours, words
-from dampbalance.publishing.page.cells import claim_of
 from dampbalance.publishing.page.match import match_picture
 from dampbalance.publishing.page.origins import SOURCES, link, study_source
 from dampbalance.publishing.page.report import LARGEST
-from dampbalance.publishing.page.verdicts import VERDICTS, counts
 from dampbalance.replication.claims import read_record
-from dampbalance.replication.claims.table import counts as counts_of_claims
+from dampbalance.replication.tables import claim_of
+from dampbalance.replication.verdicts import VERDICTS, counts
 from paper.page_case import PAGE, claims_of_paper, page_of, results
 from paper.routes import PUBLISHED, ROOT
 
@@ -89,15 +88,6 @@ def tree(html):
 # --- what it says ----------------------------------------------------------------------------------
 
 
-def test_the_counts_are_those_of_the_claims():
-    claims = claims_of_paper()
-    expected = counts_of_claims(claims)
-    found = counts(claims)
-    assert [count.part for count in found] == list(expected.index)
-    for count, (_, row) in zip(found, expected.iterrows(), strict=True):
-        assert [count.printed, *count.of_verdict] == list(row)
-
-
 def test_every_claim_has_its_row_and_its_reason(tree, made):
     rows = {e["id"]: e for e in tree.named("tr") if "data-verdict" in e}
     claims = made.claims.set_index("id")
@@ -115,11 +105,10 @@ def test_every_claim_has_its_row_and_its_reason(tree, made):
 def test_every_printed_cell_of_a_table_leads_to_its_claim(tree, made):
     buttons = [e for e in tree.named("button") if "popovertarget" in e]
     claims = made.claims.set_index("id")
-    symbols = {verdict.name: verdict.symbol for verdict in VERDICTS}
     for button in buttons:
         claim = claims.loc[button["popovertarget"].removeprefix("why.")]
         assert button["text"].startswith(
-            wording.minus(claim["printed"]) + symbols[claim["verdict"]]
+            wording.minus(claim["printed"]) + VERDICTS[claim["verdict"]].mark
         )
         assert claim["verdict"] in button["text"]  # in words, not by colour alone
     shown = {button["popovertarget"].removeprefix("why.") for button in buttons}
@@ -454,13 +443,13 @@ def test_the_picture_says_its_numbers():
     total = found[-1]
     description = root.find(f"{space}desc").text
     assert description.startswith(
-        f"Of {total.printed} printed numbers: {total.of_verdict[0]} reproduced"
+        f"Of {total.printed} printed numbers: {total.of_verdict['reproduced']} reproduced"
     )
     titles = [title.text for title in root.iter(f"{space}title")][1:]
     expected = [
-        f"{count.part}: {n} {verdict.name}"
+        f"{count.part}: {n} {verdict}"
         for count in found
-        for n, verdict in zip(count.of_verdict, VERDICTS, strict=True)
+        for verdict, n in count.of_verdict.items()
         if n
     ]
     assert titles == expected
@@ -469,9 +458,9 @@ def test_the_picture_says_its_numbers():
         for rect in root.iter(f"{space}rect")
         if rect.find(f"{space}title") is not None
     ]
-    first = next(n for n in total.of_verdict if n)
+    first = next(n for n in total.of_verdict.values() if n)
     full = bars[0] + 2  # Parameters are all reproduced
     # the last row: its first stretch is the share of the reproduced, to a tenth of a pixel
-    assert bars[len(bars) - sum(map(bool, total.of_verdict))] + 2 == pytest.approx(
+    assert bars[len(bars) - sum(map(bool, total.of_verdict.values()))] + 2 == pytest.approx(
         full * first / total.printed, abs=0.1
     )

@@ -16,6 +16,8 @@ from ...balance import takes_phase, viscous_integral
 from ...estimates import estimate_table
 from ...features import Features
 from ...model import Oscillator
+from ...replication.claim_ids import of_cell
+from ...replication.verdicts import counts
 from ...solver import Pair
 
 INTEGRALS = {"a": "a_m", "b": "b_m2_per_s", "W": "W_J"}
@@ -97,15 +99,8 @@ def setting(
 
 
 def verdicts(claims: pd.DataFrame) -> Json:
-    """How many printed numbers there are, by part and verdict, and how many levels of each part."""
-    part = claims["id"].str.split(".").str[0]
-    counts: Json = {}
-    for name in [*dict.fromkeys(part), "all"]:
-        chosen = claims if name == "all" else claims[part == name]
-        kinds = ("reproduced", "reconstructed", "last digit", "reading", "differs")
-        counts[name] = {kind: int((chosen["verdict"] == kind).sum()) for kind in kinds}
-        counts[name]["printed"] = len(chosen)
-    return counts
+    """How many printed numbers there are, by part and verdict."""
+    return {count.key: {**count.of_verdict, "printed": count.printed} for count in counts(claims)}
 
 
 def dissipation(oscillator: Oscillator, omega: float, step: float) -> Json:
@@ -136,7 +131,7 @@ def integral_deviations(
     found: Json = {}
     for name, column in INTEGRALS.items():
         exact, rebuilt = (features[route][frequency][column] for route in ("exact", "as_published"))
-        printed = printed_numbers(claims, f"table2.{name}.")
+        printed = printed_numbers(claims, of_cell("table2", name))
         from_rebuilt = np.abs(printed / rebuilt.to_numpy() - 1.0)
         found[name] = {
             "printed": _range(printed / exact.to_numpy() - 1.0),

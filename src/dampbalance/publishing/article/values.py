@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from ...replication.claim_ids import PARTS
+from ...replication.verdicts import VERDICTS
 from . import tabulated
 from .book import Book
 from .sources import Results
@@ -20,8 +22,6 @@ APPROACHES = "tables/approaches.csv"
 PLAIN, COUNT, WORD, TEXT = Style("plain"), Style("fixed"), Style("word"), Style("text")
 PERCENT, DEVIATION, BOUND = Style("significant", 2), Style("power", 1), Style("bound")
 SHIFT = Style("power", 2, signed=True)
-VERDICTS = ("reproduced", "reconstructed", "last digit", "reading", "differs")
-PARTS = ("parameter", "table1", "table2", "table3", "text", "all")
 
 # Ways to identify F_k and c: name in the article → row of approaches.csv (approach, phase, sharing)
 WAYS = {
@@ -80,7 +80,7 @@ def _setting(book: Book, frequencies: list[str]) -> None:
 
 
 def _verdicts(book: Book) -> None:
-    for part in PARTS:
+    for part in (*PARTS, "all"):
         for verdict in ("printed", *VERDICTS):
             book.item(f"verdicts.{part}.{verdict}", EVIDENCE, f"/verdicts/{part}/{verdict}", COUNT)
 

@@ -6,6 +6,8 @@ and 1.4.11). Colour never stands alone: verdicts have a symbol and a word, appro
 
 from __future__ import annotations
 
+from ...replication import verdicts
+
 TEXT_CONTRAST, GRAPHIC_CONTRAST = 4.5, 3.0
 
 LIGHT = {
@@ -77,7 +79,7 @@ DARK = {
     "stick": "#ff9a4d",
 }
 
-VERDICTS = ("reproduced", "reconstructed", "last-digit", "reading", "differs")
+VERDICTS = tuple(verdict.css for verdict in verdicts.VERDICTS.values())
 SERIES = ("direct", "X-s", "t-s", "V-s", "fourier", "other", "slip", "stick")
 
 TEXT_ON = [

@@ -29,7 +29,7 @@ SOURCES = {
         ("results/{case}/claims.csv",),
         "claims",
         "workflow/rules/claims.smk",
-        (f"{_PACKAGE}/replication/claims/table.py", f"{_PACKAGE}/replication/claims/verdict.py"),
+        (f"{_PACKAGE}/replication/claims/table.py", f"{_PACKAGE}/replication/claims/judging.py"),
     ),
     "orbits": Source(
         "Exact steady responses",

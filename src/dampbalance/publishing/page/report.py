@@ -21,17 +21,18 @@ from ...figures.cycle import POINTS
 from ...motion.orbit import Orbit
 from ...project.case import oscillator_from
 from ...project.wording import MINUS, NONE, frequency_name, minus, percent, unit_of
+from ...replication.claim_ids import PARTS, part_of
+from ...replication.verdicts import ROUTE_NAMES, VERDICTS, Count, Verdict, counts
 from ...studies.settings import Study
 from ...studies.shown.facts import paragraph
 from . import words
-from .cells import Block, blocks
+from .cells import Subtable, subtables
 from .charts import CONFIG, Chart, as_json, runtime
 from .colours import DARK, LIGHT, css_variables, series_colour
 from .curves import WIDTHS, study_charts
 from .error_levels import NAMES, SHAPES, error_charts
 from .loops import figure3_charts
 from .origins import SOURCES, Source, link, study_source
-from .verdicts import BY_NAME, VERDICTS, Count, Verdict, counts, part_of
 
 TITLE = "How the printed numbers of an energy balance fare"
 LARGEST = 3_000_000  # bytes: a page that a phone loads
@@ -98,7 +99,7 @@ class PaperTable:
     """A table of the paper."""
 
     title: str
-    blocks: tuple[Block, ...]
+    subtables: tuple[Subtable, ...]
 
 
 def report_page(results: Results, page: str) -> str:
@@ -118,7 +119,7 @@ def report_page(results: Results, page: str) -> str:
         }
     tables = {
         frequency: [
-            PaperTable(TABLE_TITLES[name], tuple(blocks(table, name, {} if n else by_id)))
+            PaperTable(TABLE_TITLES[name], subtables(table, name, {} if n else by_id))
             for name, table in results.tables[frequency].items()
         ]
         for n, frequency in enumerate(frequencies)
@@ -127,8 +128,8 @@ def report_page(results: Results, page: str) -> str:
         cell.claim
         for made in tables.values()
         for table in made
-        for block in table.blocks
-        for group in block.groups
+        for part in table.subtables
+        for group in part.groups
         for row in group
         for cell in row.cells
         if cell.verdict
@@ -161,7 +162,7 @@ def report_page(results: Results, page: str) -> str:
             case=case,
             page=page,
             counts=counted,
-            verdicts=VERDICTS,
+            verdicts=VERDICTS.values(),
             claims=lines,
             sections=_sections(bool(lines), bool(studies)),
             frequencies=[
@@ -225,20 +226,17 @@ def _quantity(text: str) -> Markup:
 def _claim_lines(claims: pd.DataFrame, in_tables: set[str]) -> Iterator[ClaimLine]:
     """The printed numbers in the paper's order."""
     for row in claims.to_dict("records"):
-        routes = (
-            ("Exact", "exact"),
-            ("As published", "as_published"),
-            ("From print", "from_print"),
-        )
         yield ClaimLine(
             id=row["id"],
-            part=part_of(row["id"]),
+            part=PARTS[part_of(row["id"])],
             where=row["where"],
             quantity=row["quantity"],
             unit=unit_of(row["unit"]),
             printed=minus(row["printed"]),
-            routes=tuple((label, minus(row[name])) for label, name in routes),
-            verdict=BY_NAME[row["verdict"]],
+            routes=tuple(
+                (route.capitalize(), minus(row[name])) for name, route in ROUTE_NAMES.items()
+            ),
+            verdict=VERDICTS[row["verdict"]],
             explanation=minus(row["explanation"]),
             in_table=row["id"] in in_tables,
         )
@@ -249,7 +247,7 @@ def _headline(counted: Sequence[Count]) -> str:
     if not counted:
         return "Friction and viscous damping of a driven oscillator from the balance of energy over a period."
     total = counted[-1]
-    n = dict(zip((verdict.name for verdict in VERDICTS), total.of_verdict, strict=True))
+    n = total.of_verdict
     differs = "none differs" if not n["differs"] else f"{n['differs']} differ"
     return (
         f"Of {total.printed} printed numbers, {n['reproduced']} are reproduced by the exact solution and "

@@ -8,12 +8,10 @@ from .inputs import LEVELS as PRINTED_LEVELS
 from .inputs import Route, Setting
 from .published import Published, read_published
 from .table import check, claims_markdown, claims_table, read_claims, read_record, record, summary
-from .verdict import VERDICTS
 
 __all__ = [
     "PRINTED_FREQUENCIES",
     "PRINTED_LEVELS",
-    "VERDICTS",
     "Published",
     "Route",
     "Setting",

@@ -9,11 +9,12 @@ import numpy as np
 
 from ...balance import Rows
 from ...solver import pair
+from ..claim_ids import of_cell
 from . import causes
 from .inputs import CORRECTED, PAIR_LABELS, PAIRS, Sources
+from .judging import Claim, Resolution
 from .published import Printed, Published, numbers
 from .resolutions import integral_resolution, phase_resolution, time_resolution
-from .verdict import Claim, Resolution
 
 # Columns of the printed tables, in the paper's order: symbol, what it is, unit.
 TABLE_1 = {
@@ -38,7 +39,7 @@ def levels(sources: Sources) -> Iterator[Claim]:
         held = dict(zip(table.index, sources.setting.levels_m, strict=True))
         for level, printed in table["Y_m"].items():
             yield Claim(
-                id=f"table{number}.Y.{level}",
+                id=of_cell(f"table{number}", "Y", str(level)),
                 where=f"Table {number}, level {level}",
                 quantity="Y: amplitude of the base",
                 unit="m",
@@ -71,7 +72,7 @@ def table1(sources: Sources) -> Iterator[Claim]:
         elif symbol == "V_s":
             cause = causes.slip_velocity(values["exact"], printed)
         yield Claim(
-            id=f"table1.{symbol}.{level}",
+            id=of_cell("table1", symbol, level),
             where=f"Table 1, level {level}",
             quantity=f"{symbol}: {quantity}",
             unit=unit,
@@ -97,7 +98,7 @@ def table2_integrals(sources: Sources) -> Iterator[Claim]:
             causes.implied_b(sources.published, level) if symbol == "b" else ("", "")
         )
         yield Claim(
-            id=f"table2.{symbol}.{level}",
+            id=of_cell("table2", symbol, level),
             where=f"Table 2, level {level}",
             quantity=f"{symbol}: {quantity}",
             unit=unit,
@@ -119,7 +120,7 @@ def table2_pairs(sources: Sources) -> Iterator[Claim]:
         }
         low, high = ranges[label, column]
         yield Claim(
-            id=f"table2.{symbol}.{label}",
+            id=of_cell("table2", symbol, label),
             where=f"Table 2, pair {label}",
             quantity=f"{symbol} by direct integration",
             unit=unit,
@@ -145,7 +146,7 @@ def table3(sources: Sources) -> Iterator[Claim]:
             column, CORRECTED if approach == "V_s" else approach, phase="common", pair=label
         )
         yield Claim(
-            id=f"table3.{approach}.{symbol}.{label}",
+            id=of_cell("table3", symbol, label, approach),
             where=f"Table 3, pair {label}",
             quantity=f"{symbol} by {approach}, common phi and t_s",
             unit=unit,

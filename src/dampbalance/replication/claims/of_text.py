@@ -7,24 +7,21 @@ from collections.abc import Iterator, Mapping
 
 from ...estimates import estimate_table
 from ...features import Features
+from ..claim_ids import of_parameter, of_text, statistic
+from ..verdicts import ROUTE_NAMES
 from . import causes
 from .from_print import printed_as_table1, printed_estimates, printed_pair_statistics
 from .inputs import HARMONIC, PAIRS, Route, Sources
+from .judging import Claim
 from .published import Printed, row
-from .verdict import ROUTE_NAMES, Claim
 
-# The approaches as the printed ids name them, and what their least squares start from.
-LEAST_SQUARES = {
-    "direct": ("direct", "Table 2's integrals"),
-    "Xs": ("X_s", "Table 1's read-outs"),
-    "ts": ("t_s", "Table 1's read-outs"),
-    "Vs": ("V_s", "Table 1's read-outs"),
-}
+# What the least squares of each approach start from.
+LEAST_SQUARES = {"direct": "Table 2's integrals"} | dict.fromkeys(HARMONIC, "Table 1's read-outs")
 COLUMNS = {"F_k": "F_k_N", "c": "c_N_s_per_m", "residual": "residual"}
 # Every value of the text that has a claim, by its id in text_values.csv.
 TEXT_IDS = frozenset(
-    {f"{symbol}_{short}_ls" for short in LEAST_SQUARES for symbol in COLUMNS}
-    | {f"{symbol}_direct_{kind}" for symbol in ("c", "F_k") for kind in ("mean", "std")}
+    {statistic(symbol, name, "least_squares") for name in LEAST_SQUARES for symbol in COLUMNS}
+    | {statistic(symbol, "direct", kind) for symbol in ("c", "F_k") for kind in ("mean", "std")}
     | {"t_s_mean", "phi_mean", "max_error_F_k", "max_error_c", "max_error_omega3"}
     | {"accuracy_omega2", "accuracy_omega3", "direct_best"}
 )
@@ -55,7 +52,7 @@ def parameters(sources: Sources) -> Iterator[Claim]:
             value, cause = held[symbol], causes.held(held[symbol], printed)
             holds = {"exact": causes.same(value, printed)}
         yield Claim(
-            id=f"parameter.{name}",
+            id=of_parameter(name),
             where=stated["where"],
             quantity=stated["quantity"],
             unit=stated["unit"],
@@ -68,9 +65,9 @@ def parameters(sources: Sources) -> Iterator[Claim]:
 
 def least_squares(sources: Sources) -> Iterator[Claim]:
     """Least squares of (9) with the individual φ and t_s: F_k, c and residual of each approach."""
-    for short, (approach, inputs) in LEAST_SQUARES.items():
+    for approach, inputs in LEAST_SQUARES.items():
         for symbol, column in COLUMNS.items():
-            name = f"{symbol}_{short}_ls"
+            name = statistic(symbol, approach, "least_squares")
             values = {
                 route: table.estimate(column, approach, kind="least_squares")
                 for route, table in sources.routes.items()
@@ -91,7 +88,7 @@ def means(sources: Sources) -> Iterator[Claim]:
             } | {"from_print": float(getattr(printed, f"{symbol}_{kind}"))}
             yield _claim(
                 sources,
-                f"{symbol}_direct_{kind}",
+                statistic(symbol, "direct", kind),
                 values,
                 "Over the five pairs that Table 2 prints.",
             )
@@ -177,7 +174,7 @@ def _claim(
     stated = row(sources.published.text_values, name)
     contradicted = holds is None and not math.isnan(values["from_print"])
     return Claim(
-        id=f"text.{name}",
+        id=of_text(name),
         where=stated["where"],
         quantity=stated["quantity"],
         unit=stated["unit"],

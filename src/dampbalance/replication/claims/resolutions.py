@@ -17,8 +17,8 @@ from __future__ import annotations
 import math
 
 from .inputs import Setting
+from .judging import Resolution
 from .published import Printed
-from .verdict import Resolution
 
 PHASE_READING_S = 0.13e-3
 TIME_UNIT_S = 1e-4
