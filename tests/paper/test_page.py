@@ -21,7 +21,7 @@ import pytest
 from dampbalance.project import wording
 from dampbalance.publishing.page import charts, colours, words
 from dampbalance.publishing.page.match import match_picture
-from dampbalance.publishing.page.origins import SOURCES, link, study_source
+from dampbalance.publishing.page.origins import ORIGINS, link, study_origin
 from dampbalance.publishing.page.report import LARGEST
 from dampbalance.replication.claims import read_record
 from dampbalance.replication.tables import claim_of
@@ -196,7 +196,7 @@ def test_every_link_leads_somewhere(tree):
 
 
 @pytest.mark.parametrize(
-    "source", [*SOURCES.values(), study_source("frequency")], ids=lambda s: s.what
+    "source", [*ORIGINS.values(), study_origin("frequency")], ids=lambda s: s.what
 )
 def test_a_source_is_where_it_says(source):
     rules = (ROOT / source.rules).read_text(encoding="utf-8")

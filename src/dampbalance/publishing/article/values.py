@@ -10,7 +10,7 @@ from ...replication.claim_ids import PARTS
 from ...replication.verdicts import VERDICTS
 from . import tabulated
 from .book import Book
-from .sources import Results
+from .places import ResultFiles
 from .style import Style
 
 EVIDENCE, ENVIRONMENT, SCHEMES, STUDIES = (
@@ -36,7 +36,7 @@ FITS = {"pair": "{}_largest_pair_error_percent", "least_squares": "{}_error_perc
 
 
 def article_values(
-    results: Results, rules: Mapping[str, str], folder: str, frequencies: list[str]
+    results: ResultFiles, rules: Mapping[str, str], folder: str, frequencies: list[str]
 ) -> dict[str, Any]:
     """The values by key, the files they come from, and the lists over which the article's tables run.
 

@@ -7,7 +7,7 @@ from pathlib import PurePosixPath
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class Origin:
     """Where a result comes from.
 
     result : its files, {case} standing for the case's folder.   rule : the Snakemake rule.   rules : the file
@@ -23,71 +23,71 @@ class Source:
 
 _PACKAGE = "src/dampbalance"
 
-SOURCES = {
-    "claims": Source(
+ORIGINS = {
+    "claims": Origin(
         "Verdicts on the printed numbers",
         ("results/{case}/claims.csv",),
         "claims",
         "workflow/rules/claims.smk",
         (f"{_PACKAGE}/replication/claims/table.py", f"{_PACKAGE}/replication/claims/judging.py"),
     ),
-    "orbits": Source(
+    "orbits": Origin(
         "Exact steady responses",
         ("results/{case}/orbits",),
         "simulate_exact",
         "workflow/rules/simulate.smk",
         (f"{_PACKAGE}/motion/steady.py", f"{_PACKAGE}/motion/one_slip.py"),
     ),
-    "records": Source(
+    "records": Origin(
         "Fixed-step records, as the paper’s own numbers were computed",
         ("results/{case}/records",),
         "simulate_as_published",
         "workflow/rules/simulate.smk",
         (f"{_PACKAGE}/motion/fixed_step.py",),
     ),
-    "features": Source(
+    "features": Origin(
         "What is read off the responses",
         ("results/{case}/features",),
         "features_exact",
         "workflow/rules/features.smk",
         (f"{_PACKAGE}/features.py", f"{_PACKAGE}/reading/clean.py"),
     ),
-    "estimates": Source(
+    "estimates": Origin(
         "F_k and c by every approach",
         ("results/{case}/estimates",),
         "estimate_exact",
         "workflow/rules/estimates.smk",
         (f"{_PACKAGE}/balance.py", f"{_PACKAGE}/solver.py"),
     ),
-    "tables": Source(
+    "tables": Origin(
         "Tables",
         ("results/{case}/tables",),
         "tables",
         "workflow/rules/tables.smk",
         (f"{_PACKAGE}/replication/tables.py",),
     ),
-    "figure3": Source(
+    "figure3": Origin(
         "Figure 3",
         ("results/{case}/figures/figure3.svg",),
         "figure3",
         "workflow/rules/figures.smk",
         (f"{_PACKAGE}/figures/acceleration.py", f"{_PACKAGE}/motion/orbit.py"),
     ),
-    "errors": Source(
+    "errors": Origin(
         "Estimation error of each approach",
         ("results/{case}/figures/estimation_error.svg",),
         "estimation_error",
         "workflow/rules/figures.smk",
         (f"{_PACKAGE}/figures/error_levels.py", f"{_PACKAGE}/solver.py"),
     ),
-    "studies": Source(
+    "studies": Origin(
         "Parameter studies",
         ("results/studies",),
         "study_cases",
         "workflow/rules/studies.smk",
         (f"{_PACKAGE}/studies/evaluate.py", f"{_PACKAGE}/studies/responses.py"),
     ),
-    "page": Source(
+    "page": Origin(
         "This page",
         ("results/{case}/report.html",),
         "page",
@@ -97,10 +97,10 @@ SOURCES = {
 }
 
 
-def study_source(name: str) -> Source:
-    """The source of one study: its file says what is varied."""
-    general = SOURCES["studies"]
-    return Source(
+def study_origin(name: str) -> Origin:
+    """The origin of one study: its file says what is varied."""
+    general = ORIGINS["studies"]
+    return Origin(
         general.what,
         (f"results/studies/{name}/cases.parquet", f"config/studies/{name}.yaml"),
         general.rule,

@@ -1,6 +1,6 @@
 """The page: everything the pipeline found about a case, in one HTML file that needs nothing else.
 
-`Results` holds what the page is made from; `report_page` makes it, the same bytes for the same results.
+`PageContent` holds what the page is made from; `report_page` makes it, the same bytes for the same results.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from .colours import DARK, LIGHT, css_variables, series_colour
 from .curves import WIDTHS, study_charts
 from .error_levels import NAMES, SHAPES, error_charts
 from .loops import figure3_charts
-from .origins import SOURCES, Source, link, study_source
+from .origins import ORIGINS, Origin, link, study_origin
 
 TITLE = "How the printed numbers of an energy balance fare"
 LARGEST = 3_000_000  # bytes: a page that a phone loads
@@ -51,7 +51,7 @@ PHASES = {
 
 
 @dataclass(frozen=True)
-class Results:
+class PageContent:
     """What the page shows.
 
     config : the merged configuration.   claims : `claims.csv` as text, or None for a case with nothing printed.
@@ -102,7 +102,7 @@ class PaperTable:
     subtables: tuple[Subtable, ...]
 
 
-def report_page(results: Results, page: str) -> str:
+def report_page(results: PageContent, page: str) -> str:
     """The page as HTML. page : where it will stand, as a path from the repository's root, for its links.
 
     Raises ValueError where it would become larger than LARGEST.
@@ -146,7 +146,7 @@ def report_page(results: Results, page: str) -> str:
             "title": study.title,
             "paragraph": paragraph(study, cases),
             "figure": study_charts(study, cases),
-            "source": study_source(study.name),
+            "origin": study_origin(study.name),
         }
         for study, cases in results.studies
     ]
@@ -175,8 +175,8 @@ def report_page(results: Results, page: str) -> str:
             errors=errors,
             error_table=list(_error_lines(results.approaches, list(frequencies))),
             studies=studies,
-            sources=SOURCES,
-            all_sources=_shown_sources(bool(lines), bool(studies)),
+            origins=ORIGINS,
+            all_origins=_shown_origins(bool(lines), bool(studies)),
             configuration=list(_flat(config)),
             chart_tables={chart.table.id: chart.table for chart in charts}.values(),
             chart_specs=as_json({"config": CONFIG, "charts": {c.id: c.spec for c in charts}}),
@@ -320,9 +320,9 @@ def _sections(printed: bool, studies: bool) -> list[tuple[str, str]]:
     ]
 
 
-def _shown_sources(printed: bool, studies: bool) -> list[Source]:
+def _shown_origins(printed: bool, studies: bool) -> list[Origin]:
     left_out = {name for name, there in (("claims", printed), ("studies", studies)) if not there}
-    return [source for name, source in SOURCES.items() if name not in left_out]
+    return [origin for name, origin in ORIGINS.items() if name not in left_out]
 
 
 def _shape(key: str) -> Markup:

@@ -5,7 +5,7 @@
 
 from .inputs import FREQUENCIES as PRINTED_FREQUENCIES
 from .inputs import LEVELS as PRINTED_LEVELS
-from .inputs import Route, Setting
+from .inputs import RouteTables, Setting
 from .published import Published, read_published
 from .table import check, claims_markdown, claims_table, read_claims, read_record, record, summary
 
@@ -13,7 +13,7 @@ __all__ = [
     "PRINTED_FREQUENCIES",
     "PRINTED_LEVELS",
     "Published",
-    "Route",
+    "RouteTables",
     "Setting",
     "check",
     "claims_markdown",

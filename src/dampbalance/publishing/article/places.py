@@ -33,7 +33,7 @@ class Place:
         return {"file": self.file, "row": dict(self.row), "column": self.column}
 
 
-class Results:
+class ResultFiles:
     """The result files, each read once; what is asked of them is checked to be there, and to be unique."""
 
     def __init__(self, root: str | Path = ".") -> None:
