@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ..balance import APPROACHES, takes_phase
+from ..balance import APPROACHES, TERMS, takes_phase
 from ..estimates import estimate_table
 from ..features import Features, Phase
 from ..model import Oscillator
@@ -34,7 +34,7 @@ COLUMNS = (
     "F_k_largest_pair_error_percent",  # size, over the pairs of levels
     "c_largest_pair_error_percent",
 )
-_UNKNOWNS = {"F_k": "F_k_N", "c": "c_N_s_per_m"}
+_UNKNOWNS = {symbol: term.column for symbol, term in TERMS.items()}
 
 
 def approaches_table(
@@ -94,7 +94,7 @@ def _errors_of(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, object]:
     """The errors of one approach: of its least squares, and of the pair that is furthest off."""
     found: dict[str, object] = {}
     for name, column in _UNKNOWNS.items():
-        true = getattr(osc, name) or math.nan  # of nothing there is no relative error
+        true = getattr(osc, name) or math.nan  # a true value of zero has no relative error
         error = 100.0 * (estimates[column] / true - 1.0)
         found[f"{name}_error_percent"] = error[estimates["kind"] == "least_squares"].iloc[0]
         pairs = error[estimates["kind"] == "pair"]

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
+from ..balance import TERMS
 from .claim_ids import of_cell, of_text, statistic
 from .verdicts import VERDICTS
 
@@ -21,34 +22,35 @@ ROUTES = ("as_published", "exact")
 Frames = Mapping[str, pd.DataFrame]
 
 
-class _Quantity(NamedTuple):
-    """A column of a printed table: its symbol, unit, column in the result file and the digits to show of it."""
+class Quantity(NamedTuple):
+    """A column of a printed table: symbol, what it is, unit, column in the result file and the digits to show of it."""
 
     symbol: str
+    words: str
     unit: str
     column: str
     format: str
 
 
-_TABLE_1 = (
-    _Quantity("X", "m", "X_m", ".7f"),
-    _Quantity("X_s", "m", "X_s_m", ".7f"),
-    _Quantity("V_s", "m/s", "V_s_m_per_s", ".7f"),
-    _Quantity("phi", "rad", "phi_rad", ".5f"),
-    _Quantity("t_s", "s", "t_s_s", ".4e"),
+TABLE_1 = (
+    Quantity("X", "peak displacement", "m", "X_m", ".7f"),
+    Quantity("X_s", "displacement at forward slip onset", "m", "X_s_m", ".7f"),
+    Quantity("V_s", "velocity at forward slip onset", "m/s", "V_s_m_per_s", ".7f"),
+    Quantity("phi", "phase between input and output", "rad", "phi_rad", ".5f"),
+    Quantity("t_s", "time of forward slip onset", "s", "t_s_s", ".4e"),
 )
-_TABLE_2 = (
-    _Quantity("a", "m", "a_m", ".9f"),
-    _Quantity("b", "m^2/s", "b_m2_per_s", ".10f"),
-    _Quantity("W", "J", "W_J", ".9f"),
+TABLE_2 = (
+    Quantity("a", "friction travel", "m", "a_m", ".9f"),
+    Quantity("b", "viscous integral", "m^2/s", "b_m2_per_s", ".10f"),
+    Quantity("W", "input work", "J", "W_J", ".9f"),
 )
-_UNKNOWNS = (
-    _Quantity("F_k", "N", "F_k_N", ".6f"),
-    _Quantity("c", "N s/m", "c_N_s_per_m", ".4f"),
+UNKNOWNS = tuple(
+    Quantity(symbol, TERMS[symbol].words, TERMS[symbol].unit, TERMS[symbol].column, digits)
+    for symbol, digits in (("F_k", ".6f"), ("c", ".4f"))
 )
-_RESIDUAL = _Quantity("residual", "1", "residual", ".4e")
-_APPROACHES = ("direct", "t_s", "X_s", "V_s")
-_FORMATS = {q.symbol: q.format for q in (*_TABLE_1, *_TABLE_2, *_UNKNOWNS, _RESIDUAL)}
+RESIDUAL = Quantity("residual", "residual", "1", "residual", ".4e")
+APPROACHES = ("direct", "t_s", "X_s", "V_s")  # in the order of Tables 2 and 3
+_FORMATS = {q.symbol: q.format for q in (*TABLE_1, *TABLE_2, *UNKNOWNS, RESIDUAL)}
 
 
 def table1(features: Frames, claims: pd.DataFrame | None = None) -> pd.DataFrame:
@@ -56,7 +58,7 @@ def table1(features: Frames, claims: pd.DataFrame | None = None) -> pd.DataFrame
 
     features : `Features.to_frame` by route.   claims : their table, for the printed numbers, or None.
     """
-    return _frame("table1", _levels(features, _TABLE_1), claims)
+    return _frame("table1", _levels(features, TABLE_1), claims)
 
 
 def table2(features: Frames, estimates: Frames, claims: pd.DataFrame | None = None) -> pd.DataFrame:
@@ -64,25 +66,25 @@ def table2(features: Frames, estimates: Frames, claims: pd.DataFrame | None = No
 
     estimates : `identify.estimate_table` by route; the others as in `table1`.
     """
-    cells = [*_levels(features, _TABLE_2), *_pairs(estimates, "direct")]
+    cells = [*_levels(features, TABLE_2), *_pairs(estimates, "direct")]
     return _frame("table2", cells, claims)
 
 
 def table3(estimates: Frames, claims: pd.DataFrame | None = None) -> pd.DataFrame:
     """Table 3: F_k and c of every pair by the three harmonic approaches, with φ and t_s common to all levels."""
-    cells = [cell for name in _APPROACHES[1:] for cell in _pairs(estimates, name)]
+    cells = [cell for name in APPROACHES[1:] for cell in _pairs(estimates, name)]
     return _frame("table3", cells, claims)
 
 
 def statistics(estimates: Frames, claims: pd.DataFrame | None = None) -> pd.DataFrame:
     """The statistics of the text: least squares with its residual, and mean and standard deviation over the pairs."""
     cells = []
-    for approach in _APPROACHES:
+    for approach in APPROACHES:
         pairwise = "individual" if approach == "direct" else "common"
         for kind, phase, quantities in (
-            ("least_squares", "individual", (*_UNKNOWNS, _RESIDUAL)),
-            ("mean", pairwise, _UNKNOWNS),
-            ("std", pairwise, _UNKNOWNS),
+            ("least_squares", "individual", (*UNKNOWNS, RESIDUAL)),
+            ("mean", pairwise, UNKNOWNS),
+            ("std", pairwise, UNKNOWNS),
         ):
             chosen = {route: _lines(estimates[route], approach, kind, phase) for route in ROUTES}
             row = f"{approach}, {kind.replace('_', ' ')}"
@@ -144,7 +146,7 @@ class _Cell(NamedTuple):
     values: dict[str, float]
 
 
-def _levels(features: Frames, quantities: Iterable[_Quantity]) -> Iterator[_Cell]:
+def _levels(features: Frames, quantities: Iterable[Quantity]) -> Iterator[_Cell]:
     for i, Y in enumerate(features["exact"]["Y_m"]):
         for q in quantities:
             values = {route: float(features[route][q.column].iloc[i]) for route in ROUTES}
@@ -155,7 +157,7 @@ def _pairs(estimates: Frames, approach: str) -> Iterator[_Cell]:
     phase = "individual" if approach == "direct" else "common"
     chosen = {route: _lines(estimates[route], approach, "pair", phase) for route in ROUTES}
     for pair in chosen["exact"]["pair"]:
-        for q in _UNKNOWNS:
+        for q in UNKNOWNS:
             values = {
                 r: _only(frame[frame["pair"] == pair], q.column) for r, frame in chosen.items()
             }

@@ -109,17 +109,6 @@ _FORMS = {
 }
 
 
-def decimals(printed: str) -> int:
-    """Decimals of a printed number: 4 of 0.0273, 4 of 2.9E-3."""
-    exponent = Decimal(printed).as_tuple().exponent
-    return max(0, -int(exponent))
-
-
-def significant(printed: str) -> int:
-    """Significant digits of a printed number: 3 of 0.0273, 2 of 2.9E-3."""
-    return len(Decimal(printed).as_tuple().digits)
-
-
 def _rounded(number: Decimal, digits: int) -> Decimal:
     return number.quantize(Decimal(1).scaleb(-digits), ROUND_HALF_EVEN)
 

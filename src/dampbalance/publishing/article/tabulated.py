@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from ...replication.claim_ids import of_text, part_of, short, statistic
+from ...replication.printed import Printed
 from .book import Book
-from .style import Style, decimals, significant
+from .style import Style
 
 TEXT, VERBATIM = Style("text"), Style("verbatim")
 
@@ -55,7 +56,7 @@ def _side_by_side(book: Book, key: str, file: str, quantities: dict[str, tuple[s
         scale, more = quantities[row["quantity"]]
         place = {"row": row["row"], "quantity": row["quantity"]}
         base = f"{key}.{row['row']}.{row['quantity']}"
-        digits = decimals(row["printed"]) + {"1": 0, "1e3": -3, "1e6": -6}[scale]
+        digits = Printed(row["printed"]).decimals + {"1": 0, "1e3": -3, "1e6": -6}[scale]
         as_read = (
             key == "t1"
         )  # read-outs have the digits of the print, results of a computation more
@@ -73,14 +74,14 @@ def _least_squares(book: Book) -> None:
         for quantity in ("F_k", "c", "residual"):
             claim = {"id": of_text(statistic(quantity, approach, "least_squares"))}
             key = f"ls.{short(approach)}.{quantity}"
-            digits = printed[claim["id"]]
+            digits = Printed(printed[claim["id"]])
             for route, further in {"printed": 0, "from_print": 1, "exact": 1}.items():
                 if quantity == "residual" and approach == "direct" and route == "exact":
                     style = Style("bound")  # nothing but rounding
                 elif quantity == "residual":
-                    style = Style("power", significant(digits) - 1)
+                    style = Style("power", digits.significant - 1)
                 else:
-                    style = Style("fixed", decimals(digits) + further)
+                    style = Style("fixed", digits.decimals + further)
                 book.cell(f"{key}.{route}", "claims.csv", claim, route, style)
             book.cell(f"{key}.verdict", "claims.csv", claim, "verdict", TEXT)
 
@@ -94,15 +95,6 @@ def claims(book: Book) -> dict[str, list[str]]:
         for column in ("where", "quantity", "unit", "verdict", "explanation"):
             book.cell(f"claim.{name}.{column}", "claims.csv", {"id": name}, column, TEXT)
         for column in ("printed", "exact", "as_published", "from_print"):
-            number = _is_number(row[column])
-            style = VERBATIM if number else TEXT
+            style = VERBATIM if Printed(row[column]).is_number else TEXT
             book.cell(f"claim.{name}.{column}", "claims.csv", {"id": name}, column, style)
     return parts
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from ..printed import Printed
 from .inputs import Setting
-from .published import Printed, Published, row
+from .published import Published, row
 from .resolutions import TIME_UNIT_S, VELOCITY_MARK
 
 

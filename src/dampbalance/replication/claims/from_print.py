@@ -12,8 +12,9 @@ import pandas as pd
 from ...estimates import estimate_table
 from ...features import COLUMNS, Features
 from ...solver import Estimate, Statistics, mean_and_deviation
-from .inputs import HARMONIC, PAIR_LABELS, PAIRS, Route, Setting
-from .published import Printed, Published, numbers
+from ..printed import Printed
+from .inputs import HARMONIC, PAIR_LABELS, PAIRS, RouteTables, Setting
+from .published import Published, numbers
 
 
 def printed_features(published: Published, omega: float) -> Features:
@@ -29,7 +30,7 @@ def printed_features(published: Published, omega: float) -> Features:
     return Features(omega=omega, regime=("as printed",) * len(table1), **arrays)
 
 
-def from_print(published: Published, setting: Setting) -> Route:
+def from_print(published: Published, setting: Setting) -> RouteTables:
     """Estimates at ω1 from the printed features, pair-wise with the φ = 1.542 and t_s = 2.1 ms that the text states.
 
     Only ω, k and the pairs come from outside the print.
@@ -40,7 +41,7 @@ def from_print(published: Published, setting: Setting) -> Route:
         t_s=Printed(published.text_values["printed"]["t_s_mean"]).value,
     )
     estimates = estimate_table(features, setting.oscillator.k, PAIRS, common=common)
-    return Route({"omega1": features.to_frame()}, {"omega1": estimates})
+    return RouteTables({"omega1": features.to_frame()}, {"omega1": estimates})
 
 
 def printed_pair_statistics(published: Published) -> Statistics:
@@ -53,7 +54,7 @@ def printed_pair_statistics(published: Published) -> Statistics:
     )
 
 
-def printed_estimates(published: Published) -> Route:
+def printed_estimates(published: Published) -> RouteTables:
     """The printed pairs of Tables 2 and 3 as a table of estimates, to ask it for its largest errors."""
     records = []
     for approach, phase, table in (
@@ -68,7 +69,7 @@ def printed_estimates(published: Published) -> Route:
             records.append(
                 {"approach": approach, "kind": "pair", "phase": phase, "pair": label} | found
             )
-    return Route({}, {"omega1": pd.DataFrame.from_records(records)})
+    return RouteTables({}, {"omega1": pd.DataFrame.from_records(records)})
 
 
 def printed_as_table1(features: Features, published: Published) -> Features:

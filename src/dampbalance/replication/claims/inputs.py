@@ -54,7 +54,7 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
-class Route:
+class RouteTables:
     """The result tables of one route, by frequency name.
 
     features : `Features.to_frame()`, one row per level.   estimates : `identify.estimate_table`.
@@ -123,15 +123,28 @@ class Sources:
 
     published: Published
     setting: Setting
-    exact: Route
-    as_published: Route
-    from_print: Route
+    exact: RouteTables
+    as_published: RouteTables
+    from_print: RouteTables
 
     @property
-    def routes(self) -> dict[str, Route]:
+    def routes(self) -> dict[str, RouteTables]:
         """The routes by their names in claims.csv."""
         return {
             "exact": self.exact,
             "as_published": self.as_published,
             "from_print": self.from_print,
+        }
+
+    def features(self, column: str, level: int) -> dict[str, float]:
+        """A feature by the routes that simulate; arguments as in `RouteTables.feature`."""
+        return {
+            "exact": self.exact.feature(column, level),
+            "as_published": self.as_published.feature(column, level),
+        }
+
+    def estimates(self, column: str, approach: str, **which: str) -> dict[str, float]:
+        """One number of the estimates by every route; arguments as in `RouteTables.estimate`."""
+        return {
+            name: route.estimate(column, approach, **which) for name, route in self.routes.items()
         }

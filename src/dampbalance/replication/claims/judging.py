@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ..printed import Printed
 from ..verdicts import (
     DIFFERS,
     LAST_DIGIT,
@@ -19,7 +20,6 @@ from ..verdicts import (
     ROUTE_NAMES,
     Verdict,
 )
-from .published import Printed
 
 # A printed number and a computed one meet at half a unit only up to the rounding of binary fractions.
 HALF = 0.5 * (1.0 + 1e-9)

@@ -8,12 +8,13 @@ from pathlib import Path
 import pandas as pd
 
 from ..claim_ids import PARTS, part_of
+from ..printed import Printed
 from ..verdicts import RECONSTRUCTED, REPRODUCED, ROUTE_NAMES, VERDICTS, counts
 from . import of_tables, of_text
 from .from_print import from_print
-from .inputs import Route, Setting, Sources
+from .inputs import RouteTables, Setting, Sources
 from .judging import Claim, explanation, verdict
-from .published import Printed, Published
+from .published import Published
 
 COLUMNS = ("id", "where", "quantity", "unit", "printed", *ROUTE_NAMES, "verdict", "explanation")
 RECORD = ("id", "printed", "verdict")
@@ -34,7 +35,7 @@ def claims(sources: Sources) -> Iterator[Claim]:
 
 
 def claims_table(
-    published: Published, setting: Setting, exact: Route, as_published: Route
+    published: Published, setting: Setting, exact: RouteTables, as_published: RouteTables
 ) -> pd.DataFrame:
     """A row per printed number: what each route gives for it, the verdict, and why. Columns: COLUMNS.
 
