@@ -37,6 +37,12 @@ class Subtable:
     columns: tuple[tuple[str, str], ...]
     groups: tuple[tuple[Line, ...], ...]
 
+    @property
+    def claims(self) -> set[str]:
+        """The claims on its printed numbers."""
+        lines = (line for group in self.groups for line in group)
+        return {cell.claim for line in lines for cell in line.cells if cell.verdict}
+
 
 def subtables(
     table: pd.DataFrame, name: str, claims: Mapping[str, Mapping[str, str]]

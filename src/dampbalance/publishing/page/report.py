@@ -32,21 +32,19 @@ from .colours import DARK, LIGHT, css_variables, series_colour
 from .curves import WIDTHS, study_charts
 from .error_levels import NAMES, SHAPES, error_charts
 from .loops import figure3_charts
-from .origins import ORIGINS, Origin, link, study_origin
+from .origins import ORIGINS, link, study_origin
 
 TITLE = "How the printed numbers of an energy balance fare"
 LARGEST = 3_000_000  # bytes: a page that a phone loads
 TITLE_OF_CASE = "Friction and damping from an energy balance"
+HEADLINE_OF_CASE = (
+    "Friction and viscous damping of a driven oscillator from the balance of energy over a period."
+)
 TABLE_TITLES = {
     "table1": "Table 1: amplitudes, slip onset and phase",
     "table2": "Table 2: energy integrals, and estimates by direct integration",
     "table3": "Table 3: estimates of the harmonic approaches with common phi and t_s",
     "statistics": "Statistics of the text: least squares, and mean and standard deviation of the pairs",
-}
-PHASES = {
-    "reversal": "reversal",
-    "zero_crossing": "zero crossing",
-    "fundamental": "fundamental",
 }
 
 
@@ -102,44 +100,74 @@ class PaperTable:
     subtables: tuple[Subtable, ...]
 
 
-def report_page(results: PageContent, page: str) -> str:
+def report_page(content: PageContent, page: str) -> str:
     """The page as HTML. page : where it will stand, as a path from the repository's root, for its links.
 
     Raises ValueError where it would become larger than LARGEST.
     """
-    config = results.config
-    case = str(config["case"])
-    frequencies = {f["name"]: f["hz"] for f in config["excitation"]["frequencies"]}
-    levels = config["excitation"]["levels_m"]
-    by_id: dict[str, dict[str, str]] = {}
-    if results.claims is not None:
-        by_id = {
+    case = str(content.config["case"])
+    frequencies = {f["name"]: f["hz"] for f in content.config["excitation"]["frequencies"]}
+    tables = _paper_tables(content, list(frequencies))
+    shown = _numbers(content, tables[next(iter(frequencies))]) | _charts(content, frequencies)
+    template = _environment(case, page).get_template("report.html.j2")
+    html = template.render(
+        version=__version__,
+        case=case,
+        page=page,
+        verdicts=VERDICTS.values(),
+        frequencies=[
+            {"name": frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
+            for name, hz in frequencies.items()
+        ],
+        error_table=list(_error_lines(content.approaches, list(frequencies))),
+        **shown,
+        **_provenance(content),
+        style=_style(),
+        script=_text("static/page.js"),
+        charts_script=_text("static/charts.js"),
+        runtime=runtime(),
+    )
+    size = len(html.encode())
+    if size > LARGEST:
+        raise ValueError(
+            f"{page} would have {size:,} bytes, more than {LARGEST:,}: show fewer studies, or coarser ones"
+        )
+    return html
+
+
+def _paper_tables(content: PageContent, frequencies: Sequence[str]) -> dict[str, list[PaperTable]]:
+    """The paper's tables at each frequency; those of the first have the digits and the verdicts of the claims."""
+    claims: dict[str, dict[str, str]] = {}
+    if content.claims is not None:
+        claims = {
             str(row["id"]): {str(k): str(v) for k, v in row.items()}
-            for row in results.claims.to_dict("records")
+            for row in content.claims.to_dict("records")
         }
-    tables = {
+    return {
         frequency: [
-            PaperTable(TABLE_TITLES[name], subtables(table, name, {} if n else by_id))
-            for name, table in results.tables[frequency].items()
+            PaperTable(TABLE_TITLES[name], subtables(table, name, {} if n else claims))
+            for name, table in content.tables[frequency].items()
         ]
         for n, frequency in enumerate(frequencies)
     }
-    in_tables = {
-        cell.claim
-        for made in tables.values()
-        for table in made
-        for part in table.subtables
-        for group in part.groups
-        for row in group
-        for cell in row.cells
-        if cell.verdict
-    }
-    lines = [] if results.claims is None else list(_claim_lines(results.claims, in_tables))
-    counted = [] if results.claims is None else counts(results.claims)
-    figure3 = figure3_charts(results.orbits)
-    errors = error_charts(
-        results.estimates, oscillator_from(config["oscillator"]), frequencies, levels
-    )
+
+
+def _numbers(content: PageContent, tables: Sequence[PaperTable]) -> dict[str, Any]:
+    """The printed numbers, counted and one by one, with the title that tells of them. tables : those with verdicts."""
+    if content.claims is None:
+        return {"title": TITLE_OF_CASE, "headline": HEADLINE_OF_CASE, "counts": [], "claims": []}
+    counted = counts(content.claims)
+    in_tables = {claim for table in tables for part in table.subtables for claim in part.claims}
+    lines = list(_claim_lines(content.claims, in_tables))
+    return {"title": TITLE, "headline": _headline(counted[-1]), "counts": counted, "claims": lines}
+
+
+def _charts(content: PageContent, frequencies: Mapping[str, float]) -> dict[str, Any]:
+    """Figure 3, the errors of the approaches and the studies, with what their charts need."""
+    figure3 = figure3_charts(content.orbits)
+    oscillator = oscillator_from(content.config["oscillator"])
+    levels = content.config["excitation"]["levels_m"]
+    errors = error_charts(content.estimates, oscillator, frequencies, levels)
     studies: list[dict[str, Any]] = [
         {
             "name": study.name.replace("_", "-"),
@@ -148,50 +176,31 @@ def report_page(results: PageContent, page: str) -> str:
             "figure": study_charts(study, cases),
             "origin": study_origin(study.name),
         }
-        for study, cases in results.studies
+        for study, cases in content.studies
     ]
     charts: list[Chart] = [*figure3, *errors.charts]
     charts += [chart for study in studies for chart in study["figure"].charts]
-    html = (
-        _environment(case, page)
-        .get_template("report.html.j2")
-        .render(
-            title=TITLE if lines else TITLE_OF_CASE,
-            headline=_headline(counted),
-            version=__version__,
-            case=case,
-            page=page,
-            counts=counted,
-            verdicts=VERDICTS.values(),
-            claims=lines,
-            sections=_sections(bool(lines), bool(studies)),
-            frequencies=[
-                {"name": frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
-                for name, hz in frequencies.items()
-            ],
-            figure3=figure3,
-            points_slip=POINTS[False],
-            points_stick=POINTS[True],
-            errors=errors,
-            error_table=list(_error_lines(results.approaches, list(frequencies))),
-            studies=studies,
-            origins=ORIGINS,
-            all_origins=_shown_origins(bool(lines), bool(studies)),
-            configuration=list(_flat(config)),
-            chart_tables={chart.table.id: chart.table for chart in charts}.values(),
-            chart_specs=as_json({"config": CONFIG, "charts": {c.id: c.spec for c in charts}}),
-            style=_style(),
-            script=_text("static/page.js"),
-            charts_script=_text("static/charts.js"),
-            runtime=runtime(),
-        )
-    )
-    size = len(html.encode())
-    if size > LARGEST:
-        raise ValueError(
-            f"{page} would have {size:,} bytes, more than {LARGEST:,}: show fewer studies, or coarser ones"
-        )
-    return html
+    return {
+        "figure3": figure3,
+        "points_slip": POINTS[False],
+        "points_stick": POINTS[True],
+        "errors": errors,
+        "studies": studies,
+        "chart_tables": {chart.table.id: chart.table for chart in charts}.values(),
+        "chart_specs": as_json({"config": CONFIG, "charts": {c.id: c.spec for c in charts}}),
+    }
+
+
+def _provenance(content: PageContent) -> dict[str, Any]:
+    """The sections that there are, where each comes from, and the configuration."""
+    printed, studies = content.claims is not None, bool(content.studies)
+    absent = {name for name, there in (("claims", printed), ("studies", studies)) if not there}
+    return {
+        "sections": _sections(printed, studies),
+        "origins": ORIGINS,
+        "all_origins": [origin for name, origin in ORIGINS.items() if name not in absent],
+        "configuration": list(_flat(content.config)),
+    }
 
 
 def _environment(case: str, page: str) -> jinja2.Environment:
@@ -242,11 +251,8 @@ def _claim_lines(claims: pd.DataFrame, in_tables: set[str]) -> Iterator[ClaimLin
         )
 
 
-def _headline(counted: Sequence[Count]) -> str:
+def _headline(total: Count) -> str:
     """The whole match in a sentence."""
-    if not counted:
-        return "Friction and viscous damping of a driven oscillator from the balance of energy over a period."
-    total = counted[-1]
     n = total.of_verdict
     differs = "none differs" if not n["differs"] else f"{n['differs']} differ"
     return (
@@ -269,17 +275,17 @@ def _error_lines(approaches: pd.DataFrame, frequencies: Sequence[str]) -> Iterat
             for frequency in frequencies
             for unknown in ("F_k", "c")
         )
-        yield ErrorLine(approach, PHASES.get(phase, phase) or NONE, sharing or NONE, errors)
+        yield ErrorLine(approach, phase.replace("_", " ") or NONE, sharing or NONE, errors)
 
 
 def _size(error: float) -> str:
-    """The size of an error given in %; of rounding its bound."""
+    """The size of an error given in %; a bound where it is nothing but rounding."""
     text = percent(0.01 * error).removesuffix(" %")
     return f"≤ {text}" if abs(error) < 1e-6 else text
 
 
 def _signed(error: float) -> str:
-    """The same with its sign."""
+    """An error given in %, with its sign unless it is nothing but rounding."""
     if not math.isfinite(error) or abs(error) < 1e-6:
         return _size(error)
     return (MINUS if error < 0.0 else "+") + _size(error)
@@ -318,11 +324,6 @@ def _sections(printed: bool, studies: bool) -> list[tuple[str, str]]:
         *([("studies", "Studies")] if studies else []),
         ("provenance", "Sources"),
     ]
-
-
-def _shown_origins(printed: bool, studies: bool) -> list[Origin]:
-    left_out = {name for name, there in (("claims", printed), ("studies", studies)) if not there}
-    return [origin for name, origin in ORIGINS.items() if name not in left_out]
 
 
 def _shape(key: str) -> Markup:
