@@ -64,7 +64,7 @@ def table1(features: Frames, claims: pd.DataFrame | None = None) -> pd.DataFrame
 def table2(features: Frames, estimates: Frames, claims: pd.DataFrame | None = None) -> pd.DataFrame:
     """Table 2: a, b, W of every level, and F_k and c of every pair by direct integration.
 
-    estimates : `identify.estimate_table` by route; the others as in `table1`.
+    estimates : `estimates.estimate_table` by route; the others as in `table1`.
     """
     cells = [*_levels(features, TABLE_2), *_pairs(estimates, "direct")]
     return _frame("table2", cells, claims)

@@ -21,73 +21,49 @@ class Origin:
     code: tuple[str, ...]
 
 
-def _origin(what: str, result: str, rule: str, *code: str) -> Origin:
-    """An origin with short names: the rule as file/rule, the code as modules of the package."""
+def _origin(what: str, chain: str) -> Origin:
+    """An origin from "result, below results/ ← file/rule ← modules of the package"."""
+    result, rule, code = chain.split(" ← ")
     file, _, name = rule.partition("/")
-    modules = tuple(f"src/dampbalance/{module}" for module in code)
-    return Origin(what, (result,), name, f"workflow/rules/{file}.smk", modules)
+    modules = tuple(f"src/dampbalance/{module}" for module in code.split())
+    return Origin(what, (f"results/{result}",), name, f"workflow/rules/{file}.smk", modules)
 
 
 ORIGINS = {
     "claims": _origin(
         "Verdicts on the printed numbers",
-        "results/{case}/claims.csv",
-        "claims/claims",
-        "replication/claims/table.py",
-        "replication/claims/judging.py",
+        "{case}/claims.csv ← claims/claims ← replication/claims/table.py replication/claims/judging.py",
     ),
     "orbits": _origin(
         "Exact steady responses",
-        "results/{case}/orbits",
-        "simulate/simulate_exact",
-        "motion/steady.py",
-        "motion/one_slip.py",
+        "{case}/orbits ← simulate/simulate_exact ← motion/steady.py motion/one_slip.py",
     ),
     "records": _origin(
         "Fixed-step records, as the paper’s own numbers were computed",
-        "results/{case}/records",
-        "simulate/simulate_as_published",
-        "motion/fixed_step.py",
+        "{case}/records ← simulate/simulate_as_published ← motion/fixed_step.py",
     ),
     "features": _origin(
         "What is read off the responses",
-        "results/{case}/features",
-        "features/features_exact",
-        "features.py",
-        "reading/clean.py",
+        "{case}/features ← features/features_exact ← features.py reading/clean.py",
     ),
     "estimates": _origin(
         "F_k and c by every approach",
-        "results/{case}/estimates",
-        "estimates/estimate_exact",
-        "balance.py",
-        "solver.py",
+        "{case}/estimates ← estimates/estimate_exact ← balance.py solver.py",
     ),
-    "tables": _origin("Tables", "results/{case}/tables", "tables/tables", "replication/tables.py"),
+    "tables": _origin("Tables", "{case}/tables ← tables/tables ← replication/tables.py"),
     "figure3": _origin(
         "Figure 3",
-        "results/{case}/figures/figure3.svg",
-        "figures/figure3",
-        "figures/acceleration.py",
-        "motion/orbit.py",
+        "{case}/figures/figure3.svg ← figures/figure3 ← figures/acceleration.py motion/orbit.py",
     ),
     "errors": _origin(
         "Estimation error of each approach",
-        "results/{case}/figures/estimation_error.svg",
-        "figures/estimation_error",
-        "figures/error_levels.py",
-        "solver.py",
+        "{case}/figures/estimation_error.svg ← figures/estimation_error ← figures/error_levels.py solver.py",
     ),
     "studies": _origin(
         "Parameter studies",
-        "results/studies",
-        "studies/study_cases",
-        "studies/evaluate.py",
-        "studies/responses.py",
+        "studies ← studies/study_cases ← studies/evaluate.py studies/responses.py",
     ),
-    "page": _origin(
-        "This page", "results/{case}/report.html", "page/page", "publishing/page/report.py"
-    ),
+    "page": _origin("This page", "{case}/report.html ← page/page ← publishing/page/report.py"),
 }
 
 

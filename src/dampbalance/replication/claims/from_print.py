@@ -23,11 +23,11 @@ def printed_features(published: Published, omega: float) -> Features:
     omega : drive frequency, rad/s.
     """
     table1, integrals = published.table1, published.table2_integrals
-    known = {column: numbers(table1, column) for column in table1.columns}
-    known |= {column: numbers(integrals, column) for column in ("a_m", "b_m2_per_s", "W_J")}
+    arrays = {column: numbers(table1, column) for column in table1.columns}
+    arrays |= {column: numbers(integrals, column) for column in ("a_m", "b_m2_per_s", "W_J")}
     missing = np.full(len(table1), np.nan)
-    arrays = {name: known.get(column, missing) for name, column in COLUMNS.items()}
-    return Features(omega=omega, regime=("as printed",) * len(table1), **arrays)
+    features = {name: arrays.get(column, missing) for name, column in COLUMNS.items()}
+    return Features(omega=omega, regime=("as printed",) * len(table1), **features)
 
 
 def from_print(published: Published, setting: Setting) -> RouteTables:
@@ -62,12 +62,12 @@ def printed_estimates(published: Published) -> RouteTables:
         *((name, "common", published.table3) for name in HARMONIC),
     ):
         for label in PAIR_LABELS:
-            found = {
+            estimate = {
                 column: Printed(table[f"{approach}_{column}"][label]).value
                 for column in ("F_k_N", "c_N_s_per_m")
             }
             records.append(
-                {"approach": approach, "kind": "pair", "phase": phase, "pair": label} | found
+                {"approach": approach, "kind": "pair", "phase": phase, "pair": label} | estimate
             )
     return RouteTables({}, {"omega1": pd.DataFrame.from_records(records)})
 

@@ -19,7 +19,7 @@ LEVELS = 5
 PAIRS: tuple[Pair, ...] = ((0, 1), (1, 2), (2, 3), (3, 4), (0, 4))
 PAIR_LABELS = tuple(pair_label(i, j) for i, j in PAIRS)
 HARMONIC = ("X_s", "t_s", "V_s")
-# Of balance.APPROACHES_OF_TABLE_3: the V_s pairs as (19) states them, where "V_s" has the slip of sign of the print.
+# Of balance.APPROACHES_OF_TABLE_3: the V_s pairs as (19) states them; those of "V_s" have the print's slip of sign.
 CORRECTED = "V_s with minus"
 
 
@@ -57,7 +57,7 @@ class Setting:
 class RouteTables:
     """The result tables of one route, by frequency name.
 
-    features : `Features.to_frame()`, one row per level.   estimates : `identify.estimate_table`.
+    features : `Features.to_frame()`, one row per level.   estimates : `estimates.estimate_table`.
     What a route does not have is NaN.
     """
 
@@ -91,10 +91,9 @@ class RouteTables:
         if frame is None:
             return math.nan
         wanted = {"approach": approach, "kind": kind, "phase": phase, "pair": pair}
-        found = frame.loc[
-            np.logical_and.reduce([frame[key] == value for key, value in wanted.items()]), column
-        ]
-        return float(found.iloc[0]) if len(found) else math.nan
+        chosen = np.logical_and.reduce([frame[key] == value for key, value in wanted.items()])
+        values = frame.loc[chosen, column]
+        return float(values.iloc[0]) if len(values) else math.nan
 
     def largest_errors(
         self,

@@ -36,11 +36,11 @@ class Resolution:
 
 @dataclass(frozen=True, slots=True)
 class Claim:
-    """One printed number, what the routes give for it, and what is known of the difference.
+    """One printed number, what the routes give for it, and why they differ.
 
     values : a number per route of ROUTE_NAMES, NaN or absent where the route has nothing to say.
     holds : for a statement, whether it holds by each route; None for a number, which is compared by its digits.
-    cause : the deviation behind the digits, one sentence computed from the same run; "" if none is known.
+    cause : the deviation behind the digits, one sentence computed from the same run; "" without one.
     evidence : what in the paper's own numbers contradicts the printed one, should it differ.
     """
 
@@ -56,7 +56,7 @@ class Claim:
     evidence: str = ""
 
     @property
-    def known(self) -> list[str]:
+    def routes(self) -> list[str]:
         """The routes that give a number, in the order of ROUTE_NAMES."""
         return [route for route in ROUTE_NAMES if not math.isnan(self.values.get(route, math.nan))]
 
@@ -77,11 +77,11 @@ class Claim:
 def verdict(claim: Claim) -> Verdict:
     """The best verdict that the claim earns."""
     if claim.holds is not None:
-        agreeing = [route for route in claim.known if claim.holds[route]]
+        agreeing = [route for route in claim.routes if claim.holds[route]]
         within_one = False
     else:
-        agreeing = [route for route in claim.known if abs(claim.off(route)) <= HALF]
-        within_one = any(abs(claim.off(route)) <= 1.0 + HALF for route in claim.known)
+        agreeing = [route for route in claim.routes if abs(claim.off(route)) <= HALF]
+        within_one = any(abs(claim.off(route)) <= 1.0 + HALF for route in claim.routes)
     if "exact" in agreeing:
         return REPRODUCED
     if agreeing:
@@ -105,13 +105,13 @@ def explanation(claim: Claim) -> str:
         return f"Exactly {claim.show('exact')}, which rounds to {claim.printed}."
     if decided is RECONSTRUCTED:
         giving = " and ".join(
-            ROUTE_NAMES[route] for route in claim.known if abs(claim.off(route)) <= HALF
+            ROUTE_NAMES[route] for route in claim.routes if abs(claim.off(route)) <= HALF
         )
-        exact = f" (exact: {_distance(claim, 'exact')})" if "exact" in claim.known else ""
+        exact = f" (exact: {_distance(claim, 'exact')})" if "exact" in claim.routes else ""
         return f"Obtained {giving}{exact}. {claim.cause}".strip()
-    if not claim.known:
+    if not claim.routes:
         return "No route gives a value."
-    nearest = min(claim.known, key=lambda route: abs(claim.off(route)))
+    nearest = min(claim.routes, key=lambda route: abs(claim.off(route)))
     distance = f"{ROUTE_NAMES[nearest].capitalize()}: {_distance(claim, nearest)}"
     if decided is READING and claim.resolution:
         printed = Printed(claim.printed)

@@ -71,9 +71,9 @@ def table2_integrals(sources: Sources) -> Iterator[Claim]:
     for level, q in itertools.product(printed_table.index, TABLE_2):
         values = sources.features(q.column, int(level))
         V_s = sources.as_published.feature("V_s_m_per_s", int(level))
-        known, contradicted = "", ""
+        note, contradiction = "", ""
         if q.symbol == "b":
-            known, contradicted = causes.implied_b(sources.published, level)
+            note, contradiction = causes.implied_b(sources.published, level)
         yield Claim(
             id=of_cell("table2", q.symbol, level),
             where=f"Table 2, level {level}",
@@ -82,8 +82,8 @@ def table2_integrals(sources: Sources) -> Iterator[Claim]:
             printed=printed_table[q.column][level],
             values=values,
             resolution=integral_resolution(q.symbol, values["as_published"], V_s, sources.setting),
-            cause=f"{causes.backward_euler(sources.setting, values)} {known}".strip(),
-            evidence=contradicted,
+            cause=f"{causes.backward_euler(sources.setting, values)} {note}".strip(),
+            evidence=contradiction,
         )
 
 

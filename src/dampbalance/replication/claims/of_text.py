@@ -160,7 +160,7 @@ def _claim(
     holds: Mapping[str, bool] | None = None,
 ) -> Claim:
     stated = row(sources.published.text_values, name)
-    contradicted = holds is None and not math.isnan(values["from_print"])
+    comparable = holds is None and not math.isnan(values["from_print"])
     return Claim(
         id=of_text(name),
         where=stated["where"],
@@ -170,7 +170,7 @@ def _claim(
         values=values,
         holds=holds,
         cause=cause,
-        evidence=causes.printed_inputs_differ(values, stated["printed"]) if contradicted else "",
+        evidence=causes.printed_inputs_differ(values, stated["printed"]) if comparable else "",
     )
 
 

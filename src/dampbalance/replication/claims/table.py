@@ -115,10 +115,10 @@ def summary(frame: pd.DataFrame) -> str:
 def _nearest(row: Mapping[Hashable, str]) -> str:
     """The value of the route that comes closest to print, and which route that is; the first one for a printed word."""
     printed = Printed(row["printed"])
-    known = [route for route in ROUTE_NAMES if row[route]]
-    route = known[0]
+    routes = [route for route in ROUTE_NAMES if row[route]]
+    route = routes[0]
     if printed.is_number:
-        route = min(known, key=lambda name: abs(float(row[name]) - printed.value))
+        route = min(routes, key=lambda name: abs(float(row[name]) - printed.value))
     return f"{row[route]} {ROUTE_NAMES[route]}"
 
 
