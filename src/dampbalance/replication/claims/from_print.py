@@ -13,6 +13,7 @@ from ...estimates import estimate_table
 from ...features import COLUMNS, Features
 from ...solver import Estimate, Statistics, mean_and_deviation
 from ..printed import Printed
+from ..tables import TABLE_2, UNKNOWNS
 from .inputs import HARMONIC, PAIR_LABELS, PAIRS, RouteTables, Setting
 from .published import Published, numbers
 
@@ -24,7 +25,7 @@ def printed_features(published: Published, omega: float) -> Features:
     """
     table1, integrals = published.table1, published.table2_integrals
     arrays = {column: numbers(table1, column) for column in table1.columns}
-    arrays |= {column: numbers(integrals, column) for column in ("a_m", "b_m2_per_s", "W_J")}
+    arrays |= {q.column: numbers(integrals, q.column) for q in TABLE_2}
     missing = np.full(len(table1), np.nan)
     features = {name: arrays.get(column, missing) for name, column in COLUMNS.items()}
     return Features(omega=omega, regime=("as printed",) * len(table1), **features)
@@ -63,8 +64,7 @@ def printed_estimates(published: Published) -> RouteTables:
     ):
         for label in PAIR_LABELS:
             estimate = {
-                column: Printed(table[f"{approach}_{column}"][label]).value
-                for column in ("F_k_N", "c_N_s_per_m")
+                q.column: Printed(table[f"{approach}_{q.column}"][label]).value for q in UNKNOWNS
             }
             records.append(
                 {"approach": approach, "kind": "pair", "phase": phase, "pair": label} | estimate

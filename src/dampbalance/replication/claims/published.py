@@ -13,20 +13,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from ..printed import Printed
+from ..tables import APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
 
 FILES = {
     "parameters": ("id", "symbol", "quantity", "printed", "unit", "where"),
-    "table1": ("level", "Y_m", "X_m", "X_s_m", "V_s_m_per_s", "phi_rad", "t_s_s"),
-    "table2_integrals": ("level", "Y_m", "a_m", "b_m2_per_s", "W_J"),
+    "table1": ("level", "Y_m", *(q.column for q in TABLE_1)),
+    "table2_integrals": ("level", "Y_m", *(q.column for q in TABLE_2)),
     "table2_pairs": ("pair", "direct_c_N_s_per_m", "direct_F_k_N"),
-    "table3": (
-        "pair",
-        *(
-            f"{approach}_{unknown}"
-            for approach in ("t_s", "X_s", "V_s")
-            for unknown in ("F_k_N", "c_N_s_per_m")
-        ),
-    ),
+    "table3": ("pair", *(f"{name}_{q.column}" for name in APPROACHES[1:] for q in UNKNOWNS)),
     "text_values": ("id", "quantity", "printed", "unit", "where"),
 }
 

@@ -16,7 +16,8 @@ from .inputs import RouteTables, Setting, Sources
 from .judging import Claim, explanation, verdict
 from .published import Published
 
-COLUMNS = ("id", "where", "quantity", "unit", "printed", *ROUTE_NAMES, "verdict", "explanation")
+STATED = ("id", "where", "quantity", "unit", "printed")  # columns that are fields of a claim
+COLUMNS = (*STATED, *ROUTE_NAMES, "verdict", "explanation")
 RECORD = ("id", "printed", "verdict")
 
 
@@ -54,11 +55,7 @@ def claims_table(
     sources = Sources(published, setting, exact, as_published, from_print(published, setting))
     records = [
         {
-            "id": claim.id,
-            "where": claim.where,
-            "quantity": claim.quantity,
-            "unit": claim.unit,
-            "printed": claim.printed,
+            **{name: getattr(claim, name) for name in STATED},
             **{route: claim.show(route) for route in ROUTE_NAMES},
             "verdict": verdict(claim).name,
             "explanation": explanation(claim),
@@ -76,17 +73,13 @@ def claims_markdown(frame: pd.DataFrame) -> str:
             f"## {PARTS[str(part)]}",
             "",
             "| where | quantity | printed | exact | as published | from print | verdict | why |",
+            "|---|---|--:|--:|--:|--:|---|---|",
         ]
-        lines.append("|---|---|--:|--:|--:|--:|---|---|")
         for row in rows.to_dict("records"):
             unit = "" if row["unit"] in ("", "1") else f" ({row['unit']})"
-            cells = [
-                row["where"],
-                f"{row['quantity']}{unit}",
-                row["printed"],
-                *(row[r] for r in ROUTE_NAMES),
-            ]
-            lines.append("| " + " | ".join([*cells, row["verdict"], row["explanation"]]) + " |")
+            row["quantity"] = f"{row['quantity']}{unit}"
+            cells = [row[name] for name in COLUMNS if name not in ("id", "unit")]
+            lines.append("| " + " | ".join(cells) + " |")
         lines.append("")
     return "\n".join(lines)
 
