@@ -22,7 +22,7 @@ from dampbalance.project import wording
 from dampbalance.publishing.page import charts, colours, words
 from dampbalance.publishing.page.match import match_picture
 from dampbalance.publishing.page.origins import ORIGINS, link, study_origin
-from dampbalance.publishing.page.report import LARGEST
+from dampbalance.publishing.page.report import LARGEST_PAGE
 from dampbalance.replication.claims import read_record
 from dampbalance.replication.tables import claim_of
 from dampbalance.replication.verdicts import VERDICTS, counts
@@ -165,8 +165,8 @@ def test_the_same_results_give_the_same_bytes(made, html):
 
 
 def test_it_is_small_enough_and_says_when_it_is_not(made, html, monkeypatch):
-    assert len(html.encode()) < LARGEST == 3_000_000
-    monkeypatch.setattr("dampbalance.publishing.page.report.LARGEST", 1000)
+    assert len(html.encode()) < LARGEST_PAGE == 3_000_000
+    monkeypatch.setattr("dampbalance.publishing.page.report.LARGEST_PAGE", 1000)
     with pytest.raises(ValueError, match=r"report\.html would have [\d,]+ bytes, more than 1,000"):
         page_of(made)
 

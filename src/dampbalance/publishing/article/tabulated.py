@@ -57,10 +57,8 @@ def _side_by_side(book: Book, key: str, file: str, quantities: dict[str, tuple[s
         place = {"row": row["row"], "quantity": row["quantity"]}
         base = f"{key}.{row['row']}.{row['quantity']}"
         digits = Printed(row["printed"]).decimals + {"1": 0, "1e3": -3, "1e6": -6}[scale]
-        as_read = (
-            key == "t1"
-        )  # read-outs have the digits of the print, results of a computation more
-        extra = {"printed": 0, "as_published": 0 if as_read else more, "exact": more}
+        # Read-outs have the digits of the print, results of a computation more.
+        extra = {"printed": 0, "as_published": 0 if key == "t1" else more, "exact": more}
         for route, further in extra.items():
             style = Style("fixed", digits + further, scale)
             book.cell(f"{base}.{route}", file, place, route, style)

@@ -35,7 +35,7 @@ from .loops import figure3_charts
 from .origins import ORIGINS, link, study_origin
 
 TITLE = "How the printed numbers of an energy balance fare"
-LARGEST = 3_000_000  # bytes: a page that a phone loads
+LARGEST_PAGE = 3_000_000  # bytes: a page that a phone loads
 TITLE_OF_CASE = "Friction and damping from an energy balance"
 HEADLINE_OF_CASE = (
     "Friction and viscous damping of a driven oscillator from the balance of energy over a period."
@@ -103,7 +103,7 @@ class PaperTable:
 def report_page(content: PageContent, page: str) -> str:
     """The page as HTML. page : where it will stand, as a path from the repository's root, for its links.
 
-    Raises ValueError where it would become larger than LARGEST.
+    Raises ValueError where it would become larger than LARGEST_PAGE.
     """
     case = str(content.config["case"])
     frequencies = {f["name"]: f["hz"] for f in content.config["excitation"]["frequencies"]}
@@ -128,9 +128,9 @@ def report_page(content: PageContent, page: str) -> str:
         runtime=runtime(),
     )
     size = len(html.encode())
-    if size > LARGEST:
+    if size > LARGEST_PAGE:
         raise ValueError(
-            f"{page} would have {size:,} bytes, more than {LARGEST:,}: show fewer studies, or coarser ones"
+            f"{page} would have {size:,} bytes, more than {LARGEST_PAGE:,}: show fewer studies, or coarser ones"
         )
     return html
 

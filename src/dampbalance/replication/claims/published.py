@@ -54,12 +54,18 @@ def numbers(frame: pd.DataFrame, column: str) -> NDArray[np.float64]:
     return np.array([Printed(text).value for text in frame[column]])
 
 
-def _read(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
+def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
+    """A table with these columns, every cell the text that it is. Raises ValueError for other columns."""
     frame = pd.read_csv(path, dtype=str, keep_default_na=False)
     if tuple(frame.columns) != columns:
         raise ValueError(
             f"{path}: expected the columns {', '.join(columns)}, found {', '.join(frame.columns)}"
         )
+    return frame
+
+
+def _read(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
+    frame = read_texts(path, columns)
     for column in columns:
         if column != "unit" and (frame[column].str.strip() == "").any():
             raise ValueError(

@@ -14,7 +14,7 @@ from . import of_tables, of_text
 from .from_print import from_print
 from .inputs import RouteTables, Setting, Sources
 from .judging import Claim, explanation, verdict
-from .published import Published
+from .published import Published, read_texts
 
 STATED = ("id", "where", "quantity", "unit", "printed")  # columns that are fields of a claim
 COLUMNS = (*STATED, *ROUTE_NAMES, "verdict", "explanation")
@@ -125,7 +125,7 @@ def _aligned(frame: pd.DataFrame) -> str:
 
 def read_claims(path: Path) -> pd.DataFrame:
     """A table of claims from its CSV file, every cell the text that it is."""
-    return pd.read_csv(path, dtype=str, keep_default_na=False)
+    return read_texts(path, COLUMNS)
 
 
 def record(frame: pd.DataFrame) -> pd.DataFrame:
@@ -135,11 +135,7 @@ def record(frame: pd.DataFrame) -> pd.DataFrame:
 
 def read_record(path: Path) -> pd.DataFrame:
     """The verdicts on record, verdicts.csv. Raises ValueError for a wrong column or an unknown verdict."""
-    recorded = pd.read_csv(path, dtype=str, keep_default_na=False)
-    if tuple(recorded.columns) != RECORD:
-        raise ValueError(
-            f"{path}: expected the columns {', '.join(RECORD)}, found {', '.join(recorded.columns)}"
-        )
+    recorded = read_texts(path, RECORD)
     unknown = recorded[~recorded["verdict"].isin(VERDICTS)]
     if len(unknown):
         first = unknown.iloc[0]
