@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dampbalance.publishing.page.colours import SERIES
+from dampbalance.replication import verdicts
 
-VERDICTS = ("reproduced", "reconstructed", "last-digit", "reading", "differs")
+VERDICTS = tuple(verdict.css for verdict in verdicts.VERDICTS.values())
 
 TEXT_ON = [
     *((text, ground) for text in ("ink", "muted", "link") for ground in ("paper", "raised")),

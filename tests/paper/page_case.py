@@ -12,7 +12,7 @@ from dampbalance import steady_orbit
 from dampbalance.features import Features
 from dampbalance.project.case import motions_from
 from dampbalance.project.files import read_csv, write_csv
-from dampbalance.publishing.page.report import Results, report_page
+from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.replication import comparison, tables
 from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.studies import evaluate, outputs
@@ -38,7 +38,7 @@ COARSER = {
 }
 
 
-def results(folder: Path) -> Results:
+def results(folder: Path) -> PageContent:
     """Everything the page shows, through the files of the pipeline where digits are lost in them."""
     claims = _through(folder / "claims.csv", claims_of_paper(), dtype=str)
     routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
@@ -63,7 +63,7 @@ def results(folder: Path) -> Results:
         }
     features = {n: Features.from_frame(f) for n, f in routes["exact"].features.items()}
     first = next(iter(FREQUENCIES_HZ.values()))
-    return Results(
+    return PageContent(
         config=copy.deepcopy(CONFIG),
         claims=claims,
         tables=made,
@@ -100,7 +100,7 @@ def claims_of_paper() -> pd.DataFrame:
     )
 
 
-def page_of(made: Results) -> str:
+def page_of(made: PageContent) -> str:
     """The page, as it would stand among the results."""
     return report_page(made, PAGE)
 

@@ -16,7 +16,7 @@ from dampbalance.motion.fixed_step import simulate
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import oscillator_from, pairs_from
 from dampbalance.reading.clean import of_record
-from dampbalance.replication.claims import Route, Setting
+from dampbalance.replication.claims import RouteTables, Setting
 from dampbalance.replication.readout import ReadOut
 
 ROOT = Path(__file__).parents[2]
@@ -42,20 +42,20 @@ def setting(oscillator: Oscillator = PAPER) -> Setting:
 
 
 @lru_cache
-def exact(oscillator: Oscillator = PAPER) -> Route:
+def exact(oscillator: Oscillator = PAPER) -> RouteTables:
     """The exact route at the three frequencies."""
     features = {
         name: stack([of_orbit(steady_orbit(oscillator, motion)) for motion in _motions(name)])
         for name in FREQUENCIES_HZ
     }
-    return Route(
+    return RouteTables(
         {name: of.to_frame() for name, of in features.items()},
         {name: estimate_table(of, oscillator.k, PAIRS) for name, of in features.items()},
     )
 
 
 @lru_cache
-def as_published(oscillator: Oscillator = PAPER) -> Route:
+def as_published(oscillator: Oscillator = PAPER) -> RouteTables:
     """The as-published route: integrals taken at samples, the rest between them and read out."""
     tabulated, two_point = (
         ReadOut.from_config(NUMERICS[name]) for name in ("tabulated", "two_point")
@@ -87,7 +87,7 @@ def as_published(oscillator: Oscillator = PAPER) -> Route:
             common=two_point.common(between),
             common_approaches=APPROACHES_OF_TABLE_3,
         )
-    return Route(features, estimates)
+    return RouteTables(features, estimates)
 
 
 def _motions(frequency: str) -> list[BaseMotion]:

@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 from dampbalance.publishing.article.book import Book
-from dampbalance.publishing.article.sources import MissingValue, Place, Results
-from dampbalance.publishing.article.style import Style, decimals, significant
+from dampbalance.publishing.article.places import MissingValue, Place, ResultFiles
+from dampbalance.publishing.article.style import Style
 from paper.routes import ROOT
 from paper.typed import not_excused, typed_numbers
 
@@ -140,11 +140,6 @@ def test_text_is_no_number():
         Style("fixed", 2).render("degraded")
 
 
-def test_digits_of_a_printed_number():
-    assert (decimals("0.00273"), decimals("2.9E-3"), decimals("2310")) == (5, 4, 0)
-    assert (significant("9.1587e-07"), significant("0.050")) == (5, 2)
-
-
 # --- where it comes from -------------------------------------------------------------------------
 
 
@@ -152,7 +147,7 @@ def test_digits_of_a_printed_number():
 def results(tmp_path):
     (tmp_path / "t.csv").write_text("id,x\na,1.0\nb,2.0\nb,3.0\n", encoding="utf-8")
     (tmp_path / "d.json").write_text('{"p": {"q": [7]}}', encoding="utf-8")
-    return Results(tmp_path)
+    return ResultFiles(tmp_path)
 
 
 def test_places(results):

@@ -13,8 +13,7 @@ import pytest
 from dampbalance import balance
 from dampbalance.project.files import write_csv
 from dampbalance.replication.claims import (
-    VERDICTS,
-    Route,
+    RouteTables,
     check,
     claims_markdown,
     claims_table,
@@ -25,9 +24,10 @@ from dampbalance.replication.claims import (
     summary,
 )
 from dampbalance.replication.claims.inputs import CORRECTED, HARMONIC
-from dampbalance.replication.claims.published import Printed
+from dampbalance.replication.claims.judging import Claim, Resolution, explanation, verdict
 from dampbalance.replication.claims.table import COLUMNS
-from dampbalance.replication.claims.verdict import ROUTES, Claim, Resolution, explanation, verdict
+from dampbalance.replication.printed import Printed
+from dampbalance.replication.verdicts import DIFFERS, ROUTE_NAMES, VERDICTS
 from paper.routes import PAPER, PUBLISHED, as_published, exact, setting
 
 
@@ -67,31 +67,6 @@ def changed_print(tmp_path):
     return change
 
 
-# ---- Printed numbers ------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("text", "value", "unit", "shown"),
-    [
-        ("90.0402", 90.0402, 1e-4, "90.04025418"),
-        ("2.9E-3", 0.0029, 1e-4, "9.00403e+01"),
-        ("9.1587e-07", 9.1587e-07, 1e-11, "9.00402542e+01"),
-        ("2310", 2310.0, 1.0, "90.0403"),
-        ("-0.00272", -0.00272, 1e-5, "90.040254180"),
-    ],
-)
-def test_printed_number_knows_its_last_digit(text, value, unit, shown):
-    printed = Printed(text)
-    assert printed.value == value
-    assert printed.unit == pytest.approx(unit, rel=1e-15)
-    assert printed.show(90.04025418) == shown
-
-
-def test_printed_text_that_is_no_number_is_refused():
-    with pytest.raises(ValueError, match="'1,28' is not a number"):
-        _ = Printed("1,28").value
-
-
 # ---- Rules ----------------------------------------------------------------------------------------------------------
 
 
@@ -120,7 +95,7 @@ def claim(printed="1.28", resolution=None, holds=None, **values):
 def test_verdict_of_a_number(values, expected):
     near = Resolution(values.get("exact", 9.0) - 0.02, values.get("exact", 9.0) + 0.02, "read so")
     made = claim(resolution=near, **values)
-    assert verdict(made) == expected
+    assert verdict(made).name == expected
     assert explanation(made)
 
 
@@ -133,12 +108,12 @@ def test_verdict_of_a_number(values, expected):
     ],
 )
 def test_verdict_of_a_statement(holds, expected):
-    assert verdict(claim("less", holds=holds, exact=1.0, as_published=1.0)) == expected
+    assert verdict(claim("less", holds=holds, exact=1.0, as_published=1.0)).name == expected
 
 
 def test_a_route_that_is_silent_supports_no_statement():
     made = claim("less", holds={"exact": False, "from_print": True}, exact=1.0, from_print=math.nan)
-    assert verdict(made) == "differs"
+    assert verdict(made) is DIFFERS
 
 
 # ---- The paper ------------------------------------------------------------------------------------------------------
@@ -239,7 +214,7 @@ def test_summary_counts_and_lists_what_is_left_open(claims):
         line = next(line for line in text.splitlines() if line.startswith(f"  {row['id']} "))
         assert row["printed"] in line
         assert row["verdict"] in line
-        assert any(row[route] and row[route] in line for route in ROUTES)
+        assert any(row[route] and row[route] in line for route in ROUTE_NAMES)
     assert "table1.X.1" not in text
 
 
@@ -348,7 +323,7 @@ def test_the_plus_sign_of_table_3_is_needed(recorded):
         read_published(PUBLISHED),
         setting(),
         exact(),
-        Route(route.features, route.estimates | {"omega1": estimates}),
+        RouteTables(route.features, route.estimates | {"omega1": estimates}),
     )
     found = check(table, recorded)
     assert found["id"].str.startswith("table3.V_s").sum() == 10
@@ -374,7 +349,10 @@ def test_a_better_verdict_is_no_offence(claims, recorded):
 def test_a_claim_without_routes_is_found(recorded):
     """No result tables at all: nothing is obtained but what stands in print."""
     found = check(
-        claims_table(read_published(PUBLISHED), setting(), Route({}, {}), Route({}, {})), recorded
+        claims_table(
+            read_published(PUBLISHED), setting(), RouteTables({}, {}), RouteTables({}, {})
+        ),
+        recorded,
     )
     assert found["id"].str.startswith("table").sum() > 50
 

@@ -16,7 +16,8 @@ from dampbalance.replication.claims.from_print import (
 )
 from dampbalance.replication.claims.inputs import PAIR_LABELS
 from dampbalance.replication.claims.of_tables import rounding_ranges
-from dampbalance.replication.claims.published import Printed, numbers, read_published
+from dampbalance.replication.claims.published import numbers, read_published
+from dampbalance.replication.printed import Printed
 from dampbalance.solver import least_squares
 from paper.routes import PUBLISHED, setting
 

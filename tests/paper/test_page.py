@@ -18,14 +18,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from dampbalance.project import wording
 from dampbalance.publishing.page import charts, colours, words
-from dampbalance.publishing.page.cells import claim_of
 from dampbalance.publishing.page.match import match_picture
-from dampbalance.publishing.page.origins import SOURCES, link, study_source
-from dampbalance.publishing.page.report import LARGEST
-from dampbalance.publishing.page.verdicts import VERDICTS, counts
+from dampbalance.publishing.page.origins import ORIGINS, link, study_origin
+from dampbalance.publishing.page.report import LARGEST_PAGE
 from dampbalance.replication.claims import read_record
-from dampbalance.replication.claims.table import counts as counts_of_claims
+from dampbalance.replication.tables import claim_of
+from dampbalance.replication.verdicts import VERDICTS, counts
 from paper.contrast import GRAPHICS_ON, TEXT_ON, contrast
 from paper.page_case import PAGE, claims_of_paper, page_of, results
 from paper.routes import PUBLISHED, ROOT
@@ -89,15 +89,6 @@ def tree(html):
 # --- what it says ----------------------------------------------------------------------------------
 
 
-def test_the_counts_are_those_of_the_claims():
-    claims = claims_of_paper()
-    expected = counts_of_claims(claims)
-    found = counts(claims)
-    assert [count.part for count in found] == list(expected.index)
-    for count, (_, row) in zip(found, expected.iterrows(), strict=True):
-        assert [count.printed, *count.of_verdict] == list(row)
-
-
 def test_every_claim_has_its_row_and_its_reason(tree, made):
     rows = {e["id"]: e for e in tree.named("tr") if "data-verdict" in e}
     claims = made.claims.set_index("id")
@@ -106,19 +97,20 @@ def test_every_claim_has_its_row_and_its_reason(tree, made):
         claim = claims.loc[name]
         assert row["data-verdict"] == claim["verdict"]
         text = " ".join(row["text"].split())
-        assert words.minus(claim["printed"]) in text
+        assert wording.minus(claim["printed"]) in text
         # Symbols are set in HTML: compare what is not one.
-        reason = words.rich(words.minus(claim["explanation"])).striptags()
+        reason = words.rich(wording.minus(claim["explanation"])).striptags()
         assert " ".join(reason.split()) in text
 
 
 def test_every_printed_cell_of_a_table_leads_to_its_claim(tree, made):
     buttons = [e for e in tree.named("button") if "popovertarget" in e]
     claims = made.claims.set_index("id")
-    symbols = {verdict.name: verdict.symbol for verdict in VERDICTS}
     for button in buttons:
         claim = claims.loc[button["popovertarget"].removeprefix("why.")]
-        assert button["text"].startswith(words.minus(claim["printed"]) + symbols[claim["verdict"]])
+        assert button["text"].startswith(
+            wording.minus(claim["printed"]) + VERDICTS[claim["verdict"]].mark
+        )
         assert claim["verdict"] in button["text"]  # in words, not by colour alone
     shown = {button["popovertarget"].removeprefix("why.") for button in buttons}
     of_tables = {name for name in claims.index if re.match(r"table\d", name) and ".Y." not in name}
@@ -174,8 +166,8 @@ def test_the_same_results_give_the_same_bytes(made, html):
 
 
 def test_it_is_small_enough_and_says_when_it_is_not(made, html, monkeypatch):
-    assert len(html.encode()) < LARGEST == 3_000_000
-    monkeypatch.setattr("dampbalance.publishing.page.report.LARGEST", 1000)
+    assert len(html.encode()) < LARGEST_PAGE == 3_000_000
+    monkeypatch.setattr("dampbalance.publishing.page.report.LARGEST_PAGE", 1000)
     with pytest.raises(ValueError, match=r"report\.html would have [\d,]+ bytes, more than 1,000"):
         page_of(made)
 
@@ -205,7 +197,7 @@ def test_every_link_leads_somewhere(tree):
 
 
 @pytest.mark.parametrize(
-    "source", [*SOURCES.values(), study_source("frequency")], ids=lambda s: s.what
+    "source", [*ORIGINS.values(), study_origin("frequency")], ids=lambda s: s.what
 )
 def test_a_source_is_where_it_says(source):
     rules = (ROOT / source.rules).read_text(encoding="utf-8")
@@ -408,11 +400,11 @@ def test_symbols_are_set(text, html):
 
 
 def test_plain_symbols_unit_and_signs():
-    assert words.plain("F_k by X_s, K_z") == "Fₖ by Xₛ, K_z"
-    assert words.unit_of("m^2/s") == "m²/s"
-    assert words.minus("-0.5 and 1e-5, x-1") == "−0.5 and 1e-5, x-1"
-    assert words.frequency_name("omega2") == "ω₂"
-    assert words.frequency_name("resonance") == "resonance"
+    assert wording.plain("F_k by X_s, K_z") == "Fₖ by Xₛ, K_z"
+    assert wording.unit_of("m^2/s") == "m²/s"
+    assert wording.minus("-0.5 and 1e-5, x-1") == "−0.5 and 1e-5, x-1"
+    assert wording.frequency_name("omega2") == "ω₂"
+    assert wording.frequency_name("resonance") == "resonance"
 
 
 @pytest.mark.parametrize(
@@ -426,12 +418,12 @@ def test_plain_symbols_unit_and_signs():
     ],
 )
 def test_numbers(value, text):
-    assert words.number(value) == text
+    assert wording.number(value) == text
 
 
 def test_a_bound_is_not_below_what_it_bounds():
-    assert words.power_of_ten(3e-12) == "10⁻¹¹"
-    assert words.power_of_ten(1e-11) == "10⁻¹¹"
+    assert wording.power_of_ten(3e-12) == "10⁻¹¹"
+    assert wording.power_of_ten(1e-11) == "10⁻¹¹"
 
 
 # --- the picture in the README ---------------------------------------------------------------------
@@ -450,13 +442,13 @@ def test_the_picture_says_its_numbers():
     total = found[-1]
     description = root.find(f"{space}desc").text
     assert description.startswith(
-        f"Of {total.printed} printed numbers: {total.of_verdict[0]} reproduced"
+        f"Of {total.printed} printed numbers: {total.of_verdict['reproduced']} reproduced"
     )
     titles = [title.text for title in root.iter(f"{space}title")][1:]
     expected = [
-        f"{count.part}: {n} {verdict.name}"
+        f"{count.part}: {n} {verdict}"
         for count in found
-        for n, verdict in zip(count.of_verdict, VERDICTS, strict=True)
+        for verdict, n in count.of_verdict.items()
         if n
     ]
     assert titles == expected
@@ -465,9 +457,9 @@ def test_the_picture_says_its_numbers():
         for rect in root.iter(f"{space}rect")
         if rect.find(f"{space}title") is not None
     ]
-    first = next(n for n in total.of_verdict if n)
+    first = next(n for n in total.of_verdict.values() if n)
     full = bars[0] + 2  # Parameters are all reproduced
     # the last row: its first stretch is the share of the reproduced, to a tenth of a pixel
-    assert bars[len(bars) - sum(map(bool, total.of_verdict))] + 2 == pytest.approx(
+    assert bars[len(bars) - sum(map(bool, total.of_verdict.values()))] + 2 == pytest.approx(
         full * first / total.printed, abs=0.1
     )

@@ -14,8 +14,7 @@ from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.estimates import estimate_table
 from dampbalance.features import of_orbit, stack
 from dampbalance.figures import figure3, save
-from dampbalance.replication.claims.table import counts
-from dampbalance.replication.claims.verdict import VERDICTS
+from dampbalance.replication.verdicts import VERDICTS, counts
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -37,10 +36,9 @@ def test_the_verdicts_are_those_on_record():
         cells[0]: list(map(int, cells[1:]))
         for cells in (re.findall(r"[^|\s][^|]*[^|\s]|\d", line) for line in lines[2:])
     }
-    expected = counts(recorded)
-    assert list(table) == list(expected.index)
-    for part, row in expected.iterrows():
-        assert table[part] == list(row)
+    assert table == {
+        count.part: [count.printed, *count.of_verdict.values()] for count in counts(recorded)
+    }
 
 
 def test_the_picture_is_the_figure_that_is_built(tmp_path):

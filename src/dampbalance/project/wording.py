@@ -1,24 +1,89 @@
-"""Numbers in words, for pages that people read."""
+"""Numbers, symbols and units as people read them, in plain characters: the one place for superscripts and signs."""
 
 from __future__ import annotations
 
-import numpy as np
+import math
+import re
 
+MINUS, TIMES, NONE = "−", "·", "–"
+GREEK = {"phi": "φ", "omega": "ω", "zeta": "ζ"}
+SYMBOL = re.compile(r"\b(?:(phi|omega|zeta)(?:_(\w))?|([A-Za-zω])_([kszmn]|\d))\b")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_LOWERED = str.maketrans("0123456789ksmn", "₀₁₂₃₄₅₆₇₈₉ₖₛₘₙ")
+_SMALL = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"]
+
+
+def ten_to(exponent: int) -> str:
+    """A power of ten, 10⁻³."""
+    return f"10{str(exponent).translate(_RAISED)}"
+
+
+def scientific(mantissa: str, exponent: int) -> str:
+    """A number with its power of ten, 1.2·10⁻³."""
+    return f"{mantissa}{TIMES}{ten_to(exponent)}"
+
+
+def power_of_ten(bound: float) -> str:
+    """The least power of ten that is not below a bound, 10⁻¹¹."""
+    return ten_to(math.ceil(math.log10(bound))) if bound > 0.0 else "0"
 
 
 def percent(share: float) -> str:
     """A share as a percentage with three significant digits; a bound where it is nothing but rounding."""
-    if not np.isfinite(share):
-        return "–"
+    if not math.isfinite(share):
+        return NONE
     value = 100.0 * abs(share)
     if value < 1e-6:
-        power = str(int(np.ceil(np.log10(value)))) if value else ""
-        return f"10{power.translate(_RAISED)} %" if value else "0 %"
-    exponent = int(np.floor(np.log10(value)))
+        return f"{power_of_ten(value)} %"
+    exponent = math.floor(math.log10(value))
     if not -3 <= exponent < 5:
-        return f"{value / 10.0**exponent:.1f}·10{str(exponent).translate(_RAISED)} %"
+        return f"{scientific(f'{value / 10.0**exponent:.1f}', exponent)} %"
     digits = max(0, 2 - exponent)
-    if value < 100.0 <= round(value, digits):  # nearly all is not all
+    if value < 100.0 <= round(value, digits):  # do not round 99.97 % up to 100 %
         digits = 2
     return f"{value:.{digits}f} %"
+
+
+def number(value: float, digits: int = 7) -> str:
+    """A number to this many significant digits, trailing zeros kept, powers of ten as 1.2·10⁻³; – for none."""
+    if not math.isfinite(value):
+        return NONE
+    if value == 0.0:
+        return "0"
+    exponent = math.floor(math.log10(abs(value)))
+    if not -5 <= exponent < 7:
+        return minus(scientific(f"{value / 10.0**exponent:.{digits - 1}f}", exponent))
+    return minus(f"{value:.{max(0, digits - 1 - exponent)}f}")
+
+
+def in_words(count: int) -> str:
+    """A small count as a word, a larger one in digits."""
+    return _SMALL[count] if 0 <= count < len(_SMALL) else str(count)
+
+
+def minus(text: str) -> str:
+    """Text whose numbers have a true minus sign."""
+    return re.sub(r"(?<![\w.])-(?=\d)", MINUS, text)
+
+
+def unit_of(text: str) -> str:
+    """A unit as it is read: m^2/s becomes m²/s, the unit of a pure number becomes nothing."""
+    return "" if text in ("", "1") else text.replace("^2", "²")
+
+
+def plain(text: str) -> str:
+    """Text with its symbols in plain characters, for axis titles: X_s becomes Xₛ, phi becomes φ."""
+
+    def symbol(match: re.Match[str]) -> str:
+        name = GREEK.get(match[1]) or match[3]
+        index = match[2] or match[4] or ""
+        lowered = index.translate(_LOWERED)
+        return name + (lowered if lowered != index or not index else f"_{index}")
+
+    return SYMBOL.sub(symbol, text)
+
+
+def frequency_name(name: str) -> str:
+    """A frequency of the configuration as a symbol: omega1 becomes ω₁; other names stay."""
+    index = name.removeprefix("omega")
+    return f"ω{index.translate(_LOWERED)}" if name.startswith("omega") and index.isdigit() else name

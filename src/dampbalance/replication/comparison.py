@@ -1,7 +1,7 @@
 """Every approach at every frequency: how far off F_k and c are, for each definition of the phase.
 
-The paper compares its approaches at resonance, with one definition of the phase. This table is the comparison that it
-lacks: what each approach gives off resonance, from exact features, so that what is left is the error of the approach.
+The paper compares its approaches at resonance, with one definition of the phase. This table adds what
+each approach gives off resonance. Its features are exact, so that what is left is the error of the approach.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ..balance import APPROACHES, takes_phase
+from ..balance import APPROACHES, TERMS, takes_phase
 from ..estimates import estimate_table
 from ..features import Features, Phase
 from ..model import Oscillator
@@ -34,7 +34,7 @@ COLUMNS = (
     "F_k_largest_pair_error_percent",  # size, over the pairs of levels
     "c_largest_pair_error_percent",
 )
-_UNKNOWNS = {"F_k": "F_k_N", "c": "c_N_s_per_m"}
+_UNKNOWNS = {symbol: term.column for symbol, term in TERMS.items()}
 
 
 def approaches_table(
@@ -92,14 +92,14 @@ def _errors(
 
 def _errors_of(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, object]:
     """The errors of one approach: of its least squares, and of the pair that is furthest off."""
-    found: dict[str, object] = {}
+    errors: dict[str, object] = {}
     for name, column in _UNKNOWNS.items():
-        true = getattr(osc, name) or math.nan  # of nothing there is no relative error
+        true = getattr(osc, name) or math.nan  # a true value of zero has no relative error
         error = 100.0 * (estimates[column] / true - 1.0)
-        found[f"{name}_error_percent"] = error[estimates["kind"] == "least_squares"].iloc[0]
+        errors[f"{name}_error_percent"] = error[estimates["kind"] == "least_squares"].iloc[0]
         pairs = error[estimates["kind"] == "pair"]
-        found[f"{name}_largest_pair_error_percent"] = pairs.abs().max()
-    return found
+        errors[f"{name}_largest_pair_error_percent"] = pairs.abs().max()
+    return errors
 
 
 def _side_by_side(table: pd.DataFrame, column: str) -> list[str]:
@@ -122,7 +122,7 @@ def _side_by_side(table: pd.DataFrame, column: str) -> list[str]:
 
 
 def _signed(error: float) -> str:
-    """An error in % as words, with its sign if it is negative; of rounding a bound."""
+    """An error given in %, with its sign if it is negative; a bound where it is nothing but rounding."""
     if abs(error) < 1e-6:
         return f"≤ {percent(0.01 * error)}"
     return ("−" if error < 0.0 else "") + percent(0.01 * error)

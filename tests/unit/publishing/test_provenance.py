@@ -117,7 +117,7 @@ def test_the_date_of_a_crate_is_that_of_the_release(tmp_path, monkeypatch):
 
 def test_large_results_stay_out_and_are_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(archive, "LARGEST", 10)
+    monkeypatch.setattr(archive, "LARGEST_PACKED", 10)
     results = []
     for name, data in (("small", b"123"), ("large", b"x" * 11)):
         (tmp_path / name).write_bytes(data)

@@ -1,9 +1,11 @@
 """Every number that the article prints, made into text once, with the file, the place and the rule it comes from."""
 
 from dampbalance.project.files import write_json
-from dampbalance.publishing.article.sources import Results
+from dampbalance.publishing.article.places import ResultFiles
 from dampbalance.publishing.article.values import article_values
 
 if __name__ == "__main__":
     p = snakemake.params
-    write_json(snakemake.output.json, article_values(Results(), p.rules, p.folder, p.frequencies))
+    write_json(
+        snakemake.output.json, article_values(ResultFiles(), p.rules, p.folder, p.frequencies)
+    )

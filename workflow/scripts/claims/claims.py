@@ -5,7 +5,7 @@ from pathlib import Path
 from dampbalance.project.case import oscillator_from
 from dampbalance.project.files import read_csv, write_csv, write_text
 from dampbalance.replication.claims import (
-    Route,
+    RouteTables,
     Setting,
     claims_markdown,
     claims_table,
@@ -18,7 +18,7 @@ def read_route(results, route, frequencies):
         {name: read_csv(f"{results}/{kind}/{route}/{name}.csv") for name in frequencies}
         for kind in ("features", "estimates")
     )
-    return Route(features, estimates)
+    return RouteTables(features, estimates)
 
 
 def main(oscillator, frequencies_hz, levels_m, numerics, results, published):

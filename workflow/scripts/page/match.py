@@ -2,7 +2,7 @@
 
 from dampbalance.project.files import read_csv, write_text
 from dampbalance.publishing.page.match import match_picture
-from dampbalance.publishing.page.verdicts import counts
+from dampbalance.replication.verdicts import counts
 
 if __name__ == "__main__":
     claims = read_csv(snakemake.input.claims, dtype=str)

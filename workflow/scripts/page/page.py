@@ -4,7 +4,7 @@ from pathlib import Path
 
 from dampbalance.motion.orbit import read_orbits
 from dampbalance.project.files import read_csv, write_text
-from dampbalance.publishing.page.report import Results, report_page
+from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.studies.settings import read_study
 
 TABLES = ("table1", "table2", "table3", "statistics")
@@ -30,7 +30,7 @@ def main(config, folder, inputs):
         read_study(file, "workflow/schemas/study.schema.yaml", "config/config.yaml")
         for file in inputs.study_files
     ]
-    return Results(
+    return PageContent(
         config=config,
         claims=read_csv(inputs.claims, dtype=str) if inputs.claims else None,
         tables=read_tables(folder, frequencies),

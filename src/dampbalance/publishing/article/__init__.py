@@ -2,7 +2,7 @@
 
 evidence.py   numbers that the other results do not hold, computed from them
 style.py      a number as it is printed
-sources.py    reading one number out of a result file
-values.py     the list of values that the article prints
+places.py     reading one number out of a result file
+values.py     the list of values that the article prints, its tables in tabulated.py
 compiling.py  typst, with warnings as errors
 """

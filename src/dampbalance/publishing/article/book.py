@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .sources import Place, Results
+from .places import Place, ResultFiles
 from .style import Style
 
 
@@ -15,7 +15,7 @@ class Book:
     results : the result files.   rules : file → the rule that makes it.   folder : where the results of the case are.
     """
 
-    def __init__(self, results: Results, rules: Mapping[str, str], folder: str) -> None:
+    def __init__(self, results: ResultFiles, rules: Mapping[str, str], folder: str) -> None:
         self.results = results
         self.folder = folder
         self._rules = rules

@@ -12,9 +12,8 @@ STANDARDS: list[Literal["a-3a", "ua-1"]] = ["a-3a", "ua-1"]
 """PDF/A-3 at level a, which holds all that level b asks for, for keeping; PDF/UA, so that it can be read aloud: a
 figure or an equation without alternative text is an error."""
 
-TIMESTAMP = (
-    1_767_225_600  # 1 January 2026, a constant: the bytes do not change with the day of the build
-)
+# 1 January 2026, a constant: the bytes do not change with the day of the build
+TIMESTAMP = 1_767_225_600
 
 
 class ArticleError(RuntimeError):
@@ -35,14 +34,14 @@ def pdf(source: str | Path, root: str | Path, inputs: Mapping[str, str]) -> byte
             format="pdf", pdf_standards=[*STANDARDS], timestamp=TIMESTAMP
         )
     except typst.TypstError as error:
-        raise ArticleError(_told([error], "does not compile")) from None
+        raise ArticleError(_message([error], "does not compile")) from None
     if warnings:
-        raise ArticleError(_told(warnings, "compiles with warnings, which count as errors"))
+        raise ArticleError(_message(warnings, "compiles with warnings, which count as errors"))
     assert isinstance(document, bytes)
     return document
 
 
-def _told(problems: Iterable[object], what: str) -> str:
+def _message(problems: Iterable[object], what: str) -> str:
     lines = [f"the article {what}:"]
     for problem in problems:
         lines.append(f"  {getattr(problem, 'message', problem)}")

@@ -16,9 +16,10 @@ from ...balance import takes_phase, viscous_integral
 from ...estimates import estimate_table
 from ...features import Features
 from ...model import Oscillator
+from ...replication.claim_ids import of_cell
+from ...replication.tables import TABLE_2
+from ...replication.verdicts import counts
 from ...solver import Pair
-
-INTEGRALS = {"a": "a_m", "b": "b_m2_per_s", "W": "W_J"}
 
 Json = dict[str, Any]
 
@@ -99,15 +100,8 @@ def setting(
 
 
 def verdicts(claims: pd.DataFrame) -> Json:
-    """How many printed numbers there are, by part and verdict, and how many levels of each part."""
-    part = claims["id"].str.split(".").str[0]
-    counts: Json = {}
-    for name in [*dict.fromkeys(part), "all"]:
-        chosen = claims if name == "all" else claims[part == name]
-        kinds = ("reproduced", "reconstructed", "last digit", "reading", "differs")
-        counts[name] = {kind: int((chosen["verdict"] == kind).sum()) for kind in kinds}
-        counts[name]["printed"] = len(chosen)
-    return counts
+    """How many printed numbers there are, by part and verdict."""
+    return {count.key: {**count.of_verdict, "printed": count.printed} for count in counts(claims)}
 
 
 def dissipation(oscillator: Oscillator, omega: float, step: float) -> Json:
@@ -136,9 +130,9 @@ def integral_deviations(
         (schemes["scheme"] == "backward-euler") & (schemes["coefficients"] == "exact")
     ]
     found: Json = {}
-    for name, column in INTEGRALS.items():
+    for name, _, _, column, _ in TABLE_2:
         exact, rebuilt = (features[route][frequency][column] for route in ("exact", "as_published"))
-        printed = printed_numbers(claims, f"table2.{name}.")
+        printed = printed_numbers(claims, of_cell("table2", name))
         from_rebuilt = np.abs(printed / rebuilt.to_numpy() - 1.0)
         found[name] = {
             "printed": _range(printed / exact.to_numpy() - 1.0),
@@ -250,10 +244,10 @@ def _rounded(value: float, decimals: int | None) -> float:
     return value if decimals is None else round(value, decimals)
 
 
-def _without_nan(found: Any) -> Any:
-    """The same with None for every number that is not finite, which JSON has no word for."""
-    if isinstance(found, dict):
-        return {name: _without_nan(value) for name, value in found.items()}
-    if isinstance(found, list):
-        return [_without_nan(value) for value in found]
-    return None if isinstance(found, float) and not math.isfinite(found) else found
+def _without_nan(document: Any) -> Any:
+    """A document with None for every number that is not finite, which JSON cannot hold."""
+    if isinstance(document, dict):
+        return {name: _without_nan(value) for name, value in document.items()}
+    if isinstance(document, list):
+        return [_without_nan(value) for value in document]
+    return None if isinstance(document, float) and not math.isfinite(document) else document

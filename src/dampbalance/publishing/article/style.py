@@ -10,11 +10,11 @@ from dataclasses import asdict, dataclass
 from decimal import ROUND_CEILING, ROUND_HALF_EVEN, Decimal, InvalidOperation
 from typing import Any, Literal
 
+from ...project.wording import MINUS, NONE, in_words, scientific, ten_to
+
 Form = Literal["text", "verbatim", "plain", "fixed", "significant", "power", "bound", "word"]
 
-MINUS, TIMES, THIN, NONE = "−", "·", "\u2009", "–"
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_WORDS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"]
+THIN = "\u2009"
 _PLAIN_DIGITS = 7  # significant digits of a parameter: more than any configuration states
 
 
@@ -61,7 +61,7 @@ class Style:
 
 def _verbatim(number: Decimal, digits: int, raw: str) -> str:
     mantissa, _, exponent = raw.lower().partition("e")
-    return f"{mantissa}{_power(int(exponent))}" if exponent else mantissa
+    return scientific(mantissa, int(exponent)) if exponent else mantissa
 
 
 def _plain(number: Decimal, digits: int, raw: str) -> str:
@@ -85,19 +85,17 @@ def _with_power(number: Decimal, digits: int, raw: str) -> str:
     if not number:
         return "0"
     mantissa, _, exponent = f"{number:.{digits}e}".partition("e")
-    return f"{mantissa}{_power(int(exponent))}"
+    return scientific(mantissa, int(exponent))
 
 
 def _bound(number: Decimal, digits: int, raw: str) -> str:
     if not number:
         return "0"
-    exponent = int(abs(number).log10().to_integral_value(ROUND_CEILING))
-    return f"10{str(exponent).translate(_RAISED)}"
+    return ten_to(int(abs(number).log10().to_integral_value(ROUND_CEILING)))
 
 
 def _word(number: Decimal, digits: int, raw: str) -> str:
-    whole = int(number)
-    return _WORDS[whole] if whole == number and 0 <= whole < len(_WORDS) else f"{number:f}"
+    return in_words(int(number)) if number == int(number) else f"{number:f}"
 
 
 _FORMS = {
@@ -111,23 +109,8 @@ _FORMS = {
 }
 
 
-def decimals(printed: str) -> int:
-    """Decimals of a printed number: 4 of 0.0273, 4 of 2.9E-3."""
-    exponent = Decimal(printed).as_tuple().exponent
-    return max(0, -int(exponent))
-
-
-def significant(printed: str) -> int:
-    """Significant digits of a printed number: 3 of 0.0273, 2 of 2.9E-3."""
-    return len(Decimal(printed).as_tuple().digits)
-
-
 def _rounded(number: Decimal, digits: int) -> Decimal:
     return number.quantize(Decimal(1).scaleb(-digits), ROUND_HALF_EVEN)
-
-
-def _power(exponent: int) -> str:
-    return f"{TIMES}10{str(exponent).translate(_RAISED)}"
 
 
 def _thousands(text: str) -> str:

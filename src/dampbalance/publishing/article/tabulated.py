@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from ...replication.claim_ids import of_text, part_of, short, statistic
+from ...replication.printed import Printed
 from .book import Book
-from .style import Style, decimals, significant
+from .style import Style
 
 TEXT, VERBATIM = Style("text"), Style("verbatim")
 
@@ -20,7 +22,7 @@ TABLE_2_PAIRS = {"F_k": ("1", 1), "c": ("1", 1)}
 TABLE_3 = {
     f"{p} by {approach}": ("1", 2) for approach in ("t_s", "X_s", "V_s") for p in ("F_k", "c")
 }
-STATISTICS = ("direct", "Xs", "ts", "Vs")
+APPROACHES = ("direct", "X_s", "t_s", "V_s")
 
 
 def tables(book: Book) -> dict[str, list[str]]:
@@ -54,11 +56,9 @@ def _side_by_side(book: Book, key: str, file: str, quantities: dict[str, tuple[s
         scale, more = quantities[row["quantity"]]
         place = {"row": row["row"], "quantity": row["quantity"]}
         base = f"{key}.{row['row']}.{row['quantity']}"
-        digits = decimals(row["printed"]) + {"1": 0, "1e3": -3, "1e6": -6}[scale]
-        as_read = (
-            key == "t1"
-        )  # read-outs have the digits of the print, results of a computation more
-        extra = {"printed": 0, "as_published": 0 if as_read else more, "exact": more}
+        digits = Printed(row["printed"]).decimals + {"1": 0, "1e3": -3, "1e6": -6}[scale]
+        # Read-outs have the digits of the print, results of a computation more.
+        extra = {"printed": 0, "as_published": 0 if key == "t1" else more, "exact": more}
         for route, further in extra.items():
             style = Style("fixed", digits + further, scale)
             book.cell(f"{base}.{route}", file, place, route, style)
@@ -68,22 +68,20 @@ def _side_by_side(book: Book, key: str, file: str, quantities: dict[str, tuple[s
 def _least_squares(book: Book) -> None:
     """Least squares of each approach, as the text of the paper gives them."""
     printed = {row["id"]: row["printed"] for row in book.rows("claims.csv")}
-    for approach in STATISTICS:
+    for approach in APPROACHES:
         for quantity in ("F_k", "c", "residual"):
-            name = f"text.{quantity}_{approach}_ls"
+            claim = {"id": of_text(statistic(quantity, approach, "least_squares"))}
+            key = f"ls.{short(approach)}.{quantity}"
+            digits = Printed(printed[claim["id"]])
             for route, further in {"printed": 0, "from_print": 1, "exact": 1}.items():
                 if quantity == "residual" and approach == "direct" and route == "exact":
                     style = Style("bound")  # nothing but rounding
                 elif quantity == "residual":
-                    style = Style("power", significant(printed[name]) - 1)
+                    style = Style("power", digits.significant - 1)
                 else:
-                    style = Style("fixed", decimals(printed[name]) + further)
-                book.cell(
-                    f"ls.{approach}.{quantity}.{route}", "claims.csv", {"id": name}, route, style
-                )
-            book.cell(
-                f"ls.{approach}.{quantity}.verdict", "claims.csv", {"id": name}, "verdict", TEXT
-            )
+                    style = Style("fixed", digits.decimals + further)
+                book.cell(f"{key}.{route}", "claims.csv", claim, route, style)
+            book.cell(f"{key}.verdict", "claims.csv", claim, "verdict", TEXT)
 
 
 def claims(book: Book) -> dict[str, list[str]]:
@@ -91,19 +89,10 @@ def claims(book: Book) -> dict[str, list[str]]:
     parts: dict[str, list[str]] = {}
     for row in book.rows("claims.csv"):
         name = row["id"]
-        parts.setdefault(name.split(".")[0], []).append(name)
+        parts.setdefault(part_of(name), []).append(name)
         for column in ("where", "quantity", "unit", "verdict", "explanation"):
             book.cell(f"claim.{name}.{column}", "claims.csv", {"id": name}, column, TEXT)
         for column in ("printed", "exact", "as_published", "from_print"):
-            number = _is_number(row[column])
-            style = VERBATIM if number else TEXT
+            style = VERBATIM if Printed(row[column]).is_number else TEXT
             book.cell(f"claim.{name}.{column}", "claims.csv", {"id": name}, column, style)
     return parts
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from ...replication.claim_ids import PARTS
+from ...replication.verdicts import VERDICTS
 from . import tabulated
 from .book import Book
-from .sources import Results
+from .places import ResultFiles
 from .style import Style
 
 EVIDENCE, ENVIRONMENT, SCHEMES, STUDIES = (
@@ -19,11 +21,10 @@ APPROACHES = "tables/approaches.csv"
 
 PLAIN, COUNT, WORD, TEXT = Style("plain"), Style("fixed"), Style("word"), Style("text")
 PERCENT, DEVIATION, BOUND = Style("significant", 2), Style("power", 1), Style("bound")
-SHIFT = Style("power", 2, signed=True)
-VERDICTS = ("reproduced", "reconstructed", "last digit", "reading", "differs")
-PARTS = ("parameter", "table1", "table2", "table3", "text", "all")
+SHIFT, SIGNED = Style("power", 2, signed=True), Style("significant", 2, signed=True)
 
-# Ways to identify F_k and c: name in the article → row of approaches.csv (approach, phase, sharing)
+# Ways to identify F_k and c: name in the article → row of approaches.csv
+WAY = ("approach", "phase", "sharing")
 WAYS = {
     "mean": ("X_s", "reversal", "common"),
     "reversal": ("X_s", "reversal", "individual"),
@@ -32,11 +33,20 @@ WAYS = {
     "fourier": ("fourier", "", ""),
     "direct": ("direct", "", ""),
 }
+# Study → the facts of its file that the article states
+STUDY_FACTS = {
+    "frequency": "band_common band_individual fourier fourier_c",
+    "level": "c_low c_high low high off_low off_high fourier",
+    "contact_stiffness": "soft paper rigid off_soft off_rigid soft_t fourier fourier_c",
+    "damping": "light_off light_common fourier fourier_c",
+    "read_out": "five six exact five_individual nine_individual fourier_five fourier_six",
+    "step_size": "euler_paper euler_coarse explicit_paper rk4_coarse",
+}
 FITS = {"pair": "{}_largest_pair_error_percent", "least_squares": "{}_error_percent"}
 
 
 def article_values(
-    results: Results, rules: Mapping[str, str], folder: str, frequencies: list[str]
+    results: ResultFiles, rules: Mapping[str, str], folder: str, frequencies: list[str]
 ) -> dict[str, Any]:
     """The values by key, the files they come from, and the lists over which the article's tables run.
 
@@ -80,7 +90,7 @@ def _setting(book: Book, frequencies: list[str]) -> None:
 
 
 def _verdicts(book: Book) -> None:
-    for part in PARTS:
+    for part in (*PARTS, "all"):
         for verdict in ("printed", *VERDICTS):
             book.item(f"verdicts.{part}.{verdict}", EVIDENCE, f"/verdicts/{part}/{verdict}", COUNT)
 
@@ -106,13 +116,8 @@ def _numerics(book: Book, frequencies: list[str]) -> None:
     for name in ("direct", "common"):
         style = BOUND if name == "direct" else PERCENT
         for quantity in ("F_k", "c"):
-            book.item(
-                f"worst.{name}.{quantity}",
-                EVIDENCE,
-                f"/largest/exact/{first}/{name}/{quantity}",
-                style,
-                "%",
-            )
+            pointer = f"/largest/exact/{first}/{name}/{quantity}"
+            book.item(f"worst.{name}.{quantity}", EVIDENCE, pointer, style, "%")
     book.item("t_s_mean", EVIDENCE, "/setting/t_s_mean_ms", Style("fixed", 2), "ms")
 
 
@@ -127,12 +132,8 @@ def _off_resonance(book: Book, frequencies: list[str]) -> None:
         for end in ("first", "last"):
             book.item(f"share.{frequency}.{end}", EVIDENCE, f"{at}/friction_share/{end}", PERCENT)
             book.item(f"sine.{frequency}.{end}", EVIDENCE, f"{at}/sine/{end}", Style("fixed", 4))
-            book.item(
-                f"W_common.{frequency}.{end}",
-                EVIDENCE,
-                f"{at}/W_common/{end}",
-                Style("significant", 2, signed=True),
-            )
+            pointer = f"{at}/W_common/{end}"
+            book.item(f"W_common.{frequency}.{end}", EVIDENCE, pointer, SIGNED)
         book.item(f"spread.{frequency}", EVIDENCE, f"{at}/phase_spread", PERCENT)
         book.item(f"third.{frequency}", EVIDENCE, f"{at}/third/max", PERCENT)
         book.item(f"b_fifth.{frequency}", EVIDENCE, f"{at}/b_fifth/size", Style("significant", 1))
@@ -142,60 +143,22 @@ def _errors(book: Book, frequency: str) -> None:
     """Sizes of the errors of F_k and c at a frequency: the largest of the pairs, and least squares of all levels."""
     for quantity in ("F_k", "c"):
         for fit, column in FITS.items():
-            for way, (approach, phase, sharing) in WAYS.items():
-                row = {
-                    "frequency": frequency,
-                    "approach": approach,
-                    "phase": phase,
-                    "sharing": sharing,
-                }
+            for way, place in WAYS.items():
+                row = {"frequency": frequency} | dict(zip(WAY, place, strict=True))
                 style = replace(BOUND if way == "direct" else PERCENT, unsigned=True)
                 key = f"error.{frequency}.{way}.{fit}.{quantity}"
                 book.cell(key, APPROACHES, row, column.format(quantity), style)
-            book.item(
-                f"error.{frequency}.lock_in.{fit}.{quantity}",
-                EVIDENCE,
-                f"/lock_in/{frequency}/{fit}/{quantity}",
-                PERCENT,
-            )
-
-
-# study → the facts of its file that the article tells
-STUDY_FACTS = {
-    "frequency": ("band_common", "band_individual", "fourier", "fourier_c"),
-    "level": ("c_low", "c_high", "low", "high", "off_low", "off_high", "fourier"),
-    "contact_stiffness": (
-        "soft",
-        "paper",
-        "rigid",
-        "off_soft",
-        "off_rigid",
-        "soft_t",
-        "fourier",
-        "fourier_c",
-    ),
-    "damping": ("light_off", "light_common", "fourier", "fourier_c"),
-    "read_out": (
-        "five",
-        "six",
-        "exact",
-        "five_individual",
-        "nine_individual",
-        "fourier_five",
-        "fourier_six",
-    ),
-    "step_size": ("euler_paper", "euler_coarse", "explicit_paper", "rk4_coarse"),
-}
+            key = f"error.{frequency}.lock_in.{fit}.{quantity}"
+            book.item(key, EVIDENCE, f"/lock_in/{frequency}/{fit}/{quantity}", PERCENT)
 
 
 def _studies(book: Book) -> None:
     """The numbers of the parameter studies, in the words that their own pages use."""
-    book.item(
-        "within", STUDIES, "/frequency/specs/band_common/within", Style("plain", scale="1e2"), "%"
-    )
+    hundredfold = Style("plain", scale="1e2")
+    book.item("within", STUDIES, "/frequency/specs/band_common/within", hundredfold, "%")
     for study, facts in STUDY_FACTS.items():
         book.item(f"cases.{study}", STUDIES, f"/{study}/cases", COUNT)
-        for fact in facts:
+        for fact in facts.split():
             book.item(f"study.{study}.{fact}", STUDIES, f"/{study}/facts/{fact}", TEXT)
 
 

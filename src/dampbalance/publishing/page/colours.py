@@ -6,6 +6,8 @@ and 1.4.11). Colour never stands alone: verdicts have a symbol and a word, appro
 
 from __future__ import annotations
 
+from ...replication import verdicts
+
 LIGHT = {
     "paper": "#ffffff",  # the page
     "raised": "#f4f6f8",  # what lies on it: table heads, boxes
@@ -75,6 +77,7 @@ DARK = {
     "stick": "#ff9a4d",
 }
 
+VERDICTS = tuple(verdict.css for verdict in verdicts.VERDICTS.values())
 SERIES = ("direct", "X-s", "t-s", "V-s", "fourier", "other", "slip", "stick")
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ...balance import takes_phase
 from ...model import Oscillator
 from ...motion.fixed_step import SCHEMES
+from ...project.wording import frequency_name, plain, power_of_ten
 from ...studies.parameters import PARAMETERS
 from ...studies.settings import Study, chosen
 from ...studies.shown.drawing import CEILING, EXACT, FLOOR, PHASE_NAMES, SCHEME_LOOKS
@@ -22,7 +23,6 @@ from ...studies.stretches import column_of
 from .charts import Array, Axis, Chart, Scale, Spec, Table, Value, curve, decades, mark_at
 from .colours import series_colour, variable
 from .error_levels import Figure, approach_name
-from .words import frequency_name, plain, power_of_ten
 
 WIDTHS = {"X_s": 3.0, "t_s": 1.9, "V_s": 1.0}  # where curves coincide, all can be seen
 SCHEME_COLOURS = dict(zip(SCHEME_LOOKS, ("t-s", "X-s", "other", "V-s", "direct"), strict=True))

@@ -10,9 +10,9 @@ import pandas as pd
 
 from ...figures.error_levels import EXACT, ROUNDING, Quantity, relative_errors
 from ...model import Oscillator
+from ...project.wording import frequency_name, plain, power_of_ten
 from .charts import Axis, Chart, Spec, Table, Value, decades
 from .colours import series_colour, variable
-from .words import frequency_name, plain, power_of_ten
 
 SHAPES = {
     "direct": "diamond",

@@ -5,20 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.sax.saxutils import escape
 
+from ...replication.verdicts import VERDICTS, Count
 from .colours import DARK, LIGHT, css_variables, variable
-from .verdicts import VERDICTS, Count
 
-WIDTH, LEFT, RIGHT = (
-    760,
-    100,
-    60,
-)  # px: the picture, room for the parts' names, room for their totals
-BAR, STEP, TOP, LEGEND = (
-    26,
-    36,
-    44,
-    46,
-)  # px: a bar, from bar to bar, above the first, below the last
+# px: the picture, room for the parts' names, room for their totals
+WIDTH, LEFT, RIGHT = 760, 100, 60
+# px: a bar, from bar to bar, above the first, below the last
+BAR, STEP, TOP, LEGEND = 26, 36, 44, 46
 GAP = 2  # px between two verdicts: they keep apart without colour
 SYMBOL_FITS = 44  # px: a narrower stretch holds its count only
 NARROW = 9  # px: a stretch that is narrower still holds nothing
@@ -28,20 +21,17 @@ LEGEND_PLACES = (100, 231, 378, 492, 588)  # px, left ends of its entries
 def match_picture(counts: Sequence[Count]) -> str:
     """The picture as SVG with text that can be read aloud, light or dark as the reader has it; same bytes each time.
 
-    counts : `verdicts.counts`, the last one of all parts.
+    counts : `replication.verdicts.counts`, the last one of all parts.
     """
     height = TOP + STEP * len(counts) + LEGEND
     total = counts[-1]
-    found = ", ".join(f"{n} {v.name}" for n, v in zip(total.of_verdict, VERDICTS, strict=True) if n)
-    none = [v.name for n, v in zip(total.of_verdict, VERDICTS, strict=True) if not n]
-    description = f"Of {total.printed} printed numbers: {found}" + "".join(
-        f"; none {name}" for name in none
-    )
+    some = ", ".join(f"{n} {name}" for name, n in total.of_verdict.items() if n)
+    none = "".join(f"; none {name}" for name, n in total.of_verdict.items() if not n)
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}" '
         'role="img" aria-labelledby="title description">',
         '<title id="title">How the printed numbers fare</title>',
-        f'<desc id="description">{escape(description)}.</desc>',
+        f'<desc id="description">Of {total.printed} printed numbers: {escape(some + none)}.</desc>',
         "<style>",
         f":root {{ {css_variables(LIGHT)} }}",
         f"@media (prefers-color-scheme: dark) {{ :root {{ {css_variables(DARK)} }} }}",
@@ -65,17 +55,18 @@ def _bar(count: Count, top: int, last: bool) -> list[str]:
     lines = [f'<text class="part{weight}" x="{LEFT - 12}" y="{middle}">{escape(count.part)}</text>']
     room = WIDTH - LEFT - RIGHT
     before = 0
-    for n, verdict in zip(count.of_verdict, VERDICTS, strict=True):
+    for name, n in count.of_verdict.items():
         if not n:
             continue
+        verdict = VERDICTS[name]
         left = LEFT + room * before / count.printed
         width = room * n / count.printed - GAP
         before += n
         lines.append(
             f'<rect x="{left:.1f}" y="{top}" width="{width:.1f}" height="{BAR}" rx="2" '
-            f'fill="{variable(verdict.css)}"><title>{escape(count.part)}: {n} {verdict.name}</title></rect>'
+            f'fill="{variable(verdict.css)}"><title>{escape(count.part)}: {n} {name}</title></rect>'
         )
-        text = f"{verdict.symbol} {n}" if width >= SYMBOL_FITS else f"{n}"
+        text = f"{verdict.mark} {n}" if width >= SYMBOL_FITS else f"{n}"
         if width >= NARROW:
             lines.append(
                 f'<text class="in" x="{left + 0.5 * width:.1f}" y="{middle}">{text}</text>'
@@ -89,10 +80,10 @@ def _bar(count: Count, top: int, last: bool) -> list[str]:
 def _legend(base: int) -> list[str]:
     """What symbol and colour stand for."""
     lines = []
-    for place, verdict in zip(LEGEND_PLACES, VERDICTS, strict=True):
+    for place, verdict in zip(LEGEND_PLACES, VERDICTS.values(), strict=True):
         lines.append(
             f'<rect x="{place}" y="{base - 15}" width="24" height="20" rx="2" fill="{variable(verdict.css)}"/>'
         )
-        lines.append(f'<text class="in" x="{place + 12}" y="{base}">{verdict.symbol}</text>')
+        lines.append(f'<text class="in" x="{place + 12}" y="{base}">{verdict.mark}</text>')
         lines.append(f'<text x="{place + 31}" y="{base}">{verdict.name}</text>')
     return lines

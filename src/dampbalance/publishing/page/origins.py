@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class Origin:
     """Where a result comes from.
 
-    result : its files, {case} standing for the case's folder.   rule : the Snakemake rule.   rules : the file
+    results : its files, {case} standing for the case's folder.   rule : the Snakemake rule.   rules : the file
     that holds it.   code : the modules that do the work.
     """
 
@@ -21,92 +21,56 @@ class Source:
     code: tuple[str, ...]
 
 
-_PACKAGE = "src/dampbalance"
+def _origin(what: str, chain: str) -> Origin:
+    """An origin from "result, below results/ ← file/rule ← modules of the package"."""
+    result, rule, code = chain.split(" ← ")
+    file, _, name = rule.partition("/")
+    modules = tuple(f"src/dampbalance/{module}" for module in code.split())
+    return Origin(what, (f"results/{result}",), name, f"workflow/rules/{file}.smk", modules)
 
-SOURCES = {
-    "claims": Source(
+
+ORIGINS = {
+    "claims": _origin(
         "Verdicts on the printed numbers",
-        ("results/{case}/claims.csv",),
-        "claims",
-        "workflow/rules/claims.smk",
-        (f"{_PACKAGE}/replication/claims/table.py", f"{_PACKAGE}/replication/claims/verdict.py"),
+        "{case}/claims.csv ← claims/claims ← replication/claims/table.py replication/claims/judging.py",
     ),
-    "orbits": Source(
+    "orbits": _origin(
         "Exact steady responses",
-        ("results/{case}/orbits",),
-        "simulate_exact",
-        "workflow/rules/simulate.smk",
-        (f"{_PACKAGE}/motion/steady.py", f"{_PACKAGE}/motion/one_slip.py"),
+        "{case}/orbits ← simulate/simulate_exact ← motion/steady.py motion/one_slip.py",
     ),
-    "records": Source(
+    "records": _origin(
         "Fixed-step records, as the paper’s own numbers were computed",
-        ("results/{case}/records",),
-        "simulate_as_published",
-        "workflow/rules/simulate.smk",
-        (f"{_PACKAGE}/motion/fixed_step.py",),
+        "{case}/records ← simulate/simulate_as_published ← motion/fixed_step.py",
     ),
-    "features": Source(
+    "features": _origin(
         "What is read off the responses",
-        ("results/{case}/features",),
-        "features_exact",
-        "workflow/rules/features.smk",
-        (f"{_PACKAGE}/features.py", f"{_PACKAGE}/reading/clean.py"),
+        "{case}/features ← features/features_exact ← features.py reading/clean.py",
     ),
-    "estimates": Source(
+    "estimates": _origin(
         "F_k and c by every approach",
-        ("results/{case}/estimates",),
-        "estimate_exact",
-        "workflow/rules/estimates.smk",
-        (f"{_PACKAGE}/balance.py", f"{_PACKAGE}/solver.py"),
+        "{case}/estimates ← estimates/estimate_exact ← balance.py solver.py",
     ),
-    "tables": Source(
-        "Tables",
-        ("results/{case}/tables",),
-        "tables",
-        "workflow/rules/tables.smk",
-        (f"{_PACKAGE}/replication/tables.py",),
-    ),
-    "figure3": Source(
+    "tables": _origin("Tables", "{case}/tables ← tables/tables ← replication/tables.py"),
+    "figure3": _origin(
         "Figure 3",
-        ("results/{case}/figures/figure3.svg",),
-        "figure3",
-        "workflow/rules/figures.smk",
-        (f"{_PACKAGE}/figures/acceleration.py", f"{_PACKAGE}/motion/orbit.py"),
+        "{case}/figures/figure3.svg ← figures/figure3 ← figures/acceleration.py motion/orbit.py",
     ),
-    "errors": Source(
+    "errors": _origin(
         "Estimation error of each approach",
-        ("results/{case}/figures/estimation_error.svg",),
-        "estimation_error",
-        "workflow/rules/figures.smk",
-        (f"{_PACKAGE}/figures/error_levels.py", f"{_PACKAGE}/solver.py"),
+        "{case}/figures/estimation_error.svg ← figures/estimation_error ← figures/error_levels.py solver.py",
     ),
-    "studies": Source(
+    "studies": _origin(
         "Parameter studies",
-        ("results/studies",),
-        "study_cases",
-        "workflow/rules/studies.smk",
-        (f"{_PACKAGE}/studies/evaluate.py", f"{_PACKAGE}/studies/responses.py"),
+        "studies ← studies/study_cases ← studies/evaluate.py studies/responses.py",
     ),
-    "page": Source(
-        "This page",
-        ("results/{case}/report.html",),
-        "page",
-        "workflow/rules/page.smk",
-        (f"{_PACKAGE}/publishing/page/report.py",),
-    ),
+    "page": _origin("This page", "{case}/report.html ← page/page ← publishing/page/report.py"),
 }
 
 
-def study_source(name: str) -> Source:
-    """The source of one study: its file says what is varied."""
-    general = SOURCES["studies"]
-    return Source(
-        general.what,
-        (f"results/studies/{name}/cases.parquet", f"config/studies/{name}.yaml"),
-        general.rule,
-        general.rules,
-        general.code,
-    )
+def study_origin(name: str) -> Origin:
+    """The origin of one study: its file says what is varied."""
+    files = (f"results/studies/{name}/cases.parquet", f"config/studies/{name}.yaml")
+    return replace(ORIGINS["studies"], results=files)
 
 
 def link(path: str, page: str) -> str:

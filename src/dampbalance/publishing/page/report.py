@@ -1,6 +1,6 @@
 """The page: everything the pipeline found about a case, in one HTML file that needs nothing else.
 
-`Results` holds what the page is made from; `report_page` makes it, the same bytes for the same results.
+`PageContent` holds what the page is made from; `report_page` makes it, the same bytes for the same results.
 """
 
 from __future__ import annotations
@@ -20,37 +20,36 @@ from ... import __version__
 from ...figures.cycle import POINTS
 from ...motion.orbit import Orbit
 from ...project.case import oscillator_from
-from ...project.wording import percent
+from ...project.wording import MINUS, NONE, frequency_name, minus, percent, unit_of
+from ...replication.claim_ids import PARTS, part_of
+from ...replication.verdicts import ROUTE_NAMES, VERDICTS, Count, Verdict, counts
 from ...studies.settings import Study
 from ...studies.shown.facts import paragraph
 from . import words
-from .cells import Block, blocks
+from .cells import Subtable, subtables
 from .charts import CONFIG, Chart, as_json, runtime
 from .colours import DARK, LIGHT, css_variables, series_colour
 from .curves import WIDTHS, study_charts
 from .error_levels import NAMES, SHAPES, error_charts
 from .loops import figure3_charts
-from .origins import SOURCES, Source, link, study_source
-from .verdicts import BY_NAME, VERDICTS, Count, Verdict, counts, part_of
+from .origins import ORIGINS, link, study_origin
 
 TITLE = "How the printed numbers of an energy balance fare"
-LARGEST = 3_000_000  # bytes: a page that a phone loads
+LARGEST_PAGE = 3_000_000  # bytes: a page that a phone loads
 TITLE_OF_CASE = "Friction and damping from an energy balance"
+HEADLINE_OF_CASE = (
+    "Friction and viscous damping of a driven oscillator from the balance of energy over a period."
+)
 TABLE_TITLES = {
     "table1": "Table 1: amplitudes, slip onset and phase",
     "table2": "Table 2: energy integrals, and estimates by direct integration",
     "table3": "Table 3: estimates of the harmonic approaches with common phi and t_s",
     "statistics": "Statistics of the text: least squares, and mean and standard deviation of the pairs",
 }
-PHASES = {
-    "reversal": "reversal",
-    "zero_crossing": "zero crossing",
-    "fundamental": "fundamental",
-}
 
 
 @dataclass(frozen=True)
-class Results:
+class PageContent:
     """What the page shows.
 
     config : the merged configuration.   claims : `claims.csv` as text, or None for a case with nothing printed.
@@ -98,99 +97,110 @@ class PaperTable:
     """A table of the paper."""
 
     title: str
-    blocks: tuple[Block, ...]
+    subtables: tuple[Subtable, ...]
 
 
-def report_page(results: Results, page: str) -> str:
+def report_page(content: PageContent, page: str) -> str:
     """The page as HTML. page : where it will stand, as a path from the repository's root, for its links.
 
-    Raises ValueError where it would become larger than LARGEST.
+    Raises ValueError where it would become larger than LARGEST_PAGE.
     """
-    config = results.config
-    case = str(config["case"])
-    frequencies = {f["name"]: f["hz"] for f in config["excitation"]["frequencies"]}
-    levels = config["excitation"]["levels_m"]
-    by_id: dict[str, dict[str, str]] = {}
-    if results.claims is not None:
-        by_id = {
+    case = str(content.config["case"])
+    frequencies = {f["name"]: f["hz"] for f in content.config["excitation"]["frequencies"]}
+    tables = _paper_tables(content, list(frequencies))
+    shown = _numbers(content, tables[next(iter(frequencies))]) | _charts(content, frequencies)
+    template = _environment(case, page).get_template("report.html.j2")
+    html = template.render(
+        version=__version__,
+        case=case,
+        page=page,
+        verdicts=VERDICTS.values(),
+        frequencies=[
+            {"name": frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
+            for name, hz in frequencies.items()
+        ],
+        error_table=list(_error_lines(content.approaches, list(frequencies))),
+        **shown,
+        **_provenance(content),
+        style=_style(),
+        script=_text("static/page.js"),
+        charts_script=_text("static/charts.js"),
+        runtime=runtime(),
+    )
+    size = len(html.encode())
+    if size > LARGEST_PAGE:
+        raise ValueError(
+            f"{page} would have {size:,} bytes, more than {LARGEST_PAGE:,}: show fewer studies, or coarser ones"
+        )
+    return html
+
+
+def _paper_tables(content: PageContent, frequencies: Sequence[str]) -> dict[str, list[PaperTable]]:
+    """The paper's tables at each frequency; those of the first have the digits and the verdicts of the claims."""
+    claims: dict[str, dict[str, str]] = {}
+    if content.claims is not None:
+        claims = {
             str(row["id"]): {str(k): str(v) for k, v in row.items()}
-            for row in results.claims.to_dict("records")
+            for row in content.claims.to_dict("records")
         }
-    tables = {
+    return {
         frequency: [
-            PaperTable(TABLE_TITLES[name], tuple(blocks(table, name, {} if n else by_id)))
-            for name, table in results.tables[frequency].items()
+            PaperTable(TABLE_TITLES[name], subtables(table, name, {} if n else claims))
+            for name, table in content.tables[frequency].items()
         ]
         for n, frequency in enumerate(frequencies)
     }
-    in_tables = {
-        cell.claim
-        for made in tables.values()
-        for table in made
-        for block in table.blocks
-        for group in block.groups
-        for row in group
-        for cell in row.cells
-        if cell.verdict
-    }
-    lines = [] if results.claims is None else list(_claim_lines(results.claims, in_tables))
-    counted = [] if results.claims is None else counts(results.claims)
-    figure3 = figure3_charts(results.orbits)
-    errors = error_charts(
-        results.estimates, oscillator_from(config["oscillator"]), frequencies, levels
-    )
+
+
+def _numbers(content: PageContent, tables: Sequence[PaperTable]) -> dict[str, Any]:
+    """The printed numbers, counted and one by one, with the title that tells of them. tables : those with verdicts."""
+    if content.claims is None:
+        return {"title": TITLE_OF_CASE, "headline": HEADLINE_OF_CASE, "counts": [], "claims": []}
+    counted = counts(content.claims)
+    in_tables = {claim for table in tables for part in table.subtables for claim in part.claims}
+    lines = list(_claim_lines(content.claims, in_tables))
+    return {"title": TITLE, "headline": _headline(counted[-1]), "counts": counted, "claims": lines}
+
+
+def _charts(content: PageContent, frequencies: Mapping[str, float]) -> dict[str, Any]:
+    """Figure 3, the errors of the approaches and the studies, with what their charts need."""
+    figure3 = figure3_charts(content.orbits)
+    oscillator = oscillator_from(content.config["oscillator"])
+    levels = content.config["excitation"]["levels_m"]
+    errors = error_charts(content.estimates, oscillator, frequencies, levels)
     studies: list[dict[str, Any]] = [
         {
             "name": study.name.replace("_", "-"),
             "title": study.title,
             "paragraph": paragraph(study, cases),
             "figure": study_charts(study, cases),
-            "source": study_source(study.name),
+            "origin": study_origin(study.name),
         }
-        for study, cases in results.studies
+        for study, cases in content.studies
     ]
     charts: list[Chart] = [*figure3, *errors.charts]
     charts += [chart for study in studies for chart in study["figure"].charts]
-    html = (
-        _environment(case, page)
-        .get_template("report.html.j2")
-        .render(
-            title=TITLE if lines else TITLE_OF_CASE,
-            headline=_headline(counted),
-            version=__version__,
-            case=case,
-            page=page,
-            counts=counted,
-            verdicts=VERDICTS,
-            claims=lines,
-            sections=_sections(bool(lines), bool(studies)),
-            frequencies=[
-                {"name": words.frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
-                for name, hz in frequencies.items()
-            ],
-            figure3=figure3,
-            points_slip=POINTS[False],
-            points_stick=POINTS[True],
-            errors=errors,
-            error_table=list(_error_lines(results.approaches, list(frequencies))),
-            studies=studies,
-            sources=SOURCES,
-            all_sources=_shown_sources(bool(lines), bool(studies)),
-            configuration=list(_flat(config)),
-            chart_tables={chart.table.id: chart.table for chart in charts}.values(),
-            chart_specs=as_json({"config": CONFIG, "charts": {c.id: c.spec for c in charts}}),
-            style=_style(),
-            script=_text("static/page.js"),
-            charts_script=_text("static/charts.js"),
-            runtime=runtime(),
-        )
-    )
-    size = len(html.encode())
-    if size > LARGEST:
-        raise ValueError(
-            f"{page} would have {size:,} bytes, more than {LARGEST:,}: show fewer studies, or coarser ones"
-        )
-    return html
+    return {
+        "figure3": figure3,
+        "points_slip": POINTS[False],
+        "points_stick": POINTS[True],
+        "errors": errors,
+        "studies": studies,
+        "chart_tables": {chart.table.id: chart.table for chart in charts}.values(),
+        "chart_specs": as_json({"config": CONFIG, "charts": {c.id: c.spec for c in charts}}),
+    }
+
+
+def _provenance(content: PageContent) -> dict[str, Any]:
+    """The sections that there are, where each comes from, and the configuration."""
+    printed, studies = content.claims is not None, bool(content.studies)
+    absent = {name for name, there in (("claims", printed), ("studies", studies)) if not there}
+    return {
+        "sections": _sections(printed, studies),
+        "origins": ORIGINS,
+        "all_origins": [origin for name, origin in ORIGINS.items() if name not in absent],
+        "configuration": list(_flat(content.config)),
+    }
 
 
 def _environment(case: str, page: str) -> jinja2.Environment:
@@ -225,31 +235,25 @@ def _quantity(text: str) -> Markup:
 def _claim_lines(claims: pd.DataFrame, in_tables: set[str]) -> Iterator[ClaimLine]:
     """The printed numbers in the paper's order."""
     for row in claims.to_dict("records"):
-        routes = (
-            ("Exact", "exact"),
-            ("As published", "as_published"),
-            ("From print", "from_print"),
-        )
         yield ClaimLine(
             id=row["id"],
-            part=part_of(row["id"]),
+            part=PARTS[part_of(row["id"])],
             where=row["where"],
             quantity=row["quantity"],
-            unit=words.unit_of(row["unit"]),
-            printed=words.minus(row["printed"]),
-            routes=tuple((label, words.minus(row[name])) for label, name in routes),
-            verdict=BY_NAME[row["verdict"]],
-            explanation=words.minus(row["explanation"]),
+            unit=unit_of(row["unit"]),
+            printed=minus(row["printed"]),
+            routes=tuple(
+                (route.capitalize(), minus(row[name])) for name, route in ROUTE_NAMES.items()
+            ),
+            verdict=VERDICTS[row["verdict"]],
+            explanation=minus(row["explanation"]),
             in_table=row["id"] in in_tables,
         )
 
 
-def _headline(counted: Sequence[Count]) -> str:
+def _headline(total: Count) -> str:
     """The whole match in a sentence."""
-    if not counted:
-        return "Friction and viscous damping of a driven oscillator from the balance of energy over a period."
-    total = counted[-1]
-    n = dict(zip((verdict.name for verdict in VERDICTS), total.of_verdict, strict=True))
+    n = total.of_verdict
     differs = "none differs" if not n["differs"] else f"{n['differs']} differ"
     return (
         f"Of {total.printed} printed numbers, {n['reproduced']} are reproduced by the exact solution and "
@@ -271,20 +275,20 @@ def _error_lines(approaches: pd.DataFrame, frequencies: Sequence[str]) -> Iterat
             for frequency in frequencies
             for unknown in ("F_k", "c")
         )
-        yield ErrorLine(approach, PHASES.get(phase, phase) or "–", sharing or "–", errors)
+        yield ErrorLine(approach, phase.replace("_", " ") or NONE, sharing or NONE, errors)
 
 
 def _size(error: float) -> str:
-    """The size of an error given in %; of rounding its bound."""
+    """The size of an error given in %; a bound where it is nothing but rounding."""
     text = percent(0.01 * error).removesuffix(" %")
     return f"≤ {text}" if abs(error) < 1e-6 else text
 
 
 def _signed(error: float) -> str:
-    """The same with its sign."""
+    """An error given in %, with its sign unless it is nothing but rounding."""
     if not math.isfinite(error) or abs(error) < 1e-6:
         return _size(error)
-    return ("−" if error < 0.0 else "+") + _size(error)
+    return (MINUS if error < 0.0 else "+") + _size(error)
 
 
 def _flat(settings: Any, above: str = "") -> Iterator[tuple[str, str]]:
@@ -320,11 +324,6 @@ def _sections(printed: bool, studies: bool) -> list[tuple[str, str]]:
         *([("studies", "Studies")] if studies else []),
         ("provenance", "Sources"),
     ]
-
-
-def _shown_sources(printed: bool, studies: bool) -> list[Source]:
-    left_out = {name for name, there in (("claims", printed), ("studies", studies)) if not there}
-    return [source for name, source in SOURCES.items() if name not in left_out]
 
 
 def _shape(key: str) -> Markup:

@@ -20,7 +20,8 @@ from ...project.files import replacing
 from .crate import crate
 from .sources import ARCHIVED_VERSION, sha256
 
-LARGEST = 5_000_000  # bytes; larger results are not packed: a rebuild makes them, the manifest has their digests
+# Bytes; larger results are not packed: a rebuild makes them, the manifest has their digests
+LARGEST_PACKED = 5_000_000
 TIME = 315_532_800  # of every file, s: 1980-01-01, the earliest that all formats can hold
 SUMS = "SHA256SUMS"
 
@@ -88,7 +89,7 @@ def pack(
     """
     name = Path(path).name.removesuffix(".tar.gz")
     results = {r["path"]: r for r in manifest["reproducible"]["results"]}
-    packed = {file for file, result in results.items() if result["bytes"] <= LARGEST}
+    packed = {file for file, result in results.items() if result["bytes"] <= LARGEST_PACKED}
     files = {file: Path(file) for file in {*sources, *packed, manifest_file, crate_file}}
     digests = {file: sha256(source) for file, source in files.items()}
 
@@ -150,8 +151,8 @@ def readme(
     omitted = [f"- `{file}` ({sizes[file] / 1e6:.0f} MB)" for file in sorted(left_out)]
     if omitted:
         heading = (
-            f"Results above {LARGEST / 1e6:.0f} MB are left out. A rebuild makes them again; their digests stand in "
-            f"`{manifest_file}`."
+            f"Results above {LARGEST_PACKED / 1e6:.0f} MB are left out. A rebuild makes them again; "
+            f"their digests stand in `{manifest_file}`."
         )
         omitted = [heading, "", *omitted]
     else:

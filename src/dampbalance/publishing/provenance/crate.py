@@ -31,7 +31,22 @@ _TYPES = {
     ".json": "application/json",
     ".py": "text/x-python",
 }
+ABOUT_MANIFEST = "Configuration, code, packages, digests. Names the machine: no digest of its own."
+
 Entity = dict[str, Any]
+
+DESCRIPTOR: Entity = {
+    "@id": "ro-crate-metadata.json",
+    "@type": "CreativeWork",
+    "conformsTo": {"@id": ROCRATE},
+    "about": {"@id": "./"},
+}
+PROFILE: Entity = {
+    "@id": PROCESS_RUN,
+    "@type": "CreativeWork",
+    "name": "Process Run Crate",
+    "version": PROCESS_RUN.rsplit("/", 1)[-1],
+}
 
 
 def crate(
@@ -47,78 +62,47 @@ def crate(
     root : folder of the crate, relative to the project; "" is the project itself.   others : more files of the crate,
     path → digest.
     """
-    run, made = manifest["run"], manifest["reproducible"]
+    made, code = manifest["reproducible"], manifest["run"]["code"]
+    others = others or {}
     results = {result["path"]: result for result in made["results"]}
-    digests = {**made["sources"], **(others or {}), **{p: r["sha256"] for p, r in results.items()}}
+    digests = {**made["sources"], **others, **{p: r["sha256"] for p, r in results.items()}}
     configuration = made["configuration_files"]  # what every job takes its parameters from
     used = {file for job in made["jobs"] for file in job["inputs"]} | set(configuration)
-    named = set(results) | {file for file in used if file in digests} | set(others or {})
+    named = set(results) | {file for file in used if file in digests} | set(others)
 
-    entities = [
+    files = [
         _file(path, root, digests[path], results.get(path, {}).get("bytes"))
         for path in sorted(named)
     ]
-    entities.append(_file(manifest_file, root, None, None))
-    entities[-1]["description"] = (
-        "Configuration, code, packages, digests. Names the machine: no digest of its own."
-    )
+    files.append(_file(manifest_file, root, None, None) | {"description": ABOUT_MANIFEST})
     actions = [_action(job, configuration, root, named) for job in made["jobs"]]
     scripts = [
         _script(script, digests.get(script))
-        for script in sorted({j["script"] for j in made["jobs"]})
+        for script in sorted({job["script"] for job in made["jobs"]})
     ]
-    authors = [
-        {
-            "@id": f"#author-{i}",
-            "@type": "Organization" if "name" in author else "Person",
-            "name": _name(author),
-        }
-        for i, author in enumerate(citation.get("authors", []), start=1)
-    ]
-    licence = {
+    authors = [_author(author, i) for i, author in enumerate(citation.get("authors", []), start=1)]
+    licence: Entity = {
         "@id": f"{LICENCES}{citation['license']}",
         "@type": "CreativeWork",
         "name": citation["license"],
     }
-    software = {
-        "@id": "#dampbalance",
-        "@type": "SoftwareSourceCode",
-        "name": "dampbalance",
-        "version": made["version"],
-        "license": {"@id": licence["@id"]},
-        "programmingLanguage": "Python",
-        "author": _references(authors),
-        "description": _code(run["code"]),
-        "hasPart": _references(scripts),
-    }
-    profile = {
-        "@id": PROCESS_RUN,
-        "@type": "CreativeWork",
-        "name": "Process Run Crate",
-        "version": PROCESS_RUN.rsplit("/", 1)[-1],
-    }
+    common = {"license": {"@id": licence["@id"]}, "author": _references(authors)}
+    software = _software(made["version"], code, common, scripts)
     top: Entity = {
         "@id": "./",
         "@type": "Dataset",
         "name": f"{citation['title']}: case '{made['case']}'",
         "description": citation["abstract"],
         "keywords": ", ".join(citation.get("keywords", [])),
-        "license": {"@id": licence["@id"]},
-        "author": _references(authors),
+        **common,
         "conformsTo": {"@id": PROCESS_RUN},
-        "hasPart": [{"@id": e["@id"]} for e in entities if e["@type"] == "File"],
-        "mentions": [*_references(actions), {"@id": software["@id"]}],
+        "hasPart": _references(file for file in files if file["@type"] == "File"),
+        "mentions": _references([*actions, software]),
     }
-    published = citation.get("date-released") or run["code"].get("committed")
+    published = citation.get("date-released") or code.get("committed")
     if published:
         top["datePublished"] = str(published)
-    descriptor = {
-        "@id": "ro-crate-metadata.json",
-        "@type": "CreativeWork",
-        "conformsTo": {"@id": ROCRATE},
-        "about": {"@id": "./"},
-    }
-    graph = [descriptor, top, *entities, *actions, software, *scripts, *authors, licence, profile]
+    graph = [DESCRIPTOR, top, *files, *actions, software, *scripts, *authors, licence, PROFILE]
     return {"@context": CONTEXT, "@graph": graph}
 
 
@@ -169,13 +153,33 @@ def _script(path: str, digest: str | None) -> Entity:
     return entity if digest is None else entity | {"sha256": digest}
 
 
+def _software(
+    version: str, code: Mapping[str, Any], common: Entity, scripts: Iterable[Entity]
+) -> Entity:
+    return {
+        "@id": "#dampbalance",
+        "@type": "SoftwareSourceCode",
+        "name": "dampbalance",
+        "version": version,
+        "license": common["license"],
+        "programmingLanguage": "Python",
+        "author": common["author"],
+        "description": _code(code),
+        "hasPart": _references(scripts),
+    }
+
+
+def _author(author: Mapping[str, str], number: int) -> Entity:
+    person = f"{author.get('given-names', '')} {author.get('family-names', '')}".strip()
+    return {
+        "@id": f"#author-{number}",
+        "@type": "Organization" if "name" in author else "Person",
+        "name": author.get("name") or person,
+    }
+
+
 def _references(entities: Iterable[Entity]) -> list[dict[str, str]]:
     return [{"@id": entity["@id"]} for entity in entities]
-
-
-def _name(author: Mapping[str, str]) -> str:
-    given = f"{author.get('given-names', '')} {author.get('family-names', '')}"
-    return author.get("name") or given.strip()
 
 
 def _code(code: Mapping[str, Any]) -> str:

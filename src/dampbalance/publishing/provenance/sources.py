@@ -79,8 +79,8 @@ def code_version(root: str | Path, version: str) -> dict[str, Any]:
         if commit:
             name, _, date = commit.partition(" ")
             modified = bool(_git(root, "status", "--porcelain"))
-            found = {"commit": name, "committed": date, "modified": modified}
-            return {"version": version, **found, "known_from": "git"}
+            commit_of = {"commit": name, "committed": date, "modified": modified}
+            return {"version": version, **commit_of, "known_from": "git"}
     if archived.is_file():
         stated = json.loads(archived.read_text(encoding="utf-8"))
         found = {key: stated.get(key) for key in unknown}

@@ -5,17 +5,15 @@
 
 from .inputs import FREQUENCIES as PRINTED_FREQUENCIES
 from .inputs import LEVELS as PRINTED_LEVELS
-from .inputs import Route, Setting
+from .inputs import RouteTables, Setting
 from .published import Published, read_published
 from .table import check, claims_markdown, claims_table, read_claims, read_record, record, summary
-from .verdict import VERDICTS
 
 __all__ = [
     "PRINTED_FREQUENCIES",
     "PRINTED_LEVELS",
-    "VERDICTS",
     "Published",
-    "Route",
+    "RouteTables",
     "Setting",
     "check",
     "claims_markdown",

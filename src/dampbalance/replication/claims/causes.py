@@ -1,6 +1,6 @@
 """What makes a computed number miss the printed one: a sentence each, computed from the run, or nothing.
 
-Every sentence is checked by the condition it is guarded with before it is said.
+No sentence is taken for granted: a condition on the numbers of the run decides whether it is written.
 """
 
 from __future__ import annotations
@@ -8,22 +8,23 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from ..printed import Printed
 from .inputs import Setting
-from .published import Printed, Published, row
+from .published import Published, row
 from .resolutions import TIME_UNIT_S, VELOCITY_MARK
 
 
-def same(held: float, printed: str) -> bool:
+def same(value: float, printed: str) -> bool:
     """Whether the configuration holds the printed number itself, not one that rounds to it."""
-    return math.isclose(held, Printed(printed).value, rel_tol=1e-12)
+    return math.isclose(value, Printed(printed).value, rel_tol=1e-12)
 
 
-def held(held: float, printed: str) -> str:
-    """What to say of a stated parameter."""
+def held(value: float, printed: str) -> str:
+    """A sentence on a stated parameter."""
     return (
         "The configuration holds this value."
-        if same(held, printed)
-        else f"The configuration holds {held:g}, the paper states {printed}."
+        if same(value, printed)
+        else f"The configuration holds {value:g}, the paper states {printed}."
     )
 
 
@@ -41,7 +42,7 @@ def backward_euler(setting: Setting, values: Mapping[str, float]) -> str:
 
 
 def implied_b(published: Published, level: str) -> tuple[str, str]:
-    """What the printed pairs say of a printed b, by b = (W − a F_k)/c: (what is known of it, what contradicts it).
+    """What the printed pairs say of a printed b, by b = (W − a F_k)/c: (a note on it, a contradiction), "" for none.
 
     The pairs of the level itself tell whether b is printed as it was used; if not, that is a contradiction. The other
     pairs tell which b this level should have had.
@@ -58,8 +59,8 @@ def implied_b(published: Published, level: str) -> tuple[str, str]:
             f"It contradicts Table 2 itself: the printed pairs {names} give b = {_range(used, b)}.",
         )
     if all(abs(value - b.value) > slack for value, slack in wanted):
-        known = f"The printed pairs {names} were computed with it ({_range(used, b)})"
-        return f"{known}, the others want {_range(wanted, b)}.", ""
+        note = f"The printed pairs {names} were computed with it ({_range(used, b)})"
+        return f"{note}, the others want {_range(wanted, b)}.", ""
     return "", ""
 
 

@@ -12,8 +12,10 @@ import pandas as pd
 from ...estimates import estimate_table
 from ...features import COLUMNS, Features, of_numbers
 from ...solver import Statistics, mean_and_deviation
-from .inputs import HARMONIC, PAIR_LABELS, PAIRS, Route, Setting
-from .published import Printed, Published, numbers
+from ..printed import Printed
+from ..tables import TABLE_2, UNKNOWNS
+from .inputs import HARMONIC, PAIR_LABELS, PAIRS, RouteTables, Setting
+from .published import Published, numbers
 
 
 def printed_features(published: Published, omega: float) -> Features:
@@ -22,14 +24,14 @@ def printed_features(published: Published, omega: float) -> Features:
     omega : drive frequency, rad/s.
     """
     table1, integrals = published.table1, published.table2_integrals
-    known = {column: numbers(table1, column) for column in table1.columns}
-    known |= {column: numbers(integrals, column) for column in ("a_m", "b_m2_per_s", "W_J")}
+    arrays = {column: numbers(table1, column) for column in table1.columns}
+    arrays |= {q.column: numbers(integrals, q.column) for q in TABLE_2}
     missing = np.full(len(table1), np.nan)
-    arrays = {name: known.get(column, missing) for name, column in COLUMNS.items()}
-    return of_numbers(omega, "as printed", **arrays)
+    features = {name: arrays.get(column, missing) for name, column in COLUMNS.items()}
+    return of_numbers(omega, "as printed", **features)
 
 
-def from_print(published: Published, setting: Setting) -> Route:
+def from_print(published: Published, setting: Setting) -> RouteTables:
     """Estimates at ω1 from the printed features, pair-wise with the φ = 1.542 and t_s = 2.1 ms that the text states.
 
     Only ω, k and the pairs come from outside the print.
@@ -40,7 +42,7 @@ def from_print(published: Published, setting: Setting) -> Route:
         t_s=Printed(published.text_values["printed"]["t_s_mean"]).value,
     )
     estimates = estimate_table(features, setting.oscillator.k, PAIRS, common=common)
-    return Route({"omega1": features.to_frame()}, {"omega1": estimates})
+    return RouteTables({"omega1": features.to_frame()}, {"omega1": estimates})
 
 
 def printed_pair_statistics(published: Published) -> Statistics:
@@ -50,7 +52,7 @@ def printed_pair_statistics(published: Published) -> Statistics:
     return mean_and_deviation([{"F_k": p, "c": q} for p, q in zip(F_k, c, strict=True)])
 
 
-def printed_estimates(published: Published) -> Route:
+def printed_estimates(published: Published) -> RouteTables:
     """The printed pairs of Tables 2 and 3 as a table of estimates, to ask it for its largest errors."""
     records = []
     for approach, phase, table in (
@@ -58,14 +60,13 @@ def printed_estimates(published: Published) -> Route:
         *((name, "common", published.table3) for name in HARMONIC),
     ):
         for label in PAIR_LABELS:
-            found = {
-                column: Printed(table[f"{approach}_{column}"][label]).value
-                for column in ("F_k_N", "c_N_s_per_m")
+            estimate = {
+                q.column: Printed(table[f"{approach}_{q.column}"][label]).value for q in UNKNOWNS
             }
             records.append(
-                {"approach": approach, "kind": "pair", "phase": phase, "pair": label} | found
+                {"approach": approach, "kind": "pair", "phase": phase, "pair": label} | estimate
             )
-    return Route({}, {"omega1": pd.DataFrame.from_records(records)})
+    return RouteTables({}, {"omega1": pd.DataFrame.from_records(records)})
 
 
 def printed_as_table1(features: Features, published: Published) -> Features:

@@ -19,7 +19,7 @@ LEVELS = 5
 PAIRS: tuple[Pair, ...] = ((0, 1), (1, 2), (2, 3), (3, 4), (0, 4))
 PAIR_LABELS = tuple(pair_label(i, j) for i, j in PAIRS)
 HARMONIC = ("X_s", "t_s", "V_s")
-# Of balance.APPROACHES_OF_TABLE_3: the V_s pairs as (19) states them, where "V_s" has the slip of sign of the print.
+# Of balance.APPROACHES_OF_TABLE_3: the V_s pairs as (19) states them; those of "V_s" have the print's slip of sign.
 CORRECTED = "V_s with minus"
 
 
@@ -54,10 +54,10 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
-class Route:
+class RouteTables:
     """The result tables of one route, by frequency name.
 
-    features : `Features.to_frame()`, one row per level.   estimates : `identify.estimate_table`.
+    features : `Features.to_frame()`, one row per level.   estimates : `estimates.estimate_table`.
     What a route does not have is NaN.
     """
 
@@ -91,10 +91,9 @@ class Route:
         if frame is None:
             return math.nan
         wanted = {"approach": approach, "kind": kind, "phase": phase, "pair": pair}
-        found = frame.loc[
-            np.logical_and.reduce([frame[key] == value for key, value in wanted.items()]), column
-        ]
-        return float(found.iloc[0]) if len(found) else math.nan
+        chosen = np.logical_and.reduce([frame[key] == value for key, value in wanted.items()])
+        values = frame.loc[chosen, column]
+        return float(values.iloc[0]) if len(values) else math.nan
 
     def largest_errors(
         self,
@@ -123,15 +122,28 @@ class Sources:
 
     published: Published
     setting: Setting
-    exact: Route
-    as_published: Route
-    from_print: Route
+    exact: RouteTables
+    as_published: RouteTables
+    from_print: RouteTables
 
     @property
-    def routes(self) -> dict[str, Route]:
+    def routes(self) -> dict[str, RouteTables]:
         """The routes by their names in claims.csv."""
         return {
             "exact": self.exact,
             "as_published": self.as_published,
             "from_print": self.from_print,
+        }
+
+    def features(self, column: str, level: int) -> dict[str, float]:
+        """A feature by the routes that simulate; arguments as in `RouteTables.feature`."""
+        return {
+            "exact": self.exact.feature(column, level),
+            "as_published": self.as_published.feature(column, level),
+        }
+
+    def estimates(self, column: str, approach: str, **which: str) -> dict[str, float]:
+        """One number of the estimates by every route; arguments as in `RouteTables.estimate`."""
+        return {
+            name: route.estimate(column, approach, **which) for name, route in self.routes.items()
         }

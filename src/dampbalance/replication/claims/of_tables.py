@@ -9,26 +9,14 @@ import numpy as np
 
 from ...balance import Rows
 from ...solver import pair
+from ..claim_ids import of_cell
+from ..printed import Printed
+from ..tables import APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
 from . import causes
 from .inputs import CORRECTED, PAIR_LABELS, PAIRS, Sources
-from .published import Printed, Published, numbers
+from .judging import Claim, Resolution
+from .published import Published, numbers
 from .resolutions import integral_resolution, phase_resolution, time_resolution
-from .verdict import Claim, Resolution
-
-# Columns of the printed tables, in the paper's order: symbol, what it is, unit.
-TABLE_1 = {
-    "X_m": ("X", "peak displacement", "m"),
-    "X_s_m": ("X_s", "displacement at forward slip onset", "m"),
-    "V_s_m_per_s": ("V_s", "velocity at forward slip onset", "m/s"),
-    "phi_rad": ("phi", "phase between input and output", "rad"),
-    "t_s_s": ("t_s", "time of forward slip onset", "s"),
-}
-TABLE_2 = {
-    "a_m": ("a", "friction travel", "m"),
-    "b_m2_per_s": ("b", "viscous integral", "m^2/s"),
-    "W_J": ("W", "input work", "J"),
-}
-UNKNOWNS = {"F_k_N": ("F_k", "N"), "c_N_s_per_m": ("c", "N s/m")}
 
 
 def levels(sources: Sources) -> Iterator[Claim]:
@@ -38,7 +26,7 @@ def levels(sources: Sources) -> Iterator[Claim]:
         held = dict(zip(table.index, sources.setting.levels_m, strict=True))
         for level, printed in table["Y_m"].items():
             yield Claim(
-                id=f"table{number}.Y.{level}",
+                id=of_cell(f"table{number}", "Y", str(level)),
                 where=f"Table {number}, level {level}",
                 quantity="Y: amplitude of the base",
                 unit="m",
@@ -52,29 +40,24 @@ def levels(sources: Sources) -> Iterator[Claim]:
 def table1(sources: Sources) -> Iterator[Claim]:
     """Table 1: the read-outs X, X_s, V_s, φ and t_s of the five levels."""
     printed_table = sources.published.table1
-    for level, (column, (symbol, quantity, unit)) in itertools.product(
-        printed_table.index, TABLE_1.items()
-    ):
-        printed = printed_table[column][level]
-        values = {
-            "exact": sources.exact.feature(column, int(level)),
-            "as_published": sources.as_published.feature(column, int(level)),
-        }
+    for level, q in itertools.product(printed_table.index, TABLE_1):
+        printed = printed_table[q.column][level]
+        values = sources.features(q.column, int(level))
         resolution, cause = None, ""
-        if symbol == "phi":
+        if q.symbol == "phi":
             resolution = phase_resolution(values["exact"], sources.setting.omega())
             crossing = sources.exact.feature("phi_zero_crossing_rad", int(level))
             cause = causes.phase(values["exact"], crossing, printed)
-        elif symbol == "t_s":
+        elif q.symbol == "t_s":
             resolution = time_resolution(values["exact"], sources.setting.step_s)
             cause = causes.slip_time(values["exact"], sources.setting.step_s, printed)
-        elif symbol == "V_s":
+        elif q.symbol == "V_s":
             cause = causes.slip_velocity(values["exact"], printed)
         yield Claim(
-            id=f"table1.{symbol}.{level}",
+            id=of_cell("table1", q.symbol, level),
             where=f"Table 1, level {level}",
-            quantity=f"{symbol}: {quantity}",
-            unit=unit,
+            quantity=f"{q.symbol}: {q.words}",
+            unit=q.unit,
             printed=printed,
             values=values,
             resolution=resolution,
@@ -85,73 +68,61 @@ def table1(sources: Sources) -> Iterator[Claim]:
 def table2_integrals(sources: Sources) -> Iterator[Claim]:
     """Table 2, upper part: the integrals a, b and W of the five levels."""
     printed_table = sources.published.table2_integrals
-    for level, (column, (symbol, quantity, unit)) in itertools.product(
-        printed_table.index, TABLE_2.items()
-    ):
-        values = {
-            "exact": sources.exact.feature(column, int(level)),
-            "as_published": sources.as_published.feature(column, int(level)),
-        }
+    for level, q in itertools.product(printed_table.index, TABLE_2):
+        values = sources.features(q.column, int(level))
         V_s = sources.as_published.feature("V_s_m_per_s", int(level))
-        known, contradicted = (
-            causes.implied_b(sources.published, level) if symbol == "b" else ("", "")
-        )
+        note, contradiction = "", ""
+        if q.symbol == "b":
+            note, contradiction = causes.implied_b(sources.published, level)
         yield Claim(
-            id=f"table2.{symbol}.{level}",
+            id=of_cell("table2", q.symbol, level),
             where=f"Table 2, level {level}",
-            quantity=f"{symbol}: {quantity}",
-            unit=unit,
-            printed=printed_table[column][level],
+            quantity=f"{q.symbol}: {q.words}",
+            unit=q.unit,
+            printed=printed_table[q.column][level],
             values=values,
-            resolution=integral_resolution(symbol, values["as_published"], V_s, sources.setting),
-            cause=f"{causes.backward_euler(sources.setting, values)} {known}".strip(),
-            evidence=contradicted,
+            resolution=integral_resolution(q.symbol, values["as_published"], V_s, sources.setting),
+            cause=f"{causes.backward_euler(sources.setting, values)} {note}".strip(),
+            evidence=contradiction,
         )
 
 
 def table2_pairs(sources: Sources) -> Iterator[Claim]:
     """Table 2, lower part: the pair-wise estimates by direct integration."""
     ranges = rounding_ranges(sources.published)
-    for label, (column, (symbol, unit)) in itertools.product(PAIR_LABELS, UNKNOWNS.items()):
-        values = {
-            name: route.estimate(column, "direct", pair=label)
-            for name, route in sources.routes.items()
-        }
-        low, high = ranges[label, column]
+    for label, q in itertools.product(PAIR_LABELS, UNKNOWNS):
+        values = sources.estimates(q.column, "direct", pair=label)
+        low, high = ranges[label, q.column]
         yield Claim(
-            id=f"table2.{symbol}.{label}",
+            id=of_cell("table2", q.symbol, label),
             where=f"Table 2, pair {label}",
-            quantity=f"{symbol} by direct integration",
-            unit=unit,
-            printed=sources.published.table2_pairs[f"direct_{column}"][label],
+            quantity=f"{q.symbol} by direct integration",
+            unit=q.unit,
+            printed=sources.published.table2_pairs[f"direct_{q.column}"][label],
             values=values,
             resolution=Resolution(
                 low, high, "the printed a, b and W give it, within their rounding"
             ),
-            cause=causes.backward_euler(sources.setting, values) if symbol == "c" else "",
+            cause=causes.backward_euler(sources.setting, values) if q.symbol == "c" else "",
             evidence=f"The printed a, b and W allow {low:.6f} to {high:.6f} only.",
         )
 
 
 def table3(sources: Sources) -> Iterator[Claim]:
     """Table 3: the pair-wise estimates of the three harmonic approaches with common φ and t_s."""
-    cells = itertools.product(("t_s", "X_s", "V_s"), PAIR_LABELS, UNKNOWNS.items())
-    for approach, label, (column, (symbol, unit)) in cells:
-        values = {
-            name: route.estimate(column, approach, phase="common", pair=label)
-            for name, route in sources.routes.items()
-        }
+    for approach, label, q in itertools.product(APPROACHES[1:], PAIR_LABELS, UNKNOWNS):
+        values = sources.estimates(q.column, approach, phase="common", pair=label)
         correct = sources.as_published.estimate(
-            column, CORRECTED if approach == "V_s" else approach, phase="common", pair=label
+            q.column, CORRECTED if approach == "V_s" else approach, phase="common", pair=label
         )
         yield Claim(
-            id=f"table3.{approach}.{symbol}.{label}",
+            id=of_cell("table3", q.symbol, label, approach),
             where=f"Table 3, pair {label}",
-            quantity=f"{symbol} by {approach}, common phi and t_s",
-            unit=unit,
-            printed=sources.published.table3[f"{approach}_{column}"][label],
+            quantity=f"{q.symbol} by {approach}, common phi and t_s",
+            unit=q.unit,
+            printed=sources.published.table3[f"{approach}_{q.column}"][label],
             values=values,
-            cause=causes.two_point_readings(values, correct, unit),
+            cause=causes.two_point_readings(values, correct, q.unit),
         )
 
 
@@ -162,8 +133,8 @@ def rounding_ranges(published: Published) -> dict[tuple[str, str], tuple[float, 
     lie at the corners.
     """
     frame = published.table2_integrals
-    columns = [numbers(frame, column) for column in TABLE_2]
-    halves = [0.5 * np.array([Printed(text).unit for text in frame[column]]) for column in TABLE_2]
+    columns = [numbers(frame, q.column) for q in TABLE_2]
+    halves = [0.5 * np.array([Printed(text).unit for text in frame[q.column]]) for q in TABLE_2]
     ranges = {}
     for (i, j), label in zip(PAIRS, PAIR_LABELS, strict=True):
         corners = []
@@ -175,7 +146,7 @@ def rounding_ranges(published: Published) -> dict[tuple[str, str], tuple[float, 
             ]
             a, b, W = rows
             estimate = pair(Rows({"F_k": a, "c": b}, W), 0, 1)
-            corners.append([estimate[symbol] for symbol, _ in UNKNOWNS.values()])
-        for column, ends in zip(UNKNOWNS, np.transpose(corners), strict=True):
-            ranges[label, column] = (float(ends.min()), float(ends.max()))
+            corners.append([estimate[q.symbol] for q in UNKNOWNS])
+        for q, ends in zip(UNKNOWNS, np.transpose(corners), strict=True):
+            ranges[label, q.column] = (float(ends.min()), float(ends.max()))
     return ranges

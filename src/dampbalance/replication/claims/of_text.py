@@ -7,24 +7,24 @@ from collections.abc import Iterator, Mapping
 
 from ...estimates import estimate_table
 from ...features import Features
+from ...model import Oscillator
+from ..claim_ids import of_parameter, of_text, statistic
+from ..printed import Printed
+from ..tables import RESIDUAL, UNKNOWNS
+from ..verdicts import ROUTE_NAMES
 from . import causes
 from .from_print import printed_as_table1, printed_estimates, printed_pair_statistics
-from .inputs import HARMONIC, PAIRS, Route, Sources
-from .published import Printed, row
-from .verdict import ROUTE_NAMES, Claim
+from .inputs import HARMONIC, PAIRS, RouteTables, Sources
+from .judging import Claim
+from .published import row
 
-# The approaches as the printed ids name them, and what their least squares start from.
-LEAST_SQUARES = {
-    "direct": ("direct", "Table 2's integrals"),
-    "Xs": ("X_s", "Table 1's read-outs"),
-    "ts": ("t_s", "Table 1's read-outs"),
-    "Vs": ("V_s", "Table 1's read-outs"),
-}
-COLUMNS = {"F_k": "F_k_N", "c": "c_N_s_per_m", "residual": "residual"}
+# What the least squares of each approach start from.
+LEAST_SQUARES = {"direct": "Table 2's integrals"} | dict.fromkeys(HARMONIC, "Table 1's read-outs")
+COLUMNS = {quantity.symbol: quantity.column for quantity in (*UNKNOWNS, RESIDUAL)}
 # Every value of the text that has a claim, by its id in text_values.csv.
 TEXT_IDS = frozenset(
-    {f"{symbol}_{short}_ls" for short in LEAST_SQUARES for symbol in COLUMNS}
-    | {f"{symbol}_direct_{kind}" for symbol in ("c", "F_k") for kind in ("mean", "std")}
+    {statistic(symbol, name, "least_squares") for name in LEAST_SQUARES for symbol in COLUMNS}
+    | {statistic(symbol, "direct", kind) for symbol in ("c", "F_k") for kind in ("mean", "std")}
     | {"t_s_mean", "phi_mean", "max_error_F_k", "max_error_c", "max_error_omega3"}
     | {"accuracy_omega2", "accuracy_omega3", "direct_best"}
 )
@@ -55,7 +55,7 @@ def parameters(sources: Sources) -> Iterator[Claim]:
             value, cause = held[symbol], causes.held(held[symbol], printed)
             holds = {"exact": causes.same(value, printed)}
         yield Claim(
-            id=f"parameter.{name}",
+            id=of_parameter(name),
             where=stated["where"],
             quantity=stated["quantity"],
             unit=stated["unit"],
@@ -68,13 +68,10 @@ def parameters(sources: Sources) -> Iterator[Claim]:
 
 def least_squares(sources: Sources) -> Iterator[Claim]:
     """Least squares of (9) with the individual φ and t_s: F_k, c and residual of each approach."""
-    for short, (approach, inputs) in LEAST_SQUARES.items():
+    for approach, inputs in LEAST_SQUARES.items():
         for symbol, column in COLUMNS.items():
-            name = f"{symbol}_{short}_ls"
-            values = {
-                route: table.estimate(column, approach, kind="least_squares")
-                for route, table in sources.routes.items()
-            }
+            name = statistic(symbol, approach, "least_squares")
+            values = sources.estimates(column, approach, kind="least_squares")
             printed = sources.published.text_values["printed"][name]
             cause = f"{causes.printed_inputs(values, inputs, printed)} {causes.cut_off(values['from_print'], printed)}"
             yield _claim(sources, name, values, cause.strip())
@@ -84,17 +81,11 @@ def means(sources: Sources) -> Iterator[Claim]:
     """Means and deviations of printed numbers: the pairs of Table 2, and the φ and t_s that Table 3 uses."""
     printed = printed_pair_statistics(sources.published)
     for symbol in ("c", "F_k"):
-        for kind, name in (("mean", "mean"), ("std", "deviation")):
-            values = {
-                route: table.estimate(COLUMNS[symbol], "direct", kind=kind)
-                for route, table in sources.routes.items()
-            } | {"from_print": getattr(printed, name)[symbol]}
-            yield _claim(
-                sources,
-                f"{symbol}_direct_{kind}",
-                values,
-                "Over the five pairs that Table 2 prints.",
-            )
+        for kind, moment in (("mean", printed.mean), ("std", printed.deviation)):
+            values = sources.estimates(COLUMNS[symbol], "direct", kind=kind)
+            values["from_print"] = moment[symbol]
+            name = statistic(symbol, "direct", kind)
+            yield _claim(sources, name, values, "Over the five pairs that Table 2 prints.")
     for name, column in (("t_s_mean", "t_s_s"), ("phi_mean", "phi_rad")):
         values = {route: table.mean_feature(column) for route, table in sources.routes.items()}
         yield _claim(sources, name, values, "Over the five values that Table 1 prints.")
@@ -110,61 +101,55 @@ def error_bounds(sources: Sources) -> Iterator[Claim]:
         bound = Printed(sources.published.text_values["printed"][name]).value
         values = {route: both[index] for route, both in errors.items()}
         holds = {route: value < bound for route, value in values.items()}
-        yield _claim(
-            sources,
-            name,
-            values,
-            f"Largest error in the fifteen pairs: {_each(values, '%')}.",
-            holds,
-        )
+        cause = f"Largest error in the fifteen pairs: {_each(values, '%')}."
+        yield _claim(sources, name, values, cause, holds)
 
     name = "max_error_omega3"
     bound = Printed(sources.published.text_values["printed"][name]).value
     tables = sources.routes | {"from_print": _tabulated(sources, "omega3")}
-    values = {
-        route: max(table.largest_errors(osc, frequency="omega3")) for route, table in tables.items()
-    }
+    values = _worst(tables, osc, frequency="omega3")
     holds = {route: value > bound for route, value in values.items()}
     cause = (
         f"Exact features give {values['exact']:.1f} %, the same features with the decimals of Table 1 "
         f"{values['from_print']:.1f} %: the figure owes as much to rounding as to the method."
     )
-    yield _claim(
-        sources, name, values, cause if holds["from_print"] and not holds["exact"] else "", holds
-    )
+    if not holds["from_print"] or holds["exact"]:
+        cause = ""
+    yield _claim(sources, name, values, cause, holds)
 
 
 def comparisons(sources: Sources) -> Iterator[Claim]:
     """Statements without a number: accuracy off resonance, and which approach is the most accurate."""
     osc, hz = sources.setting.oscillator, sources.setting.frequencies_hz
-    near = {route: max(table.largest_errors(osc)) for route, table in sources.routes.items()}
+    near = _worst(sources.routes, osc)
     for frequency in ("omega2", "omega3"):
-        values = {
-            route: max(table.largest_errors(osc, frequency=frequency))
-            for route, table in sources.routes.items()
-        }
-        here, there = (
-            f"{values['exact']:.1f} % at {hz[frequency]:g} Hz",
-            f"{near['exact']:.1f} % at {hz['omega1']:g} Hz",
-        )
+        values = _worst(sources.routes, osc, frequency=frequency)
+        here = f"{values['exact']:.1f} % at {hz[frequency]:g} Hz"
+        there = f"{near['exact']:.1f} % at {hz['omega1']:g} Hz"
         cause = f"Largest error of the two-point formulas with exact features: {here}, {there}."
         holds = {route: values[route] > near[route] for route in values}
         yield _claim(sources, f"accuracy_{frequency}", values, cause, holds)
 
     tables = sources.routes | {"from_print": printed_estimates(sources.published)}
-    direct = {route: max(table.largest_errors(osc, ("direct",))) for route, table in tables.items()}
-    harmonic = {
-        route: min(max(table.largest_errors(osc, (approach,))) for approach in HARMONIC)
+    direct = _worst(tables, osc, ("direct",))
+    each = [_worst(tables, osc, (approach,)) for approach in HARMONIC]
+    harmonic = {route: min(errors[route] for errors in each) for route in tables}
+    cause = f"Largest error in the pairs, direct: {_each(direct, '%')}; best harmonic approach: {_each(harmonic, '%')}."
+    holds = {route: direct[route] < harmonic[route] for route in direct}
+    yield _claim(sources, "direct_best", direct, cause, holds)
+
+
+def _worst(
+    tables: Mapping[str, RouteTables],
+    osc: Oscillator,
+    approaches: tuple[str, ...] = HARMONIC,
+    frequency: str = "omega1",
+) -> dict[str, float]:
+    """By each route, the larger of the largest errors of F_k and c over the pairs, per cent."""
+    return {
+        route: max(table.largest_errors(osc, approaches, frequency))
         for route, table in tables.items()
     }
-    cause = f"Largest error in the pairs, direct: {_each(direct, '%')}; best harmonic approach: {_each(harmonic, '%')}."
-    yield _claim(
-        sources,
-        "direct_best",
-        direct,
-        cause,
-        {route: direct[route] < harmonic[route] for route in direct},
-    )
 
 
 def _claim(
@@ -175,9 +160,9 @@ def _claim(
     holds: Mapping[str, bool] | None = None,
 ) -> Claim:
     stated = row(sources.published.text_values, name)
-    contradicted = holds is None and not math.isnan(values["from_print"])
+    comparable = holds is None and not math.isnan(values["from_print"])
     return Claim(
-        id=f"text.{name}",
+        id=of_text(name),
         where=stated["where"],
         quantity=stated["quantity"],
         unit=stated["unit"],
@@ -185,17 +170,19 @@ def _claim(
         values=values,
         holds=holds,
         cause=cause,
-        evidence=causes.printed_inputs_differ(values, stated["printed"]) if contradicted else "",
+        evidence=causes.printed_inputs_differ(values, stated["printed"]) if comparable else "",
     )
 
 
-def _tabulated(sources: Sources, frequency: str) -> Route:
+def _tabulated(sources: Sources, frequency: str) -> RouteTables:
     """Pairs from the exact features of a frequency, had they been tabulated like Table 1; nothing if there are none."""
     frame = sources.exact.features.get(frequency)
     if frame is None:
-        return Route({}, {})
+        return RouteTables({}, {})
     features = printed_as_table1(Features.from_frame(frame), sources.published)
-    return Route({}, {frequency: estimate_table(features, sources.setting.oscillator.k, PAIRS)})
+    return RouteTables(
+        {}, {frequency: estimate_table(features, sources.setting.oscillator.k, PAIRS)}
+    )
 
 
 def _each(values: Mapping[str, float], unit: str) -> str:

@@ -16,9 +16,9 @@ from __future__ import annotations
 
 import math
 
+from ..printed import Printed
 from .inputs import Setting
-from .published import Printed
-from .verdict import Resolution
+from .judging import Resolution
 
 PHASE_READING_S = 0.13e-3
 TIME_UNIT_S = 1e-4

@@ -7,13 +7,17 @@ from pathlib import Path
 
 import pandas as pd
 
+from ..claim_ids import PARTS, part_of
+from ..printed import Printed
+from ..verdicts import RECONSTRUCTED, REPRODUCED, ROUTE_NAMES, VERDICTS, counts
 from . import of_tables, of_text
 from .from_print import from_print
-from .inputs import Route, Setting, Sources
-from .published import Printed, Published
-from .verdict import ROUTE_NAMES, ROUTES, VERDICTS, Claim, explanation, verdict
+from .inputs import RouteTables, Setting, Sources
+from .judging import Claim, explanation, verdict
+from .published import Published, read_texts
 
-COLUMNS = ("id", "where", "quantity", "unit", "printed", *ROUTES, "verdict", "explanation")
+STATED = ("id", "where", "quantity", "unit", "printed")  # columns that are fields of a claim
+COLUMNS = (*STATED, *ROUTE_NAMES, "verdict", "explanation")
 RECORD = ("id", "printed", "verdict")
 
 
@@ -32,7 +36,7 @@ def claims(sources: Sources) -> Iterator[Claim]:
 
 
 def claims_table(
-    published: Published, setting: Setting, exact: Route, as_published: Route
+    published: Published, setting: Setting, exact: RouteTables, as_published: RouteTables
 ) -> pd.DataFrame:
     """A row per printed number: what each route gives for it, the verdict, and why. Columns: COLUMNS.
 
@@ -51,13 +55,9 @@ def claims_table(
     sources = Sources(published, setting, exact, as_published, from_print(published, setting))
     records = [
         {
-            "id": claim.id,
-            "where": claim.where,
-            "quantity": claim.quantity,
-            "unit": claim.unit,
-            "printed": claim.printed,
-            **{route: claim.show(route) for route in ROUTES},
-            "verdict": verdict(claim),
+            **{name: getattr(claim, name) for name in STATED},
+            **{route: claim.show(route) for route in ROUTE_NAMES},
+            "verdict": verdict(claim).name,
             "explanation": explanation(claim),
         }
         for claim in claims(sources)
@@ -68,43 +68,28 @@ def claims_table(
 def claims_markdown(frame: pd.DataFrame) -> str:
     """The claims as a Markdown page: counts first, then a table per part of the paper."""
     lines = ["# Every printed number and its verdict", "", *_meanings(frame), ""]
-    for part, rows in frame.groupby(_part(frame), sort=False):
+    for part, rows in frame.groupby(frame["id"].map(part_of), sort=False):
         lines += [
-            f"## {part}",
+            f"## {PARTS[str(part)]}",
             "",
             "| where | quantity | printed | exact | as published | from print | verdict | why |",
+            "|---|---|--:|--:|--:|--:|---|---|",
         ]
-        lines.append("|---|---|--:|--:|--:|--:|---|---|")
         for row in rows.to_dict("records"):
             unit = "" if row["unit"] in ("", "1") else f" ({row['unit']})"
-            cells = [
-                row["where"],
-                f"{row['quantity']}{unit}",
-                row["printed"],
-                *(row[r] for r in ROUTES),
-            ]
-            lines.append("| " + " | ".join([*cells, row["verdict"], row["explanation"]]) + " |")
+            row["quantity"] = f"{row['quantity']}{unit}"
+            cells = [row[name] for name in COLUMNS if name not in ("id", "unit")]
+            lines.append("| " + " | ".join(cells) + " |")
         lines.append("")
     return "\n".join(lines)
-
-
-def counts(frame: pd.DataFrame) -> pd.DataFrame:
-    """How many printed numbers of each part of the paper have each verdict; frame : columns id and verdict."""
-    part = _part(frame)
-    table = pd.crosstab(part, frame["verdict"]).reindex(columns=list(VERDICTS), fill_value=0)
-    table = table.reindex(part.unique())
-    table.loc["all"] = table.sum()
-    table.insert(0, "printed", table.sum(axis=1))
-    table.index.name = None
-    table.columns.name = None
-    return table
 
 
 def summary(frame: pd.DataFrame) -> str:
     """What a person reads at the end of a run: counts per verdict and part, then a line for each number that is neither
     reproduced nor reconstructed, with the nearest value; the reasons stand in the table of claims."""
-    lines = ["Verdicts on the printed numbers", "", counts(frame).to_string(), ""]
-    rest = frame[~frame["verdict"].isin(("reproduced", "reconstructed"))]
+    table = {count.part: {"printed": count.printed, **count.of_verdict} for count in counts(frame)}
+    lines = ["Verdicts on the printed numbers", "", pd.DataFrame(table).T.to_string(), ""]
+    rest = frame[~frame["verdict"].isin((REPRODUCED.name, RECONSTRUCTED.name))]
     if len(rest):
         shown = [
             {
@@ -123,10 +108,10 @@ def summary(frame: pd.DataFrame) -> str:
 def _nearest(row: Mapping[Hashable, str]) -> str:
     """The value of the route that comes closest to print, and which route that is; the first one for a printed word."""
     printed = Printed(row["printed"])
-    known = [route for route in ROUTES if row[route]]
-    route = known[0]
+    routes = [route for route in ROUTE_NAMES if row[route]]
+    route = routes[0]
     if printed.is_number:
-        route = min(known, key=lambda name: abs(float(row[name]) - printed.value))
+        route = min(routes, key=lambda name: abs(float(row[name]) - printed.value))
     return f"{row[route]} {ROUTE_NAMES[route]}"
 
 
@@ -140,7 +125,7 @@ def _aligned(frame: pd.DataFrame) -> str:
 
 def read_claims(path: Path) -> pd.DataFrame:
     """A table of claims from its CSV file, every cell the text that it is."""
-    return pd.read_csv(path, dtype=str, keep_default_na=False)
+    return read_texts(path, COLUMNS)
 
 
 def record(frame: pd.DataFrame) -> pd.DataFrame:
@@ -150,11 +135,7 @@ def record(frame: pd.DataFrame) -> pd.DataFrame:
 
 def read_record(path: Path) -> pd.DataFrame:
     """The verdicts on record, verdicts.csv. Raises ValueError for a wrong column or an unknown verdict."""
-    recorded = pd.read_csv(path, dtype=str, keep_default_na=False)
-    if tuple(recorded.columns) != RECORD:
-        raise ValueError(
-            f"{path}: expected the columns {', '.join(RECORD)}, found {', '.join(recorded.columns)}"
-        )
+    recorded = read_texts(path, RECORD)
     unknown = recorded[~recorded["verdict"].isin(VERDICTS)]
     if len(unknown):
         first = unknown.iloc[0]
@@ -194,8 +175,11 @@ def _offence(name: str, now: pd.DataFrame, was: pd.DataFrame) -> str:
     row = now.loc[name]
     if row["printed"] != was["printed"][name]:
         return f"{name}: printed {was['printed'][name]} on record, now read as {row['printed']}"
-    if VERDICTS.index(row["verdict"]) > VERDICTS.index(was["verdict"][name]):
-        obtained = ", ".join(f"{ROUTE_NAMES[route]} {row[route]}" for route in ROUTES if row[route])
+    ranks = list(VERDICTS)
+    if ranks.index(str(row["verdict"])) > ranks.index(was["verdict"][name]):
+        obtained = ", ".join(
+            f"{ROUTE_NAMES[route]} {row[route]}" for route in ROUTE_NAMES if row[route]
+        )
         return (
             f"{name}: printed {row['printed']}, obtained {obtained}: was {was['verdict'][name]}, now {row['verdict']}. "
             f"{row['explanation']}"
@@ -203,25 +187,6 @@ def _offence(name: str, now: pd.DataFrame, was: pd.DataFrame) -> str:
     return ""
 
 
-def _part(frame: pd.DataFrame) -> pd.Series[str]:
-    """The part of the paper that each claim belongs to: a table, the parameters or the text."""
-    names = {
-        "table1": "Table 1",
-        "table2": "Table 2",
-        "table3": "Table 3",
-        "text": "Text",
-        "parameter": "Parameters",
-    }
-    return frame["id"].str.split(".").str[0].map(names).rename("part")
-
-
 def _meanings(frame: pd.DataFrame) -> list[str]:
-    found = frame["verdict"].value_counts()
-    meanings = {
-        "reproduced": "the exact solution gives the printed digits",
-        "reconstructed": "the paper's own numerics or printed inputs give them, by a known deviation",
-        "last digit": "one unit off in the last printed digit",
-        "reading": "inside the resolution of a reading",
-        "differs": "by none of these; the evidence stands beside it",
-    }
-    return [f"- **{name}** {found.get(name, 0)}: {meanings[name]}" for name in VERDICTS]
+    total = counts(frame)[-1].of_verdict
+    return [f"- **{name}** {total[name]}: {v.meaning}" for name, v in VERDICTS.items()]

@@ -33,7 +33,7 @@ class Place:
         return {"file": self.file, "row": dict(self.row), "column": self.column}
 
 
-class Results:
+class ResultFiles:
     """The result files, each read once; what is asked of them is checked to be there, and to be unique."""
 
     def __init__(self, root: str | Path = ".") -> None:
@@ -73,11 +73,11 @@ class Results:
         return rows[0][place.column]
 
     def _pointed(self, place: Place) -> Any:
-        found = self.document(place.file)
+        value = self.document(place.file)
         for part in place.pointer.strip("/").split("/"):
             name = part.replace("~1", "/").replace("~0", "~")
             try:
-                found = found[int(name)] if isinstance(found, list) else found[name]
+                value = value[int(name)] if isinstance(value, list) else value[name]
             except (KeyError, IndexError, ValueError, TypeError):
                 raise MissingValue(f"{place.file}: nothing at {place.pointer}") from None
-        return found
+        return value

@@ -1,10 +1,4 @@
-"""From a printed number and what the routes give for it to a verdict, by rule.
-
-    reproduced      the exact route gives the printed digits
-    reconstructed   the as-published or the from-print route gives them, by a deviation the explanation names
-    last digit      a route comes within one unit of the last printed digit
-    reading         the printed number lies within the stated reading resolution
-    differs         none of these
+"""From a printed number and what the routes give for it to the best verdict of `verdicts.VERDICTS` that it earns.
 
 A route gives the printed digits when it lies within half a unit of the last of them; statements ("less than 1.5 %")
 are given when they hold. Nothing here is typed in: the verdict follows from the row, and so does the sentence for it.
@@ -16,11 +10,16 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from .published import Printed
-
-VERDICTS = ("reproduced", "reconstructed", "last digit", "reading", "differs")
-ROUTES = ("exact", "as_published", "from_print")
-ROUTE_NAMES = {"exact": "exact", "as_published": "as published", "from_print": "from print"}
+from ..printed import Printed
+from ..verdicts import (
+    DIFFERS,
+    LAST_DIGIT,
+    READING,
+    RECONSTRUCTED,
+    REPRODUCED,
+    ROUTE_NAMES,
+    Verdict,
+)
 
 # A printed number and a computed one meet at half a unit only up to the rounding of binary fractions.
 HALF = 0.5 * (1.0 + 1e-9)
@@ -37,11 +36,11 @@ class Resolution:
 
 @dataclass(frozen=True, slots=True)
 class Claim:
-    """One printed number, what the routes give for it, and what is known of the difference.
+    """One printed number, what the routes give for it, and why they differ.
 
-    values : a number per route of ROUTES, NaN or absent where the route has nothing to say.
+    values : a number per route of ROUTE_NAMES, NaN or absent where the route has nothing to say.
     holds : for a statement, whether it holds by each route; None for a number, which is compared by its digits.
-    cause : the deviation behind the digits, one sentence computed from the same run; "" if none is known.
+    cause : the deviation behind the digits, one sentence computed from the same run; "" without one.
     evidence : what in the paper's own numbers contradicts the printed one, should it differ.
     """
 
@@ -57,9 +56,9 @@ class Claim:
     evidence: str = ""
 
     @property
-    def known(self) -> list[str]:
-        """The routes that give a number, in the order of ROUTES."""
-        return [route for route in ROUTES if not math.isnan(self.values.get(route, math.nan))]
+    def routes(self) -> list[str]:
+        """The routes that give a number, in the order of ROUTE_NAMES."""
+        return [route for route in ROUTE_NAMES if not math.isnan(self.values.get(route, math.nan))]
 
     def show(self, route: str) -> str:
         """The value of a route, written like the printed number with a few more digits; "" if there is none."""
@@ -75,26 +74,26 @@ class Claim:
         return (self.values[route] - printed.value) / printed.unit
 
 
-def verdict(claim: Claim) -> str:
-    """The best verdict of VERDICTS that the claim earns."""
+def verdict(claim: Claim) -> Verdict:
+    """The best verdict that the claim earns."""
     if claim.holds is not None:
-        agreeing = [route for route in claim.known if claim.holds[route]]
+        agreeing = [route for route in claim.routes if claim.holds[route]]
         within_one = False
     else:
-        agreeing = [route for route in claim.known if abs(claim.off(route)) <= HALF]
-        within_one = any(abs(claim.off(route)) <= 1.0 + HALF for route in claim.known)
+        agreeing = [route for route in claim.routes if abs(claim.off(route)) <= HALF]
+        within_one = any(abs(claim.off(route)) <= 1.0 + HALF for route in claim.routes)
     if "exact" in agreeing:
-        return "reproduced"
+        return REPRODUCED
     if agreeing:
-        return "reconstructed"
+        return RECONSTRUCTED
     if within_one:
-        return "last digit"
+        return LAST_DIGIT
     if (
         claim.resolution
         and claim.resolution.low <= Printed(claim.printed).value <= claim.resolution.high
     ):
-        return "reading"
-    return "differs"
+        return READING
+    return DIFFERS
 
 
 def explanation(claim: Claim) -> str:
@@ -102,23 +101,23 @@ def explanation(claim: Claim) -> str:
     if claim.holds is not None:
         return claim.cause
     decided = verdict(claim)
-    if decided == "reproduced":
+    if decided is REPRODUCED:
         return f"Exactly {claim.show('exact')}, which rounds to {claim.printed}."
-    if decided == "reconstructed":
+    if decided is RECONSTRUCTED:
         giving = " and ".join(
-            ROUTE_NAMES[route] for route in claim.known if abs(claim.off(route)) <= HALF
+            ROUTE_NAMES[route] for route in claim.routes if abs(claim.off(route)) <= HALF
         )
-        exact = f" (exact: {_distance(claim, 'exact')})" if "exact" in claim.known else ""
+        exact = f" (exact: {_distance(claim, 'exact')})" if "exact" in claim.routes else ""
         return f"Obtained {giving}{exact}. {claim.cause}".strip()
-    if not claim.known:
+    if not claim.routes:
         return "No route gives a value."
-    nearest = min(claim.known, key=lambda route: abs(claim.off(route)))
+    nearest = min(claim.routes, key=lambda route: abs(claim.off(route)))
     distance = f"{ROUTE_NAMES[nearest].capitalize()}: {_distance(claim, nearest)}"
-    if decided == "reading" and claim.resolution:
+    if decided is READING and claim.resolution:
         printed = Printed(claim.printed)
         low, high = printed.show(claim.resolution.low, 0), printed.show(claim.resolution.high, 0)
         return f"{distance}; {low} to {high} is one reading: {claim.resolution.reason}. {claim.cause}".strip()
-    if decided == "differs":
+    if decided is DIFFERS:
         return f"{distance}. {claim.evidence or 'Unexplained: no other number of the paper contradicts it.'}"
     return f"{distance}. {claim.cause}".strip()
 

@@ -1,0 +1,51 @@
+"""The ids of claims, one per printed number, as in table2.F_k.1-5 or text.c_Xs_ls: made here, and taken apart here."""
+
+from __future__ import annotations
+
+PARTS = {
+    "parameter": "Parameters",
+    "table1": "Table 1",
+    "table2": "Table 2",
+    "table3": "Table 3",
+    "text": "Text",
+}
+"""The parts of the paper, as ids begin, and in words."""
+
+STATISTICS = {"least_squares": "ls", "mean": "mean", "std": "std"}
+"""Kinds of estimates over all levels or pairs, and how ids end that name them."""
+
+
+def of_parameter(name: str) -> str:
+    """A stated parameter: parameter.K_z."""
+    return f"parameter.{name}"
+
+
+def of_cell(table: str, symbol: str, line: str | int = "", approach: str = "") -> str:
+    """A cell of Tables 1 to 3: table1.X_s.3, table2.F_k.1-5, table3.V_s.c.1-2; without the line, how a column begins.
+
+    line : level, counted from 1, or label of a pair.   approach : in Table 3, whose columns repeat.
+    """
+    return ".".join([table, *([approach] if approach else []), symbol, str(line)])
+
+
+def of_text(name: str) -> str:
+    """A number of the running text by its id in text_values.csv: text.phi_mean."""
+    return f"text.{name}"
+
+
+def statistic(symbol: str, approach: str, kind: str) -> str:
+    """Name of a statistic in text_values.csv: c_Xs_ls. kind : of STATISTICS."""
+    return f"{symbol}_{short(approach)}_{STATISTICS[kind]}"
+
+
+def short(approach: str) -> str:
+    """An approach inside the name of a statistic: Xs."""
+    return approach.replace("_", "")
+
+
+def part_of(claim: str) -> str:
+    """The part of the paper that a claim belongs to, a key of PARTS; raises KeyError where there is none."""
+    part = claim.partition(".")[0]
+    if part not in PARTS:
+        raise KeyError(f"{claim!r} belongs to no part of the paper; known are {', '.join(PARTS)}")
+    return part
