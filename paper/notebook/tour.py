@@ -397,7 +397,8 @@ figure.tight_layout()
 
 # %% tags=["outcome"]
 rigid = features.replaced(X_s=-features.X)
-longer = APPROACHES["X_s"](rigid, oscillator.k).a / APPROACHES["X_s"](features, oscillator.k).a - 1
+a, a_rigid = (APPROACHES["X_s"](each, oscillator.k).terms["F_k"] for each in (features, rigid))
+longer = a_rigid / a - 1
 print(f"a grows by {longer.min():.2%} to {longer.max():.2%}")
 identified(rigid, ("X_s",))
 
