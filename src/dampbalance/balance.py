@@ -63,7 +63,7 @@ class Term:
 
 def named_with_unit(name: str, unit: str) -> str:
     """A name for a column or key: what it holds, then its unit, as in c_N_s_per_m."""
-    return f"{name}_{unit.replace(' ', '_').replace('/', '_per_').replace('²', '2')}"
+    return f"{name}_{unit.replace(' ', '_').replace('/', '_per_').replace('²', '2').replace('³', '3')}"
 
 
 TERMS: dict[str, Term] = {

@@ -10,6 +10,9 @@ from typing import Any, NoReturn
 
 import jsonschema
 import yaml
+from jsonschema import ValidationError
+
+from ..balance import APPROACHES
 
 Key = tuple[str | int, ...]
 Problem = tuple[Key, str]
@@ -46,12 +49,23 @@ def against_schema(document: Any, schema: Mapping[str, Any]) -> list[Problem]:
 
     The texts tell what is wrong and what would be right, from the `description` of the key in the schema.
     """
-    validator = jsonschema.Draft202012Validator(schema)
+    validator = _Validator(schema)
     errors = sorted(validator.iter_errors(document), key=lambda error: list(map(str, error.path)))
     problems = [problem for error in errors for problem in _explain(error)]
     return problems + [
         (key, f"{value!r} is not a finite number") for key, value in _not_finite(document)
     ]
+
+
+def _approach(_: Any, wanted: bool, value: Any, schema: Any) -> Iterable[ValidationError]:
+    """The keyword `approach` of our schemas: the value is the name of an approach, whichever are registered."""
+    if wanted and value not in APPROACHES:
+        yield ValidationError("not an approach")
+
+
+_Validator: Any = jsonschema.validators.extend(  # type: ignore[no-untyped-call]
+    jsonschema.Draft202012Validator, {"approach": _approach}
+)
 
 
 def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:
@@ -62,7 +76,7 @@ def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:
     return "\n".join(f"{_origin(key, documents)}: {_dotted(key)}: {text}" for key, text in problems)
 
 
-def _explain(error: jsonschema.ValidationError) -> Iterable[Problem]:
+def _explain(error: ValidationError) -> Iterable[Problem]:
     key: Key = tuple(error.absolute_path)
     schema: Any = error.schema  # a mapping: the schema has no true or false in it
     wanted: Any = error.validator_value
@@ -86,6 +100,12 @@ def _explain(error: jsonschema.ValidationError) -> Iterable[Problem]:
             f"write {_yaml_number(value)}" if "e" in value.lower() else "write it without quotes"
         )
         yield key, f"{value!r} is text to YAML; {remedy}. {meaning}"
+    elif error.validator == "approach":
+        known = list(APPROACHES)
+        yield (
+            key,
+            f"{value!r} is not an approach{_nearest(value, known)}; known: {', '.join(known)}",
+        )
     elif error.validator == "pattern":
         yield key, f"{value!r} cannot be a name. {meaning or _NAMES}"
     else:
