@@ -317,7 +317,7 @@ def test_a_flipped_sign_in_a_row_is_found(monkeypatch, recorded, approach):
 
     for approaches in (balance.APPROACHES, balance.APPROACHES_OF_TABLE_3):
         if approaches[approach] is right:
-            monkeypatch.setitem(approaches, approach, flipped)
+            monkeypatch.setitem(approaches, approach, replace(right, rows=flipped))
     exact.cache_clear()
     as_published.cache_clear()
     try:
