@@ -189,15 +189,6 @@ def takes_phase(name: str) -> bool:
     return name not in APPROACHES or APPROACHES[name].takes_phase
 
 
-# The rows behind the printed Table 3: the V_s pairs with their slip of sign, and beside them the same pairs without it.
-APPROACHES_OF_TABLE_3: dict[str, Approach] = {
-    "X_s": APPROACHES["X_s"],
-    "t_s": APPROACHES["t_s"],
-    "V_s": Approach(slip_velocity_as_printed, "V_s with plus"),
-    "V_s with minus": Approach(slip_velocity, "V_s with minus"),
-}
-
-
 def _harmonic(features: Features, k: float, a: Floats) -> Rows:
     """Friction travel a, with the viscous integral b = πωX² of (11)–(13) and the input work W = πkYX sin φ of (14)."""
     X = features.X

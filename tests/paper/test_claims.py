@@ -12,6 +12,7 @@ import pytest
 
 from dampbalance import balance
 from dampbalance.project.files import write_csv
+from dampbalance.replication import as_published as authors
 from dampbalance.replication.claims import (
     VERDICTS,
     Route,
@@ -28,14 +29,14 @@ from dampbalance.replication.claims.inputs import CORRECTED, HARMONIC
 from dampbalance.replication.claims.published import Printed
 from dampbalance.replication.claims.table import COLUMNS
 from dampbalance.replication.claims.verdict import ROUTES, Claim, Resolution, explanation, verdict
-from paper.routes import PAPER, PUBLISHED, as_published, exact, setting
+from paper.routes import CASE, PAPER, PUBLISHED, as_published, case_of, exact
 
 
 def judged(published=None, oscillator=PAPER, claimed=None):
     """The table of claims; `claimed` is the oscillator of the configuration where it differs from the simulated one."""
     return claims_table(
         published or read_published(PUBLISHED),
-        setting(claimed or oscillator),
+        case_of(claimed or oscillator),
         exact(oscillator),
         as_published(oscillator),
     )
@@ -210,7 +211,7 @@ def test_explanations_cite_the_numbers_of_their_row(claims):
 
 def test_effective_damping_in_the_explanations_is_that_of_the_estimates(claims):
     """c + m ω² h against the c that the as-published simulation gives: 2e-4 is 2 % of the shift of 0.0116."""
-    effective = 90.0 + 2.42 * setting().omega() ** 2 * 5e-6
+    effective = 90.0 + 2.42 * CASE.omega("omega1") ** 2 * 5e-6
     identified = as_published().estimate("c_N_s_per_m", "direct", kind="least_squares")
     assert identified == pytest.approx(effective, abs=3e-4)
 
@@ -315,7 +316,7 @@ def test_a_flipped_sign_in_a_row_is_found(monkeypatch, recorded, approach):
         rows = right(features, k)
         return rows._replace(a=4.0 * features.X - rows.a)
 
-    for approaches in (balance.APPROACHES, balance.APPROACHES_OF_TABLE_3):
+    for approaches in (balance.APPROACHES, authors.APPROACHES_OF_TABLE_3):
         if approaches[approach] is right:
             monkeypatch.setitem(approaches, approach, replace(right, rows=flipped))
     exact.cache_clear()
@@ -345,7 +346,7 @@ def test_the_plus_sign_of_table_3_is_needed(recorded):
     estimates = pd.concat([frame[~slipped], correct, correct.assign(approach="V_s")])
     table = claims_table(
         read_published(PUBLISHED),
-        setting(),
+        CASE,
         exact(),
         Route(route.features, route.estimates | {"omega1": estimates}),
     )
@@ -373,14 +374,14 @@ def test_a_better_verdict_is_no_offence(claims, recorded):
 def test_a_claim_without_routes_is_found(recorded):
     """No result tables at all: nothing is obtained but what stands in print."""
     found = check(
-        claims_table(read_published(PUBLISHED), setting(), Route({}, {}), Route({}, {})), recorded
+        claims_table(read_published(PUBLISHED), CASE, Route({}, {}), Route({}, {})), recorded
     )
     assert found["id"].str.startswith("table").sum() > 50
 
 
 def test_a_configuration_in_which_nothing_slips_is_judged_too(recorded):
     stuck = replace(PAPER, F_k=60.0)
-    table = claims_table(read_published(PUBLISHED), setting(stuck), exact(stuck), as_published())
+    table = claims_table(read_published(PUBLISHED), case_of(stuck), exact(stuck), as_published())
     assert (table.set_index("id").loc["table1.X_s.1", ["exact"]] == "").all()
     found = check(table, recorded).set_index("id")["now"]
     assert found["parameter.F_k"] == "differs"
@@ -420,10 +421,11 @@ def test_printed_value_without_a_claim_is_refused(changed_print):
 
 
 def test_levels_and_frequencies_of_the_paper_are_needed():
+    published, routes = read_published(PUBLISHED), (exact(), as_published())
     with pytest.raises(ValueError, match="five levels"):
-        replace(setting(), levels_m=(0.004, 0.006))
-    with pytest.raises(ValueError, match="missing: omega2, omega3"):
-        replace(setting(), frequencies_hz={"omega1": 4.92})
+        claims_table(published, replace(CASE, levels_m=(0.004, 0.006)), *routes)
+    with pytest.raises(ValueError, match="missing: omega1, omega3"):
+        claims_table(published, replace(CASE, frequencies_hz={"omega2": 3.5}), *routes)
 
 
 def test_claims_do_not_depend_on_what_was_run_before(claims):

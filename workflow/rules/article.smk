@@ -34,10 +34,8 @@ if config["published"]:
         output:
             csv=f"{ARTICLE}/schemes.csv",
         params:
-            oscillator=config["oscillator"],
-            frequency_hz=FREQUENCIES_HZ[FREQUENCIES[0]],
-            levels_m=LEVELS_M,
-            numerics=config["as_published"],
+            case=excerpt(config, "oscillator", "levels_m", "numerics", frequency=FREQUENCIES[0]),
+            frequency=FREQUENCIES[0],
         message:
             "Article: the integrals by other schemes"
         script:
@@ -54,11 +52,7 @@ if config["published"]:
         output:
             json=f"{ARTICLE}/evidence.json",
         params:
-            oscillator=config["oscillator"],
-            frequencies_hz=FREQUENCIES_HZ,
-            pairs=config["estimation"]["pairs"],
-            numerics=config["as_published"],
-            routes=ROUTES,
+            case=of_case("oscillator", "frequencies_hz", "pairs", "numerics"),
             folder=RESULTS,
         message:
             "Article: numbers to argue with"
@@ -104,8 +98,7 @@ if config["published"]:
         output:
             **figure_files("numerics"),
         params:
-            oscillator=config["oscillator"],
-            numerics=config["as_published"],
+            case=of_case("oscillator", "numerics"),
         message:
             "Article: how the printed digits arose"
         script:

@@ -9,7 +9,7 @@ if config["published"] and workflow.is_main_process:
         raise WorkflowError(
             f"{where} is not a folder with printed numbers and verdicts.csv; {other}."
         )
-    if not set(PRINTED_FREQUENCIES) <= set(FREQUENCIES) or len(LEVELS_M) != PRINTED_LEVELS:
+    if not set(PRINTED_FREQUENCIES) <= set(FREQUENCIES) or len(CASE.levels_m) != PRINTED_LEVELS:
         raise WorkflowError(
             f"{where} has numbers for {PRINTED_LEVELS} levels at {', '.join(PRINTED_FREQUENCIES)}; {other}."
         )
@@ -40,11 +40,8 @@ rule claims:
         ),
         md=f"{RESULTS}/claims.md",
     params:
-        oscillator=config["oscillator"],
-        frequencies_hz=FREQUENCIES_HZ,
-        levels_m=LEVELS_M,
-        numerics=config["as_published"],
-        results=RESULTS,
+        case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
+        folder=RESULTS,
         published=config["published"],
     message:
         "Verdicts on the printed numbers"

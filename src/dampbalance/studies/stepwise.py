@@ -17,13 +17,11 @@ from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
-from ..reading.clean import Reading, of_record
+from ..reading.clean import CYCLES_TO_READ, Reading, of_record
 from ..record import Record
 from .responses import NOT_READ, STEP_TOO_COARSE, Responses
 
 Array = NDArray[np.float64]
-
-KEPT_CYCLES = 3  # of a simulation: whole cycles enough for the reader, whatever the phase
 
 
 def fixed_step_responses(
@@ -49,7 +47,7 @@ def fixed_step_responses(
                 scheme=str(numerics["scheme"][case]),
                 step=step,
                 cycles=cycles,
-                keep_cycles=KEPT_CYCLES,
+                keep_cycles=CYCLES_TO_READ,
             )
         except StepTooCoarse:
             return single(motion.omega, ""), STEP_TOO_COARSE

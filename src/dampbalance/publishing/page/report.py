@@ -19,7 +19,7 @@ from markupsafe import Markup
 from ... import __version__
 from ...figures.cycle import POINTS
 from ...motion.orbit import Orbit
-from ...project.case import oscillator_from
+from ...project.case import Case
 from ...project.wording import percent
 from ...studies.settings import Study
 from ...studies.shown.facts import paragraph
@@ -53,11 +53,13 @@ PHASES = {
 class Results:
     """What the page shows.
 
-    config : the merged configuration.   claims : `claims.csv` as text, or None for a case with nothing printed.
+    case : as configured.   config : the merged configuration, to be listed.
+    claims : `claims.csv` as text, or None for a case with nothing printed.
     tables : frequency → name → frame of `tables.COLUMNS`.   approaches : tables/approaches.csv.
     orbits : of the first frequency.   estimates : the exact ones by frequency.   studies : (study, its table of cases).
     """
 
+    case: Case
     config: Mapping[str, Any]
     claims: pd.DataFrame | None
     tables: Mapping[str, Mapping[str, pd.DataFrame]]
@@ -106,10 +108,7 @@ def report_page(results: Results, page: str) -> str:
 
     Raises ValueError where it would become larger than LARGEST.
     """
-    config = results.config
-    case = str(config["case"])
-    frequencies = {f["name"]: f["hz"] for f in config["excitation"]["frequencies"]}
-    levels = config["excitation"]["levels_m"]
+    case, frequencies = results.case, results.case.frequencies_hz
     by_id: dict[str, dict[str, str]] = {}
     if results.claims is not None:
         by_id = {
@@ -136,9 +135,7 @@ def report_page(results: Results, page: str) -> str:
     lines = [] if results.claims is None else list(_claim_lines(results.claims, in_tables))
     counted = [] if results.claims is None else counts(results.claims)
     figure3 = figure3_charts(results.orbits)
-    errors = error_charts(
-        results.estimates, oscillator_from(config["oscillator"]), frequencies, levels
-    )
+    errors = error_charts(results.estimates, case.oscillator, frequencies, case.levels_m)
     studies: list[dict[str, Any]] = [
         {
             "name": study.name.replace("_", "-"),
@@ -152,13 +149,13 @@ def report_page(results: Results, page: str) -> str:
     charts: list[Chart] = [*figure3, *errors.charts]
     charts += [chart for study in studies for chart in study["figure"].charts]
     html = (
-        _environment(case, page)
+        _environment(case.name, page)
         .get_template("report.html.j2")
         .render(
             title=TITLE if lines else TITLE_OF_CASE,
             headline=_headline(counted),
             version=__version__,
-            case=case,
+            case=case.name,
             page=page,
             counts=counted,
             verdicts=VERDICTS,
@@ -176,7 +173,7 @@ def report_page(results: Results, page: str) -> str:
             studies=studies,
             sources=SOURCES,
             all_sources=_shown_sources(bool(lines), bool(studies)),
-            configuration=list(_flat(config)),
+            configuration=list(_flat(results.config)),
             chart_tables={chart.table.id: chart.table for chart in charts}.values(),
             chart_specs=as_json({"config": CONFIG, "charts": {c.id: c.spec for c in charts}}),
             style=_style(),

@@ -5,7 +5,7 @@
 
 from .inputs import FREQUENCIES as PRINTED_FREQUENCIES
 from .inputs import LEVELS as PRINTED_LEVELS
-from .inputs import Route, Setting
+from .inputs import Route
 from .published import Published, read_published
 from .table import check, claims_markdown, claims_table, read_claims, read_record, record, summary
 from .verdict import VERDICTS
@@ -16,7 +16,6 @@ __all__ = [
     "VERDICTS",
     "Published",
     "Route",
-    "Setting",
     "check",
     "claims_markdown",
     "claims_table",

@@ -35,7 +35,7 @@ def levels(sources: Sources) -> Iterator[Claim]:
     """The first column of Tables 1 and 2: the amplitudes Y, which the configuration must hold."""
     tables = {1: sources.published.table1, 2: sources.published.table2_integrals}
     for number, table in tables.items():
-        held = dict(zip(table.index, sources.setting.levels_m, strict=True))
+        held = dict(zip(table.index, sources.case.levels_m, strict=True))
         for level, printed in table["Y_m"].items():
             yield Claim(
                 id=f"table{number}.Y.{level}",
@@ -62,12 +62,12 @@ def table1(sources: Sources) -> Iterator[Claim]:
         }
         resolution, cause = None, ""
         if symbol == "phi":
-            resolution = phase_resolution(values["exact"], sources.setting.omega())
+            resolution = phase_resolution(values["exact"], sources.case.omega("omega1"))
             crossing = sources.exact.feature("phi_zero_crossing_rad", int(level))
             cause = causes.phase(values["exact"], crossing, printed)
         elif symbol == "t_s":
-            resolution = time_resolution(values["exact"], sources.setting.step_s)
-            cause = causes.slip_time(values["exact"], sources.setting.step_s, printed)
+            resolution = time_resolution(values["exact"], sources.case.numerics.step_s)
+            cause = causes.slip_time(values["exact"], sources.case.numerics.step_s, printed)
         elif symbol == "V_s":
             cause = causes.slip_velocity(values["exact"], printed)
         yield Claim(
@@ -103,8 +103,8 @@ def table2_integrals(sources: Sources) -> Iterator[Claim]:
             unit=unit,
             printed=printed_table[column][level],
             values=values,
-            resolution=integral_resolution(symbol, values["as_published"], V_s, sources.setting),
-            cause=f"{causes.backward_euler(sources.setting, values)} {known}".strip(),
+            resolution=integral_resolution(symbol, values["as_published"], V_s, sources.case),
+            cause=f"{causes.backward_euler(sources.case, values)} {known}".strip(),
             evidence=contradicted,
         )
 
@@ -128,7 +128,7 @@ def table2_pairs(sources: Sources) -> Iterator[Claim]:
             resolution=Resolution(
                 low, high, "the printed a, b and W give it, within their rounding"
             ),
-            cause=causes.backward_euler(sources.setting, values) if symbol == "c" else "",
+            cause=causes.backward_euler(sources.case, values) if symbol == "c" else "",
             evidence=f"The printed a, b and W allow {low:.6f} to {high:.6f} only.",
         )
 

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pandas as pd
 
+from ...project.case import Case
 from . import of_tables, of_text
 from .from_print import from_print
-from .inputs import Route, Setting, Sources
+from .inputs import Route, Sources, require_paper
 from .published import Printed, Published
 from .verdict import ROUTE_NAMES, ROUTES, VERDICTS, Claim, explanation, verdict
 
@@ -32,23 +33,25 @@ def claims(sources: Sources) -> Iterator[Claim]:
 
 
 def claims_table(
-    published: Published, setting: Setting, exact: Route, as_published: Route
+    published: Published, case: Case, exact: Route, as_published: Route
 ) -> pd.DataFrame:
     """A row per printed number: what each route gives for it, the verdict, and why. Columns: COLUMNS.
 
-    published : `read_published(folder)`.   setting : what the configuration holds.
+    published : `read_published(folder)`.   case : as configured.
     exact, as_published : feature and estimate tables of the two routes; the from-print route is computed here.
 
     The numbers of the routes are text, written as the printed number is with four more digits; verdicts are judged on
-    all digits. Raises ValueError when the printed ids and the claims do not match one to one.
+    all digits. Raises ValueError when the printed ids and the claims do not match one to one, or the case is not the
+    paper's.
     """
+    require_paper(case)
     odd = of_text.TEXT_IDS ^ set(published.text_values.index)
     if odd:
         raise ValueError(
             f"text_values.csv and the claims of the text do not match: {', '.join(sorted(odd))}; "
             "each printed value needs its claim"
         )
-    sources = Sources(published, setting, exact, as_published, from_print(published, setting))
+    sources = Sources(published, case, exact, as_published, from_print(published, case))
     records = [
         {
             "id": claim.id,
