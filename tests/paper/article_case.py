@@ -110,9 +110,7 @@ def _routes(folder: Path) -> None:
     frames["tables/table3"] = tables.table3(estimates, claims)
     frames["tables/approaches"] = comparison.approaches_table(
         {name: Features.from_frame(of) for name, of in routes["exact"].features.items()},
-        CASE.frequencies_hz,
-        PAPER,
-        CASE.pairs,
+        CASE,
     )
     for name, frame in frames.items():
         file = folder / f"{RESULTS}/{name}.csv"

@@ -57,7 +57,7 @@ def results(folder: Path) -> Results:
         tables=made,
         approaches=_through(
             folder / "approaches.csv",
-            comparison.approaches_table(features, CASE.frequencies_hz, PAPER, CASE.pairs),
+            comparison.approaches_table(features, CASE),
         ),
         orbits=[steady_orbit(PAPER, motion) for motion in CASE.motions("omega1")],
         estimates=routes["exact"].estimates,

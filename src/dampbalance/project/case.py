@@ -86,10 +86,10 @@ def excerpt(
     kept: dict[str, Any] = {}
     for field in fields:
         section, _, name = _FIELDS[field][0].rpartition(".")
-        if section:
-            kept.setdefault(section, {})[name] = config[section][name]
-        else:
-            kept[name] = config[name]
+        source, target = (
+            (config[section], kept.setdefault(section, {})) if section else (config, kept)
+        )
+        target[name] = source[name]
     if frequency is not None:
         drives = config["excitation"]["frequencies"]
         only = [drive for drive in drives if drive["name"] == frequency]

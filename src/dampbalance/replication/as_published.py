@@ -104,18 +104,5 @@ def estimates(features: ReadFeatures, case: Case) -> pd.DataFrame:
     )
 
 
-def to_frame(records: Sequence[Record]) -> pd.DataFrame:
-    """The records of all levels, one below the other, told apart by the column `level`, counted from 1."""
-    import pandas as pd  # slow to import, and needed for tables only
-
-    frames = [record.to_frame().assign(level=i) for i, record in enumerate(records, start=1)]
-    return pd.concat(frames, ignore_index=True)
-
-
-def from_frame(frame: pd.DataFrame) -> list[Record]:
-    """The records that `to_frame` put together."""
-    return [Record.from_frame(part.drop(columns="level")) for _, part in frame.groupby("level")]
-
-
 def _rounded(value: float, decimals: int | None) -> float:
     return value if decimals is None else round(value, decimals)

@@ -4,11 +4,13 @@ import pandas as pd
 
 from dampbalance.project.case import Case
 from dampbalance.project.files import write_csv
+from dampbalance.record import Record
 from dampbalance.replication import as_published
 
 if __name__ == "__main__":
     case = Case.from_config(snakemake.params.case)
-    records = as_published.from_frame(pd.read_parquet(snakemake.input.records))
+    levels = pd.read_parquet(snakemake.input.records).groupby("level")
+    records = [Record.from_frame(frame.drop(columns="level")) for _, frame in levels]
     read = as_published.read_levels(records, case, snakemake.wildcards.frequency)
     write_csv(snakemake.output.tabulated, read.tabulated.to_frame())
     write_csv(snakemake.output.two_point, read.two_point.to_frame())

@@ -1,5 +1,7 @@
 """Fixed-step records at one frequency and all levels, stacked in one table by level."""
 
+import pandas as pd
+
 from dampbalance.project.case import Case
 from dampbalance.project.files import write_parquet
 from dampbalance.replication import as_published
@@ -7,4 +9,5 @@ from dampbalance.replication import as_published
 if __name__ == "__main__":
     case = Case.from_config(snakemake.params.case)
     records = as_published.simulate_levels(case, snakemake.wildcards.frequency)
-    write_parquet(snakemake.output.records, as_published.to_frame(records))
+    frames = [record.to_frame().assign(level=i) for i, record in enumerate(records, start=1)]
+    write_parquet(snakemake.output.records, pd.concat(frames, ignore_index=True))

@@ -31,7 +31,7 @@ def at_frequency(features, estimates, frequency, claims):
 def compare(features, case):
     """Every approach at every frequency, from the exact features."""
     exact = {frequency: Features.from_frame(frame) for frequency, frame in features.items()}
-    return comparison.approaches_table(exact, case.frequencies_hz, case.oscillator, case.pairs)
+    return comparison.approaches_table(exact, case)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from ...estimates import estimate_table
 from ...features import Features
 from ...model import Oscillator
 from ...project.case import Case
+from ...replication import comparison
 from ...replication.as_published import added_damping, coefficients
 from ...solver import Pair
 
@@ -64,11 +66,7 @@ def setting(case: Case, first: Features) -> Json:
     """The case: parameters, frequencies, levels, and the rounded coefficients of the equation divided by m."""
     osc, numerics = case.oscillator, case.numerics
     return {
-        "m": osc.m,
-        "c": osc.c,
-        "k": osc.k,
-        "K_z": osc.K_z,
-        "F_k": osc.F_k,
+        **asdict(osc),
         "zeta": osc.zeta,
         "natural_frequency_hz": osc.omega_n / (2.0 * math.pi),
         "swing_um": 2e6 * osc.Z_m,  # 2 Z_m
@@ -152,15 +150,10 @@ def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[P
     """
     table = estimate_table(features.replaced(X_3=0.0, X_5=0.0), oscillator.k, pairs)
     rows = table[table["approach"] == "fourier"]
-    error = pd.DataFrame(
-        {
-            "kind": rows["kind"],
-            "F_k": 100.0 * (rows["F_k_N"] / oscillator.F_k - 1.0).abs(),
-            "c": 100.0 * (rows["c_N_s_per_m"] / oscillator.c - 1.0).abs(),
-        }
-    )
-    largest = error.groupby("kind")[["F_k", "c"]].max()
-    return {kind: largest.loc[kind].to_dict() for kind in ("pair", "least_squares")}
+    return {
+        kind: comparison.largest_errors(rows[rows["kind"] == kind], oscillator)
+        for kind in ("pair", "least_squares")
+    }
 
 
 def balance_terms(features: Features, oscillator: Oscillator) -> Json:
@@ -206,11 +199,7 @@ def largest_errors(
                 "common": pairs[(pairs["phase"] == "common") & pairs["approach"].map(takes_phase)],
             }
             found.setdefault(route, {})[frequency] = {
-                name: {
-                    "F_k": 100.0 * float((rows["F_k_N"] / oscillator.F_k - 1.0).abs().max()),
-                    "c": 100.0 * float((rows["c_N_s_per_m"] / oscillator.c - 1.0).abs().max()),
-                }
-                for name, rows in sets.items()
+                name: comparison.largest_errors(rows, oscillator) for name, rows in sets.items()
             }
     return found
 

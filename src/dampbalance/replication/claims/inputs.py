@@ -12,6 +12,7 @@ import pandas as pd
 from ...model import Oscillator
 from ...project.case import Case
 from ...solver import Pair, pair_label
+from ..comparison import largest_errors
 from .published import Published
 
 # The paper's three drive frequencies, by the names they have in the configuration and in results/.
@@ -94,9 +95,8 @@ class Route:
             & (frame["kind"] == "pair")
             & (frame["phase"] == phase)
         ]
-        F_k_error = (taken["F_k_N"] / oscillator.F_k - 1.0).abs().max()
-        c_error = (taken["c_N_s_per_m"] / oscillator.c - 1.0).abs().max()
-        return 100.0 * float(F_k_error), 100.0 * float(c_error)
+        errors = largest_errors(taken, oscillator)
+        return errors["F_k"], errors["c"]
 
 
 @dataclass(frozen=True, slots=True)
