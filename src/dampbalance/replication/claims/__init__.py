@@ -7,7 +7,7 @@ from .inputs import FREQUENCIES as PRINTED_FREQUENCIES
 from .inputs import LEVELS as PRINTED_LEVELS
 from .inputs import Route
 from .published import Published, read_published
-from .table import check, claims_markdown, claims_table, read_claims, read_record, record, summary
+from .table import check, claims_markdown, claims_table, read_claims, read_record, summary
 from .verdict import VERDICTS
 
 __all__ = [
@@ -22,6 +22,5 @@ __all__ = [
     "read_claims",
     "read_published",
     "read_record",
-    "record",
     "summary",
 ]

@@ -146,11 +146,6 @@ def read_claims(path: Path) -> pd.DataFrame:
     return pd.read_csv(path, dtype=str, keep_default_na=False)
 
 
-def record(frame: pd.DataFrame) -> pd.DataFrame:
-    """What is kept of the claims to compare later runs with: id, printed digits, verdict."""
-    return frame[list(RECORD)].copy()
-
-
 def read_record(path: Path) -> pd.DataFrame:
     """The verdicts on record, verdicts.csv. Raises ValueError for a wrong column or an unknown verdict."""
     recorded = pd.read_csv(path, dtype=str, keep_default_na=False)
