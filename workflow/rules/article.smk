@@ -19,13 +19,6 @@ ARTICLE_FIGURES = {
 }
 
 
-def of_routes(kind):
-    """features or estimates, of both routes at every frequency."""
-    return expand(
-        f"{RESULTS}/{kind}/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
-    )
-
-
 if config["published"]:
 
     rule article_schemes:

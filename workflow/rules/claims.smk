@@ -23,12 +23,8 @@ def published_files(wildcards):
 
 rule claims:
     input:
-        features=expand(
-            f"{RESULTS}/features/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
-        ),
-        estimates=expand(
-            f"{RESULTS}/estimates/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
-        ),
+        features=of_routes("features"),
+        estimates=of_routes("estimates"),
         published=published_files,
         modules=script_modules("claims/claims.py"),
     output:

@@ -50,6 +50,13 @@ def at_frequency(*fields):
     return lambda wildcards: excerpt(config, *fields, frequency=wildcards.frequency)
 
 
+def of_routes(kind):
+    """The tables of features or estimates, of both routes at every frequency."""
+    return expand(
+        f"{RESULTS}/{kind}/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
+    )
+
+
 def script_modules(script):
     """Package files that a script depends on, as inputs of its rule: an edit of any of them reruns it, no other does."""
     return package_modules(ROOT / "workflow/scripts" / script, ROOT / "src", relative_to=Path.cwd())

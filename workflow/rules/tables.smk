@@ -14,12 +14,8 @@ def table_files(extension):
 
 rule tables:
     input:
-        features=expand(
-            f"{RESULTS}/features/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
-        ),
-        estimates=expand(
-            f"{RESULTS}/estimates/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
-        ),
+        features=of_routes("features"),
+        estimates=of_routes("estimates"),
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
         modules=script_modules("tables/tables.py"),
     output:

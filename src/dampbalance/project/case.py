@@ -86,9 +86,9 @@ def excerpt(
     kept: dict[str, Any] = {}
     for field in fields:
         section, _, name = _FIELDS[field][0].rpartition(".")
-        source, target = (
-            (config[section], kept.setdefault(section, {})) if section else (config, kept)
-        )
+        source, target = config, kept
+        if section:
+            source, target = config[section], kept.setdefault(section, {})
         target[name] = source[name]
     if frequency is not None:
         drives = config["excitation"]["frequencies"]

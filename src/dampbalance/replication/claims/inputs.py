@@ -40,7 +40,7 @@ def require_paper(case: Case) -> None:
 class Route:
     """The result tables of one route, by frequency name.
 
-    features : `Features.to_frame()`, one row per level.   estimates : `identify.estimate_table`.
+    features : `Features.to_frame()`, one row per level.   estimates : `estimates.estimate_table`.
     What a route does not have is NaN.
     """
 
