@@ -63,7 +63,9 @@ class Term:
 
 def named_with_unit(name: str, unit: str) -> str:
     """A name for a column or key: what it holds, then its unit, as in c_N_s_per_m."""
-    return f"{name}_{unit.replace(' ', '_').replace('/', '_per_').replace('²', '2').replace('³', '3')}"
+    return (
+        f"{name}_{unit.replace(' ', '_').replace('/', '_per_').replace('²', '2').replace('³', '3')}"
+    )
 
 
 TERMS: dict[str, Term] = {
@@ -227,15 +229,6 @@ APPROACHES: dict[str, Approach] = {
 def takes_phase(name: str) -> bool:
     """Whether estimates by the approach of that name depend on a choice of the phase φ."""
     return name not in APPROACHES or APPROACHES[name].takes_phase
-
-
-# The rows behind the printed Table 3: the V_s pairs with their slip of sign, and beside them the same pairs without it.
-APPROACHES_OF_TABLE_3: dict[str, Approach] = {
-    "X_s": APPROACHES["X_s"],
-    "t_s": APPROACHES["t_s"],
-    "V_s": Approach(slip_velocity_as_printed, "V_s with plus"),
-    "V_s with minus": Approach(slip_velocity, "V_s with minus"),
-}
 
 
 def _harmonic(features: Features, k: ArrayLike, a: Array) -> Rows:

@@ -18,32 +18,19 @@ from matplotlib.figure import Figure
 
 from dampbalance import figures, steady_orbit
 from dampbalance.features import Features
-from dampbalance.project.case import motions_from
 from dampbalance.project.files import write_csv
 from dampbalance.replication import comparison, tables
 from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.settings import read_study
 from dampbalance.studies.shown import drawing
-from paper.routes import (
-    CONFIG,
-    FREQUENCIES_HZ,
-    LEVELS,
-    NUMERICS,
-    PAIRS,
-    PAPER,
-    PUBLISHED,
-    ROOT,
-    as_published,
-    exact,
-    setting,
-)
+from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact
 
 RESULTS, STUDIES = "results/paper", "results/studies"
 INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}"}
 OF_ARTICLE = ["frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"]
 COARSER = {"step_size": ("[2.0e-6, 5.0e-6, 1.0e-5, 2.0e-5, 4.0e-5, 8.0e-5]", "[4.0e-5, 8.0e-5]")}
-FIRST = next(iter(FREQUENCIES_HZ))
+FIRST = next(iter(CASE.frequencies_hz))
 RULES = {
     f"{RESULTS}/tables/table1.csv": "tables",
     f"{RESULTS}/tables/table2.csv": "tables",
@@ -108,10 +95,10 @@ def build(folder: Path) -> Project:
 def _routes(folder: Path) -> None:
     """features, estimates, claims and tables."""
     routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
-    claims = claims_table(read_published(PUBLISHED), setting(PAPER), *routes.values())
+    claims = claims_table(read_published(PUBLISHED), CASE, *routes.values())
     frames: dict[str, Any] = {"claims": claims}
     for route, of in routes.items():
-        for name in FREQUENCIES_HZ:
+        for name in CASE.frequencies_hz:
             frames[f"features/{route}/{name}"] = of.features[name]
             frames[f"estimates/{route}/{name}"] = of.estimates[name]
     features, estimates = (
@@ -123,9 +110,7 @@ def _routes(folder: Path) -> None:
     frames["tables/table3"] = tables.table3(estimates, claims)
     frames["tables/approaches"] = comparison.approaches_table(
         {name: Features.from_frame(of) for name, of in routes["exact"].features.items()},
-        FREQUENCIES_HZ,
-        PAPER,
-        PAIRS,
+        CASE,
     )
     for name, frame in frames.items():
         file = folder / f"{RESULTS}/{name}.csv"
@@ -159,16 +144,10 @@ def _studies(folder: Path) -> tuple[list[str], list[str]]:
 def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
     """schemes.csv, evidence.json, studies.json, environment.json, values.json."""
     article = f"{RESULTS}/article"
-    oscillator = CONFIG["oscillator"]
     project.run(
         "article_schemes",
         None,
-        SimpleNamespace(
-            oscillator=oscillator,
-            frequency_hz=FREQUENCIES_HZ[FIRST],
-            levels_m=LEVELS,
-            numerics=NUMERICS,
-        ),
+        SimpleNamespace(case=CONFIG, frequency=FIRST),
         {"csv": f"{article}/schemes.csv"},
     )
     project.run(
@@ -178,14 +157,7 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
             approaches=f"{RESULTS}/tables/approaches.csv",
             schemes=f"{article}/schemes.csv",
         ),
-        SimpleNamespace(
-            oscillator=oscillator,
-            frequencies_hz=FREQUENCIES_HZ,
-            pairs=CONFIG["estimation"]["pairs"],
-            numerics=NUMERICS,
-            routes=["exact", "as_published"],
-            folder=RESULTS,
-        ),
+        SimpleNamespace(case=CONFIG, folder=RESULTS),
         {"json": f"{article}/evidence.json"},
     )
     project.run(
@@ -204,7 +176,7 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
     project.run(
         "article_values",
         None,
-        SimpleNamespace(rules=RULES, folder=RESULTS, frequencies=list(FREQUENCIES_HZ)),
+        SimpleNamespace(rules=RULES, folder=RESULTS, frequencies=list(CASE.frequencies_hz)),
         {"json": f"{article}/values.json"},
     )
 
@@ -222,16 +194,16 @@ def _figures(project: Project, cases: list[str]) -> None:
             schemes=f"{RESULTS}/article/schemes.csv",
             steps=cases[OF_ARTICLE.index("step_size")],
         ),
-        SimpleNamespace(oscillator=CONFIG["oscillator"], numerics=NUMERICS),
+        SimpleNamespace(case=CONFIG),
         {"svg": f"{folder}/numerics.svg", "png": f"{folder}/numerics.png"},
     )
-    orbits = [steady_orbit(PAPER, motion) for motion in motions_from(FREQUENCIES_HZ[FIRST], LEVELS)]
+    orbits = [steady_orbit(PAPER, motion) for motion in CASE.motions(FIRST)]
     others = {
         "figure1": figures.schematic(),
         "figure2": figures.friction_velocity_loop(orbits[0]),
         "figure3": figures.figure3(orbits),
         "estimation_error": figures.estimation_error(
-            exact(PAPER).estimates, PAPER, FREQUENCIES_HZ, LEVELS
+            exact(PAPER).estimates, PAPER, CASE.frequencies_hz, CASE.levels_m
         ),
     }
     for name, figure in others.items():

@@ -10,25 +10,13 @@ import pandas as pd
 
 from dampbalance import steady_orbit
 from dampbalance.features import Features
-from dampbalance.project.case import motions_from
 from dampbalance.project.files import read_csv, write_csv
 from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.replication import comparison, tables
 from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.settings import Study, read_study
-from paper.routes import (
-    CONFIG,
-    FREQUENCIES_HZ,
-    LEVELS,
-    PAIRS,
-    PAPER,
-    PUBLISHED,
-    ROOT,
-    as_published,
-    exact,
-    setting,
-)
+from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact
 
 PAGE = "results/paper/report.html"
 # The frequency coarser than in config/studies; of the schemes those without the slowest steps.
@@ -43,7 +31,7 @@ def results(folder: Path) -> PageContent:
     claims = _through(folder / "claims.csv", claims_of_paper(), dtype=str)
     routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
     made = {}
-    for n, name in enumerate(FREQUENCIES_HZ):
+    for n, name in enumerate(CASE.frequencies_hz):
         features, estimates = (
             {route: getattr(of, kind)[name] for route, of in routes.items()}
             for kind in ("features", "estimates")
@@ -62,16 +50,16 @@ def results(folder: Path) -> PageContent:
             for table, frame in of_frequency.items()
         }
     features = {n: Features.from_frame(f) for n, f in routes["exact"].features.items()}
-    first = next(iter(FREQUENCIES_HZ.values()))
     return PageContent(
+        case=CASE,
         config=copy.deepcopy(CONFIG),
         claims=claims,
         tables=made,
         approaches=_through(
             folder / "approaches.csv",
-            comparison.approaches_table(features, FREQUENCIES_HZ, PAPER, PAIRS),
+            comparison.approaches_table(features, CASE),
         ),
-        orbits=[steady_orbit(PAPER, motion) for motion in motions_from(first, LEVELS)],
+        orbits=[steady_orbit(PAPER, motion) for motion in CASE.motions("omega1")],
         estimates=routes["exact"].estimates,
         studies=[study(name, folder) for name in COARSER],
     )
@@ -95,9 +83,7 @@ def study(name: str, folder: Path) -> tuple[Study, Path]:
 @lru_cache
 def claims_of_paper() -> pd.DataFrame:
     """The table of claims."""
-    return claims_table(
-        read_published(PUBLISHED), setting(PAPER), exact(PAPER), as_published(PAPER)
-    )
+    return claims_table(read_published(PUBLISHED), CASE, exact(PAPER), as_published(PAPER))
 
 
 def page_of(made: PageContent) -> str:

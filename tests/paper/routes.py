@@ -2,101 +2,54 @@
 
 from __future__ import annotations
 
-import math
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
 import yaml
 
-from dampbalance.balance import APPROACHES_OF_TABLE_3
 from dampbalance.estimates import estimate_table
 from dampbalance.features import of_orbit, stack
-from dampbalance.model import BaseMotion, Oscillator
-from dampbalance.motion.fixed_step import simulate
+from dampbalance.model import Oscillator
 from dampbalance.motion.orbit import steady_orbit
-from dampbalance.project.case import oscillator_from, pairs_from
-from dampbalance.reading.clean import of_record
-from dampbalance.replication.claims import RouteTables, Setting
-from dampbalance.replication.readout import ReadOut
+from dampbalance.project.case import Case
+from dampbalance.replication import as_published as authors
+from dampbalance.replication.claims import RouteTables
 
 ROOT = Path(__file__).parents[2]
 PUBLISHED = ROOT / "paper/published"
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
-NUMERICS = CONFIG["as_published"]
-PAPER = oscillator_from(CONFIG["oscillator"])
-FREQUENCIES_HZ = {drive["name"]: drive["hz"] for drive in CONFIG["excitation"]["frequencies"]}
-LEVELS = tuple(CONFIG["excitation"]["levels_m"])
-PAIRS = pairs_from(CONFIG["estimation"]["pairs"])
+CASE = Case.from_config(CONFIG)
+PAPER = CASE.oscillator
 
 
-def setting(oscillator: Oscillator = PAPER) -> Setting:
-    """What the configuration holds when its oscillator is this one."""
-    return Setting(
-        oscillator=oscillator,
-        frequencies_hz=FREQUENCIES_HZ,
-        levels_m=LEVELS,
-        scheme=NUMERICS["scheme"],
-        step_s=NUMERICS["step_s"],
-        k_over_m=_coefficients(oscillator)["k_over_m"],
-    )
+def case_of(oscillator: Oscillator) -> Case:
+    """The case of the configuration with this oscillator."""
+    return replace(CASE, oscillator=oscillator)
 
 
 @lru_cache
 def exact(oscillator: Oscillator = PAPER) -> RouteTables:
     """The exact route at the three frequencies."""
     features = {
-        name: stack([of_orbit(steady_orbit(oscillator, motion)) for motion in _motions(name)])
-        for name in FREQUENCIES_HZ
+        name: stack([of_orbit(steady_orbit(oscillator, motion)) for motion in CASE.motions(name)])
+        for name in CASE.frequencies_hz
     }
     return RouteTables(
         {name: of.to_frame() for name, of in features.items()},
-        {name: estimate_table(of, oscillator.k, PAIRS) for name, of in features.items()},
+        {name: estimate_table(of, oscillator.k, CASE.pairs) for name, of in features.items()},
     )
 
 
 @lru_cache
 def as_published(oscillator: Oscillator = PAPER) -> RouteTables:
-    """The as-published route: integrals taken at samples, the rest between them and read out."""
-    tabulated, two_point = (
-        ReadOut.from_config(NUMERICS[name]) for name in ("tabulated", "two_point")
-    )
-    features, estimates = {}, {}
-    for name, hz in FREQUENCIES_HZ.items():
-        records = [
-            simulate(
-                oscillator,
-                motion,
-                scheme=NUMERICS["scheme"],
-                step=NUMERICS["step_s"],
-                cycles=NUMERICS["cycles"],
-                keep_cycles=3,
-                **_coefficients(oscillator),
-            )
-            for motion in _motions(name)
-        ]
-        sampled, between = (
-            stack([of_record(r, 2.0 * math.pi * hz, oscillator.k, reading) for r in records])
-            for reading in ("sample", "interpolated")
-        )
-        read = tabulated.apply(between).replaced(a=sampled.a, b=sampled.b, W=sampled.W)
-        features[name] = read.to_frame()
-        estimates[name] = estimate_table(
-            read,
-            oscillator.k,
-            PAIRS,
-            common=two_point.common(between),
-            common_approaches=APPROACHES_OF_TABLE_3,
-        )
-    return RouteTables(features, estimates)
-
-
-def _motions(frequency: str) -> list[BaseMotion]:
-    return [BaseMotion(Y=Y, omega=2.0 * math.pi * FREQUENCIES_HZ[frequency]) for Y in LEVELS]
-
-
-def _coefficients(oscillator: Oscillator) -> dict[str, float]:
-    """c/m and k/m with the digits that the paper's program kept."""
-    return {
-        "c_over_m": round(oscillator.c / oscillator.m, NUMERICS["c_over_m_decimals"]),
-        "k_over_m": round(oscillator.k / oscillator.m, NUMERICS["k_over_m_decimals"]),
+    """The as-published route at the three frequencies."""
+    case = case_of(oscillator)
+    read = {
+        name: authors.read_levels(authors.simulate_levels(case, name), case, name)
+        for name in case.frequencies_hz
     }
+    return RouteTables(
+        {name: of.tabulated.to_frame() for name, of in read.items()},
+        {name: authors.estimates(of, case) for name, of in read.items()},
+    )

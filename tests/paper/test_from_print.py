@@ -19,7 +19,7 @@ from dampbalance.replication.claims.of_tables import rounding_ranges
 from dampbalance.replication.claims.published import numbers, read_published
 from dampbalance.replication.printed import Printed
 from dampbalance.solver import least_squares
-from paper.routes import PUBLISHED, setting
+from paper.routes import CASE, PAPER, PUBLISHED
 
 APPROACH_IDS = {"direct": "direct", "Xs": "X_s", "ts": "t_s", "Vs": "V_s"}
 
@@ -31,7 +31,7 @@ def published():
 
 @pytest.fixture(scope="module")
 def route(published):
-    return from_print(published, setting())
+    return from_print(published, CASE)
 
 
 def as_printed(value, text):
@@ -73,7 +73,7 @@ def test_mean_phase_and_time(published):
 
 
 def test_largest_errors_of_table_3(published):
-    F_k, c = printed_estimates(published).largest_errors(setting().oscillator)
+    F_k, c = printed_estimates(published).largest_errors(PAPER)
     assert F_k == pytest.approx(100.0 * (1.299 / 1.28 - 1.0), rel=1e-12)  # X_s, pair 2-3
     assert c == pytest.approx(100.0 * (90.071 / 90.0 - 1.0), rel=1e-12)  # V_s, pair 1-2
 
@@ -91,7 +91,7 @@ def test_printed_pairs_of_table_2_lie_within_the_rounding_of_its_integrals(publi
 
 def test_the_sign_slip_is_not_in_the_least_squares(published):
     """The text's V_s least squares use the minus of (19): with the plus of Table 3 they come out elsewhere."""
-    features = printed_features(published, setting().omega())
+    features = printed_features(published, CASE.omega("omega1"))
     text = published.text_values["printed"]["F_k_Vs_ls"]
     minus = least_squares(APPROACHES["V_s"](features, 2310.0))["F_k"]
     plus = least_squares(slip_velocity_as_printed(features, 2310.0))["F_k"]

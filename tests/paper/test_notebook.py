@@ -78,7 +78,7 @@ def error(names):
 
     def of(features, approach, quantity="F_k", oscillator=names["oscillator"]):
         fit = names["least_squares"](names["APPROACHES"][approach](features, oscillator.k))
-        return fit[quantity] / getattr(oscillator, quantity) - 1.0
+        return float(fit[quantity]) / getattr(oscillator, quantity) - 1.0
 
     return of
 

@@ -19,13 +19,6 @@ ARTICLE_FIGURES = {
 }
 
 
-def of_routes(kind):
-    """features or estimates, of both routes at every frequency."""
-    return expand(
-        f"{RESULTS}/{kind}/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
-    )
-
-
 if config["published"]:
 
     rule article_schemes:
@@ -34,10 +27,8 @@ if config["published"]:
         output:
             csv=f"{ARTICLE}/schemes.csv",
         params:
-            oscillator=config["oscillator"],
-            frequency_hz=FREQUENCIES_HZ[FREQUENCIES[0]],
-            levels_m=LEVELS_M,
-            numerics=config["as_published"],
+            case=excerpt(config, "oscillator", "levels_m", "numerics", frequency=FREQUENCIES[0]),
+            frequency=FREQUENCIES[0],
         message:
             "Article: the integrals by other schemes"
         script:
@@ -54,11 +45,7 @@ if config["published"]:
         output:
             json=f"{ARTICLE}/evidence.json",
         params:
-            oscillator=config["oscillator"],
-            frequencies_hz=FREQUENCIES_HZ,
-            pairs=config["estimation"]["pairs"],
-            numerics=config["as_published"],
-            routes=ROUTES,
+            case=of_case("oscillator", "frequencies_hz", "pairs", "numerics"),
             folder=RESULTS,
         message:
             "Article: numbers to argue with"
@@ -104,8 +91,7 @@ if config["published"]:
         output:
             **figure_files("numerics"),
         params:
-            oscillator=config["oscillator"],
-            numerics=config["as_published"],
+            case=of_case("oscillator", "numerics"),
         message:
             "Article: how the printed digits arose"
         script:

@@ -9,7 +9,7 @@ if config["published"] and workflow.is_main_process:
         raise WorkflowError(
             f"{where} is not a folder with printed numbers and verdicts.csv; {other}."
         )
-    if not set(PRINTED_FREQUENCIES) <= set(FREQUENCIES) or len(LEVELS_M) != PRINTED_LEVELS:
+    if not set(PRINTED_FREQUENCIES) <= set(FREQUENCIES) or len(CASE.levels_m) != PRINTED_LEVELS:
         raise WorkflowError(
             f"{where} has numbers for {PRINTED_LEVELS} levels at {', '.join(PRINTED_FREQUENCIES)}; {other}."
         )
@@ -23,12 +23,8 @@ def published_files(wildcards):
 
 rule claims:
     input:
-        features=expand(
-            f"{RESULTS}/features/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
-        ),
-        estimates=expand(
-            f"{RESULTS}/estimates/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
-        ),
+        features=of_routes("features"),
+        estimates=of_routes("estimates"),
         published=published_files,
         modules=script_modules("claims/claims.py"),
     output:
@@ -40,11 +36,8 @@ rule claims:
         ),
         md=f"{RESULTS}/claims.md",
     params:
-        oscillator=config["oscillator"],
-        frequencies_hz=FREQUENCIES_HZ,
-        levels_m=LEVELS_M,
-        numerics=config["as_published"],
-        results=RESULTS,
+        case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
+        folder=RESULTS,
         published=config["published"],
     message:
         "Verdicts on the printed numbers"

@@ -7,9 +7,10 @@ from snakemake.logging import logger
 ROOT = Path(workflow.current_basedir).parent.parent
 
 try:
-    from dampbalance.project.case import check
+    from dampbalance.project.case import Case, check, excerpt
     from dampbalance.project.documents import ConfigurationError
     from dampbalance.project.dependencies import package_modules
+    from dampbalance.project.files import ROUTES
     from dampbalance.replication.feasibility import check_feasible
 except ImportError as error:
     raise WorkflowError(
@@ -29,22 +30,31 @@ if workflow.is_main_process:
             ROOT / "workflow/schemas/config.schema.yaml",
             CONFIG_FILES,
         )
-        for notice in check_feasible(config, CONFIG_FILES):
+        for notice in check_feasible(Case.from_config(config), CONFIG_FILES):
             logger.warning(notice)
     except ConfigurationError as error:
         raise WorkflowError(str(error)) from None
 
-CASE = config["case"]
-FREQUENCIES_HZ = {f["name"]: f["hz"] for f in config["excitation"]["frequencies"]}
-FREQUENCIES = list(FREQUENCIES_HZ)
-LEVELS_M = config["excitation"]["levels_m"]
-ROUTES = ["exact", "as_published"]
-RESULTS = f"results/{CASE}"
+CASE = Case.from_config(config)
+FREQUENCIES = list(CASE.frequencies_hz)
+RESULTS = f"results/{CASE.name}"
 
 
-def frequency_hz(wildcards):
-    """The drive frequency that a rule's wildcard names, Hz."""
-    return FREQUENCIES_HZ[wildcards.frequency]
+def of_case(*fields):
+    """Those fields of the case as a rule's parameter: a change of any other does not rerun it."""
+    return excerpt(config, *fields)
+
+
+def at_frequency(*fields):
+    """The same with the drive frequency that the rule's wildcard names, and no other."""
+    return lambda wildcards: excerpt(config, *fields, frequency=wildcards.frequency)
+
+
+def of_routes(kind):
+    """The tables of features or estimates, of both routes at every frequency."""
+    return expand(
+        f"{RESULTS}/{kind}/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
+    )
 
 
 def script_modules(script):

@@ -8,8 +8,7 @@ rule estimate_exact:
     output:
         estimates=f"{RESULTS}/estimates/exact/{{frequency}}.csv",
     params:
-        oscillator=config["oscillator"],
-        pairs=config["estimation"]["pairs"],
+        case=of_case("oscillator", "pairs"),
     message:
         "Estimates from the exact features at {wildcards.frequency}"
     script:
@@ -24,8 +23,7 @@ rule estimate_as_published:
     output:
         estimates=f"{RESULTS}/estimates/as_published/{{frequency}}.csv",
     params:
-        oscillator=config["oscillator"],
-        pairs=config["estimation"]["pairs"],
+        case=of_case("oscillator", "pairs"),
     message:
         "Estimates from the as-published features at {wildcards.frequency}"
     script:

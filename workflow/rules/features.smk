@@ -8,7 +8,7 @@ rule features_exact:
     output:
         features=f"{RESULTS}/features/exact/{{frequency}}.csv",
     params:
-        phase=config["estimation"]["phase"],
+        case=of_case("phase"),
     message:
         "Exact features at {wildcards.frequency}"
     script:
@@ -23,10 +23,7 @@ rule features_as_published:
         tabulated=f"{RESULTS}/features/as_published/{{frequency}}.csv",
         two_point=f"{RESULTS}/features/as_published/two_point/{{frequency}}.csv",
     params:
-        oscillator=config["oscillator"],
-        frequency_hz=frequency_hz,
-        numerics=config["as_published"],
-        phase=config["estimation"]["phase"],
+        case=at_frequency("oscillator", "phase", "numerics"),
     message:
         "Features read off the fixed-step records at {wildcards.frequency}"
     script:

@@ -56,9 +56,8 @@ rule estimation_error:
     output:
         **figure_files("estimation_error"),
     params:
-        oscillator=config["oscillator"],
-        frequencies_hz=FREQUENCIES_HZ,
-        levels_m=LEVELS_M,
+        case=of_case("oscillator", "frequencies_hz", "levels_m"),
+        folder=RESULTS,
     message:
         "Estimation error of each approach"
     script:

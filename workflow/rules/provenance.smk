@@ -10,7 +10,7 @@ from dampbalance.publishing.provenance.sources import COMPUTING, PROJECT, code_v
 from snakemake.io import is_flagged
 
 PROVENANCE_RULES = ("manifest", "crate", "archive")
-ARCHIVE_NAME = f"dampbalance-{VERSION}" + ("" if CASE == "paper" else f"-{CASE}")
+ARCHIVE_NAME = f"dampbalance-{VERSION}" + ("" if CASE.name == "paper" else f"-{CASE.name}")
 
 
 @functools.cache
@@ -72,7 +72,7 @@ rule manifest:
             labels={"result": "manifest"},
         ),
     params:
-        case=CASE,
+        case=CASE.name,
         configuration=config,
         configuration_files=[os.path.relpath(file) for file in CONFIG_FILES],
         sources=lambda wildcards: sources_of(COMPUTING),
@@ -118,7 +118,7 @@ rule archive:
         citation="CITATION.cff",
         rebuild=" ".join(
             ["make"]
-            if CASE == "paper"
+            if CASE.name == "paper"
             else [
                 ". .venv/bin/activate && snakemake --cores all --configfile",
                 *(os.path.relpath(file) for file in workflow.overwrite_configfiles),

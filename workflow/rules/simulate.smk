@@ -7,9 +7,7 @@ rule simulate_exact:
     output:
         orbits=f"{RESULTS}/orbits/{{frequency}}.json",
     params:
-        oscillator=config["oscillator"],
-        frequency_hz=frequency_hz,
-        levels_m=LEVELS_M,
+        case=at_frequency("oscillator", "levels_m"),
     message:
         "Exact steady orbits at {wildcards.frequency}"
     script:
@@ -22,10 +20,7 @@ rule simulate_as_published:
     output:
         records=f"{RESULTS}/records/as_published/{{frequency}}.parquet",
     params:
-        oscillator=config["oscillator"],
-        frequency_hz=frequency_hz,
-        levels_m=LEVELS_M,
-        numerics=config["as_published"],
+        case=at_frequency("oscillator", "levels_m", "numerics"),
     message:
         "Fixed-step simulation at {wildcards.frequency}"
     script:

@@ -6,7 +6,7 @@ TABLES = ["table1", "table2", "table3", "statistics"]
 
 def table_files(extension):
     """results/<case>/tables/table1.csv … for the first frequency, table1_<frequency>.csv … for the others."""
-    suffixes = ["", *(f"_{frequency}" for frequency in FREQUENCIES[1:])]
+    suffixes = [CASE.suffix(frequency) for frequency in FREQUENCIES]
     return [
         f"{RESULTS}/tables/{name}{suffix}.{extension}" for suffix in suffixes for name in TABLES
     ]
@@ -14,12 +14,8 @@ def table_files(extension):
 
 rule tables:
     input:
-        features=expand(
-            f"{RESULTS}/features/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
-        ),
-        estimates=expand(
-            f"{RESULTS}/estimates/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
-        ),
+        features=of_routes("features"),
+        estimates=of_routes("estimates"),
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
         modules=script_modules("tables/tables.py"),
     output:
@@ -31,9 +27,7 @@ rule tables:
         md=[*table_files("md"), f"{RESULTS}/tables/approaches.md"],
     params:
         folder=RESULTS,
-        oscillator=config["oscillator"],
-        frequencies_hz=FREQUENCIES_HZ,
-        pairs=config["estimation"]["pairs"],
+        case=of_case("oscillator", "frequencies_hz", "pairs"),
     message:
         "Tables"
     script:

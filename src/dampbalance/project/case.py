@@ -1,9 +1,9 @@
-"""The configured case: oscillator, drive frequencies, levels and pairs, in SI units and the package's own types."""
+"""The configured case: one object made from the configuration, in SI units and the package's own types."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
@@ -11,41 +11,93 @@ from typing import Any, Self
 from ..model import BaseMotion, Oscillator
 from .documents import ConfigurationError, Problem, against_schema, in_lines, read_yaml
 
+NOT_GIVEN: Any = None
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """How the authors computed: the section `as_published`. Decimals that are None stand for all of them.
+
+    scheme : a key of `fixed_step.SCHEMES`.   step_s : s.   cycles : simulated from rest.
+    c_over_m_decimals, k_over_m_decimals : kept of c/m (1/s) and k/m (1/s²).
+    tabulated, two_point : rules of reading as configured, for `ReadOut.from_config`.
+    """
+
+    scheme: str
+    step_s: float
+    cycles: int
+    c_over_m_decimals: int | None
+    k_over_m_decimals: int | None
+    tabulated: Mapping[str, Any]
+    two_point: Mapping[str, Any]
+
 
 @dataclass(frozen=True)
 class Case:
-    """What a configuration describes, in SI units and the package's own types.
+    """What a configuration describes. A field is NOT_GIVEN when the case was made from an excerpt without it.
 
-    oscillator : the system.   frequencies_hz : drive frequencies by name.   levels_m : amplitudes Y.
+    name : of the folder of the results.   oscillator : the system.
+    frequencies_hz : drive frequencies by name.   levels_m : amplitudes Y.
     pairs : of positions in levels_m, counted from 0.   phase : the lag that the harmonic approaches use.
+    numerics : those of the as-published route.
     """
 
-    name: str
-    oscillator: Oscillator
-    frequencies_hz: dict[str, float]
-    levels_m: tuple[float, ...]
-    pairs: tuple[tuple[int, int], ...]
-    phase: str
+    name: str = NOT_GIVEN
+    oscillator: Oscillator = NOT_GIVEN
+    frequencies_hz: Mapping[str, float] = NOT_GIVEN
+    levels_m: tuple[float, ...] = NOT_GIVEN
+    pairs: tuple[tuple[int, int], ...] = NOT_GIVEN
+    phase: str = NOT_GIVEN
+    numerics: Numerics = NOT_GIVEN
 
     @classmethod
     def from_config(cls, config: Mapping[str, Any]) -> Self:
-        """The case of a configuration that `check` has passed."""
-        return cls(
-            name=config["case"],
-            oscillator=oscillator_from(config["oscillator"]),
-            frequencies_hz={f["name"]: f["hz"] for f in config["excitation"]["frequencies"]},
-            levels_m=tuple(config["excitation"]["levels_m"]),
-            pairs=pairs_from(config["estimation"]["pairs"]),
-            phase=config["estimation"]["phase"],
-        )
+        """The case of a configuration that `check` has passed, or of an `excerpt` of one."""
+        made = {}
+        for field, (key, make) in _FIELDS.items():
+            section, _, name = key.rpartition(".")
+            part = config.get(section, {}) if section else config
+            if name in part:
+                made[field] = make(part[name])
+        return cls(**made)
+
+    def omega(self, frequency: str) -> float:
+        """Circular drive frequency ω = 2πf, rad/s."""
+        return 2.0 * math.pi * self.frequencies_hz[frequency]
 
     def motions(self, frequency: str) -> list[BaseMotion]:
         """The base motions of one frequency, in the order of the levels."""
-        return motions_from(self.frequencies_hz[frequency], self.levels_m)
+        return [BaseMotion(Y=Y, omega=self.omega(frequency)) for Y in self.levels_m]
+
+    def suffix(self, frequency: str) -> str:
+        """What the file names of its tables end with: nothing at the first frequency, which is the paper's."""
+        return "" if frequency == next(iter(self.frequencies_hz)) else f"_{frequency}"
 
 
-def oscillator_from(section: Mapping[str, float]) -> Oscillator:
-    """The oscillator of the configuration's section of that name."""
+def excerpt(
+    config: Mapping[str, Any], *fields: str, frequency: str | None = None
+) -> dict[str, Any]:
+    """The part of a configuration from which `Case.from_config` makes these fields, and no other.
+
+    Rules of the workflow hand it to their scripts: a change elsewhere in the configuration then reruns nothing.
+
+    fields : names of fields of `Case`.   frequency : a drive frequency to give as well, and the only one.
+    """
+    kept: dict[str, Any] = {}
+    for field in fields:
+        section, _, name = _FIELDS[field][0].rpartition(".")
+        source, target = config, kept
+        if section:
+            source, target = config[section], kept.setdefault(section, {})
+        target[name] = source[name]
+    if frequency is not None:
+        drives = config["excitation"]["frequencies"]
+        only = [drive for drive in drives if drive["name"] == frequency]
+        kept.setdefault("excitation", {})["frequencies"] = only
+    return kept
+
+
+def _oscillator(section: Mapping[str, float]) -> Oscillator:
     return Oscillator(
         m=section["m_kg"],
         c=section["c_N_s_per_m"],
@@ -55,14 +107,19 @@ def oscillator_from(section: Mapping[str, float]) -> Oscillator:
     )
 
 
-def motions_from(frequency_hz: float, levels_m: Iterable[float]) -> list[BaseMotion]:
-    """Base motions at the frequency f, Hz, and the amplitudes Y, m."""
-    return [BaseMotion(Y=Y, omega=2.0 * math.pi * frequency_hz) for Y in levels_m]
-
-
-def pairs_from(pairs: Iterable[Iterable[int]]) -> tuple[tuple[int, int], ...]:
-    """Pairs of positions counted from 0, from those of the configuration, counted from 1."""
-    return tuple((i - 1, j - 1) for i, j in pairs)
+# Field of a case → where the configuration has it, and what makes the one from the other.
+_FIELDS: dict[str, tuple[str, Callable[[Any], Any]]] = {
+    "name": ("case", str),
+    "oscillator": ("oscillator", _oscillator),
+    "frequencies_hz": (
+        "excitation.frequencies",
+        lambda drives: {drive["name"]: drive["hz"] for drive in drives},
+    ),
+    "levels_m": ("excitation.levels_m", tuple),
+    "pairs": ("estimation.pairs", lambda pairs: tuple((i - 1, j - 1) for i, j in pairs)),
+    "phase": ("estimation.phase", str),
+    "numerics": ("as_published", lambda section: Numerics(**section)),
+}
 
 
 def check(config: Mapping[str, Any], schema_file: str | Path, files: Iterable[str | Path]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pandas as pd
 
+
+ROUTES = ("exact", "as_published")
+"""The ways in which a case is computed, as their folders are named."""
 
 SIGNIFICANT_DIGITS = 15  # of a float in a CSV: all that survive a round trip through decimal text
 
@@ -56,6 +59,17 @@ def read_csv(path: str | Path, **options: Any) -> pd.DataFrame:
     frame: pd.DataFrame = pd.read_csv(path, **options)
     text = frame.select_dtypes(exclude="number").columns
     return frame.fillna(dict.fromkeys(text, ""))
+
+
+def read_routes(
+    results: str | Path, kind: str, frequencies: Iterable[str], routes: Iterable[str] = ROUTES
+) -> dict[str, dict[str, pd.DataFrame]]:
+    """route → frequency → table of the features or the estimates (`kind`) in the folder `results`."""
+    names = list(frequencies)
+    return {
+        route: {name: read_csv(f"{results}/{kind}/{route}/{name}.csv") for name in names}
+        for route in routes
+    }
 
 
 def write_parquet(path: str | Path, frame: pd.DataFrame) -> None:

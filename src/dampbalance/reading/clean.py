@@ -39,6 +39,9 @@ A harmonic reaches √2, white noise about 6; the corner that ends a stick phase
 within it, which in turn exceeds the median.
 """
 
+CYCLES_TO_READ = 3
+"""Periods that a record of a steady response needs: one to wait for the reversal, one to read, one for the lock-in."""
+
 _SIDE = 4  # samples of one phase through which its acceleration is continued
 _FEWEST = 3  # stick samples below which there is no line to meet the corner
 

@@ -7,15 +7,15 @@ each approach gives off resonance. Its features are exact, so that what is left 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from ..balance import APPROACHES, TERMS, takes_phase
 from ..estimates import estimate_table
 from ..features import Features, Phase
 from ..model import Oscillator
+from ..project.case import Case
 from ..project.wording import percent
-from ..solver import Pair
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,41 +23,28 @@ if TYPE_CHECKING:
 PHASES: tuple[Phase, ...] = ("reversal", "zero_crossing", "fundamental")
 """The lags of x behind y that the harmonic approaches can use."""
 
-COLUMNS = (
-    "frequency",
-    "frequency_hz",
-    "approach",  # a key of balance.APPROACHES
-    "phase",  # reversal, zero_crossing or fundamental; empty for an approach that takes no choice of phase
-    "sharing",  # φ and t_s individual to each level or common to all; empty likewise
-    "F_k_error_percent",  # of the least squares over all levels, with sign
-    "c_error_percent",
-    "F_k_largest_pair_error_percent",  # size, over the pairs of levels
-    "c_largest_pair_error_percent",
-)
-_UNKNOWNS = {symbol: term.column for symbol, term in TERMS.items()}
 
+def approaches_table(features: Mapping[str, Features], case: Case) -> pd.DataFrame:
+    """Errors of the coefficients, %, by every approach, definition of the phase, and frequency.
 
-def approaches_table(
-    features: Mapping[str, Features],
-    frequencies_hz: Mapping[str, float],
-    osc: Oscillator,
-    chosen: Sequence[Pair],
-) -> pd.DataFrame:
-    """Errors of F_k and c, %, by every approach, definition of the phase, and frequency: columns COLUMNS.
+    Columns: frequency, frequency_hz; approach, a key of balance.APPROACHES; phase, reversal, zero_crossing or fundamental;
+    sharing, φ and t_s individual to each level or common to all; both are empty for an approach that takes no phase. Then
+    F_k_error_percent … of the least squares over all levels, with sign, and F_k_largest_pair_error_percent …, the size of
+    the largest over the pairs of levels.
 
-    features : exact ones by frequency.   frequencies_hz : f, Hz, by frequency, in the order of the table.
-    osc : with the true F_k and c.   chosen : pairs of levels, counted from 0.
+    features : exact ones by frequency.   case : its frequencies in the order of the table, the true F_k and c, the
+    pairs of levels.
 
     NaN: an estimate that does not exist (nothing slips), and an error relative to a true value of zero.
     """
     records = [
         {"frequency": name, "frequency_hz": hz, **errors}
-        for name, hz in frequencies_hz.items()
-        for errors in _errors(features[name], osc, chosen)
+        for name, hz in case.frequencies_hz.items()
+        for errors in _errors(features[name], case)
     ]
     import pandas as pd  # slow to import, and needed for tables only
 
-    return pd.DataFrame.from_records(records, columns=list(COLUMNS))
+    return pd.DataFrame.from_records(records)
 
 
 def approaches_markdown(table: pd.DataFrame, title: str) -> str:
@@ -76,35 +63,48 @@ def approaches_markdown(table: pd.DataFrame, title: str) -> str:
     return "\n".join(lines)
 
 
-def _errors(
-    features: Features, osc: Oscillator, chosen: Sequence[Pair]
-) -> Iterator[dict[str, object]]:
+def relative_errors(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, pd.Series[float]]:
+    """Errors of F_k and c, %, with sign, of each line of a table of estimates; NaN where the true value is zero."""
+    return {
+        name: 100.0 * (estimates[term.column] / (getattr(osc, name, 0.0) or math.nan) - 1.0)
+        for name, term in TERMS.items()
+    }
+
+
+def largest_errors(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, float]:
+    """Size of the largest errors of F_k and c, %, in a table of estimates."""
+    errors = relative_errors(estimates, osc)
+    return {name: float(error.abs().max()) for name, error in errors.items()}
+
+
+def _errors(features: Features, case: Case) -> Iterator[dict[str, object]]:
     """The lines of one frequency, approach by approach; one that takes no choice of phase has a single line."""
-    tables = {phase: estimate_table(features.with_phase(phase), osc.k, chosen) for phase in PHASES}
+    k, pairs = case.oscillator.k, case.pairs
+    tables = {phase: estimate_table(features.with_phase(phase), k, pairs) for phase in PHASES}
     for approach in APPROACHES:
         for phase in PHASES[:1] if not takes_phase(approach) else PHASES:
             lines = tables[phase][tables[phase]["approach"] == approach]
             for sharing, estimates in lines.groupby("phase", sort=False):
                 words = ("", "") if not takes_phase(approach) else (phase, sharing)
                 head = {"approach": approach, "phase": words[0], "sharing": words[1]}
-                yield head | _errors_of(estimates, osc)
+                yield head | _errors_of(estimates, case.oscillator)
 
 
 def _errors_of(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, object]:
     """The errors of one approach: of its least squares, and of the pair that is furthest off."""
-    errors: dict[str, object] = {}
-    for name, column in _UNKNOWNS.items():
-        true = getattr(osc, name) or math.nan  # a true value of zero has no relative error
-        error = 100.0 * (estimates[column] / true - 1.0)
-        errors[f"{name}_error_percent"] = error[estimates["kind"] == "least_squares"].iloc[0]
-        pairs = error[estimates["kind"] == "pair"]
-        errors[f"{name}_largest_pair_error_percent"] = pairs.abs().max()
-    return errors
+    fit, pairs = (estimates[estimates["kind"] == kind] for kind in ("least_squares", "pair"))
+    found: dict[str, object] = {
+        f"{name}_error_percent": error.iloc[0] for name, error in relative_errors(fit, osc).items()
+    }
+    return found | {
+        f"{name}_largest_pair_error_percent": error
+        for name, error in largest_errors(pairs, osc).items()
+    }
 
 
 def _side_by_side(table: pd.DataFrame, column: str) -> list[str]:
     frequencies = dict(zip(table["frequency"], table["frequency_hz"], strict=True))
-    heads = [f"{name}, {hz:g} Hz" for hz in frequencies.values() for name in _UNKNOWNS]
+    heads = [f"{name}, {hz:g} Hz" for hz in frequencies.values() for name in TERMS]
     lines = [
         "| approach | phase | φ, t_s | " + " | ".join(heads) + " |",
         "|---|---|---|" + "---:|" * len(heads),
@@ -112,9 +112,9 @@ def _side_by_side(table: pd.DataFrame, column: str) -> list[str]:
     for key, rows in table.groupby(["approach", "phase", "sharing"], sort=False):
         at = {
             name: dict(zip(rows["frequency"], rows[column.format(name)], strict=True))
-            for name in _UNKNOWNS
+            for name in TERMS
         }
-        errors = [at[name].get(f, math.nan) for f in frequencies for name in _UNKNOWNS]
+        errors = [at[name].get(f, math.nan) for f in frequencies for name in TERMS]
         approach, phase, sharing = (str(word) for word in key)
         words = [approach, phase.replace("_", " ") or "–", sharing or "–"]
         lines.append("| " + " | ".join([*words, *map(_signed, errors)]) + " |")

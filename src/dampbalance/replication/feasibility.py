@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 from ..motion.fixed_step import MIN_STICK_SAMPLES
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
@@ -13,14 +12,13 @@ from ..project.case import Case
 from ..project.documents import refuse
 
 
-def check_feasible(config: Mapping[str, Any], files: Iterable[str | Path]) -> list[str]:
-    """Look at every exact orbit of a configuration that `configuration.check` has passed.
+def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
+    """Look at every exact orbit of a case.   files : the configuration's, to say where a key stands.
 
     Returns a notice for each response without slip: it has no slip features, and is left out of the estimates.
     Raises ConfigurationError for a step that is too coarse for the shortest stick phase, or a response that has no
     steady orbit.
     """
-    case = Case.from_config(config)
     notices = []
     shortest, where = math.inf, ""
     for i, (frequency, hz) in enumerate(case.frequencies_hz.items()):
@@ -36,7 +34,7 @@ def check_feasible(config: Mapping[str, Any], files: Iterable[str | Path]) -> li
                 )
             elif orbit.t_s < shortest:
                 shortest, where = orbit.t_s, place
-    step = config["as_published"]["step_s"]
+    step = case.numerics.step_s
     if shortest < MIN_STICK_SAMPLES * step:
         refuse(
             ("as_published", "step_s"),

@@ -17,11 +17,9 @@ from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
-from ..reading.clean import ReadAt, of_record
+from ..reading.clean import CYCLES_TO_READ, ReadAt, of_record
 from ..record import Record
 from .responses import NOT_READ, STEP_TOO_COARSE
-
-KEPT_CYCLES = 3  # of a simulation: whole cycles enough for the reader, whatever the phase
 
 
 def fixed_step_responses(
@@ -47,7 +45,7 @@ def fixed_step_responses(
                 scheme=str(numerics["scheme"][case]),
                 step=step,
                 cycles=cycles,
-                keep_cycles=KEPT_CYCLES,
+                keep_cycles=CYCLES_TO_READ,
             )
         except StepTooCoarse:
             return of_numbers(motion.omega, STEP_TOO_COARSE)

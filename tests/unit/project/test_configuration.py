@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from dampbalance.project.case import Case, check, motions_from, oscillator_from
+from dampbalance.model import Oscillator
+from dampbalance.project.case import NOT_GIVEN, Case, check, excerpt
 from dampbalance.project.documents import ConfigurationError
 
 ROOT = Path(__file__).parents[3]
@@ -138,9 +139,31 @@ def test_every_key_is_described_and_documented():
 
 def test_the_case_is_in_si_units_and_the_packages_types(config):
     case = Case.from_config(config)
-    assert case.oscillator == oscillator_from(config["oscillator"])
-    assert case.oscillator.K_z == 208000.0
+    assert case.name == "paper"
+    assert case.oscillator == Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
     assert case.pairs[0] == (0, 1)
+    assert case.phase == "reversal"
+    assert (case.numerics.scheme, case.numerics.step_s) == ("backward-euler", 5e-6)
+    assert case.numerics.two_point == config["as_published"]["two_point"]
     assert [m.Y for m in case.motions("omega1")] == [0.004, 0.006, 0.008, 0.010, 0.012]
-    assert case.motions("omega3")[0].omega == 2.0 * math.pi * 11.1
-    assert motions_from(1.0, [0.1])[0].period == pytest.approx(1.0, rel=1e-15)
+    assert case.motions("omega3")[0].omega == case.omega("omega3") == 2.0 * math.pi * 11.1
+    assert [case.suffix(name) for name in case.frequencies_hz] == ["", "_omega2", "_omega3"]
+
+
+def test_an_excerpt_makes_the_fields_it_names_and_holds_nothing_else(config):
+    whole = Case.from_config(config)
+    fields = ("oscillator", "levels_m", "frequencies_hz", "pairs", "phase", "numerics", "name")
+    assert Case.from_config(excerpt(config, *fields)) == whole
+    for field in fields:
+        only = excerpt(config, field)
+        assert Case.from_config(only) == Case(**{field: getattr(whole, field)})
+        key = next(iter(only))
+        assert only[key] == config[key] or set(only[key]) < set(config[key])
+
+
+def test_an_excerpt_at_a_frequency_holds_no_other(config):
+    part = excerpt(config, "levels_m", frequency="omega2")
+    assert part["excitation"].keys() == {"levels_m", "frequencies"}
+    case = Case.from_config(part)
+    assert case.frequencies_hz == {"omega2": 3.5}
+    assert case.oscillator is NOT_GIVEN

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,13 +12,20 @@ from dampbalance.balance import slip_displacement
 from dampbalance.features import of_orbit, stack
 from dampbalance.model import BaseMotion, Oscillator
 from dampbalance.motion.orbit import steady_orbit
+from dampbalance.project.case import Case
 from dampbalance.replication.comparison import COLUMNS, approaches_markdown, approaches_table
 from dampbalance.solver import least_squares, pair
 
 PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
 HERTZ = {"omega1": 4.92, "omega2": 3.5, "omega3": 11.1}
 LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
-PAIRS = [(0, 1), (1, 2), (2, 3), (3, 4), (0, 4)]
+PAIRS = ((0, 1), (1, 2), (2, 3), (3, 4), (0, 4))
+CASE = Case(oscillator=PAPER, frequencies_hz=HERTZ, pairs=PAIRS)
+
+
+def alone(frequency, hertz, osc):
+    """The case at one frequency only, with another oscillator."""
+    return replace(CASE, oscillator=osc, frequencies_hz={frequency: hertz})
 
 
 def exact(hertz, levels=LEVELS, osc=PAPER):
@@ -32,7 +40,7 @@ def features():
 
 @pytest.fixture(scope="module")
 def table(features):
-    return approaches_table(features, HERTZ, PAPER, PAIRS)
+    return approaches_table(features, CASE)
 
 
 def errors(table, frequency, approach, phase="", sharing=""):
@@ -96,10 +104,10 @@ def test_errors_keep_their_sign_and_follow_from_the_rows(table, features):
 
 def test_what_cannot_be_identified_is_left_empty():
     sticking = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=60.0)
-    table = approaches_table({"f": exact(4.92, osc=sticking)}, {"f": 4.92}, sticking, PAIRS)
+    table = approaches_table({"f": exact(4.92, osc=sticking)}, alone("f", 4.92, sticking))
     assert table["F_k_error_percent"].isna().all()
     undamped = Oscillator(m=2.42, c=0.0, k=2310.0, K_z=208000.0, F_k=1.28)
-    table = approaches_table({"f": exact(3.5, osc=undamped)}, {"f": 3.5}, undamped, PAIRS)
+    table = approaches_table({"f": exact(3.5, osc=undamped)}, alone("f", 3.5, undamped))
     assert table["c_error_percent"].isna().all()  # of nothing there is no relative error
     assert np.isfinite(table["F_k_error_percent"]).all()
     assert "nan" not in approaches_markdown(table, "Title")

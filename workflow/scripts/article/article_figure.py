@@ -4,11 +4,11 @@ import pandas as pd
 
 from dampbalance.figures.numerics import ALT, Evidence, numerics
 from dampbalance.figures.style import save
-from dampbalance.project.case import oscillator_from
+from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv
 
 if __name__ == "__main__":
-    i, p = snakemake.input, snakemake.params
+    i, case = snakemake.input, Case.from_config(snakemake.params.case)
     evidence = Evidence(
         claims=read_csv(i.claims, dtype=str),
         exact=read_csv(i.exact),
@@ -17,7 +17,6 @@ if __name__ == "__main__":
         schemes=read_csv(i.schemes),
         steps=pd.read_parquet(i.steps),
     )
-    numbers = p.numerics
-    unit = numbers["tabulated"]["t_s_unit_s"]
-    figure = numerics(evidence, oscillator_from(p.oscillator), numbers["step_s"], unit)
+    unit = case.numerics.tabulated["t_s_unit_s"]
+    figure = numerics(evidence, case.oscillator, case.numerics.step_s, unit)
     save(figure, snakemake.output.svg, snakemake.output.png, ALT)

@@ -2,15 +2,10 @@
 
 from dampbalance.estimates import estimate_table
 from dampbalance.features import Features
-from dampbalance.project.case import oscillator_from, pairs_from
+from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_csv
 
-
-def main(features_file, oscillator, pairs):
-    features = Features.from_frame(read_csv(features_file))
-    return estimate_table(features, oscillator_from(oscillator).k, pairs_from(pairs))
-
-
 if __name__ == "__main__":
-    p = snakemake.params
-    write_csv(snakemake.output.estimates, main(snakemake.input.features, p.oscillator, p.pairs))
+    case = Case.from_config(snakemake.params.case)
+    features = Features.from_frame(read_csv(snakemake.input.features))
+    write_csv(snakemake.output.estimates, estimate_table(features, case.oscillator.k, case.pairs))

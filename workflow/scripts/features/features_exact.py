@@ -2,13 +2,10 @@
 
 from dampbalance.features import of_orbit, stack
 from dampbalance.motion.orbit import read_orbits
+from dampbalance.project.case import Case
 from dampbalance.project.files import write_csv
 
-
-def main(orbits_file, phase):
-    features = stack([of_orbit(orbit) for orbit in read_orbits(orbits_file)])
-    return features.with_phase(phase).to_frame()
-
-
 if __name__ == "__main__":
-    write_csv(snakemake.output.features, main(snakemake.input.orbits, snakemake.params.phase))
+    case = Case.from_config(snakemake.params.case)
+    features = stack([of_orbit(orbit) for orbit in read_orbits(snakemake.input.orbits)])
+    write_csv(snakemake.output.features, features.with_phase(case.phase).to_frame())

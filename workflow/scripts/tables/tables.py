@@ -1,8 +1,8 @@
 """The paper's tables at each frequency, and every approach at every frequency, as CSV and Markdown."""
 
 from dampbalance.features import Features
-from dampbalance.project.case import oscillator_from, pairs_from
-from dampbalance.project.files import read_csv, write_csv, write_text
+from dampbalance.project.case import Case
+from dampbalance.project.files import read_csv, read_routes, write_csv, write_text
 from dampbalance.replication import comparison, tables
 
 TITLES = {
@@ -14,10 +14,11 @@ TITLES = {
 }
 
 
-def main(folder, frequency, claims):
+def at_frequency(features, estimates, frequency, claims):
+    """The paper's tables: features and estimates are route → frequency → table."""
     features, estimates = (
-        {route: read_csv(f"{folder}/{kind}/{route}/{frequency}.csv") for route in tables.ROUTES}
-        for kind in ("features", "estimates")
+        {route: tables_of[frequency] for route, tables_of in routes.items()}
+        for routes in (features, estimates)
     )
     return {
         "table1": tables.table1(features, claims),
@@ -27,28 +28,26 @@ def main(folder, frequency, claims):
     }
 
 
-def compare(folder, frequencies_hz, oscillator, pairs):
-    features = {
-        frequency: Features.from_frame(read_csv(f"{folder}/features/exact/{frequency}.csv"))
-        for frequency in frequencies_hz
-    }
-    return comparison.approaches_table(
-        features, frequencies_hz, oscillator_from(oscillator), pairs_from(pairs)
-    )
+def compare(features, case):
+    """Every approach at every frequency, from the exact features."""
+    exact = {frequency: Features.from_frame(frame) for frequency, frame in features.items()}
+    return comparison.approaches_table(exact, case)
 
 
 if __name__ == "__main__":
-    p = snakemake.params
-    printed = (
-        read_csv(snakemake.input.claims, dtype={"printed": str}) if snakemake.input.claims else None
+    claims, folder = snakemake.input.claims, snakemake.params.folder
+    case = Case.from_config(snakemake.params.case)
+    features, estimates = (
+        read_routes(folder, kind, case.frequencies_hz) for kind in ("features", "estimates")
     )
-    for i, (frequency, hz) in enumerate(p.frequencies_hz.items()):
-        made = main(p.folder, frequency, printed if i == 0 else None)
-        for name, table in made.items():
-            path = f"{p.folder}/tables/{name}" + (f"_{frequency}" if i else "")
+    printed = read_csv(claims, dtype={"printed": str}) if claims else None
+    for frequency, hz in case.frequencies_hz.items():
+        for name, table in at_frequency(features, estimates, frequency, printed).items():
+            path = f"{folder}/tables/{name}{case.suffix(frequency)}"
             write_csv(f"{path}.csv", table)
             write_text(f"{path}.md", tables.markdown(table, f"{TITLES[name]}, {hz:g} Hz"))
-    everywhere = compare(p.folder, p.frequencies_hz, p.oscillator, p.pairs)
-    path = f"{p.folder}/tables/approaches"
+        printed = None  # the paper prints the first frequency only
+    everywhere = compare(features["exact"], case)
+    path = f"{folder}/tables/approaches"
     write_csv(f"{path}.csv", everywhere)
     write_text(f"{path}.md", comparison.approaches_markdown(everywhere, TITLES["approaches"]))

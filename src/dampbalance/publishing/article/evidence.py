@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,9 @@ from ...balance import takes_phase, viscous_integral
 from ...estimates import estimate_table
 from ...features import Features
 from ...model import Oscillator
+from ...project.case import Case
+from ...replication import comparison
+from ...replication.as_published import added_damping, coefficients
 from ...replication.claim_ids import of_cell
 from ...replication.tables import TABLE_2
 from ...replication.verdicts import counts
@@ -25,34 +29,29 @@ Json = dict[str, Any]
 
 
 def evidence(
-    oscillator: Oscillator,
+    case: Case,
     features: Mapping[str, Mapping[str, pd.DataFrame]],
     estimates: Mapping[str, Mapping[str, pd.DataFrame]],
     claims: pd.DataFrame,
     approaches: pd.DataFrame,
     schemes: pd.DataFrame,
-    pairs: Sequence[Pair],
-    numerics: Mapping[str, Any],
-    frequencies_hz: Mapping[str, float],
 ) -> Json:
     """Everything below, by name.
 
     features, estimates : route (exact, as_published) → frequency → table.   claims : the table of verdicts, as text.
     approaches : of `comparison.approaches_table`.   schemes : of `schemes.scheme_table`.
-    pairs : of levels, counted from 0.   numerics : the section `as_published` of the configuration.
 
     None stands where there is no number: an error relative to a true value of zero.
     """
+    oscillator, pairs = case.oscillator, case.pairs
     exact = {name: Features.from_frame(table) for name, table in features["exact"].items()}
     first = next(iter(exact))
     terms = {name: balance_terms(f, oscillator) for name, f in exact.items()}
     found: Json = _without_nan(
         {
-            "setting": setting(oscillator, exact[first], pairs, numerics, frequencies_hz),
+            "setting": setting(case, exact[first]),
             "verdicts": verdicts(claims),
-            "dissipation": dissipation(
-                oscillator, float(exact[first].omega[0]), numerics["step_s"]
-            ),
+            "dissipation": dissipation(case, float(exact[first].omega[0])),
             "integrals": integral_deviations(features, claims, schemes, first),
             "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},
             "fourier_largest": _largest_of(approaches, "fourier"),
@@ -64,36 +63,24 @@ def evidence(
     return found
 
 
-def setting(
-    oscillator: Oscillator,
-    first: Features,
-    pairs: Sequence[Pair],
-    numerics: Mapping[str, Any],
-    frequencies_hz: Mapping[str, float],
-) -> Json:
+def setting(case: Case, first: Features) -> Json:
     """The case: parameters, frequencies, levels, and the rounded coefficients of the equation divided by m."""
-    osc = oscillator
-    step = numerics["step_s"]
+    osc, numerics = case.oscillator, case.numerics
     return {
-        "m": osc.m,
-        "c": osc.c,
-        "k": osc.k,
-        "K_z": osc.K_z,
-        "F_k": osc.F_k,
+        **asdict(osc),
         "zeta": osc.zeta,
         "natural_frequency_hz": osc.omega_n / (2.0 * math.pi),
         "swing_um": 2e6 * osc.Z_m,  # 2 Z_m
-        "frequency_hz": dict(frequencies_hz),
+        "frequency_hz": dict(case.frequencies_hz),
         "levels_mm": (1e3 * first.Y).tolist(),
         "levels": len(first),
-        "frequencies": len(frequencies_hz),
-        "pairs": len(pairs),
-        "scheme": numerics["scheme"].replace("-", " ").replace("euler", "Euler"),
-        "step_us": 1e6 * step,
-        "cycles": numerics["cycles"],
-        "steps_per_cycle": round(2.0 * math.pi / float(first.omega[0]) / step),
-        "c_over_m": _rounded(osc.c / osc.m, numerics["c_over_m_decimals"]),
-        "k_over_m": _rounded(osc.k / osc.m, numerics["k_over_m_decimals"]),
+        "frequencies": len(case.frequencies_hz),
+        "pairs": len(case.pairs),
+        "scheme": numerics.scheme.replace("-", " ").replace("euler", "Euler"),
+        "step_us": 1e6 * numerics.step_s,
+        "cycles": numerics.cycles,
+        "steps_per_cycle": round(2.0 * math.pi / float(first.omega[0]) / numerics.step_s),
+        **coefficients(case),
         "t_s_mean_ms": 1e3 * float(np.mean(first.t_s)),
         "phi_mean": float(np.mean(first.phi)),
     }
@@ -104,13 +91,13 @@ def verdicts(claims: pd.DataFrame) -> Json:
     return {count.key: {**count.of_verdict, "printed": count.printed} for count in counts(claims)}
 
 
-def dissipation(oscillator: Oscillator, omega: float, step: float) -> Json:
+def dissipation(case: Case, omega: float) -> Json:
     """Backward Euler near resonance: c acts as c + mω²h.   added, effective : N s/m.   relative : of c."""
-    added = oscillator.m * omega**2 * step
+    c, added = case.oscillator.c, added_damping(case, omega)
     return {
         "added": added,
-        "effective": oscillator.c + added,
-        "relative": added / oscillator.c if oscillator.c else math.nan,
+        "effective": c + added,
+        "relative": added / c if c else math.nan,
     }
 
 
@@ -157,15 +144,10 @@ def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[P
     """
     table = estimate_table(features.replaced(X_3=0.0, X_5=0.0), oscillator.k, pairs)
     rows = table[table["approach"] == "fourier"]
-    error = pd.DataFrame(
-        {
-            "kind": rows["kind"],
-            "F_k": 100.0 * (rows["F_k_N"] / oscillator.F_k - 1.0).abs(),
-            "c": 100.0 * (rows["c_N_s_per_m"] / oscillator.c - 1.0).abs(),
-        }
-    )
-    largest = error.groupby("kind")[["F_k", "c"]].max()
-    return {kind: largest.loc[kind].to_dict() for kind in ("pair", "least_squares")}
+    return {
+        kind: comparison.largest_errors(rows[rows["kind"] == kind], oscillator)
+        for kind in ("pair", "least_squares")
+    }
 
 
 def balance_terms(features: Features, oscillator: Oscillator) -> Json:
@@ -211,11 +193,7 @@ def largest_errors(
                 "common": pairs[(pairs["phase"] == "common") & pairs["approach"].map(takes_phase)],
             }
             found.setdefault(route, {})[frequency] = {
-                name: {
-                    "F_k": 100.0 * float((rows["F_k_N"] / oscillator.F_k - 1.0).abs().max()),
-                    "c": 100.0 * float((rows["c_N_s_per_m"] / oscillator.c - 1.0).abs().max()),
-                }
-                for name, rows in sets.items()
+                name: comparison.largest_errors(rows, oscillator) for name, rows in sets.items()
             }
     return found
 
@@ -238,10 +216,6 @@ def _range(values: np.ndarray) -> Json:
         "last": float(values[-1]),
         "size": float(np.max(np.abs(values))),
     }
-
-
-def _rounded(value: float, decimals: int | None) -> float:
-    return value if decimals is None else round(value, decimals)
 
 
 def _without_nan(document: Any) -> Any:

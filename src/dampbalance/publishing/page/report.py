@@ -19,7 +19,7 @@ from markupsafe import Markup
 from ... import __version__
 from ...figures.cycle import POINTS
 from ...motion.orbit import Orbit
-from ...project.case import oscillator_from
+from ...project.case import Case
 from ...project.wording import MINUS, NONE, frequency_name, minus, percent, unit_of
 from ...replication.claim_ids import PARTS, part_of
 from ...replication.verdicts import ROUTE_NAMES, VERDICTS, Count, Verdict, counts
@@ -52,11 +52,13 @@ TABLE_TITLES = {
 class PageContent:
     """What the page shows.
 
-    config : the merged configuration.   claims : `claims.csv` as text, or None for a case with nothing printed.
+    case : as configured.   config : the merged configuration, to be listed.
+    claims : `claims.csv` as text, or None for a case with nothing printed.
     tables : frequency → name → frame of `tables.COLUMNS`.   approaches : tables/approaches.csv.
     orbits : of the first frequency.   estimates : the exact ones by frequency.   studies : (study, its table of cases).
     """
 
+    case: Case
     config: Mapping[str, Any]
     claims: pd.DataFrame | None
     tables: Mapping[str, Mapping[str, pd.DataFrame]]
@@ -105,8 +107,7 @@ def report_page(content: PageContent, page: str) -> str:
 
     Raises ValueError where it would become larger than LARGEST_PAGE.
     """
-    case = str(content.config["case"])
-    frequencies = {f["name"]: f["hz"] for f in content.config["excitation"]["frequencies"]}
+    case, frequencies = content.case.name, content.case.frequencies_hz
     tables = _paper_tables(content, list(frequencies))
     shown = _numbers(content, tables[next(iter(frequencies))]) | _charts(content, frequencies)
     template = _environment(case, page).get_template("report.html.j2")
@@ -165,9 +166,8 @@ def _numbers(content: PageContent, tables: Sequence[PaperTable]) -> dict[str, An
 def _charts(content: PageContent, frequencies: Mapping[str, float]) -> dict[str, Any]:
     """Figure 3, the errors of the approaches and the studies, with what their charts need."""
     figure3 = figure3_charts(content.orbits)
-    oscillator = oscillator_from(content.config["oscillator"])
-    levels = content.config["excitation"]["levels_m"]
-    errors = error_charts(content.estimates, oscillator, frequencies, levels)
+    case = content.case
+    errors = error_charts(content.estimates, case.oscillator, frequencies, case.levels_m)
     studies: list[dict[str, Any]] = [
         {
             "name": study.name.replace("_", "-"),

@@ -5,22 +5,20 @@
 
 from .inputs import FREQUENCIES as PRINTED_FREQUENCIES
 from .inputs import LEVELS as PRINTED_LEVELS
-from .inputs import RouteTables, Setting
+from .inputs import RouteTables
 from .published import Published, read_published
-from .table import check, claims_markdown, claims_table, read_claims, read_record, record, summary
+from .table import check, claims_markdown, claims_table, read_claims, read_record, summary
 
 __all__ = [
     "PRINTED_FREQUENCIES",
     "PRINTED_LEVELS",
     "Published",
     "RouteTables",
-    "Setting",
     "check",
     "claims_markdown",
     "claims_table",
     "read_claims",
     "read_published",
     "read_record",
-    "record",
     "summary",
 ]

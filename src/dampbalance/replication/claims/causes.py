@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from ...project.case import Case
+from ..as_published import added_damping
 from ..printed import Printed
-from .inputs import Setting
 from .published import Published, row
 from .resolutions import TIME_UNIT_S, VELOCITY_MARK
 
@@ -28,15 +29,14 @@ def held(value: float, printed: str) -> str:
     )
 
 
-def backward_euler(setting: Setting, values: Mapping[str, float]) -> str:
+def backward_euler(case: Case, values: Mapping[str, float]) -> str:
     """Numerical dissipation: c acts as c + mω²h, and every integral shrinks by about as much."""
     exact, as_published = values["exact"], values["as_published"]
-    if setting.scheme != "backward-euler" or math.isnan(as_published) or not exact:
+    if case.numerics.scheme != "backward-euler" or math.isnan(as_published) or not exact:
         return ""
-    osc = setting.oscillator
-    effective = osc.c + osc.m * setting.omega() ** 2 * setting.step_s
+    effective = case.oscillator.c + added_damping(case, case.omega("omega1"))
     return (
-        f"Backward Euler, {1e6 * setting.step_s:g} µs: c acts as c + mω²h = {effective:.4f}; "
+        f"Backward Euler, {1e6 * case.numerics.step_s:g} µs: c acts as c + mω²h = {effective:.4f}; "
         f"as published lies {as_published / exact - 1.0:+.1e} of itself from exact."
     )
 

@@ -11,10 +11,11 @@ import pandas as pd
 
 from ...estimates import estimate_table
 from ...features import COLUMNS, Features, of_numbers
+from ...project.case import Case
 from ...solver import Statistics, mean_and_deviation
 from ..printed import Printed
 from ..tables import TABLE_2, UNKNOWNS
-from .inputs import HARMONIC, PAIR_LABELS, PAIRS, RouteTables, Setting
+from .inputs import HARMONIC, PAIR_LABELS, PAIRS, RouteTables
 from .published import Published, numbers
 
 
@@ -31,17 +32,17 @@ def printed_features(published: Published, omega: float) -> Features:
     return of_numbers(omega, "as printed", **features)
 
 
-def from_print(published: Published, setting: Setting) -> RouteTables:
+def from_print(published: Published, case: Case) -> RouteTables:
     """Estimates at ω1 from the printed features, pair-wise with the φ = 1.542 and t_s = 2.1 ms that the text states.
 
     Only ω, k and the pairs come from outside the print.
     """
-    features = printed_features(published, setting.omega())
+    features = printed_features(published, case.omega("omega1"))
     common = features.replaced(
         phi=Printed(published.text_values["printed"]["phi_mean"]).value,
         t_s=Printed(published.text_values["printed"]["t_s_mean"]).value,
     )
-    estimates = estimate_table(features, setting.oscillator.k, PAIRS, common=common)
+    estimates = estimate_table(features, case.oscillator.k, PAIRS, common=common)
     return RouteTables({"omega1": features.to_frame()}, {"omega1": estimates})
 
 

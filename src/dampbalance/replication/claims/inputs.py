@@ -10,7 +10,9 @@ import numpy as np
 import pandas as pd
 
 from ...model import Oscillator
+from ...project.case import Case
 from ...solver import Pair, pair_label
+from ..comparison import largest_errors
 from .published import Published
 
 # The paper's three drive frequencies, by the names they have in the configuration and in results/.
@@ -19,38 +21,19 @@ LEVELS = 5
 PAIRS: tuple[Pair, ...] = ((0, 1), (1, 2), (2, 3), (3, 4), (0, 4))
 PAIR_LABELS = tuple(pair_label(i, j) for i, j in PAIRS)
 HARMONIC = ("X_s", "t_s", "V_s")
-# Of balance.APPROACHES_OF_TABLE_3: the V_s pairs as (19) states them; those of "V_s" have the print's slip of sign.
+# Of as_published.APPROACHES_OF_TABLE_3: the V_s pairs as (19) states them; "V_s" there has the print's slip of sign.
 CORRECTED = "V_s with minus"
 
 
-@dataclass(frozen=True, slots=True)
-class Setting:
-    """What the configuration holds: the simulated system, its drive, and the numerics of the as-published route.
-
-    oscillator : SI.   frequencies_hz : by name, Hz.   levels_m : amplitudes Y, m.
-    scheme, step_s : of the as-published simulation, s.
-    k_over_m : the coefficient as that simulation holds it, 1/s² (rounded: 954.545).
-    """
-
-    oscillator: Oscillator
-    frequencies_hz: Mapping[str, float]
-    levels_m: tuple[float, ...]
-    scheme: str
-    step_s: float
-    k_over_m: float
-
-    def __post_init__(self) -> None:
-        missing = [name for name in FREQUENCIES if name not in self.frequencies_hz]
-        if missing:
-            raise ValueError(
-                f"claims need the frequencies {', '.join(FREQUENCIES)}; missing: {', '.join(missing)}"
-            )
-        if len(self.levels_m) != LEVELS:
-            raise ValueError(f"claims need the five levels of the paper, got {len(self.levels_m)}")
-
-    def omega(self, frequency: str = "omega1") -> float:
-        """Circular drive frequency ω = 2πf, rad/s."""
-        return 2.0 * math.pi * self.frequencies_hz[frequency]
+def require_paper(case: Case) -> None:
+    """Raise ValueError when the case lacks a frequency or a level of the paper."""
+    missing = [name for name in FREQUENCIES if name not in case.frequencies_hz]
+    if missing:
+        raise ValueError(
+            f"claims need the frequencies {', '.join(FREQUENCIES)}; missing: {', '.join(missing)}"
+        )
+    if len(case.levels_m) != LEVELS:
+        raise ValueError(f"claims need the five levels of the paper, got {len(case.levels_m)}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,17 +94,16 @@ class RouteTables:
             & (frame["kind"] == "pair")
             & (frame["phase"] == phase)
         ]
-        F_k_error = (taken["F_k_N"] / oscillator.F_k - 1.0).abs().max()
-        c_error = (taken["c_N_s_per_m"] / oscillator.c - 1.0).abs().max()
-        return 100.0 * float(F_k_error), 100.0 * float(c_error)
+        errors = largest_errors(taken, oscillator)
+        return errors["F_k"], errors["c"]
 
 
 @dataclass(frozen=True, slots=True)
 class Sources:
-    """All that claims are judged from: the printed numbers, the configuration and the three routes."""
+    """All that claims are judged from: the printed numbers, the case and the three routes."""
 
     published: Published
-    setting: Setting
+    case: Case
     exact: RouteTables
     as_published: RouteTables
     from_print: RouteTables

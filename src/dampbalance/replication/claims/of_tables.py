@@ -23,7 +23,7 @@ def levels(sources: Sources) -> Iterator[Claim]:
     """The first column of Tables 1 and 2: the amplitudes Y, which the configuration must hold."""
     tables = {1: sources.published.table1, 2: sources.published.table2_integrals}
     for number, table in tables.items():
-        held = dict(zip(table.index, sources.setting.levels_m, strict=True))
+        held = dict(zip(table.index, sources.case.levels_m, strict=True))
         for level, printed in table["Y_m"].items():
             yield Claim(
                 id=of_cell(f"table{number}", "Y", str(level)),
@@ -45,12 +45,12 @@ def table1(sources: Sources) -> Iterator[Claim]:
         values = sources.features(q.column, int(level))
         resolution, cause = None, ""
         if q.symbol == "phi":
-            resolution = phase_resolution(values["exact"], sources.setting.omega())
+            resolution = phase_resolution(values["exact"], sources.case.omega("omega1"))
             crossing = sources.exact.feature("phi_zero_crossing_rad", int(level))
             cause = causes.phase(values["exact"], crossing, printed)
         elif q.symbol == "t_s":
-            resolution = time_resolution(values["exact"], sources.setting.step_s)
-            cause = causes.slip_time(values["exact"], sources.setting.step_s, printed)
+            resolution = time_resolution(values["exact"], sources.case.numerics.step_s)
+            cause = causes.slip_time(values["exact"], sources.case.numerics.step_s, printed)
         elif q.symbol == "V_s":
             cause = causes.slip_velocity(values["exact"], printed)
         yield Claim(
@@ -81,8 +81,8 @@ def table2_integrals(sources: Sources) -> Iterator[Claim]:
             unit=q.unit,
             printed=printed_table[q.column][level],
             values=values,
-            resolution=integral_resolution(q.symbol, values["as_published"], V_s, sources.setting),
-            cause=f"{causes.backward_euler(sources.setting, values)} {note}".strip(),
+            resolution=integral_resolution(q.symbol, values["as_published"], V_s, sources.case),
+            cause=f"{causes.backward_euler(sources.case, values)} {note}".strip(),
             evidence=contradiction,
         )
 
@@ -103,7 +103,7 @@ def table2_pairs(sources: Sources) -> Iterator[Claim]:
             resolution=Resolution(
                 low, high, "the printed a, b and W give it, within their rounding"
             ),
-            cause=causes.backward_euler(sources.setting, values) if q.symbol == "c" else "",
+            cause=causes.backward_euler(sources.case, values) if q.symbol == "c" else "",
             evidence=f"The printed a, b and W allow {low:.6f} to {high:.6f} only.",
         )
 

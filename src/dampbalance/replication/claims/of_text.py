@@ -32,14 +32,14 @@ TEXT_IDS = frozenset(
 
 def parameters(sources: Sources) -> Iterator[Claim]:
     """The stated parameters, wherever the paper prints them; ζ and ω_n follow from the others."""
-    osc, setting = sources.setting.oscillator, sources.setting
+    osc = sources.case.oscillator
     held = {
         "m": osc.m,
         "c": osc.c,
         "k": osc.k,
         "K_z": osc.K_z,
         "F_k": osc.F_k,
-        **setting.frequencies_hz,
+        **sources.case.frequencies_hz,
     }
     natural_hz = osc.omega_n / (2.0 * math.pi)
     for name in sources.published.parameters.index:
@@ -93,7 +93,7 @@ def means(sources: Sources) -> Iterator[Claim]:
 
 def error_bounds(sources: Sources) -> Iterator[Claim]:
     """Bounds on the errors of the two-point formulas with common φ and t_s."""
-    osc = sources.setting.oscillator
+    osc = sources.case.oscillator
     tables = sources.routes | {"from_print": printed_estimates(sources.published)}
     errors = {route: table.largest_errors(osc) for route, table in tables.items()}
     for index, symbol in enumerate(("F_k", "c")):
@@ -120,7 +120,7 @@ def error_bounds(sources: Sources) -> Iterator[Claim]:
 
 def comparisons(sources: Sources) -> Iterator[Claim]:
     """Statements without a number: accuracy off resonance, and which approach is the most accurate."""
-    osc, hz = sources.setting.oscillator, sources.setting.frequencies_hz
+    osc, hz = sources.case.oscillator, sources.case.frequencies_hz
     near = _worst(sources.routes, osc)
     for frequency in ("omega2", "omega3"):
         values = _worst(sources.routes, osc, frequency=frequency)
@@ -180,9 +180,7 @@ def _tabulated(sources: Sources, frequency: str) -> RouteTables:
     if frame is None:
         return RouteTables({}, {})
     features = printed_as_table1(Features.from_frame(frame), sources.published)
-    return RouteTables(
-        {}, {frequency: estimate_table(features, sources.setting.oscillator.k, PAIRS)}
-    )
+    return RouteTables({}, {frequency: estimate_table(features, sources.case.oscillator.k, PAIRS)})
 
 
 def _each(values: Mapping[str, float], unit: str) -> str:

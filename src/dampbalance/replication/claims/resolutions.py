@@ -16,8 +16,9 @@ from __future__ import annotations
 
 import math
 
+from ...project.case import Case
+from ..as_published import coefficients
 from ..printed import Printed
-from .inputs import Setting
 from .judging import Resolution
 
 PHASE_READING_S = 0.13e-3
@@ -45,18 +46,16 @@ def time_resolution(t_s: float, step: float) -> Resolution:
     )
 
 
-def integral_resolution(
-    symbol: str, value: float, V_s: float, setting: Setting
-) -> Resolution | None:
+def integral_resolution(symbol: str, value: float, V_s: float, case: Case) -> Resolution | None:
     """a, b or W about the as-published `value`; None when there is none. V_s : m/s, the as-published one."""
     if math.isnan(value):
         return None
     if symbol == "a":
-        half = 2.0 * TRAVEL_SAMPLES * V_s * setting.step_s
+        half = 2.0 * TRAVEL_SAMPLES * V_s * case.numerics.step_s
         each = f"2 V_s h = {half / TRAVEL_SAMPLES:.1e} m each"
         reason = f"slip onset may be seen {TRAVEL_SAMPLES} samples earlier or later, {each}"
         return Resolution(value - half, value + half, reason)
-    coefficient = Printed(repr(setting.k_over_m))
+    coefficient = Printed(repr(coefficients(case)["k_over_m"]))
     power = 2.0 if symbol == "b" else 1.0
     relative = power * 0.5 * coefficient.unit / coefficient.value
     return Resolution(

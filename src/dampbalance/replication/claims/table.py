@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pandas as pd
 
+from ...project.case import Case
 from ..claim_ids import PARTS, part_of
 from ..printed import Printed
 from ..verdicts import RECONSTRUCTED, REPRODUCED, ROUTE_NAMES, VERDICTS, counts
 from . import of_tables, of_text
 from .from_print import from_print
-from .inputs import RouteTables, Setting, Sources
+from .inputs import RouteTables, Sources, require_paper
 from .judging import Claim, explanation, verdict
 from .published import Published, read_texts
 
@@ -36,23 +37,25 @@ def claims(sources: Sources) -> Iterator[Claim]:
 
 
 def claims_table(
-    published: Published, setting: Setting, exact: RouteTables, as_published: RouteTables
+    published: Published, case: Case, exact: RouteTables, as_published: RouteTables
 ) -> pd.DataFrame:
     """A row per printed number: what each route gives for it, the verdict, and why. Columns: COLUMNS.
 
-    published : `read_published(folder)`.   setting : what the configuration holds.
+    published : `read_published(folder)`.   case : as configured.
     exact, as_published : feature and estimate tables of the two routes; the from-print route is computed here.
 
     The numbers of the routes are text, written as the printed number is with four more digits; verdicts are judged on
-    all digits. Raises ValueError when the printed ids and the claims do not match one to one.
+    all digits. Raises ValueError when the printed ids and the claims do not match one to one, or the case is not the
+    paper's.
     """
+    require_paper(case)
     odd = of_text.TEXT_IDS ^ set(published.text_values.index)
     if odd:
         raise ValueError(
             f"text_values.csv and the claims of the text do not match: {', '.join(sorted(odd))}; "
             "each printed value needs its claim"
         )
-    sources = Sources(published, setting, exact, as_published, from_print(published, setting))
+    sources = Sources(published, case, exact, as_published, from_print(published, case))
     records = [
         {
             **{name: getattr(claim, name) for name in STATED},
@@ -126,11 +129,6 @@ def _aligned(frame: pd.DataFrame) -> str:
 def read_claims(path: Path) -> pd.DataFrame:
     """A table of claims from its CSV file, every cell the text that it is."""
     return read_texts(path, COLUMNS)
-
-
-def record(frame: pd.DataFrame) -> pd.DataFrame:
-    """What is kept of the claims to compare later runs with: id, printed digits, verdict."""
-    return frame[list(RECORD)].copy()
 
 
 def read_record(path: Path) -> pd.DataFrame:

@@ -1,0 +1,106 @@
+"""How the authors obtained their numbers, as far as the printed digits tell.
+
+    simulate_levels   the equation of motion divided by m, its coefficients rounded, by a scheme of fixed step
+    read_levels       a, b and W at the samples, all else between them, then as it was written down
+    estimates         Table 3 with the slip of sign in its V_s columns
+
+Scheme, step, decimals and rules of reading come from the configuration; no printed number does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple, cast
+
+from ..balance import APPROACHES, Approach, slip_velocity, slip_velocity_as_printed
+from ..estimates import estimate_table
+from ..features import Features, Phase, stack
+from ..motion.fixed_step import simulate
+from ..project.case import Case
+from ..reading.clean import CYCLES_TO_READ, ReadAt, of_record
+from ..record import Record
+from .readout import ReadOut
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+APPROACHES_OF_TABLE_3: dict[str, Approach] = {
+    "X_s": APPROACHES["X_s"],
+    "t_s": APPROACHES["t_s"],
+    "V_s": Approach(slip_velocity_as_printed, "V_s with plus"),
+    "V_s with minus": Approach(slip_velocity, "V_s with minus"),
+}
+"""The rows behind the printed Table 3: the V_s pairs with their slip of sign, and beside them those without it."""
+
+
+class ReadFeatures(NamedTuple):
+    """Features as the authors wrote them down.
+
+    tabulated : for Table 1 and the least squares.   two_point : with one φ and one t_s, for the formulas of Table 3.
+    """
+
+    tabulated: Features
+    two_point: Features
+
+
+def coefficients(case: Case) -> dict[str, float]:
+    """c_over_m (1/s) and k_over_m (1/s²) with the decimals that the authors' program kept, as `simulate` takes them."""
+    osc, numerics = case.oscillator, case.numerics
+    return {
+        "c_over_m": _rounded(osc.c / osc.m, numerics.c_over_m_decimals),
+        "k_over_m": _rounded(osc.k / osc.m, numerics.k_over_m_decimals),
+    }
+
+
+def added_damping(case: Case, omega: float) -> float:
+    """What backward Euler adds to c near resonance, N s/m: it acts as c + mω²h.   omega : rad/s."""
+    return case.oscillator.m * omega**2 * case.numerics.step_s
+
+
+def simulate_levels(case: Case, frequency: str) -> list[Record]:
+    """The last cycles of the simulated response to each level."""
+    return [
+        simulate(
+            case.oscillator,
+            motion,
+            scheme=case.numerics.scheme,
+            step=case.numerics.step_s,
+            cycles=case.numerics.cycles,
+            keep_cycles=CYCLES_TO_READ,
+            **coefficients(case),
+        )
+        for motion in case.motions(frequency)
+    ]
+
+
+def features_of(records: Sequence[Record], case: Case, frequency: str, reading: ReadAt) -> Features:
+    """Features read off the records of all levels, in full digits."""
+    omega, k = case.omega(frequency), case.oscillator.k
+    return stack([of_record(record, omega, k, reading) for record in records])
+
+
+def read_levels(records: Sequence[Record], case: Case, frequency: str) -> ReadFeatures:
+    """Features off the records of all levels by the rules `tabulated` and `two_point`; a, b and W at the samples."""
+    sampled = features_of(records, case, frequency, "sample")
+    integrals = {name: getattr(sampled, name) for name in ("a", "b", "W")}
+    between = features_of(records, case, frequency, "interpolated")
+    between = between.with_phase(cast(Phase, case.phase)).replaced(**integrals)
+    tabulated, two_point = (
+        ReadOut.from_config(rules) for rules in (case.numerics.tabulated, case.numerics.two_point)
+    )
+    return ReadFeatures(tabulated.apply(between), two_point.common(between))
+
+
+def estimates(features: ReadFeatures, case: Case) -> pd.DataFrame:
+    """The table of estimates: `tabulated` by every approach, `two_point` by those of Table 3."""
+    return estimate_table(
+        features.tabulated,
+        case.oscillator.k,
+        case.pairs,
+        common=features.two_point,
+        common_approaches=APPROACHES_OF_TABLE_3,
+    )
+
+
+def _rounded(value: float, decimals: int | None) -> float:
+    return value if decimals is None else round(value, decimals)
