@@ -27,10 +27,10 @@ PHASES: tuple[Phase, ...] = ("reversal", "zero_crossing", "fundamental")
 def approaches_table(features: Mapping[str, Features], case: Case) -> pd.DataFrame:
     """Errors of the coefficients, %, by every approach, definition of the phase, and frequency.
 
-    Columns: frequency, frequency_hz; approach, a key of balance.APPROACHES; phase, reversal, zero_crossing or fundamental;
-    sharing, φ and t_s individual to each level or common to all; both are empty for an approach that takes no phase. Then
-    F_k_error_percent … of the least squares over all levels, with sign, and F_k_largest_pair_error_percent …, the size of
-    the largest over the pairs of levels.
+    Columns: frequency, frequency_hz; approach, a key of balance.APPROACHES; phase, reversal, zero_crossing or
+    fundamental; sharing, φ and t_s individual to each level or common to all (both empty for an approach that takes no
+    phase). Then F_k_error_percent … of the least squares over all levels, with sign, and
+    F_k_largest_pair_error_percent …, the size of the largest over the pairs of levels.
 
     features : exact ones by frequency.   case : its frequencies in the order of the table, the true F_k and c, the
     pairs of levels.
