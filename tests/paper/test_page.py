@@ -18,6 +18,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from dampbalance import balance
+from dampbalance.figures import looks
 from dampbalance.publishing.page import charts, colours, words
 from dampbalance.publishing.page.cells import claim_of
 from dampbalance.publishing.page.match import match_picture
@@ -26,6 +28,7 @@ from dampbalance.publishing.page.report import LARGEST
 from dampbalance.publishing.page.verdicts import VERDICTS, counts
 from dampbalance.replication.claims import read_record
 from dampbalance.replication.claims.table import counts as counts_of_claims
+from paper.contrast import GRAPHICS_ON, TEXT_ON, contrast
 from paper.page_case import PAGE, claims_of_paper, page_of, results
 from paper.routes import PUBLISHED, ROOT
 
@@ -240,32 +243,46 @@ def test_the_package_ships_what_the_page_is_made_of(tmp_path):
 
 
 @pytest.mark.parametrize("mode", ["light", "dark"])
-@pytest.mark.parametrize(("text", "ground"), colours.TEXT_ON)
+@pytest.mark.parametrize(("text", "ground"), TEXT_ON)
 def test_text_has_the_contrast_that_wcag_aa_asks_for(mode, text, ground):
-    palette = {"light": colours.LIGHT, "dark": colours.DARK}[mode]
-    assert colours.contrast(palette[text], palette[ground]) >= 4.5  # WCAG 2.2, 1.4.3
+    palette = colours.palette(mode)
+    assert contrast(palette[text], palette[ground]) >= 4.5  # WCAG 2.2, 1.4.3
 
 
 @pytest.mark.parametrize("mode", ["light", "dark"])
-@pytest.mark.parametrize(("mark", "ground"), colours.GRAPHICS_ON)
+@pytest.mark.parametrize(("mark", "ground"), GRAPHICS_ON)
 def test_graphics_have_the_contrast_that_wcag_aa_asks_for(mode, mark, ground):
-    palette = {"light": colours.LIGHT, "dark": colours.DARK}[mode]
-    assert colours.contrast(palette[mark], palette[ground]) >= 3.0  # WCAG 2.2, 1.4.11
+    palette = colours.palette(mode)
+    assert contrast(palette[mark], palette[ground]) >= 3.0  # WCAG 2.2, 1.4.11
+
+
+@pytest.mark.parametrize("mode", ["light", "dark"])
+def test_a_spare_look_has_the_contrast_of_the_others(mode):
+    palette = colours.palette(mode)
+    for look in looks.SPARE:
+        for ground in ("paper", "raised"):
+            assert contrast(getattr(look, mode), palette[ground]) >= 3.0
+
+
+def test_an_approach_without_a_look_of_its_own_has_a_colour_and_a_mark(monkeypatch):
+    for name in ("new", "newer"):
+        monkeypatch.setitem(balance.APPROACHES, name, balance.Approach(balance.direct, name))
+    assert colours.series_colour("newer") == "var(--other-2)"
+    assert "--other-2: #7a4a21;" in colours.css_variables("light")
+    assert 'fill="var(--other-2)"' in colours.shape("newer")
 
 
 def test_contrast_is_that_of_wcag():
-    assert colours.contrast("#000000", "#ffffff") == pytest.approx(21.0)
-    assert colours.contrast("#777777", "#ffffff") == pytest.approx(
-        4.48, abs=0.005
-    )  # the well-known grey
+    assert contrast("#000000", "#ffffff") == pytest.approx(21.0)
+    assert contrast("#777777", "#ffffff") == pytest.approx(4.48, abs=0.005)  # the well-known grey
 
 
 def test_every_colour_of_the_page_is_one_that_is_checked(html):
-    assert colours.LIGHT.keys() == colours.DARK.keys()
+    palette = colours.palette("light").keys()
     local = {"fill", "tint", "text"}  # stand for a verdict's colours in the style sheet
     used = set(re.findall(r"var\(--([\w-]+)\)", html.replace("\\", ""))) - local
-    assert used <= colours.LIGHT.keys()
-    checked = {name for pair in (*colours.TEXT_ON, *colours.GRAPHICS_ON) for name in pair}
+    assert used <= palette
+    checked = {name for pair in (*TEXT_ON, *GRAPHICS_ON) for name in pair}
     assert used - checked == {"rule"}  # lines of tables and grids, which only decorate
     style = (ROOT / "src/dampbalance/publishing/page/static/style.css").read_text(encoding="utf-8")
     assert re.findall(r"#[0-9a-fA-F]{3,8}\b", style) == []  # no colour outside the palette

@@ -10,7 +10,7 @@ from .acceleration import figure3
 from .error_levels import estimation_error
 from .friction_loop import friction_velocity_loop
 from .schematic import schematic
-from .style import APPROACH_LOOKS, save
+from .style import save
 
 ALT = {
     "figure1": (
@@ -34,7 +34,6 @@ ALT = {
 
 __all__ = [
     "ALT",
-    "APPROACH_LOOKS",
     "estimation_error",
     "figure3",
     "friction_velocity_loop",

@@ -8,7 +8,6 @@ the markers help.
 from __future__ import annotations
 
 from contextlib import AbstractContextManager, ContextDecorator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
@@ -25,11 +24,8 @@ DPI = 300
 
 SLIP, STICK = "#16324F", "#D55E00"  # the two phases of the motion
 INK, FAINT = "#000000", "#6E6E6E"  # text and axes; what only guides the eye
-HALO = {
-    "facecolor": "white",
-    "edgecolor": "none",
-    "pad": 0.8,
-}  # behind a label that stands on a line
+HALO = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}  # behind a label on a line
+DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))
 
 STYLE: dict[str, Any] = {
     "font.family": "STIXGeneral",
@@ -63,25 +59,6 @@ STYLE: dict[str, Any] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
-    """How one approach is drawn, in every figure the same."""
-
-    label: str
-    colour: str
-    marker: str
-
-
-APPROACH_LOOKS = {
-    "direct": Look("direct integration", "#000000", "D"),
-    "X_s": Look("$X_s$", "#0B4F8A", "o"),
-    "t_s": Look("$t_s$", "#D55E00", "s"),
-    "V_s": Look("$V_s$", "#3DAA8B", "^"),
-    "fourier": Look("Fourier", "#EDA900", "P"),
-}
-"""Look of each approach to the energy balance, by its key in `balance.APPROACHES`."""
-
-
 class _Styled(ContextDecorator):
     """Draw with STYLE on top of matplotlib's own defaults, whatever the user's settings are."""
 
@@ -94,9 +71,8 @@ class _Styled(ContextDecorator):
     def __exit__(self, *details: Any) -> None:
         self._context.__exit__(*details)
 
-    def _recreate_cm(
-        self,
-    ) -> _Styled:  # each call of a decorated function gets a context of its own
+    def _recreate_cm(self) -> _Styled:
+        # Each call of a decorated function gets a context of its own.
         return _Styled()
 
 
@@ -142,6 +118,12 @@ def arrow(
     """An arrow between two points, in the units of the axes."""
     properties = {"arrowstyle": head, "lw": 0.8, "color": colour, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", xy=end, xytext=start, arrowprops=properties)
+
+
+def omega_of(frequency: str) -> str:
+    """A frequency of the configuration as a symbol in TeX: omega1 becomes \\omega_{1}; "" for other names."""
+    number = frequency.removeprefix("omega")
+    return rf"\omega_{{{number}}}" if frequency.startswith("omega") and number.isdigit() else ""
 
 
 @styled()

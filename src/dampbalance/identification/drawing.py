@@ -12,17 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..figures.style import (
-    APPROACH_LOOKS,
-    DOUBLE_COLUMN,
-    FAINT,
-    INK,
-    SLIP,
-    STICK,
-    page,
-    place,
-    styled,
-)
+from ..figures.looks import in_maths, label_of, look_of
+from ..figures.style import DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
 from .loading import Loaded
 from .result import Identification
 
@@ -112,8 +103,8 @@ def balance(found: Identification) -> Figure:
     left, right = place(figure, 17.0, 20.0, 68.0, 50.0), place(figure, 107.0, 20.0, 70.0, 50.0)
     for index, (name, estimated) in enumerate(found.estimates.items()):
         rows, usable = estimated.rows, estimated.rows.usable
-        look = APPROACH_LOOKS.get(name)
-        label, colour, marker = (look.label, look.colour, look.marker) if look else (name, INK, "v")
+        look, label = look_of(name), in_maths(label_of(name))
+        colour, marker = look.colour, look.marker
         along, height = rows.a / rows.b, rows.W / rows.b
         left.plot(
             along[usable], height[usable], marker, color=colour, fillstyle="none", label=label

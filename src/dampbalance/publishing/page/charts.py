@@ -26,10 +26,8 @@ Spec = dict[str, Any]
 Scale = Literal["linear", "log"]
 
 VERSION = "6.4"  # of Vega-Lite, in vl-convert's bundle
-WIDTH, HEIGHT = (
-    340,
-    230,
-)  # px: a panel of a still picture; on the page a panel is as wide as its column
+# px: a panel of a still picture; on the page a panel is as wide as its column.
+WIDTH, HEIGHT = 340, 230
 OFF = 0.15  # px: how far a curve of a still picture may lie off; on the page, the script draws every point
 DIGITS = 5  # significant, of data: what a hovered value shows at most
 FONT = "system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', 'DejaVu Sans', sans-serif"
@@ -114,7 +112,7 @@ class Axis:
         return {"field": self.column, "type": "quantitative", "scale": scale, "axis": axis}
 
     def still_encoding(self, channel: str) -> Spec:
-        """The same for a picture that does not move: a logarithmic axis with only the ticks that are named."""
+        """`encoding` for a picture that does not move: a logarithmic axis with only the ticks that are named."""
         encoding = self.encoding(channel)
         if self.scale == "log" and self.limits:
             encoding["axis"] |= {"values": _named_ticks(*self.limits)}
@@ -230,6 +228,19 @@ class Chart:
         return [{"transform": here, "mark": ring}]
 
 
+@dataclass(frozen=True, slots=True)
+class ChartSet:
+    """Charts that share a legend and a remark.
+
+    approaches, sharings : of the legend.   exact : approach → bound of its error, %, of those not drawn.
+    """
+
+    charts: tuple[Chart, ...]
+    approaches: tuple[str, ...] = ()
+    sharings: tuple[str, ...] = ()
+    exact: Mapping[str, str] = field(default_factory=dict)
+
+
 _ACROSS: Spec = {"y": {"value": 0}, "y2": {"value": "height"}}  # from edge to edge of the panel
 
 # The wheel scrolls the page; with Ctrl (or a pinch) it zooms. A drag moves, a double click resets.
@@ -272,14 +283,6 @@ def mark_at(value: float, name: str, at_end: bool) -> list[Spec]:
         {**data, "mark": {**line, "clip": True}, "encoding": {"x": place["x"], **_ACROSS}},
         {**data, "mark": words, "encoding": {**place, "text": {"field": "name"}}},
     ]
-
-
-def decades(values: Sequence[Array], floor: float, ceiling: float) -> tuple[float, float]:
-    """Limits of a logarithmic axis: whole decades around the values, but for the lowest 2 % of them, within bounds."""
-    known = np.concatenate([v[np.isfinite(v) & (v > 0.0)] for v in values] or [np.empty(0)])
-    low, high = (np.quantile(known, 0.02), known.max()) if known.size else (0.1, 10.0)
-    bottom = max(floor, 10.0 ** math.floor(math.log10(low)))
-    return bottom, max(10.0 * bottom, min(ceiling, 10.0 ** math.ceil(math.log10(high))))
 
 
 def runtime() -> str:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...figures.cycle import branches
+from ...figures.cycle import Onset, branches, first_onset, right_end, whole
 from ...motion.orbit import Orbit
 from .charts import Axis, Chart, Spec, Table, Value
 from .colours import variable
@@ -28,8 +28,7 @@ def figure3_charts(orbits: Sequence[Orbit]) -> list[Chart]:
 
     orbits : the responses of one frequency, one per level. Raises ValueError when there is none.
     """
-    if not orbits:
-        raise ValueError("Figure 3 needs at least one orbit: give the responses of one frequency")
+    onset = first_onset(orbits)
     table = _table(orbits, "orbits")
     whole = (
         ("figure3-a", "x", DISPLACEMENT, "(a) against displacement, all levels"),
@@ -49,40 +48,33 @@ def figure3_charts(orbits: Sequence[Orbit]) -> list[Chart]:
         )
         for name, column, x_title, title in whole
     )
-    slipping = next((orbit for orbit in orbits if orbit.X_s > -orbit.X), None)
-    if slipping is None:
+    if onset is None:
         return [a, c]
-    one = _table([slipping], "orbit")
-    return [a, _microstick_line(one, slipping), c, _corner(one, slipping)]
+    one = _table([onset.orbit], "orbit")
+    return [a, _microstick_line(one, onset), c, _corner(one, onset)]
 
 
 def _table(orbits: Sequence[Orbit], name: str) -> Table:
     """One row per instant: level, phase and branch, time since the reversal at −X in ms, x in mm, ẋ, ẍ."""
-    parts: dict[str, list[np.ndarray]] = {n: [] for n in ("t", "x", "v", "acc")}
     words: dict[str, list[str | int]] = {n: [] for n in ("level", "phase", "branch")}
+    times, states = [], []
     for orbit in orbits:
-        for place, branch in enumerate(branches(orbit)):
-            state = branch.state
-            count = len(state.x)
-            parts["t"].append(1e3 * _since_reversal(orbit, place, count))
-            parts["x"].append(1e3 * state.x)
-            parts["v"].append(state.v)
-            parts["acc"].append(state.acceleration)
+        cycle = branches(orbit)
+        states.append(whole(cycle))
+        for place, branch in enumerate(cycle):
+            count = len(branch.t)
+            times.append(1e3 * branch.t)
             words["level"] += [f"{1e3 * orbit.motion.Y:g}"] * count
             words["phase"] += ["microstick" if branch.stick else "slip"] * count
             words["branch"] += [place] * count
-    numbers = {name: np.concatenate(values) for name, values in parts.items()}
+    numbers = {
+        "t": np.concatenate(times),
+        "x": np.concatenate([1e3 * state.x for state in states]),
+        "v": np.concatenate([state.v for state in states]),
+        "acc": np.concatenate([state.acceleration for state in states]),
+    }
     # 2 Z_m, some micrometres, must be seen on displacements of some millimetres: seven digits for x.
     return Table(name, {**words, **numbers}, digits={"x": 7, "t": 6})
-
-
-def _since_reversal(orbit: Orbit, branch: int, count: int) -> np.ndarray:
-    """Times since the reversal at −X of the points of a branch, s."""
-    half = 0.5 * orbit.motion.period
-    edges = np.append(orbit.phases[:, 0], half)
-    turn, n = divmod(branch, len(orbit.phases))
-    times: np.ndarray = turn * half + np.linspace(edges[n], edges[n + 1], count)
-    return times
 
 
 def _loops(width: float = 1.6) -> Spec:
@@ -112,18 +104,14 @@ def _level_names(orbits: Sequence[Orbit], column: str) -> Spec:
     """The base amplitude of each loop, mm: above its right end over x, inside it over ẋ."""
     places = []
     for orbit in orbits:
-        states = [branch.state for branch in branches(orbit)]
-        across = np.concatenate([1e3 * s.x if column == "x" else s.v for s in states])
-        up = np.concatenate([s.acceleration for s in states])
-        far = int(np.argmax(across))
-        height = up[across > 0.98 * across[far]].max() if column == "x" else up[far]
-        places.append(
-            {
-                column: float(f"{across[far]:.6g}"),
-                "acc": float(f"{height:.6g}"),
-                "name": f"{1e3 * orbit.motion.Y:g}",
-            }
-        )
+        if column == "x":
+            across, up = right_end(orbit)
+        else:
+            states = whole(branches(orbit))
+            far = int(np.argmax(states.v))
+            across, up = states.v[far], states.acceleration[far]
+        name = f"{1e3 * orbit.motion.Y:g}"
+        places.append({column: float(f"{across:.6g}"), "acc": float(f"{up:.6g}"), "name": name})
     beside = {"align": "center", "dy": -10} if column == "x" else {"align": "right", "dx": -5}
     return {
         "data": {"values": places},
@@ -132,38 +120,34 @@ def _level_names(orbits: Sequence[Orbit], column: str) -> Spec:
     }
 
 
-def _microstick_line(table: Table, orbit: Orbit) -> Chart:
+def _microstick_line(table: Table, onset: Onset) -> Chart:
     """Panel (b): the line from −X to X_s of the weakest level that slips, of length 2 Z_m."""
-    level = f"{1e3 * orbit.motion.Y:g} mm"
-    reversal, slip = -1e3 * orbit.X, 1e3 * orbit.X_s
-    length = slip - reversal
-    top, bottom = _ends(orbit)
-    marks = [("−X", reversal, top), ("Xₛ", slip, bottom)]
+    level, length = f"{1e3 * onset.orbit.motion.Y:g} mm", f"{1e3 * onset.length:.4g} µm"
+    marks = list(zip(("−X", "Xₛ"), onset.x, onset.acceleration, strict=True))
     return Chart(
         id="figure3-b",
         title=f"(b) the microsticking line at Y = {level}",
-        description=f"The steep line from −X to X_s at Y = {level}, {1e3 * length:.4g} µm long.",
+        description=f"The steep line from −X to X_s at Y = {level}, {length} long.",
         table=table,
-        x=Axis("x", DISPLACEMENT, limits=(reversal - 0.9 * length, slip + 2.4 * length)),
-        y=Axis("acc", ACCELERATION, limits=_room(top, bottom)),
-        layers=(_loops(2.2), *_rings("x", marks, f"2 Zₘ = {1e3 * length:.4g} µm")),
+        x=Axis("x", DISPLACEMENT, limits=onset.x_limits),
+        y=Axis("acc", ACCELERATION, limits=onset.acceleration_limits),
+        layers=(_loops(2.2), *_rings("x", marks, f"2 Zₘ = {length}")),
         says=_SAYS,
         nearest="xy",
     )
 
 
-def _corner(table: Table, orbit: Orbit) -> Chart:
+def _corner(table: Table, onset: Onset) -> Chart:
     """Panel (d): the corner where microstick gives way to slip, at V_s."""
-    level = f"{1e3 * orbit.motion.Y:g} mm"
-    top, bottom = _ends(orbit)
+    level = f"{1e3 * onset.orbit.motion.Y:g} mm"
     return Chart(
         id="figure3-d",
         title=f"(d) the corner at slip onset, Y = {level}",
-        description=f"The corner at the velocity V_s = {orbit.V_s:.4g} m/s of slip onset at Y = {level}.",
+        description=f"The corner at the velocity V_s = {onset.V_s:.4g} m/s of slip onset at Y = {level}.",
         table=table,
-        x=Axis("v", VELOCITY, limits=(-1.6 * orbit.V_s, 3.2 * orbit.V_s)),
-        y=Axis("acc", ACCELERATION, limits=_room(top, bottom)),
-        layers=(_loops(2.2), *_rings("v", [("Vₛ", orbit.V_s, bottom)], "")),
+        x=Axis("v", VELOCITY, limits=onset.v_limits),
+        y=Axis("acc", ACCELERATION, limits=onset.acceleration_limits),
+        layers=(_loops(2.2), *_rings("v", [("Vₛ", onset.V_s, onset.acceleration[1])], "")),
         says=_SAYS,
         nearest="xy",
     )
@@ -174,18 +158,6 @@ def _around(table: Table, column: str) -> tuple[float, float]:
     values = np.asarray(table.columns[column])
     margin = 0.08 * float(values.max() - values.min())
     return float(values.min()) - margin, float(values.max()) + margin
-
-
-def _ends(orbit: Orbit) -> tuple[float, float]:
-    """Acceleration at the reversal at −X and at the slip onset that follows, m/s²."""
-    reversal, slip = orbit.state([orbit.t_1, orbit.t_1 + orbit.t_s]).acceleration
-    return float(reversal), float(slip)
-
-
-def _room(top: float, bottom: float) -> tuple[float, float]:
-    """Limits around both ends of the microstick phase."""
-    drop = top - bottom
-    return bottom - 0.6 * drop, top + 0.25 * drop
 
 
 def _rings(column: str, marks: Sequence[tuple[str, float, float]], below: str) -> list[Spec]:
@@ -203,14 +175,9 @@ def _rings(column: str, marks: Sequence[tuple[str, float, float]], below: str) -
         "clip": True,
     }
     words = {"type": "text", "align": "left", "dx": 9, "dy": 9, "fontSize": 13, "clip": True}
-    layers: list[Spec] = [
-        {**data, "mark": ring},
-        {**data, "mark": words, "encoding": {"text": {"field": "name", "type": "nominal"}}},
-    ]
+    named = {"encoding": {"text": {"field": "name", "type": "nominal"}}}
+    layers: list[Spec] = [{**data, "mark": ring}, {**data, "mark": words, **named}]
     if below:
         remark = {"data": {"values": [values[-1] | {"name": below}]}}
-        encoding = {"text": {"field": "name", "type": "nominal"}}
-        layers.append(
-            {**remark, "mark": words | {"dy": 27, "fontSize": 11.5}, "encoding": encoding}
-        )
+        layers.append({**remark, "mark": words | {"dy": 27, "fontSize": 11.5}, **named})
     return layers

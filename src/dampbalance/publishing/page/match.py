@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.sax.saxutils import escape
 
-from .colours import DARK, LIGHT, css_variables, variable
+from .colours import css_variables, variable
 from .verdicts import VERDICTS, Count
 
 WIDTH, LEFT, RIGHT = (
@@ -43,8 +43,8 @@ def match_picture(counts: Sequence[Count]) -> str:
         '<title id="title">How the printed numbers fare</title>',
         f'<desc id="description">{escape(description)}.</desc>',
         "<style>",
-        f":root {{ {css_variables(LIGHT)} }}",
-        f"@media (prefers-color-scheme: dark) {{ :root {{ {css_variables(DARK)} }} }}",
+        f":root {{ {css_variables('light')} }}",
+        f"@media (prefers-color-scheme: dark) {{ :root {{ {css_variables('dark')} }} }}",
         "text { font: 14px system-ui, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif; fill: var(--ink); }",
         ".in { fill: var(--on-verdict); text-anchor: middle; font-weight: 600; }",
         ".part { text-anchor: end; } .total { fill: var(--muted); } .all { font-weight: 600; }",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,13 +12,16 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from ...figures.style import APPROACH_LOOKS, DOUBLE_COLUMN, place, styled
+from ...figures.looks import in_maths, label_of
+from ...figures.style import DOUBLE_COLUMN, place, styled
 from ...figures.style import page as empty_page
 from ...project.wording import percent
 from ..axes import Sampled
 from ..parameters import PARAMETERS
-from ..settings import Fit, Study, chosen
+from ..settings import Fit, Study
 from ..stretches import stretches
+from .facts import fits_of
+from .groups import joined, terms_of
 from .logarithmic import logarithmic_ticks
 
 Array = NDArray[np.float64]
@@ -45,20 +48,19 @@ class Shares(NamedTuple):
 def share_map(study: Study, cases: str | Path) -> Figure:
     """Share of the cases whose error is within the bound, over two axes; all other axes are averaged over.
 
-    Rows: F_k and c, with each phase definition. Columns: approaches; one that knows no phase has a panel as high as
-    all rows of a quantity. The line encloses the region in which at least 90 % of the cases are within the bound.
+    Rows: the terms, with each phase definition. Columns: approaches; one that knows no phase has a panel as high as
+    all rows of a term. The line encloses the region in which at least 90 % of the cases are within the bound.
     An approach that is within it in every case is named below the panels and not drawn.
     """
-    settings = study.figure
-    within = settings.get("within", 0.01)
-    fits = chosen(study.fits, {"fit": "least_squares"} | dict(settings))
+    within = study.figure.get("within", 0.01)
+    fits, symbols = fits_of(study, study.figure), terms_of(cases)
     shares = shares_within(study, cases, fits, within)
     perfect = _perfect(fits, shares)
     fits = [fit for fit in fits if fit.approach not in perfect]
     approaches = list(dict.fromkeys(fit.approach for fit in fits))
     kinds = list(dict.fromkeys((fit.phase, fit.sharing) for fit in fits if fit.phase))
     kinds = kinds or [("", "")]
-    rows = [(quantity, *kind) for quantity in ("F_k", "c") for kind in kinds]
+    rows = [(symbol, *kind) for symbol in symbols for kind in kinds]
     width = (DOUBLE_COLUMN - LEFT - RIGHT - (len(approaches) - 1) * GAP) / len(approaches)
     height = min(width, HEIGHT)
     panels_height = len(rows) * height + (len(rows) - 1) * ROW_GAP
@@ -66,74 +68,92 @@ def share_map(study: Study, cases: str | Path) -> Figure:
     mesh: Any = None
     for fit in fits:
         column = approaches.index(fit.approach)
-        for quantity in ("F_k", "c"):
+        for symbol in symbols:
             wanted = [kind for kind in kinds if not fit.phase or kind == (fit.phase, fit.sharing)]
-            covered = [rows.index((quantity, *kind)) for kind in wanted]
+            covered = [rows.index((symbol, *kind)) for kind in wanted]
             lowest = covered[-1] == len(rows) - 1
             bottom = BOTTOM + (len(rows) - 1 - covered[-1]) * (height + ROW_GAP)
             tall = len(covered) * (height + ROW_GAP) - ROW_GAP
             axes = place(figure, LEFT + column * (width + GAP), bottom, width, tall)
-            mesh = _panel(axes, study, shares[fit, quantity], last=column == len(approaches) - 1)
+            share = shares[fit, symbol]
+            mesh = _panel(axes, study, share, last=column == len(approaches) - 1)
             axes.tick_params(labelbottom=lowest, labelleft=column == 0)
             if covered[0] == 0:
-                axes.set_title(f"{APPROACH_LOOKS[fit.approach].label} approach", pad=4.0)
+                axes.set_title(f"{in_maths(label_of(fit.approach))} approach", pad=4.0)
             if lowest:
-                axes.set_xlabel(f"${PARAMETERS[settings['x']].symbol}$", labelpad=1.0)
+                axes.set_xlabel(f"${PARAMETERS[study.figure['x']].symbol}$", labelpad=1.0)
             if column == 0:
-                axes.set_ylabel(f"${PARAMETERS[settings['y']].symbol}$")
+                axes.set_ylabel(f"${PARAMETERS[study.figure['y']].symbol}$")
                 axes.yaxis.set_label_coords(-9.5 / width, 0.5)
-            words = f"${quantity}$"
-            if len(kinds) > 1 and fit.phase:
-                words += f", {fit.phase.replace('_', ' ')}"
-                words += f", {fit.sharing}" if len({kind[1] for kind in kinds}) > 1 else ""
-            axes.annotate(
-                f"{words}: {percent(shares[fit, quantity].overall)}",
-                xy=(0.0, 1.0),
-                xycoords="axes fraction",
-                xytext=(3.0, -3.5),
-                textcoords="offset points",
-                ha="left",
-                va="top",
-                size=8.0,
-                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.2},
-            )
+            _name(axes, f"{_words(symbol, fit, kinds)}: {percent(share.overall)}")
     bar = place(figure, DOUBLE_COLUMN - RIGHT + 2.0, BOTTOM, BAR, panels_height)
-    scale = figure.colorbar(mesh, cax=bar, ticks=[0.0, 0.25, 0.5, 0.75, 1.0])
-    scale.ax.set_yticklabels(["0", "25", "50", "75", "100"])
-    scale.set_label(f"cases within {100 * within:g} % of the true value (%)", labelpad=2.0)
-    scale.ax.axhline(REGION, color="white", lw=1.0)
+    _scale(figure, mesh, bar, within)
     if perfect:
-        names = " and ".join(APPROACH_LOOKS[key].label for key in perfect)
+        names = joined(in_maths(label_of(key)) for key in perfect)
+        coefficients = joined(f"${symbol}$" for symbol in symbols)
         figure.text(
             (LEFT + 0.5 * (DOUBLE_COLUMN - LEFT - RIGHT)) / DOUBLE_COLUMN,
             2.5 / (BOTTOM + panels_height + TOP),
-            f"Within {100 * within:g} % in every case, for $F_k$ and $c$: {names}",
+            f"Within {100 * within:g} % in every case, for {coefficients}: {names}",
             ha="center",
             va="center",
         )
     return figure
 
 
+def _words(symbol: str, fit: Fit, kinds: list[tuple[str, str]]) -> str:
+    """What a panel shows, as far as others of its column show something else."""
+    words = [f"${symbol}$"]
+    if len(kinds) > 1 and fit.phase:
+        words.append(fit.phase.replace("_", " "))
+        if len({sharing for _, sharing in kinds}) > 1:
+            words.append(fit.sharing)
+    return ", ".join(words)
+
+
+def _name(axes: Axes, text: str) -> None:
+    """Words in the upper left corner of a map."""
+    axes.annotate(
+        text,
+        xy=(0.0, 1.0),
+        xycoords="axes fraction",
+        xytext=(3.0, -3.5),
+        textcoords="offset points",
+        ha="left",
+        va="top",
+        size=8.0,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.2},
+    )
+
+
+def _scale(figure: Figure, mesh: Any, bar: Axes, within: float) -> None:
+    """The scale of colours."""
+    scale = figure.colorbar(mesh, cax=bar, ticks=[0.0, 0.25, 0.5, 0.75, 1.0])
+    scale.ax.set_yticklabels(["0", "25", "50", "75", "100"])
+    scale.set_label(f"cases within {100 * within:g} % of the true value (%)", labelpad=2.0)
+    scale.ax.axhline(REGION, color="white", lw=1.0)
+
+
 def _perfect(fits: list[Fit], shares: Mapping[tuple[Fit, str], Shares]) -> list[str]:
     """The approaches whose every fit is within the bound in every case: a map of them is of one colour.
 
-    None, if that is true of all: there must be something to draw.
+    None where that holds for all of them: there must be something to draw.
     """
     approaches = list(dict.fromkeys(fit.approach for fit in fits))
-    short = {fit.approach for (fit, _), found in shares.items() if found.overall < 1.0}
+    short = {fit.approach for (fit, _), share in shares.items() if share.overall < 1.0}
     return [key for key in approaches if key not in short] if short else []
 
 
 def shares_within(
     study: Study, cases: str | Path, fits: list[Fit], within: float
 ) -> dict[tuple[Fit, str], Shares]:
-    """The maps of F_k and c for each fit, counted a stretch of cases at a time."""
+    """The map of each term and fit, counted a stretch of cases at a time."""
     settings = study.figure
     x_edges, y_edges = (_edges(study, settings[axis]) for axis in ("x", "y"))
     wanted = {
-        (fit, quantity): f"{quantity}_relative_error__{fit.label}"
+        (fit, symbol): f"{symbol}_relative_error__{fit.label}"
         for fit in fits
-        for quantity in ("F_k", "c")
+        for symbol in terms_of(cases)
     }
     total = np.zeros((len(y_edges) - 1, len(x_edges) - 1))
     good = {key: np.zeros_like(total) for key in wanted}
@@ -156,6 +176,7 @@ def shares_within(
 
 
 def _panel(axes: Axes, study: Study, found: Shares, last: bool) -> Any:
+    """One map, with the line around the region where the approach holds."""
     mesh = axes.pcolormesh(
         found.x_edges,
         found.y_edges,
@@ -166,21 +187,24 @@ def _panel(axes: Axes, study: Study, found: Shares, last: bool) -> Any:
         rasterized=True,
         linewidth=0,
     )
+    over: tuple[tuple[Literal["x", "y"], Array], ...] = (
+        ("x", found.x_edges),
+        ("y", found.y_edges),
+    )
     centres = [
-        np.sqrt(edges[1:] * edges[:-1]) if _log(study, name) else 0.5 * (edges[1:] + edges[:-1])
-        for edges, name in (
-            (found.x_edges, study.figure["x"]),
-            (found.y_edges, study.figure["y"]),
-        )
+        np.sqrt(edges[1:] * edges[:-1])
+        if _log(study, study.figure[which])
+        else 0.5 * (edges[1:] + edges[:-1])
+        for which, edges in over
     ]
     if min(found.share.shape) > 2:
         smooth = gaussian_filter(np.nan_to_num(found.share), sigma=1.0, mode="nearest")
         if smooth.max() > REGION > smooth.min():
             axes.contour(*centres, smooth, levels=[REGION], colors="white", linewidths=1.0)
-    if _log(study, study.figure["x"]):
-        logarithmic_ticks(axes, "x", found.x_edges[0], found.x_edges[-1], ends=last)
-    if _log(study, study.figure["y"]):
-        logarithmic_ticks(axes, "y", found.y_edges[0], found.y_edges[-1])
+    for which, edges in over:
+        if _log(study, study.figure[which]):
+            ends = last or which == "y"
+            logarithmic_ticks(axes, which, edges[0], edges[-1], ends=ends)
     axes.set_xlim(found.x_edges[0], found.x_edges[-1])
     axes.set_ylim(found.y_edges[0], found.y_edges[-1])
     return mesh
