@@ -35,6 +35,7 @@ from .style import (
     SLIP,
     STICK,
     arrow,
+    note,
     page,
     panel_letter,
     place,
@@ -85,8 +86,10 @@ def figure3(orbits: Sequence[Orbit]) -> Figure:
     for state, name in ((slips[-1], "backward slip"), (slips[0], "forward slip")):
         _name_and_arrow(b, state.x * 1e3, state.acceleration, name)
         _name_and_arrow(d, state.v, state.acceleration, name)
-    _show_where(a, b, "b", beside=False)
-    _show_where(c, d, "d", beside=True)
+    # The frame of (b) is too narrow to be named beside it.
+    line = {"arrowstyle": "-", "lw": 0.5, "color": INK, "shrinkA": 0, "shrinkB": 0}
+    _show_where(a, b, "b", shift=(-10, -8), va="top", arrowprops=line)
+    _show_where(c, d, "d", shift=(-2, 0))
     return figure
 
 
@@ -107,21 +110,9 @@ def _microstick_line(axes: Axes, onset: Onset) -> None:
 
     span = bottom - 0.2 * drop
     arrow(axes, (x_reversal, span), (x_slip, span), INK, "<->,head_length=0.2,head_width=0.12")
-    axes.annotate(
-        f"$2Z_m$ = {onset.length * 1e3:.4g} µm",
-        xy=(x_slip, span),
-        xytext=(4, 0),
-        textcoords="offset points",
-        va="center",
-    )
-    axes.text(
-        x_reversal + 0.8 * onset.length,
-        bottom + 0.5 * drop,
-        "microstick,\n" r"slope $\approx {-}(k + K_z)/m$",
-        color=STICK,
-        va="center",
-        linespacing=1.3,
-    )
+    note(axes, f"$2Z_m$ = {onset.length * 1e3:.4g} µm", (x_slip, span), (4, 0), va="center")
+    x, words = x_reversal + 0.8 * onset.length, "microstick,\n" r"slope $\approx {-}(k + K_z)/m$"
+    axes.text(x, bottom + 0.5 * drop, words, color=STICK, va="center", linespacing=1.3)
 
 
 def _corner(axes: Axes, onset: Onset) -> None:
@@ -136,51 +127,29 @@ def _mark(axes: Axes, x: float, y: float, text: str, label: str, side: str) -> N
     low = axes.get_ylim()[0]
     axes.plot([x, x], [low, y], color=FAINT, lw=0.7, ls=DASHED, zorder=1, label=label)
     axes.plot(x, y, ls="none", **RING)
-    axes.annotate(
-        text,
-        xy=(x, low),
-        xytext=(-3 if side == "right" else 3, 3),
-        textcoords="offset points",
-        ha=side,
-        va="bottom",
-    )
+    note(axes, text, (x, low), (-3 if side == "right" else 3, 3), ha=side)
 
 
 def _name_loop(a: Axes, c: Axes, orbit: Orbit, cycle: Sequence[Branch], first: bool) -> None:
     """Which level a loop belongs to: in (a) above its right end, in (c) on it where ẍ = 0."""
     level = f"{orbit.motion.Y * 1e3:g}"
-    a.annotate(
-        f"$Y$ = {level} mm" if first else level,
-        xy=right_end(orbit),
-        xytext=(-6 if first else 0, 2),
-        textcoords="offset points",
-        ha="left" if first else "center",
-        va="bottom",
-        size=8,
-    )
+    if first:
+        note(a, f"$Y$ = {level} mm", right_end(orbit), (-6, 2), size=8)
+    else:
+        note(a, level, right_end(orbit), (0, 2), ha="center", size=8)
     states = whole(cycle)
     forward = np.flatnonzero(states.v > 0.5 * np.max(states.v))
     crossing = forward[np.argmin(np.abs(states.acceleration[forward]))]
     c.text(float(states.v[crossing]), 0.0, level, ha="center", va="center", size=8, bbox=HALO)
 
 
-def _show_where(axes: Axes, zoomed: Axes, letter: str, beside: bool) -> None:
-    """Frame in a panel what its neighbour enlarges; name it beside the frame, or from afar if that is narrow."""
+def _show_where(axes: Axes, zoomed: Axes, letter: str, **place: Any) -> None:
+    """Frame in a panel what its neighbour enlarges, and name it."""
     (left, right), (low, high) = zoomed.get_xlim(), zoomed.get_ylim()
     axes.add_patch(
         Rectangle((left, low), right - left, high - low, fill=False, ec=INK, lw=0.5, zorder=4)
     )
-    line = {"arrowstyle": "-", "lw": 0.5, "color": INK, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate(
-        f"({letter})",
-        xy=(left, low),
-        xytext=(-2, 0) if beside else (-10, -8),
-        textcoords="offset points",
-        ha="right",
-        va="bottom" if beside else "top",
-        size=8,
-        arrowprops=None if beside else line,
-    )
+    note(axes, f"({letter})", (left, low), ha="right", size=8, **place)
 
 
 def _name_and_arrow(axes: Axes, x: Array, y: Array, name: str) -> None:
@@ -192,12 +161,4 @@ def _name_and_arrow(axes: Axes, x: Array, y: Array, name: str) -> None:
     first, last = seen[0], seen[-1] + 1
     arrow_along(axes, x[first:last], y[first:last], 0.5, SLIP)
     middle = int(np.argmin(np.abs(x[first:last] - 0.5 * (x[first] + x[last - 1])))) + first
-    axes.annotate(
-        name,
-        xy=(float(x[middle]), float(y[middle])),
-        xytext=(0, 6),
-        textcoords="offset points",
-        ha="center",
-        va="bottom",
-        color=SLIP,
-    )
+    note(axes, name, (float(x[middle]), float(y[middle])), (0, 6), ha="center", color=SLIP)

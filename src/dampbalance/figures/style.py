@@ -96,15 +96,23 @@ def place(figure: Figure, left: float, bottom: float, width: float, height: floa
 
 def panel_letter(axes: Axes, letter: str) -> Text:
     """The letter of a panel, (a), (b) …, above the upper left corner of its frame."""
+    return note(
+        axes, f"({letter})", (0.0, 1.0), (0.0, 3.0), xycoords="axes fraction", weight="bold"
+    )
+
+
+def note(
+    axes: Axes,
+    text: str,
+    at: tuple[float, float],
+    shift: tuple[float, float],
+    ha: str = "left",
+    va: str = "bottom",
+    **look: Any,
+) -> Text:
+    """Words beside a place in the axes, shifted from it by points."""
     return axes.annotate(
-        f"({letter})",
-        xy=(0.0, 1.0),
-        xycoords="axes fraction",
-        xytext=(0.0, 3.0),
-        textcoords="offset points",
-        ha="left",
-        va="bottom",
-        weight="bold",
+        text, xy=at, xytext=shift, textcoords="offset points", ha=ha, va=va, **look
     )
 
 

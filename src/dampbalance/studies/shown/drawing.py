@@ -21,6 +21,7 @@ from ...figures.style import (
     FAINT,
     HALO,
     SINGLE_COLUMN,
+    note,
     omega_of,
     page,
     place,
@@ -161,18 +162,10 @@ def _marks(axes: Axes, study: Study, label: bool) -> None:
             omega = omega_of(name)
             to_share = axes.transScale + axes.transLimits  # of the axis, where the mark stands
             at_end = to_share.transform((value, axes.get_ylim()[0]))[0] > 0.85
-            axes.annotate(
-                f"${omega}$" if omega else name,
-                xy=(value, 1.0),
-                xycoords=("data", "axes fraction"),
-                xytext=(-1.5 if at_end else 1.5, -2.5),
-                textcoords="offset points",
-                ha="right" if at_end else "left",
-                va="top",
-                size=7.5,
-                color=FAINT,
-                bbox=HALO,
-            )
+            shift, side = (-1.5, "right") if at_end else (1.5, "left")
+            text, at = f"${omega}$" if omega else name, ("data", "axes fraction")
+            look = {"size": 7.5, "color": FAINT, "bbox": HALO}
+            note(axes, text, (value, 1.0), (shift, -2.5), side, "top", xycoords=at, **look)
 
 
 def _axis_label(name: str) -> str:

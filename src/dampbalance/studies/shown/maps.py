@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from ...figures.looks import in_maths, label_of
-from ...figures.style import DOUBLE_COLUMN, place, styled
+from ...figures.style import DOUBLE_COLUMN, note, place, styled
 from ...figures.style import page as empty_page
 from ...project.wording import percent
 from ..axes import Sampled
@@ -33,6 +33,9 @@ REGION = 0.9  # share of the cases within the bound that makes a bin part of the
 LEFT, RIGHT, BOTTOM, TOP, GAP, ROW_GAP, BAR = 14.0, 15.0, 15.0, 7.0, 3.0, 3.0, 3.0  # mm
 HEIGHT = 40.0  # mm, of a panel
 
+_PAPER = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.2}
+_LABEL: dict[str, Any] = {"xycoords": "axes fraction", "size": 8.0, "bbox": _PAPER}
+
 
 class Shares(NamedTuple):
     """Share of the cases within the bound in each bin, (bins of y, bins of x), NaN where there is no case; bin edges;
@@ -42,6 +45,11 @@ class Shares(NamedTuple):
     x_edges: Array
     y_edges: Array
     overall: float
+
+    @property
+    def axes(self) -> tuple[tuple[Literal["x", "y"], Array], ...]:
+        """The axes with their edges."""
+        return ("x", self.x_edges), ("y", self.y_edges)
 
 
 @styled()
@@ -85,7 +93,8 @@ def share_map(study: Study, cases: str | Path) -> Figure:
             if column == 0:
                 axes.set_ylabel(f"${PARAMETERS[study.figure['y']].symbol}$")
                 axes.yaxis.set_label_coords(-9.5 / width, 0.5)
-            _name(axes, f"{_words(symbol, fit, kinds)}: {percent(share.overall)}")
+            text = f"{_words(symbol, fit, kinds)}: {percent(share.overall)}"
+            note(axes, text, (0.0, 1.0), (3.0, -3.5), va="top", **_LABEL)
     bar = place(figure, DOUBLE_COLUMN - RIGHT + 2.0, BOTTOM, BAR, panels_height)
     _scale(figure, mesh, bar, within)
     if perfect:
@@ -111,21 +120,6 @@ def _words(symbol: str, fit: Fit, kinds: list[tuple[str, str]]) -> str:
     return ", ".join(words)
 
 
-def _name(axes: Axes, text: str) -> None:
-    """Words in the upper left corner of a map."""
-    axes.annotate(
-        text,
-        xy=(0.0, 1.0),
-        xycoords="axes fraction",
-        xytext=(3.0, -3.5),
-        textcoords="offset points",
-        ha="left",
-        va="top",
-        size=8.0,
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.2},
-    )
-
-
 def _scale(figure: Figure, mesh: Any, bar: Axes, within: float) -> None:
     """The scale of colours."""
     scale = figure.colorbar(mesh, cax=bar, ticks=[0.0, 0.25, 0.5, 0.75, 1.0])
@@ -149,7 +143,7 @@ def shares_within(
 ) -> dict[tuple[Fit, str], Shares]:
     """The map of each term and fit, counted a stretch of cases at a time."""
     settings = study.figure
-    x_edges, y_edges = (_edges(study, settings[axis]) for axis in ("x", "y"))
+    x_edges, y_edges = (_edges(study, settings[axis])[0] for axis in ("x", "y"))
     wanted = {
         (fit, symbol): f"{symbol}_relative_error__{fit.label}"
         for fit in fits
@@ -187,55 +181,35 @@ def _panel(axes: Axes, study: Study, found: Shares, last: bool) -> Any:
         rasterized=True,
         linewidth=0,
     )
-    over: tuple[tuple[Literal["x", "y"], Array], ...] = (
-        ("x", found.x_edges),
-        ("y", found.y_edges),
-    )
-    centres = [
-        np.sqrt(edges[1:] * edges[:-1])
-        if _log(study, study.figure[which])
-        else 0.5 * (edges[1:] + edges[:-1])
-        for which, edges in over
-    ]
+    axes.set_xlim(found.x_edges[0], found.x_edges[-1])
+    axes.set_ylim(found.y_edges[0], found.y_edges[-1])
+    centres = []
+    for which, edges in found.axes:
+        _, logarithmic = _edges(study, study.figure[which])
+        middle = 0.5 * (edges[1:] + edges[:-1])
+        centres.append(np.sqrt(edges[1:] * edges[:-1]) if logarithmic else middle)
+        if logarithmic:
+            logarithmic_ticks(axes, which, edges[0], edges[-1], ends=last or which == "y")
     if min(found.share.shape) > 2:
         smooth = gaussian_filter(np.nan_to_num(found.share), sigma=1.0, mode="nearest")
         if smooth.max() > REGION > smooth.min():
             axes.contour(*centres, smooth, levels=[REGION], colors="white", linewidths=1.0)
-    for which, edges in over:
-        if _log(study, study.figure[which]):
-            ends = last or which == "y"
-            logarithmic_ticks(axes, which, edges[0], edges[-1], ends=ends)
-    axes.set_xlim(found.x_edges[0], found.x_edges[-1])
-    axes.set_ylim(found.y_edges[0], found.y_edges[-1])
     return mesh
 
 
-def _edges(study: Study, name: str) -> Array:
-    """Bin edges along an axis: around each listed value, or evenly over the range of a sample."""
-    for block in study.blocks:
-        if name not in block.names:
-            continue
-        if isinstance(block, Sampled):
-            limits = block.ranges[name]
-            bins = int(np.clip(np.sqrt(study.cases / PER_BIN), 4, MOST_BINS))
-            return limits.at(np.linspace(0.0, 1.0, bins + 1))
-        values = np.unique(np.asarray(block.values[name], dtype=float))
-        middle = 0.5 * (values[1:] + values[:-1])
-        if _log(study, name):
-            middle = np.sqrt(values[1:] * values[:-1])
-            first, last = values[0] ** 2 / middle[0], values[-1] ** 2 / middle[-1]
-        else:
-            first, last = 2 * values[0] - middle[0], 2 * values[-1] - middle[-1]
-        return np.array([first, *middle, last])
-    raise ValueError(f"{name} is not an axis of the study {study.name}")
-
-
-def _log(study: Study, name: str) -> bool:
-    for block in study.blocks:
-        if name in block.names:
-            if isinstance(block, Sampled):
-                return block.ranges[name].spacing == "log"
-            values = np.unique(np.asarray(block.values[name], dtype=float))
-            even = np.std(np.diff(values)) < 0.05 * np.mean(np.diff(values))
-            return bool(values[0] > 0.0 and not even)
-    return False
+def _edges(study: Study, name: str) -> tuple[Array, bool]:
+    """Bin edges along an axis, around each listed value or over the range of a sample; whether it is logarithmic."""
+    block = next((block for block in study.blocks if name in block.names), None)
+    if block is None:
+        raise ValueError(f"{name} is not an axis of the study {study.name}")
+    if isinstance(block, Sampled):
+        limits = block.ranges[name]
+        bins = int(np.clip(np.sqrt(study.cases / PER_BIN), 4, MOST_BINS))
+        return limits.at(np.linspace(0.0, 1.0, bins + 1)), limits.spacing == "log"
+    values = np.unique(np.asarray(block.values[name], dtype=float))
+    even = np.std(np.diff(values)) < 0.05 * np.mean(np.diff(values))
+    if values[0] > 0.0 and not even:
+        middle = np.sqrt(values[1:] * values[:-1])
+        return np.array([values[0] ** 2 / middle[0], *middle, values[-1] ** 2 / middle[-1]]), True
+    middle = 0.5 * (values[1:] + values[:-1])
+    return np.array([2 * values[0] - middle[0], *middle, 2 * values[-1] - middle[-1]]), False
