@@ -122,15 +122,10 @@ def _drawing(key: str, phase: str, joined: bool) -> dict[str, Any]:
     """Filled and solid for common features and for approaches that know no choice of them; else open and dashed."""
     look = look_of(key)
     filled = phase == COMMON or not takes_phase(key)
-    return {
-        "color": look.colour,
-        "marker": look.marker,
-        "ms": 3.2 if look.marker in "Ds" else 3.8,
-        "mfc": look.colour if filled else "white",
-        "mew": 0.7,
-        "lw": 0.7,
-        "ls": "none" if key == "direct" or not joined else "-" if filled else DASHED,
-    }
+    marks = {"marker": look.marker, "ms": 3.2 if look.marker in "Ds" else 3.8, "mew": 0.7}
+    marks |= {"color": look.colour, "mfc": look.colour if filled else "white"}
+    line = "none" if key == "direct" or not joined else "-" if filled else DASHED
+    return marks | {"lw": 0.7, "ls": line}
 
 
 def _frame(axes: Axes, pairs: int) -> None:
@@ -145,14 +140,8 @@ def _break(upper: Axes, lower: Axes) -> None:
     """Show that the axis is broken between the two: slashes for the line that would part them."""
     upper.spines["bottom"].set_visible(False)
     lower.spines["top"].set_visible(False)
-    slash: dict[str, Any] = {
-        "marker": [(-1, -0.5), (1, 0.5)],
-        "ms": 6,
-        "ls": "none",
-        "color": INK,
-        "mew": 0.6,
-        "clip_on": False,
-    }
+    slash: dict[str, Any] = {"marker": [(-1, -0.5), (1, 0.5)], "ms": 6, "ls": "none"}
+    slash |= {"color": INK, "mew": 0.6, "clip_on": False}
     upper.plot([0, 1], [0, 0], transform=upper.transAxes, **slash)
     lower.plot([0, 1], [1, 1], transform=lower.transAxes, **slash)
 
@@ -165,16 +154,11 @@ def _legend(panels: Grid, approaches: Sequence[str]) -> None:
 
     choosing = [key for key in approaches if takes_phase(key)]
     handles: list[Any] = [handle(key, COMMON) for key in approaches]
+    handles += [tuple(handle(key, phase) for key in choosing) for phase in (COMMON, INDIVIDUAL)]
     labels = [in_maths(label_of(key)) for key in approaches]
-    for phase, text in (
-        (COMMON, r"common $\phi$, $t_s$"),
-        (INDIVIDUAL, r"individual $\phi_i$, $t_{is}$"),
-    ):
-        handles.append(tuple(handle(key, phase) for key in choosing))
-        labels.append(text)
     panels.legend_below(
         handles,
-        labels=labels,
+        labels=[*labels, r"common $\phi$, $t_s$", r"individual $\phi_i$, $t_{is}$"],
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0.2)},
         columnspacing=1.1,
         handlelength=2.2,

@@ -45,7 +45,7 @@ SPARE = (
     Look("#C51B7D", ">", "other-3", "#b3126b", "#f58cc0", "triangle-right"),
 )
 
-SCHEMES = {
+SCHEME_LOOKS = {
     "backward-euler": ("backward Euler", LOOKS["t_s"]),
     "explicit-euler": ("explicit Euler", LOOKS["X_s"]),
     "semi-implicit-euler": ("semi-implicit Euler", SPARE[0]),

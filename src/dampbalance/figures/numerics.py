@@ -13,7 +13,7 @@ from matplotlib.ticker import LogFormatterMathtext, MaxNLocator
 
 from ..balance import TERMS
 from ..model import Oscillator
-from .looks import SCHEMES
+from .looks import SCHEME_LOOKS
 from .style import DOUBLE_COLUMN, FAINT, INK, STICK, page, panel_letter, place, styled
 
 ALT = (
@@ -39,14 +39,13 @@ BOTTOM, HEIGHT, ROW_GAP, TOP = 11.0, 38.0, 20.0, 6.0
 class Evidence(NamedTuple):
     """What the figure is drawn from, all at the first frequency.
 
-    claims : the table of claims, as text (id, printed).   exact, rebuilt : features.   estimates : as published.
+    claims : the table of claims, as text (id, printed).   exact : features.   estimates : as published.
     schemes : of `article.schemes.scheme_table`.   steps : cases of the study of the step, with columns scheme, step_s,
     c_N_s_per_m and c_relative_error__direct__least_squares.
     """
 
     claims: pd.DataFrame
     exact: pd.DataFrame
-    rebuilt: pd.DataFrame
     estimates: pd.DataFrame
     schemes: pd.DataFrame
     steps: pd.DataFrame
@@ -118,7 +117,7 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
         colour, marker = _OF_SCHEME.get(str(scheme), (FAINT, "x"))
         look: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 3.4, "color": colour}
         look |= {"mew": 0.8} | ({"zorder": 4} if marker == "o" else {"zorder": 3, "mfc": "none"})
-        name, _ = SCHEMES[str(scheme)]
+        name, _ = SCHEME_LOOKS[str(scheme)]
         axes.plot(h[rows.index], error[rows.index], label=name, **look)
     line = np.array([h.min(), h.max()])
     omega = float(e.exact["omega_rad_per_s"].iloc[0])

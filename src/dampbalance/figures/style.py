@@ -7,9 +7,10 @@ the markers help.
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, ContextDecorator
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import matplotlib.style
 from matplotlib.axes import Axes
@@ -59,26 +60,11 @@ STYLE: dict[str, Any] = {
 }
 
 
-class _Styled(ContextDecorator):
-    """Draw with STYLE on top of matplotlib's own defaults, whatever the user's settings are."""
-
-    def __enter__(self) -> None:
-        self._context = cast(
-            AbstractContextManager[None], matplotlib.style.context(STYLE, after_reset=True)
-        )
-        self._context.__enter__()
-
-    def __exit__(self, *details: Any) -> None:
-        self._context.__exit__(*details)
-
-    def _recreate_cm(self) -> _Styled:
-        # Each call of a decorated function gets a context of its own.
-        return _Styled()
-
-
-def styled() -> _Styled:
-    """Decorator of the functions that draw: they use STYLE and nothing of the user's settings."""
-    return _Styled()
+@contextmanager
+def styled() -> Iterator[None]:
+    """Decorator of the functions that draw: they use STYLE on matplotlib's own defaults, and nothing of the user's."""
+    with matplotlib.style.context(STYLE, after_reset=True):
+        yield
 
 
 def page(width: float, height: float) -> Figure:

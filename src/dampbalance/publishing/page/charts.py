@@ -216,16 +216,10 @@ class Chart:
         if self.nearest == "x":
             mark: Spec = {"type": "rule", "color": variable("focus"), "strokeWidth": 1.4}
             return [{"transform": here, "mark": mark, "encoding": _ACROSS}]
-        ring = {
-            "type": "point",
-            "size": 150,
-            "color": variable("focus"),
-            "strokeWidth": 2,
-            "filled": False,
-            "clip": True,
-            "tooltip": None,
-        }
-        return [{"transform": here, "mark": ring}]
+        ring: Spec = {"type": "point", "size": 150, "color": variable("focus"), "strokeWidth": 2}
+        return [
+            {"transform": here, "mark": ring | {"filled": False, "clip": True, "tooltip": None}}
+        ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,41 +238,47 @@ class ChartSet:
 _ACROSS: Spec = {"y": {"value": 0}, "y2": {"value": "height"}}  # from edge to edge of the panel
 
 # The wheel scrolls the page; with Ctrl (or a pinch) it zooms. A drag moves, a double click resets.
-_ZOOM: Spec = {
-    "type": "interval",
-    "zoom": "wheel![event.ctrlKey || event.metaKey]",
-    "clear": "dblclick",
-}
+_WHEEL = "wheel![event.ctrlKey || event.metaKey]"
+_ZOOM: Spec = {"type": "interval", "zoom": _WHEEL, "clear": "dblclick"}
+
+
+def nominal(column: str) -> Spec:
+    """A column of words, as a channel."""
+    return {"field": column, "type": "nominal"}
+
+
+def quantitative(column: str) -> Spec:
+    """A column of numbers, as a channel."""
+    return {"field": column, "type": "quantitative"}
+
+
+def coded(column: str, codes: Mapping[str, str]) -> Spec:
+    """A column of words, each shown by its colour or shape; the page has legends of its own."""
+    scale = {"domain": list(codes), "range": list(codes.values())}
+    return {**nominal(column), "scale": scale, "legend": None}
+
+
+NAMED: Spec = {"encoding": {"text": nominal("name")}}
+"""Encoding of a layer of text that writes the column `name`."""
 
 
 def curve(column: str, colour: str, width: float = 1.4, dashed: bool = False) -> Spec:
     """A layer: one curve over x, interrupted where a value is missing."""
-    mark: Spec = {
-        "type": "line",
-        "color": colour,
-        "strokeWidth": width,
-        "clip": True,
-        "invalid": "break-paths-show-domains",
-    }
+    mark: Spec = {"type": "line", "color": colour, "strokeWidth": width, "clip": True}
+    mark["invalid"] = "break-paths-show-domains"
     if dashed:
         mark["strokeDash"] = [5, 3]
-    return {"mark": mark, "encoding": {"y": {"field": column, "type": "quantitative"}}}
+    return {"mark": mark, "encoding": {"y": quantitative(column)}}
 
 
 def mark_at(value: float, name: str, at_end: bool) -> list[Spec]:
     """Layers: a dotted line across the panel at a place on x, and its name at the lower end."""
     data = {"data": {"values": [{"at": value, "name": name}]}}
-    place: Spec = {"x": {"field": "at", "type": "quantitative"}, "y": {"value": "height"}}
+    place: Spec = {"x": quantitative("at"), "y": {"value": "height"}}
     line = {"type": "rule", "color": variable("muted"), "strokeDash": [2, 3], "strokeWidth": 1}
-    words = {
-        "type": "text",
-        "align": "right" if at_end else "left",
-        "baseline": "bottom",
-        "dx": -4 if at_end else 4,
-        "dy": -4,
-        "color": variable("muted"),
-        "clip": True,
-    }
+    side, shift = ("right", -4) if at_end else ("left", 4)
+    words = {"type": "text", "align": side, "baseline": "bottom", "dx": shift, "dy": -4}
+    words |= {"color": variable("muted"), "clip": True}
     return [
         {**data, "mark": {**line, "clip": True}, "encoding": {"x": place["x"], **_ACROSS}},
         {**data, "mark": words, "encoding": {**place, "text": {"field": "name"}}},

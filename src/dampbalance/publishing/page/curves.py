@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...figures.looks import SCHEMES, label_of, look_of
+from ...figures.looks import SCHEME_LOOKS, label_of, look_of
 from ...figures.series import decades
 from ...studies.parameters import PARAMETERS
 from ...studies.settings import Study
@@ -52,7 +52,7 @@ def error_of_steps(study: Study, cases: str | Path) -> ChartSet:
     says = [Value("step_s", "step h", "s"), Value("line", "m ω² h", "N s/m")]
     layers = [curve("line", variable("edge"), 5.0)]
     for name, (of_scheme, errors) in shown.errors.items():
-        label, look = SCHEMES[name]
+        label, look = SCHEME_LOOKS[name]
         column = name.replace("-", "_")
         at = dict(zip(of_scheme.tolist(), errors.tolist(), strict=True))
         columns[column] = np.array([at.get(step, np.nan) for step in steps.tolist()])
@@ -76,27 +76,19 @@ def error_of_steps(study: Study, cases: str | Path) -> ChartSet:
 def _chart(study: Study, shown: series.ErrorCurves, symbol: str, number: int) -> Chart:
     """The errors of one term in one panel."""
     panel, curves = shown.panels[number], shown.curves[symbol, number]
-    columns = [f"{one.approach}_{one.sharing}".strip("_") for one in curves]
-    layers = [
-        curve(
-            column,
-            series_colour(one.approach),
-            look_of(one.approach).page_width,
-            one.sharing == "common",
-        )
-        for column, one in zip(columns, curves, strict=True)
-    ]
-    says = (
-        Value(column, plain(label_of(one.approach)) + _SHARINGS[one.sharing], "%")
-        for column, one in zip(columns, curves, strict=True)
-    )
+    layers, says, errors = [], [], {}
+    for one in curves:
+        column = f"{one.approach}_{one.sharing}".strip("_")
+        colour, width = series_colour(one.approach), look_of(one.approach).page_width
+        layers.append(curve(column, colour, width, dashed=one.sharing == "common"))
+        says.append(Value(column, plain(label_of(one.approach)) + _SHARINGS[one.sharing], "%"))
+        errors[column] = one.error
     name, unit = shown.name, series.unit_of(shown.name)
     parameter = PARAMETERS[name]
     meaning = plain(_short(parameter.meaning))
     scale: Scale = "log" if shown.is_logarithmic else "linear"
     margin = 0.3 if parameter.whole else 0.0
     span = (float(shown.places[0]) - margin, float(shown.places[-1]) + margin)
-    errors = {column: one.error for column, one in zip(columns, curves, strict=True)}
     key = f"study-{study.name}-{symbol}-{number}".replace("_", "-")
     title = f"error of {plain(symbol)} (%)"
     return Chart(
@@ -105,11 +97,8 @@ def _chart(study: Study, shown: series.ErrorCurves, symbol: str, number: int) ->
         description=f"Error of {plain(symbol)} in % over {parameter.meaning}, a curve per approach.",
         table=Table(key, {name: panel.x, **errors}),
         x=Axis(name, meaning + (f" ({unit})" if unit else ""), scale, span),
-        y=Axis(columns[0] if columns else name, title, "log", shown.limits(symbol)),
-        layers=(
-            *(map(_with_points, layers) if panel.few else layers),
-            *_marks(study, span, scale),
-        ),
+        y=Axis(next(iter(errors), name), title, "log", shown.limits(symbol)),
+        layers=(*(map(_with_points, layers) if panel.few else layers), *_marks(study, span, scale)),
         says=(Value(name, meaning, unit), *says),
     )
 
@@ -129,13 +118,9 @@ def _short(meaning: str) -> str:
 
 def _with_points(layer: Spec) -> Spec:
     """The curve with a mark at each value."""
-    point = {
-        "filled": True,
-        "size": 34,
-        "fill": variable("paper"),
-        "stroke": layer["mark"]["color"],
-    }
-    return {**layer, "mark": {**layer["mark"], "point": point | {"strokeWidth": 1.4, "opacity": 1}}}
+    mark = layer["mark"]
+    point = {"filled": True, "size": 34, "fill": variable("paper"), "stroke": mark["color"]}
+    return {**layer, "mark": {**mark, "point": point | {"strokeWidth": 1.4, "opacity": 1}}}
 
 
 def _marks(study: Study, span: tuple[float, float], scale: Scale) -> list[Spec]:

@@ -6,18 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
+from ...figures import series
 from ...figures.looks import label_of, look_of
-from ...figures.series import (
-    COMMON,
-    INDIVIDUAL,
-    Errors,
-    ErrorsByLevel,
-    ErrorsOfTerm,
-    decades,
-    errors_by_level,
-)
+from ...figures.series import COMMON, INDIVIDUAL, decades
 from ...model import Oscillator
-from .charts import Axis, Chart, ChartSet, Spec, Table, Value
+from .charts import Axis, Chart, ChartSet, Spec, Table, Value, coded
 from .colours import series_colour, variable
 from .words import frequency_name, plain, power_of_ten
 
@@ -36,7 +29,7 @@ def error_charts(
     The arguments are those of `figures.series.errors_by_level`. An approach nowhere worse than rounding is named, not
     drawn.
     """
-    shown = errors_by_level(estimates, oscillator, frequencies_hz, levels_m)
+    shown = series.errors_by_level(estimates, oscillator, frequencies_hz, levels_m)
     charts = [
         _chart(of_term, name, hz, shown)
         for of_term in shown.terms
@@ -55,25 +48,23 @@ def error_charts(
     )
 
 
-def _chart(of_term: ErrorsOfTerm, name: str, hz: float, shown: ErrorsByLevel) -> Chart:
+def _chart(
+    of_term: series.ErrorsOfTerm, name: str, hz: float, shown: series.ErrorsByLevel
+) -> Chart:
     """The errors of one coefficient at one frequency."""
     symbol, where = plain(of_term.term.symbol), f"{frequency_name(name)}, {hz:g} Hz"
     drawn = [key for key in shown.approaches if key not in of_term.exact]
     rows = _rows(of_term.errors[name], drawn, shown)
     table = Table(f"error-{of_term.term.symbol}-{name}".replace("_", ""), rows)
     limits = (-0.6, len(shown.names) - 0.4)
+    sizes = decades([of_term.sizes], FLOOR, CEILING, cut=0.02)
     return Chart(
         id=table.id,
         title=f"{symbol} at {where}",
         description=f"Error of {symbol} at {hz:g} Hz by approach and pair of excitation levels.",
         table=table,
         x=Axis("at", "levels of the pair (mm)", limits=limits, labels=shown.names),
-        y=Axis(
-            "error",
-            f"error of {symbol} (%)",
-            "log",
-            decades([of_term.sizes], FLOOR, CEILING, cut=0.02),
-        ),
+        y=Axis("error", f"error of {symbol} (%)", "log", sizes),
         layers=tuple(_points(drawn, filled) for filled in (True, False)),
         says=(
             Value("name", "approach"),
@@ -85,7 +76,9 @@ def _chart(of_term: ErrorsOfTerm, name: str, hz: float, shown: ErrorsByLevel) ->
     )
 
 
-def _rows(errors: Errors, drawn: Sequence[str], shown: ErrorsByLevel) -> dict[str, list[object]]:
+def _rows(
+    errors: series.Errors, drawn: Sequence[str], shown: series.ErrorsByLevel
+) -> dict[str, list[object]]:
     """A row per estimate: where it stands, what it is, and its error."""
     rows: dict[str, list[object]] = {
         n: [] for n in ("at", "error", "approach", "name", "sharing", "pair")
@@ -104,24 +97,13 @@ def _rows(errors: Errors, drawn: Sequence[str], shown: ErrorsByLevel) -> dict[st
 
 def _points(drawn: Sequence[str], filled: bool) -> Spec:
     """Estimates with common (filled) or individual (open) φ and t_s."""
-    domain = list(drawn)
-    colours = [series_colour(key) for key in drawn]
-    shapes = [look_of(key).shape for key in drawn]
-
-    def by_approach(values: list[str]) -> Spec:
-        return {
-            "field": "approach",
-            "type": "nominal",
-            "scale": {"domain": domain, "range": values},
-            "legend": None,
-        }
-
+    colours = coded("approach", {key: series_colour(key) for key in drawn})
     mark = {"type": "point", "size": 46, "opacity": 1, "strokeWidth": 1.6, "clip": True}
-    encoding = {"shape": by_approach(shapes), "stroke": by_approach(colours)}
-    encoding["fill"] = by_approach(colours) if filled else {"value": variable("paper")}
-    test = f"datum.sharing === '{_SHARINGS[COMMON]}'"
-    return {
-        "transform": [{"filter": test if filled else f"!({test})"}],
-        "mark": mark,
-        "encoding": encoding,
+    encoding = {
+        "shape": coded("approach", {key: look_of(key).shape for key in drawn}),
+        "stroke": colours,
+        "fill": colours if filled else {"value": variable("paper")},
     }
+    test = f"datum.sharing === '{_SHARINGS[COMMON]}'"
+    chosen = [{"filter": test if filled else f"!({test})"}]
+    return {"transform": chosen, "mark": mark, "encoding": encoding}

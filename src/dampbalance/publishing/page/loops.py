@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...figures.cycle import Onset, branches, first_onset, right_end, whole
+from ...figures.cycle import branches, first_onset, right_end, whole
 from ...motion.orbit import Orbit
-from .charts import Axis, Chart, Spec, Table, Value
+from .charts import NAMED, Axis, Chart, Spec, Table, Value, coded, nominal, quantitative
 from .colours import variable
 
 ACCELERATION = "acceleration ẍ (m/s²)"
@@ -30,28 +30,57 @@ def figure3_charts(orbits: Sequence[Orbit]) -> list[Chart]:
     """
     onset = first_onset(orbits)
     table = _table(orbits, "orbits")
-    whole = (
-        ("figure3-a", "x", DISPLACEMENT, "(a) against displacement, all levels"),
-        ("figure3-c", "v", VELOCITY, "(c) against velocity, all levels"),
-    )
+    words = "closed loops, growing with the base amplitude."
     a, c = (
-        Chart(
-            id=name,
-            title=title,
-            description=f"Acceleration {title[4:]}: closed loops, growing with the base amplitude.",
-            table=table,
-            x=Axis(column, x_title, limits=_around(table, column)),
-            y=Axis("acc", ACCELERATION, limits=_around(table, "acc")),
-            layers=(_loops(), _level_names(orbits, column)),
-            says=_SAYS,
-            nearest="xy",
+        _panel(
+            f"({letter}) {title}",
+            f"Acceleration {title}: {words}",
+            table,
+            Axis(column, x_title, limits=_around(table, column)),
+            _around(table, "acc"),
+            (_loops(), _level_names(orbits, column)),
         )
-        for name, column, x_title, title in whole
+        for letter, column, x_title, title in (
+            ("a", "x", DISPLACEMENT, "against displacement, all levels"),
+            ("c", "v", VELOCITY, "against velocity, all levels"),
+        )
     )
     if onset is None:
         return [a, c]
     one = _table([onset.orbit], "orbit")
-    return [a, _microstick_line(one, onset), c, _corner(one, onset)]
+    level, length = f"{1e3 * onset.orbit.motion.Y:g} mm", f"{1e3 * onset.length:.4g} µm"
+    ends = list(zip(("−X", "Xₛ"), onset.x, onset.acceleration, strict=True))
+    b = _panel(
+        f"(b) the microsticking line at Y = {level}",
+        f"The steep line from −X to X_s at Y = {level}, {length} long.",
+        one,
+        Axis("x", DISPLACEMENT, limits=onset.x_limits),
+        onset.acceleration_limits,
+        (_loops(2.2), *_rings("x", ends, f"2 Zₘ = {length}")),
+    )
+    d = _panel(
+        f"(d) the corner at slip onset, Y = {level}",
+        f"The corner at the velocity V_s = {onset.V_s:.4g} m/s of slip onset at Y = {level}.",
+        one,
+        Axis("v", VELOCITY, limits=onset.v_limits),
+        onset.acceleration_limits,
+        (_loops(2.2), *_rings("v", [("Vₛ", onset.V_s, onset.acceleration[1])], "")),
+    )
+    return [a, b, c, d]
+
+
+def _panel(
+    title: str,
+    description: str,
+    table: Table,
+    x: Axis,
+    y_limits: tuple[float, float],
+    layers: tuple[Spec, ...],
+) -> Chart:
+    """One panel of Figure 3, named after the letter that its title begins with."""
+    y = Axis("acc", ACCELERATION, limits=y_limits)
+    name = f"figure3-{title[1]}"
+    return Chart(name, title, description, table, x, y, layers, _SAYS, nearest="xy")
 
 
 def _table(orbits: Sequence[Orbit], name: str) -> Table:
@@ -67,35 +96,21 @@ def _table(orbits: Sequence[Orbit], name: str) -> Table:
             words["level"] += [f"{1e3 * orbit.motion.Y:g}"] * count
             words["phase"] += ["microstick" if branch.stick else "slip"] * count
             words["branch"] += [place] * count
-    numbers = {
-        "t": np.concatenate(times),
-        "x": np.concatenate([1e3 * state.x for state in states]),
-        "v": np.concatenate([state.v for state in states]),
-        "acc": np.concatenate([state.acceleration for state in states]),
-    }
+    x, v, acceleration, _ = (np.concatenate(parts) for parts in zip(*states, strict=True))
+    numbers = {"t": np.concatenate(times), "x": 1e3 * x, "v": v, "acc": acceleration}
     # 2 Z_m, some micrometres, must be seen on displacements of some millimetres: seven digits for x.
     return Table(name, {**words, **numbers}, digits={"x": 7, "t": 6})
 
 
 def _loops(width: float = 1.6) -> Spec:
     """All levels: a line per phase of the motion, microstick in its own colour."""
+    colours = {"slip": variable("slip"), "microstick": variable("stick")}
     return {
         "mark": {"type": "line", "strokeWidth": width, "clip": True},
         "encoding": {
-            "detail": [
-                {"field": "level", "type": "nominal"},
-                {"field": "branch", "type": "nominal"},
-            ],
-            "order": {"field": "i", "type": "quantitative"},
-            "color": {
-                "field": "phase",
-                "type": "nominal",
-                "scale": {
-                    "domain": ["slip", "microstick"],
-                    "range": [variable("slip"), variable("stick")],
-                },
-                "legend": None,
-            },
+            "detail": [nominal("level"), nominal("branch")],
+            "order": quantitative("i"),
+            "color": coded("phase", colours),
         },
     }
 
@@ -113,44 +128,8 @@ def _level_names(orbits: Sequence[Orbit], column: str) -> Spec:
         name = f"{1e3 * orbit.motion.Y:g}"
         places.append({column: float(f"{across:.6g}"), "acc": float(f"{up:.6g}"), "name": name})
     beside = {"align": "center", "dy": -10} if column == "x" else {"align": "right", "dx": -5}
-    return {
-        "data": {"values": places},
-        "mark": {"type": "text", "baseline": "middle", **beside},
-        "encoding": {"text": {"field": "name", "type": "nominal"}},
-    }
-
-
-def _microstick_line(table: Table, onset: Onset) -> Chart:
-    """Panel (b): the line from −X to X_s of the weakest level that slips, of length 2 Z_m."""
-    level, length = f"{1e3 * onset.orbit.motion.Y:g} mm", f"{1e3 * onset.length:.4g} µm"
-    marks = list(zip(("−X", "Xₛ"), onset.x, onset.acceleration, strict=True))
-    return Chart(
-        id="figure3-b",
-        title=f"(b) the microsticking line at Y = {level}",
-        description=f"The steep line from −X to X_s at Y = {level}, {length} long.",
-        table=table,
-        x=Axis("x", DISPLACEMENT, limits=onset.x_limits),
-        y=Axis("acc", ACCELERATION, limits=onset.acceleration_limits),
-        layers=(_loops(2.2), *_rings("x", marks, f"2 Zₘ = {length}")),
-        says=_SAYS,
-        nearest="xy",
-    )
-
-
-def _corner(table: Table, onset: Onset) -> Chart:
-    """Panel (d): the corner where microstick gives way to slip, at V_s."""
-    level = f"{1e3 * onset.orbit.motion.Y:g} mm"
-    return Chart(
-        id="figure3-d",
-        title=f"(d) the corner at slip onset, Y = {level}",
-        description=f"The corner at the velocity V_s = {onset.V_s:.4g} m/s of slip onset at Y = {level}.",
-        table=table,
-        x=Axis("v", VELOCITY, limits=onset.v_limits),
-        y=Axis("acc", ACCELERATION, limits=onset.acceleration_limits),
-        layers=(_loops(2.2), *_rings("v", [("Vₛ", onset.V_s, onset.acceleration[1])], "")),
-        says=_SAYS,
-        nearest="xy",
-    )
+    mark = {"type": "text", "baseline": "middle", **beside}
+    return {"data": {"values": places}, "mark": mark, **NAMED}
 
 
 def _around(table: Table, column: str) -> tuple[float, float]:
@@ -164,20 +143,11 @@ def _rings(column: str, marks: Sequence[tuple[str, float, float]], below: str) -
     """Rings on the curve with their symbols, and a remark below the last."""
     values = [{column: x, "acc": y, "name": name} for name, x, y in marks]
     data = {"data": {"values": values}}
-    ring = {
-        "type": "point",
-        "size": 60,
-        "filled": True,
-        "fill": variable("paper"),
-        "stroke": variable("ink"),
-        "strokeWidth": 1.4,
-        "opacity": 1,
-        "clip": True,
-    }
+    ring = {"type": "point", "size": 60, "filled": True, "fill": variable("paper")}
+    ring |= {"stroke": variable("ink"), "strokeWidth": 1.4, "opacity": 1, "clip": True}
     words = {"type": "text", "align": "left", "dx": 9, "dy": 9, "fontSize": 13, "clip": True}
-    named = {"encoding": {"text": {"field": "name", "type": "nominal"}}}
-    layers: list[Spec] = [{**data, "mark": ring}, {**data, "mark": words, **named}]
+    layers: list[Spec] = [{**data, "mark": ring}, {**data, "mark": words, **NAMED}]
     if below:
         remark = {"data": {"values": [values[-1] | {"name": below}]}}
-        layers.append({**remark, "mark": words | {"dy": 27, "fontSize": 11.5}, **named})
+        layers.append({**remark, "mark": words | {"dy": 27, "fontSize": 11.5}, **NAMED})
     return layers

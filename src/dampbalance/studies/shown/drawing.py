@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from ...balance import TERMS
 from ...figures.grid import Grid, decades_axis, grid
-from ...figures.looks import SCHEMES, in_maths, label_of, look_of
+from ...figures.looks import SCHEME_LOOKS, in_maths, label_of, look_of
 from ...figures.style import (
     DASHED,
     DOTTED,
@@ -104,7 +104,7 @@ def error_of_steps(study: Study, cases: str | Path) -> Figure:
     axes.plot(h, shown.line(h), zorder=0, **bias)
     handles = [Line2D([], [], label=r"$m\omega^2 h$", **bias)]
     for name, (steps, errors) in shown.errors.items():
-        label, look = SCHEMES[name]
+        label, look = SCHEME_LOOKS[name]
         style: dict[str, Any] = {"color": look.colour, "marker": look.marker, "lw": 0.7}
         style |= {"ms": 3.4, "mfc": "white", "mew": 0.7}
         axes.plot(steps, errors, **style)

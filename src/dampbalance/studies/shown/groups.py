@@ -59,12 +59,8 @@ def spread(errors: Array, standard_errors: Array | None, covered: Array | None) 
 
 def terms_of(cases: str | Path) -> list[str]:
     """Symbols of the terms whose errors the table of cases holds."""
-    columns = pq.read_schema(cases).names
-    return [
-        symbol
-        for symbol in TERMS
-        if any(column.startswith(f"{symbol}_relative_error__") for column in columns)
-    ]
+    held = {column.partition("_relative_error__")[0] for column in pq.read_schema(cases).names}
+    return [symbol for symbol in TERMS if symbol in held]
 
 
 def joined(names: Iterable[str]) -> str:
@@ -184,8 +180,7 @@ def _percent(row: Mapping[Any, Any], name: str) -> str:
 
 
 def _rms(values: Array | None) -> float:
-    known = np.empty(0) if values is None else values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(known**2))) if len(known) else np.nan
+    return float(np.sqrt(_mean(None if values is None else values**2)))
 
 
 def _mean(values: Array | None) -> float:

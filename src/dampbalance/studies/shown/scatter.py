@@ -24,9 +24,8 @@ from .series import with_unit
 
 Array = NDArray[np.float64]
 
-_BESIDE = (
-    1.06  # ratio by which the curves of two approaches are moved apart, so that all can be seen
-)
+# Ratio by which the curves of two approaches are moved apart, so that all can be seen.
+_BESIDE = 1.06
 
 
 @styled()
@@ -57,9 +56,8 @@ def errors_of_runs(study: Study, cases: str | Path) -> Figure:
             axes.tick_params(labelbottom=row == len(symbols) - 1, labelleft=column == 0)
             if row == 0 and by:
                 axes.set_title(f"${PARAMETERS[by].symbol}$ = {with_unit(by, value, 6)}", pad=4.0)
-        limits = decades(
-            [np.asarray(line.get_ydata(), float) for axes in drawn for line in axes.lines]
-        )
+        lines = [line for axes in drawn for line in axes.lines]
+        limits = decades([np.asarray(line.get_ydata(), float) for line in lines])
         for axes in drawn:
             decades_axis(axes, limits)
         panels.name_row(drawn[0], f"error of ${symbol}$ (%)")
@@ -74,18 +72,10 @@ def _draw(axes: Axes, fit: Fit, spreads: list[tuple[float, Spread]], beside: flo
     x = beside * 100.0 * np.array([place for place, _ in spreads])
     for name, style, filled in (("rms", "-", True), ("standard_error", DASHED, False)):
         size = 100.0 * np.array([getattr(spread, name) for _, spread in spreads])
-        axes.plot(
-            x,
-            np.where(size > 0.0, size, np.nan),
-            color=look.colour,
-            ls=style,
-            lw=0.8,
-            marker=look.marker if filled else None,
-            ms=3.2,
-            mfc=look.colour,
-            mew=0.7,
-            label=f"{fit.label} {name}",
-        )
+        marks: dict[str, Any] = {"marker": look.marker, "ms": 3.2, "mew": 0.7} if filled else {}
+        size = np.where(size > 0.0, size, np.nan)
+        label = f"{fit.label} {name}"
+        axes.plot(x, size, color=look.colour, ls=style, lw=0.8, label=label, **marks)
 
 
 def _x_axis(axes: Axes, places: Array) -> None:
@@ -98,11 +88,11 @@ def _x_axis(axes: Axes, places: Array) -> None:
 
 
 def _legend(panels: Grid, fits: list[Fit]) -> None:
-    looks = [(look_of(fit.approach), in_maths(label_of(fit.approach))) for fit in fits]
-    handles = [
-        Line2D([], [], color=look.colour, marker=look.marker, ms=3.2, lw=0.8, label=label)
-        for look, label in looks
-    ]
+    handles = []
+    for fit in fits:
+        look, label = look_of(fit.approach), in_maths(label_of(fit.approach))
+        marks: dict[str, Any] = {"marker": look.marker, "ms": 3.2}
+        handles.append(Line2D([], [], color=look.colour, lw=0.8, label=label, **marks))
     for style, label in (("-", "rms error"), (DASHED, "standard error")):
         handles.append(Line2D([], [], color=FAINT, lw=0.8, ls=style, label=label))
     panels.legend_below(handles, columnspacing=1.2, handlelength=2.2, handletextpad=0.5)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...balance import takes_phase
-from ...figures.looks import SCHEMES as NAMED_SCHEMES
+from ...figures.looks import SCHEME_LOOKS
 from ...figures.series import decades
 from ...model import Oscillator
 from ...motion.fixed_step import SCHEMES
@@ -176,7 +176,7 @@ def error_of_steps(study: Study, cases: str | Path) -> ErrorOfSteps:
         column_of(cases, name) for name in ("m_kg", "c_N_s_per_m", "k_N_per_m", "omega_rad_per_s")
     )
     errors = {}
-    for name in NAMED_SCHEMES:
+    for name in SCHEME_LOOKS:
         those = np.flatnonzero(scheme == name)
         those = those[np.argsort(h[those])]
         if those.size:
