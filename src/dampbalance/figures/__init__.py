@@ -1,5 +1,6 @@
 """The figures of the paper, and one it lacks: from orbits and tables of estimates to pictures.
 
+`looks.py` says how each approach looks, `series.py` and `cycle.py` which numbers are drawn, in print as on the page.
 Each function is pure and returns a matplotlib `Figure`; `save` writes it as SVG and PNG. `ALT` says in a sentence
 what each shows in the paper's case, for readers who cannot see it.
 """

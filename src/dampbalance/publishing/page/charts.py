@@ -101,15 +101,12 @@ class Axis:
         axis: Spec = {"title": self.title, "tickCount": 6}
         if self.labels is not None:
             names = json.dumps(list(self.labels), ensure_ascii=False)
-            axis |= {
-                "values": list(range(len(self.labels))),
-                "labelExpr": f"{names}[datum.value]",
-                "grid": False,
-            }
+            axis |= {"values": list(range(len(self.labels)))}
+            axis |= {"labelExpr": f"{names}[datum.value]", "grid": False}
         elif self.scale == "log":
             seen = {"condition": {"test": _IS_POWER, "value": 1}, "value": 0}
             axis |= {"labelExpr": _LOG_LABEL.replace("CHANNEL", channel), "gridOpacity": seen}
-        return {"field": self.column, "type": "quantitative", "scale": scale, "axis": axis}
+        return {**quantitative(self.column), "scale": scale, "axis": axis}
 
     def still_encoding(self, channel: str) -> Spec:
         """`encoding` for a picture that does not move: a logarithmic axis with only the ticks that are named."""
