@@ -36,7 +36,8 @@ import numpy as np
 import pandas as pd
 
 from dampbalance import BaseMotion, Oscillator, steady_orbit
-from dampbalance.figures.style import APPROACH_LOOKS, MM, SLIP, STICK, STYLE
+from dampbalance.figures.looks import in_maths, label_of, look_of
+from dampbalance.figures.style import MM, SLIP, STICK, STYLE
 
 plt.rcParams.update(STYLE)  # the look of this project's figures
 
@@ -275,14 +276,14 @@ identified(features_above)
 
 # %% alt="A line per level in the plane of F_k and c: they cross at the truth; those of X_s at 11.1 Hz do not."
 F_k = np.array([0.9, 1.7])
-looks = {"direct": ("0.45", "-"), "X_s": (APPROACH_LOOKS["X_s"].colour, (0, (4, 2)))}
+looks = {"direct": ("0.45", "-"), "X_s": (look_of("X_s").colour, (0, (4, 2)))}
 
 figure, panels = plt.subplots(1, 2, figsize=(180 * MM, 72 * MM), sharey=True)
 for axes, hertz in zip(panels, (RESONANCE, ABOVE), strict=True):
     for name, (colour, dashes) in looks.items():
         rows = APPROACHES[name](features_at(hertz), oscillator.k)
         for i, (a, b, W) in enumerate(zip(*rows.terms.values(), rows.W, strict=True)):
-            label = APPROACH_LOOKS[name].label if i == 0 else None
+            label = in_maths(label_of(name)) if i == 0 else None
             axes.plot(F_k, (W - a * F_k) / b, color=colour, ls=dashes, lw=0.9, label=label)
     axes.plot(oscillator.F_k, oscillator.c, "o", color=STICK, ms=5, label="true values", zorder=3)
     axes.set_title(f"{hertz} Hz")
@@ -375,7 +376,7 @@ curves = {
 for label, (name, phase, dashes) in curves.items():
     errors = [error_of_F_k(name, each.with_phase(phase)) for each in by_frequency]
     axes.semilogy(
-        hertz, np.multiply(100, errors), color=APPROACH_LOOKS[name].colour, ls=dashes, label=label
+        hertz, np.multiply(100, errors), color=look_of(name).colour, ls=dashes, label=label
     )
 axes.axvline(oscillator.omega_n / (2 * math.pi), color="0.7", lw=0.6, zorder=0)
 axes.set_xlabel("frequency (Hz)")

@@ -189,7 +189,6 @@ def _figures(project: Project, cases: list[str]) -> None:
         SimpleNamespace(
             claims=f"{RESULTS}/claims.csv",
             exact=f"{RESULTS}/features/exact/{FIRST}.csv",
-            rebuilt=f"{RESULTS}/features/as_published/{FIRST}.csv",
             estimates=f"{RESULTS}/estimates/as_published/{FIRST}.csv",
             schemes=f"{RESULTS}/article/schemes.csv",
             steps=cases[OF_ARTICLE.index("step_size")],

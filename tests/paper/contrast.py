@@ -1,11 +1,12 @@
-"""What stands on what in the page, and the contrast of two colours as WCAG 2.2 defines it."""
+"""How well the colours of the page stand out from one another, as WCAG 2.2 measures it, and which must."""
 
 from __future__ import annotations
 
-from dampbalance.publishing.page.colours import SERIES
+from dampbalance.publishing.page import colours
 from dampbalance.replication import verdicts
 
 VERDICTS = tuple(verdict.css for verdict in verdicts.VERDICTS.values())
+SERIES = tuple(colours.series())
 
 TEXT_ON = [
     *((text, ground) for text in ("ink", "muted", "link") for ground in ("paper", "raised")),

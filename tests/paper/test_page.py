@@ -18,6 +18,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from dampbalance import balance
+from dampbalance.figures import looks
 from dampbalance.project import wording
 from dampbalance.publishing.page import charts, colours, words
 from dampbalance.publishing.page.match import match_picture
@@ -235,15 +237,31 @@ def test_the_package_ships_what_the_page_is_made_of(tmp_path):
 @pytest.mark.parametrize("mode", ["light", "dark"])
 @pytest.mark.parametrize(("text", "ground"), TEXT_ON)
 def test_text_has_the_contrast_that_wcag_aa_asks_for(mode, text, ground):
-    palette = {"light": colours.LIGHT, "dark": colours.DARK}[mode]
+    palette = colours.palette(mode)
     assert contrast(palette[text], palette[ground]) >= 4.5  # WCAG 2.2, 1.4.3
 
 
 @pytest.mark.parametrize("mode", ["light", "dark"])
 @pytest.mark.parametrize(("mark", "ground"), GRAPHICS_ON)
 def test_graphics_have_the_contrast_that_wcag_aa_asks_for(mode, mark, ground):
-    palette = {"light": colours.LIGHT, "dark": colours.DARK}[mode]
+    palette = colours.palette(mode)
     assert contrast(palette[mark], palette[ground]) >= 3.0  # WCAG 2.2, 1.4.11
+
+
+@pytest.mark.parametrize("mode", ["light", "dark"])
+def test_a_spare_look_has_the_contrast_of_the_others(mode):
+    palette = colours.palette(mode)
+    for look in looks.SPARE:
+        for ground in ("paper", "raised"):
+            assert contrast(getattr(look, mode), palette[ground]) >= 3.0
+
+
+def test_an_approach_without_a_look_of_its_own_has_a_colour_and_a_mark(monkeypatch):
+    for name in ("new", "newer"):
+        monkeypatch.setitem(balance.APPROACHES, name, balance.Approach(balance.direct, name))
+    assert colours.series_colour("newer") == "var(--other-2)"
+    assert "--other-2: #7a4a21;" in colours.css_variables("light")
+    assert 'fill="var(--other-2)"' in colours.shape("newer")
 
 
 def test_contrast_is_that_of_wcag():
@@ -252,10 +270,10 @@ def test_contrast_is_that_of_wcag():
 
 
 def test_every_colour_of_the_page_is_one_that_is_checked(html):
-    assert colours.LIGHT.keys() == colours.DARK.keys()
+    palette = colours.palette("light").keys()
     local = {"fill", "tint", "text"}  # stand for a verdict's colours in the style sheet
     used = set(re.findall(r"var\(--([\w-]+)\)", html.replace("\\", ""))) - local
-    assert used <= colours.LIGHT.keys()
+    assert used <= palette
     checked = {name for pair in (*TEXT_ON, *GRAPHICS_ON) for name in pair}
     assert used - checked == {"rule"}  # lines of tables and grids, which only decorate
     style = (ROOT / "src/dampbalance/publishing/page/static/style.css").read_text(encoding="utf-8")

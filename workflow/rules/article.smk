@@ -83,7 +83,6 @@ if config["published"]:
         input:
             claims=rules.claims.output.csv,
             exact=f"{RESULTS}/features/exact/{FREQUENCIES[0]}.csv",
-            rebuilt=f"{RESULTS}/features/as_published/{FREQUENCIES[0]}.csv",
             estimates=f"{RESULTS}/estimates/as_published/{FREQUENCIES[0]}.csv",
             schemes=rules.article_schemes.output.csv,
             steps=f"{STUDY_RESULTS}/step_size/cases.parquet",

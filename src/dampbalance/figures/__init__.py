@@ -1,5 +1,6 @@
 """The figures of the paper, and one it lacks: from orbits and tables of estimates to pictures.
 
+`looks.py` says how each approach looks, `series.py` and `cycle.py` which numbers are drawn, in print as on the page.
 Each function is pure and returns a matplotlib `Figure`; `save` writes it as SVG and PNG. `ALT` says in a sentence
 what each shows in the paper's case, for readers who cannot see it.
 """
@@ -10,7 +11,7 @@ from .acceleration import figure3
 from .error_levels import estimation_error
 from .friction_loop import friction_velocity_loop
 from .schematic import schematic
-from .style import APPROACH_LOOKS, save
+from .style import save
 
 ALT = {
     "figure1": (
@@ -34,7 +35,6 @@ ALT = {
 
 __all__ = [
     "ALT",
-    "APPROACH_LOOKS",
     "estimation_error",
     "figure3",
     "friction_velocity_loop",

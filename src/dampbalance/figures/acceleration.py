@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,9 +12,22 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from ..motion.orbit import Array, Orbit
-from ..motion.states import State
-from .cycle import LEFT, RIGHT, RING, WIDTH, arrow_along, branches, name_regime
+from .cycle import (
+    LEFT,
+    RIGHT,
+    RING,
+    WIDTH,
+    Branch,
+    Onset,
+    arrow_along,
+    branches,
+    first_onset,
+    name_regime,
+    right_end,
+    whole,
+)
 from .style import (
+    DASHED,
     DOUBLE_COLUMN,
     FAINT,
     HALO,
@@ -21,6 +35,7 @@ from .style import (
     SLIP,
     STICK,
     arrow,
+    note,
     page,
     panel_letter,
     place,
@@ -37,8 +52,7 @@ def figure3(orbits: Sequence[Orbit]) -> Figure:
     stands at V_is. Where nothing slips they name the regime instead.
     Raises ValueError when there is no orbit.
     """
-    if not orbits:
-        raise ValueError("Figure 3 needs at least one orbit: give the responses of one frequency")
+    onset = first_onset(orbits)
     figure = page(DOUBLE_COLUMN, 146.0)
     a, b = (place(figure, left, 87.0, WIDTH, 53.0) for left in (LEFT, RIGHT))
     c, d = (place(figure, left, 12.0, WIDTH, 56.0) for left in (LEFT, RIGHT))
@@ -51,147 +65,91 @@ def figure3(orbits: Sequence[Orbit]) -> Figure:
         axes.set_xlabel(r"velocity $\dot{x}$ (m/s)")
 
     for orbit in orbits:
-        for state, stick in branches(orbit):
-            colour = STICK if stick else SLIP
-            a.plot(state.x * 1e3, state.acceleration, color=colour)
-            c.plot(state.v, state.acceleration, color=colour)
-    _label_levels(a, c, orbits)
-
-    level = next((i for i, orbit in enumerate(orbits) if orbit.X_s > -orbit.X), None)
-    if level is None:
+        cycle = branches(orbit)
+        _draw(a, c, cycle)
+        _name_loop(a, c, orbit, cycle, first=orbit is orbits[0])
+    c.text(0.0, 0.0, "$Y$ in mm:", ha="center", va="center", size=8)
+    if onset is None:
         for axes in (b, d):
             axes.set(xticks=[], yticks=[])
             name_regime(axes, orbits[0])
         return figure
-    orbit = orbits[level]
-    for branch in branches(orbit):
-        state = branch.state
-        b.plot(state.x * 1e3, state.acceleration, color=branch.colour, lw=1.4)
-        d.plot(state.v, state.acceleration, color=branch.colour, lw=1.4)
-    _microstick_line(b, orbit, level + 1)
-    _corner(d, orbit, level + 1)
-    _show_where(a, b, "b", beside=False)
-    _show_where(c, d, "d", beside=True)
+    cycle = branches(onset.orbit)
+    _draw(b, d, cycle, lw=1.4)
+    slips = [branch.state for branch in cycle if not branch.stick]
+    for axes, limits, ticks in ((b, onset.x_limits, 7), (d, onset.v_limits, 5)):
+        axes.set_xlim(*limits)
+        axes.set_ylim(*onset.acceleration_limits)
+        axes.xaxis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))
+    _microstick_line(b, onset)
+    _corner(d, onset)
+    for state, name in ((slips[-1], "backward slip"), (slips[0], "forward slip")):
+        _name_and_arrow(b, state.x * 1e3, state.acceleration, name)
+        _name_and_arrow(d, state.v, state.acceleration, name)
+    # The frame of (b) is too narrow to be named beside it.
+    line = {"arrowstyle": "-", "lw": 0.5, "color": INK, "shrinkA": 0, "shrinkB": 0}
+    _show_where(a, b, "b", shift=(-10, -8), va="top", arrowprops=line)
+    _show_where(c, d, "d", shift=(-2, 0))
     return figure
 
 
-def _microstick_line(axes: Axes, orbit: Orbit, i: int) -> None:
-    """Window and marks of panel (b) for level i: the line from −X_i to X_is, of length 2 Z_m."""
-    x_reversal, x_slip, length = -orbit.X * 1e3, orbit.X_s * 1e3, (orbit.X_s + orbit.X) * 1e3
-    top, bottom = _ends_of_microstick(orbit)
+def _draw(over_x: Axes, over_v: Axes, cycle: Sequence[Branch], **style: Any) -> None:
+    """A loop over the displacement, and over the velocity."""
+    for branch in cycle:
+        state = branch.state
+        over_x.plot(state.x * 1e3, state.acceleration, color=branch.colour, **style)
+        over_v.plot(state.v, state.acceleration, color=branch.colour, **style)
+
+
+def _microstick_line(axes: Axes, onset: Onset) -> None:
+    """Marks of panel (b): the line from −X_i to X_is, of length 2 Z_m."""
+    (x_reversal, x_slip), (top, bottom), i = onset.x, onset.acceleration, onset.level + 1
     drop = top - bottom
-    axes.set_xlim(x_reversal - 0.9 * length, x_slip + 2.4 * length)
-    axes.set_ylim(bottom - 0.6 * drop, top + 0.25 * drop)
-    axes.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
     _mark(axes, x_reversal, top, f"$-X_{{{i}}}$", "-X", "right")
     _mark(axes, x_slip, bottom, f"$X_{{{i}s}}$", "X_s", "left")
 
     span = bottom - 0.2 * drop
     arrow(axes, (x_reversal, span), (x_slip, span), INK, "<->,head_length=0.2,head_width=0.12")
-    axes.annotate(
-        f"$2Z_m$ = {length * 1e3:.4g} µm",
-        xy=(x_slip, span),
-        xytext=(4, 0),
-        textcoords="offset points",
-        va="center",
-    )
-    axes.text(
-        x_reversal + 0.8 * length,
-        bottom + 0.5 * drop,
-        "microstick,\n" r"slope $\approx {-}(k + K_z)/m$",
-        color=STICK,
-        va="center",
-        linespacing=1.3,
-    )
-    backward, forward = _slip_around(orbit)
-    _name_and_arrow(axes, backward.x * 1e3, backward.acceleration, "backward slip")
-    _name_and_arrow(axes, forward.x * 1e3, forward.acceleration, "forward slip")
+    note(axes, f"$2Z_m$ = {onset.length * 1e3:.4g} µm", (x_slip, span), (4, 0), va="center")
+    x, words = x_reversal + 0.8 * onset.length, "microstick,\n" r"slope $\approx {-}(k + K_z)/m$"
+    axes.text(x, bottom + 0.5 * drop, words, color=STICK, va="center", linespacing=1.3)
 
 
-def _corner(axes: Axes, orbit: Orbit, i: int) -> None:
-    """Window and marks of panel (d) for level i: the corner where microstick gives way to slip, at V_is."""
-    V_s = orbit.V_s
-    top, bottom = _ends_of_microstick(orbit)
-    drop = top - bottom
-    axes.set_xlim(-1.6 * V_s, 3.2 * V_s)
-    axes.set_ylim(bottom - 0.6 * drop, top + 0.25 * drop)
-    axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
-    _mark(axes, V_s, bottom, f"$V_{{{i}s}}$", "V_s", "left")
-    axes.text(V_s, bottom + 0.6 * drop, "microstick", color=STICK, va="center")
-    backward, forward = _slip_around(orbit)
-    _name_and_arrow(axes, backward.v, backward.acceleration, "backward slip")
-    _name_and_arrow(axes, forward.v, forward.acceleration, "forward slip")
-
-
-def _ends_of_microstick(orbit: Orbit) -> tuple[float, float]:
-    """Acceleration at the reversal t_1 and at the slip onset that follows, m/s²."""
-    reversal, slip = orbit.state([orbit.t_1, orbit.t_1 + orbit.t_s]).acceleration
-    return float(reversal), float(slip)
-
-
-def _slip_around(orbit: Orbit) -> tuple[State, State]:
-    """The slip phases before and after the microstick phase at −X."""
-    slips = [branch.state for branch in branches(orbit) if not branch.stick]
-    return slips[-1], slips[0]
+def _corner(axes: Axes, onset: Onset) -> None:
+    """Marks of panel (d): the corner where microstick gives way to slip, at V_is."""
+    top, bottom = onset.acceleration
+    _mark(axes, onset.V_s, bottom, f"$V_{{{onset.level + 1}s}}$", "V_s", "left")
+    axes.text(onset.V_s, bottom + 0.6 * (top - bottom), "microstick", color=STICK, va="center")
 
 
 def _mark(axes: Axes, x: float, y: float, text: str, label: str, side: str) -> None:
     """A ring on the curve at (x, y) and a dashed line down to the axis with its symbol beside it."""
     low = axes.get_ylim()[0]
-    axes.plot([x, x], [low, y], color=FAINT, lw=0.7, ls=(0, (4, 2)), zorder=1, label=label)
+    axes.plot([x, x], [low, y], color=FAINT, lw=0.7, ls=DASHED, zorder=1, label=label)
     axes.plot(x, y, ls="none", **RING)
-    axes.annotate(
-        text,
-        xy=(x, low),
-        xytext=(-3 if side == "right" else 3, 3),
-        textcoords="offset points",
-        ha=side,
-        va="bottom",
-    )
+    note(axes, text, (x, low), (-3 if side == "right" else 3, 3), ha=side)
 
 
-def _label_levels(a: Axes, c: Axes, orbits: Sequence[Orbit]) -> None:
-    """Which loop belongs to which level: in (a) above its right end, in (c) on the loop where ẍ = 0."""
-    for n, orbit in enumerate(orbits):
-        level = f"{orbit.motion.Y * 1e3:g}"
-        states = [branch.state for branch in branches(orbit)]
-        x, v, acceleration = (
-            np.concatenate([getattr(state, name) for state in states])
-            for name in ("x", "v", "acceleration")
-        )
-        a.annotate(
-            f"$Y$ = {level} mm" if n == 0 else level,
-            xy=(orbit.X * 1e3, float(np.max(acceleration[x > 0.98 * orbit.X]))),
-            xytext=(-6 if n == 0 else 0, 2),
-            textcoords="offset points",
-            ha="left" if n == 0 else "center",
-            va="bottom",
-            size=8,
-        )
-        forward = np.flatnonzero(v > 0.5 * np.max(v))
-        crossing = forward[np.argmin(np.abs(acceleration[forward]))]
-        c.text(float(v[crossing]), 0.0, level, ha="center", va="center", size=8, bbox=HALO)
-    c.text(0.0, 0.0, "$Y$ in mm:", ha="center", va="center", size=8)
+def _name_loop(a: Axes, c: Axes, orbit: Orbit, cycle: Sequence[Branch], first: bool) -> None:
+    """Which level a loop belongs to: in (a) above its right end, in (c) on it where ẍ = 0."""
+    level = f"{orbit.motion.Y * 1e3:g}"
+    if first:
+        note(a, f"$Y$ = {level} mm", right_end(orbit), (-6, 2), size=8)
+    else:
+        note(a, level, right_end(orbit), (0, 2), ha="center", size=8)
+    states = whole(cycle)
+    forward = np.flatnonzero(states.v > 0.5 * np.max(states.v))
+    crossing = forward[np.argmin(np.abs(states.acceleration[forward]))]
+    c.text(float(states.v[crossing]), 0.0, level, ha="center", va="center", size=8, bbox=HALO)
 
 
-def _show_where(axes: Axes, zoomed: Axes, letter: str, beside: bool) -> None:
-    """Frame in a panel what its neighbour enlarges; name it beside the frame, or from afar if that is narrow."""
+def _show_where(axes: Axes, zoomed: Axes, letter: str, **place: Any) -> None:
+    """Frame in a panel what its neighbour enlarges, and name it."""
     (left, right), (low, high) = zoomed.get_xlim(), zoomed.get_ylim()
     axes.add_patch(
         Rectangle((left, low), right - left, high - low, fill=False, ec=INK, lw=0.5, zorder=4)
     )
-    axes.annotate(
-        f"({letter})",
-        xy=(left, low),
-        xytext=(-2, 0) if beside else (-10, -8),
-        textcoords="offset points",
-        ha="right",
-        va="bottom" if beside else "top",
-        size=8,
-        arrowprops=None
-        if beside
-        else {"arrowstyle": "-", "lw": 0.5, "color": INK, "shrinkA": 0, "shrinkB": 0},
-    )
+    note(axes, f"({letter})", (left, low), ha="right", size=8, **place)
 
 
 def _name_and_arrow(axes: Axes, x: Array, y: Array, name: str) -> None:
@@ -203,12 +161,4 @@ def _name_and_arrow(axes: Axes, x: Array, y: Array, name: str) -> None:
     first, last = seen[0], seen[-1] + 1
     arrow_along(axes, x[first:last], y[first:last], 0.5, SLIP)
     middle = int(np.argmin(np.abs(x[first:last] - 0.5 * (x[first] + x[last - 1])))) + first
-    axes.annotate(
-        name,
-        xy=(float(x[middle]), float(y[middle])),
-        xytext=(0, 6),
-        textcoords="offset points",
-        ha="center",
-        va="bottom",
-        color=SLIP,
-    )
+    note(axes, name, (float(x[middle]), float(y[middle])), (0, 6), ha="center", color=SLIP)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,8 +26,9 @@ RING: dict[str, Any] = {
 
 
 class Branch(NamedTuple):
-    """One phase of the cycle: its states from beginning to end, and whether it is microstick."""
+    """One phase of the cycle: times since the reversal at −X, s, its states at these, and whether it is microstick."""
 
+    t: Array
     state: State
     stick: bool
 
@@ -36,17 +38,79 @@ class Branch(NamedTuple):
         return STICK if self.stick else SLIP
 
 
+class Onset(NamedTuple):
+    """The microstick phase that begins at a reversal at −X, and the stretch around it that Figure 3 enlarges.
+
+    level : number of the orbit among its like, from 0.   x : displacement at its beginning and end, mm.
+    acceleration : the same, m/s².   V_s : velocity at its end, m/s.
+    """
+
+    level: int
+    orbit: Orbit
+    x: tuple[float, float]
+    acceleration: tuple[float, float]
+    V_s: float
+
+    @property
+    def length(self) -> float:
+        """Length of the microstick line, 2 Z_m, mm."""
+        return (self.orbit.X_s + self.orbit.X) * 1e3
+
+    @property
+    def x_limits(self) -> tuple[float, float]:
+        """Displacements to show, mm."""
+        return self.x[0] - 0.9 * self.length, self.x[1] + 2.4 * self.length
+
+    @property
+    def v_limits(self) -> tuple[float, float]:
+        """Velocities to show, m/s."""
+        return -1.6 * self.V_s, 3.2 * self.V_s
+
+    @property
+    def acceleration_limits(self) -> tuple[float, float]:
+        """Accelerations to show, m/s²."""
+        top, bottom = self.acceleration
+        drop = top - bottom
+        return bottom - 0.6 * drop, top + 0.25 * drop
+
+
 def branches(orbit: Orbit) -> list[Branch]:
     """The phases of one cycle, in order, from the reversal at −X at time t_1 on; neighbours share an instant."""
     half = 0.5 * orbit.motion.period
     edges = np.append(orbit.phases[:, PHASE_T], half)
-    found = []
-    for start in (orbit.t_1, orbit.t_1 + half):
+    cycle = []
+    for begin in (0.0, half):
         for n, sign in enumerate(orbit.phases[:, PHASE_S]):
             stick = bool(sign == 0.0)
-            times = start + np.linspace(edges[n], edges[n + 1], POINTS[stick])
-            found.append(Branch(orbit.state(times), stick))
-    return found
+            since = np.linspace(edges[n], edges[n + 1], POINTS[stick])
+            cycle.append(Branch(begin + since, orbit.state(orbit.t_1 + begin + since), stick))
+    return cycle
+
+
+def whole(cycle: Sequence[Branch]) -> State:
+    """The states of all phases, one after the other."""
+    return State(*map(np.concatenate, zip(*(branch.state for branch in cycle), strict=True)))
+
+
+def right_end(orbit: Orbit) -> tuple[float, float]:
+    """Where a loop over the displacement ends on the right: (mm, largest acceleration there, m/s²)."""
+    states = whole(branches(orbit))
+    return orbit.X * 1e3, float(np.max(states.acceleration[states.x > 0.98 * orbit.X]))
+
+
+def first_onset(orbits: Sequence[Orbit]) -> Onset | None:
+    """The slip onset of the first orbit that has one: what Figure 3 enlarges.
+
+    orbits : the responses of one frequency, one per excitation level. Raises ValueError when there is none.
+    """
+    if not orbits:
+        raise ValueError("Figure 3 needs at least one orbit: give the responses of one frequency")
+    for level, orbit in enumerate(orbits):
+        if orbit.X_s > -orbit.X:
+            reversal, slip = orbit.state([orbit.t_1, orbit.t_1 + orbit.t_s]).acceleration
+            x = (-orbit.X * 1e3, orbit.X_s * 1e3)
+            return Onset(level, orbit, x, (float(reversal), float(slip)), orbit.V_s)
+    return None
 
 
 def arrow_along(axes: Axes, x: Array, y: Array, share: float, colour: str) -> None:

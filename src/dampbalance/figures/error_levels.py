@@ -3,39 +3,32 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator
 
 from ..balance import takes_phase
 from ..model import Oscillator
-from .style import APPROACH_LOOKS, DOUBLE_COLUMN, FAINT, INK, MM, page, place, styled
+from .grid import Grid, decades_axis, grid
+from .looks import in_maths, label_of, look_of
+from .series import (
+    COMMON,
+    INDIVIDUAL,
+    Errors,
+    ErrorsByLevel,
+    ErrorsOfTerm,
+    decades,
+    errors_by_level,
+)
+from .style import DASHED, FAINT, INK, omega_of, styled
 
-COMMON, INDIVIDUAL = "common", "individual"
-EXACT = 1e-5  # %: an approach nowhere worse than this is exact but for rounding (which uneven levels magnify)
-ROUNDING = 1e-11  # %: the least bound stated for rounding; below it the errors are chance
-FLOOR = 1e-14  # %: a smaller error, zero too, counts as this on a logarithmic axis
-
-LEFT, RIGHT, BOTTOM, TOP = 17.0, 3.0, 20.0, 7.0  # mm, margins of the page
-MAIN, STRIP, BREAK, ROW_GAP, COLUMN_GAP = 42.0, 5.0, 1.6, 4.0, 3.5  # mm
-BLOCK = MAIN + BREAK + STRIP
-
-Errors = dict[tuple[str, str, str], float]
-"""(approach, phase, pair or "all") → relative error, %."""
-
-
-class Quantity(NamedTuple):
-    """One of the two identified parameters: its column, symbol and true value."""
-
-    column: str
-    symbol: str
-    true: float
+STRIP, BREAK = 5.0, 1.6  # mm: panel below the break of the axis, and the break
+HEIGHT = 42.0 + BREAK + STRIP  # mm, of a panel with both
 
 
 @styled()
@@ -45,123 +38,76 @@ def estimation_error(
     frequencies_hz: Mapping[str, float],
     levels_m: Sequence[float],
 ) -> Figure:
-    """Relative error of F_k (top) and c (bottom), %, of every pair of levels and of all levels together.
+    """Relative error of each term's coefficient, %, of every pair of levels and of all levels together.
 
-    estimates : frequency → table of `identify.estimate_table` (columns approach, kind, phase, pair,
-    F_k_N, c_N_s_per_m).   oscillator : the true F_k and c.   frequencies_hz : frequency → f, Hz; a
-    column of panels each, in this order.   levels_m : excitation levels Y_i, m, that a pair "i-j" names.
+    The arguments are those of `series.errors_by_level`; a row of panels per term, a column per frequency.
 
     Filled markers: φ and t_s common to all levels; open: those of each level. Approaches that know no
     such choice (`balance.takes_phase`) are filled. An approach that is exact but for rounding stands
-    below the break of the axis, beside the bound it keeps. An estimate that does not exist (nothing
-    slips) is left out.
-    Raises ValueError for an approach without a look in `style.APPROACH_LOOKS`, for a frequency without
-    estimates, and for no frequency at all.
+    below the break of the axis, beside the bound it keeps.
     """
-    missing = sorted(set(frequencies_hz) - set(estimates))
-    if missing or not frequencies_hz:
-        raise ValueError(
-            f"estimates needed for the frequencies {missing or '(none named)'}, "
-            f"there are tables for {sorted(estimates)}"
-        )
-    tables = {name: estimates[name] for name in frequencies_hz}
-    approaches = _in_order(tables.values(), "approach")
-    unknown = sorted(set(approaches) - set(APPROACH_LOOKS))
-    if unknown:
-        raise ValueError(f"approaches {unknown} have no look: add them to style.APPROACH_LOOKS")
-    pairs = [pair for pair in _in_order(tables.values(), "pair") if pair != "all"]
-    names = [*(_levels(pair, levels_m) for pair in pairs), "all"]
-
-    figure = page(DOUBLE_COLUMN, BOTTOM + 2 * BLOCK + ROW_GAP + TOP)
-    for bottom, quantity in (
-        (BOTTOM + BLOCK + ROW_GAP, Quantity("F_k_N", "F_k", oscillator.F_k)),
-        (BOTTOM, Quantity("c_N_s_per_m", "c", oscillator.c)),
-    ):
-        errors = {name: relative_errors(table, quantity) for name, table in tables.items()}
-        panels = _row(figure, bottom, errors, approaches, pairs, quantity.symbol)
-        for name, (main, lowest) in zip(tables, panels, strict=True):
-            if bottom == BOTTOM:
-                lowest.set_xticks(range(len(names)), names, size=7.5)
-            else:
+    shown = errors_by_level(estimates, oscillator, frequencies_hz, levels_m)
+    panels = grid(len(shown.terms), len(frequencies_hz), left=17.0, bottom=20.0, height=HEIGHT)
+    for number, of_term in enumerate(shown.terms):
+        row = _row(panels, number, of_term, shown)
+        for name, (main, lowest) in row.items():
+            if number == 0:
                 main.set_title(_frequency(name, frequencies_hz[name]), pad=4.0)
-    figure.text(
-        *_centre(figure, 11.0),
-        "excitation levels $Y_i$–$Y_j$ of the pair (mm); all: least squares over all levels",
-        ha="center",
-        va="center",
+            if number == len(shown.terms) - 1:
+                lowest.set_xticks(range(len(shown.names)), shown.names, size=7.5)
+    panels.text_below(
+        "excitation levels $Y_i$–$Y_j$ of the pair (mm); all: least squares over all levels"
     )
-    _legend(figure, approaches)
-    return figure
-
-
-def relative_errors(table: pd.DataFrame, quantity: Quantity) -> Errors:
-    """|estimate/true − 1| in %, of the pairs and of the least squares, those that exist."""
-    errors: Errors = {}
-    for row in table[table["kind"].isin(["pair", "least_squares"])].to_dict("records"):
-        error = 100.0 * abs(float(row[quantity.column]) / quantity.true - 1.0)
-        if math.isfinite(error):
-            errors[row["approach"], row["phase"], row["pair"]] = max(error, FLOOR)
-    return errors
+    _legend(panels, shown.approaches)
+    return panels.figure
 
 
 def _row(
-    figure: Figure,
-    bottom: float,
-    errors: Mapping[str, Errors],
-    approaches: Sequence[str],
-    pairs: Sequence[str],
-    symbol: str,
-) -> list[tuple[Axes, Axes]]:
-    """The panels of one quantity, one per frequency: (main, lowest), the same axes where nothing is exact."""
-    known = [(key, error) for one in errors.values() for (key, *_), error in one.items()]
-    worst = {key: max(error for k, error in known if k == key) for key, _ in known}
-    exact = {key: error for key, error in worst.items() if error < EXACT}
-    limits = _decades([error for key, error in known if key not in exact])
-    raised = BREAK + STRIP if exact else 0.0
-    width = (DOUBLE_COLUMN - LEFT - RIGHT - (len(errors) - 1) * COLUMN_GAP) / len(errors)
-    panels = []
-    for column, (name, of_frequency) in enumerate(errors.items()):
-        left = LEFT + column * (width + COLUMN_GAP)
-        main = place(figure, left, bottom + raised, width, BLOCK - raised)
+    panels: Grid, number: int, of_term: ErrorsOfTerm, shown: ErrorsByLevel
+) -> dict[str, tuple[Axes, Axes]]:
+    """The panels of one term, one per frequency: (main, lowest), the same axes where nothing is exact."""
+    symbol, exact = of_term.term.symbol, of_term.exact
+    limits = decades([of_term.sizes])
+    row = {}
+    for column, (name, errors) in enumerate(of_term.errors.items()):
+        main = lowest = panels.panel(number, column, BREAK + STRIP if exact else 0.0)
         main.set_label(f"{symbol} {name}")
-        _frame(main, len(pairs))
-        main.set_yscale("log")
-        main.set_ylim(*limits)
-        main.yaxis.set_major_locator(LogLocator(base=10.0, numticks=20))
-        main.grid(axis="y", color="#E4E4E4", lw=0.4)
-        for key in approaches:
+        _frame(main, len(shown.places) - 1)
+        decades_axis(main, limits)
+        for key in shown.approaches:
             if key not in exact:
-                _draw(main, of_frequency, key, pairs, approaches)
-        lowest = main
+                _draw(main, errors, key, shown)
         if exact:
-            lowest = place(figure, left, bottom, width, STRIP)
+            lowest = panels.panel(number, column, 0.0, STRIP)
             lowest.set_label(f"{symbol} {name} exact")
-            _frame(lowest, len(pairs))
-            bound = max(ROUNDING, *exact.values())
+            _frame(lowest, len(shown.places) - 1)
             lowest.set_ylim(0.0, 1.0)
-            lowest.set_yticks([0.5], [rf"$\leq 10^{{{math.ceil(math.log10(bound))}}}$"])
+            lowest.set_yticks([0.5], [_bound(max(exact.values()))])
             lowest.tick_params(axis="y", length=0)
             for key in exact:  # where exactly is chance: all on one line
-                _draw(lowest, dict.fromkeys(of_frequency, 0.5), key, pairs, approaches)
+                _draw(lowest, dict.fromkeys(errors, 0.5), key, shown)
             _break(main, lowest)
         for axes in (main, lowest):
             axes.tick_params(labelleft=column == 0)
         if column == 0:
-            main.set_ylabel(f"error of ${symbol}$ (%)")
-            main.yaxis.set_label_coords(-11.0 / width, 0.5)
-        panels.append((main, lowest))
-    return panels
+            panels.name_row(main, f"error of ${symbol}$ (%)")
+        row[name] = main, lowest
+    return row
 
 
-def _draw(
-    axes: Axes, errors: Errors, key: str, pairs: Sequence[str], approaches: Sequence[str]
-) -> None:
+def _bound(error: float) -> str:
+    """A bound of errors, the power of ten above them."""
+    return rf"$\leq 10^{{{math.ceil(math.log10(error))}}}$"
+
+
+def _draw(axes: Axes, errors: Errors, key: str, shown: ErrorsByLevel) -> None:
     """One approach: pairs of neighbouring levels joined by a line, all else on its own."""
-    others = [name for name in approaches if name != "direct"]
-    beside = 0.18 * (others.index(key) - 0.5 * (len(others) - 1)) if key in others else 0.0
-    places = {pair: n + beside for n, pair in enumerate([*pairs, "all"])}
-    steps = [pair for pair in pairs if _is_step(pair)]
-    alone = [pair for pair in places if pair not in steps]
+    others = [name for name in shown.approaches if name != "direct"]
+    step = min(0.18, 0.8 / max(1, len(others)))  # of an approach from the next, in places
+    beside = step * (others.index(key) - 0.5 * (len(others) - 1)) if key in others else 0.0
+    places = {pair: n + beside for n, pair in enumerate(shown.places)}
+    steps = [pair for pair in shown.places if _is_step(pair)]
+    alone = [pair for pair in shown.places if pair not in steps]
     for phase in (COMMON, INDIVIDUAL):
         for names, joined in ((steps, True), (alone, False)):
             axes.plot(
@@ -174,17 +120,12 @@ def _draw(
 
 def _drawing(key: str, phase: str, joined: bool) -> dict[str, Any]:
     """Filled and solid for common features and for approaches that know no choice of them; else open and dashed."""
-    look = APPROACH_LOOKS[key]
+    look = look_of(key)
     filled = phase == COMMON or not takes_phase(key)
-    return {
-        "color": look.colour,
-        "marker": look.marker,
-        "ms": 3.2 if look.marker in "Ds" else 3.8,
-        "mfc": look.colour if filled else "white",
-        "mew": 0.7,
-        "lw": 0.7,
-        "ls": "none" if key == "direct" or not joined else "-" if filled else (0, (4, 2)),
-    }
+    marks = {"marker": look.marker, "ms": 3.2 if look.marker in "Ds" else 3.8, "mew": 0.7}
+    marks |= {"color": look.colour, "mfc": look.colour if filled else "white"}
+    line = "none" if key == "direct" or not joined else "-" if filled else DASHED
+    return marks | {"lw": 0.7, "ls": line}
 
 
 def _frame(axes: Axes, pairs: int) -> None:
@@ -199,19 +140,13 @@ def _break(upper: Axes, lower: Axes) -> None:
     """Show that the axis is broken between the two: slashes for the line that would part them."""
     upper.spines["bottom"].set_visible(False)
     lower.spines["top"].set_visible(False)
-    slash: dict[str, Any] = {
-        "marker": [(-1, -0.5), (1, 0.5)],
-        "ms": 6,
-        "ls": "none",
-        "color": INK,
-        "mew": 0.6,
-        "clip_on": False,
-    }
+    slash: dict[str, Any] = {"marker": [(-1, -0.5), (1, 0.5)], "ms": 6, "ls": "none"}
+    slash |= {"color": INK, "mew": 0.6, "clip_on": False}
     upper.plot([0, 1], [0, 0], transform=upper.transAxes, **slash)
     lower.plot([0, 1], [1, 1], transform=lower.transAxes, **slash)
 
 
-def _legend(figure: Figure, approaches: Sequence[str]) -> None:
+def _legend(panels: Grid, approaches: Sequence[str]) -> None:
     """The approaches by colour and marker, common and individual features by filling."""
 
     def handle(key: str, phase: str) -> Line2D:
@@ -219,19 +154,11 @@ def _legend(figure: Figure, approaches: Sequence[str]) -> None:
 
     choosing = [key for key in approaches if takes_phase(key)]
     handles: list[Any] = [handle(key, COMMON) for key in approaches]
-    labels = [APPROACH_LOOKS[key].label for key in approaches]
-    for phase, text in (
-        (COMMON, r"common $\phi$, $t_s$"),
-        (INDIVIDUAL, r"individual $\phi_i$, $t_{is}$"),
-    ):
-        handles.append(tuple(handle(key, phase) for key in choosing))
-        labels.append(text)
-    figure.legend(
+    handles += [tuple(handle(key, phase) for key in choosing) for phase in (COMMON, INDIVIDUAL)]
+    labels = [in_maths(label_of(key)) for key in approaches]
+    panels.legend_below(
         handles,
-        labels,
-        loc="center",
-        bbox_to_anchor=_centre(figure, 4.0),
-        ncols=len(handles),
+        labels=[*labels, r"common $\phi$, $t_s$", r"individual $\phi_i$, $t_{is}$"],
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0.2)},
         columnspacing=1.1,
         handlelength=2.2,
@@ -239,37 +166,14 @@ def _legend(figure: Figure, approaches: Sequence[str]) -> None:
     )
 
 
-def _centre(figure: Figure, level: float) -> tuple[float, float]:
-    """The point below the middle of the panels, `level` mm above the edge of the page, in shares of the page."""
-    height = float(figure.get_size_inches()[1]) / MM
-    return (LEFT + 0.5 * (DOUBLE_COLUMN - LEFT - RIGHT)) / DOUBLE_COLUMN, level / height
-
-
-def _in_order(tables: Iterable[pd.DataFrame], column: str) -> list[str]:
-    """The different entries of a column, in the order in which they first come."""
-    return list(dict.fromkeys(value for table in tables for value in table[column]))
-
-
 def _is_step(pair: str) -> bool:
     """Whether a pair "i-j" is one of neighbouring levels."""
-    i, j = (int(level) for level in pair.split("-"))
-    return abs(j - i) == 1
-
-
-def _levels(pair: str, levels_m: Sequence[float]) -> str:
-    """The pair "i-j" by its two excitation levels in mm."""
-    return "–".join(f"{levels_m[int(level) - 1] * 1e3:g}" for level in pair.split("-"))
-
-
-def _decades(errors: Sequence[float]) -> tuple[float, float]:
-    """Limits of a logarithmic axis: whole decades around the errors."""
-    exponents = [math.log10(error) for error in errors] or [-1.0, 1.0]
-    low, high = math.floor(min(exponents)), math.ceil(max(exponents))
-    return 10.0**low, 10.0 ** max(high, low + 1)
+    i, _, j = pair.partition("-")
+    return bool(j) and abs(int(j) - int(i)) == 1
 
 
 def _frequency(name: str, hz: float) -> str:
     """Title of a column, e.g. ω_1/2π = 4.92 Hz."""
-    number = name.removeprefix("omega")
-    symbol = rf"\omega_{{{number}}}/2\pi" if name.startswith("omega") and number.isdigit() else "f"
+    omega = omega_of(name)
+    symbol = rf"{omega}/2\pi" if omega else "f"
     return rf"${symbol}$ = {hz:g} Hz"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +13,19 @@ from matplotlib.ticker import MaxNLocator
 
 from ..motion.orbit import Orbit
 from .cycle import LEFT, RIGHT, RING, WIDTH, Branch, arrow_along, branches, name_regime
-from .style import DOUBLE_COLUMN, FAINT, HALO, SLIP, STICK, arrow, page, panel_letter, place, styled
+from .style import (
+    DOUBLE_COLUMN,
+    FAINT,
+    HALO,
+    SLIP,
+    STICK,
+    arrow,
+    note,
+    page,
+    panel_letter,
+    place,
+    styled,
+)
 
 
 @styled()
@@ -31,9 +44,8 @@ def friction_velocity_loop(orbit: Orbit) -> Figure:
     for axes, letter in ((whole, "a"), (zoom, "b")):
         panel_letter(axes, letter)
         for branch in cycle:
-            axes.plot(
-                branch.state.v, orbit.oscillator.K_z * branch.state.z, color=branch.colour, lw=1.4
-            )
+            f = orbit.oscillator.K_z * branch.state.z
+            axes.plot(branch.state.v, f, color=branch.colour, lw=1.4)
         axes.axhline(0.0, color=FAINT, lw=0.4, zorder=0)
         axes.axvline(0.0, color=FAINT, lw=0.4, zorder=0)
         axes.set_xlabel(r"velocity $\dot{x}$ (m/s)")
@@ -48,25 +60,10 @@ def friction_velocity_loop(orbit: Orbit) -> Figure:
     reach = 2.5 * orbit.V_s
     zoom.set_xlim(-reach, reach)
     _slip_lines(whole, v_max, f_max)
-    whole.add_patch(
-        Rectangle(
-            (-reach, -1.2 * f_max),
-            2 * reach,
-            2.4 * f_max,
-            fill=False,
-            ec=FAINT,
-            lw=0.6,
-            ls=(0, (3, 2)),
-        )
-    )
-    whole.annotate(
-        "(b)",
-        xy=(reach, -1.2 * f_max),
-        xytext=(3, 0),
-        textcoords="offset points",
-        va="bottom",
-        color=FAINT,
-    )
+    low, tall = -1.2 * f_max, 2.4 * f_max
+    frame: dict[str, Any] = {"fill": False, "ec": FAINT, "lw": 0.6, "ls": (0, (3, 2))}
+    whole.add_patch(Rectangle((-reach, low), 2 * reach, tall, **frame))
+    note(whole, "(b)", (reach, low), (3, 0), color=FAINT)
     _microstick_branches(zoom, orbit, cycle)
     return figure
 
@@ -95,27 +92,14 @@ def _microstick_branches(axes: Axes, orbit: Orbit, cycle: Sequence[Branch]) -> N
         ("D", "t_s", V_s, F_k, (4, 4)),
     ):
         axes.plot(v, f, label=letter, ls="none", **RING)
-        axes.annotate(
-            rf"$\mathbf{{{letter}}}$, ${instant}$",
-            xy=(v, f),
-            xytext=shift,
-            textcoords="offset points",
-            ha="left" if shift[0] > 0 else "right",
-            va="bottom" if shift[1] > 0 else "top",
-        )
+        ha, va = "left" if shift[0] > 0 else "right", "bottom" if shift[1] > 0 else "top"
+        note(axes, rf"$\mathbf{{{letter}}}$, ${instant}$", (v, f), shift, ha, va)
     sticks = [branch.state for branch in cycle if branch.stick]
     for sign, state, name, side in (
         (1.0, sticks[0], "forward", "left"),
         (-1.0, sticks[len(sticks) // 2], "backward", "right"),
     ):
         arrow_along(axes, state.v, orbit.oscillator.K_z * state.z, 0.55, STICK)
-        axes.text(
-            1.2 * sign * V_s,
-            0.0,
-            f"{name}\nmicrostick\n{orbit.t_s * 1e3:.3g} ms",
-            color=STICK,
-            ha=side,
-            va="center",
-            linespacing=1.3,
-            bbox=HALO,
-        )
+        words = f"{name}\nmicrostick\n{orbit.t_s * 1e3:.3g} ms"
+        look: dict[str, Any] = {"color": STICK, "linespacing": 1.3, "bbox": HALO}
+        axes.text(1.2 * sign * V_s, 0.0, words, ha=side, va="center", **look)

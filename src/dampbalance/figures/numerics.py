@@ -11,8 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatterMathtext, MaxNLocator
 
+from ..balance import TERMS
 from ..model import Oscillator
-from .style import DOUBLE_COLUMN, FAINT, INK, page, panel_letter, place, styled
+from .looks import SCHEME_LOOKS
+from .style import DOUBLE_COLUMN, FAINT, INK, STICK, page, panel_letter, place, styled
 
 ALT = (
     "Six panels. Integrals of Table 2 lie on the curves of backward Euler and off those of other schemes; the "
@@ -22,14 +24,13 @@ ALT = (
     "velocity, a minus does not."
 )
 
-PRINTED: dict[str, Any] = {"marker": "o", "ls": "none", "color": "#D55E00", "ms": 4.2, "zorder": 5}
+PRINTED: dict[str, Any] = {"marker": "o", "ls": "none", "color": STICK, "ms": 4.2, "zorder": 5}
 REBUILT, OTHER, THIRD = "#0B4F8A", "#3DAA8B", "#7B5EA7"
-NAMES = {
-    "backward-euler": "backward Euler",
-    "explicit-euler": "explicit Euler",
-    "semi-implicit-euler": "semi-implicit Euler",
-    "trapezoidal": "trapezoidal rule",
-    "rk4": "Runge–Kutta 4",
+_OF_SCHEME = {
+    "backward-euler": (REBUILT, "o"),
+    "explicit-euler": (OTHER, "D"),
+    "trapezoidal": (FAINT, "v"),
+    "rk4": (FAINT, "^"),
 }
 LEFT, WIDTH, GAP = 15.0, 42.0, 17.0  # mm
 BOTTOM, HEIGHT, ROW_GAP, TOP = 11.0, 38.0, 20.0, 6.0
@@ -38,14 +39,13 @@ BOTTOM, HEIGHT, ROW_GAP, TOP = 11.0, 38.0, 20.0, 6.0
 class Evidence(NamedTuple):
     """What the figure is drawn from, all at the first frequency.
 
-    claims : the table of claims, as text (id, printed).   exact, rebuilt : features.   estimates : as published.
+    claims : the table of claims, as text (id, printed).   exact : features.   estimates : as published.
     schemes : of `article.schemes.scheme_table`.   steps : cases of the study of the step, with columns scheme, step_s,
     c_N_s_per_m and c_relative_error__direct__least_squares.
     """
 
     claims: pd.DataFrame
     exact: pd.DataFrame
-    rebuilt: pd.DataFrame
     estimates: pd.DataFrame
     schemes: pd.DataFrame
     steps: pd.DataFrame
@@ -91,14 +91,9 @@ def _integrals(axes: Axes, e: Evidence) -> None:
     for scheme, rows in schemes.groupby("scheme", sort=False):
         chosen = scheme == "backward-euler"
         for column, style in (("W_J", "-"), ("b_m2_per_s", "--")):
-            axes.plot(
-                Y,
-                _deviation(rows[column], e.exact[column]),
-                style,
-                color=REBUILT if chosen else FAINT,
-                lw=1.0 if chosen else 0.6,
-                zorder=3 if chosen else 2,
-            )
+            look: dict[str, Any] = {"color": REBUILT, "lw": 1.0, "zorder": 3}
+            look = look if chosen else {"color": FAINT, "lw": 0.6, "zorder": 2}
+            axes.plot(Y, _deviation(rows[column], e.exact[column]), style, **look)
     for name, column, marker in (("W", "W_J", "o"), ("b", "b_m2_per_s", "s")):
         deviation = _deviation(e.printed(f"table2.{name}."), e.exact[column])
         axes.plot(Y, deviation, **(PRINTED | {"marker": marker, "label": f"${name}$ printed"}))
@@ -107,8 +102,7 @@ def _integrals(axes: Axes, e: Evidence) -> None:
         axes.text(8.0, at, text, ha="center", va="center", size=7.5, color=INK)
     axes.set_ylim(-4.6, 3.2)
     axes.legend(loc="lower center", ncols=2, fontsize=7.5, handletextpad=0.1, columnspacing=0.8)
-    axes.set_xlabel("$Y$ (mm)")
-    axes.set_ylabel("deviation from exact ($10^{-4}$)")
+    axes.set(xlabel="$Y$ (mm)", ylabel="deviation from exact ($10^{-4}$)")
 
 
 def _deviation(values: pd.Series | np.ndarray, exact: pd.Series) -> np.ndarray:
@@ -118,52 +112,30 @@ def _deviation(values: pd.Series | np.ndarray, exact: pd.Series) -> np.ndarray:
 def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> None:
     """(b) The error of c by direct integration against the step, with the law mω²h and the printed c."""
     error = (e.steps["c_N_s_per_m"] * e.steps["c_relative_error__direct__least_squares"]).abs()
-    looks = {"backward-euler": (REBUILT, "o"), "explicit-euler": (OTHER, "D")}
     h = 1e6 * e.steps["step_s"]
     for scheme, rows in e.steps.groupby("scheme", sort=False):
-        colour, marker = looks.get(
-            str(scheme), (FAINT, {"rk4": "^", "trapezoidal": "v"}.get(str(scheme), "x"))
-        )
-        axes.plot(
-            h[rows.index],
-            error[rows.index],
-            ls="none",
-            marker=marker,
-            ms=3.4,
-            color=colour,
-            mfc="none" if marker != "o" else colour,
-            mew=0.8,
-            label=NAMES[str(scheme)],
-            zorder=4 if marker == "o" else 3,
-        )
+        colour, marker = _OF_SCHEME.get(str(scheme), (FAINT, "x"))
+        look: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 3.4, "color": colour}
+        look |= {"mew": 0.8} | ({"zorder": 4} if marker == "o" else {"zorder": 3, "mfc": "none"})
+        name, _ = SCHEME_LOOKS[str(scheme)]
+        axes.plot(h[rows.index], error[rows.index], label=name, **look)
     line = np.array([h.min(), h.max()])
     omega = float(e.exact["omega_rad_per_s"].iloc[0])
     axes.plot(line, oscillator.m * omega**2 * 1e-6 * line, color=REBUILT, lw=0.8)
     printed = float(e.printed("text.c_direct_ls")[0]) - oscillator.c
-    axes.plot(
-        [1e6 * step_s], [printed], **(PRINTED | {"marker": "*", "ms": 8.0, "label": "printed"})
-    )
+    star = {"marker": "*", "ms": 8.0, "label": "printed"}
+    axes.plot([1e6 * step_s], [printed], **(PRINTED | star))
     axes.axhline(printed, color=PRINTED["color"], lw=0.6, ls=":")
     axes.text(h.max(), 1.25 * printed, "$c$ printed", ha="right", va="bottom", size=7.5)
     axes.text(11.0, 0.06, r"$m\omega^2h$", ha="right", va="bottom", size=8.0, color=REBUILT)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+    axes.set(xscale="log", yscale="log")
     axes.set_ylim(1e-13, 1.0)  # the legend below the smallest error
     axes.set_xticks([2, 5, 10, 20, 40, 80], ["2", "5", "10", "20", "40", "80"])
     axes.minorticks_off()
     axes.yaxis.set_major_formatter(LogFormatterMathtext())
-    axes.legend(
-        loc="lower right",
-        ncols=2,
-        columnspacing=0.4,
-        markerscale=0.8,
-        fontsize=6.2,
-        handletextpad=0.1,
-        labelspacing=0.15,
-        borderpad=0.2,
-    )
-    axes.set_xlabel(r"step $h$ (µs)")
-    axes.set_ylabel("|error of $c$| (N s/m)")
+    tight = {"columnspacing": 0.4, "handletextpad": 0.1, "labelspacing": 0.15, "borderpad": 0.2}
+    axes.legend(loc="lower right", ncols=2, fontsize=6.2, markerscale=0.8, **tight)
+    axes.set(xlabel=r"step $h$ (µs)", ylabel="|error of $c$| (N s/m)")
 
 
 def _coefficients(axes: Axes, e: Evidence) -> None:
@@ -172,19 +144,12 @@ def _coefficients(axes: Axes, e: Evidence) -> None:
     euler = e.schemes[e.schemes["scheme"] == "backward-euler"]
     for name, marker, colour in (("rounded", "o", REBUILT), ("exact", "^", OTHER)):
         W = euler.loc[euler["coefficients"] == name, "W_J"].to_numpy()
-        axes.plot(
-            Y,
-            1e6 * (e.printed("table2.W.") / W - 1.0),
-            marker=marker,
-            color=colour,
-            lw=0.8,
-            label=f"{name} $c/m$, $k/m$",
-        )
+        off = 1e6 * (e.printed("table2.W.") / W - 1.0)
+        axes.plot(Y, off, marker=marker, color=colour, lw=0.8, label=f"{name} $c/m$, $k/m$")
     axes.axhline(0.0, color=PRINTED["color"], lw=0.6, ls=":")
     axes.set_ylim(-0.7, 3.9)
     axes.legend(loc="upper center", fontsize=7.5, handletextpad=0.4, labelspacing=0.2)
-    axes.set_xlabel("$Y$ (mm)")
-    axes.set_ylabel("$W$ printed over rebuilt $-1$ ($10^{-6}$)")
+    axes.set(xlabel="$Y$ (mm)", ylabel="$W$ printed over rebuilt $-1$ ($10^{-6}$)")
 
 
 def _phase(axes: Axes, e: Evidence) -> None:
@@ -199,8 +164,7 @@ def _phase(axes: Axes, e: Evidence) -> None:
     axes.plot(Y, e.printed("table1.phi."), **(PRINTED | {"label": "printed"}))
     axes.legend(loc="lower right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
     axes.yaxis.set_major_locator(MaxNLocator(5))
-    axes.set_xlabel("$Y$ (mm)")
-    axes.set_ylabel(r"$\phi$ (rad)")
+    axes.set(xlabel="$Y$ (mm)", ylabel=r"$\phi$ (rad)")
 
 
 def _slip_time(axes: Axes, e: Evidence, step_s: float, unit_s: float) -> None:
@@ -214,45 +178,34 @@ def _slip_time(axes: Axes, e: Evidence, step_s: float, unit_s: float) -> None:
     axes.plot([], [], color=REBUILT, lw=1.4, label=f"whole {1e3 * unit_s:g} ms inside")
     axes.plot(Y, 1e3 * e.printed("table1.t_s."), **(PRINTED | {"label": "printed"}))
     axes.legend(loc="upper right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
-    axes.set_xlabel("$Y$ (mm)")
-    axes.set_ylabel("$t_s$ (ms)")
+    axes.set(xlabel="$Y$ (mm)", ylabel="$t_s$ (ms)")
 
 
 def _sign(axes: Axes, e: Evidence) -> None:
     """(f) The pairs by V_s, as computed with either sign, less the printed number, in units of its last digit."""
     pairs = e.estimates[(e.estimates["kind"] == "pair") & (e.estimates["phase"] == "common")]
     looks = {"V_s": ("o", REBUILT, "+"), "V_s with minus": ("^", OTHER, "−")}
+    terms = [term for term in TERMS.values() if e.printed(f"table3.V_s.{term.symbol}.").size]
     labels: list[str] = []
     axes.axhspan(-0.5, 0.5, color="#F3D9C4", lw=0, zorder=0)
     for name, (marker, colour, sign) in looks.items():
         rows = pairs[pairs["approach"] == name]
         labels = list(rows["pair"])
-        for quantity, column, shift in (("F_k", "F_k_N", -0.14), ("c", "c_N_s_per_m", 0.14)):
-            off = rows[column].to_numpy() - e.printed(f"table3.V_s.{quantity}.")
-            axes.plot(
-                np.arange(len(labels)) + shift,
-                off / _unit(e, f"table3.V_s.{quantity}."),
-                ls="none",
-                marker=marker,
-                ms=4.0,
-                color=colour,
-                mfc=colour if quantity == "F_k" else "none",
-                label=f"${quantity}$, {sign}",
-            )
+        for n, term in enumerate(terms):
+            printed = f"table3.V_s.{term.symbol}."
+            off = (rows[term.column].to_numpy() - e.printed(printed)) / _unit(e, printed)
+            places = np.arange(len(labels)) + 0.28 * (n - 0.5 * (len(terms) - 1))
+            look: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 4.0, "color": colour}
+            look |= {"mfc": "none"} if n else {}
+            axes.plot(places, off, label=f"${term.symbol}$, {sign}", **look)
     axes.set_yscale("symlog", linthresh=1.0)
     axes.set_ylim(-150.0, 900.0)
     axes.set_yticks([-100, -10, -1, 0, 1, 10], ["−100", "−10", "−1", "0", "1", "10"])
     axes.minorticks_off()
     axes.set_xticks(range(len(labels)), labels)
     axes.set_xlim(-0.6, len(labels) - 0.4)
-    axes.legend(
-        loc="upper right",
-        ncols=2,
-        fontsize=7.0,
-        handletextpad=0.1,
-        columnspacing=0.6,
-        labelspacing=0.15,
-    )
+    tight = {"columnspacing": 0.6, "handletextpad": 0.1, "labelspacing": 0.15}
+    axes.legend(loc="upper right", ncols=2, fontsize=7.0, **tight)
     axes.set_xlabel("pair of levels, Table 3, $V_s$")
     axes.set_ylabel("off by units of last digit", labelpad=1.0)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -64,16 +66,7 @@ def _base(axes: Axes) -> None:
     """The moving base: a plate on rollers."""
     left, right = BASE
     radius = 1.1
-    axes.add_patch(
-        Rectangle(
-            (left, GROUND + 2 * radius),
-            right - left,
-            MASS_TOP - GROUND - 2 * radius,
-            fc="#D9D9D9",
-            ec=INK,
-            lw=LINE,
-        )
-    )
+    _block(axes, BASE, GROUND + 2 * radius, MASS_TOP, "#D9D9D9")
     for x in (left + radius, right - radius):
         _roller(axes, x, radius)
 
@@ -81,31 +74,18 @@ def _base(axes: Axes) -> None:
 def _mass(axes: Axes) -> None:
     """The mass on its rollers."""
     left, right = MASS
-    radius = 0.5 * (MASS_BOTTOM - GROUND)
-    axes.add_patch(
-        Rectangle(
-            (left, MASS_BOTTOM), right - left, MASS_TOP - MASS_BOTTOM, fc="#EDF1F5", ec=INK, lw=LINE
-        )
-    )
-    axes.text(
-        0.5 * (left + right),
-        0.5 * (MASS_BOTTOM + MASS_TOP),
-        "$m$",
-        ha="center",
-        va="center",
-        size=12,
-    )
+    _block(axes, MASS, MASS_BOTTOM, MASS_TOP, "#EDF1F5")
+    middle = 0.5 * (left + right), 0.5 * (MASS_BOTTOM + MASS_TOP)
+    axes.text(*middle, "$m$", ha="center", va="center", size=12)
     for x in (left + 4.5, right - 4.5):
-        _roller(axes, x, radius)
+        _roller(axes, x, 0.5 * (MASS_BOTTOM - GROUND))
 
 
 def _slider(axes: Axes) -> None:
     """The Coulomb slider, a block that the ground holds back by friction; force f and deflection z of the contact."""
     left, right = SLIDER
     top = CONTACT_LEVEL + 3.0
-    axes.add_patch(
-        Rectangle((left, GROUND), right - left, top - GROUND, fc="#FBE9DD", ec=STICK, lw=LINE)
-    )
+    _block(axes, SLIDER, GROUND, top, "#FBE9DD", STICK)
     axes.text(0.5 * (left + right), 0.5 * (GROUND + top), "$F_k$", ha="center", va="center")
     _line(axes, [left - 1.0, right + 1.0], [GROUND, GROUND], STICK, 2.2)  # where it rubs
     arrow(axes, (left - 0.8, GROUND + 2.5), (left - 6.5, GROUND + 2.5), STICK)
@@ -162,10 +142,16 @@ def _roller(axes: Axes, x: float, radius: float) -> None:
     axes.add_patch(Circle((x, GROUND + radius), radius, fc="white", ec=INK, lw=LINE))
 
 
+def _block(
+    axes: Axes, faces: tuple[float, float], low: float, top: float, fill: str, edge: str = INK
+) -> None:
+    left, right = faces
+    axes.add_patch(Rectangle((left, low), right - left, top - low, fc=fill, ec=edge, lw=LINE))
+
+
 def _hatch(axes: Axes, left: float, bottom: float, width: float, height: float) -> None:
-    axes.add_patch(
-        Rectangle((left, bottom), width, height, fc="none", ec=FAINT, lw=0.0, hatch="//////")
-    )
+    look: dict[str, Any] = {"fc": "none", "ec": FAINT, "lw": 0.0, "hatch": "//////"}
+    axes.add_patch(Rectangle((left, bottom), width, height, **look))
 
 
 def _line(

@@ -7,10 +7,10 @@ the markers help.
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, ContextDecorator
-from dataclasses import dataclass
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import matplotlib.style
 from matplotlib.axes import Axes
@@ -25,11 +25,8 @@ DPI = 300
 
 SLIP, STICK = "#16324F", "#D55E00"  # the two phases of the motion
 INK, FAINT = "#000000", "#6E6E6E"  # text and axes; what only guides the eye
-HALO = {
-    "facecolor": "white",
-    "edgecolor": "none",
-    "pad": 0.8,
-}  # behind a label that stands on a line
+HALO = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}  # behind a label on a line
+DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))
 
 STYLE: dict[str, Any] = {
     "font.family": "STIXGeneral",
@@ -63,46 +60,11 @@ STYLE: dict[str, Any] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
-    """How one approach is drawn, in every figure the same."""
-
-    label: str
-    colour: str
-    marker: str
-
-
-APPROACH_LOOKS = {
-    "direct": Look("direct integration", "#000000", "D"),
-    "X_s": Look("$X_s$", "#0B4F8A", "o"),
-    "t_s": Look("$t_s$", "#D55E00", "s"),
-    "V_s": Look("$V_s$", "#3DAA8B", "^"),
-    "fourier": Look("Fourier", "#EDA900", "P"),
-}
-"""Look of each approach to the energy balance, by its key in `balance.APPROACHES`."""
-
-
-class _Styled(ContextDecorator):
-    """Draw with STYLE on top of matplotlib's own defaults, whatever the user's settings are."""
-
-    def __enter__(self) -> None:
-        self._context = cast(
-            AbstractContextManager[None], matplotlib.style.context(STYLE, after_reset=True)
-        )
-        self._context.__enter__()
-
-    def __exit__(self, *details: Any) -> None:
-        self._context.__exit__(*details)
-
-    def _recreate_cm(
-        self,
-    ) -> _Styled:  # each call of a decorated function gets a context of its own
-        return _Styled()
-
-
-def styled() -> _Styled:
-    """Decorator of the functions that draw: they use STYLE and nothing of the user's settings."""
-    return _Styled()
+@contextmanager
+def styled() -> Iterator[None]:
+    """Decorator of the functions that draw: they use STYLE on matplotlib's own defaults, and nothing of the user's."""
+    with matplotlib.style.context(STYLE, after_reset=True):
+        yield
 
 
 def page(width: float, height: float) -> Figure:
@@ -120,15 +82,23 @@ def place(figure: Figure, left: float, bottom: float, width: float, height: floa
 
 def panel_letter(axes: Axes, letter: str) -> Text:
     """The letter of a panel, (a), (b) …, above the upper left corner of its frame."""
+    return note(
+        axes, f"({letter})", (0.0, 1.0), (0.0, 3.0), xycoords="axes fraction", weight="bold"
+    )
+
+
+def note(
+    axes: Axes,
+    text: str,
+    at: tuple[float, float],
+    shift: tuple[float, float],
+    ha: str = "left",
+    va: str = "bottom",
+    **look: Any,
+) -> Text:
+    """Words beside a place in the axes, shifted from it by points."""
     return axes.annotate(
-        f"({letter})",
-        xy=(0.0, 1.0),
-        xycoords="axes fraction",
-        xytext=(0.0, 3.0),
-        textcoords="offset points",
-        ha="left",
-        va="bottom",
-        weight="bold",
+        text, xy=at, xytext=shift, textcoords="offset points", ha=ha, va=va, **look
     )
 
 
@@ -142,6 +112,12 @@ def arrow(
     """An arrow between two points, in the units of the axes."""
     properties = {"arrowstyle": head, "lw": 0.8, "color": colour, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", xy=end, xytext=start, arrowprops=properties)
+
+
+def omega_of(frequency: str) -> str:
+    """A frequency of the configuration as a symbol in TeX: omega1 becomes \\omega_{1}; "" for other names."""
+    number = frequency.removeprefix("omega")
+    return rf"\omega_{{{number}}}" if frequency.startswith("omega") and number.isdigit() else ""
 
 
 @styled()

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,27 +13,18 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..figures.style import (
-    APPROACH_LOOKS,
-    DOUBLE_COLUMN,
-    FAINT,
-    INK,
-    SLIP,
-    STICK,
-    page,
-    place,
-    styled,
-)
+from ..figures.looks import in_maths, label_of, look_of
+from ..figures.style import DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
 from .loading import Loaded
 from .result import Identification
 
 Array = NDArray[np.float64]
 
 _POINTS = 6000  # samples drawn at most
-_SHOWN = {  # quantity → (symbol, factor, unit)
-    "displacement": ("x", 1e3, "mm"),
-    "velocity": (r"\dot x", 1.0, "m/s"),
-    "acceleration": (r"\ddot x", 1.0, "m/s²"),
+_SHOWN = {  # quantity → (symbol, factor, unit, column of the averaged cycle)
+    "displacement": ("x", 1e3, "mm", "x"),
+    "velocity": (r"\dot x", 1.0, "m/s", "v"),
+    "acceleration": (r"\ddot x", 1.0, "m/s²", "acceleration"),
 }
 _HEIGHT, _GAP, _BOTTOM, _TOP = 34.0, 9.0, 11.0, 7.0  # mm
 
@@ -47,22 +39,15 @@ def cycles(loaded: Sequence[Loaded]) -> Figure:
     for one, axes in zip(loaded, panels, strict=True):
         steady = one.reading.steady
         quantity = next(q for q in reversed(_SHOWN) if q in one.excerpt)
-        symbol, factor, unit = _SHOWN[quantity]
+        symbol, factor, unit, column = _SHOWN[quantity]
         t, values = one.excerpt[quantity]
         kept = slice(None, None, max(1, t.size // _POINTS))
         base = float(np.angle(steady.mean(steady.Y)[1]))
         theta = (steady.omega * (t[kept] - steady.start) + base) % (2.0 * math.pi)
-        axes.plot(
-            np.degrees(theta),
-            factor * values[kept],
-            ".",
-            color=FAINT,
-            markersize=1.0,
-            rasterized=True,
-        )
+        dots: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
+        axes.plot(np.degrees(theta), factor * values[kept], ".", **dots)
         averaged = one.reading.averaged_cycle()
-        key = {"displacement": "x", "velocity": "v", "acceleration": "acceleration"}[quantity]
-        axes.plot(np.degrees(averaged["phase"]), factor * averaged[key], color=STICK)
+        axes.plot(np.degrees(averaged["phase"]), factor * averaged[column], color=STICK)
         axes.set_xlim(0.0, 360.0)
         axes.set_xticks([0, 90, 180, 270, 360])
         axes.set_title(_name(one.label), pad=3.0)
@@ -112,8 +97,8 @@ def balance(found: Identification) -> Figure:
     left, right = place(figure, 17.0, 20.0, 68.0, 50.0), place(figure, 107.0, 20.0, 70.0, 50.0)
     for index, (name, estimated) in enumerate(found.estimates.items()):
         rows, usable = estimated.rows, estimated.rows.usable
-        look = APPROACH_LOOKS.get(name)
-        label, colour, marker = (look.label, look.colour, look.marker) if look else (name, INK, "v")
+        look, label = look_of(name), in_maths(label_of(name))
+        colour, marker = look.colour, look.marker
         a, b = rows.terms["F_k"], rows.terms["c"]
         along, height = a / b, rows.W / b
         left.plot(
@@ -161,17 +146,11 @@ def _panels(count: int) -> tuple[Figure, list[Axes]]:
     rows = math.ceil(count / 3)
     height = _BOTTOM + rows * (_HEIGHT + _GAP) - _GAP + _TOP
     figure = page(DOUBLE_COLUMN, height)
-    width, step = 44.0, 60.0
-    panels = [
-        place(
-            figure,
-            13.0 + step * (i % 3),
-            height - _TOP - _HEIGHT - (i // 3) * (_HEIGHT + _GAP),
-            width,
-            _HEIGHT,
-        )
-        for i in range(count)
-    ]
+    panels = []
+    for i in range(count):
+        row, column = divmod(i, 3)
+        bottom = height - _TOP - _HEIGHT - row * (_HEIGHT + _GAP)
+        panels.append(place(figure, 13.0 + 60.0 * column, bottom, 44.0, _HEIGHT))
     return figure, panels
 
 

@@ -7,6 +7,7 @@ import functools
 import itertools
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import matplotlib
 import numpy as np
@@ -18,10 +19,10 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
-from dampbalance import BaseMotion, Oscillator, figures, steady_orbit
+from dampbalance import BaseMotion, Oscillator, balance, figures, steady_orbit
 from dampbalance.estimates import estimate_table
 from dampbalance.features import of_orbit, stack
-from dampbalance.figures import style
+from dampbalance.figures import looks, style
 from dampbalance.figures.cycle import branches
 
 OSCILLATOR = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
@@ -194,16 +195,27 @@ def lightness(colour: str) -> float:
 
 
 def test_approaches_stay_apart_in_grey():
-    looks = figures.APPROACH_LOOKS
-    assert len({look.marker for look in looks.values()}) == len(looks)
-    values = sorted(lightness(look.colour) for look in looks.values())
+    every = [*looks.LOOKS.values(), *looks.SPARE]
+    for of_look in ("marker", "shape", "series"):
+        assert len({getattr(look, of_look) for look in every}) == len(every)
+    values = sorted(lightness(look.colour) for look in looks.LOOKS.values())
     # A step of 2 is just seen side by side; 8 is seen between markers that are apart.
     assert min(np.diff(values)) > 8.0
     assert abs(lightness(style.SLIP) - lightness(style.STICK)) > 25.0
 
 
-def test_every_approach_has_a_look(estimates):
-    assert set(estimates["omega1"]["approach"]) <= set(figures.APPROACH_LOOKS)
+def test_an_approach_needs_no_more_than_its_entry_to_have_a_look(monkeypatch):
+    assert set(balance.APPROACHES) == set(looks.LOOKS)
+    for name in ("new", "newer"):
+        monkeypatch.setitem(
+            balance.APPROACHES, name, balance.Approach(balance.direct, f"{name} t_s")
+        )
+    assert [looks.look_of(name) for name in ("new", "newer")] == list(looks.SPARE[:2])
+    assert looks.label_of("new") == "new t_s"
+    assert looks.in_maths(looks.label_of("new")) == "new $t_s$"
+    assert looks.label_of("unregistered") == "unregistered"
+    assert looks.look_of("unregistered") == looks.SPARE[2]
+    assert looks.in_maths("direct integration") == "direct integration"
 
 
 def test_every_figure_has_an_alternative_text_of_one_sentence():
@@ -467,11 +479,26 @@ def test_direct_integration_that_is_not_exact_is_drawn_like_the_others(estimates
     )
 
 
-def test_an_unknown_approach_or_a_missing_frequency_is_named(stand_in):
+def test_a_new_approach_and_a_new_term_are_drawn_like_the_others(stand_in, monkeypatch, tmp_path):
+    monkeypatch.setitem(
+        balance.APPROACHES, "new", balance.Approach(balance.direct, "new", takes_phase=False)
+    )
+    monkeypatch.setitem(balance.TERMS, "d", balance.Term("d", "kg/m", "quadratic damping"))
+    both = pd.concat([stand_in, stand_in.replace({"approach": "X_s", "phase": "common"}, "new")])
+    both["phase"] = both["phase"].replace("new", "individual")
+    oscillator = SimpleNamespace(F_k=1.28, c=90.0, d=2.0)
+    both["d_kg_per_m"] = 2.0 * (1.0 + 3.0 * (1.0 - both["F_k_N"] / 1.28))
+    figure = figures.estimation_error({"omega1": both}, oscillator, {"omega1": 4.92}, LEVELS)
+    for symbol, factor in (("F_k", 1.0), ("c", 2.0), ("d", 3.0)):
+        assert drawn(figure, f"{symbol} omega1", "new individual") == pytest.approx(
+            [factor, 1e-14, math.nan, 10.0 * factor], rel=1e-12, nan_ok=True
+        )
+    assert "new" in [text.get_text() for text in figure.legends[0].get_texts()]
+    written(figure, tmp_path)
+
+
+def test_a_missing_frequency_is_named(stand_in):
     with pytest.raises(ValueError, match="omega2"):
         figures.estimation_error({"omega1": stand_in}, OSCILLATOR, {"omega2": 3.5}, LEVELS)
     with pytest.raises(ValueError, match="frequencies"):
         figures.estimation_error({}, OSCILLATOR, {}, LEVELS)
-    unknown = stand_in.replace("X_s", "magic")
-    with pytest.raises(ValueError, match="magic"):
-        figures.estimation_error({"omega1": unknown}, OSCILLATOR, {"omega1": 4.92}, LEVELS)

@@ -12,7 +12,6 @@ if __name__ == "__main__":
     evidence = Evidence(
         claims=read_csv(i.claims, dtype=str),
         exact=read_csv(i.exact),
-        rebuilt=read_csv(i.rebuilt),
         estimates=read_csv(i.estimates),
         schemes=read_csv(i.schemes),
         steps=pd.read_parquet(i.steps),

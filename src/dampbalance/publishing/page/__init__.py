@@ -3,6 +3,6 @@
 report.py     the page, from `PageContent`       match.py    the picture of the match
 words.py      symbols and units as HTML          cells.py    the paper's tables as cells with verdicts
 charts.py     charts in Vega-Lite, and stills    loops.py, error_levels.py, curves.py    the charts
-colours.py    light and dark, with contrast      templates/, static/    HTML, style sheet, scripts
+colours.py    light and dark                     templates/, static/    HTML, style sheet, scripts
 origins.py    which rule and code made what
 """

@@ -26,10 +26,8 @@ Spec = dict[str, Any]
 Scale = Literal["linear", "log"]
 
 VERSION = "6.4"  # of Vega-Lite, in vl-convert's bundle
-WIDTH, HEIGHT = (
-    340,
-    230,
-)  # px: a panel of a still picture; on the page a panel is as wide as its column
+# px: a panel of a still picture; on the page a panel is as wide as its column.
+WIDTH, HEIGHT = 340, 230
 OFF = 0.15  # px: how far a curve of a still picture may lie off; on the page, the script draws every point
 DIGITS = 5  # significant, of data: what a hovered value shows at most
 FONT = "system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', 'DejaVu Sans', sans-serif"
@@ -103,18 +101,15 @@ class Axis:
         axis: Spec = {"title": self.title, "tickCount": 6}
         if self.labels is not None:
             names = json.dumps(list(self.labels), ensure_ascii=False)
-            axis |= {
-                "values": list(range(len(self.labels))),
-                "labelExpr": f"{names}[datum.value]",
-                "grid": False,
-            }
+            axis |= {"values": list(range(len(self.labels)))}
+            axis |= {"labelExpr": f"{names}[datum.value]", "grid": False}
         elif self.scale == "log":
             seen = {"condition": {"test": _IS_POWER, "value": 1}, "value": 0}
             axis |= {"labelExpr": _LOG_LABEL.replace("CHANNEL", channel), "gridOpacity": seen}
-        return {"field": self.column, "type": "quantitative", "scale": scale, "axis": axis}
+        return {**quantitative(self.column), "scale": scale, "axis": axis}
 
     def still_encoding(self, channel: str) -> Spec:
-        """The same for a picture that does not move: a logarithmic axis with only the ticks that are named."""
+        """`encoding` for a picture that does not move: a logarithmic axis with only the ticks that are named."""
         encoding = self.encoding(channel)
         if self.scale == "log" and self.limits:
             encoding["axis"] |= {"values": _named_ticks(*self.limits)}
@@ -218,68 +213,73 @@ class Chart:
         if self.nearest == "x":
             mark: Spec = {"type": "rule", "color": variable("focus"), "strokeWidth": 1.4}
             return [{"transform": here, "mark": mark, "encoding": _ACROSS}]
-        ring = {
-            "type": "point",
-            "size": 150,
-            "color": variable("focus"),
-            "strokeWidth": 2,
-            "filled": False,
-            "clip": True,
-            "tooltip": None,
-        }
-        return [{"transform": here, "mark": ring}]
+        ring: Spec = {"type": "point", "size": 150, "color": variable("focus"), "strokeWidth": 2}
+        return [
+            {"transform": here, "mark": ring | {"filled": False, "clip": True, "tooltip": None}}
+        ]
+
+
+@dataclass(frozen=True, slots=True)
+class ChartSet:
+    """Charts that share a legend and a remark.
+
+    approaches, sharings : of the legend.   exact : approach → bound of its error, %, of those not drawn.
+    """
+
+    charts: tuple[Chart, ...]
+    approaches: tuple[str, ...] = ()
+    sharings: tuple[str, ...] = ()
+    exact: Mapping[str, str] = field(default_factory=dict)
 
 
 _ACROSS: Spec = {"y": {"value": 0}, "y2": {"value": "height"}}  # from edge to edge of the panel
 
 # The wheel scrolls the page; with Ctrl (or a pinch) it zooms. A drag moves, a double click resets.
-_ZOOM: Spec = {
-    "type": "interval",
-    "zoom": "wheel![event.ctrlKey || event.metaKey]",
-    "clear": "dblclick",
-}
+_WHEEL = "wheel![event.ctrlKey || event.metaKey]"
+_ZOOM: Spec = {"type": "interval", "zoom": _WHEEL, "clear": "dblclick"}
+
+
+def nominal(column: str) -> Spec:
+    """A column of words, as a channel."""
+    return {"field": column, "type": "nominal"}
+
+
+def quantitative(column: str) -> Spec:
+    """A column of numbers, as a channel."""
+    return {"field": column, "type": "quantitative"}
+
+
+def coded(column: str, codes: Mapping[str, str]) -> Spec:
+    """A column of words, each shown by its colour or shape; the page has legends of its own."""
+    scale = {"domain": list(codes), "range": list(codes.values())}
+    return {**nominal(column), "scale": scale, "legend": None}
+
+
+NAMED: Spec = {"encoding": {"text": nominal("name")}}
+"""Encoding of a layer of text that writes the column `name`."""
 
 
 def curve(column: str, colour: str, width: float = 1.4, dashed: bool = False) -> Spec:
     """A layer: one curve over x, interrupted where a value is missing."""
-    mark: Spec = {
-        "type": "line",
-        "color": colour,
-        "strokeWidth": width,
-        "clip": True,
-        "invalid": "break-paths-show-domains",
-    }
+    mark: Spec = {"type": "line", "color": colour, "strokeWidth": width, "clip": True}
+    mark["invalid"] = "break-paths-show-domains"
     if dashed:
         mark["strokeDash"] = [5, 3]
-    return {"mark": mark, "encoding": {"y": {"field": column, "type": "quantitative"}}}
+    return {"mark": mark, "encoding": {"y": quantitative(column)}}
 
 
 def mark_at(value: float, name: str, at_end: bool) -> list[Spec]:
     """Layers: a dotted line across the panel at a place on x, and its name at the lower end."""
     data = {"data": {"values": [{"at": value, "name": name}]}}
-    place: Spec = {"x": {"field": "at", "type": "quantitative"}, "y": {"value": "height"}}
+    place: Spec = {"x": quantitative("at"), "y": {"value": "height"}}
     line = {"type": "rule", "color": variable("muted"), "strokeDash": [2, 3], "strokeWidth": 1}
-    words = {
-        "type": "text",
-        "align": "right" if at_end else "left",
-        "baseline": "bottom",
-        "dx": -4 if at_end else 4,
-        "dy": -4,
-        "color": variable("muted"),
-        "clip": True,
-    }
+    side, shift = ("right", -4) if at_end else ("left", 4)
+    words = {"type": "text", "align": side, "baseline": "bottom", "dx": shift, "dy": -4}
+    words |= {"color": variable("muted"), "clip": True}
     return [
         {**data, "mark": {**line, "clip": True}, "encoding": {"x": place["x"], **_ACROSS}},
         {**data, "mark": words, "encoding": {**place, "text": {"field": "name"}}},
     ]
-
-
-def decades(values: Sequence[Array], floor: float, ceiling: float) -> tuple[float, float]:
-    """Limits of a logarithmic axis: whole decades around the values, but for the lowest 2 % of them, within bounds."""
-    known = np.concatenate([v[np.isfinite(v) & (v > 0.0)] for v in values] or [np.empty(0)])
-    low, high = (np.quantile(known, 0.02), known.max()) if known.size else (0.1, 10.0)
-    bottom = max(floor, 10.0 ** math.floor(math.log10(low)))
-    return bottom, max(10.0 * bottom, min(ceiling, 10.0 ** math.ceil(math.log10(high))))
 
 
 def runtime() -> str:

@@ -6,84 +6,70 @@ and 1.4.11). Colour never stands alone: verdicts have a symbol and a word, appro
 
 from __future__ import annotations
 
-from ...replication import verdicts
+from typing import Literal
 
-LIGHT = {
-    "paper": "#ffffff",  # the page
-    "raised": "#f4f6f8",  # what lies on it: table heads, boxes
-    "ink": "#1a2027",
-    "muted": "#4f5966",  # notes, axis labels
-    "rule": "#d4dae1",  # decorative lines
-    "edge": "#7b8694",  # outlines of inputs and buttons
-    "link": "#0b4f8a",
-    "focus": "#b3450a",
-    "reproduced": "#1d7546",
-    "reconstructed": "#2166ac",
-    "last-digit": "#8f5f00",
-    "reading": "#8243a6",
-    "differs": "#b42318",
-    "on-verdict": "#ffffff",  # text on the five above
-    "reproduced-tint": "#e0f3e7",
-    "reconstructed-tint": "#e2eefa",
-    "last-digit-tint": "#fbf0d4",
-    "reading-tint": "#f3e7f9",
-    "differs-tint": "#fde6e3",
-    "reproduced-text": "#0f5531",
-    "reconstructed-text": "#0d4a85",
-    "last-digit-text": "#664300",
-    "reading-text": "#652c86",
-    "differs-text": "#8f1a12",
-    "direct": "#1a2027",
-    "X-s": "#0b5fa5",
-    "t-s": "#c75000",
-    "V-s": "#1f8468",
-    "fourier": "#946a00",
-    "other": "#8e4fc0",  # an approach that has no colour of its own yet
-    "slip": "#2c5a8a",
-    "stick": "#c75000",
+from markupsafe import Markup
+
+from ...balance import APPROACHES
+from ...figures.looks import SPARE, look_of
+
+Mode = Literal["light", "dark"]
+
+_GENERAL = {
+    "paper": ("#ffffff", "#14181d"),  # the page
+    "raised": ("#f4f6f8", "#1d232b"),  # what lies on it: table heads, boxes
+    "ink": ("#1a2027", "#e7ebf0"),
+    "muted": ("#4f5966", "#aab4c0"),  # notes, axis labels
+    "rule": ("#d4dae1", "#353e49"),  # decorative lines
+    "edge": ("#7b8694", "#7c8896"),  # outlines of inputs and buttons
+    "link": ("#0b4f8a", "#86bdf5"),
+    "focus": ("#b3450a", "#ffb066"),
+    "reproduced": ("#1d7546", "#5ec892"),
+    "reconstructed": ("#2166ac", "#72b2f0"),
+    "last-digit": ("#8f5f00", "#dcae4c"),
+    "reading": ("#8243a6", "#c894e6"),
+    "differs": ("#b42318", "#ff9084"),
+    "on-verdict": ("#ffffff", "#0f1317"),  # text on the five above
+    "reproduced-tint": ("#e0f3e7", "#123524"),
+    "reconstructed-tint": ("#e2eefa", "#132f4b"),
+    "last-digit-tint": ("#fbf0d4", "#3a2d0d"),
+    "reading-tint": ("#f3e7f9", "#362143"),
+    "differs-tint": ("#fde6e3", "#4a1a16"),
+    "reproduced-text": ("#0f5531", "#93e2b5"),
+    "reconstructed-text": ("#0d4a85", "#a6d0fb"),
+    "last-digit-text": ("#664300", "#f2d386"),
+    "reading-text": ("#652c86", "#dfbcf3"),
+    "differs-text": ("#8f1a12", "#ffb7af"),
 }
-DARK = {
-    "paper": "#14181d",
-    "raised": "#1d232b",
-    "ink": "#e7ebf0",
-    "muted": "#aab4c0",
-    "rule": "#353e49",
-    "edge": "#7c8896",
-    "link": "#86bdf5",
-    "focus": "#ffb066",
-    "reproduced": "#5ec892",
-    "reconstructed": "#72b2f0",
-    "last-digit": "#dcae4c",
-    "reading": "#c894e6",
-    "differs": "#ff9084",
-    "on-verdict": "#0f1317",
-    "reproduced-tint": "#123524",
-    "reconstructed-tint": "#132f4b",
-    "last-digit-tint": "#3a2d0d",
-    "reading-tint": "#362143",
-    "differs-tint": "#4a1a16",
-    "reproduced-text": "#93e2b5",
-    "reconstructed-text": "#a6d0fb",
-    "last-digit-text": "#f2d386",
-    "reading-text": "#dfbcf3",
-    "differs-text": "#ffb7af",
-    "direct": "#e7ebf0",
-    "X-s": "#6fb1f2",
-    "t-s": "#ff9a4d",
-    "V-s": "#56cfac",
-    "fourier": "#f2c14e",
-    "other": "#cf9ff0",
-    "slip": "#8fbcec",
-    "stick": "#ff9a4d",
+_MOTION = {"slip": ("#2c5a8a", "#8fbcec"), "stick": ("#c75000", "#ff9a4d")}
+
+_SHAPES = {
+    "circle": '<circle cx="17" cy="7" r="4.5" {0}/>',
+    "square": '<rect x="12.5" y="2.5" width="9" height="9" {0}/>',
+    "triangle-up": '<path d="M17 1.5L22.5 12H11.5Z" {0}/>',
+    "cross": '<path d="M15 2h4v3h3v4h-3v3h-4v-3h-3V5h3Z" {0}/>',
+    "diamond": '<path d="M17 1L23 7L17 13L11 7Z" {0}/>',
+    "triangle-down": '<path d="M17 12.5L11.5 2H22.5Z" {0}/>',
+    "triangle-left": '<path d="M11.5 7L22 1.5V12.5Z" {0}/>',
+    "triangle-right": '<path d="M22.5 7L12 1.5V12.5Z" {0}/>',
 }
 
-VERDICTS = tuple(verdict.css for verdict in verdicts.VERDICTS.values())
-SERIES = ("direct", "X-s", "t-s", "V-s", "fourier", "other", "slip", "stick")
+
+def series() -> dict[str, tuple[str, str]]:
+    """The colours of what charts draw, (light, dark) each: every approach, a spare one, the phases of the motion."""
+    looks = [*(look_of(name) for name in APPROACHES), SPARE[0]]
+    return {look.series: (look.light, look.dark) for look in looks} | _MOTION
 
 
-def css_variables(colours: dict[str, str]) -> str:
+def palette(mode: Mode) -> dict[str, str]:
+    """All colours of the page by name, as #rrggbb."""
+    which = ("light", "dark").index(mode)
+    return {name: colours[which] for name, colours in (_GENERAL | series()).items()}
+
+
+def css_variables(mode: Mode) -> str:
     """The colours as declarations of custom properties, `--ink: #1a2027; …`."""
-    return " ".join(f"--{name}: {colour};" for name, colour in colours.items())
+    return " ".join(f"--{name}: {colour};" for name, colour in palette(mode).items())
 
 
 def variable(name: str) -> str:
@@ -91,7 +77,11 @@ def variable(name: str) -> str:
     return f"var(--{name})"
 
 
-def series_colour(key: str) -> str:
+def series_colour(approach: str) -> str:
     """The reference to the colour of an approach, by its key in `balance.APPROACHES`."""
-    name = key.replace("_", "-")
-    return variable(name if name in SERIES else "other")
+    return variable(look_of(approach).series)
+
+
+def shape(approach: str) -> Markup:
+    """The mark of an approach in a legend, as an element of SVG."""
+    return Markup(_SHAPES[look_of(approach).shape].format(f'fill="{series_colour(approach)}"'))

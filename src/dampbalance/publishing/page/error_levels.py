@@ -3,42 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
-import numpy as np
 import pandas as pd
 
-from ...figures.error_levels import EXACT, ROUNDING, Quantity, relative_errors
+from ...figures import series
+from ...figures.looks import label_of, look_of
+from ...figures.series import COMMON, INDIVIDUAL, decades
 from ...model import Oscillator
 from ...project.wording import frequency_name, plain, power_of_ten
-from .charts import Axis, Chart, Spec, Table, Value, decades
+from .charts import Axis, Chart, ChartSet, Spec, Table, Value, coded
 from .colours import series_colour, variable
 
-SHAPES = {
-    "direct": "diamond",
-    "X_s": "circle",
-    "t_s": "square",
-    "V_s": "triangle-up",
-    "fourier": "cross",
-}
-NAMES = {"direct": "direct integration", "fourier": "Fourier"}
 FLOOR, CEILING = 1e-4, 1e3  # %, the least and the largest error an axis reaches to
-_UNKNOWNS = (("F_k", "F_k_N"), ("c", "c_N_s_per_m"))
-
-
-@dataclass(frozen=True, slots=True)
-class Figure:
-    """Charts that share a legend and a remark. exact : approach → bound of its error, of those not drawn."""
-
-    charts: tuple[Chart, ...]
-    approaches: tuple[str, ...]
-    sharings: tuple[str, ...]
-    exact: Mapping[str, str]
-
-
-def approach_name(key: str) -> str:
-    """How an approach is called in a chart."""
-    return NAMES.get(key, plain(key))
+_SHARINGS = {COMMON: "common to all levels", INDIVIDUAL: "of each level"}
 
 
 def error_charts(
@@ -46,80 +23,48 @@ def error_charts(
     oscillator: Oscillator,
     frequencies_hz: Mapping[str, float],
     levels_m: Sequence[float],
-) -> Figure:
-    """Size of the error of F_k and c, %, of every pair of levels and of all: a chart per quantity and frequency.
+) -> ChartSet:
+    """Size of the error of each term's coefficient, %, of every pair of levels and of all: a chart per frequency.
 
-    The arguments are those of `figures.estimation_error`. An approach nowhere worse than rounding is named, not drawn.
+    The arguments are those of `figures.series.errors_by_level`. An approach nowhere worse than rounding is named, not
+    drawn.
     """
-    pairs = [p for p in dict.fromkeys(next(iter(estimates.values()))["pair"]) if p != "all"]
-    labels = [*(_levels(pair, levels_m) for pair in pairs), "all"]
-    places = {pair: n for n, pair in enumerate([*pairs, "all"])}
-    approaches = tuple(dict.fromkeys(a for t in estimates.values() for a in t["approach"]))
-    exact: dict[str, float] = {}
-    charts = []
-    for symbol, column in _UNKNOWNS:
-        quantity = Quantity(column, symbol, getattr(oscillator, symbol))
-        found = {name: relative_errors(estimates[name], quantity) for name in frequencies_hz}
-        worst = {
-            key: max(
-                (e for one in found.values() for k, e in one.items() if k[0] == key), default=0.0
-            )
-            for key in approaches
-        }
-        drawn = [key for key in approaches if worst[key] >= EXACT]
-        exact |= {k: max(worst[k], exact.get(k, ROUNDING)) for k in approaches if k not in drawn}
-        sizes = [np.array([e for k, e in one.items() if k[0] in drawn]) for one in found.values()]
-        limits = decades(sizes, FLOOR, CEILING)
-        for name, hz in frequencies_hz.items():
-            rows = _rows(found[name], drawn, places, labels)
-            table = Table(f"error-{symbol}-{name}".replace("_", ""), rows)
-            charts.append(_chart(symbol, name, hz, table, labels, limits, drawn))
-    return Figure(
+    shown = series.errors_by_level(estimates, oscillator, frequencies_hz, levels_m)
+    charts = [
+        _chart(of_term, name, hz, shown)
+        for of_term in shown.terms
+        for name, hz in frequencies_hz.items()
+    ]
+    exact = {
+        key: max(of_term.exact[key] for of_term in shown.terms)
+        for key in shown.approaches
+        if all(key in of_term.exact for of_term in shown.terms)
+    }
+    return ChartSet(
         tuple(charts),
-        tuple(key for key in approaches if key not in exact),
-        ("individual", "common"),
+        tuple(key for key in shown.approaches if key not in exact),
+        (INDIVIDUAL, COMMON),
         {key: power_of_ten(bound) for key, bound in exact.items()},
     )
 
 
-def _rows(
-    errors: Mapping[tuple[str, str, str], float],
-    drawn: Sequence[str],
-    places: Mapping[str, int],
-    labels: Sequence[str],
-) -> dict[str, list[object]]:
-    """A row per estimate: where it stands, what it is, and its error."""
-    rows: dict[str, list[object]] = {
-        n: [] for n in ("at", "error", "approach", "name", "sharing", "pair")
-    }
-    for (approach, sharing, pair), error in errors.items():
-        if approach not in drawn:
-            continue
-        beside = 0.16 * (drawn.index(approach) - 0.5 * (len(drawn) - 1))
-        kind = {"common": "common to all levels", "individual": "of each level"}[sharing]
-        values = (places[pair] + beside, error, approach, approach_name(approach), kind)
-        for column, value in zip(rows, (*values, labels[places[pair]]), strict=True):
-            rows[column].append(value)
-    return rows
-
-
 def _chart(
-    symbol: str,
-    name: str,
-    hz: float,
-    table: Table,
-    labels: Sequence[str],
-    limits: tuple[float, float],
-    drawn: Sequence[str],
+    of_term: series.ErrorsOfTerm, name: str, hz: float, shown: series.ErrorsByLevel
 ) -> Chart:
-    where = f"{frequency_name(name)}, {hz:g} Hz"
+    """The errors of one coefficient at one frequency."""
+    symbol, where = plain(of_term.term.symbol), f"{frequency_name(name)}, {hz:g} Hz"
+    drawn = [key for key in shown.approaches if key not in of_term.exact]
+    rows = _rows(of_term.errors[name], drawn, shown)
+    table = Table(f"error-{of_term.term.symbol}-{name}".replace("_", ""), rows)
+    limits = (-0.6, len(shown.names) - 0.4)
+    sizes = decades([of_term.sizes], FLOOR, CEILING, cut=0.02)
     return Chart(
         id=table.id,
-        title=f"{plain(symbol)} at {where}",
-        description=f"Error of {plain(symbol)} at {hz:g} Hz by approach and pair of excitation levels.",
+        title=f"{symbol} at {where}",
+        description=f"Error of {symbol} at {hz:g} Hz by approach and pair of excitation levels.",
         table=table,
-        x=Axis("at", "levels of the pair (mm)", limits=(-0.6, len(labels) - 0.4), labels=labels),
-        y=Axis("error", f"error of {plain(symbol)} (%)", "log", limits),
+        x=Axis("at", "levels of the pair (mm)", limits=limits, labels=shown.names),
+        y=Axis("error", f"error of {symbol} (%)", "log", sizes),
         layers=tuple(_points(drawn, filled) for filled in (True, False)),
         says=(
             Value("name", "approach"),
@@ -131,31 +76,34 @@ def _chart(
     )
 
 
+def _rows(
+    errors: series.Errors, drawn: Sequence[str], shown: series.ErrorsByLevel
+) -> dict[str, list[object]]:
+    """A row per estimate: where it stands, what it is, and its error."""
+    rows: dict[str, list[object]] = {
+        n: [] for n in ("at", "error", "approach", "name", "sharing", "pair")
+    }
+    step = min(0.16, 0.8 / max(1, len(drawn)))  # of an approach from the next, in places
+    for (approach, sharing, pair), error in errors.items():
+        if approach not in drawn:
+            continue
+        place = shown.places.index(pair)
+        at = place + step * (drawn.index(approach) - 0.5 * (len(drawn) - 1))
+        what = (approach, plain(label_of(approach)), _SHARINGS[sharing], shown.names[place])
+        for column, value in zip(rows, (at, error, *what), strict=True):
+            rows[column].append(value)
+    return rows
+
+
 def _points(drawn: Sequence[str], filled: bool) -> Spec:
     """Estimates with common (filled) or individual (open) φ and t_s."""
-    domain = list(drawn)
-    colours = [series_colour(key) for key in drawn]
-    shapes = [SHAPES.get(key, "triangle-down") for key in drawn]
-
-    def by_approach(values: list[str]) -> Spec:
-        return {
-            "field": "approach",
-            "type": "nominal",
-            "scale": {"domain": domain, "range": values},
-            "legend": None,
-        }
-
+    colours = coded("approach", {key: series_colour(key) for key in drawn})
     mark = {"type": "point", "size": 46, "opacity": 1, "strokeWidth": 1.6, "clip": True}
-    encoding = {"shape": by_approach(shapes), "stroke": by_approach(colours)}
-    encoding["fill"] = by_approach(colours) if filled else {"value": variable("paper")}
-    test = "datum.sharing === 'common to all levels'"
-    return {
-        "transform": [{"filter": test if filled else f"!({test})"}],
-        "mark": mark,
-        "encoding": encoding,
+    encoding = {
+        "shape": coded("approach", {key: look_of(key).shape for key in drawn}),
+        "stroke": colours,
+        "fill": colours if filled else {"value": variable("paper")},
     }
-
-
-def _levels(pair: str, levels_m: Sequence[float]) -> str:
-    """The pair "i-j" by its two excitation levels in mm."""
-    return "–".join(f"{1e3 * levels_m[int(level) - 1]:g}" for level in pair.split("-"))
+    test = f"datum.sharing === '{_SHARINGS[COMMON]}'"
+    chosen = [{"filter": test if filled else f"!({test})"}]
+    return {"transform": chosen, "mark": mark, "encoding": encoding}

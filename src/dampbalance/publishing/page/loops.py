@@ -6,10 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...figures.cycle import branches
-from ...motion.events import PHASE_T
+from ...figures.cycle import branches, first_onset, right_end, whole
 from ...motion.orbit import Orbit
-from .charts import Axis, Chart, Spec, Table, Value
+from .charts import NAMED, Axis, Chart, Spec, Table, Value, coded, nominal, quantitative
 from .colours import variable
 
 ACCELERATION = "acceleration ẍ (m/s²)"
@@ -29,82 +28,89 @@ def figure3_charts(orbits: Sequence[Orbit]) -> list[Chart]:
 
     orbits : the responses of one frequency, one per level. Raises ValueError when there is none.
     """
-    if not orbits:
-        raise ValueError("Figure 3 needs at least one orbit: give the responses of one frequency")
+    onset = first_onset(orbits)
     table = _table(orbits, "orbits")
-    whole = (
-        ("figure3-a", "x", DISPLACEMENT, "(a) against displacement, all levels"),
-        ("figure3-c", "v", VELOCITY, "(c) against velocity, all levels"),
-    )
+    words = "closed loops, growing with the base amplitude."
     a, c = (
-        Chart(
-            id=name,
-            title=title,
-            description=f"Acceleration {title[4:]}: closed loops, growing with the base amplitude.",
-            table=table,
-            x=Axis(column, x_title, limits=_around(table, column)),
-            y=Axis("acc", ACCELERATION, limits=_around(table, "acc")),
-            layers=(_loops(), _level_names(orbits, column)),
-            says=_SAYS,
-            nearest="xy",
+        _panel(
+            f"({letter}) {title}",
+            f"Acceleration {title}: {words}",
+            table,
+            Axis(column, x_title, limits=_around(table, column)),
+            _around(table, "acc"),
+            (_loops(), _level_names(orbits, column)),
         )
-        for name, column, x_title, title in whole
+        for letter, column, x_title, title in (
+            ("a", "x", DISPLACEMENT, "against displacement, all levels"),
+            ("c", "v", VELOCITY, "against velocity, all levels"),
+        )
     )
-    slipping = next((orbit for orbit in orbits if orbit.X_s > -orbit.X), None)
-    if slipping is None:
+    if onset is None:
         return [a, c]
-    one = _table([slipping], "orbit")
-    return [a, _microstick_line(one, slipping), c, _corner(one, slipping)]
+    one = _table([onset.orbit], "orbit")
+    level, length = f"{1e3 * onset.orbit.motion.Y:g} mm", f"{1e3 * onset.length:.4g} µm"
+    ends = list(zip(("−X", "Xₛ"), onset.x, onset.acceleration, strict=True))
+    b = _panel(
+        f"(b) the microsticking line at Y = {level}",
+        f"The steep line from −X to X_s at Y = {level}, {length} long.",
+        one,
+        Axis("x", DISPLACEMENT, limits=onset.x_limits),
+        onset.acceleration_limits,
+        (_loops(2.2), *_rings("x", ends, f"2 Zₘ = {length}")),
+    )
+    d = _panel(
+        f"(d) the corner at slip onset, Y = {level}",
+        f"The corner at the velocity V_s = {onset.V_s:.4g} m/s of slip onset at Y = {level}.",
+        one,
+        Axis("v", VELOCITY, limits=onset.v_limits),
+        onset.acceleration_limits,
+        (_loops(2.2), *_rings("v", [("Vₛ", onset.V_s, onset.acceleration[1])], "")),
+    )
+    return [a, b, c, d]
+
+
+def _panel(
+    title: str,
+    description: str,
+    table: Table,
+    x: Axis,
+    y_limits: tuple[float, float],
+    layers: tuple[Spec, ...],
+) -> Chart:
+    """One panel of Figure 3, named after the letter that its title begins with."""
+    y = Axis("acc", ACCELERATION, limits=y_limits)
+    name = f"figure3-{title[1]}"
+    return Chart(name, title, description, table, x, y, layers, _SAYS, nearest="xy")
 
 
 def _table(orbits: Sequence[Orbit], name: str) -> Table:
     """One row per instant: level, phase and branch, time since the reversal at −X in ms, x in mm, ẋ, ẍ."""
-    parts: dict[str, list[np.ndarray]] = {n: [] for n in ("t", "x", "v", "acc")}
     words: dict[str, list[str | int]] = {n: [] for n in ("level", "phase", "branch")}
+    times, states = [], []
     for orbit in orbits:
-        for place, branch in enumerate(branches(orbit)):
-            state = branch.state
-            count = len(state.x)
-            parts["t"].append(1e3 * _since_reversal(orbit, place, count))
-            parts["x"].append(1e3 * state.x)
-            parts["v"].append(state.v)
-            parts["acc"].append(state.acceleration)
+        cycle = branches(orbit)
+        states.append(whole(cycle))
+        for place, branch in enumerate(cycle):
+            count = len(branch.t)
+            times.append(1e3 * branch.t)
             words["level"] += [f"{1e3 * orbit.motion.Y:g}"] * count
             words["phase"] += ["microstick" if branch.stick else "slip"] * count
             words["branch"] += [place] * count
-    numbers = {name: np.concatenate(values) for name, values in parts.items()}
+    x, v, acceleration, _ = (np.concatenate(parts) for parts in zip(*states, strict=True))
+    numbers = {"t": np.concatenate(times), "x": 1e3 * x, "v": v, "acc": acceleration}
     # 2 Z_m, some micrometres, must be seen on displacements of some millimetres: seven digits for x.
     return Table(name, {**words, **numbers}, digits={"x": 7, "t": 6})
 
 
-def _since_reversal(orbit: Orbit, branch: int, count: int) -> np.ndarray:
-    """Times since the reversal at −X of the points of a branch, s."""
-    half = 0.5 * orbit.motion.period
-    edges = np.append(orbit.phases[:, PHASE_T], half)
-    turn, n = divmod(branch, len(orbit.phases))
-    times: np.ndarray = turn * half + np.linspace(edges[n], edges[n + 1], count)
-    return times
-
-
 def _loops(width: float = 1.6) -> Spec:
     """All levels: a line per phase of the motion, microstick in its own colour."""
+    colours = {"slip": variable("slip"), "microstick": variable("stick")}
     return {
         "mark": {"type": "line", "strokeWidth": width, "clip": True},
         "encoding": {
-            "detail": [
-                {"field": "level", "type": "nominal"},
-                {"field": "branch", "type": "nominal"},
-            ],
-            "order": {"field": "i", "type": "quantitative"},
-            "color": {
-                "field": "phase",
-                "type": "nominal",
-                "scale": {
-                    "domain": ["slip", "microstick"],
-                    "range": [variable("slip"), variable("stick")],
-                },
-                "legend": None,
-            },
+            "detail": [nominal("level"), nominal("branch")],
+            "order": quantitative("i"),
+            "color": coded("phase", colours),
         },
     }
 
@@ -113,61 +119,17 @@ def _level_names(orbits: Sequence[Orbit], column: str) -> Spec:
     """The base amplitude of each loop, mm: above its right end over x, inside it over ẋ."""
     places = []
     for orbit in orbits:
-        states = [branch.state for branch in branches(orbit)]
-        across = np.concatenate([1e3 * s.x if column == "x" else s.v for s in states])
-        up = np.concatenate([s.acceleration for s in states])
-        far = int(np.argmax(across))
-        height = up[across > 0.98 * across[far]].max() if column == "x" else up[far]
-        places.append(
-            {
-                column: float(f"{across[far]:.6g}"),
-                "acc": float(f"{height:.6g}"),
-                "name": f"{1e3 * orbit.motion.Y:g}",
-            }
-        )
+        if column == "x":
+            across, up = right_end(orbit)
+        else:
+            states = whole(branches(orbit))
+            far = int(np.argmax(states.v))
+            across, up = states.v[far], states.acceleration[far]
+        name = f"{1e3 * orbit.motion.Y:g}"
+        places.append({column: float(f"{across:.6g}"), "acc": float(f"{up:.6g}"), "name": name})
     beside = {"align": "center", "dy": -10} if column == "x" else {"align": "right", "dx": -5}
-    return {
-        "data": {"values": places},
-        "mark": {"type": "text", "baseline": "middle", **beside},
-        "encoding": {"text": {"field": "name", "type": "nominal"}},
-    }
-
-
-def _microstick_line(table: Table, orbit: Orbit) -> Chart:
-    """Panel (b): the line from −X to X_s of the weakest level that slips, of length 2 Z_m."""
-    level = f"{1e3 * orbit.motion.Y:g} mm"
-    reversal, slip = -1e3 * orbit.X, 1e3 * orbit.X_s
-    length = slip - reversal
-    top, bottom = _ends(orbit)
-    marks = [("−X", reversal, top), ("Xₛ", slip, bottom)]
-    return Chart(
-        id="figure3-b",
-        title=f"(b) the microsticking line at Y = {level}",
-        description=f"The steep line from −X to X_s at Y = {level}, {1e3 * length:.4g} µm long.",
-        table=table,
-        x=Axis("x", DISPLACEMENT, limits=(reversal - 0.9 * length, slip + 2.4 * length)),
-        y=Axis("acc", ACCELERATION, limits=_room(top, bottom)),
-        layers=(_loops(2.2), *_rings("x", marks, f"2 Zₘ = {1e3 * length:.4g} µm")),
-        says=_SAYS,
-        nearest="xy",
-    )
-
-
-def _corner(table: Table, orbit: Orbit) -> Chart:
-    """Panel (d): the corner where microstick gives way to slip, at V_s."""
-    level = f"{1e3 * orbit.motion.Y:g} mm"
-    top, bottom = _ends(orbit)
-    return Chart(
-        id="figure3-d",
-        title=f"(d) the corner at slip onset, Y = {level}",
-        description=f"The corner at the velocity V_s = {orbit.V_s:.4g} m/s of slip onset at Y = {level}.",
-        table=table,
-        x=Axis("v", VELOCITY, limits=(-1.6 * orbit.V_s, 3.2 * orbit.V_s)),
-        y=Axis("acc", ACCELERATION, limits=_room(top, bottom)),
-        layers=(_loops(2.2), *_rings("v", [("Vₛ", orbit.V_s, bottom)], "")),
-        says=_SAYS,
-        nearest="xy",
-    )
+    mark = {"type": "text", "baseline": "middle", **beside}
+    return {"data": {"values": places}, "mark": mark, **NAMED}
 
 
 def _around(table: Table, column: str) -> tuple[float, float]:
@@ -177,41 +139,15 @@ def _around(table: Table, column: str) -> tuple[float, float]:
     return float(values.min()) - margin, float(values.max()) + margin
 
 
-def _ends(orbit: Orbit) -> tuple[float, float]:
-    """Acceleration at the reversal at −X and at the slip onset that follows, m/s²."""
-    reversal, slip = orbit.state([orbit.t_1, orbit.t_1 + orbit.t_s]).acceleration
-    return float(reversal), float(slip)
-
-
-def _room(top: float, bottom: float) -> tuple[float, float]:
-    """Limits around both ends of the microstick phase."""
-    drop = top - bottom
-    return bottom - 0.6 * drop, top + 0.25 * drop
-
-
 def _rings(column: str, marks: Sequence[tuple[str, float, float]], below: str) -> list[Spec]:
     """Rings on the curve with their symbols, and a remark below the last."""
     values = [{column: x, "acc": y, "name": name} for name, x, y in marks]
     data = {"data": {"values": values}}
-    ring = {
-        "type": "point",
-        "size": 60,
-        "filled": True,
-        "fill": variable("paper"),
-        "stroke": variable("ink"),
-        "strokeWidth": 1.4,
-        "opacity": 1,
-        "clip": True,
-    }
+    ring = {"type": "point", "size": 60, "filled": True, "fill": variable("paper")}
+    ring |= {"stroke": variable("ink"), "strokeWidth": 1.4, "opacity": 1, "clip": True}
     words = {"type": "text", "align": "left", "dx": 9, "dy": 9, "fontSize": 13, "clip": True}
-    layers: list[Spec] = [
-        {**data, "mark": ring},
-        {**data, "mark": words, "encoding": {"text": {"field": "name", "type": "nominal"}}},
-    ]
+    layers: list[Spec] = [{**data, "mark": ring}, {**data, "mark": words, **NAMED}]
     if below:
         remark = {"data": {"values": [values[-1] | {"name": below}]}}
-        encoding = {"text": {"field": "name", "type": "nominal"}}
-        layers.append(
-            {**remark, "mark": words | {"dy": 27, "fontSize": 11.5}, "encoding": encoding}
-        )
+        layers.append({**remark, "mark": words | {"dy": 27, "fontSize": 11.5}, **NAMED})
     return layers

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from xml.sax.saxutils import escape
 
 from ...replication.verdicts import VERDICTS, Count
-from .colours import DARK, LIGHT, css_variables, variable
+from .colours import css_variables, variable
 
 # px: the picture, room for the parts' names, room for their totals
 WIDTH, LEFT, RIGHT = 760, 100, 60
@@ -33,8 +33,8 @@ def match_picture(counts: Sequence[Count]) -> str:
         '<title id="title">How the printed numbers fare</title>',
         f'<desc id="description">Of {total.printed} printed numbers: {escape(some + none)}.</desc>',
         "<style>",
-        f":root {{ {css_variables(LIGHT)} }}",
-        f"@media (prefers-color-scheme: dark) {{ :root {{ {css_variables(DARK)} }} }}",
+        f":root {{ {css_variables('light')} }}",
+        f"@media (prefers-color-scheme: dark) {{ :root {{ {css_variables('dark')} }} }}",
         "text { font: 14px system-ui, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif; fill: var(--ink); }",
         ".in { fill: var(--on-verdict); text-anchor: middle; font-weight: 600; }",
         ".part { text-anchor: end; } .total { fill: var(--muted); } .all { font-weight: 600; }",

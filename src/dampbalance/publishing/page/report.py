@@ -18,6 +18,7 @@ from markupsafe import Markup
 
 from ... import __version__
 from ...figures.cycle import POINTS
+from ...figures.looks import label_of, look_of
 from ...motion.orbit import Orbit
 from ...project.case import Case
 from ...project.wording import MINUS, NONE, frequency_name, minus, percent, unit_of
@@ -28,9 +29,9 @@ from ...studies.shown.facts import paragraph
 from . import words
 from .cells import Subtable, subtables
 from .charts import CONFIG, Chart, as_json, runtime
-from .colours import DARK, LIGHT, css_variables, series_colour
-from .curves import WIDTHS, study_charts
-from .error_levels import NAMES, SHAPES, error_charts
+from .colours import css_variables, series_colour, shape
+from .curves import study_charts
+from .error_levels import error_charts
 from .loops import figure3_charts
 from .origins import ORIGINS, link, study_origin
 
@@ -219,9 +220,9 @@ def _environment(case: str, page: str) -> jinja2.Environment:
         "here": lambda path: link(path.format(case=case), page),
         "at_case": lambda path: path.format(case=case),
         "colour": series_colour,
-        "approach": lambda key: words.rich(str(NAMES.get(key, key))),
-        "shape": _shape,
-        "width": lambda key: WIDTHS.get(key, 1.6),
+        "approach": lambda key: words.rich(label_of(key)),
+        "shape": shape,
+        "width": lambda key: look_of(key).page_width,
     }
     return environment
 
@@ -326,22 +327,9 @@ def _sections(printed: bool, studies: bool) -> list[tuple[str, str]]:
     ]
 
 
-def _shape(key: str) -> Markup:
-    """The mark of an approach in a legend, as an element of SVG; nothing where marks have no shape."""
-    paths = {
-        "circle": '<circle cx="17" cy="7" r="4.5" {0}/>',
-        "square": '<rect x="12.5" y="2.5" width="9" height="9" {0}/>',
-        "triangle-up": '<path d="M17 1.5L22.5 12H11.5Z" {0}/>',
-        "cross": '<path d="M15 2h4v3h3v4h-3v3h-4v-3h-3V5h3Z" {0}/>',
-        "diamond": '<path d="M17 1L23 7L17 13L11 7Z" {0}/>',
-        "triangle-down": '<path d="M17 12.5L11.5 2H22.5Z" {0}/>',
-    }
-    return Markup(paths[SHAPES.get(key, "triangle-down")].format(f'fill="{series_colour(key)}"'))
-
-
 def _style() -> str:
     """The style sheet, with the colours of both modes; print is always light."""
-    light, dark = css_variables(LIGHT), css_variables(DARK)
+    light, dark = css_variables("light"), css_variables("dark")
     return "\n".join(
         [
             f":root {{ color-scheme: light dark; {light} }}",

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ...balance import TERMS
 from ...likelihood.information import cramer_rao, noise_of_rms
 from ...model import BaseMotion, Oscillator
 from ...motion.orbit import NoSteadyOrbit
@@ -16,13 +17,13 @@ from ..settings import Study
 
 
 def bounds_of(study: Study, cases: NDArray[np.int_]) -> dict[str, float]:
-    """Least relative standard error of F_k and of c that an unbiased estimate from the records of a case can have.
+    """Least relative standard error, by term, that an unbiased estimate from the records of a case can have.
 
     cases : numbers of cases that may differ by their noise only (the axis `run`). The bound holds for whoever knows m,
-    k and the drive frequency, but not K_z. NaN where the records are not noisy ones, the cases differ in more, or
-    nothing slips.
+    k and the drive frequency, but not K_z. NaN where the records are not noisy ones, the cases differ in more,
+    nothing slips, or the likelihood has no such term.
     """
-    nothing = dict.fromkeys(("F_k", "c"), math.nan)
+    nothing = dict.fromkeys(TERMS, math.nan)
     if study.route != "measured" or not cases.size:
         return nothing
     values = case_parameters(study, int(cases.min()), int(cases.max()) + 1)
@@ -46,5 +47,4 @@ def bounds_of(study: Study, cases: NDArray[np.int_]) -> dict[str, float]:
         )
     except (ValueError, NoSteadyOrbit, ArithmeticError):
         return nothing
-    F_k, c, _ = bound.relative
-    return {"F_k": F_k, "c": c}
+    return nothing | dict(zip(("F_k", "c"), bound.relative, strict=False))  # the third is K_z

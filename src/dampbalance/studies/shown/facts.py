@@ -35,7 +35,7 @@ def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
     signed = math.nan
     worst_at: dict[float, float] = {}  # place on the axis of a band → the worst error there
     for stretch in stretches(cases, names):
-        kept = _meant(stretch, spec, nearest)
+        kept = _cases_of(stretch, spec, nearest)
         errors = worst(study, stretch, spec)[kept]
         sizes.add(errors)
         if math.isnan(signed) and np.isfinite(errors).any():
@@ -63,10 +63,10 @@ def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
 def _of_runs(
     study: Study, cases: str | Path, spec: Mapping[str, Any], nearest: Mapping[str, float]
 ) -> str:
-    """A number of many runs: of the one fit that is meant, over the cases that are meant."""
+    """A number of many runs: of the one fit and over the cases that the fact is about."""
     axes = [*nearest, *spec.get("between", {})] or [study.axis_names[0]]
-    kept = np.concatenate([_meant(part, spec, nearest) for part in stretches(cases, axes)])
-    (fit,) = meant_fits(study, spec)
+    kept = np.concatenate([_cases_of(part, spec, nearest) for part in stretches(cases, axes)])
+    (fit,) = fits_of(study, spec)
     share = float(getattr(spread_of(study, cases, spec["of"], fit, kept), spec["take"]))
     if not math.isfinite(share):
         return "nothing (it cannot be identified there)"
@@ -74,18 +74,18 @@ def _of_runs(
     return f"{sign}{percent(share)}"
 
 
-def meant_fits(study: Study, spec: Mapping[str, Any]) -> list[Fit]:
+def fits_of(study: Study, spec: Mapping[str, Any]) -> list[Fit]:
     """The fits that a fact or a figure speaks of; those of least squares if it names none."""
     return chosen(study.fits, {"fit": "least_squares"} | dict(spec)) or chosen(study.fits, spec)
 
 
 def error_columns(study: Study, spec: Mapping[str, Any]) -> list[str]:
     """The columns of the errors that a fact or a figure speaks of."""
-    return [f"{spec['of']}_relative_error__{fit.label}" for fit in meant_fits(study, spec)]
+    return [f"{spec['of']}_relative_error__{fit.label}" for fit in fits_of(study, spec)]
 
 
 def worst(study: Study, stretch: Mapping[str, NDArray[Any]], spec: Mapping[str, Any]) -> Array:
-    """The error in each case of a stretch; where several fits are meant (all pairs) the largest among them."""
+    """The error in each case of a stretch; with several fits (all pairs) the largest among them."""
     errors = [stretch[name] for name in error_columns(study, spec)]
     found: Array = errors[0]
     for error in errors[1:]:
@@ -95,7 +95,7 @@ def worst(study: Study, stretch: Mapping[str, NDArray[Any]], spec: Mapping[str, 
 
 
 def worst_errors(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> Array:
-    """The same in all cases: 8 bytes a case."""
+    """`worst` in all cases: 8 bytes a case."""
     names = error_columns(study, spec)
     return np.concatenate([worst(study, part, spec) for part in stretches(cases, names)])
 
@@ -112,7 +112,7 @@ def _nearest(cases: str | Path, spec: Mapping[str, Any]) -> dict[str, float]:
     return found
 
 
-def _meant(
+def _cases_of(
     stretch: Mapping[str, NDArray[Any]], spec: Mapping[str, Any], nearest: Mapping[str, float]
 ) -> NDArray[np.bool_]:
     """Which cases of a stretch a fact is about."""

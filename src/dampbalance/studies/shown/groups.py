@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from ...balance import TERMS
 from ...project.wording import percent
 from ..settings import Fit, Study
 from ..stretches import column_of
 from .bounds import bounds_of
 
 Array = NDArray[np.float64]
-QUANTITIES = ("F_k", "c")
 
 
 class Spread(NamedTuple):
@@ -56,6 +57,18 @@ def spread(errors: Array, standard_errors: Array | None, covered: Array | None) 
     )
 
 
+def terms_of(cases: str | Path) -> list[str]:
+    """Symbols of the terms whose errors the table of cases holds."""
+    held = {column.partition("_relative_error__")[0] for column in pq.read_schema(cases).names}
+    return [symbol for symbol in TERMS if symbol in held]
+
+
+def joined(names: Iterable[str]) -> str:
+    """Names as an enumeration in words: F_k and c."""
+    *first, last = names
+    return f"{', '.join(first)} and {last}" if first else last
+
+
 def spread_of(study: Study, cases: str | Path, quantity: str, fit: Fit, kept: Any = ...) -> Spread:
     """The spread of one quantity by one fit over the cases `kept` (an index or a mask; default: all)."""
     errors = column_of(cases, f"{quantity}_relative_error__{fit.label}")[kept]
@@ -83,7 +96,7 @@ def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
     records = []
     for where, kept in groups(study, cases, study.summary_by):
         bounds = bounds_of(study, np.flatnonzero(kept))
-        for quantity in QUANTITIES:
+        for quantity in terms_of(cases):
             for fit in study.fits:
                 found = spread_of(study, cases, quantity, fit, kept)
                 record = _record(where, quantity, fit, found)
@@ -95,30 +108,31 @@ def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
     return pd.DataFrame.from_records(records)
 
 
-def _record(where: Mapping[str, Any], quantity: str, fit: Fit, found: Spread) -> dict[str, Any]:
-    how = {
+def which(quantity: str, fit: Fit) -> dict[str, str]:
+    """The columns of a table that say which quantity and which fit a line is about."""
+    return {
         "quantity": quantity,
         "approach": fit.approach,
         "phase": fit.phase,
         "sharing": fit.sharing,
         "fit": fit.kind,
     }
+
+
+def _record(where: Mapping[str, Any], quantity: str, fit: Fit, found: Spread) -> dict[str, Any]:
     shares = found._asdict()
     counts = {name: shares.pop(name) for name in ("runs", "identified")}
-    return {
-        **where,
-        **how,
-        **counts,
-        **{f"{name}_percent": 100.0 * share for name, share in shares.items()},
-    }
+    percentages = {f"{name}_percent": 100.0 * share for name, share in shares.items()}
+    return {**where, **which(quantity, fit), **counts, **percentages}
 
 
 def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
     """The tables for reading: one for each combination of values."""
     measured = study.route == "measured"
     lines = [
-        "Relative errors of the identified F_k and c over the runs. Scatter: their standard deviation. Standard error: "
-        "what the bootstrap of each run states, rms. Coverage: share of the 95 % intervals that hold the true value."
+        f"Relative errors of the identified {joined(summary['quantity'].unique())} over the runs. Scatter: their "
+        "standard deviation. Standard error: what the bootstrap of each run states, rms. Coverage: share of the 95 % "
+        "intervals that hold the true value."
     ]
     if measured:
         lines[0] += (
@@ -130,10 +144,8 @@ def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
             f"{name} = {value if isinstance(value, str) else format(value, 'g')}"
             for name, value in zip(study.summary_by, values, strict=True)
         ]
-        head = (
-            [_HEAD + " bound | information |", _RULE + "---:|---:|"] if measured else [_HEAD, _RULE]
-        )
-        lines += ["", f"## {', '.join(where)}", "", *head]
+        more = (" bound | information |", "---:|---:|") if measured else ("", "")
+        lines += ["", f"## {', '.join(where)}", "", _HEAD + more[0], _RULE + more[1]]
         lines += [_line(row) for row in rows.to_dict("records")]
     return lines
 
@@ -168,8 +180,7 @@ def _percent(row: Mapping[Any, Any], name: str) -> str:
 
 
 def _rms(values: Array | None) -> float:
-    known = np.empty(0) if values is None else values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(known**2))) if len(known) else np.nan
+    return float(np.sqrt(_mean(None if values is None else values**2)))
 
 
 def _mean(values: Array | None) -> float:

@@ -31,15 +31,11 @@ def logarithmic_ticks(
 
     ends : whether a tick at the upper end has a label (there is no panel beside it to collide with).
     """
-    if which == "x":
-        axes.set_xscale("log")
-    else:
-        axes.set_yscale("log")
+    axes.set(**{f"{which}scale": "log"})
     axis = axes.xaxis if which == "x" else axes.yaxis
     short = high / low <= _SHORT
-    axis.set_major_locator(
-        LogLocator(base=10.0, subs=(1.0, 2.0, 3.0, 5.0) if short else (1.0,), numticks=20)
-    )
+    subs = (1.0, 2.0, 3.0, 5.0) if short else (1.0,)
+    axis.set_major_locator(LogLocator(base=10.0, subs=subs, numticks=20))
     axis.set_minor_locator(LogLocator(base=10.0, subs=np.arange(2.0, 10.0).tolist(), numticks=200))
     axis.set_minor_formatter(NullFormatter())
 

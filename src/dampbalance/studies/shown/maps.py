@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,13 +12,16 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from ...figures.style import APPROACH_LOOKS, DOUBLE_COLUMN, place, styled
+from ...figures.looks import in_maths, label_of
+from ...figures.style import DOUBLE_COLUMN, note, place, styled
 from ...figures.style import page as empty_page
 from ...project.wording import percent
 from ..axes import Sampled
 from ..parameters import PARAMETERS
-from ..settings import Fit, Study, chosen
+from ..settings import Fit, Study
 from ..stretches import stretches
+from .facts import fits_of
+from .groups import joined, terms_of
 from .logarithmic import logarithmic_ticks
 
 Array = NDArray[np.float64]
@@ -30,6 +33,9 @@ REGION = 0.9  # share of the cases within the bound that makes a bin part of the
 LEFT, RIGHT, BOTTOM, TOP, GAP, ROW_GAP, BAR = 14.0, 15.0, 15.0, 7.0, 3.0, 3.0, 3.0  # mm
 HEIGHT = 40.0  # mm, of a panel
 
+_PAPER = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.2}
+_LABEL: dict[str, Any] = {"xycoords": "axes fraction", "size": 8.0, "bbox": _PAPER}
+
 
 class Shares(NamedTuple):
     """Share of the cases within the bound in each bin, (bins of y, bins of x), NaN where there is no case; bin edges;
@@ -40,25 +46,29 @@ class Shares(NamedTuple):
     y_edges: Array
     overall: float
 
+    @property
+    def axes(self) -> tuple[tuple[Literal["x", "y"], Array], ...]:
+        """The axes with their edges."""
+        return ("x", self.x_edges), ("y", self.y_edges)
+
 
 @styled()
 def share_map(study: Study, cases: str | Path) -> Figure:
     """Share of the cases whose error is within the bound, over two axes; all other axes are averaged over.
 
-    Rows: F_k and c, with each phase definition. Columns: approaches; one that knows no phase has a panel as high as
-    all rows of a quantity. The line encloses the region in which at least 90 % of the cases are within the bound.
+    Rows: the terms, with each phase definition. Columns: approaches; one that knows no phase has a panel as high as
+    all rows of a term. The line encloses the region in which at least 90 % of the cases are within the bound.
     An approach that is within it in every case is named below the panels and not drawn.
     """
-    settings = study.figure
-    within = settings.get("within", 0.01)
-    fits = chosen(study.fits, {"fit": "least_squares"} | dict(settings))
+    within = study.figure.get("within", 0.01)
+    fits, symbols = fits_of(study, study.figure), terms_of(cases)
     shares = shares_within(study, cases, fits, within)
     perfect = _perfect(fits, shares)
     fits = [fit for fit in fits if fit.approach not in perfect]
     approaches = list(dict.fromkeys(fit.approach for fit in fits))
     kinds = list(dict.fromkeys((fit.phase, fit.sharing) for fit in fits if fit.phase))
     kinds = kinds or [("", "")]
-    rows = [(quantity, *kind) for quantity in ("F_k", "c") for kind in kinds]
+    rows = [(symbol, *kind) for symbol in symbols for kind in kinds]
     width = (DOUBLE_COLUMN - LEFT - RIGHT - (len(approaches) - 1) * GAP) / len(approaches)
     height = min(width, HEIGHT)
     panels_height = len(rows) * height + (len(rows) - 1) * ROW_GAP
@@ -66,74 +76,78 @@ def share_map(study: Study, cases: str | Path) -> Figure:
     mesh: Any = None
     for fit in fits:
         column = approaches.index(fit.approach)
-        for quantity in ("F_k", "c"):
+        for symbol in symbols:
             wanted = [kind for kind in kinds if not fit.phase or kind == (fit.phase, fit.sharing)]
-            covered = [rows.index((quantity, *kind)) for kind in wanted]
+            covered = [rows.index((symbol, *kind)) for kind in wanted]
             lowest = covered[-1] == len(rows) - 1
             bottom = BOTTOM + (len(rows) - 1 - covered[-1]) * (height + ROW_GAP)
             tall = len(covered) * (height + ROW_GAP) - ROW_GAP
             axes = place(figure, LEFT + column * (width + GAP), bottom, width, tall)
-            mesh = _panel(axes, study, shares[fit, quantity], last=column == len(approaches) - 1)
+            share = shares[fit, symbol]
+            mesh = _panel(axes, study, share, last=column == len(approaches) - 1)
             axes.tick_params(labelbottom=lowest, labelleft=column == 0)
             if covered[0] == 0:
-                axes.set_title(f"{APPROACH_LOOKS[fit.approach].label} approach", pad=4.0)
+                axes.set_title(f"{in_maths(label_of(fit.approach))} approach", pad=4.0)
             if lowest:
-                axes.set_xlabel(f"${PARAMETERS[settings['x']].symbol}$", labelpad=1.0)
+                axes.set_xlabel(f"${PARAMETERS[study.figure['x']].symbol}$", labelpad=1.0)
             if column == 0:
-                axes.set_ylabel(f"${PARAMETERS[settings['y']].symbol}$")
+                axes.set_ylabel(f"${PARAMETERS[study.figure['y']].symbol}$")
                 axes.yaxis.set_label_coords(-9.5 / width, 0.5)
-            words = f"${quantity}$"
-            if len(kinds) > 1 and fit.phase:
-                words += f", {fit.phase.replace('_', ' ')}"
-                words += f", {fit.sharing}" if len({kind[1] for kind in kinds}) > 1 else ""
-            axes.annotate(
-                f"{words}: {percent(shares[fit, quantity].overall)}",
-                xy=(0.0, 1.0),
-                xycoords="axes fraction",
-                xytext=(3.0, -3.5),
-                textcoords="offset points",
-                ha="left",
-                va="top",
-                size=8.0,
-                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.2},
-            )
+            text = f"{_words(symbol, fit, kinds)}: {percent(share.overall)}"
+            note(axes, text, (0.0, 1.0), (3.0, -3.5), va="top", **_LABEL)
     bar = place(figure, DOUBLE_COLUMN - RIGHT + 2.0, BOTTOM, BAR, panels_height)
-    scale = figure.colorbar(mesh, cax=bar, ticks=[0.0, 0.25, 0.5, 0.75, 1.0])
-    scale.ax.set_yticklabels(["0", "25", "50", "75", "100"])
-    scale.set_label(f"cases within {100 * within:g} % of the true value (%)", labelpad=2.0)
-    scale.ax.axhline(REGION, color="white", lw=1.0)
+    _scale(figure, mesh, bar, within)
     if perfect:
-        names = " and ".join(APPROACH_LOOKS[key].label for key in perfect)
+        names = joined(in_maths(label_of(key)) for key in perfect)
+        coefficients = joined(f"${symbol}$" for symbol in symbols)
         figure.text(
             (LEFT + 0.5 * (DOUBLE_COLUMN - LEFT - RIGHT)) / DOUBLE_COLUMN,
             2.5 / (BOTTOM + panels_height + TOP),
-            f"Within {100 * within:g} % in every case, for $F_k$ and $c$: {names}",
+            f"Within {100 * within:g} % in every case, for {coefficients}: {names}",
             ha="center",
             va="center",
         )
     return figure
 
 
+def _words(symbol: str, fit: Fit, kinds: list[tuple[str, str]]) -> str:
+    """What a panel shows, as far as others of its column show something else."""
+    words = [f"${symbol}$"]
+    if len(kinds) > 1 and fit.phase:
+        words.append(fit.phase.replace("_", " "))
+        if len({sharing for _, sharing in kinds}) > 1:
+            words.append(fit.sharing)
+    return ", ".join(words)
+
+
+def _scale(figure: Figure, mesh: Any, bar: Axes, within: float) -> None:
+    """The scale of colours."""
+    scale = figure.colorbar(mesh, cax=bar, ticks=[0.0, 0.25, 0.5, 0.75, 1.0])
+    scale.ax.set_yticklabels(["0", "25", "50", "75", "100"])
+    scale.set_label(f"cases within {100 * within:g} % of the true value (%)", labelpad=2.0)
+    scale.ax.axhline(REGION, color="white", lw=1.0)
+
+
 def _perfect(fits: list[Fit], shares: Mapping[tuple[Fit, str], Shares]) -> list[str]:
     """The approaches whose every fit is within the bound in every case: a map of them is of one colour.
 
-    None, if that is true of all: there must be something to draw.
+    None where that holds for all of them: there must be something to draw.
     """
     approaches = list(dict.fromkeys(fit.approach for fit in fits))
-    short = {fit.approach for (fit, _), found in shares.items() if found.overall < 1.0}
+    short = {fit.approach for (fit, _), share in shares.items() if share.overall < 1.0}
     return [key for key in approaches if key not in short] if short else []
 
 
 def shares_within(
     study: Study, cases: str | Path, fits: list[Fit], within: float
 ) -> dict[tuple[Fit, str], Shares]:
-    """The maps of F_k and c for each fit, counted a stretch of cases at a time."""
+    """The map of each term and fit, counted a stretch of cases at a time."""
     settings = study.figure
-    x_edges, y_edges = (_edges(study, settings[axis]) for axis in ("x", "y"))
+    x_edges, y_edges = (_edges(study, settings[axis])[0] for axis in ("x", "y"))
     wanted = {
-        (fit, quantity): f"{quantity}_relative_error__{fit.label}"
+        (fit, symbol): f"{symbol}_relative_error__{fit.label}"
         for fit in fits
-        for quantity in ("F_k", "c")
+        for symbol in terms_of(cases)
     }
     total = np.zeros((len(y_edges) - 1, len(x_edges) - 1))
     good = {key: np.zeros_like(total) for key in wanted}
@@ -156,6 +170,7 @@ def shares_within(
 
 
 def _panel(axes: Axes, study: Study, found: Shares, last: bool) -> Any:
+    """One map, with the line around the region where the approach holds."""
     mesh = axes.pcolormesh(
         found.x_edges,
         found.y_edges,
@@ -166,52 +181,35 @@ def _panel(axes: Axes, study: Study, found: Shares, last: bool) -> Any:
         rasterized=True,
         linewidth=0,
     )
-    centres = [
-        np.sqrt(edges[1:] * edges[:-1]) if _log(study, name) else 0.5 * (edges[1:] + edges[:-1])
-        for edges, name in (
-            (found.x_edges, study.figure["x"]),
-            (found.y_edges, study.figure["y"]),
-        )
-    ]
+    axes.set_xlim(found.x_edges[0], found.x_edges[-1])
+    axes.set_ylim(found.y_edges[0], found.y_edges[-1])
+    centres = []
+    for which, edges in found.axes:
+        _, logarithmic = _edges(study, study.figure[which])
+        middle = 0.5 * (edges[1:] + edges[:-1])
+        centres.append(np.sqrt(edges[1:] * edges[:-1]) if logarithmic else middle)
+        if logarithmic:
+            logarithmic_ticks(axes, which, edges[0], edges[-1], ends=last or which == "y")
     if min(found.share.shape) > 2:
         smooth = gaussian_filter(np.nan_to_num(found.share), sigma=1.0, mode="nearest")
         if smooth.max() > REGION > smooth.min():
             axes.contour(*centres, smooth, levels=[REGION], colors="white", linewidths=1.0)
-    if _log(study, study.figure["x"]):
-        logarithmic_ticks(axes, "x", found.x_edges[0], found.x_edges[-1], ends=last)
-    if _log(study, study.figure["y"]):
-        logarithmic_ticks(axes, "y", found.y_edges[0], found.y_edges[-1])
-    axes.set_xlim(found.x_edges[0], found.x_edges[-1])
-    axes.set_ylim(found.y_edges[0], found.y_edges[-1])
     return mesh
 
 
-def _edges(study: Study, name: str) -> Array:
-    """Bin edges along an axis: around each listed value, or evenly over the range of a sample."""
-    for block in study.blocks:
-        if name not in block.names:
-            continue
-        if isinstance(block, Sampled):
-            limits = block.ranges[name]
-            bins = int(np.clip(np.sqrt(study.cases / PER_BIN), 4, MOST_BINS))
-            return limits.at(np.linspace(0.0, 1.0, bins + 1))
-        values = np.unique(np.asarray(block.values[name], dtype=float))
-        middle = 0.5 * (values[1:] + values[:-1])
-        if _log(study, name):
-            middle = np.sqrt(values[1:] * values[:-1])
-            first, last = values[0] ** 2 / middle[0], values[-1] ** 2 / middle[-1]
-        else:
-            first, last = 2 * values[0] - middle[0], 2 * values[-1] - middle[-1]
-        return np.array([first, *middle, last])
-    raise ValueError(f"{name} is not an axis of the study {study.name}")
-
-
-def _log(study: Study, name: str) -> bool:
-    for block in study.blocks:
-        if name in block.names:
-            if isinstance(block, Sampled):
-                return block.ranges[name].spacing == "log"
-            values = np.unique(np.asarray(block.values[name], dtype=float))
-            even = np.std(np.diff(values)) < 0.05 * np.mean(np.diff(values))
-            return bool(values[0] > 0.0 and not even)
-    return False
+def _edges(study: Study, name: str) -> tuple[Array, bool]:
+    """Bin edges along an axis, around each listed value or over the range of a sample; whether it is logarithmic."""
+    block = next((block for block in study.blocks if name in block.names), None)
+    if block is None:
+        raise ValueError(f"{name} is not an axis of the study {study.name}")
+    if isinstance(block, Sampled):
+        limits = block.ranges[name]
+        bins = int(np.clip(np.sqrt(study.cases / PER_BIN), 4, MOST_BINS))
+        return limits.at(np.linspace(0.0, 1.0, bins + 1)), limits.spacing == "log"
+    values = np.unique(np.asarray(block.values[name], dtype=float))
+    even = np.std(np.diff(values)) < 0.05 * np.mean(np.diff(values))
+    if values[0] > 0.0 and not even:
+        middle = np.sqrt(values[1:] * values[:-1])
+        return np.array([values[0] ** 2 / middle[0], *middle, values[-1] ** 2 / middle[-1]]), True
+    middle = 0.5 * (values[1:] + values[:-1])
+    return np.array([2 * values[0] - middle[0], *middle, 2 * values[-1] - middle[-1]]), False

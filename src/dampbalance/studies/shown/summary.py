@@ -9,7 +9,7 @@ import pandas as pd
 from ...project.wording import percent
 from ..settings import Study
 from ..stretches import Sizes, stretches
-from .groups import fit_cells, grouped_markdown, grouped_summary
+from .groups import fit_cells, grouped_markdown, grouped_summary, joined, terms_of, which
 
 WITHIN = 0.01  # relative error that the summary counts as good
 SHARE = f"within_{100 * WITHIN:g}_percent_share"
@@ -26,32 +26,28 @@ def overall_summary(cases: str | Path, study: Study) -> pd.DataFrame:
     Median and 95 % quantile of the error's size (to 0.06 % of themselves), its maximum, and the share of all cases
     with an error of at most WITHIN.
     """
-    names = {
-        (fit, quantity): f"{quantity}_relative_error__{fit.label}"
-        for fit in study.fits
-        for quantity in ("F_k", "c")
-    }
-    sizes = {key: Sizes(WITHIN) for key in names}
-    for key, name in names.items():  # a column at a time: a file may have hundreds
-        for stretch in stretches(cases, [name]):
-            sizes[key].add(stretch[name])
-    records = [
-        {
-            "quantity": quantity,
-            "approach": fit.approach,
-            "phase": fit.phase,
-            "sharing": fit.sharing,
-            "fit": fit.kind,
-            "cases": found.cases,
-            "identified": found.known,
-            "median_error_percent": 100.0 * found.quantile(0.5),
-            "p95_error_percent": 100.0 * found.quantile(0.95),
-            "max_error_percent": 100.0 * found.largest if found.known else float("nan"),
-            SHARE: found.share,
-        }
-        for (fit, quantity), found in sizes.items()
-    ]
+    quantities = terms_of(cases)
+    records = []
+    for fit in study.fits:
+        for quantity in quantities:  # a column at a time: a file may have hundreds
+            name = f"{quantity}_relative_error__{fit.label}"
+            sizes = Sizes(WITHIN)
+            for stretch in stretches(cases, [name]):
+                sizes.add(stretch[name])
+            records.append(which(quantity, fit) | _sizes(sizes))
     return pd.DataFrame.from_records(records)
+
+
+def _sizes(sizes: Sizes) -> dict[str, float]:
+    """The columns of the table that say how large the errors are."""
+    return {
+        "cases": sizes.cases,
+        "identified": sizes.known,
+        "median_error_percent": 100.0 * sizes.quantile(0.5),
+        "p95_error_percent": 100.0 * sizes.quantile(0.95),
+        "max_error_percent": 100.0 * sizes.largest if sizes.known else float("nan"),
+        SHARE: sizes.share,
+    }
 
 
 def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure: str) -> str:
@@ -66,8 +62,9 @@ def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure
 
 
 def _overall_markdown(summary: pd.DataFrame) -> list[str]:
+    names = joined(summary["quantity"].unique())
     lines = [
-        "Size of the relative error over all cases in which F_k and c could be identified.",
+        f"Size of the relative error over all cases in which {names} could be identified.",
         "",
         "| quantity | approach | phase | φ, t_s | fit | identified | median | 95 % | largest "
         f"| within {100 * WITHIN:g} % |",

@@ -1,0 +1,86 @@
+"""Panels of equal size in rows and columns, a row per term of the balance, with text and a legend below them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from .style import DOUBLE_COLUMN, page, place
+
+RIGHT, TOP, ROW_GAP, COLUMN_GAP = 3.0, 7.0, 4.0, 3.5  # mm
+ENTRIES = 7  # of a legend that fit into a line
+TEXT_LEVEL, LEGEND_LEVEL = 11.0, 4.0  # mm above the lower edge of the page
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """A page of panels.
+
+    figure : the page.   left, bottom : its margins, mm.   rows : how many.   width, height : of a panel, mm.
+    """
+
+    figure: Figure
+    left: float
+    bottom: float
+    rows: int
+    width: float
+    height: float
+
+    def panel(self, row: int, column: int, low: float = 0.0, high: float | None = None) -> Axes:
+        """Axes in a row (from the top) and a column, all of the panel or what lies between two levels of it, mm."""
+        left = self.left + column * (self.width + COLUMN_GAP)
+        bottom = self.bottom + (self.rows - 1 - row) * (self.height + ROW_GAP)
+        tall = (self.height if high is None else high) - low
+        return place(self.figure, left, bottom + low, self.width, tall)
+
+    def name_row(self, axes: Axes, label: str) -> None:
+        """What the panels of a row show, beside the first of them."""
+        axes.set_ylabel(label)
+        axes.yaxis.set_label_coords(-11.0 / self.width, 0.5)
+
+    def text_below(self, text: str) -> None:
+        """A line of text below the panels."""
+        self.figure.text(*self._middle(TEXT_LEVEL), text, ha="center", va="center")
+
+    def legend_below(self, handles: Sequence[Any], **options: Any) -> None:
+        """The legend of all panels at the foot of the page, in as few lines as it fits into."""
+        lines = math.ceil(len(handles) / ENTRIES)
+        self.figure.legend(
+            handles=handles,
+            loc="center",
+            bbox_to_anchor=self._middle(LEGEND_LEVEL),
+            ncols=math.ceil(len(handles) / lines),
+            **options,
+        )
+
+    def _middle(self, level: float) -> tuple[float, float]:
+        """The point below the middle of the panels, `level` mm above the edge, in shares of the page."""
+        middle = self.left + 0.5 * (DOUBLE_COLUMN - self.left - RIGHT)
+        return middle / DOUBLE_COLUMN, level / _height(self.bottom, self.rows, self.height)
+
+
+def grid(rows: int, columns: int, *, left: float, bottom: float, height: float) -> Grid:
+    """An empty page for so many panels of this height, mm, over its whole width."""
+    width = (DOUBLE_COLUMN - left - RIGHT - (columns - 1) * COLUMN_GAP) / columns
+    figure = page(DOUBLE_COLUMN, _height(bottom, rows, height))
+    return Grid(figure, left, bottom, rows, width, height)
+
+
+def decades_axis(axes: Axes, limits: tuple[float, float]) -> None:
+    """A logarithmic axis of sizes between limits, with a tick and a faint line at each power of ten."""
+    axes.set_yscale("log")
+    axes.set_ylim(*limits)
+    axes.yaxis.set_major_locator(LogLocator(base=10.0, numticks=20))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.grid(axis="y", color="#E4E4E4", lw=0.4)
+
+
+def _height(bottom: float, rows: int, height: float) -> float:
+    """Height of the page, mm."""
+    return bottom + rows * height + (rows - 1) * ROW_GAP + TOP

@@ -1,0 +1,74 @@
+"""How each approach looks, in print and on the page: whatever draws approaches asks here.
+
+An approach needs no entry here: one that `LOOKS` does not name takes a spare look, and every label comes from
+`balance.APPROACHES`.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from ..balance import APPROACHES
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How one approach is drawn, everywhere alike.
+
+    colour, marker : in print, as matplotlib names them.
+    series : what the page's style sheet calls its colour, which is `light` or `dark` as the reader has it.
+    shape : of its marks on the page, as Vega names it.
+    width, page_width : of its curve, points in print and px on the page; unequal where curves coincide.
+    """
+
+    colour: str
+    marker: str
+    series: str
+    light: str
+    dark: str
+    shape: str
+    width: float = 0.9
+    page_width: float = 1.6
+
+
+LOOKS = {
+    "direct": Look("#000000", "D", "direct", "#1a2027", "#e7ebf0", "diamond"),
+    "X_s": Look("#0B4F8A", "o", "X-s", "#0b5fa5", "#6fb1f2", "circle", 2.4, 3.0),
+    "t_s": Look("#D55E00", "s", "t-s", "#c75000", "#ff9a4d", "square", 1.5, 1.9),
+    "V_s": Look("#3DAA8B", "^", "V-s", "#1f8468", "#56cfac", "triangle-up", 0.7, 1.0),
+    "fourier": Look("#EDA900", "P", "fourier", "#946a00", "#f2c14e", "cross"),
+}
+SPARE = (
+    Look("#B57EDC", "v", "other", "#8e4fc0", "#cf9ff0", "triangle-down"),
+    Look("#8A5A2B", "<", "other-2", "#7a4a21", "#d9a679", "triangle-left"),
+    Look("#C51B7D", ">", "other-3", "#b3126b", "#f58cc0", "triangle-right"),
+)
+
+SCHEME_LOOKS = {
+    "backward-euler": ("backward Euler", LOOKS["t_s"]),
+    "explicit-euler": ("explicit Euler", LOOKS["X_s"]),
+    "semi-implicit-euler": ("semi-implicit Euler", SPARE[0]),
+    "trapezoidal": ("trapezoidal rule", LOOKS["V_s"]),
+    "rk4": ("Runge–Kutta 4", LOOKS["direct"]),
+}
+"""Name and look of each fixed-step scheme; no chart shows schemes beside approaches."""
+
+
+def look_of(approach: str) -> Look:
+    """The look of an approach: its own, or a spare one by its place among the registered approaches that have none."""
+    if approach in LOOKS:
+        return LOOKS[approach]
+    others = [name for name in APPROACHES if name not in LOOKS]
+    place = others.index(approach) if approach in others else len(others)
+    return SPARE[place % len(SPARE)]
+
+
+def label_of(approach: str) -> str:
+    """What an approach is called: its label in `balance.APPROACHES`, or its name if it is not registered there."""
+    return APPROACHES[approach].label if approach in APPROACHES else approach
+
+
+def in_maths(text: str) -> str:
+    """Text with its symbols set as matplotlib's mathematics, X_s as $X_s$; the page has `words.rich` and `plain`."""
+    return re.sub(r"\b([A-Za-z]_\w)\b", r"$\1$", text)

@@ -1,0 +1,201 @@
+"""The numbers of a study's curves, which are drawn once for print and once for the page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...balance import takes_phase
+from ...figures.looks import SCHEME_LOOKS
+from ...figures.series import decades
+from ...model import Oscillator
+from ...motion.fixed_step import SCHEMES
+from ..parameters import PARAMETERS, Parameter
+from ..settings import Study
+from ..stretches import column_of
+from .facts import fits_of, worst_errors
+from .groups import terms_of
+from .logarithmic import is_logarithmic
+
+Array = NDArray[np.float64]
+
+EXACT = 1e-5  # %: an approach nowhere worse is exact but for rounding, and named, not drawn
+FLOOR, CEILING = 1e-3, 1e3  # %, the least and the largest error an axis reaches to
+FEW = 24  # cases on a curve up to which each is marked
+SHARINGS = ("individual", "common")
+PHASES = {
+    "reversal": "phase of the velocity reversal",
+    "zero_crossing": "phase of the zero crossing",
+    "fundamental": "phase of the fundamental",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """The cases that one panel shows.
+
+    axis : the parameter that has one value in them, None where there is no such.   value : that value with its unit,
+    or the phase in words.   phase : that all errors are by; "" for any.   x : of the cases, ascending.
+    """
+
+    axis: Parameter | None
+    value: str
+    phase: str
+    x: Array
+    cases: NDArray[np.int_]
+
+    @property
+    def few(self) -> bool:
+        """Whether each case can be marked."""
+        return len(self.x) <= FEW
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """The size of the error in the cases of a panel, %. sharing : "" for an approach that knows no phase."""
+
+    approach: str
+    sharing: str
+    error: Array
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorCurves:
+    """Errors along the axis x.
+
+    places : values of x, ascending.   curves : (symbol of the term, number of the panel) → those to draw.
+    exact : approaches of which no curve is drawn, because all are exact → bound of their error, %.
+    approaches, sharings : of all curves, drawn or not.
+    """
+
+    name: str
+    places: Array
+    panels: tuple[Panel, ...]
+    symbols: tuple[str, ...]
+    curves: Mapping[tuple[str, int], Sequence[Curve]]
+    exact: Mapping[str, float]
+    approaches: tuple[str, ...]
+    sharings: tuple[str, ...]
+
+    @property
+    def is_logarithmic(self) -> bool:
+        """Whether the values of x ask for a logarithmic axis."""
+        return not PARAMETERS[self.name].whole and is_logarithmic(self.places)
+
+    def limits(self, symbol: str) -> tuple[float, float]:
+        """Limits of the axis of the errors of a term, the same in all panels, %."""
+        curves = (
+            curve for (of, _), drawn in self.curves.items() if of == symbol for curve in drawn
+        )
+        return decades([curve.error for curve in curves], FLOOR, CEILING, cut=0.02)
+
+
+class ErrorOfSteps(NamedTuple):
+    """The error of c, N s/m, by direct integration against the step of fixed-step schemes.
+
+    errors : scheme → (steps, s, ascending; sizes of the error).   slope : of the line m ω² h, N/m.
+    """
+
+    errors: dict[str, tuple[Array, Array]]
+    oscillator: Oscillator
+    omega: float
+
+    @property
+    def steps(self) -> Array:
+        """All steps, ascending, s."""
+        return np.unique(np.concatenate([steps for steps, _ in self.errors.values()]))
+
+    def line(self, steps: Array) -> Array:
+        """What a first-order scheme adds to c (backward Euler) or takes from it (explicit Euler), m ω² h, N s/m."""
+        euler = SCHEMES["backward-euler"]
+        return np.array([abs(euler.balance_bias(self.oscillator, self.omega, h)) for h in steps])
+
+
+def unit_of(name: str) -> str:
+    """The unit of a parameter, "" for a pure number and for a word."""
+    unit = PARAMETERS[name].unit
+    return "" if unit == "1" else unit
+
+
+def with_unit(name: str, value: float | str, digits: int = 4) -> str:
+    """A value of a parameter as it is read, 4.92 Hz."""
+    shown = value if isinstance(value, str) else f"{value:.{digits}g}"
+    return f"{shown} {unit_of(name)}".rstrip()
+
+
+def error_curves(study: Study, cases: str | Path) -> ErrorCurves:
+    """Size of the relative error of each coefficient, %, along the axis x of the study, by panel and approach.
+
+    Panels: phase definitions, or the values of another axis. Curves: the approaches, with φ and t_s of each level or
+    common to the levels. Where a curve stands for several fits (all pairs) it is the worst.
+    """
+    fits = fits_of(study, study.figure)
+    sharings = [name for name in SHARINGS if any(fit.sharing == name for fit in fits)]
+    approaches = tuple(dict.fromkeys(fit.approach for fit in fits))
+    panels = tuple(_panels(study, cases))
+    symbols = terms_of(cases)
+    curves: dict[tuple[str, int], list[Curve]] = {}
+    exact: dict[str, float] = {}
+    for symbol in symbols:
+        for number, panel in enumerate(panels):
+            drawn = curves[symbol, number] = []
+            for approach in approaches:
+                for sharing in sharings if takes_phase(approach) else ("",):
+                    which = {"of": symbol, "approach": approach, "sharing": sharing}
+                    which |= {"phase": panel.phase} if panel.phase else {}
+                    error = worst_errors(study, cases, {**study.figure, **which})
+                    curve = Curve(approach, sharing, 100.0 * np.abs(error[panel.cases]))
+                    worst = float(np.max(curve.error, initial=0.0, where=np.isfinite(curve.error)))
+                    if worst < EXACT:
+                        exact[approach] = max(worst, exact.get(approach, 0.0))
+                    else:
+                        drawn.append(curve)
+    drawn_somewhere = {curve.approach for drawn in curves.values() for curve in drawn}
+    return ErrorCurves(
+        name=study.figure["x"],
+        places=np.unique(column_of(cases, study.figure["x"])),
+        panels=panels,
+        symbols=tuple(symbols),
+        curves=curves,
+        exact={key: bound for key, bound in exact.items() if key not in drawn_somewhere},
+        approaches=approaches,
+        sharings=tuple(sharings),
+    )
+
+
+def error_of_steps(study: Study, cases: str | Path) -> ErrorOfSteps:
+    """The error of c by direct integration against the step, for each scheme of the study."""
+    h, scheme = column_of(cases, "step_s"), column_of(cases, "scheme")
+    relative = worst_errors(study, cases, {"of": "c", "approach": "direct"})
+    m, c, k, omega = (
+        column_of(cases, name) for name in ("m_kg", "c_N_s_per_m", "k_N_per_m", "omega_rad_per_s")
+    )
+    errors = {}
+    for name in SCHEME_LOOKS:
+        those = np.flatnonzero(scheme == name)
+        those = those[np.argsort(h[those])]
+        if those.size:
+            errors[name] = h[those], np.abs(relative * c)[those]
+    return ErrorOfSteps(errors, Oscillator(m=m[0], c=c[0], k=k[0], K_z=1.0, F_k=0.0), omega[0])
+
+
+def _panels(study: Study, cases: str | Path) -> Iterator[Panel]:
+    """The panels that the study's figure asks for."""
+    x = column_of(cases, study.figure["x"])
+    order = np.argsort(x, kind="stable")
+    by, phase = study.figure.get("panels"), str(study.figure.get("phase", ""))
+    if by is None:
+        yield Panel(None, "", phase, x[order], order)
+    elif by == "phase":
+        for name in dict.fromkeys(fit.phase for fit in study.fits if fit.phase):
+            yield Panel(None, PHASES[name], name, x[order], order)
+    else:
+        values = column_of(cases, by)
+        for value in dict.fromkeys(values.tolist()):
+            those = order[values[order] == value]
+            yield Panel(PARAMETERS[by], with_unit(by, value), phase, x[those], those)
