@@ -28,9 +28,8 @@ _GAIN = 1e-8
 _RELATIVE = 1e-11
 _KINK = 5e-3
 _STALLED = 1e-7  # of an unknown: rounding may refuse a step below this
-_SHRINK = (
-    0.2  # unless zero is allowed, no positive unknown falls below this part of itself in one step
-)
+# Unless zero is allowed, no positive unknown falls below this part of itself in one step.
+_SHRINK = 0.2
 
 
 class NoStart(ValueError):

@@ -182,9 +182,8 @@ class _Fit:
         except NoConvergence as stuck:
             climbed = stuck.best
         end, here = climbed.point, climbed.evaluation
-        last = self.evaluate(
-            end + climbed.step
-        )  # leaves less than the gain that the climb stopped at
+        # the step that the climb did not take any more leaves far less than the gain it stopped at
+        last = self.evaluate(end + climbed.step)
         if last is not None and last.value <= here.value:
             end, here = end + climbed.step, last
         return end, here.residual, here.jacobian
