@@ -1,4 +1,4 @@
-"""The sampled steady response and its derivatives with respect to all that a fit may not know.
+"""The sampled steady response and its derivatives with respect to every possible unknown of a fit.
 
 A record shows y = Y cos(ωt + ψ) and the steady response to it, x(t), and perhaps ẋ and ẍ. Unknown to all records are
 (F_k, c, ρ), ρ = K_z^{−1/2}, and on request the mass m; each record adds (Y, ψ), and on request ω.
@@ -108,8 +108,7 @@ def response(
         if name == "y":
             cosine, sine = np.cos(phase), np.sin(phase)
             values[name] = motion.Y * cosine
-            nothing = np.zeros_like(cosine)
-            rows = [nothing] * (1 + len(others)) + [cosine, -motion.Y * sine]
+            rows = [np.zeros_like(cosine)] * (1 + len(others)) + [cosine, -motion.Y * sine]
             if by_omega is not None:
                 rows.append(tau * rows[-1])
         else:

@@ -87,7 +87,7 @@ def reference_fit(
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
-    """Records with all that is known about them. A point holds F_k, c, ρ[, m], then Y, ψ[, ω] of each record."""
+    """Records with what was given about them. A point holds F_k, c, ρ[, m], then Y, ψ[, ω] of each record."""
 
     records: list[Record]
     tau: list[Array]
@@ -135,11 +135,11 @@ class _Problem:
 
     @property
     def own(self) -> int:
-        """Number of unknowns of each record, but for offsets."""
+        """Number of unknowns of each record, offsets apart."""
         return 2 + ("omega" in self.free)
 
     def thinned(self) -> _Problem | None:
-        """The same problem with about `_COARSE` samples of each record, or None where they have not many more."""
+        """This problem with about `_COARSE` samples of each record, or None where they have not many more."""
         strides = [len(record) // _COARSE for record in self.records]
         if max(strides) < 2:
             return None
@@ -218,7 +218,7 @@ class _Problem:
         return Evaluation(value, *assemble(terms, weights, self.common)) if slips else None
 
     def report(self, climbed: Climb[Evaluation]) -> ReferenceFit:
-        """The estimate where a climb ended, with everything that can be said of it."""
+        """The estimate where a climb ended, with its uncertainty, the residuals' verdict and warnings."""
         point, (_, undamped, rigid) = climbed.point, climbed.active[:3].tolist()
         osc = self.model(point, 0)[0]
         covariance = inverse(climbed.evaluation.information)

@@ -1,4 +1,4 @@
-"""What a record can tell: Fisher information and the Cramér–Rao bound of (F_k, c, K_z).
+"""How much a record tells: Fisher information and the Cramér–Rao bound of (F_k, c, K_z).
 
 Signals u_j of independent white Gaussian noise σ_u about their exact values carry the information
 
@@ -28,9 +28,8 @@ from .derivatives import CHANNELS, FREE, compliance_root, response
 Array = NDArray[np.float64]
 Noise = Mapping[str, float | Sequence[float]]
 
-_SINGULAR = (
-    1e-13  # of the smallest eigenvalue of I scaled to unit diagonal: below it only rounding is left
-)
+# Of the smallest eigenvalue of I scaled to unit diagonal: below it only rounding is left.
+_SINGULAR = 1e-13
 _DENSE = 4096  # phases of a cycle that stand for all; slip onset lies between two of them: good to about 1e-4
 
 
@@ -124,14 +123,14 @@ def noise_of_rms(
     osc: Oscillator, motions: Sequence[BaseMotion], fraction: float, channels: Sequence[str]
 ) -> dict[str, tuple[float, ...]]:
     """Standard deviations that are a given part of the rms of each clean channel, per record: 0.01 is 1 %."""
-    found: dict[str, list[float]] = {name: [] for name in channels}
+    deviations: dict[str, list[float]] = {name: [] for name in channels}
     for motion in motions:
         t = (np.arange(_DENSE) + 0.5) * motion.period / _DENSE
         state = steady_orbit(osc, motion).state(t)
         for name in channels:
             signal = motion.y(t) if name == "y" else getattr(state, name)
-            found[name].append(fraction * float(np.sqrt(np.mean(signal**2))))
-    return {name: tuple(values) for name, values in found.items()}
+            deviations[name].append(fraction * float(np.sqrt(np.mean(signal**2))))
+    return {name: tuple(values) for name, values in deviations.items()}
 
 
 def deviation(noise: Noise, channel: str, record: int, records: int) -> float:
@@ -149,10 +148,10 @@ def deviation(noise: Noise, channel: str, record: int, records: int) -> float:
 
 def require_known(noise: Noise, free: Collection[str]) -> None:
     """ValueError naming a channel or an unknown that does not exist."""
-    for names, known in ((noise, CHANNELS), (free, FREE)):
-        wrong = sorted(set(names) - set(known))
+    for names, allowed in ((noise, CHANNELS), (free, FREE)):
+        wrong = sorted(set(names) - set(allowed))
         if wrong:
-            raise ValueError(f"unknown names {wrong}; known are {', '.join(known)}")
+            raise ValueError(f"unknown names {wrong}; known are {', '.join(allowed)}")
 
 
 def channel_terms(jacobian: Array, residual: Array) -> Terms:

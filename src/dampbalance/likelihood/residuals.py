@@ -27,9 +27,8 @@ Array = NDArray[np.float64]
 _HARMONICS = 9
 _LAGS = 20
 _FEWEST = 100  # samples; with fewer, neither statistic follows its distribution
-_ROUNDING = (
-    1e-9  # of the signal's rms: a residual below it is rounding, and says nothing of the model
-)
+# Of the signal's rms: a residual below it is rounding, and says nothing of the model.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What a reference fit hands over: the estimate, how well it is known, and what a reader must know besides."""
+"""What a reference fit hands over: the estimate, its uncertainty, and warnings."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class ReferenceFit:
     Y (m), psi (rad), omega (rad/s) : y = Y cos(ωt + ψ), t the record's own time, (n,).
     noise, offsets : standard deviation (given, or estimated) and offset of each channel, (n,).
     chi_square : Σ r²/σ² per degree of freedom where the noise was given, else NaN (it is 1 by construction).
-    adequacy : whether the residuals are white.   iterations : on all samples.   warnings : what a reader must know.
+    adequacy : whether the residuals are white.   iterations : on all samples.   warnings : to the reader.
     """
 
     F_k: float
@@ -67,40 +67,40 @@ class ReferenceFit:
 def warnings_of(
     fit: ReferenceFit, silent: Sequence[int], undamped: bool, samples: int
 ) -> list[str]:
-    """What a reader of the fit must know.
+    """Warnings to the reader of the fit.
 
     silent : numbers of the records in which nothing slips.   undamped : whether c is at its limit.
     samples : that χ² is the mean of.
     """
-    found = []
+    warnings = []
     low, high = fit.K_z_interval
     if math.isinf(high):
-        found.append(
+        warnings.append(
             f"the records do not tell the contact from a rigid one: K_z is above {low:.3g} N/m (97.5 %), without an "
             "upper limit; sample faster, measure acceleration, or reduce the noise"
         )
     if undamped:
-        found.append(
+        warnings.append(
             "the best c is at its limit, zero: its standard error is not that of a normal distribution"
         )
     if silent:
-        found.append(
+        warnings.append(
             f"nothing slips in record {', '.join(map(str, silent))}: it says nothing of F_k"
         )
     if abs(fit.chi_square - 1.0) > _NORMAL_999 * math.sqrt(2.0 / samples):  # NaN: not tested
-        found.append(
+        warnings.append(
             f"the residuals are {math.sqrt(fit.chi_square):.4g} times the noise given: the noise or the model is "
             "wrong; do not trust the intervals"
         )
     if fit.adequacy.harmonics_p < _LEVEL:
-        found.append(
+        warnings.append(
             f"the residuals repeat with the drive (χ² = {fit.adequacy.harmonics:.3g} per degree of freedom at its "
             "harmonics, 1 expected): the oscillator is not of this kind, or k or m is wrong; do not trust the intervals"
         )
     if fit.adequacy.whiteness_p < _LEVEL:
-        found.append(
+        warnings.append(
             f"the residuals are not white (Ljung–Box χ² = {fit.adequacy.whiteness:.3g} per degree of freedom, 1 "
             "expected): the frequency is wrong, the response not steady or the noise filtered; do not trust the "
             "intervals"
         )
-    return found
+    return warnings

@@ -61,12 +61,12 @@ def lines_of(record: Record, tau: Array, omega: float) -> Lines:
         )
     reach = [n for n in _HARMONICS if 2.2 * n < per_cycle]
     (p,), sigma_y = _amplitudes(record.y, omega * tau, (1,))
-    found, sigma_x = _amplitudes(record.x, omega * tau, reach)
+    amplitudes, sigma_x = _amplitudes(record.x, omega * tau, reach)
     Y, psi = abs(p), float(np.angle(p))
     if not Y > 0.0:
         raise ValueError("Record.y does not move at the drive frequency: check channel and units")
     X = np.zeros(len(_HARMONICS), dtype=np.complex128)
-    X[: len(reach)] = found * np.exp(-1j * psi * np.array(reach))
+    X[: len(reach)] = amplitudes * np.exp(-1j * psi * np.array(reach))
     gain = abs(X[0]) / Y
     return Lines(Y, psi, X, math.hypot(sigma_x, gain * sigma_y) * math.sqrt(2.0 / tau.size))
 

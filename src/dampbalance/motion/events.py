@@ -1,4 +1,4 @@
-"""Event-located motion: from any state, phase by phase, each event found to rounding.
+"""Event-located motion: from any state, phase by phase, each event located to rounding.
 
 A state is (x, ẋ, z) with |z| ≤ Z_m. In slip, the phase ends where the velocity changes sign; in stick, where the
 deflection z of the contact spring reaches ±Z_m. Events are bracketed by steps short beside every time scale of the

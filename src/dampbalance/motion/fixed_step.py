@@ -9,7 +9,7 @@ with C = c/m, K = k/m in slip and (k + K_z)/m in stick, p the force per mass. Af
     slip   and v has changed sign     → stick from here on, X_t = x, the spring starting at ±Z_m        (3)
     stick  and |K_z z| > F_k          → slip from here on, in the direction of z                         (1)
 
-An event is thus found up to one step late, which makes the contact force wrong by O(h) for a time h: an error of O(h²)
+An event is thus seen up to one step late, which makes the contact force wrong by O(h) for a time h: an error of O(h²)
 in the motion, whatever the scheme. With stick and slip Runge–Kutta 4, too, is of second order, and its error depends on
 where the sampling grid happens to fall.
 
@@ -72,11 +72,8 @@ class Scheme:
         W/b = ∮ky v/∮v² = c + m h [d ω² − lag (ω² − ω_n²)]: damping of the scheme, and the part of the velocity that
         its lag turns into phase with the spring and inertia forces. omega : rad/s.   h : s.
         """
-        return (
-            osc.m
-            * h
-            * (self.dissipation * omega**2 - self.velocity_lag * (omega**2 - osc.omega_n**2))
-        )
+        lagging = self.velocity_lag * (omega**2 - osc.omega_n**2)
+        return osc.m * h * (self.dissipation * omega**2 - lagging)
 
 
 def _explicit_euler(u: Array, p: Array, A: Array, h: float) -> Array:
@@ -93,8 +90,8 @@ def _backward_euler(u: Array, p: Array, A: Array, h: float) -> Array:
 
 
 def _trapezoidal(u: Array, p: Array, A: Array, h: float) -> Array:
-    known = u + 0.5 * h * (_rate(u, p[0], A) + np.array([0.0, p[2]]))
-    return _solved(np.eye(2) - 0.5 * h * A, known)
+    right = u + 0.5 * h * (_rate(u, p[0], A) + np.array([0.0, p[2]]))
+    return _solved(np.eye(2) - 0.5 * h * A, right)
 
 
 def _runge_kutta_4(u: Array, p: Array, A: Array, h: float) -> Array:
@@ -105,8 +102,8 @@ def _runge_kutta_4(u: Array, p: Array, A: Array, h: float) -> Array:
     return u + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
 
 
-def _solved(matrix: Array, known: Array) -> Array:
-    return np.asarray(np.linalg.solve(matrix, known), dtype=np.float64)
+def _solved(matrix: Array, right: Array) -> Array:
+    return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
 
 
 def _rate(u: Array, p: float, A: Array) -> Array:
@@ -138,7 +135,7 @@ def simulate(
 
     At t = 0 the mass is at rest at x = 0, the contact relaxed and sticking, the base at its peak (y = Y cos ωt).
     Sample n is at t = n · step. The acceleration is that of Eqs. (1), (2) at the sample, with the law of the step that
-    ended there: at the sample that finds slip the contact force still is K_z z, a little above F_k.
+    ended there: at the sample where slip is seen the contact force still is K_z z, a little above F_k.
 
     scheme : a key of SCHEMES.   step : s.   cycles, keep_cycles : periods of the base motion, not necessarily whole.
     c_over_m, k_over_m : coefficients c/m (1/s) and k/m (1/s²) in place of the exact quotients, for an equation of

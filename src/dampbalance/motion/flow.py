@@ -160,7 +160,8 @@ def _harmonic_response_resonant(
     detuning = (omega * omega - Omega2 + delta * delta) / (omega + sigma)  # ω − σ
     w = complex(delta * t, detuning * t)
     half = math.sin(0.5 * w.imag)
-    w_minus_1 = complex(  # e^w − 1
+    # e^w − 1
+    w_minus_1 = complex(
         growth - (1.0 + growth) * 2.0 * half * half, (1.0 + growth) * math.sin(w.imag)
     )
     turn = unit(sigma * t)
@@ -209,7 +210,7 @@ def phase_start(
 def phase_constants(
     s: float, x: float, z: float, turn: complex, par: Parameters
 ) -> tuple[float, complex, float]:
-    """The same, from turn = e^{iθ}."""
+    """Like `phase_start`, with turn = e^{iθ} computed beforehand."""
     contact, kappa = (par.K_z * z, par.k + par.K_z) if s == 0.0 else (s * par.F_k, par.k)
     f0 = -(par.k * x + contact) / par.m
     drive = par.k * par.Y / par.m

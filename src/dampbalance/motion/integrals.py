@@ -191,7 +191,7 @@ def _by_gauss(
     Omega2: float,
     omega: float,
 ) -> tuple[float, complex, complex, complex]:
-    """The same integrals, but for that of the forced motion, by Gauss's rule; not for over-damped phases.
+    """The integrals of `_by_ends`, except that of the forced motion, by Gauss's rule; not for over-damped phases.
 
     start : e^{iψ} at the start.   Others as in `flow.move`.
     """

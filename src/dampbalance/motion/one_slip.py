@@ -137,7 +137,7 @@ def _half_cycle(
 
 @jit
 def _is_forward(tau: float, X: float, theta: float, V_s: float, par: Parameters) -> bool:
-    """Whether ẋ > 0 throughout the half cycle of a solution, but at its two ends."""
+    """Whether ẋ > 0 between the two ends of the half cycle of a solution."""
     delta, omega, Z_m = par.c / (2.0 * par.m), par.omega, par.F_k / par.K_z
     f0, A, Omega2 = phase_start(0.0, -X, -Z_m, theta, par)
     if not velocity_keeps_sign(tau, 0.0, f0, A, delta, Omega2, omega, V_s):

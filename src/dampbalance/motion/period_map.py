@@ -27,7 +27,7 @@ from .jit import jit
 
 _MAX_MAPS = 4000  # half periods; Newton's method takes ten or so
 _CONVERGED = 1e-14  # energy norm of s + Φ(s), relative to that of s
-_ACCEPTED = 1e-12  # the same, where rounding stops the descent
+_ACCEPTED = 1e-12  # like `_CONVERGED`, where rounding stops the descent
 
 
 @jit
@@ -43,8 +43,8 @@ def half_period_map(
     """(number of phases, x, ẋ, z) after half a period; `jacobian` (3, 3) receives the derivative. The number is 0
     on overflow.
 
-    The vector field is continuous across slip onset and reversal, so that perturbations pass events unchanged, but
-    for δz, which slip wipes out.
+    The vector field is continuous across slip onset and reversal, so that perturbations pass events unchanged,
+    except δz, which slip wipes out.
     """
     half = math.pi / par.omega
     count, t, x, v, z = run(x, v, z, 0.0, half, theta, par, phases)

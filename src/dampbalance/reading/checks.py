@@ -1,4 +1,4 @@
-"""What can be wrong with a record, each found by a test that a good record passes.
+"""What can be wrong with a record, each caught by a test that a good record passes.
 
 A check that makes the record useless raises ValueError; one that only lowers its worth returns a sentence, with the
 numbers. Differences count when they stand out of the scatter between cycles and are large enough to matter.
@@ -47,11 +47,11 @@ def require_signal(quantity: str, values: Array) -> None:
         )
 
 
-def require_level(quantity: str, found: CycleHarmonics) -> None:
+def require_level(quantity: str, harmonics: CycleHarmonics) -> None:
     """ValueError when a channel does not oscillate with the drive."""
-    usable = found.weights > 0.0
-    fundamental = found.coefficients[usable, 1]
-    if not found.span > 0.0:
+    usable = harmonics.weights > 0.0
+    fundamental = harmonics.coefficients[usable, 1]
+    if not harmonics.span > 0.0:
         raise ValueError(
             f"{quantity} is constant: the transducer was not connected, or the wrong column was read"
         )
@@ -59,7 +59,7 @@ def require_level(quantity: str, found: CycleHarmonics) -> None:
     scatter = math.sqrt(float(np.mean(np.abs(fundamental - mean) ** 2)) / len(fundamental))
     if abs(mean) < SIGNIFICANT * scatter:
         raise ValueError(
-            f"{quantity} does not oscillate at the drive frequency of {found.omega / (2.0 * math.pi):.5g} Hz: "
+            f"{quantity} does not oscillate at the drive frequency of {harmonics.omega / (2.0 * math.pi):.5g} Hz: "
             f"amplitude {abs(mean):.3g} ± {scatter:.2g}"
         )
 
@@ -83,17 +83,17 @@ def few_cycles(cycles: int) -> list[str]:
 
 
 def frequency(omega: float, error: float, frequency_hz: float | None) -> list[str]:
-    """Compare the frequency found with the one known; ValueError when it is another."""
+    """Compare the frequency of the excitation with the one given; ValueError when it is another."""
     if frequency_hz is None:
         return []
     if not (math.isfinite(frequency_hz) and frequency_hz > 0.0):
         raise ValueError(f"the drive frequency must be positive, got {frequency_hz} Hz")
-    found, found_error = omega / (2.0 * math.pi), error / (2.0 * math.pi)
-    off = found / frequency_hz - 1.0
-    words = f"the excitation oscillates at {found:.6g} ± {found_error:.1g} Hz, not at the {frequency_hz:.6g} Hz given"
+    hertz, spread = omega / (2.0 * math.pi), error / (2.0 * math.pi)
+    off = hertz / frequency_hz - 1.0
+    words = f"the excitation oscillates at {hertz:.6g} ± {spread:.1g} Hz, not at the {frequency_hz:.6g} Hz given"
     if abs(off) > _FREQUENCY_WRONG:
         raise ValueError(f"{words}: wrong frequency, wrong column, or a wrong sampling rate")
-    if abs(off) > max(_FREQUENCY_DIFFERS, SIGNIFICANT * found_error / frequency_hz):
+    if abs(off) > max(_FREQUENCY_DIFFERS, SIGNIFICANT * spread / frequency_hz):
         return [f"{words} ({100.0 * off:+.2f} %); the frequency found is used"]
     return []
 
@@ -111,12 +111,12 @@ def bad_cycles(faults: Mapping[str, Sequence[tuple[int, float, str]]]) -> list[s
     return warnings
 
 
-def clipping(quantity: str, found: CycleHarmonics) -> list[str]:
+def clipping(quantity: str, harmonics: CycleHarmonics) -> list[str]:
     """A warning when the signal is cut off at a level."""
-    if found.clipped < _CLIPPED_CYCLES:
+    if harmonics.clipped < _CLIPPED_CYCLES:
         return []
     return [
-        f"{quantity} is clipped: in {100.0 * found.clipped:.0f} % of the cycles several samples hold the extreme "
+        f"{quantity} is clipped: in {100.0 * harmonics.clipped:.0f} % of the cycles several samples hold the extreme "
         "value; amplitude and harmonics are too small; raise the measuring range"
     ]
 
@@ -236,16 +236,16 @@ def plausible(Y: float, X: float, omega: float, driven_by: str) -> list[str]:
     A wrong unit of all channels alike scales F_k, and nothing else: only the size can betray it.
     """
     base = "the force over the stiffness" if driven_by == "force" else "the base"
-    found = [
+    warnings = [
         f"{what} moves by {amplitude:.3g} m, with {omega**2 * amplitude:.3g} m/s²: is a unit wrong (mm taken for m)?"
         for what, amplitude in ((base, Y), ("the mass", X))
         if amplitude > _LARGEST_AMPLITUDE or omega**2 * amplitude > _LARGEST_ACCELERATION
     ]
     if not 1.0 / _LARGEST_GAIN < X / Y < _LARGEST_GAIN:
-        found.append(
+        warnings.append(
             f"the mass moves {X / Y:.3g} times as far as {base}: is the unit of one channel wrong (mm taken for m)?"
         )
-    return found
+    return warnings
 
 
 def harmonic_base(mean: Complexes, error: Array) -> list[str]:

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,9 +28,8 @@ _GAIN = 1e-8
 _RELATIVE = 1e-11
 _KINK = 5e-3
 _STALLED = 1e-7  # of an unknown: rounding may refuse a step below this
-_SHRINK = (
-    0.2  # unless zero is allowed, no positive unknown falls below this part of itself in one step
-)
+# Unless zero is allowed, no positive unknown falls below this part of itself in one step.
+_SHRINK = 0.2
 
 
 class NoStart(ValueError):
@@ -39,11 +38,23 @@ class NoStart(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """−log L at a point, information (p, p) and gradient (p,)."""
+    """−log L at a point, information (p, p) and gradient (p,).
+
+    residual, jacobian : where −log L is half the sum of squares of (n,) residuals, these and their derivatives (n, p):
+    a step from them keeps the digits that the information, JᵀJ, has lost.
+    """
 
     value: float
     information: Array
     gradient: Array
+    residual: Array | None = None
+    jacobian: Array | None = None
+
+    @classmethod
+    def of_residuals(cls, residual: Array, jacobian: Array) -> Self:
+        """That of half the sum of squares of residuals."""
+        value, gradient = 0.5 * float(residual @ residual), -jacobian.T @ residual
+        return cls(value, jacobian.T @ jacobian, gradient, residual, jacobian)
 
 
 E = TypeVar("E", bound=Evaluation)
@@ -114,7 +125,7 @@ def climb(
         elif size < _STALLED:
             return reached
         else:
-            damping *= 10.0
+            damping = max(10.0 * damping, 1e-6)
         if damping > 1e10:
             if full @ here.gradient < 2.0 * _KINK:
                 return reached
@@ -131,9 +142,15 @@ def _step(here: Evaluation, active: NDArray[np.bool_], damping: float) -> Array:
     free = np.flatnonzero(~active)
     diagonal = np.sqrt(np.diag(here.information)[free])
     diagonal[diagonal == 0.0] = 1.0
-    scaled = here.information[np.ix_(free, free)] / np.outer(diagonal, diagonal)
-    scaled[np.diag_indices_from(scaled)] += damping
+    if here.residual is not None and here.jacobian is not None:
+        matrix = np.vstack(
+            [here.jacobian[:, free] / diagonal, math.sqrt(damping) * np.eye(free.size)]
+        )
+        right = np.concatenate([-here.residual, np.zeros(free.size)])
+    else:
+        matrix = here.information[np.ix_(free, free)] / np.outer(diagonal, diagonal)
+        matrix[np.diag_indices_from(matrix)] += damping
+        right = here.gradient[free] / diagonal
     step = np.zeros(active.size)
-    solution = np.linalg.lstsq(scaled, here.gradient[free] / diagonal, rcond=1e-14)[0]
-    step[free] = solution / diagonal
+    step[free] = np.linalg.lstsq(matrix, right, rcond=1e-14)[0] / diagonal
     return step

@@ -34,7 +34,7 @@ MOST_HARMONICS = {"displacement": 31, "velocity": 61, "acceleration": 91}
 """Highest harmonic taken of each response; a quarter of the samples per cycle limits it too."""
 
 _HARMONICS_OF_BASE = 9
-_LEADING = 1 << 18  # samples from which the drive frequency is found
+_LEADING = 1 << 18  # samples from which the drive frequency is first estimated
 _JITTER = 0.05  # of a step: times closer to an even grid than that are on it
 _RELATIVE_FLOOR = 1e-9  # of the fundamental: rounding, below which noise cannot be told from it
 
@@ -94,7 +94,7 @@ def condition(
 ) -> SteadyRecord:
     """The steady state of a measurement.
 
-    k : stiffness, N/m.   frequency_hz : the drive frequency as known, compared with that of the excitation.
+    k : stiffness, N/m.   frequency_hz : the nominal drive frequency, compared with that of the excitation.
     skip_cycles : cycles left out at the start, when the motion has not settled.
 
     Raises ValueError naming the source when the record cannot be used: a constant channel, too few cycles, another

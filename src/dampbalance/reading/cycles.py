@@ -71,7 +71,7 @@ def accumulate(
 ) -> CycleHarmonics:
     """The harmonics of every cycle of a signal that comes in blocks.
 
-    blocks : (t, values), successive; t in steps of dt but for gaps.   omega : rad/s.   start : of the first cycle, s.
+    blocks : (t, values), successive; t in steps of dt, gaps apart.   omega : rad/s.   start : of the first cycle, s.
     dt : sampling interval, s.   harmonics : N.   cycles : how many to take.
 
     A cycle with a gap, or with samples that are held or spike, is left out and listed. Raises ValueError when a cycle
@@ -118,9 +118,8 @@ class _Accumulator:
         steps = np.arange(self.longest)
         n = np.arange(self.count)
         angle = self.omega * self.dt * np.outer(steps, n)
-        self.fourier = np.hstack(
-            [np.cos(angle), -np.sin(angle)]
-        )  # s @ fourier = Re, Im of Σ s e^{−inωt}
+        # s @ fourier = Re, Im of Σ s e^{−inωt}
+        self.fourier = np.hstack([np.cos(angle), -np.sin(angle)])
         self.systems: dict[int, tuple[Complexes, Complexes]] = {}
 
     def _system(self, length: int) -> tuple[Complexes, Complexes]:

@@ -38,37 +38,37 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
                 f"the signal is {t[-1] - t[0]:.4g} s long, {cycles} whole cycles of the "
                 f"{omega / (2.0 * math.pi):.4g} Hz found in it; at least {FEWEST_CYCLES} are needed"
             )
-        harmonics = min(3, math.floor(2.0 * math.pi / omega / dt / 4.0))
-        if harmonics < 1:
+        highest = min(3, math.floor(2.0 * math.pi / omega / dt / 4.0))
+        if highest < 1:
             raise ValueError(
                 f"{2.0 * math.pi / omega / dt:.1f} samples per cycle of the {omega / (2.0 * math.pi):.4g} Hz found are "
                 "too few"
             )
-        found = accumulate(
+        harmonics = accumulate(
             [(t, values)],
             omega,
             start=float(t[0]),
             dt=dt,
-            harmonics=harmonics,
+            harmonics=highest,
             cycles=cycles,
         )
-        correction, error = frequency_offset(found)
+        correction, error = frequency_offset(harmonics)
         omega += correction
         if abs(correction) <= 1e-3 * error or abs(correction) < 1e-13 * omega:
             break
     return omega, error
 
 
-def frequency_offset(found: CycleHarmonics) -> tuple[float, float]:
+def frequency_offset(harmonics: CycleHarmonics) -> tuple[float, float]:
     """(Δω, its standard error), rad/s: by how much the drive is faster than the ω that the harmonics were taken at.
 
     The slope of the phase of the fundamental over the rows, by least squares.
     """
-    usable = found.weights > 0.0
+    usable = harmonics.weights > 0.0
     if np.count_nonzero(usable) < FEWEST_CYCLES:
         return 0.0, math.nan
-    phase = np.unwrap(np.angle(found.coefficients[usable, 1]))
-    time, weights = found.times[usable], found.weights[usable]
+    phase = np.unwrap(np.angle(harmonics.coefficients[usable, 1]))
+    time, weights = harmonics.times[usable], harmonics.weights[usable]
     time = time - np.average(time, weights=weights)
     spread = float(np.sum(weights * time**2))
     slope = float(np.sum(weights * time * phase)) / spread

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..features import COLUMNS, Features, of_numbers, wrapped
+from ..motion.regime import Regime
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
 from .one_thread import one_thread
@@ -33,7 +34,7 @@ RESOLVED = 2.0
 """Standard errors that the length of the microstick line must exceed to count as resolved."""
 
 RIGID = "slip onset not resolved: rigid limit"
-ONE_SLIP = "one slip onset per half cycle"
+ONE_SLIP = str(Regime.ONE_SLIP)
 
 _EXTRA = 4  # odd harmonics beyond the bandwidth that the waveform is fitted to: they bound it
 _JACKKNIFE_GROUPS = 400
@@ -48,7 +49,7 @@ class Reading:
     standard_errors : by feature name; NaN for what is not read.
     steady : the conditioned record.   waveform : the fitted exact waveform, or None.
     onset_resolved : whether X_s, V_s, t_s were read.   length_bound : X + X_s is below it with 97.5 % confidence, m.
-    warnings : all that was found wrong, one sentence each; the last is `onset_note`, if there is one.
+    warnings : what is wrong with the record, one sentence each; the last is `onset_note`, if there is one.
     onset_note : why the slip onset is not resolved, and what that costs.
     """
 
@@ -122,7 +123,7 @@ def read_features(
 ) -> Reading:
     """Features of the response of one measurement.
 
-    k : stiffness, N/m.   frequency_hz : the drive frequency as known, to be compared with the one found.
+    k : stiffness, N/m.   frequency_hz : the nominal drive frequency, to compare with that of the excitation.
     skip_cycles : cycles left out at the start.   Raises ValueError naming the source when the record cannot be used.
     """
     return read_steady(
@@ -225,7 +226,7 @@ class _Parts:
         n = np.arange(1, max(steady.bandwidth, least) + 1, 2)
         Y, x = steady.mean(steady.Y[:, 1:2]), steady.mean(steady.X[:, n])
         if drawn is None:
-            Y, x = Y, x[None]
+            x = x[None]
         else:
             total = drawn.sum(axis=1)
             Y = Y + stretch * (drawn @ steady.Y[:, 1] / total - Y)
@@ -253,9 +254,8 @@ def _evaluate(
     """All features of r means, arrays (r,). The onset follows the waveform to first order in the deviations from `at`,
     the means that it was fitted to."""
     omega, x = parts.omega, parts.x
-    squares = (
-        np.abs(x) ** 2 - parts.variance
-    )  # may fall below zero: cutting that off would be a bias in b
+    # may fall below zero: cutting that off would be a bias in b
+    squares = np.abs(x) ** 2 - parts.variance
     amplitudes = np.sqrt(np.maximum(squares, 0.0))
     lag = -np.angle(x[:, 0])
     tail_b = float(np.sum((parts.n_all[len(parts.n) :] * np.abs(parts.tail)) ** 2))

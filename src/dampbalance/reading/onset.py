@@ -122,14 +122,6 @@ def _rigid(
 
 
 @dataclass(frozen=True, eq=False)
-class _Linearised(Evaluation):
-    """Residuals at a point and their Jacobian."""
-
-    residual: Array
-    jacobian: Array
-
-
-@dataclass(frozen=True, eq=False)
 class _Fit:
     """Data of a fit and its residuals as functions of p = (log m, log c, log F_k, u, log Y, phase of y)."""
 
@@ -182,22 +174,21 @@ class _Fit:
         except NoConvergence as stuck:
             climbed = stuck.best
         end, here = climbed.point, climbed.evaluation
-        last = self.evaluate(
-            end + climbed.step
-        )  # leaves less than the gain that the climb stopped at
+        # the step that the climb did not take any more leaves far less than the gain it stopped at
+        last = self.evaluate(end + climbed.step)
         if last is not None and last.value <= here.value:
             end, here = end + climbed.step, last
+        assert here.residual is not None
+        assert here.jacobian is not None
         return end, here.residual, here.jacobian
 
-    def evaluate(self, p: Array) -> _Linearised | None:
+    def evaluate(self, p: Array) -> Evaluation | None:
         """Half the sum of squares with its information and gradient; None where nothing slips."""
         residual = self.residual(p)
         jacobian = None if residual is None else self.jacobian(p, residual)
         if residual is None or jacobian is None:
             return None
-        value = 0.5 * float(residual @ residual)
-        information = jacobian.T @ jacobian
-        return _Linearised(value, information, -jacobian.T @ residual, residual, jacobian)
+        return Evaluation.of_residuals(residual, jacobian)
 
     def jacobian(self, p: Array, residual: Array) -> Array | None:
         columns = []

@@ -28,7 +28,7 @@ Which = str | int
 
 @dataclass(frozen=True, slots=True)
 class ChannelRule:
-    """Where a quantity is found: value in SI = sign · scale · reading · (the unit in SI).
+    """The channel of a quantity: value in SI = sign · scale · reading · (the unit in SI).
 
     unit : of scale · reading, None for what the file says.   time : its own time channel, None for the common one.
     """
@@ -42,7 +42,7 @@ class ChannelRule:
 
 @dataclass(frozen=True)
 class RecordMapping:
-    """How to read a record; what is None or empty is found out from the file.
+    """How to read a record; the file itself decides what is None or empty.
 
     source : the file it stands in.   channels : by quantity.   time, time_unit : the common time channel.
     sample_rate_hz : instead of a time channel.   delimiter ("\\t", "whitespace", …), decimal, header_lines : of a text

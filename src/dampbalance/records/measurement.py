@@ -112,9 +112,9 @@ class Measurement:
                 )
         driving = [q for q in EXCITATIONS if q in self.channels]
         if len(driving) != 1:
-            found = " and ".join(driving) or "none"
+            present = " and ".join(driving) or "none"
             raise ValueError(
-                f"{self.source}: needs one excitation ({', '.join(EXCITATIONS)}), found {found}"
+                f"{self.source}: needs one excitation ({', '.join(EXCITATIONS)}), found {present}"
             )
         if not any(q in self.channels for q in RESPONSES):
             raise ValueError(

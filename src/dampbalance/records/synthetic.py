@@ -1,4 +1,4 @@
-"""Measurements made by simulation: the exact steady motion, sampled, with noise. Always labelled as such.
+"""Simulated measurements: the exact steady motion, sampled, with noise. Always labelled as such.
 
 They serve to try an estimator on records whose truth is known. The channels are what transducers would give: white
 noise on each, independent of the others.

@@ -1,6 +1,6 @@
 """Units that laboratories write, and the one place where they are turned into SI.
 
-A unit is found by its usual spellings: µm and um, m/s², m/s^2, m/s2, m s-2 and m_per_s2 are each one unit. A channel
+A unit is read in its usual spellings: µm and um, m/s², m/s^2, m/s2, m s-2 and m_per_s2 are each one unit. A channel
 has the unit that belongs to its quantity, or it is refused: a velocity in mm is a mistake, not a number.
 """
 
@@ -53,7 +53,7 @@ UNITS = tuple(
     }.items()
     for name, factor in units.items()
 )
-"""Every unit known. `g` is the standard gravity, 9.80665 m/s²: the gram is no unit of a channel."""
+"""All units. `g` is the standard gravity, 9.80665 m/s²: the gram is no unit of a channel."""
 
 DIMENSIONS = {
     "base_displacement": "length",
@@ -116,8 +116,7 @@ def unit_for(text: str, quantity: str) -> Unit:
 def split_label(label: str) -> tuple[str, str | None]:
     """Name and unit of a column header: "x [mm]", "x (mm)", "x / mm", "x, mm", "x in mm" and "x_mm" give ("x", "mm").
 
-    What stands in brackets is taken as the unit as it stands, known or not; elsewhere only a known unit is. The unit is
-    None where there is none.
+    What stands in brackets is the unit, one of `UNITS` or not; elsewhere only one of these is. None: there is no unit.
     """
     label = label.strip()
     if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*([^\])}>]*?)\s*[\])}>]", label):

@@ -32,7 +32,7 @@ FORMATS = {
 }
 """The formats read and written, by short name."""
 
-_TITLES = {name: known.title for name, known in FORMATS.items()} | {
+_TITLES = {name: kind.title for name, kind in FORMATS.items()} | {
     "matlab": "MATLAB 5",
     "matlab73": "MATLAB 7.3",
 }
@@ -41,15 +41,15 @@ _TITLES = {name: known.title for name, known in FORMATS.items()} | {
 
 def format_by_suffix(path: Path) -> str:
     """The short name of the format that the suffix stands for. Raises RecordError naming the suffixes known."""
-    for name, known in FORMATS.items():
-        if path.suffix.lower() in known.suffixes:
+    for name, kind in FORMATS.items():
+        if path.suffix.lower() in kind.suffixes:
             return name
-    every = ", ".join(suffix for known in FORMATS.values() for suffix in known.suffixes)
+    every = ", ".join(suffix for kind in FORMATS.values() for suffix in kind.suffixes)
     raise RecordError(f"{path}: unknown suffix {path.suffix!r}; records end in {every}")
 
 
 def content_of(path: Path) -> str | None:
-    """What the first bytes of a file say it is: a key of _TITLES, or None for bytes that are no format known."""
+    """What the first bytes of a file say it is: a key of _TITLES, or None for another format."""
     with open(path, "rb") as stream:
         head = stream.read(_HEAD)
     if head.startswith(b"MATLAB 5.0"):

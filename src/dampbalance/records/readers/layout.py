@@ -92,9 +92,9 @@ def layout_of(path: Path, mapping: RecordMapping) -> Layout:
         ]
     best: tuple[int, str, str, int, int] | None = None
     for delimiter, decimal in candidates:
-        found = _first_row(lines, delimiter, decimal, comment, mapping.header_lines)
-        if found and (best is None or found[0] > best[0]):
-            best = (found[0], delimiter, decimal, found[1], found[2])
+        fit = _first_row(lines, delimiter, decimal, comment, mapping.header_lines)
+        if fit and (best is None or fit[0] > best[0]):
+            best = (fit[0], delimiter, decimal, fit[1], fit[2])
     if best is None:
         raise RecordError(_no_rows(path, lines, comment, mapping))
     _, delimiter, decimal, header, width = best
@@ -195,11 +195,11 @@ def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
 def _are_units(cells: Sequence[str]) -> bool:
     """Whether a line gives units: each cell is one, or empty, "-" or in brackets, and at least one is known."""
     bare = [cell.strip("[](){} ") for cell in cells]
-    known = [find_unit(cell) is not None for cell in bare]
+    units = [find_unit(cell) is not None for cell in bare]
     bracketed = [cell != plain for cell, plain in zip(cells, bare, strict=True)]
-    return any(known) and all(
-        k or b or plain in ("", "-", "1", "V", "mV")
-        for k, b, plain in zip(known, bracketed, bare, strict=True)
+    return any(units) and all(
+        u or b or plain in ("", "-", "1", "V", "mV")
+        for u, b, plain in zip(units, bracketed, bare, strict=True)
     )
 
 

@@ -95,8 +95,8 @@ def _timed(
     elif mapping.time is not None:
         time = _find(path, channels, mapping.time, mapping, "time.channel")
     else:
-        found = _time_of(channels, index)
-        if found is None:
+        nearest = _time_of(channels, index)
+        if nearest is None:
             if raw.rate_hz is None:
                 raise RecordError(
                     f"{path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives no "
@@ -105,7 +105,7 @@ def _timed(
             return Pick(
                 quantity, index, raw.name, factor, None, rate_hz=raw.rate_hz, start=raw.start
             )
-        time = found
+        time = nearest
     if time == index:
         raise RecordError(f"{path}: channel {raw.name!r} cannot be its own time")
     seconds = _unit(path, channels[time], mapping.time_unit, "time", mapping)
@@ -155,17 +155,17 @@ def _find(
             f"{mapping.source}: {key}: there is no channel {which}; {path} has {len(channels)}: {_list(channels)}"
         )
     for spelt in (str, _key):  # as it stands, else without regard to case, blanks and path
-        found = [
+        matches = [
             i
             for i, raw in enumerate(channels)
             if spelt(which) in (spelt(raw.name), spelt(_full(raw)), spelt(raw.label or raw.name))
         ]
-        if len(found) == 1:
-            return found[0]
-        if found:
-            numbers = " and ".join(str(i + 1) for i in found)
+        if len(matches) == 1:
+            return matches[0]
+        if matches:
+            numbers = " and ".join(str(i + 1) for i in matches)
             raise RecordError(
-                f"{mapping.source}: {key}: {path} has {len(found)} channels {which!r}, numbers {numbers}; give one"
+                f"{mapping.source}: {key}: {path} has {len(matches)} channels {which!r}, numbers {numbers}; give one"
             )
     raise RecordError(
         f"{mapping.source}: {key}: {path} has no channel {which!r}; it has {_list(channels)}"

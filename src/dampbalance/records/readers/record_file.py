@@ -125,12 +125,14 @@ def timing(path: Path, name: str, attributes: dict[str, object]) -> tuple[float 
 
     Raises RecordError when a rate or a step is not a positive number.
     """
-    known = {str(key).lower(): value for key, value in attributes.items()}
-    start = next((_number(path, name, key, known[key]) for key in START_NAMES if key in known), 0.0)
+    values = {str(key).lower(): value for key, value in attributes.items()}
+    start = next(
+        (_number(path, name, key, values[key]) for key in START_NAMES if key in values), 0.0
+    )
     for names, inverse in ((RATE_NAMES, False), (STEP_NAMES, True)):
         for key in names:
-            if key in known:
-                value = _number(path, name, key, known[key])
+            if key in values:
+                value = _number(path, name, key, values[key])
                 if not (np.isfinite(value) and value > 0.0):
                     raise RecordError(
                         f"{path}: {key} of channel {name!r} is {value:g}; give sample_rate_hz in a mapping"

@@ -112,11 +112,11 @@ def wav_file(path: Path) -> RecordFile:
     with open(path, "rb") as stream:
         head = stream.read(12)
     order: Literal["little", "big"] = "big" if head[:4] == b"RIFX" else "little"
-    said = int.from_bytes(head[4:8], order)
+    stated = int.from_bytes(head[4:8], order)
     size = path.stat().st_size
-    if head[:4] != b"RF64" and said not in _NO_SIZE and said + 8 > size:
+    if head[:4] != b"RF64" and stated not in _NO_SIZE and stated + 8 > size:
         raise RecordError(
-            f"{path}: has {size} of the {said + 8} bytes that its header says; it was cut short"
+            f"{path}: has {size} of the {stated + 8} bytes that its header says; it was cut short"
         )
     with intact(path, "WAV"), warnings.catch_warnings():
         # chunks of notes that hold no samples
