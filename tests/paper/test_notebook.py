@@ -7,16 +7,16 @@ import importlib
 import os
 import re
 from html.parser import HTMLParser
-from pathlib import Path
 
 import nbformat
 import numpy as np
 import pytest
 
 from dampbalance.publishing import notebook
+from folders import ROOT
 from paper.chromium import CHROMIUM, REASON
 
-FOLDER = Path(__file__).parents[2] / "paper/notebook"
+FOLDER = ROOT / "paper/notebook"
 SOURCE = FOLDER / "tour.py"
 STYLE = (FOLDER / "page.css").read_text(encoding="utf-8")
 TEMPLATE = FOLDER / "page.html"

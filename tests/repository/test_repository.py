@@ -16,8 +16,8 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 import dampbalance
+from folders import ROOT
 
-ROOT = Path(__file__).parents[2]
 LOCKS = ("requirements.lock", "requirements-build.lock")
 MODULES = sorted((ROOT / "src").rglob("*.py"))
 LONGEST_MODULE = 400  # lines; a longer one no longer reads top to bottom in one sitting

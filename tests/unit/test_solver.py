@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -18,9 +19,6 @@ from dampbalance.balance import (
     slip_velocity_as_printed,
 )
 from dampbalance.estimates import ESTIMATE_COLUMNS, estimate_table
-from dampbalance.features import of_orbit, stack
-from dampbalance.model import BaseMotion, Oscillator
-from dampbalance.motion.orbit import steady_orbit
 from dampbalance.solver import (
     Estimate,
     contact_stiffness,
@@ -29,16 +27,7 @@ from dampbalance.solver import (
     pair,
     pairs,
 )
-
-PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
-PAIRS = [(0, 1), (1, 2), (2, 3), (3, 4), (0, 4)]
-
-
-def features_at(hertz=4.92, levels=LEVELS, osc=PAPER):
-    return stack(
-        [of_orbit(steady_orbit(osc, BaseMotion(Y, 2.0 * math.pi * hertz))) for Y in levels]
-    )
+from paper_case import FREQUENCIES_HZ, LEVELS, PAIRS, PAPER, features_at
 
 
 def rows_of(amplitudes, F_k, c):
@@ -92,7 +81,7 @@ def test_close_levels_lose_the_condition_number_not_its_square():
     assert abs(normal[0] / 1.28 - 1.0) > 1e-5
 
 
-@pytest.mark.parametrize("hertz", [3.5, 4.92, 11.1])
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
 def test_exact_orbits_give_back_the_parameters(hertz):
     rows = APPROACHES["direct"](features_at(hertz), PAPER.k)
     for estimate in [least_squares(rows), *pairs(rows, PAIRS)]:
@@ -202,7 +191,7 @@ def test_mean_and_deviation_divide_by_n_minus_1():
         mean_and_deviation([])
 
 
-@pytest.mark.parametrize("hertz", [3.5, 4.92, 11.1])
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
 def test_contact_stiffness_of_exact_orbits(hertz):
     """The microstick line is 12.3 µm long out of 9 mm: X + X_s keeps 1e-16 · 750 ≈ 1e-13 of itself."""
     features = features_at(hertz)
@@ -255,7 +244,7 @@ def test_table_takes_other_row_functions_for_the_common_phase():
 
 def test_table_goes_on_without_a_level_that_does_not_slip():
     """X of the lowest level stays below Z_m: it has no slip onset, and the others are estimated without it."""
-    osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=8.0)
+    osc = replace(PAPER, F_k=8.0)
     features = features_at(levels=(0.001, 0.008, 0.010), osc=osc)
     assert features.slipping.tolist() == [False, True, True]
     table = estimate_table(features, osc.k, [(0, 1), (1, 2)])
@@ -268,7 +257,7 @@ def test_table_goes_on_without_a_level_that_does_not_slip():
 
 
 def test_table_without_any_slip_says_so_and_estimates_nothing():
-    osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=60.0)
+    osc = replace(PAPER, F_k=60.0)
     features = features_at(levels=(0.004, 0.006), osc=osc)
     assert not features.slipping.any()
     table = estimate_table(features, osc.k, [(0, 1)])

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import copy
 import math
-from pathlib import Path
 
 import pytest
 import yaml
 
 from dampbalance.project.case import Case, check, motions_from, oscillator_from
 from dampbalance.project.documents import ConfigurationError
+from folders import ROOT
 
-ROOT = Path(__file__).parents[3]
 FILE = ROOT / "config/config.yaml"
 SCHEMA = ROOT / "workflow/schemas/config.schema.yaml"
 

@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance import BaseMotion, Oscillator, steady_orbit
+from dampbalance import BaseMotion, steady_orbit
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.synthetic import simulated_measurement
+from paper_case import NEAR, OMEGA, PAPER
 
-OSC = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-MOTION = BaseMotion(0.008, 2.0 * math.pi * 4.92)
+MOTION = BaseMotion(0.008, OMEGA)
 T = np.arange(5) / 100.0
 
 
@@ -60,7 +60,7 @@ def test_a_measurement_needs_one_excitation_and_a_response(quantities, message):
 
 def test_the_simulated_signals_are_those_of_the_exact_orbit():
     made = simulated_measurement(
-        OSC,
+        PAPER,
         MOTION,
         rate_hz=997.0,
         cycles=3.5,
@@ -69,19 +69,19 @@ def test_the_simulated_signals_are_those_of_the_exact_orbit():
     )
     t = made["force"].t
     assert t[0] == 0.7
-    assert len(t) == round(3.5 / 4.92 * 997.0)
-    state = steady_orbit(OSC, MOTION).state(t)
+    assert len(t) == round(3.5 / NEAR * 997.0)
+    state = steady_orbit(PAPER, MOTION).state(t)
     np.testing.assert_array_equal(made["displacement"].values, state.x)
     np.testing.assert_array_equal(made["acceleration"].values, state.acceleration)
-    np.testing.assert_allclose(made["force"].values, OSC.k * MOTION.y(t), rtol=1e-14)
+    np.testing.assert_allclose(made["force"].values, PAPER.k * MOTION.y(t), rtol=1e-14)
     assert [c.quantity for c in made.responses] == ["displacement", "velocity", "acceleration"]
 
 
 def test_the_noise_is_white_of_the_size_asked_for_and_the_same_for_the_same_seed():
     arguments = {"rate_hz": 5000.0, "cycles": 40.0, "channels": ("base_displacement", "velocity")}
-    clean = simulated_measurement(OSC, MOTION, **arguments)
-    noisy = simulated_measurement(OSC, MOTION, noise={"velocity": 0.02}, seed=3, **arguments)
-    again = simulated_measurement(OSC, MOTION, noise={"velocity": 0.02}, seed=3, **arguments)
+    clean = simulated_measurement(PAPER, MOTION, **arguments)
+    noisy = simulated_measurement(PAPER, MOTION, noise={"velocity": 0.02}, seed=3, **arguments)
+    again = simulated_measurement(PAPER, MOTION, noise={"velocity": 0.02}, seed=3, **arguments)
     np.testing.assert_array_equal(noisy["velocity"].values, again["velocity"].values)
     np.testing.assert_array_equal(
         noisy["base_displacement"].values, clean["base_displacement"].values
@@ -107,4 +107,4 @@ def test_the_noise_is_white_of_the_size_asked_for_and_the_same_for_the_same_seed
 )
 def test_a_simulation_that_makes_no_sense_is_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
-        simulated_measurement(OSC, MOTION, **({"rate_hz": 1000.0, "cycles": 2.0} | arguments))
+        simulated_measurement(PAPER, MOTION, **({"rate_hz": 1000.0, "cycles": 2.0} | arguments))
