@@ -71,6 +71,7 @@ def test_records_of_several_frequencies_go_together():
         assert low < getattr(PAPER, symbol) < high
 
 
+@pytest.mark.slow
 def test_intervals_tell_the_truth():
     runs = [
         identify(
