@@ -44,7 +44,7 @@ lint: setup ## Check style, formatting and types
 	@$(RUN) snakefmt --check Snakefile workflow
 
 unit: setup ## Run the tests: unit, analytic, paper, workflow (choose with PYTEST_ARGS="-k …")
-	@$(RUN) pytest --numprocesses auto --dist loadscope $(PYTEST_ARGS)
+	@$(RUN) pytest --numprocesses auto --dist loadscope --no-loadscope-reorder $(PYTEST_ARGS)
 
 check: setup ## Rebuild what is out of date and compare each verdict with the recorded one
 	@$(RUN) snakemake --cores $(CORES) check

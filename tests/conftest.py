@@ -17,3 +17,13 @@ hypothesis.settings.register_profile(
 # To look for new examples: pytest --hypothesis-profile=explore
 hypothesis.settings.register_profile("explore", deadline=None, max_examples=2000, print_blob=True)
 hypothesis.settings.load_profile("deterministic")
+
+
+def pytest_collection_modifyitems(items):
+    """The slow ones first, and first of all the workflow: no process is left alone with one of them at the end."""
+    items.sort(
+        key=lambda item: (
+            item.get_closest_marker("slow") is None,
+            item.path.parent.name != "workflow",
+        )
+    )

@@ -87,12 +87,19 @@ class Rows:
     terms : symbol of p_j → g_j, its integral over a period, in m for F_k (a) and m²/s for c (b).   W : input work, J.
     weights : of the squares of the rows' misfits, 1/J²; None weighs all alike, as (9).
     given : symbol → value of the coefficients that are known and not to be identified.
+
+    Raises ValueError for a given coefficient that is no term of the rows.
     """
 
     terms: Mapping[str, Array]
     W: Array
     weights: Array | None = None
     given: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        unknown = sorted(set(self.given) - set(self.terms))
+        if unknown:
+            raise ValueError(f"given {unknown} are no terms of these rows: {list(self.terms)}")
 
     def __getitem__(self, index: Any) -> Rows:
         """The rows at `index`, an index of arrays: [[1, 0]] is two rows in that order, [:, 0] those of a case."""

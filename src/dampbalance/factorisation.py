@@ -31,7 +31,7 @@ def solve_cases(
     p, levels, cases = columns.shape
     values, residual = np.empty((p, cases)), np.empty(cases)
     covariance = np.empty((p, p, cases))
-    size = min(_BLOCK, cases)
+    size = min(_BLOCK, max(cases, 1))
     A, Q, W = np.zeros((p, levels, size)), np.empty((p, levels, size)), np.zeros((levels, size))
     rest, scale, step = np.empty_like(W), np.empty((p, size)), np.empty((p, size))
     R, H = np.zeros((p, p, size)), np.zeros((p, p, size))

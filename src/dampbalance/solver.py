@@ -70,17 +70,18 @@ def solve(rows: Rows) -> Estimate:
     usable = rows.usable
     kept = usable if rows.weights is None else np.where(usable, np.sqrt(rows.weights), 0.0)
     columns = np.empty((len(symbols), *shape))
-    for column, symbol in zip(columns, symbols, strict=True):
-        np.multiply(rows.terms[symbol], kept, out=column)
-    right = full = rows.W * kept
-    if rows.given:
-        right = full - kept * sum(p * rows.terms[symbol] for symbol, p in rows.given.items())
+    with np.errstate(invalid="ignore"):  # ∞ · 0 in a row that is left out
+        for column, symbol in zip(columns, symbols, strict=True):
+            np.multiply(rows.terms[symbol], kept, out=column)
+        right = full = rows.W * kept
+        if rows.given:
+            right = full - kept * sum(p * rows.terms[symbol] for symbol, p in rows.given.items())
     if not usable.all():  # NaN · 0
         for array in (columns, right, full):
             array[..., ~usable] = 0.0
     n = np.asarray(np.count_nonzero(usable, axis=0))
     values, residual, covariance = solve_cases(
-        columns.reshape(-1, *flat), right.reshape(flat), full.reshape(flat), n.ravel()
+        columns.reshape(len(symbols), *flat), right.reshape(flat), full.reshape(flat), n.ravel()
     )
     return Estimate(
         {symbol: v.reshape(cases)[()] for symbol, v in zip(symbols, values, strict=True)},

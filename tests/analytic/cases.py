@@ -5,18 +5,14 @@ from __future__ import annotations
 import math
 
 from dampbalance import BaseMotion, Oscillator
+from paper_case import FREQUENCIES_HZ, LEVELS, PAPER, motions_at
 
-PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-PAPER_FREQUENCIES_HZ = (4.92, 3.5, 11.1)
-PAPER_LEVELS_M = (0.004, 0.006, 0.008, 0.010, 0.012)
-PAPER_MOTIONS = [
-    BaseMotion(Y=Y, omega=2.0 * math.pi * hz) for hz in PAPER_FREQUENCIES_HZ for Y in PAPER_LEVELS_M
-]
+PAPER_MOTIONS = [motion for hertz in FREQUENCIES_HZ.values() for motion in motions_at(hertz)]
 
 
 def case(zeta, r, K, F):
     """The oscillator with ζ, ω/ω_n = r, K_z/k = K and F_k/kY = F, on the mass, stiffness and amplitude of the paper."""
-    m, k, Y = PAPER.m, PAPER.k, PAPER_LEVELS_M[0]
+    m, k, Y = PAPER.m, PAPER.k, LEVELS[0]
     oscillator = Oscillator(m=m, c=2.0 * zeta * math.sqrt(k * m), k=k, K_z=K * k, F_k=F * k * Y)
     return oscillator, BaseMotion(Y=Y, omega=r * math.sqrt(k / m))
 

@@ -7,10 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from analytic.cases import PAPER, PAPER_MOTIONS, SEVERAL_SLIPS, case
+from analytic.cases import PAPER_MOTIONS, SEVERAL_SLIPS, case
 from analytic.integrator import integrate
 from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit, transient
 from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X
+from paper_case import PAPER
 
 # DOP853 is asked for 1e-12 a step and takes a few hundred steps a period; events are found on its dense output, of
 # order 7. Measured: below 1e-12 on states and times, 2e-12 on the integrals.

@@ -8,11 +8,12 @@ import mpmath as mp
 import pytest
 from scipy.stats import qmc
 
-from analytic.cases import PAPER, PAPER_MOTIONS, SEVERAL_SLIPS, case
+from analytic.cases import PAPER_MOTIONS, SEVERAL_SLIPS, case
 from analytic.forty_digits import keeps_its_pattern, solve
 from dampbalance import Regime, steady_orbit
 from dampbalance.model import parameters
 from dampbalance.motion.events import PHASE_S, PHASE_T
+from paper_case import PAPER
 
 # Rounding is 2e-16; the worst measured over a thousand cases of the range below is 1e-13 (V_s) and 6e-14 (b, W).
 RELATIVE = 5e-13

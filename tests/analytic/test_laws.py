@@ -10,8 +10,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.stats import qmc
 
-from analytic.cases import PAPER, PAPER_MOTIONS, SEVERAL_SLIPS, dimensions
+from analytic.cases import PAPER_MOTIONS, SEVERAL_SLIPS, dimensions
 from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit, steady_orbits
+from paper_case import PAPER
 
 FEATURES = ("X", "X_s", "V_s", "t_s", "phi", "a", "b", "W", "X_1", "phi_1", "X_3", "X_5")
 

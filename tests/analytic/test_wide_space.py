@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from scipy.stats import qmc
 
 from analytic.cases import dimensions
 from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit, steady_orbits
+from paper_case import PAPER
 
 FINITE = ("X", "phi", "a", "b", "W", "X_1", "phi_1", "X_3", "phi_3", "X_5", "phi_5")
 OF_SLIP = ("X_s", "V_s", "t_s")
@@ -88,7 +90,7 @@ def test_units_far_from_the_metre(scale):
     # Only ratios matter: no threshold in metres or newtons hides anywhere. 1e-10: many roundings of a cancelling kind
     base, scaled = (
         steady_orbit(
-            Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28 * s),
+            replace(PAPER, F_k=1.28 * s),
             BaseMotion(Y=0.004 * s, omega=30.9),
         )
         for s in (1.0, scale)

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import qmc
 
-from dampbalance import BaseMotion, Oscillator, steady_orbit
+from dampbalance import BaseMotion, steady_orbit
 from dampbalance.model import parameters
 from dampbalance.motion.events import PHASE_S, PHASE_T
+from paper_case import PAPER
 
-PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
 FREQUENCIES_HZ = (3.0, 12.0)
 LEVELS_M = (0.004, 0.012)
 FEATURES = ("X", "V_s", "t_s", "phi", "a", "b", "W")  # what each method has to deliver

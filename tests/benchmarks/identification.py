@@ -28,6 +28,7 @@ from dampbalance.reading.noisy import read_features
 from dampbalance.record import Record
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
+from paper_case import LEVELS, OMEGA
 
 from .cases import PAPER
 from .measuring import (
@@ -41,8 +42,6 @@ from .measuring import (
     rounded,
 )
 
-LEVELS_M = (0.004, 0.006, 0.008, 0.010, 0.012)
-OMEGA = 2.0 * np.pi * 4.92  # rad/s, near the resonance
 CYCLES = 100.0
 NOISE = 0.01  # of the rms of each channel
 SEED = 2010
@@ -84,7 +83,7 @@ def measurements(samples: int) -> list[Measurement]:
             noise=NOISE,
             seed=SEED + level,
         )
-        for level, Y in enumerate(LEVELS_M)
+        for level, Y in enumerate(LEVELS)
     ]
 
 
@@ -270,6 +269,6 @@ def run(out: Path, samples: int = 20_000, repetitions: int = 9) -> None:
     write_csv(out / "identification_errors.csv", wrong)
     write_csv(out / "start_up.csv", starting)
     write_csv(out / "imports.csv", loading)
-    facts = {"levels_samples": samples * len(LEVELS_M), "repetitions": repetitions}
+    facts = {"levels_samples": samples * len(LEVELS), "repetitions": repetitions}
     write_text(out / "identification.md", text(summary, wrong, starting, loading, facts))
     figure(summary, starting, out / "identification.svg", out / "identification.png")

@@ -17,10 +17,10 @@ import pandas as pd
 
 from dampbalance.figures.style import SLIP, page, place, save, styled
 from dampbalance.project.files import write_csv, write_text
+from folders import ROOT
 
 from .measuring import machine, markdown, quantity
 
-ROOT = Path(__file__).parents[2]
 NOT_COPIED = (".*", "results", "__pycache__", "build", "dist")
 
 

@@ -19,6 +19,8 @@ from dampbalance.publishing.article import compiling
 from paper.article_case import INPUTS, build
 from paper.routes import ROOT
 
+pytestmark = pytest.mark.slow
+
 # --- the values ---------------------------------------------------------------------------
 
 

@@ -6,9 +6,7 @@ without reference to any printed digit, and the printed tables are compared at t
 
 from __future__ import annotations
 
-import math
 from decimal import Decimal
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -16,18 +14,15 @@ import pytest
 
 from dampbalance.balance import direct, slip_displacement, slip_time, slip_velocity_as_printed
 from dampbalance.features import of_orbit, stack
-from dampbalance.model import BaseMotion, Oscillator
+from dampbalance.model import BaseMotion
 from dampbalance.motion.fixed_step import simulate
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.reading.clean import of_record
 from dampbalance.replication.readout import ReadOut
 from dampbalance.solver import pair
+from folders import PUBLISHED
+from paper_case import LEVELS, OMEGA, PAIRS, PAPER
 
-PUBLISHED = Path(__file__).parents[2] / "paper/published"
-PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-OMEGA = 2.0 * math.pi * 4.92
-LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
-PAIRS = ((0, 1), (1, 2), (2, 3), (3, 4), (0, 4))
 STEP = 5.0e-6
 
 # The equation of motion divided by m, with 90/2.42 and 2310/2.42 rounded. Of ten cycles the last three are kept; the

@@ -18,8 +18,9 @@ from dampbalance.model import BaseMotion
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.solver import contact_stiffness, pair
 from paper.routes import PAPER
+from paper_case import FREQUENCIES_HZ
 
-CASES = [(hertz, Y) for hertz in (4.92, 3.5, 11.1) for Y in (0.004, 0.012)]
+CASES = [(hertz, Y) for hertz in FREQUENCIES_HZ.values() for Y in (0.004, 0.012)]
 
 
 @pytest.fixture(params=CASES, ids=lambda case: f"{case[0]} Hz, {1e3 * case[1]:g} mm")
@@ -162,7 +163,8 @@ def test_eq_10_corrected(orbit):
 
 # ---- The harmonic response: x = X cos(ωt − φ), slip at the phase ψ after the reversal --------------------------------
 
-OMEGA, X, PHI, PSI, F_K, C, K, Y = 30.0, 0.006, 1.3, 0.08, 1.28, 90.0, 2310.0, 0.007
+OMEGA, X, PHI, PSI, Y = 30.0, 0.006, 1.3, 0.08, 0.007
+F_K, C, K = PAPER.F_k, PAPER.c, PAPER.k
 
 
 @pytest.fixture

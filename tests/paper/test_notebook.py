@@ -8,16 +8,16 @@ import os
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
-from pathlib import Path
 
 import nbformat
 import numpy as np
 import pytest
 
 from dampbalance.publishing import notebook
+from folders import ROOT
 from paper.chromium import CHROMIUM, REASON
 
-FOLDER = Path(__file__).parents[2] / "paper/notebook"
+FOLDER = ROOT / "paper/notebook"
 SOURCE = FOLDER / "tour.py"
 STYLE = (FOLDER / "page.css").read_text(encoding="utf-8")
 TEMPLATE = FOLDER / "page.html"
@@ -190,6 +190,7 @@ def test_only_the_public_interface_is_used():
     assert hidden <= public_of_tuples
 
 
+@pytest.mark.slow
 def test_every_exercise_has_an_outcome(executed):
     questions = [
         i for i, cell in enumerate(executed.cells) if re.match(r"\*\*\d\. ", cell.source)
@@ -204,6 +205,7 @@ def test_every_exercise_has_an_outcome(executed):
 # --- what it becomes -----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_notebook_is_valid_and_complete(tour):
     read = nbformat.reads(tour[1], as_version=4)
     nbformat.validate(read)
@@ -215,6 +217,7 @@ def test_the_notebook_is_valid_and_complete(tour):
     assert {stream.name for stream in streams} == {"stdout"}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="cores cannot be chosen here")
 def test_one_core_shows_the_same_bytes(tour):
     allowed = os.sched_getaffinity(0)
@@ -246,6 +249,7 @@ class Links(HTMLParser):
                 self.targets.append(given[name])
 
 
+@pytest.mark.slow
 def test_the_page_loads_nothing_and_its_links_lead_somewhere(page):
     links = Links(page)
     assert [t for t in links.targets if not t.startswith(("data:", "#"))] == []
@@ -256,6 +260,7 @@ def test_the_page_loads_nothing_and_its_links_lead_somewhere(page):
     assert not re.search(r"@import|url\(", page)
 
 
+@pytest.mark.slow
 def test_formulas_are_mathml_and_pictures_are_described(page, executed):
     links = Links(page)
     assert links.tags.count("math") > 50
@@ -275,6 +280,7 @@ def test_formulas_are_mathml_and_pictures_are_described(page, executed):
     assert links.tags.count("details") == 5
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None, reason=REASON)
 @pytest.mark.parametrize(("width", "scheme"), [(1200, "light"), (360, "dark")])
 def test_a_browser_without_network_shows_it(page, tmp_path, width, scheme):

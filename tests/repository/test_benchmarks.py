@@ -94,6 +94,7 @@ def test_contestants_take_turns():
     assert calls == ["a", "b"] * 3
 
 
+@pytest.mark.slow
 def test_scaling_writes_what_it_measured(tmp_path):
     scaling.run(tmp_path, largest=10**4, repetitions=1)
     times = pd.read_csv(tmp_path / "scaling.csv")
@@ -113,6 +114,7 @@ IMPORT_TIMES = (
 )
 
 
+@pytest.mark.slow
 def test_identification_writes_what_it_measured(tmp_path, monkeypatch, capsys):
     def here(
         script, arguments, *options

@@ -5,11 +5,11 @@ from __future__ import annotations
 import ast
 import importlib
 import re
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from folders import ROOT
+
 TEXT = (ROOT / "paper/equations.md").read_text(encoding="utf-8")
 PACKAGE = ROOT / "src/dampbalance"
 LINES = [line for line in TEXT.splitlines() if re.match(r"\| \(\d+[ab]?\)", line)]

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from folders import ROOT
 
 # A file refers to the printed numbers when it names their folder, the configuration key that holds it, the package that
 # reads them, or its functions. To ask whether there is anything to compare with is no reference.

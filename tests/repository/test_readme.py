@@ -4,27 +4,18 @@ from __future__ import annotations
 
 import json
 import re
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.estimates import estimate_table
-from dampbalance.features import of_orbit, stack
 from dampbalance.figures import figure3, save
 from dampbalance.replication.verdicts import VERDICTS, counts
+from folders import ROOT
+from paper_case import FREQUENCIES_HZ, OMEGA, PAIRS, PAPER, features_at, orbits_at
 
-ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
-PAIRS = [(0, 1), (1, 2), (2, 3), (3, 4), (0, 4)]
-
-
-def orbits_at(hertz):
-    return [steady_orbit(PAPER, BaseMotion(Y=Y, omega=2.0 * np.pi * hertz)) for Y in LEVELS]
 
 
 def test_the_verdicts_are_those_on_record():
@@ -42,7 +33,7 @@ def test_the_verdicts_are_those_on_record():
 
 
 def test_the_picture_is_the_figure_that_is_built(tmp_path):
-    save(figure3(orbits_at(4.92)), tmp_path / "figure3.svg", tmp_path / "figure3.png")
+    save(figure3(orbits_at()), tmp_path / "figure3.svg", tmp_path / "figure3.png")
     built, shown = (
         np.array(re.findall(r"-?\d+\.\d+", path.read_text(encoding="utf-8")), dtype=float)
         for path in (tmp_path / "figure3.svg", ROOT / "paper/figures/figure3.svg")
@@ -52,9 +43,11 @@ def test_the_picture_is_the_figure_that_is_built(tmp_path):
     np.testing.assert_allclose(built, shown, atol=0.01)
 
 
-@pytest.mark.parametrize(("hertz", "worst"), [(4.92, 1.5), (3.5, 20.0), (11.1, 67.0)])
+@pytest.mark.parametrize(
+    ("hertz", "worst"), [*zip(FREQUENCIES_HZ.values(), (1.5, 20.0, 67.0), strict=True)]
+)
 def test_the_errors_quoted_are_those_found(hertz, worst):
-    table = estimate_table(stack([of_orbit(orbit) for orbit in orbits_at(hertz)]), PAPER.k, PAIRS)
+    table = estimate_table(features_at(hertz), PAPER.k, PAIRS)
     shared = table[(table["phase"] == "common") & (table["kind"] == "pair")]
     error = 100.0 * (shared["F_k_N"] / PAPER.F_k - 1.0).abs().max()
     assert f"{worst:g} %" in README
@@ -79,6 +72,6 @@ def test_every_file_it_links_to_is_there():
 
 
 def test_the_dissipation_quoted_is_that_of_the_configuration():
-    value = PAPER.c + PAPER.m * (2.0 * np.pi * 4.92) ** 2 * 5.0e-6
+    value = PAPER.c + PAPER.m * OMEGA**2 * 5.0e-6
     assert f"{value:.4f} N s/m" in README
     assert json.dumps(round(value, 4)) == "90.0116"

@@ -16,8 +16,8 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 import dampbalance
+from folders import ROOT
 
-ROOT = Path(__file__).parents[2]
 LOCKS = ("requirements.lock", "requirements-build.lock")
 MODULES = sorted((ROOT / "src").rglob("*.py"))
 LONGEST_MODULE = 400  # lines; a longer one no longer reads top to bottom in one sitting
@@ -237,6 +237,7 @@ def test_set_up_without_the_venv_module_says_what_to_install(bare_copy):
     assert not (bare_copy / ".venv").exists()
 
 
+@pytest.mark.slow
 def test_interrupted_set_up_is_not_taken_for_a_finished_one(bare_copy):
     python = fake_python(bare_copy, accepts="-")  # accepts everything, and makes no environment
     for _ in range(2):

@@ -23,15 +23,13 @@ from dampbalance.balance import (
     viscous_integral,
 )
 from dampbalance.features import of_numbers, of_orbit, stack
-from dampbalance.model import BaseMotion, Oscillator
+from dampbalance.model import BaseMotion
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.solver import least_squares
+from paper_case import FREQUENCIES_HZ, PAPER, features_at
 
-K = 2310.0
+K = PAPER.k
 HARMONIC = ("X_s", "t_s", "V_s")
-PAPER = Oscillator(m=2.42, c=90.0, k=K, K_z=208000.0, F_k=1.28)
-LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
-FREQUENCIES = (4.92, 3.5, 11.1)
 
 
 def harmonic(X, psi, omega=30.0, Y=0.006, phi=1.3):
@@ -90,20 +88,17 @@ def test_rigid_contact_is_the_limit_of_every_harmonic_approach(X):
         assert APPROACHES[name](features, K).terms["F_k"][0] == 4.0 * X
 
 
-@pytest.mark.parametrize("hertz", [3.5, 4.92, 11.1])
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
 def test_direct_rows_of_exact_orbits_close_the_balance(hertz):
-    osc = Oscillator(m=2.42, c=90.0, k=K, K_z=208000.0, F_k=1.28)
-    omega = 2.0 * math.pi * hertz
-    features = stack([of_orbit(steady_orbit(osc, BaseMotion(Y, omega))) for Y in (0.004, 0.012)])
+    features = features_at(hertz, (0.004, 0.012))
     rows = direct(features, K)
     # The orbit is exact to rounding and the three integrals are closed forms: 1e-12 leaves room for a few hundred ulp.
-    assert np.all(np.abs(rows.misfit({"F_k": osc.F_k, "c": osc.c})) <= 1e-12 * rows.W)
+    assert np.all(np.abs(rows.misfit({"F_k": PAPER.F_k, "c": PAPER.c})) <= 1e-12 * rows.W)
 
 
 def test_direct_and_X_s_share_the_friction_travel_of_an_exact_orbit():
     """∫|ẋ| from slip onset to reversal telescopes to X − X_s, whatever the shape of x(t)."""
-    osc = Oscillator(m=2.42, c=90.0, k=K, K_z=208000.0, F_k=1.28)
-    features = of_orbit(steady_orbit(osc, BaseMotion(0.008, 2.0 * math.pi * 3.5)))
+    features = features_at(3.5, (0.008,))
     a = slip_displacement(features, K).terms["F_k"]
     assert direct(features, K).terms["F_k"] == pytest.approx(a, rel=1e-12)
 
@@ -163,34 +158,29 @@ def test_each_approach_reads_its_own_feature_only():
 # --- the Fourier energy balance ----------------------------------------------------------------------
 
 
-def exact_features(hertz, osc=PAPER, levels=LEVELS):
-    omega = 2.0 * math.pi * hertz
-    return stack([of_orbit(steady_orbit(osc, BaseMotion(Y, omega))) for Y in levels])
-
-
-@pytest.mark.parametrize("hertz", FREQUENCIES)
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
 def test_fourier_takes_the_input_work_from_the_fundamental_exactly(hertz):
     """By orthogonality: the work of every other harmonic against y is zero, however unlike a sinusoid x(t) is."""
-    features = exact_features(hertz)
+    features = features_at(hertz)
     # Both are closed forms of the same orbit: a few hundred roundings.
     assert pytest.approx(features.W, rel=1e-13) == fourier(features, K).W
 
 
-@pytest.mark.parametrize("hertz", FREQUENCIES)
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
 def test_fourier_takes_the_friction_travel_from_two_displacements_exactly(hertz):
-    features = exact_features(hertz)
+    features = features_at(hertz)
     assert fourier(features, K).terms["F_k"] == pytest.approx(features.a, rel=1e-12)
 
 
 def test_fourier_work_is_exact_even_where_the_contact_distorts_x():
     """A soft, strong contact: the third harmonic is 4 % of the fundamental."""
-    osc = Oscillator(m=2.42, c=20.0, k=K, K_z=9000.0, F_k=6.0)
-    features = exact_features(2.4, osc, (0.004, 0.012))
+    osc = replace(PAPER, c=20.0, K_z=9000.0, F_k=6.0)
+    features = features_at(2.4, (0.004, 0.012), osc)
     assert (features.X_3 / features.X_1).max() > 0.04
     assert pytest.approx(features.W, rel=1e-13) == fourier(features, K).W
 
 
-@pytest.mark.parametrize("hertz", FREQUENCIES)
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
 def test_the_viscous_integral_converges_to_direct_integration_with_more_harmonics(hertz):
     """Parseval: from below, each harmonic adds n² X_n². The amplitudes are found here by Gauss–Legendre quadrature over
     the two smooth pieces of half a period; the other half repeats it with the sign reversed.
@@ -225,17 +215,17 @@ def test_the_viscous_integral_converges_to_direct_integration_with_more_harmonic
 
 # Measured: F_k +0.0214, +0.0491, +0.0065 %, c −0.00096, −0.0025, −0.0005 % at ω1, ω2, ω3. What is left is the harmonics
 # above the fifth. Bounds: what the approach is meant to keep.
-@pytest.mark.parametrize("hertz", FREQUENCIES)
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
 def test_fourier_holds_at_resonance_and_off_it(hertz):
-    fit = least_squares(fourier(exact_features(hertz), K))
+    fit = least_squares(fourier(features_at(hertz), K))
     assert fit["F_k"] == pytest.approx(PAPER.F_k, rel=5e-4)
     assert fit["c"] == pytest.approx(PAPER.c, rel=5e-5)
 
 
-@pytest.mark.parametrize("hertz", FREQUENCIES)
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
 def test_fourier_needs_its_higher_harmonics(hertz):
     """With b = πωX_1² alone F_k is off by 20 times as much: it is the higher harmonics that carry the approach."""
-    features = exact_features(hertz)
+    features = features_at(hertz)
     without = least_squares(fourier(features.replaced(X_3=0.0, X_5=0.0), K))
     error = abs(least_squares(fourier(features, K))["F_k"] - PAPER.F_k)
     assert abs(without["F_k"] - PAPER.F_k) > 20.0 * error

@@ -16,10 +16,7 @@ from dampbalance.reading.clean import of_record
 from dampbalance.reading.quadrature import integral
 from dampbalance.record import Record
 from dampbalance.replication.readout import ReadOut
-
-PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-OMEGA = 2.0 * math.pi * 4.92
-LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
+from paper_case import FREQUENCIES_HZ, LEVELS, OMEGA, PAPER
 
 
 def orbit(Y=0.008, osc=PAPER, omega=OMEGA):
@@ -201,7 +198,7 @@ def test_common_values_are_taken_case_by_case(by_case):
 # ---- reading records ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("frequency_hz", [3.5, 4.92, 11.1])
+@pytest.mark.parametrize("frequency_hz", FREQUENCIES_HZ.values())
 @pytest.mark.parametrize("Y", [0.004, 0.012])
 def test_interpolated_reading_of_an_exact_record_is_exact(Y, frequency_hz):
     motion_orbit = orbit(Y, omega=2.0 * math.pi * frequency_hz)
@@ -271,7 +268,7 @@ def test_lock_in_uses_all_whole_cycles():
 
 @pytest.mark.parametrize(
     ("osc", "Y"),
-    [(PAPER, 1e-5), (Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=0.0), 0.008)],
+    [(PAPER, 1e-5), (replace(PAPER, F_k=0.0), 0.008)],
     ids=["never slips", "no friction"],
 )
 @pytest.mark.parametrize("reading", ["interpolated", "sample"])

@@ -9,10 +9,11 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+import paper_case
 from dampbalance import BaseMotion, Oscillator
 from dampbalance.model import Parameters, parameters
 
-PAPER = {"m": 2.42, "c": 90.0, "k": 2310.0, "K_z": 208000.0, "F_k": 1.28}
+PAPER = dataclasses.asdict(paper_case.PAPER)
 MOTION = {"Y": 0.004, "omega": 30.9}
 
 FIELDS = [(Oscillator, PAPER, name) for name in PAPER]

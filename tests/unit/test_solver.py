@@ -19,9 +19,6 @@ from dampbalance.balance import (
     slip_velocity_as_printed,
 )
 from dampbalance.estimates import estimate_columns, estimate_table
-from dampbalance.features import of_orbit, stack
-from dampbalance.model import BaseMotion, Oscillator
-from dampbalance.motion.orbit import steady_orbit
 from dampbalance.solver import (
     contact_stiffness,
     least_squares,
@@ -30,16 +27,7 @@ from dampbalance.solver import (
     pairs,
     solve,
 )
-
-PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
-PAIRS = [(0, 1), (1, 2), (2, 3), (3, 4), (0, 4)]
-
-
-def features_at(hertz=4.92, levels=LEVELS, osc=PAPER):
-    return stack(
-        [of_orbit(steady_orbit(osc, BaseMotion(Y, 2.0 * math.pi * hertz))) for Y in levels]
-    )
+from paper_case import FREQUENCIES_HZ, LEVELS, PAIRS, PAPER, features_at
 
 
 def rows_of(amplitudes, F_k, c):
@@ -100,7 +88,7 @@ def test_close_levels_lose_the_condition_number_not_its_square():
     assert abs(normal[0] / 1.28 - 1.0) > 1e-5
 
 
-@pytest.mark.parametrize("hertz", [3.5, 4.92, 11.1])
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
 def test_exact_orbits_give_back_the_parameters(hertz):
     rows = APPROACHES["direct"](features_at(hertz), PAPER.k)
     for estimate in [least_squares(rows), *pairs(rows, PAIRS)]:
@@ -417,7 +405,7 @@ def test_mean_and_deviation_divide_by_n_minus_1():
         mean_and_deviation([])
 
 
-@pytest.mark.parametrize("hertz", [3.5, 4.92, 11.1])
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
 def test_contact_stiffness_of_exact_orbits(hertz):
     """The microstick line is 12.3 µm long out of 9 mm: X + X_s keeps 1e-16 · 750 ≈ 1e-13 of itself."""
     features = features_at(hertz)
@@ -470,7 +458,7 @@ def test_table_takes_other_row_functions_for_the_common_phase():
 
 def test_table_goes_on_without_a_level_that_does_not_slip():
     """X of the lowest level stays below Z_m: it has no slip onset, and the others are estimated without it."""
-    osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=8.0)
+    osc = replace(PAPER, F_k=8.0)
     features = features_at(levels=(0.001, 0.008, 0.010), osc=osc)
     assert features.slipping.tolist() == [False, True, True]
     table = estimate_table(features, osc.k, [(0, 1), (1, 2)])
@@ -483,7 +471,7 @@ def test_table_goes_on_without_a_level_that_does_not_slip():
 
 
 def test_table_without_any_slip_says_so_and_estimates_nothing():
-    osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=60.0)
+    osc = replace(PAPER, F_k=60.0)
     features = features_at(levels=(0.004, 0.006), osc=osc)
     assert not features.slipping.any()
     table = estimate_table(features, osc.k, [(0, 1)])
@@ -491,3 +479,23 @@ def test_table_without_any_slip_says_so_and_estimates_nothing():
     assert harmonic["F_k_N"].isna().all()
     assert harmonic["note"].str.contains("nothing slips").all()
     assert table["note"].str.contains("nothing sl").all()  # direct: a = 0, "nothing slides"
+
+
+def test_infinity_leaves_a_row_out_as_nan_does():
+    rows = rows_of([0.004, 0.006, 0.008], 1.28, 90.0)
+    rows.terms["c"][0] = np.inf
+    estimate = solve(rows)
+    assert estimate.n == 2
+    assert estimate["F_k"] == pytest.approx(1.28, rel=1e-12)
+
+
+def test_no_rows_and_no_cases():
+    rows = rows_of([0.004, 0.006, 0.008], 1.28, 90.0)
+    assert math.isnan(solve(rows[[]])["F_k"])
+    none = solve(Rows({"F_k": np.empty((5, 0)), "c": np.empty((5, 0))}, np.empty((5, 0))))
+    assert none["c"].shape == (0,)
+
+
+def test_only_terms_can_be_given():
+    with pytest.raises(ValueError, match=r"given \['eta'\] are no terms of these rows"):
+        replace(rows_of([0.004, 0.006], 1.28, 90.0), given={"eta": 0.1})

@@ -60,6 +60,16 @@ def test_nothing_is_done_twice_and_a_record_that_changes_is_read_again(built):
     }
 
 
+def run_changed(copy, change):
+    """A case of one's own: the example with a change of its set of records."""
+    document = yaml.safe_load((copy.folder / EXAMPLE).read_text(encoding="utf-8"))
+    document["case"] = "mine"
+    document["measured"][0] |= change
+    (copy.folder / "mine.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+    done = copy.run("--configfile", "mine.yaml")
+    return done, done.stdout + done.stderr
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -73,27 +83,18 @@ def test_nothing_is_done_twice_and_a_record_that_changes_is_read_again(built):
         ({"name": "two words"}, "measured[1].name"),
     ],
 )
-def test_a_wrong_configuration_is_refused_before_anything_runs(checkout, change, message):
-    copy = checkout()
-    document = yaml.safe_load((copy.folder / EXAMPLE).read_text(encoding="utf-8"))
-    document["measured"][0] |= change
-    (copy.folder / "mine.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
-    done = copy.run("--configfile", "mine.yaml")
+def test_a_wrong_configuration_is_refused_before_anything_runs(built, change, message):
+    copy, _ = built
+    done, said = run_changed(copy, change)
     assert done.returncode != 0
-    said = done.stdout + done.stderr
     assert "mine.yaml" in said
     assert message in said
     assert "Traceback" not in said
-    assert not (copy.folder / "results").exists()
+    assert not (copy.folder / "results/mine").exists()
 
 
-def test_a_record_that_cannot_be_used_is_named(checkout):
-    copy = checkout()
-    document = yaml.safe_load((copy.folder / EXAMPLE).read_text(encoding="utf-8"))
-    document["measured"][0] |= {"frequency_hz": 7.0}
-    (copy.folder / "mine.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
-    done = copy.run("--configfile", "mine.yaml")
+def test_a_record_that_cannot_be_used_is_named(built):
+    done, said = run_changed(built[0], {"frequency_hz": 7.0})
     assert done.returncode != 0
-    said = done.stdout + done.stderr
     assert "error: config/records/example/level1.csv: the excitation oscillates at 3.49999" in said
     assert "Traceback" not in said

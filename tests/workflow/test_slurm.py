@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 import yaml
 
-ROOT = Path(__file__).parents[2]
+from folders import ROOT
+
 CLUSTER = ROOT / "tests/cluster"
 UNAVAILABLE = 69  # loopback.sh: SLURM cannot be started here, with the reason on stderr
 

@@ -13,11 +13,12 @@ import pytest
 import yaml
 
 from dampbalance.studies import evaluate, settings
+from folders import ROOT
 
 pytestmark = pytest.mark.slow
 
 SMALL = Path(__file__).parent / "studies"
-SHIPPED = Path(__file__).parents[2] / "config/studies"
+SHIPPED = ROOT / "config/studies"
 NAMES = sorted(path.stem for path in SHIPPED.glob("*.yaml"))
 
 

@@ -18,8 +18,10 @@ from dampbalance.identification.loading import load
 from dampbalance.identification.outputs import OUTPUTS
 from dampbalance.identification.run import identified
 from dampbalance.records.readers import read
+from folders import ROOT
+from paper_case import PAPER
 
-EXAMPLE = Path(__file__).parents[3] / "config/records/example"
+EXAMPLE = ROOT / "config/records/example"
 RECORDS = sorted(str(path) for path in EXAMPLE.glob("level*.csv"))
 SMALL = ["--cycles", "3", "--rate", "1000", "--noise", "0.01", "--seed", "5"]
 WHOLE = ["--mass", "2.42", "--frequency", "3.5"]
@@ -65,7 +67,7 @@ def test_everything_is_written(output):
 
 def test_the_document_holds_the_truth_of_the_example(output):
     found = json.loads((output[0] / "identification.json").read_text(encoding="utf-8"))
-    truth = {"F_k": ("N", 1.28), "c": ("N_s_per_m", 90.0), "K_z": ("N_per_m", 208000.0)}
+    truth = {"F_k": ("N", PAPER.F_k), "c": ("N_s_per_m", PAPER.c), "K_z": ("N_per_m", PAPER.K_z)}
     for numbers in (
         found["approaches"]["direct"],
         found["approaches"]["fourier"],

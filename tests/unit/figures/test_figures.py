@@ -6,6 +6,7 @@ import ast
 import functools
 import itertools
 import math
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -19,33 +20,24 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
-from dampbalance import BaseMotion, Oscillator, balance, figures, steady_orbit
+from dampbalance import BaseMotion, balance, figures, steady_orbit
 from dampbalance.estimates import estimate_table
-from dampbalance.features import of_orbit, stack
 from dampbalance.figures import looks, style
 from dampbalance.figures.cycle import branches
+from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, OMEGA, PAIRS, PAPER, features_at, orbits_at
 
-OSCILLATOR = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
-FREQUENCIES = {"omega1": 4.92, "omega2": 3.5, "omega3": 11.1}
-PAIRS = [(0, 1), (1, 2), (2, 3), (3, 4), (0, 4)]
 NAMES = ("figure1", "figure2", "figure3", "estimation_error")
-
-
-def orbits_at(hz: float, oscillator: Oscillator = OSCILLATOR) -> list:
-    return [steady_orbit(oscillator, BaseMotion(Y, 2 * math.pi * hz)) for Y in LEVELS]
 
 
 @pytest.fixture(scope="module")
 def orbits() -> list:
-    return orbits_at(4.92)
+    return orbits_at()
 
 
 @pytest.fixture(scope="module")
 def estimates() -> dict[str, pd.DataFrame]:
     return {
-        name: estimate_table(stack([of_orbit(orbit) for orbit in orbits_at(hz)]), 2310.0, PAIRS)
-        for name, hz in FREQUENCIES.items()
+        name: estimate_table(features_at(hz), PAPER.k, PAIRS) for name, hz in FREQUENCIES_HZ.items()
     }
 
 
@@ -57,7 +49,7 @@ def make(orbits, estimates):
         "figure2": lambda: figures.friction_velocity_loop(orbits[0]),
         "figure3": lambda: figures.figure3(orbits),
         "estimation_error": lambda: figures.estimation_error(
-            estimates, OSCILLATOR, FREQUENCIES, LEVELS
+            estimates, PAPER, FREQUENCIES_HZ, LEVELS
         ),
     }
 
@@ -239,7 +231,7 @@ def test_branches_make_one_closed_cycle(orbits):
     orbit = orbits[0]
     cycle = branches(orbit)
     assert [branch.stick for branch in cycle] == [True, False, True, False]
-    Z_m = OSCILLATOR.F_k / OSCILLATOR.K_z
+    Z_m = PAPER.F_k / PAPER.K_z
     for here, following in zip(cycle, [*cycle[1:], cycle[0]], strict=True):
         for end, start, scale in zip(
             here.state, following.state, (orbit.X, 0.1, 3.0, Z_m), strict=True
@@ -255,7 +247,7 @@ def test_branches_make_one_closed_cycle(orbits):
 
 def test_figure2_marks_the_four_instants_where_they_are(make, orbits):
     zoom = panels(make["figure2"]())["b"]
-    orbit, F_k = orbits[0], OSCILLATOR.F_k
+    orbit, F_k = orbits[0], PAPER.F_k
     where = {letter: line(zoom, letter).get_xydata()[0] for letter in "ABCD"}
     assert where["A"] == pytest.approx((0.0, F_k))
     assert where["B"] == pytest.approx((-orbit.V_s, -F_k))
@@ -275,10 +267,10 @@ def test_figure2_draws_the_friction_force_of_the_orbit(make, orbits):
     x = np.concatenate([branch.state.x for branch in branches(orbit)])
     work = np.trapezoid(f, x)
     # z is linear in x in stick and constant in slip: the trapezoidal rule is exact but for rounding.
-    assert work == pytest.approx(OSCILLATOR.F_k * orbit.a, rel=1e-9)
+    assert work == pytest.approx(PAPER.F_k * orbit.a, rel=1e-9)
     assert v.max() < whole.get_xlim()[1]
-    assert np.abs(f).max() == pytest.approx(OSCILLATOR.F_k)
-    assert whole.get_ylim()[1] > OSCILLATOR.F_k
+    assert np.abs(f).max() == pytest.approx(PAPER.F_k)
+    assert whole.get_ylim()[1] > PAPER.F_k
 
 
 # --- Figure 3 ------------------------------------------------------------------------------------
@@ -305,7 +297,7 @@ def test_figure3_marks_what_table_1_lists(make, orbits):
     assert line(b, "X_s").get_xdata() == pytest.approx([orbit.X_s * 1e3] * 2)
     assert line(d, "V_s").get_xdata() == pytest.approx([orbit.V_s] * 2)
     # Each mark ends on the curve: the acceleration follows from the equation of motion, Eqs. (1), (2).
-    m, c, k, F_k = OSCILLATOR.m, OSCILLATOR.c, OSCILLATOR.k, OSCILLATOR.F_k
+    m, c, k, F_k = PAPER.m, PAPER.c, PAPER.k, PAPER.F_k
     force = k * orbit.motion.y(orbit.t_1 + orbit.t_s)
     at_slip = (force - c * orbit.V_s - k * orbit.X_s - F_k) / m
     at_reversal = (k * orbit.motion.y(orbit.t_1) + k * orbit.X + F_k) / m
@@ -327,7 +319,7 @@ def test_the_microsticking_line_is_straight_and_as_steep_as_the_contact(make, or
     # m dẍ/dx = −(k + K_z) + (kẏ − cẍ)/ẋ. At the reversal kẏ and cẍ all but cancel, being at resonance; at slip onset
     # the last term is (285 − 174 N/s)/0.0077 m/s = 14 kN/m, 7 % of k + K_z.
     slope = np.polyfit(x, acceleration, 1)[0]
-    assert slope == pytest.approx(-(OSCILLATOR.k + OSCILLATOR.K_z) / OSCILLATOR.m, rel=0.07)
+    assert slope == pytest.approx(-(PAPER.k + PAPER.K_z) / PAPER.m, rel=0.07)
     bend = acceleration - np.polyval(np.polyfit(x, acceleration, 1), x)
     assert np.abs(bend).max() < 0.02 * np.ptp(acceleration)  # less than the width of the line
 
@@ -353,7 +345,7 @@ def test_figure3_frames_what_it_enlarges(make, zoomed, whole):
 
 
 def test_figure3_enlarges_the_first_level_that_slips(orbits):
-    stuck = steady_orbit(OSCILLATOR, BaseMotion(1e-4, orbits[0].motion.omega))
+    stuck = steady_orbit(PAPER, BaseMotion(1e-4, orbits[0].motion.omega))
     assert math.isnan(stuck.X_s)
     d = panels(figures.figure3([stuck, *orbits[1:]]))["d"]
     assert line(d, "V_s").get_xdata()[0] == pytest.approx(orbits[1].V_s)
@@ -363,24 +355,24 @@ def test_figure3_enlarges_the_first_level_that_slips(orbits):
 @pytest.mark.parametrize(
     ("oscillator", "words"),
     [
-        (Oscillator(2.42, 90.0, 2310.0, 208000.0, 50.0), "no slip: the contact only sticks"),
+        (replace(PAPER, F_k=50.0), "no slip: the contact only sticks"),
         (
-            Oscillator(2.42, 90.0, 2310.0, 208000.0, 0.0),
+            replace(PAPER, F_k=0.0),
             "no friction: the contact slips all the time",
         ),
     ],
     ids=["no slip", "no friction"],
 )
 def test_where_nothing_is_to_be_marked_the_regime_is_named(oscillator, words, tmp_path):
-    some = orbits_at(4.92, oscillator)
+    some = orbits_at(osc=oscillator)
     for figure in (figures.friction_velocity_loop(some[0]), figures.figure3(some)):
         assert words in [text.get_text() for axes in figure.axes for text in axes.texts]
         written(figure, tmp_path)
 
 
 def test_several_slip_onsets_are_drawn(tmp_path):
-    oscillator = Oscillator(m=2.42, c=10.0, k=2310.0, K_z=20000.0, F_k=3.0)
-    orbit = steady_orbit(oscillator, BaseMotion(0.004, 0.25 * 2 * math.pi * 4.92))
+    oscillator = replace(PAPER, c=10.0, K_z=20000.0, F_k=3.0)
+    orbit = steady_orbit(oscillator, BaseMotion(0.004, 0.25 * OMEGA))
     assert len(orbit.phases) > 2
     written(figures.friction_velocity_loop(orbit), tmp_path)
     written(figures.figure3([orbit]), tmp_path)
@@ -407,7 +399,7 @@ def stand_in() -> pd.DataFrame:
         kind=["pair", "pair", "pair", "least_squares"],
         phase=["common"] * 4,
         pair=["1-2", "2-3", "1-3", "all"],
-        F_k_N=1.28 * (1.0 - off),
+        F_k_N=PAPER.F_k * (1.0 - off),
         c_N_s_per_m=90.0 * (1.0 + 2.0 * off),
     )
 
@@ -419,7 +411,7 @@ def drawn(figure: Figure, axes: str, label: str) -> np.ndarray:
 
 
 def test_errors_are_relative_to_the_truth(stand_in):
-    figure = figures.estimation_error({"omega1": stand_in}, OSCILLATOR, {"omega1": 4.92}, LEVELS)
+    figure = figures.estimation_error({"omega1": stand_in}, PAPER, {"omega1": NEAR}, LEVELS)
     # neighbouring pairs 1-2, 2-3 first; then 1-3, which is missing; then least squares
     expected = np.array([1.0, 1e-14, math.nan, 10.0])
     assert drawn(figure, "F_k omega1", "X_s common") == pytest.approx(
@@ -434,7 +426,7 @@ def test_errors_are_relative_to_the_truth(stand_in):
     assert [t.get_text() for t in lowest.get_xticklabels()] == ["4–6", "6–8", "4–8", "all"]
 
 
-@pytest.mark.parametrize("name", FREQUENCIES)
+@pytest.mark.parametrize("name", FREQUENCIES_HZ)
 @pytest.mark.parametrize("phase", ["common", "individual"])
 def test_every_estimate_is_in_the_picture(make, estimates, name, phase):
     figure = make["estimation_error"]()
@@ -444,7 +436,7 @@ def test_every_estimate_is_in_the_picture(make, estimates, name, phase):
             continue  # it takes no choice of phase
         chosen = frame[(frame["approach"] == approach) & (frame["phase"] == phase)]
         chosen = chosen[chosen["kind"].isin(["pair", "least_squares"])]
-        for symbol, column, true in (("F_k", "F_k_N", 1.28), ("c", "c_N_s_per_m", 90.0)):
+        for symbol, column, true in (("F_k", "F_k_N", PAPER.F_k), ("c", "c_N_s_per_m", PAPER.c)):
             shown = drawn(figure, f"{symbol} {name}", f"{approach} {phase}")
             assert shown == pytest.approx(100.0 * abs(chosen[column] / true - 1.0), rel=1e-12)
             (axes,) = [axes for axes in figure.axes if axes.get_label() == f"{symbol} {name}"]
@@ -471,7 +463,7 @@ def test_what_is_exact_stands_below_the_break_with_its_bound(make):
 def test_direct_integration_that_is_not_exact_is_drawn_like_the_others(estimates):
     frame = estimates["omega1"].copy()
     frame.loc[frame["approach"] == "direct", ["F_k_N", "c_N_s_per_m"]] *= 1.0001
-    figure = figures.estimation_error({"omega1": frame}, OSCILLATOR, {"omega1": 4.92}, LEVELS)
+    figure = figures.estimation_error({"omega1": frame}, PAPER, {"omega1": NEAR}, LEVELS)
     assert len(figure.axes) == 2
     # 0.01 %, on top of errors of 1e-12 %
     assert drawn(figure, "c omega1", "direct individual") == pytest.approx(
@@ -499,6 +491,6 @@ def test_a_new_approach_and_a_new_term_are_drawn_like_the_others(stand_in, monke
 
 def test_a_missing_frequency_is_named(stand_in):
     with pytest.raises(ValueError, match="omega2"):
-        figures.estimation_error({"omega1": stand_in}, OSCILLATOR, {"omega2": 3.5}, LEVELS)
+        figures.estimation_error({"omega1": stand_in}, PAPER, {"omega2": 3.5}, LEVELS)
     with pytest.raises(ValueError, match="frequencies"):
-        figures.estimation_error({}, OSCILLATOR, {}, LEVELS)
+        figures.estimation_error({}, PAPER, {}, LEVELS)

@@ -3,29 +3,28 @@
 from __future__ import annotations
 
 import math
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.identification.identify import identify
 from dampbalance.identification.reporting import document, features_frame, frame, text_table
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.synthetic import measured_orbit
+from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, orbits_at
 
-OSC = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
 BOTH = ("base_displacement", "displacement", "acceleration")
 
 
 def readings(
-    hz=4.92, noise=0.0, seed=1, levels=LEVELS, rate_hz=2000.0, cycles=25.0, channels=BOTH, osc=OSC
+    hz=NEAR, noise=0.0, seed=1, levels=LEVELS, rate_hz=2000.0, cycles=25.0, channels=BOTH, osc=PAPER
 ):
     rng = np.random.default_rng(seed)
-    orbits = [steady_orbit(osc, BaseMotion(Y=Y, omega=2.0 * math.pi * hz)) for Y in levels]
+    orbits = orbits_at(hz, levels, osc)
     return [
         read_features(
             measured_orbit(
@@ -48,17 +47,17 @@ def relative(parameter, true):
     return parameter.value / true - 1.0
 
 
-@pytest.mark.parametrize("hz", [4.92, 3.5, 11.1])
+@pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
 def test_exact_records_give_the_truth_off_resonance_too(hz):
-    found = identify(readings(hz), OSC.k, replicates=20)
+    found = identify(readings(hz), PAPER.k, replicates=20)
     direct, fourier = found.estimates["direct"], found.estimates["fourier"]
     # the waveform has 1,024 points per half cycle; F_k takes up the small errors of large rows
-    assert relative(direct.coefficients["F_k"], OSC.F_k) == pytest.approx(0.0, abs=2e-5)
-    assert relative(direct.coefficients["c"], OSC.c) == pytest.approx(0.0, abs=2e-6)
-    assert relative(direct.K_z, OSC.K_z) == pytest.approx(0.0, abs=1e-4)
+    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=2e-5)
+    assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=2e-6)
+    assert relative(direct.K_z, PAPER.K_z) == pytest.approx(0.0, abs=1e-4)
     # what a balance of three harmonics cuts off
-    assert relative(fourier.coefficients["F_k"], OSC.F_k) == pytest.approx(0.0, abs=5e-4)
-    assert relative(fourier.coefficients["c"], OSC.c) == pytest.approx(0.0, abs=5e-5)
+    assert relative(fourier.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=5e-4)
+    assert relative(fourier.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=5e-5)
     assert found.warnings == ()
 
 
@@ -66,26 +65,27 @@ def test_records_of_several_frequencies_go_together():
     mixed = [
         readings(hz, 0.005, levels=(0.005, 0.011))[i] for i, hz in ((0, 4.92), (1, 3.5), (1, 11.1))
     ]
-    direct = identify(mixed, OSC.k, replicates=200).estimates["direct"]
+    direct = identify(mixed, PAPER.k, replicates=200).estimates["direct"]
     for symbol in ("F_k", "c", "K_z"):
         low, high = direct.parameters[symbol].interval
-        assert low < getattr(OSC, symbol) < high
+        assert low < getattr(PAPER, symbol) < high
 
 
+@pytest.mark.slow
 def test_intervals_tell_the_truth():
     runs = [
         identify(
             readings(
                 3.5, 0.01, seed=100 + i, levels=(0.004, 0.008, 0.012), rate_hz=1000.0, cycles=20.0
             ),
-            OSC.k,
+            PAPER.k,
             approaches={"direct": APPROACHES["direct"]},
             replicates=100,
         ).estimates["direct"]
         for i in range(40)
     ]
     for symbol in ("F_k", "c", "K_z"):
-        true = getattr(OSC, symbol)
+        true = getattr(PAPER, symbol)
         parameters = [run.parameters[symbol] for run in runs]
         values = np.array([p.value for p in parameters])
         stated = np.mean([p.standard_error for p in parameters])
@@ -103,12 +103,12 @@ def test_intervals_tell_the_truth():
 def test_the_records_share_what_no_single_one_resolves():
     read = readings(4.92, 0.05, rate_hz=5000.0, cycles=60.0, channels=BOTH[:2])
     assert not all(reading.onset_resolved for reading in read)
-    found = identify(read, OSC.k, replicates=200)
+    found = identify(read, PAPER.k, replicates=200)
     assert found.microstick.resolved
     direct = found.estimates["direct"]
-    assert direct.K_z.interval.low < OSC.K_z < direct.K_z.interval.high
+    assert direct.K_z.interval.low < PAPER.K_z < direct.K_z.interval.high
     low, high = direct.coefficients["F_k"].interval
-    assert low < OSC.F_k < high
+    assert low < PAPER.F_k < high
     # one length for all
     assert found.features.X + found.features.X_s == pytest.approx(
         [found.microstick.length] * 5, rel=1e-9
@@ -118,9 +118,9 @@ def test_the_records_share_what_no_single_one_resolves():
 
 def test_an_onset_that_is_not_resolved_is_said_and_costed():
     # 2,000 N/mm: a microstick line of 1.3 µm beside 24 µm of noise
-    stiff = Oscillator(m=OSC.m, c=OSC.c, k=OSC.k, K_z=2e6, F_k=OSC.F_k)
+    stiff = replace(PAPER, K_z=2e6)
     found = identify(
-        readings(noise=0.03, rate_hz=1000.0, channels=BOTH[:2], osc=stiff), OSC.k, replicates=100
+        readings(noise=0.03, rate_hz=1000.0, channels=BOTH[:2], osc=stiff), PAPER.k, replicates=100
     )
     assert not found.microstick.resolved
     assert "taken as rigid" in found.warnings[-1]
@@ -138,36 +138,36 @@ def test_an_onset_that_is_not_resolved_is_said_and_costed():
 
 
 def test_an_approach_whose_shape_does_not_hold_is_named():
-    found = identify(readings(3.5, 0.005), OSC.k, replicates=100)
+    found = identify(readings(3.5, 0.005), PAPER.k, replicates=100)
     assert found.estimates["direct"].notes == ()
     assert "off the direct balance, F_k by -1" in found.estimates["X_s"].notes[0]
-    better = identify(readings(3.5, 0.005), OSC.k, phase="fundamental", replicates=100)
+    better = identify(readings(3.5, 0.005), PAPER.k, phase="fundamental", replicates=100)
     of_better, of_found = (
-        abs(relative(each.estimates["X_s"].coefficients["F_k"], OSC.F_k))
+        abs(relative(each.estimates["X_s"].coefficients["F_k"], PAPER.F_k))
         for each in (better, found)
     )
     assert of_better < 0.5 * of_found
 
 
 def test_a_level_that_does_not_belong_is_noticed():
-    odd = Oscillator(m=OSC.m, c=1.01 * OSC.c, k=OSC.k, K_z=OSC.K_z, F_k=OSC.F_k)
+    odd = replace(PAPER, c=1.01 * PAPER.c)
     mixed = [*readings(noise=0.005)[:4], readings(noise=0.005, osc=odd)[4]]
-    notes = " ".join(identify(mixed, OSC.k, replicates=100).estimates["direct"].notes)
+    notes = " ".join(identify(mixed, PAPER.k, replicates=100).estimates["direct"].notes)
     assert "times farther from the fit than noise explains" in notes
 
 
 def test_levels_that_are_alike_are_reported():
-    found = identify(readings(noise=0.001, levels=(0.0100, 0.0101)), OSC.k, replicates=50)
+    found = identify(readings(noise=0.001, levels=(0.0100, 0.0101)), PAPER.k, replicates=50)
     assert "so alike" in " ".join(found.warnings)
 
 
 def test_equal_seeds_give_equal_numbers_whatever_is_asked_beside():
     read = readings(noise=0.01)
-    one = identify(read, OSC.k, replicates=50, seed=3)
+    one = identify(read, PAPER.k, replicates=50, seed=3)
     two = identify(
-        read, OSC.k, replicates=50, seed=3, approaches={"fourier": APPROACHES["fourier"]}
+        read, PAPER.k, replicates=50, seed=3, approaches={"fourier": APPROACHES["fourier"]}
     )
-    other = identify(read, OSC.k, replicates=50, seed=4)
+    other = identify(read, PAPER.k, replicates=50, seed=4)
     first, again, drawn = (
         each.estimates["fourier"].coefficients["F_k"] for each in (one, two, other)
     )
@@ -177,7 +177,7 @@ def test_equal_seeds_give_equal_numbers_whatever_is_asked_beside():
 
 
 def test_tables_and_documents_hold_the_same_numbers():
-    found = identify(readings(noise=0.01), OSC.k, replicates=50)
+    found = identify(readings(noise=0.01), PAPER.k, replicates=50)
     table, told = frame(found), document(found, version="0")
     assert list(table["approach"]) == list(told["approaches"]) == list(APPROACHES)
     for row in table.to_dict("records"):
@@ -207,7 +207,7 @@ def test_tables_and_documents_hold_the_same_numbers():
 )
 def test_what_makes_no_sense_is_refused(change, message):
     read = readings(noise=0.01, levels=LEVELS[:2], cycles=12.0)[: change.pop("count", 2)]
-    k = change.pop("k", OSC.k)
+    k = change.pop("k", PAPER.k)
     with pytest.raises(ValueError, match=message):
         identify(read, k, **change)
 
@@ -217,7 +217,7 @@ def test_what_makes_no_sense_is_refused(change, message):
 
 def integrated(Y, hz, cycles, rate_hz):
     """t, y, x, ẍ of the oscillator by scipy's Radau with events, from rest: nothing of this package is used."""
-    m, c, k, K_z, F_k = 2.42, 90.0, 2310.0, 208000.0, 1.28
+    m, c, k, K_z, F_k = astuple(PAPER)
     omega = 2.0 * math.pi * hz
     t_all = np.arange(round(cycles / hz * rate_hz)) / rate_hz
     x_all, a_all = np.empty_like(t_all), np.empty_like(t_all)
@@ -250,7 +250,7 @@ def integrated(Y, hz, cycles, rate_hz):
     return t_all, Y * np.cos(omega * t_all), x_all, a_all
 
 
-@pytest.mark.parametrize("hz", [4.92, 3.5, 11.1])
+@pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
 @pytest.mark.parametrize("driven_by", ["base_displacement", "base_acceleration", "force"])
 def test_records_of_an_independent_integrator(hz, driven_by, independent):
     rng = np.random.default_rng(8)
@@ -258,19 +258,21 @@ def test_records_of_an_independent_integrator(hz, driven_by, independent):
     for Y in (0.004, 0.008, 0.012):
         t, y, x, a = independent(Y, hz)
         omega = 2.0 * math.pi * hz
-        drive = {"base_displacement": y, "base_acceleration": -(omega**2) * y, "force": OSC.k * y}[
-            driven_by
-        ]
+        drive = {
+            "base_displacement": y,
+            "base_acceleration": -(omega**2) * y,
+            "force": PAPER.k * y,
+        }[driven_by]
         channels = [
             Channel(name, t, values + 0.002 * values.std() * rng.standard_normal(t.size))
             for name, values in ((driven_by, drive), ("displacement", x), ("acceleration", a))
         ]
         # from rest; e^{−ct/2m} falls by e⁻¹⁶ or more in ten cycles
-        read.append(read_features(Measurement.of("independent", channels), OSC.k, skip_cycles=10))
-    found = identify(read, OSC.k, replicates=200)
+        read.append(read_features(Measurement.of("independent", channels), PAPER.k, skip_cycles=10))
+    found = identify(read, PAPER.k, replicates=200)
     for name in ("direct", "fourier"):
         for symbol in ("F_k", "c", "K_z"):
-            parameter, true = found.estimates[name].parameters[symbol], getattr(OSC, symbol)
+            parameter, true = found.estimates[name].parameters[symbol], getattr(PAPER, symbol)
             # two parameters in a hundred intervals: four standard errors
             assert abs(parameter.value - true) < 4.0 * parameter.standard_error + 6e-4 * true
             assert parameter.standard_error < 0.01 * true

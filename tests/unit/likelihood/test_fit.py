@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,15 +12,12 @@ from scipy.stats import chi2
 from dampbalance.likelihood.fit import reference_fit
 from dampbalance.likelihood.information import NotIdentifiable, cramer_rao, noise_of_rms
 from dampbalance.likelihood.residuals import Residual, adequacy
-from dampbalance.model import BaseMotion, Oscillator
+from dampbalance.model import BaseMotion
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.reading.climb import Evaluation, NoConvergence, climb
 from dampbalance.record import Record
+from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, OMEGA, PAPER, motions_at
 
-PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
-HERTZ = 4.92
-OMEGA = 2.0 * math.pi * HERTZ
 RATE = 1000.0
 SEED = 20100815  # of every record with noise
 
@@ -27,7 +25,7 @@ SEED = 20100815  # of every record with noise
 def record(
     Y,
     osc=PAPER,
-    hertz=HERTZ,
+    hertz=NEAR,
     cycles=8.3,
     noise=0.0,
     rng=None,
@@ -75,7 +73,7 @@ def measured():
 
 
 @pytest.mark.parametrize("channels", [("y", "x"), ("y", "x", "v", "acceleration")], ids=len)
-@pytest.mark.parametrize("hertz", [3.5, 4.92, 11.1])
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
 def test_exact_records_give_back_the_parameters(hertz, channels):
     records = [record(Y, hertz=hertz, channels=channels, offset=0.2) for Y in LEVELS]
     found = fit(records, 2.0 * math.pi * hertz)
@@ -92,11 +90,11 @@ def test_exact_records_give_back_the_parameters(hertz, channels):
 @pytest.mark.parametrize(
     "osc",
     [
-        Oscillator(2.42, 90.0, 2310.0, 1e9, 1.28),  # as good as rigid
-        Oscillator(2.42, 90.0, 2310.0, 2000.0, 5.0),  # sticks for half of the cycle
-        Oscillator(2.42, 1.0, 2310.0, 208000.0, 1.28),  # friction does nearly all the work
-        Oscillator(2.42, 0.0, 2310.0, 208000.0, 1.28),
-        Oscillator(2.42, 90.0, 2310.0, 208000.0, 15.0),  # nothing slips at the lowest level
+        replace(PAPER, K_z=1e9),  # as good as rigid
+        replace(PAPER, K_z=2000.0, F_k=5.0),  # sticks for half of the cycle
+        replace(PAPER, c=1.0),  # friction does nearly all the work
+        replace(PAPER, c=0.0),
+        replace(PAPER, F_k=15.0),  # nothing slips at the lowest level
     ],
     ids=["rigid", "soft", "lightly damped", "undamped", "partly sticking"],
 )
@@ -115,7 +113,7 @@ def test_one_level_is_enough_for_the_whole_waveform():
 
 
 def test_levels_at_several_frequencies():
-    hertz = (3.5, 4.92, 11.1)
+    hertz = tuple(FREQUENCIES_HZ.values())
     records = [record(0.008, hertz=f) for f in hertz]
     found = fit(records, [2.0 * math.pi * f for f in hertz])
     assert found.F_k == pytest.approx(PAPER.F_k, rel=1e-9)
@@ -138,9 +136,9 @@ def test_mass_and_frequency_can_be_free():
 @pytest.mark.parametrize(
     "start",
     [
-        Oscillator(2.42, 45.0, 2310.0, 2e6, 4.0),
-        Oscillator(2.42, 200.0, 2310.0, 2e4, 0.1),
-        Oscillator(2.42, 5.0, 2310.0, 1e9, 2.0),
+        replace(PAPER, c=45.0, K_z=2e6, F_k=4.0),
+        replace(PAPER, c=200.0, K_z=2e4, F_k=0.1),
+        replace(PAPER, c=5.0, K_z=1e9, F_k=2.0),
     ],
     ids=["F_k too large", "F_k too small", "rigid"],
 )
@@ -156,7 +154,7 @@ def test_scatter_agrees_with_the_bound():
     """60 fits of five records of 325 samples: variances within the 99.9 % interval of χ² with 59 degrees of freedom,
     means within 3.3 standard errors; and the covariance each fit reports is the bound."""
     runs, cycles = 60, 8.0
-    motions = [BaseMotion(Y, OMEGA) for Y in LEVELS]
+    motions = motions_at()
     noise = noise_of_rms(PAPER, motions, 0.01, ("y", "x"))
     # The same times and phases as those of the records; few samples per cycle, so that they matter.
     bound = cramer_rao(PAPER, motions, rate_hz=200.0, cycles=cycles, noise=noise)
@@ -211,7 +209,7 @@ def test_units_do_not_matter(measured):
 
 
 def test_a_contact_too_stiff_to_resolve_has_no_upper_limit():
-    osc = Oscillator(2.42, 90.0, 2310.0, 1e11, 1.28)
+    osc = replace(PAPER, K_z=1e11)
     fits = [fit(noisy(seed=SEED + i, osc=osc)) for i in range(4)]
     for found in fits:
         low, high = found.K_z_interval
@@ -314,14 +312,14 @@ def test_what_cannot_be_tested_is_not():
 
 
 def test_a_contact_that_only_sticks_is_refused():
-    osc = Oscillator(2.42, 90.0, 2310.0, 208000.0, 60.0)
+    osc = replace(PAPER, F_k=60.0)
     for records in (noisy(osc=osc), [record(Y, osc) for Y in LEVELS]):
         with pytest.raises(NotIdentifiable, match="the contact only sticks, or there is no frict"):
             fit(records)
 
 
 def test_a_record_without_slip_beside_others_is_named():
-    osc = Oscillator(2.42, 90.0, 2310.0, 208000.0, 15.0)
+    osc = replace(PAPER, F_k=15.0)
     found = fit(noisy(osc=osc))
     assert any("nothing slips in record 1, 2:" in words for words in found.warnings)
 
@@ -329,7 +327,7 @@ def test_a_record_without_slip_beside_others_is_named():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"start": Oscillator(2.42, 90.0, 2310.0, 3000.0, 60.0)}, "nothing slips in any record"),
+        ({"start": replace(PAPER, K_z=3000.0, F_k=60.0)}, "nothing slips in any record"),
         ({"omega": 0.0}, "omega must be one positive number"),
         ({"omega": 0.1}, "a fit needs a whole cycle"),
         ({"omega": 2000.0 * math.pi}, "sampled 3 times or more"),

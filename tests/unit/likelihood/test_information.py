@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,11 +20,9 @@ from dampbalance.likelihood.information import (
 )
 from dampbalance.model import BaseMotion, Oscillator
 from dampbalance.motion.orbit import steady_orbit
+from paper_case import LEVELS, OMEGA, PAPER, motions_at
 
-PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-OMEGA = 2.0 * math.pi * 4.92
-LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
-MOTIONS = [BaseMotion(Y, OMEGA) for Y in LEVELS]
+MOTIONS = motions_at()
 ALL = ["y", "x", "v", "acceleration"]
 TAU = np.linspace(-0.45, 0.45, 1201)
 
@@ -44,7 +43,7 @@ def linear(osc, Y, psi, omega, tau):
 
 def test_derivatives_by_c_m_Y_psi_and_omega_without_friction():
     """F_k = 0: x = Re[Y H e^{i(ωτ+ψ)}], whose derivatives are elementary."""
-    osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=0.0)
+    osc = replace(PAPER, F_k=0.0)
     Y, psi = 0.008, 0.7
     found = response(osc, BaseMotion(Y, OMEGA), psi, TAU, ALL, ("m", "omega"))
     D = osc.k - osc.m * OMEGA**2 + 1j * osc.c * OMEGA
@@ -99,7 +98,7 @@ def test_the_rigid_limit_is_regular_in_the_root_of_the_compliance(K_z):
     motion = BaseMotion(0.008, OMEGA)
 
     def slope(K_z):
-        osc = Oscillator(2.42, 90.0, 2310.0, K_z, 1.28)
+        osc = replace(PAPER, K_z=K_z)
         return response(osc, motion, 0.0, TAU, ["x"]).jacobian["x"][2]
 
     rigid = slope(1e13)
@@ -113,7 +112,7 @@ def test_the_rigid_limit_is_regular_in_the_root_of_the_compliance(K_z):
 
 def test_without_friction_c_has_the_textbook_bound():
     """Without friction x and y are sinusoids, and c alone, with Y and ψ, is unknown: the block of I without F_k, ρ."""
-    osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=0.0)
+    osc = replace(PAPER, F_k=0.0)
     motion, sigma, n = BaseMotion(0.008, OMEGA), 4e-5, 1200
     t = np.arange(n) * motion.period / 100.0  # twelve whole cycles
     J = response(osc, motion, 0.0, t, ["y", "x"]).jacobian
@@ -193,7 +192,7 @@ def test_more_unknowns_cost_and_more_channels_help():
 
 
 def test_several_frequencies_add_their_information():
-    other = [BaseMotion(Y, 2.0 * math.pi * 11.1) for Y in LEVELS]
+    other = motions_at(11.1)
     both = np.linalg.inv(bound(motions=MOTIONS + other).covariance)
     apart = sum(np.linalg.inv(bound(motions=m).covariance) for m in (MOTIONS, other))
     assert both == pytest.approx(apart, rel=1e-8)  # rounding of I⁻¹
@@ -209,7 +208,7 @@ def test_noise_of_rms_is_a_part_of_each_clean_channel():
 
 def test_what_cannot_be_known_or_makes_no_sense_is_refused():
     with pytest.raises(NotIdentifiable, match="nothing slips"):
-        bound(Oscillator(2.42, 90.0, 2310.0, 208000.0, 60.0))
+        bound(replace(PAPER, F_k=60.0))
     with pytest.raises(ValueError, match=r"unknown names \['z'\]"):
         bound(noise={"z": 1.0})
     with pytest.raises(ValueError, match=r"unknown names \['k'\]"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
@@ -17,14 +18,14 @@ from dampbalance.motion.fixed_step import (
 )
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.reading.clean import of_record
+from paper_case import OMEGA, PAPER
 
-PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-RESONANCE = BaseMotion(Y=0.008, omega=2.0 * math.pi * 4.92)
+RESONANCE = BaseMotion(Y=0.008, omega=OMEGA)
 BELOW = BaseMotion(Y=0.008, omega=2.0 * math.pi * 3.5)
 
 # Smooth problems: without friction the mass always slips, under a huge F_k it never does and rides on k + K_z.
-ALWAYS_SLIP = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=0.0)
-NO_SLIP = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=2000.0, F_k=1000.0)
+ALWAYS_SLIP = replace(PAPER, F_k=0.0)
+NO_SLIP = replace(PAPER, K_z=2000.0, F_k=1000.0)
 SMOOTH = pytest.mark.parametrize(
     ("osc", "stiffness"), [(ALWAYS_SLIP, 2310.0), (NO_SLIP, 4310.0)], ids=["always-slip", "no-slip"]
 )
@@ -109,7 +110,7 @@ def test_a_step_of_the_map_is_a_step_of_the_scheme(scheme):
 
 def test_the_march_is_backward_euler_written_out():
     """The loop a researcher would write, for one case, sample by sample."""
-    m, c, k, K_z, F_k = 2.42, 90.0, 2310.0, 208000.0, 1.28
+    m, c, k, K_z, F_k = astuple(PAPER)
     Y, omega, h, n = RESONANCE.Y, RESONANCE.omega, 5e-5, 6000
     Z_m = F_k / K_z
     x = v = z_0 = X_t = s = 0.0
@@ -150,7 +151,7 @@ def test_rounded_coefficients_replace_the_quotients():
         return simulate(osc, RESONANCE, step=1e-4, cycles=3, keep_cycles=1, **coefficients)
 
     exact, rounded = simulated(PAPER), simulated(PAPER, c_over_m=37.0, k_over_m=950.0)
-    other = simulated(Oscillator(m=2.42, c=37.0 * 2.42, k=950.0 * 2.42, K_z=208000.0, F_k=1.28))
+    other = simulated(replace(PAPER, c=37.0 * PAPER.m, k=950.0 * PAPER.m))
     assert rounded.x == pytest.approx(other.x, abs=1e-15)  # rounding of the products
     assert np.max(np.abs(rounded.x - exact.x)) > 1e-6
 

@@ -10,9 +10,10 @@ import re
 import numpy as np
 import pytest
 
-from analytic.cases import PAPER, PAPER_FREQUENCIES_HZ, PAPER_LEVELS_M, SEVERAL_SLIPS, case
+from analytic.cases import SEVERAL_SLIPS, case
 from dampbalance import BaseMotion, NoSteadyOrbit, Orbit, Oscillator, Regime, State, steady_orbit
 from dampbalance.motion.events import PHASE_S, PHASE_T
+from paper_case import FREQUENCIES_HZ, PAPER, orbits_at
 
 CASES = [
     (0.6, 1.0, 90.0, 0.14),
@@ -56,18 +57,16 @@ def test_public_interface():
     assert orbits.regime.shape == (2,)
 
 
-@pytest.mark.parametrize("hz", PAPER_FREQUENCIES_HZ)
+@pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
 def test_direct_integration_identifies_the_paper_exactly(hz):
     # two rows a F_k + b c = W, every pair of levels: c = 90, F_k = 1.28 within 1e-10
-    orbits = [
-        steady_orbit(PAPER, BaseMotion(Y=Y, omega=2.0 * math.pi * hz)) for Y in PAPER_LEVELS_M
-    ]
+    orbits = orbits_at(hz)
     for i, first in enumerate(orbits):
         for second in orbits[i + 1 :]:
             rows = np.array([[first.a, first.b], [second.a, second.b]])
             F_k, c = np.linalg.solve(rows, [first.W, second.W])
-            assert c == pytest.approx(90.0, rel=1e-10)
-            assert F_k == pytest.approx(1.28, rel=1e-10)
+            assert c == pytest.approx(PAPER.c, rel=1e-10)
+            assert F_k == pytest.approx(PAPER.F_k, rel=1e-10)
 
 
 def test_ends_of_the_half_cycle(orbit):

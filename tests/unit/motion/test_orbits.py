@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analytic.cases import PAPER, SEVERAL_SLIPS, dimensions
+from analytic.cases import SEVERAL_SLIPS, dimensions
 from dampbalance import (
     BaseMotion,
     NoSteadyOrbit,
@@ -21,6 +21,7 @@ from dampbalance import (
     steady_orbits,
 )
 from dampbalance.motion.orbits import _BLOCK
+from paper_case import PAPER
 
 NAMES = [field.name for field in dataclasses.fields(Orbits)]
 MODEL = ("m", "c", "k", "K_z", "F_k")

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from analytic.cases import PAPER, PAPER_MOTIONS, case
+from analytic.cases import PAPER_MOTIONS, case
 from dampbalance import BaseMotion, Oscillator, State, transient
 from dampbalance.motion.events import PHASE_S, PHASE_T
+from paper_case import PAPER
 
 MOTION = PAPER_MOTIONS[0]
 END = 3.0 * MOTION.period

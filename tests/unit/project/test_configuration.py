@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import math
-from pathlib import Path
 
 import pytest
 import yaml
@@ -12,8 +11,8 @@ import yaml
 from dampbalance.model import Oscillator
 from dampbalance.project.case import NOT_GIVEN, Case, check, excerpt
 from dampbalance.project.documents import ConfigurationError
+from folders import ROOT
 
-ROOT = Path(__file__).parents[3]
 FILE = ROOT / "config/config.yaml"
 SCHEMA = ROOT / "workflow/schemas/config.schema.yaml"
 

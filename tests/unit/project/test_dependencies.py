@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -10,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from dampbalance.project.dependencies import package_modules
+from folders import ROOT
 
-ROOT = Path(__file__).parents[3]
 SCRIPTS = sorted((ROOT / "workflow/scripts").rglob("*.py"))
 
 
@@ -33,30 +34,50 @@ def test_imports_are_followed_through_modules_and_subpackages(tmp_path):
     assert found == ["pkg/d.py", "pkg/sub/__init__.py", "pkg/sub/deep.py"]
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
-def test_nothing_that_python_loads_is_missing(script):
-    """Run the imports of a script in a fresh Python: what they load besides the package's face is what we list."""
-    tree = ast.parse(script.read_text(encoding="utf-8"))
-    imports = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
-    listed = set(package_modules(script, ROOT / "src"))
-    # Empty package faces, but for those that the script takes names from: only what is asked for is loaded.
-    faces = {
-        str(init.parent.relative_to(ROOT / "src")).replace("/", "."): str(init.parent)
-        for init in (ROOT / "src/dampbalance").rglob("__init__.py")
-        if str(init.relative_to(ROOT / "src")) not in listed
-    }
-    code = "\n".join(
-        [
-            "import sys, types",
-            f"for name, folder in {faces!r}.items():",
-            "    face = types.ModuleType(name)",
-            "    face.__path__, face.__version__ = [folder], ''",
-            "    sys.modules[name] = face",
-            *(ast.unparse(node) for node in imports),
-            "modules = [m for n, m in sys.modules.items() if n.startswith('dampbalance.')]",
-            "print(*(m.__file__ for m in modules if getattr(m, '__file__', None)), sep='\\n')",
-        ]
+# Runs imports, given as [statements, package faces], one after the other, the package loaded anew each time and the
+# libraries once. A face is empty: only what is asked for is loaded.
+PROGRAM = """
+import json, sys, types
+for statements, faces in json.load(sys.stdin):
+    for name in [name for name in sys.modules if name.partition('.')[0] == 'dampbalance']:
+        del sys.modules[name]
+    for name, folder in faces.items():
+        face = types.ModuleType(name)
+        face.__path__, face.__version__ = [folder], ''
+        sys.modules[name] = face
+    exec(statements, {})
+    modules = [module for name, module in sys.modules.items() if name.startswith('dampbalance.')]
+    print(json.dumps([m.__file__ for m in modules if getattr(m, '__file__', None)]))
+"""
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    """The files of the package that the imports of each script load, in a fresh Python."""
+    told = []
+    for script in SCRIPTS:
+        tree = ast.parse(script.read_text(encoding="utf-8"))
+        imports = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
+        listed = package_modules(script, ROOT / "src")
+        faces = {  # but for those that the script takes names from
+            str(init.parent.relative_to(ROOT / "src")).replace("/", "."): str(init.parent)
+            for init in (ROOT / "src/dampbalance").rglob("__init__.py")
+            if str(init.relative_to(ROOT / "src")) not in listed
+        }
+        told.append(["\n".join(map(ast.unparse, imports)), faces])
+    run = subprocess.run(
+        [sys.executable, "-c", PROGRAM],
+        input=json.dumps(told),
+        capture_output=True,
+        text=True,
+        check=True,
     )
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    loaded = {str(Path(line).relative_to(ROOT / "src")) for line in run.stdout.split()}
-    assert loaded <= listed
+    lines = run.stdout.splitlines()
+    return dict(zip(SCRIPTS, map(json.loads, lines), strict=True))
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+def test_nothing_that_python_loads_is_missing(script, loaded):
+    files = {str(Path(file).relative_to(ROOT / "src")) for file in loaded[script]}
+    assert files  # every script makes use of the package
+    assert files <= set(package_modules(script, ROOT / "src"))

@@ -22,8 +22,8 @@ from dampbalance.publishing.provenance.sources import (
     files_of,
     sha256,
 )
+from folders import ROOT
 
-ROOT = Path(__file__).parents[3]
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
 
 

@@ -10,8 +10,8 @@ import pytest
 
 from dampbalance.reading.cycles import accumulate
 from dampbalance.reading.frequency import drive_frequency
+from paper_case import OMEGA
 
-OMEGA = 2.0 * math.pi * 4.92
 DT = 1.0 / 997.0  # 202.6 samples per cycle
 
 

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.features import COLUMNS, of_orbit
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
+from paper_case import FREQUENCIES_HZ, NEAR, OMEGA, PAPER, orbits_at
 
-OSC = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
 DISPLACEMENT = ("base_displacement", "displacement")
 BOTH = (*DISPLACEMENT, "acceleration")
 
 
-def _orbit(frequency_hz=4.92, Y=0.004, **changed):
-    numbers = {"m": 2.42, "c": 90.0, "k": 2310.0, "K_z": 208000.0, "F_k": 1.28} | changed
-    return steady_orbit(Oscillator(**numbers), BaseMotion(Y=Y, omega=2 * math.pi * frequency_hz))
+def _orbit(frequency_hz=NEAR, Y=0.004, **changed):
+    (orbit,) = orbits_at(frequency_hz, [Y], replace(PAPER, **changed))
+    return orbit
 
 
 def _measured(orbit, noise, channels=DISPLACEMENT, seed=3, cycles=40.0, rate_hz=3000.0):
@@ -30,10 +30,10 @@ def _measured(orbit, noise, channels=DISPLACEMENT, seed=3, cycles=40.0, rate_hz=
 
 
 @pytest.mark.parametrize("channels", [DISPLACEMENT, BOTH], ids=["x", "x+a"])
-@pytest.mark.parametrize("frequency_hz", [4.92, 3.5, 11.1])
+@pytest.mark.parametrize("frequency_hz", FREQUENCIES_HZ.values())
 def test_without_noise_the_features_are_exact(frequency_hz, channels):
     orbit = _orbit(frequency_hz)
-    reading = read_features(_measured(orbit, 0.0, channels), OSC.k)
+    reading = read_features(_measured(orbit, 0.0, channels), PAPER.k)
     exact = of_orbit(orbit)
     assert reading.warnings == ()
     assert reading.onset_resolved
@@ -48,7 +48,7 @@ def test_features_converge_with_the_noise():
     exact = of_orbit(orbit)
     off = []
     for noise in (0.01, 1e-4, 1e-6):
-        read = [read_features(_measured(orbit, noise, seed=s), OSC.k).features for s in range(4)]
+        read = [read_features(_measured(orbit, noise, seed=s), PAPER.k).features for s in range(4)]
         off.append(
             [
                 np.mean([abs(getattr(f, n)[0] / getattr(exact, n)[0] - 1) for f in read])
@@ -64,7 +64,9 @@ def test_features_converge_with_the_noise():
 def test_standard_errors_are_those_of_the_scatter(channels):
     orbit = _orbit()
     readings = [
-        read_features(_measured(orbit, 0.01, channels, seed=s, rate_hz=1500.0, cycles=25.0), OSC.k)
+        read_features(
+            _measured(orbit, 0.01, channels, seed=s, rate_hz=1500.0, cycles=25.0), PAPER.k
+        )
         for s in range(50)
     ]
     exact = of_orbit(orbit)
@@ -90,7 +92,7 @@ def test_standard_errors_are_those_of_the_scatter(channels):
 
 
 def test_replicates_scatter_as_the_standard_errors_say_about_the_estimate():
-    reading = read_features(_measured(_orbit(), 0.01, BOTH), OSC.k)
+    reading = read_features(_measured(_orbit(), 0.01, BOTH), PAPER.k)
     replicates = reading.resampled(2000, np.random.default_rng(1))
     assert len(replicates) == 2000
     for name in ("X", "X_s", "t_s", "X_1", "X_3", "a", "b", "W", "phi_fundamental"):
@@ -102,14 +104,14 @@ def test_replicates_scatter_as_the_standard_errors_say_about_the_estimate():
 
 
 def test_replicates_depend_on_the_seed_alone():
-    reading = read_features(_measured(_orbit(), 0.01), OSC.k)
+    reading = read_features(_measured(_orbit(), 0.01), PAPER.k)
     a, b, c = (reading.resampled(20, np.random.default_rng(s)) for s in (1, 1, 2))
     np.testing.assert_array_equal(a.W, b.W)
     assert np.all(a.W != c.W)
 
 
 def test_squares_of_harmonics_are_freed_of_noise():
-    reading = read_features(_measured(_orbit(11.1, 0.012), 0.05, cycles=20.0), OSC.k)
+    reading = read_features(_measured(_orbit(11.1, 0.012), 0.05, cycles=20.0), PAPER.k)
     steady, f = reading.steady, reading.features
     plain = np.abs(steady.mean(steady.X)) ** 2
     bias = 2.0 * steady.X_error**2  # E|x̂|² = |x|² + variance, of the real and of the imaginary part
@@ -120,19 +122,19 @@ def test_squares_of_harmonics_are_freed_of_noise():
 
 def test_an_onset_that_noise_hides_is_said_and_the_rigid_limit_taken():
     orbit = _orbit(Y=0.012, K_z=2e7)
-    reading = read_features(_measured(orbit, 0.05), OSC.k)
+    reading = read_features(_measured(orbit, 0.05), PAPER.k)
     assert not reading.onset_resolved
     assert "rigid limit" in " ".join(reading.warnings)
     f = reading.features
     assert (f.X_s[0], f.t_s[0], f.V_s[0]) == (-f.X[0], 0.0, 0.0)
     assert f.a[0] == pytest.approx(4.0 * f.X[0])
     assert math.isnan(reading.standard_errors["t_s"])
-    assert reading.length_bound > 2.0 * 1.28 / 2e7  # the bound holds
+    assert reading.length_bound > 2.0 * PAPER.F_k / 2e7  # the bound holds
 
 
 def test_a_linear_response_has_no_onset():
     orbit = _orbit(F_k=0.0)
-    reading = read_features(_measured(orbit, 0.01), OSC.k)
+    reading = read_features(_measured(orbit, 0.01), PAPER.k)
     assert not reading.onset_resolved
     # W = b c: the rows of a linear oscillator say that there is no friction
     assert reading.features.W[0] == pytest.approx(90.0 * reading.features.b[0], rel=1e-3)
@@ -141,17 +143,17 @@ def test_a_linear_response_has_no_onset():
 def test_another_waveform_is_said():
     measurement = _measured(_orbit(), 0.001)
     channel = measurement["displacement"]
-    values = channel.values + 2e-5 * np.cos(5.0 * 2 * math.pi * 4.92 * channel.t + 1.0)
+    values = channel.values + 2e-5 * np.cos(5.0 * OMEGA * channel.t + 1.0)
     wrong = type(channel)("displacement", channel.t, values)
     reading = read_features(
-        Measurement.of("distorted", [measurement["base_displacement"], wrong]), OSC.k
+        Measurement.of("distorted", [measurement["base_displacement"], wrong]), PAPER.k
     )
     assert "times worse than their noise" in " ".join(reading.warnings)
 
 
 def test_averaged_cycle_is_the_motion():
     orbit = _orbit()
-    cycle = read_features(_measured(orbit, 0.0, BOTH), OSC.k).averaged_cycle(200)
+    cycle = read_features(_measured(orbit, 0.0, BOTH), PAPER.k).averaged_cycle(200)
     state = orbit.state(cycle["phase"] / orbit.motion.omega)
     np.testing.assert_allclose(cycle["x"], state.x, atol=1e-5 * orbit.X)
     np.testing.assert_allclose(cycle["v"], state.v, atol=1e-4 * state.v.max())
@@ -160,7 +162,7 @@ def test_averaged_cycle_is_the_motion():
 @pytest.mark.parametrize("response", ["velocity", "acceleration"])
 def test_one_response_of_any_kind_is_enough(response):
     orbit = _orbit(3.5, 0.008)
-    reading = read_features(_measured(orbit, 0.01, ("base_acceleration", response)), OSC.k)
+    reading = read_features(_measured(orbit, 0.01, ("base_acceleration", response)), PAPER.k)
     for name in ("X", "a", "b", "W", "X_s"):
         off = getattr(reading.features, name)[0] - getattr(of_orbit(orbit), name)[0]
         assert abs(off) < 4.0 * reading.standard_errors[name], name

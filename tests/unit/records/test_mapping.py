@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,6 +22,7 @@ from dampbalance.records.measurement import QUANTITIES
 from dampbalance.records.readers import FORMATS, read
 from dampbalance.records.readers.plan import NAMES
 from dampbalance.records.units import UNITS
+from folders import ROOT
 
 FULL = """\
 channels:
@@ -160,7 +160,7 @@ def test_a_mapping_that_is_not_there(tmp_path):
 
 # The documentation
 
-README = Path(__file__).parents[3] / "config/records/README.md"
+README = ROOT / "config/records/README.md"
 
 
 def examples():

@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance import BaseMotion, Oscillator, steady_orbit
+from dampbalance import BaseMotion, steady_orbit
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.synthetic import measured_orbit
+from paper_case import NEAR, OMEGA, PAPER
 
-OSC = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-MOTION = BaseMotion(0.008, 2.0 * math.pi * 4.92)
-ORBIT = steady_orbit(OSC, MOTION)
+MOTION = BaseMotion(0.008, OMEGA)
+ORBIT = steady_orbit(PAPER, MOTION)
 T = np.arange(5) / 100.0
 
 
@@ -69,11 +69,11 @@ def test_the_simulated_signals_are_those_of_the_exact_orbit():
     )
     t = made["force"].t
     assert t[0] == 0.7
-    assert len(t) == round(3.5 / 4.92 * 997.0)
+    assert len(t) == round(3.5 / NEAR * 997.0)
     state = ORBIT.state(t)
     np.testing.assert_array_equal(made["displacement"].values, state.x)
     np.testing.assert_array_equal(made["acceleration"].values, state.acceleration)
-    np.testing.assert_allclose(made["force"].values, OSC.k * MOTION.y(t), rtol=1e-14)
+    np.testing.assert_allclose(made["force"].values, PAPER.k * MOTION.y(t), rtol=1e-14)
     assert [c.quantity for c in made.responses] == ["displacement", "velocity", "acceleration"]
 
 

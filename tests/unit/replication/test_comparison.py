@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from dampbalance.balance import slip_displacement
-from dampbalance.features import of_orbit, stack
-from dampbalance.model import BaseMotion, Oscillator
-from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import Case
 from dampbalance.replication.comparison import approaches_markdown, approaches_table
 from dampbalance.solver import least_squares, pair
+from paper_case import FREQUENCIES_HZ, NEAR, PAIRS, PAPER, features_at
 
-PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-HERTZ = {"omega1": 4.92, "omega2": 3.5, "omega3": 11.1}
-LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
-PAIRS = ((0, 1), (1, 2), (2, 3), (3, 4), (0, 4))
-CASE = Case(oscillator=PAPER, frequencies_hz=HERTZ, pairs=PAIRS)
+CASE = Case(oscillator=PAPER, frequencies_hz=FREQUENCIES_HZ, pairs=PAIRS)
 
 
 def alone(frequency, hertz, osc):
@@ -28,14 +21,9 @@ def alone(frequency, hertz, osc):
     return replace(CASE, oscillator=osc, frequencies_hz={frequency: hertz})
 
 
-def exact(hertz, levels=LEVELS, osc=PAPER):
-    omega = 2.0 * math.pi * hertz
-    return stack([of_orbit(steady_orbit(osc, BaseMotion(Y, omega))) for Y in levels])
-
-
 @pytest.fixture(scope="module")
 def features():
-    return {name: exact(hertz) for name, hertz in HERTZ.items()}
+    return {name: features_at(hertz) for name, hertz in FREQUENCIES_HZ.items()}
 
 
 @pytest.fixture(scope="module")
@@ -107,11 +95,11 @@ def test_errors_keep_their_sign_and_follow_from_the_rows(table, features):
 
 
 def test_what_cannot_be_identified_is_left_empty():
-    sticking = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=60.0)
-    table = approaches_table({"f": exact(4.92, osc=sticking)}, alone("f", 4.92, sticking))
+    sticking = replace(PAPER, F_k=60.0)
+    table = approaches_table({"f": features_at(osc=sticking)}, alone("f", NEAR, sticking))
     assert table["F_k_error_percent"].isna().all()
-    undamped = Oscillator(m=2.42, c=0.0, k=2310.0, K_z=208000.0, F_k=1.28)
-    table = approaches_table({"f": exact(3.5, osc=undamped)}, alone("f", 3.5, undamped))
+    undamped = replace(PAPER, c=0.0)
+    table = approaches_table({"f": features_at(3.5, osc=undamped)}, alone("f", 3.5, undamped))
     assert table["c_error_percent"].isna().all()  # of nothing there is no relative error
     assert np.isfinite(table["F_k_error_percent"]).all()
     assert "nan" not in approaches_markdown(table, "Title")

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import copy
 import math
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
 
-from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
+from dampbalance import BaseMotion, __version__, steady_orbit
 from dampbalance.identification.identify import identify
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
 from dampbalance.project.documents import ConfigurationError
@@ -21,11 +20,11 @@ from dampbalance.records.synthetic import measured_orbit
 from dampbalance.studies import evaluate, outputs, settings
 from dampbalance.studies.shown import drawing, facts, groups, summary
 from dampbalance.studies.shown.bounds import bounds_of
+from folders import ROOT
+from paper_case import FREQUENCIES_HZ, PAPER, motions_at
 
-ROOT = Path(__file__).parents[3]
 SCHEMA_FILE = ROOT / "workflow/schemas/study.schema.yaml"
 PAPER_FILE = ROOT / "config/config.yaml"
-PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
 
 SMALL = {
     "title": "Small",
@@ -98,7 +97,7 @@ def test_a_case_is_an_experiment_as_one_would_do_it(done):
         ("direct", "direct__least_squares"),
         ("X_s", "X_s__fundamental__individual__least_squares"),
     ):
-        for name, unit, true in (("F_k", "N", 1.28), ("c", "N_s_per_m", 90.0)):
+        for name, unit, true in (("F_k", "N", PAPER.F_k), ("c", "N_s_per_m", PAPER.c)):
             parameter = expected[approach].coefficients[name]
             # The same records, rows and solver: sin and cos of longer arrays may round otherwise, no more.
             assert found[f"{name}_{unit}__{label}"] == pytest.approx(parameter.value, rel=1e-11)
@@ -126,7 +125,9 @@ def test_runs_differ_and_seeds_too(done, make):
 
 
 def test_without_noise_the_truth_comes_back(make):
-    document = copy.deepcopy(SMALL) | {"axes": [{"frequency_hz": {"values": [4.92, 3.5, 11.1]}}]}
+    document = copy.deepcopy(SMALL) | {
+        "axes": [{"frequency_hz": {"values": [*FREQUENCIES_HZ.values()]}}]
+    }
     document["route"] |= {"noise": 0.0, "sampling_hz": 5000}
     document |= {"summary_by": ["frequency_hz"], "figure": {}}
     del document["figure"]
@@ -197,11 +198,10 @@ def test_the_summary_tells_the_groups_apart(done):
     # the bound is in proportion to the noise; the information its square over that of the rms error
     bound = found.drop_duplicates(["frequency_hz", "noise", "quantity"])["bound_percent"].to_numpy()
     np.testing.assert_allclose(bound[2:4] / bound[:2], 10.0, rtol=1e-9)
-    osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-    motions = [BaseMotion(Y=Y, omega=2.0 * math.pi * 4.92) for Y in study.levels]
-    noise = noise_of_rms(osc, motions, 0.001, ("y", "x"))
+    motions = motions_at(levels=study.levels)
+    noise = noise_of_rms(PAPER, motions, 0.001, ("y", "x"))
     least = cramer_rao(
-        osc, motions, rate_hz=study.fixed["sampling_hz"], cycles=study.cycles, noise=noise
+        PAPER, motions, rate_hz=study.fixed["sampling_hz"], cycles=study.cycles, noise=noise
     )
     np.testing.assert_allclose(bound[:2], 100.0 * np.array(least.relative[:2]), rtol=1e-12)
     np.testing.assert_allclose(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import math
 import re
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -29,8 +28,9 @@ from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.logarithmic import is_logarithmic
 from dampbalance.studies.stretches import Sizes
+from folders import ROOT
+from paper_case import PAPER
 
-ROOT = Path(__file__).parents[3]
 SCHEMA_FILE = ROOT / "workflow/schemas/study.schema.yaml"
 PAPER_FILE = ROOT / "config/config.yaml"
 SCHEMA = yaml.safe_load(SCHEMA_FILE.read_text(encoding="utf-8"))
@@ -192,7 +192,7 @@ def test_a_fixed_step_route_reads_its_records_as_one_would(study):
     )
     table = evaluate.evaluate(made, 0, 2)
     row = table.iloc[0]
-    osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    osc = PAPER
     parts = []
     for Y in made.levels:
         motion = BaseMotion(Y=Y, omega=row["omega_rad_per_s"])

@@ -1,0 +1,44 @@
+"""Snakemake, started many times: each run is a fork of one process that has it imported already."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from multiprocessing import get_context
+from pathlib import Path
+
+SERVER = get_context("forkserver")
+# Nothing of this project: each run imports the package of its own folder.
+SERVER.set_forkserver_preload(
+    ["snakemake.cli", "jsonschema", "numba", "numba.np.arraymath", "pandas", "scipy.linalg"]
+)
+
+
+def snakemake(folder: Path, *arguments: str, compiled: bool = True) -> subprocess.CompletedProcess:
+    """What `snakemake` with these arguments says in a folder whose package is in its `src`.
+
+    compiled : without it the kernels that Snakemake itself calls are interpreted, not compiled first.
+    """
+    with tempfile.TemporaryDirectory() as said:
+        process = SERVER.Process(target=_run, args=(folder, arguments, compiled, said))
+        process.start()
+        process.join()
+        out, err = (Path(said, name).read_text(encoding="utf-8") for name in ("out", "err"))
+    return subprocess.CompletedProcess(arguments, process.exitcode, out, err)
+
+
+def _run(folder: Path, arguments: tuple[str, ...], compiled: bool, said: str) -> None:
+    for descriptor, name in ((1, "out"), (2, "err")):
+        file = os.open(f"{said}/{name}", os.O_WRONLY | os.O_CREAT)
+        os.dup2(file, descriptor)
+    os.chdir(folder)
+    os.environ["PYTHONPATH"] = str(folder / "src")  # of the scripts
+    sys.path.insert(0, str(folder / "src"))
+    sys.argv = ["snakemake", *arguments]
+    from numba.core import config
+    from snakemake.cli import main
+
+    config.DISABLE_JIT = not compiled
+    main()
