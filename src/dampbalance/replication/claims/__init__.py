@@ -7,7 +7,7 @@ from .inputs import FREQUENCIES as PRINTED_FREQUENCIES
 from .inputs import LEVELS as PRINTED_LEVELS
 from .inputs import RouteTables, Setting
 from .published import Published, read_published
-from .table import check, claims_markdown, claims_table, read_claims, read_record, record, summary
+from .table import check, claims_markdown, claims_table, read_claims, read_record, summary
 
 __all__ = [
     "PRINTED_FREQUENCIES",
@@ -21,6 +21,5 @@ __all__ = [
     "read_claims",
     "read_published",
     "read_record",
-    "record",
     "summary",
 ]

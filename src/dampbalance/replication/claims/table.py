@@ -128,11 +128,6 @@ def read_claims(path: Path) -> pd.DataFrame:
     return read_texts(path, COLUMNS)
 
 
-def record(frame: pd.DataFrame) -> pd.DataFrame:
-    """What is kept of the claims to compare later runs with: id, printed digits, verdict."""
-    return frame[list(RECORD)].copy()
-
-
 def read_record(path: Path) -> pd.DataFrame:
     """The verdicts on record, verdicts.csv. Raises ValueError for a wrong column or an unknown verdict."""
     recorded = read_texts(path, RECORD)
