@@ -45,9 +45,9 @@ def read_yaml(file: str | Path) -> Any:
 
 
 def against_schema(document: Any, schema: Mapping[str, Any]) -> list[Problem]:
-    """What a JSON schema, and the rule that every number is finite, find wrong with a document; in a fixed order.
+    """What is wrong with a document by its JSON schema, or because a number is not finite; in a fixed order.
 
-    The texts tell what is wrong and what would be right, from the `description` of the key in the schema.
+    The texts say what is wrong and, from the `description` of the key in the schema, what would be right.
     """
     validator = _Validator(schema)
     errors = sorted(validator.iter_errors(document), key=lambda error: list(map(str, error.path)))
@@ -71,7 +71,7 @@ _Validator: Any = jsonschema.validators.extend(  # type: ignore[no-untyped-call]
 def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:
     """A line for each problem, "file: key: what is wrong, what would be right".
 
-    documents : file → what it says, merged in this order, the last one winning: they tell where a key stands.
+    documents : file → what it says, merged in this order, the last one winning: they show where a key is set.
     """
     return "\n".join(f"{_origin(key, documents)}: {_dotted(key)}: {text}" for key, text in problems)
 
@@ -83,12 +83,12 @@ def _explain(error: ValidationError) -> Iterable[Problem]:
     meaning = schema.get("description", "").strip()
     value: Any = error.instance
     if error.validator == "additionalProperties":
-        known = list(schema["properties"])
+        keys = list(schema["properties"])
         for name in value:
-            if name not in known:
+            if name not in keys:
                 yield (
                     (*key, name),
-                    f"unknown key{_nearest(name, known)}; known here: {', '.join(known)}",
+                    f"unknown key{_nearest(name, keys)}; known here: {', '.join(keys)}",
                 )
     elif error.validator == "required":
         for name in wanted:
@@ -112,8 +112,8 @@ def _explain(error: ValidationError) -> Iterable[Problem]:
         yield key, f"{value!r} is not allowed. {meaning}"
 
 
-def _nearest(name: object, known: list[str]) -> str:
-    matches = difflib.get_close_matches(str(name), known, n=1)
+def _nearest(name: object, keys: list[str]) -> str:
+    matches = difflib.get_close_matches(str(name), keys, n=1)
     return f" (did you mean {matches[0]}?)" if matches else ""
 
 
@@ -155,15 +155,15 @@ def _origin(key: Key, documents: Mapping[str, Any]) -> str:
     """The last file that sets the key, or the longest part of it that any file sets."""
     best, depth = "configuration", 0
     for file, document in documents.items():
-        found = 0
+        length = 0
         for part in key:
             try:
                 document = document[part]
             except (KeyError, IndexError, TypeError):
                 break
-            found += 1
-        if found >= depth:
-            best, depth = file, found
+            length += 1
+        if length >= depth:
+            best, depth = file, length
     return best
 
 

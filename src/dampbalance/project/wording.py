@@ -29,7 +29,7 @@ def power_of_ten(bound: float) -> str:
 
 
 def percent(share: float) -> str:
-    """A share as a percentage with three significant digits; a bound where it is nothing but rounding."""
+    """A share as a percentage with three significant digits; a bound where it is no more than rounding."""
     if not math.isfinite(share):
         return NONE
     value = 100.0 * abs(share)

@@ -9,10 +9,10 @@ PARTS = {
     "table3": "Table 3",
     "text": "Text",
 }
-"""The parts of the paper, as ids begin, and in words."""
+"""The parts of the paper: how their ids begin → in words."""
 
 STATISTICS = {"least_squares": "ls", "mean": "mean", "std": "std"}
-"""Kinds of estimates over all levels or pairs, and how ids end that name them."""
+"""Kinds of estimates over all levels or pairs → how the id of such a number ends."""
 
 
 def of_parameter(name: str) -> str:

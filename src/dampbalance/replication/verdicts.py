@@ -1,6 +1,6 @@
-"""The verdicts on printed numbers: names, marks and meanings, best first, and how many numbers earn each.
+"""The verdicts on printed numbers: their names, marks and meanings, best first, and how many numbers earn each.
 
-A route is a way to compute a printed number; its names are here, too, since verdicts and their reasons name it.
+The routes by which a printed number is computed have their names here, too: the reasons for a verdict cite them.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ ROUTE_NAMES = {"exact": "exact", "as_published": "as published", "from_print": "
 class Verdict:
     """A verdict on a printed number.
 
-    name : as tables hold it.   mark : what stands for it in little room.   meaning : in a sentence.
+    name : in tables of results.   mark : a sign for it where room is short.   meaning : in a sentence.
     """
 
     name: str

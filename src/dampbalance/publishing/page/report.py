@@ -1,4 +1,4 @@
-"""The page: everything the pipeline found about a case, in one HTML file that needs nothing else.
+"""The page: all results of a case in one HTML file that needs nothing else.
 
 `PageContent` holds what the page is made from; `report_page` makes it, the same bytes for the same results.
 """
@@ -155,7 +155,7 @@ def _paper_tables(content: PageContent, frequencies: Sequence[str]) -> dict[str,
 
 
 def _numbers(content: PageContent, tables: Sequence[PaperTable]) -> dict[str, Any]:
-    """The printed numbers, counted and one by one, with the title that tells of them. tables : those with verdicts."""
+    """The printed numbers, counted and one by one, and the title above them. tables : those with verdicts."""
     if content.claims is None:
         return {"title": TITLE_OF_CASE, "headline": HEADLINE_OF_CASE, "counts": [], "claims": []}
     counted = counts(content.claims)
