@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
 Mask = NDArray[np.bool_]
 Codes = NDArray[np.uint8]
 Integers = NDArray[np.int64]

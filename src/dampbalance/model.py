@@ -26,7 +26,9 @@ from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from .arrays import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +89,7 @@ class BaseMotion:
         """Duration of one cycle, T = 2π/ω, s."""
         return 2.0 * math.pi / self.omega
 
-    def y(self, t: ArrayLike) -> NDArray[np.float64]:
+    def y(self, t: ArrayLike) -> Array:
         """Displacement of the base, m, at the times t, s (any shape)."""
         return self.Y * np.cos(self.omega * np.asarray(t, dtype=float))
 

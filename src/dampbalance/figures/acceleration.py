@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from ..motion.orbit import Array, Orbit
+from ..arrays import Array
+from ..motion.orbit import Orbit
 from .cycle import (
     LEFT,
     RIGHT,

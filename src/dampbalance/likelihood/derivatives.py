@@ -27,13 +27,11 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit, steady_orbit
 from ..motion.states import State
-
-Array = NDArray[np.float64]
 
 CHANNELS = ("y", "x", "v", "acceleration")
 """Signals of a record, in the order of `Record.signals`."""

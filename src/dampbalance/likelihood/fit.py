@@ -18,8 +18,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..model import BaseMotion, Oscillator, finite_number
 from ..motion.orbit import NoSteadyOrbit
 from ..reading.climb import Climb, Evaluation, NoStart, climb
@@ -38,8 +38,6 @@ from .information import (
 from .residuals import Residual, adequacy
 from .result import ReferenceFit, warnings_of
 from .start import Lines, lines_of, refuse_linear, starting_point
-
-Array = NDArray[np.float64]
 
 _COARSE = 2048  # samples of a record that a first fit looks at: it brings the start within a few standard errors
 _FLOOR = 1e-9  # of the rms of a channel: the least noise that is assumed; below it stands rounding (of ωt, above all)

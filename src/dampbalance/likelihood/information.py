@@ -19,13 +19,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import steady_orbit
 from .derivatives import CHANNELS, FREE, compliance_root, response
 
-Array = NDArray[np.float64]
 Noise = Mapping[str, float | Sequence[float]]
 
 # Of the smallest eigenvalue of I scaled to unit diagonal: below it only rounding is left.

@@ -17,12 +17,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import special  # scipy.stats has the same functions, and takes seconds to import
 
+from ..arrays import Array
 from .information import products
-
-Array = NDArray[np.float64]
 
 _HARMONICS = 9
 _LAGS = 20

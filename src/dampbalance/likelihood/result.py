@@ -7,11 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from .residuals import Adequacy
-
-Array = NDArray[np.float64]
 
 _NORMAL_95 = 1.959963984540054  # 97.5 % point of the normal distribution
 _NORMAL_999 = 3.29  # 99.95 % point

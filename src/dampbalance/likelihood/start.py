@@ -20,13 +20,12 @@ from numpy.typing import NDArray
 from scipy import special  # scipy.stats has the same functions, and takes seconds to import
 from scipy.optimize import nnls
 
+from ..arrays import Array
 from ..model import Oscillator
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
 from ..record import Record
 from .information import NotIdentifiable, products
-
-Array = NDArray[np.float64]
 
 _HARMONICS = (1, 3, 5)
 _STIFFNESSES = np.geomspace(0.1, 1e5, 13)  # of K_z/k

@@ -11,9 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..arrays import Array
 from ..model import Parameters
 from .flow import move, phase_start, unit
 from .jit import jit
@@ -181,16 +179,14 @@ def phase_end(
 
 
 @jit
-def write_phase(
-    phases: NDArray[np.float64], i: int, t: float, s: float, x: float, v: float, z: float
-) -> None:
+def write_phase(phases: Array, i: int, t: float, s: float, x: float, v: float, z: float) -> None:
     """Set row i of `phases`."""
     phases[i, PHASE_T], phases[i, PHASE_S] = t, s
     phases[i, PHASE_X], phases[i, PHASE_V], phases[i, PHASE_Z] = x, v, z
 
 
 @jit
-def read_phase(phases: NDArray[np.float64], i: int) -> tuple[float, float, float, float, float]:
+def read_phase(phases: Array, i: int) -> tuple[float, float, float, float, float]:
     """(t, s, x, ẋ, z) of row i of `phases`."""
     return (
         phases[i, PHASE_T],
@@ -210,7 +206,7 @@ def run(
     end: float,
     theta: float,
     par: Parameters,
-    phases: NDArray[np.float64],
+    phases: Array,
 ) -> tuple[int, float, float, float, float]:
     """Follow the motion from (x, ẋ, z) at time t to `end`: (number of phases, t, x, ẋ, z) reached.
 

@@ -30,13 +30,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..model import BaseMotion, Oscillator
 from ..record import Record
 from .jit import jit
 
-Array = NDArray[np.float64]
 Step = Callable[[Array, Array, Array, float], Array]
 """One step (u, p, A, h) → u at its end; p : force per mass at its start, middle and end, m/s², shape (3,)."""
 

@@ -16,8 +16,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..model import Parameters
 from .events import PHASE_V, PHASE_X, PHASE_Z, read_phase
 from .flow import inverse, move, phase_constants, unit
@@ -47,7 +47,7 @@ class Measures(NamedTuple):
 
 
 @jit
-def measure(phases: NDArray[np.float64], count: int, theta: float, par: Parameters) -> Measures:
+def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measures:
     """Features of the orbit whose half cycle from the reversal at −X has the given phases.
 
     phases : (≥ count, 5), rows (t, s, x, ẋ, z), SI.   theta : phase of the base at the reversal, rad.

@@ -10,15 +10,14 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..arrays import Array
 from ..model import BaseMotion, Oscillator, Parameters, parameters
 from .integrals import Measures, measure, wrapped
 from .regime import Regime
 from .states import State, states_in_phases, zero_crossing
 from .steady import MAX_PHASES, solve_steady
-
-Array = NDArray[np.float64]
 
 
 class NoSteadyOrbit(ArithmeticError):

@@ -7,15 +7,14 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..arrays import Array, Codes
 from ..model import Parameters
 from .integrals import measure, wrapped
 from .jit import jit
 from .states import zero_crossing
 from .steady import MAX_PHASES, solve_steady
-
-Array = NDArray[np.float64]
 
 _BLOCK = 4096  # cases handed to a thread at a time: the scratch memory stays below a megabyte
 _COLUMNS = (
@@ -62,7 +61,7 @@ class Orbits:
     phi_3: Array
     X_5: Array
     phi_5: Array
-    regime: NDArray[np.uint8]
+    regime: Codes
 
 
 def steady_orbits(
@@ -135,7 +134,7 @@ def _checked(arguments: dict[str, ArrayLike]) -> list[Array]:
 
 
 @jit
-def _solve_block(inputs: Array, out: Array, regime: NDArray[np.uint8]) -> None:
+def _solve_block(inputs: Array, out: Array, regime: Codes) -> None:
     """Rows of `inputs` (7, n) in the order of `Parameters`; rows of `out` in that of _COLUMNS."""
     phases = np.empty((MAX_PHASES, 5))
     for i in range(inputs.shape[1]):

@@ -18,8 +18,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..model import Parameters
 from .events import PHASE_S, PHASE_T, PHASE_X, run
 from .flow import step_response
@@ -37,8 +37,8 @@ def half_period_map(
     z: float,
     theta: float,
     par: Parameters,
-    phases: NDArray[np.float64],
-    jacobian: NDArray[np.float64],
+    phases: Array,
+    jacobian: Array,
 ) -> tuple[int, float, float, float]:
     """(number of phases, x, ẋ, z) after half a period; `jacobian` (3, 3) receives the derivative. The number is 0
     on overflow.
@@ -70,9 +70,7 @@ def half_period_map(
 
 
 @jit
-def _newton_step(
-    D: NDArray[np.float64], r0: float, r1: float, r2: float
-) -> tuple[float, float, float]:
+def _newton_step(D: Array, r0: float, r1: float, r2: float) -> tuple[float, float, float]:
     """Solve (1 + D) d = −r for the 3 × 3 derivative D of the half-period map, by Cramer's rule."""
     a, b, c = 1.0 + D[0, 0], D[0, 1], D[0, 2]
     d, e, f = D[1, 0], 1.0 + D[1, 1], D[1, 2]
@@ -98,7 +96,7 @@ def solve_period_map(
     z: float,
     theta: float,
     par: Parameters,
-    phases: NDArray[np.float64],
+    phases: Array,
 ) -> tuple[bool, float, float, float]:
     """(found, x, ẋ, z): the state at base phase θ of the steady orbit, by Newton from the given state.
 
@@ -136,7 +134,7 @@ def solve_period_map(
 
 
 @jit
-def solve_general(par: Parameters, phases: NDArray[np.float64]) -> tuple[bool, int, float]:
+def solve_general(par: Parameters, phases: Array) -> tuple[bool, int, float]:
     """(found, number of phases, θ) of the steady orbit from its reversal at −X; `phases` receives half a cycle.
 
     θ : phase of the base at that reversal, rad. `found` is False, too, for an orbit that never slips.

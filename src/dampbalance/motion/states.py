@@ -6,14 +6,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..model import Parameters
 from .events import PHASE_T, PHASE_X, read_phase
 from .flow import move, phase_start
 from .jit import jit
-
-Array = NDArray[np.float64]
 
 
 class State(NamedTuple):

@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..arrays import Array
 from ..model import Parameters
 from .events import PHASE_T, write_phase
 from .jit import jit
@@ -26,7 +24,7 @@ _SHORTEST = 1e-12
 
 
 @jit
-def solve_steady(par: Parameters, phases: NDArray[np.float64]) -> tuple[int, int, float]:
+def solve_steady(par: Parameters, phases: Array) -> tuple[int, int, float]:
     """(regime, number of phases, θ) of the steady orbit; `phases` (MAX_PHASES, 5) receives its half cycle from the
     reversal at −X.
 
@@ -56,9 +54,7 @@ def solve_steady(par: Parameters, phases: NDArray[np.float64]) -> tuple[int, int
 
 
 @jit
-def _linear(
-    par: Parameters, kappa: float, s: float, phases: NDArray[np.float64]
-) -> tuple[float, float]:
+def _linear(par: Parameters, kappa: float, s: float, phases: Array) -> tuple[float, float]:
     """(X, θ) of the orbit without events on stiffness κ, and its half cycle written to `phases`; X is infinite at the
     resonance of an undamped oscillator.
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..arrays import Array
 from ..model import BaseMotion, Oscillator, finite_number, parameters
 from .events import PHASE_T, run
 from .states import State, states_in_phases
 
-Array = NDArray[np.float64]
 _CHUNK = 1024  # phases computed per call
 
 

@@ -11,13 +11,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import special  # scipy.stats has the same functions, and takes seconds to import
 
+from ..arrays import Array, Complexes
 from .cycles import CycleHarmonics
-
-Array = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 
 FEW_CYCLES = 10
 """Cycles below which intervals from the scatter between cycles are no longer worth their name."""

@@ -21,14 +21,13 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.polynomial import Polynomial
-from numpy.typing import NDArray
 
+from ..arrays import Array, Complexes
 from ..features import Features, of_numbers, wrapped
 from ..motion.regime import Regime
 from ..record import Record
 from .quadrature import integral
 
-Array = NDArray[np.float64]
 ReadAt = Literal["interpolated", "sample"]
 """Where an event is read."""
 
@@ -168,7 +167,7 @@ def _lock_in(s: _Signals, signal: Array, n: int, start: float) -> complex:
     first = math.floor(start)
     kept = signal[first : math.ceil(start + duration) + 1]
     phase = n * (_phase(s, first) + s.omega * s.dt * np.arange(kept.size))
-    product: NDArray[np.complex128] = kept * np.exp(-1j * phase)
+    product: Complexes = kept * np.exp(-1j * phase)
     whole = integral(product, s.dt, start - first, start - first + duration)
     return 2.0 * whole / (duration * s.dt)
 

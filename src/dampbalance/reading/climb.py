@@ -19,9 +19,8 @@ from dataclasses import dataclass
 from typing import Any, Generic, Self, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..arrays import Array, Mask
 
 _MOST = 100  # evaluations
 _GAIN = 1e-8
@@ -69,7 +68,7 @@ class Climb(Generic[E]):
 
     point: Array
     evaluation: E
-    active: NDArray[np.bool_]
+    active: Mask
     step: Array
     iterations: int
 
@@ -137,7 +136,7 @@ def climb(
     )
 
 
-def _step(here: Evaluation, active: NDArray[np.bool_], damping: float) -> Array:
+def _step(here: Evaluation, active: Mask, damping: float) -> Array:
     """Solution of the damped equations in the unknowns that are not active, scaled to unit diagonal."""
     free = np.flatnonzero(~active)
     diagonal = np.sqrt(np.diag(here.information)[free])

@@ -17,8 +17,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array, Complexes, Mask
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from . import checks
 from .checks import weighted_mean
@@ -26,8 +26,6 @@ from .cycles import CycleHarmonics, Samples, accumulate
 from .frequency import FEWEST_CYCLES, drive_frequency, frequency_offset
 from .one_thread import one_thread
 
-Array = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 SampleBlocks = Callable[[], Iterable[Samples]]
 
 MOST_HARMONICS = {"displacement": 31, "velocity": 61, "acceleration": 91}
@@ -238,7 +236,7 @@ def _checked_cycles(
 
 def _settled(
     harmonics: CycleHarmonics,
-    usable: NDArray[np.bool_],
+    usable: Mask,
     times: Array,
     weights: Array,
     start: float,

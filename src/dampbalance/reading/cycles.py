@@ -20,8 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
+from ..arrays import Array, Complexes, Mask
+
 Samples = tuple[Array, Array]  # times, values
 
 _MOST_ROWS = 2048
@@ -211,12 +211,12 @@ class _Accumulator:
     def _faulty(
         self,
         s: Array,
-        inside: NDArray[np.bool_],
+        inside: Mask,
         local: Complexes,
         square: Array,
-        whole: NDArray[np.bool_],
+        whole: Mask,
         number: NDArray[np.int_],
-    ) -> NDArray[np.bool_]:
+    ) -> Mask:
         """Which cycles hold samples that stand still while the signal moves on, or that lie far off it."""
         faulty = np.zeros(len(s), dtype=np.bool_)
         if not whole.any():
@@ -247,12 +247,12 @@ class _Accumulator:
                 self.bad.append((int(number[j]), float(when), reason))
         return faulty
 
-    def _model(self, local: Complexes, inside: NDArray[np.bool_]) -> Array:
+    def _model(self, local: Complexes, inside: Mask) -> Array:
         """The samples of one cycle as its harmonics give them."""
         model: Array = self.fourier[: inside.sum()] @ np.concatenate([local.real, local.imag])
         return model
 
-    def _extremes(self, s: Array, inside: NDArray[np.bool_], whole: NDArray[np.bool_]) -> None:
+    def _extremes(self, s: Array, inside: Mask, whole: Mask) -> None:
         """Count the cycles whose highest or lowest value is held as a clipped signal holds it."""
         if not whole.any():
             return
@@ -271,7 +271,7 @@ class _Accumulator:
             clipped |= row & (count > 4 * next_count) & (top == top.max())
         self.held_at_extreme += int(clipped.sum())
 
-    def _gather(self, harmonics: Complexes, whole: NDArray[np.bool_]) -> None:
+    def _gather(self, harmonics: Complexes, whole: Mask) -> None:
         """Append cycles to the rows, as many to a row as it stands for; join rows when there are many."""
         weights = whole.astype(np.float64)
         waiting = np.column_stack([harmonics * weights[:, None], weights])

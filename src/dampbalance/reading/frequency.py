@@ -13,11 +13,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from .cycles import CycleHarmonics, accumulate
-
-Array = NDArray[np.float64]
 
 FEWEST_CYCLES = 3
 _LONGEST_SPECTRUM = 1 << 18

@@ -18,17 +18,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array, Complexes
 from ..features import COLUMNS, Features, of_numbers, wrapped
 from ..motion.regime import Regime
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
 from .one_thread import one_thread
 from .onset import Waveform, fit_waveform
-
-Array = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 
 RESOLVED = 2.0
 """Standard errors that the length of the microstick line must exceed to count as resolved."""

@@ -18,13 +18,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array, Complexes
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
 from .climb import Evaluation, NoConvergence, NoStart, climb
 
-Array = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 Orders = NDArray[np.int_]
 
 _HALF = 1024  # points of half a cycle: harmonics alias below 1e-9 of X

@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import simpson
 
+from ..arrays import Array, Complexes
+
 
 @overload
-def integral(f: NDArray[np.float64], dt: float, start: float, stop: float) -> float: ...
+def integral(f: Array, dt: float, start: float, stop: float) -> float: ...
 @overload
-def integral(f: NDArray[np.complex128], dt: float, start: float, stop: float) -> complex: ...
+def integral(f: Complexes, dt: float, start: float, stop: float) -> complex: ...
 def integral(f: NDArray[Any], dt: float, start: float, stop: float) -> float | complex:
     """∫ f dt from place `start` to place `stop`, counted in samples from 0 and not necessarily whole.
 

@@ -10,12 +10,10 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..motion.orbit import Orbit
 from .measurement import QUANTITIES, Channel, Measurement
-
-Array = NDArray[np.float64]
 
 
 def measured_orbit(

@@ -14,9 +14,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ..arrays import Array
 from ..project.files import replacing, write_text
 from .errors import RecordError, library
-from .measurement import QUANTITIES, Array, Measurement
+from .measurement import QUANTITIES, Measurement
 from .readers.formats import FORMATS, format_by_suffix
 from .readers.record_file import times
 from .units import DIMENSIONS, header_suffix

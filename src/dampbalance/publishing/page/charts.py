@@ -19,9 +19,9 @@ import numpy as np
 import vl_convert
 from numpy.typing import NDArray
 
+from ...arrays import Array, Mask
 from .colours import variable
 
-Array = NDArray[np.float64]
 Spec = dict[str, Any]
 Scale = Literal["linear", "log"]
 
@@ -339,7 +339,7 @@ def _thinned(path: re.Match[str]) -> str:
     return f' d="{"".join(pieces)}"'
 
 
-def _needed(points: Array) -> NDArray[np.bool_]:
+def _needed(points: Array) -> Mask:
     """Which points a line needs to stay within OFF px of all of them (Ramer, Douglas and Peucker)."""
     needed = np.zeros(len(points), dtype=bool)
     needed[[0, -1]] = True

@@ -12,13 +12,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from ...arrays import Array
 from ..errors import RecordError, RecordWarning
 from ..mapping import RecordMapping, mapping_for
 from ..measurement import Measurement
 from .assemble import in_blocks, whole
 from .formats import FORMATS, checked_format
 from .plan import Pick, picks_of
-from .record_file import Array, RawChannel, RecordFile
+from .record_file import RawChannel, RecordFile
 
 __all__ = [
     "FORMATS",

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...arrays import Array
 from ...record import GRID_TOLERANCE
 from ..errors import RecordError
 from ..measurement import Channel, Measurement
 from .plan import Pick
-from .record_file import Array, RecordFile, times
+from .record_file import RecordFile, times
 
 _GAP = 1.5  # steps
 

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from ...arrays import Array
 from ..errors import RecordError, library
 from ..units import split_label
 from .record_file import (
     RATE_NAMES,
     START_NAMES,
     STEP_NAMES,
-    Array,
     RawChannel,
     RecordFile,
     Sliced,

@@ -8,18 +8,10 @@ from typing import Literal
 
 import numpy as np
 
+from ...arrays import Array
 from ..errors import RecordError, library
 from ..units import split_label
-from .record_file import (
-    Array,
-    RawChannel,
-    RecordFile,
-    Sliced,
-    described,
-    intact,
-    timing,
-    unit_among,
-)
+from .record_file import RawChannel, RecordFile, Sliced, described, intact, timing, unit_among
 
 _TIME_RESPONSE = 1  # function type of a data set 58
 _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}

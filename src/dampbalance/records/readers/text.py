@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ...arrays import Array
 from ..errors import RecordError, RecordWarning
 from ..mapping import RecordMapping
 from .layout import WHITESPACE, layout_of
-from .record_file import Array, RecordFile
+from .record_file import RecordFile
 
 
 class TextFile(RecordFile):
