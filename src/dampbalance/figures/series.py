@@ -62,7 +62,7 @@ def errors_by_level(
     frequencies_hz: Mapping[str, float],
     levels_m: Sequence[float],
 ) -> ErrorsByLevel:
-    """Relative errors, %, of every pair of levels and of all levels together, for each term that the tables hold.
+    """Relative errors, %, of every pair of levels and of all levels together, for each term of the oscillator.
 
     estimates : frequency → table of `estimates.estimate_table`.   oscillator : with the true coefficients.
     frequencies_hz : frequency → f, Hz, in the order of the charts.   levels_m : excitation levels Y_i, m, that a pair
@@ -79,7 +79,7 @@ def errors_by_level(
         )
     tables = {name: estimates[name] for name in frequencies_hz}
     pairs = [pair for pair in _in_order(tables.values(), "pair") if pair != ALL]
-    terms = [t for t in TERMS.values() if all(t.column in table for table in tables.values())]
+    terms = [term for term in TERMS.values() if hasattr(oscillator, term.symbol)]
     return ErrorsByLevel(
         approaches=tuple(_in_order(tables.values(), "approach")),
         places=(*pairs, ALL),

@@ -51,6 +51,7 @@ def columns_of(study: Study) -> list[Column]:
     )
     for fit in study.fits:
         symbols = APPROACHES[fit.approach].terms
+        true = [name for name in symbols if name in SI_COLUMNS]  # what the oscillator has
         how = " ".join(part.replace("_", " ") for part in fit.label.split("__"))
         if "errors" in study.columns:
             columns += [
@@ -59,7 +60,7 @@ def columns_of(study: Study) -> list[Column]:
                     "1",
                     f"{name} identified / true − 1; {how}",
                 )
-                for name in symbols
+                for name in true
             ]
         if "estimates" in study.columns:
             columns += [
@@ -71,7 +72,7 @@ def columns_of(study: Study) -> list[Column]:
                 for name in symbols
             ]
         if "intervals" in study.columns:
-            for name in symbols:
+            for name in true:
                 columns += [
                     Column(
                         f"{name}_relative_standard_error__{fit.label}",

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...balance import takes_phase
+from ...balance import APPROACHES, takes_phase
 from ...figures.looks import SCHEME_LOOKS
 from ...figures.series import decades
 from ...model import Oscillator
@@ -145,6 +145,8 @@ def error_curves(study: Study, cases: str | Path) -> ErrorCurves:
         for number, panel in enumerate(panels):
             drawn = curves[symbol, number] = []
             for approach in approaches:
+                if symbol not in APPROACHES[approach].terms:
+                    continue
                 for sharing in sharings if takes_phase(approach) else ("",):
                     which = {"of": symbol, "approach": approach, "sharing": sharing}
                     which |= {"phase": panel.phase} if panel.phase else {}
