@@ -28,6 +28,25 @@ class Column(NamedTuple):
     words: bool = False
 
 
+_OF_TERMS = {
+    "errors": [("{0.symbol}_relative_error", "1", "{0.symbol} identified / true − 1")],
+    "estimates": [("{0.column}", "{0.unit}", "{0.symbol} identified")],
+    "intervals": [
+        (
+            "{0.symbol}_relative_standard_error",
+            "1",
+            "standard error of {0.symbol} by bootstrap over cycles / true {0.symbol}",
+        ),
+        (
+            "{0.symbol}_covered",
+            "1",
+            "1 if the 95 % interval of {0.symbol} holds its true value, else 0",
+        ),
+    ],
+}
+"""Columns of a fit for each term, by the word that asks for them: name, unit and meaning, to be completed by both."""
+
+
 def columns_of(study: Study) -> list[Column]:
     """The columns of the table of cases, in their order."""
     columns = [Column("case", "1", "number of the case, counted from 0")]
@@ -40,50 +59,22 @@ def columns_of(study: Study) -> list[Column]:
             for name, unit, meaning in SI_COLUMNS.values()
             if name not in study.axis_names and (name != "Y_m" or study.levels_relative)
         ]
-    columns.append(
-        Column(
-            "regime",
-            "",
-            "kind of response at each level, one word if all are alike: "
-            + ", ".join(REGIME_NAMES.values()),
-            words=True,
-        )
-    )
+    kinds = ", ".join(REGIME_NAMES.values())
+    regimes = f"kind of response at each level, one word if all are alike: {kinds}"
+    columns.append(Column("regime", "", regimes, words=True))
     for fit in study.fits:
-        symbols = APPROACHES[fit.approach].terms
+        terms = [TERMS[symbol] for symbol in APPROACHES[fit.approach].terms]
         how = " ".join(part.replace("_", " ") for part in fit.label.split("__"))
-        if "errors" in study.columns:
-            columns += [
-                Column(
-                    f"{name}_relative_error__{fit.label}",
-                    "1",
-                    f"{name} identified / true − 1; {how}",
-                )
-                for name in symbols
-            ]
-        if "estimates" in study.columns:
-            columns += [
-                Column(
-                    f"{TERMS[name].column}__{fit.label}",
-                    TERMS[name].unit,
-                    f"{name} identified; {how}",
-                )
-                for name in symbols
-            ]
-        if "intervals" in study.columns:
-            for name in symbols:
-                columns += [
-                    Column(
-                        f"{name}_relative_standard_error__{fit.label}",
-                        "1",
-                        f"standard error of {name} by bootstrap over cycles / true {name}; {how}",
-                    ),
-                    Column(
-                        f"{name}_covered__{fit.label}",
-                        "1",
-                        f"1 if the 95 % interval of {name} holds its true value, else 0; {how}",
-                    ),
-                ]
+        asked = [of_term for key, of_term in _OF_TERMS.items() if key in study.columns]
+        described = [(*texts, term) for of_term in asked for term in terms for texts in of_term]
+        columns += [
+            Column(
+                f"{name}__{fit.label}".format(term),
+                unit.format(term),
+                f"{meaning.format(term)}; {how}",
+            )
+            for name, unit, meaning, term in described
+        ]
         if "residuals" in study.columns:
             columns.append(Column(f"residual__{fit.label}", "1", f"‖A p − W‖/‖W‖; {how}"))
     return columns

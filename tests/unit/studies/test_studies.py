@@ -23,7 +23,7 @@ from dampbalance.project.wording import percent
 from dampbalance.reading.clean import of_record
 from dampbalance.replication.readout import ReadOut
 from dampbalance.solver import least_squares, pair
-from dampbalance.studies import evaluate, outputs, plan, settings
+from dampbalance.studies import checking, evaluate, outputs, plan
 from dampbalance.studies.axes import SOBOL_BITS, Listed, Range, Sampled, case_values, spread
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.shown import facts, summary
@@ -48,7 +48,7 @@ def study(tmp_path):
     def make(document, name="test"):
         path = tmp_path / f"{name}.yaml"
         path.write_text(yaml.safe_dump({"title": "Test"} | document), encoding="utf-8")
-        return settings.read_study(path, SCHEMA_FILE, PAPER_FILE)
+        return checking.read_study(path, SCHEMA_FILE, PAPER_FILE)
 
     return make
 
@@ -298,7 +298,7 @@ def test_dimensionless_groups_are_what_they_say():
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_shipped_studies_are_in_order(path):
-    made = settings.read_study(path, SCHEMA_FILE, PAPER_FILE)
+    made = checking.read_study(path, SCHEMA_FILE, PAPER_FILE)
     assert made.figure
     assert made.shows
     assert set(made.fixed) | set(made.axis_names) >= {"m_kg", "k_N_per_m"}

@@ -20,7 +20,6 @@ from ..axes import Sampled
 from ..parameters import PARAMETERS
 from ..settings import Fit, Study
 from ..stretches import stretches
-from .facts import fits_of
 from .groups import joined, terms_of
 from .logarithmic import logarithmic_ticks
 
@@ -61,7 +60,7 @@ def share_map(study: Study, cases: str | Path) -> Figure:
     An approach that is within it in every case is named below the panels and not drawn.
     """
     within = study.figure.get("within", 0.01)
-    fits, symbols = fits_of(study, study.figure), terms_of(cases)
+    fits, symbols = study.fits_of(study.figure), terms_of(cases)
     shares = shares_within(study, cases, fits, within)
     perfect = _perfect(fits, shares)
     fits = [fit for fit in fits if fit.approach not in perfect]

@@ -18,7 +18,6 @@ from ...figures.series import decades
 from ...figures.style import DASHED, FAINT, styled
 from ..parameters import PARAMETERS
 from ..settings import Fit, Study
-from .facts import fits_of
 from .groups import Spread, groups, spread_of, terms_of
 from .series import with_unit
 
@@ -36,7 +35,7 @@ def errors_of_runs(study: Study, cases: str | Path) -> Figure:
     the approach has an error of its own, which no number of cycles lowers.
     """
     settings = study.figure
-    fits = fits_of(study, settings)
+    fits = study.fits_of(settings)
     by = settings.get("panels")
     kept = list(groups(study, cases, [settings["x"], *([by] if by else [])]))
     values: list[Any] = list(dict.fromkeys(where[by] for where, _ in kept)) if by else [None]

@@ -18,7 +18,7 @@ from ...motion.fixed_step import SCHEMES
 from ..parameters import PARAMETERS, Parameter
 from ..settings import Study
 from ..stretches import column_of
-from .facts import fits_of, worst_errors
+from .facts import worst_errors
 from .groups import terms_of
 from .logarithmic import is_logarithmic
 
@@ -134,7 +134,7 @@ def error_curves(study: Study, cases: str | Path) -> ErrorCurves:
     Panels: phase definitions, or the values of another axis. Curves: the approaches, with φ and t_s of each level or
     common to the levels. Where a curve stands for several fits (all pairs) it is the worst.
     """
-    fits = fits_of(study, study.figure)
+    fits = study.fits_of(study.figure)
     sharings = [name for name in SHARINGS if any(fit.sharing == name for fit in fits)]
     approaches = tuple(dict.fromkeys(fit.approach for fit in fits))
     panels = tuple(_panels(study, cases))
