@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
+from ..arrays import Array
 from ..motion.events import PHASE_S, PHASE_T
-from ..motion.orbit import Array, Orbit
+from ..motion.orbit import Orbit
 from ..motion.states import State
 from .style import INK, SLIP, STICK, arrow
 

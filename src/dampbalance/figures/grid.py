@@ -65,7 +65,9 @@ class Grid:
         return middle / DOUBLE_COLUMN, level / _height(self.bottom, self.rows, self.height)
 
 
-def grid(rows: int, columns: int, *, left: float, bottom: float, height: float) -> Grid:
+def grid(
+    rows: int, columns: int, *, left: float = 15.0, bottom: float = 19.0, height: float = 44.0
+) -> Grid:
     """An empty page for so many panels of this height, mm, over its whole width."""
     width = (DOUBLE_COLUMN - left - RIGHT - (columns - 1) * COLUMN_GAP) / columns
     figure = page(DOUBLE_COLUMN, _height(bottom, rows, height))

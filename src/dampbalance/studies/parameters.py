@@ -17,6 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..arrays import Array
+from ..model import Oscillator
 
 Kind = Literal["oscillator", "excitation", "numerics", "read_out"]
 
@@ -123,6 +124,11 @@ def in_si(given: Mapping[str, Array]) -> dict[str, Array]:
     else:
         omega = 2.0 * np.pi * given["frequency_hz"]
     return {"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k, "Y": Y, "omega": omega}
+
+
+def oscillator_of(si: Mapping[str, Array], case: int) -> Oscillator:
+    """The oscillator of one of the cases of `in_si`."""
+    return Oscillator(*(float(si[name][case]) for name in ("m", "c", "k", "K_z", "F_k")))
 
 
 SI_COLUMNS = {

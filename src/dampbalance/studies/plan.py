@@ -109,13 +109,8 @@ def plan(study: Study) -> Plan:
 def _bytes_per_case(study: Study) -> int:
     """Eight bytes for every number that can differ from case to case, one or two for words and case numbers."""
     varied = sum(len(b.names) for b in study.blocks if isinstance(b, Sampled))
-    total = 8 * varied + 2
-    for column in columns_of(study):
-        if column.words:
-            total += 1
-        elif column.name not in study.axis_names:
-            total += 8
-    return total
+    columns = [c for c in columns_of(study) if c.words or c.name not in study.axis_names]
+    return 8 * varied + 2 + sum(1 if column.words else 8 for column in columns)
 
 
 def chunk_bounds(study: Study, chunk: int) -> tuple[int, int]:
@@ -133,9 +128,8 @@ def check_size(study: Study, sizes: Plan, folder: str | Path, file: str | Path) 
             f"{file}: chunk_cases: {sizes.cases:,} cases in chunks of {study.chunk_cases:,} are {sizes.chunks:,} jobs; "
             f"take chunks of at least {enough:,} cases"
         )
-    existing = Path(folder).absolute()
-    while not existing.exists():
-        existing = existing.parent
+    path = Path(folder).absolute()
+    existing = next(place for place in (path, *path.parents) if place.exists())
     free = int((1.0 - _SPARE) * shutil.disk_usage(existing).free)
     if sizes.disk_bytes > free:
         raise ConfigurationError(

@@ -1,4 +1,4 @@
-"""Where the responses of a study come from: what each route needs, and what stands for what is left out."""
+"""Where the responses of a study come from: what each route needs, and its defaults."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A study as its YAML file describes it, checked before anything runs."""
+"""A study as its YAML file describes it: `checking` finds what is wrong with the file."""
 
 from __future__ import annotations
 
