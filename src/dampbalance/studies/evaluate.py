@@ -65,17 +65,17 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
         key = (fit.approach, fit.phase, fit.sharing)
         if key not in cached:
             cached[key] = _rows(fit, responses, si["k"], rules)
-        estimate = solve(_of_levels(cached[key], fit))
+        rows = _of_levels(cached[key], fit)
+        estimate = solve(rows)
         for symbol, found in estimate.values.items():
             true = _true(si, symbol)
             table[f"{TERMS[symbol].column}__{fit.label}"] = found
             table[f"{symbol}_relative_error__{fit.label}"] = _relative(found, true) - 1.0
         if replicates is not None:
             table |= _intervals(fit, estimate, replicates, si)
-        if len(cached[key].W if fit.levels is None else fit.levels) > len(estimate.values):
-            table[f"residual__{fit.label}"] = estimate.residual
-        else:  # rounding only
-            table[f"residual__{fit.label}"] = np.full(stop - start, np.nan)
+        only_rounding = len(rows.W) <= len(estimate.values)
+        residual = np.full(stop - start, np.nan) if only_rounding else estimate.residual
+        table[f"residual__{fit.label}"] = residual
     return table
 
 

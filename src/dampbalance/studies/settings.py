@@ -9,6 +9,7 @@ from itertools import product
 from typing import Any, Self
 
 from ..balance import APPROACHES, takes_phase
+from ..reading.clean import ReadAt
 from .axes import Block, Listed, Range, Sampled, number_of_cases, spread
 from .parameters import PARAMETERS, synonyms
 from .routes import REPLICATES, ROUTES
@@ -65,7 +66,7 @@ class Study:
     fits: tuple[Fit, ...]
     route: str
     cycles: int
-    reading: str
+    reading: ReadAt
     seed: int
     replicates: int
     columns: tuple[str, ...]

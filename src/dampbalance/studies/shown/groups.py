@@ -111,8 +111,8 @@ def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
 
 def which(quantity: str, fit: Fit) -> dict[str, str]:
     """The columns of a table that say which quantity and which fit a line is about."""
-    told = {"approach": fit.approach, "phase": fit.phase, "sharing": fit.sharing, "fit": fit.kind}
-    return {"quantity": quantity} | told
+    by = {"approach": fit.approach, "phase": fit.phase, "sharing": fit.sharing, "fit": fit.kind}
+    return {"quantity": quantity} | by
 
 
 def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:

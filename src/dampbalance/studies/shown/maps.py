@@ -43,11 +43,6 @@ class Shares(NamedTuple):
     y_edges: Array
     overall: float
 
-    @property
-    def axes(self) -> tuple[tuple[Literal["x", "y"], Array], ...]:
-        """The axes with their edges."""
-        return ("x", self.x_edges), ("y", self.y_edges)
-
 
 @styled()
 def share_map(study: Study, cases: str | Path) -> Figure:
@@ -167,10 +162,10 @@ def _panel(axes: Axes, study: Study, found: Shares, last: bool) -> Any:
     """One map, with the line around the region where the approach holds."""
     look: dict[str, Any] = {"cmap": "viridis", "rasterized": True, "linewidth": 0}
     mesh = axes.pcolormesh(found.x_edges, found.y_edges, found.share, vmin=0.0, vmax=1.0, **look)
-    axes.set_xlim(found.x_edges[0], found.x_edges[-1])
-    axes.set_ylim(found.y_edges[0], found.y_edges[-1])
+    axes.set(xlim=found.x_edges[[0, -1]], ylim=found.y_edges[[0, -1]])
     centres = []
-    for which, edges in found.axes:
+    sides: dict[Literal["x", "y"], Array] = {"x": found.x_edges, "y": found.y_edges}
+    for which, edges in sides.items():
         _, logarithmic = _edges(study, study.figure[which])
         middle = 0.5 * (edges[1:] + edges[:-1])
         centres.append(np.sqrt(edges[1:] * edges[:-1]) if logarithmic else middle)
