@@ -92,13 +92,10 @@ def share_map(study: Study, cases: str | Path) -> Figure:
     if perfect:
         names = joined(in_maths(label_of(key)) for key in perfect)
         coefficients = joined(f"${symbol}$" for symbol in symbols)
-        figure.text(
-            (LEFT + 0.5 * (DOUBLE_COLUMN - LEFT - RIGHT)) / DOUBLE_COLUMN,
-            2.5 / (BOTTOM + panels_height + TOP),
-            f"Within {100 * within:g} % in every case, for {coefficients}: {names}",
-            ha="center",
-            va="center",
-        )
+        text = f"Within {100 * within:g} % in every case, for {coefficients}: {names}"
+        middle = (LEFT + 0.5 * (DOUBLE_COLUMN - LEFT - RIGHT)) / DOUBLE_COLUMN
+        level = 2.5 / (BOTTOM + panels_height + TOP)
+        figure.text(middle, level, text, ha="center", va="center")
     return figure
 
 
