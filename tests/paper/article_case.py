@@ -22,7 +22,7 @@ from dampbalance.project.files import write_csv
 from dampbalance.replication import comparison, tables
 from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.studies import evaluate, outputs
-from dampbalance.studies.settings import read_study
+from dampbalance.studies.checking import read_study
 from dampbalance.studies.shown import drawing
 from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact
 

@@ -15,7 +15,8 @@ from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.replication import comparison, tables
 from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.studies import evaluate, outputs
-from dampbalance.studies.settings import Study, read_study
+from dampbalance.studies.checking import read_study
+from dampbalance.studies.settings import Study
 from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact
 
 PAGE = "results/paper/report.html"

@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
-from dampbalance.studies import evaluate, settings
+from dampbalance.studies import checking, evaluate
 from folders import ROOT
 
 pytestmark = pytest.mark.slow
@@ -75,7 +75,7 @@ def test_everything_is_made(studied, name):
 
 @pytest.mark.parametrize("name", ["map", "frequency", "noise"])
 def test_chunks_joined_are_the_study_computed_at_once(studied, name):
-    study = settings.read_study(
+    study = checking.read_study(
         studied.folder / f"config/studies/{name}.yaml",
         studied.folder / "workflow/schemas/study.schema.yaml",
         studied.folder / "config/config.yaml",

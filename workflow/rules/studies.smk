@@ -20,7 +20,7 @@ STUDIES = sorted(path.stem for path in STUDY_FOLDER.glob("*.yaml"))
 def study_plan(name):
     """(study, its size), checked against the schema and the free disk; one clear error for a file that is wrong."""
     from dampbalance.studies.plan import check_size, plan
-    from dampbalance.studies.settings import read_study
+    from dampbalance.studies.checking import read_study
 
     file = STUDY_FOLDER / f"{name}.yaml"
     if not file.exists():

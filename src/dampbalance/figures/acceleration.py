@@ -134,10 +134,8 @@ def _mark(axes: Axes, x: float, y: float, text: str, label: str, side: str) -> N
 def _name_loop(a: Axes, c: Axes, orbit: Orbit, cycle: Sequence[Branch], first: bool) -> None:
     """Which level a loop belongs to: in (a) above its right end, in (c) on it where ẍ = 0."""
     level = f"{orbit.motion.Y * 1e3:g}"
-    if first:
-        note(a, f"$Y$ = {level} mm", right_end(orbit), (-6, 2), size=8)
-    else:
-        note(a, level, right_end(orbit), (0, 2), ha="center", size=8)
+    text, x, ha = (f"$Y$ = {level} mm", -6, "left") if first else (level, 0, "center")
+    note(a, text, right_end(orbit), (x, 2), ha=ha, size=8)
     states = whole(cycle)
     forward = np.flatnonzero(states.v > 0.5 * np.max(states.v))
     crossing = forward[np.argmin(np.abs(states.acceleration[forward]))]
@@ -147,9 +145,8 @@ def _name_loop(a: Axes, c: Axes, orbit: Orbit, cycle: Sequence[Branch], first: b
 def _show_where(axes: Axes, zoomed: Axes, letter: str, **place: Any) -> None:
     """Frame in a panel what its neighbour enlarges, and name it."""
     (left, right), (low, high) = zoomed.get_xlim(), zoomed.get_ylim()
-    axes.add_patch(
-        Rectangle((left, low), right - left, high - low, fill=False, ec=INK, lw=0.5, zorder=4)
-    )
+    size = right - left, high - low
+    axes.add_patch(Rectangle((left, low), *size, fill=False, ec=INK, lw=0.5, zorder=4))
     note(axes, f"({letter})", (left, low), ha="right", size=8, **place)
 
 

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from .style import DOUBLE_COLUMN, page, place
+from .style import DOUBLE_COLUMN, MM, page, place
 
 RIGHT, TOP, ROW_GAP, COLUMN_GAP = 3.0, 7.0, 4.0, 3.5  # mm
 ENTRIES = 7  # of a legend that fit into a line
@@ -62,13 +62,15 @@ class Grid:
     def _middle(self, level: float) -> tuple[float, float]:
         """The point below the middle of the panels, `level` mm above the edge, in shares of the page."""
         middle = self.left + 0.5 * (DOUBLE_COLUMN - self.left - RIGHT)
-        return middle / DOUBLE_COLUMN, level / _height(self.bottom, self.rows, self.height)
+        return middle / DOUBLE_COLUMN, level * MM / self.figure.get_figheight()
 
 
-def grid(rows: int, columns: int, *, left: float, bottom: float, height: float) -> Grid:
+def grid(
+    rows: int, columns: int, *, left: float = 15.0, bottom: float = 19.0, height: float = 44.0
+) -> Grid:
     """An empty page for so many panels of this height, mm, over its whole width."""
     width = (DOUBLE_COLUMN - left - RIGHT - (columns - 1) * COLUMN_GAP) / columns
-    figure = page(DOUBLE_COLUMN, _height(bottom, rows, height))
+    figure = page(DOUBLE_COLUMN, bottom + rows * height + (rows - 1) * ROW_GAP + TOP)
     return Grid(figure, left, bottom, rows, width, height)
 
 
@@ -79,8 +81,3 @@ def decades_axis(axes: Axes, limits: tuple[float, float]) -> None:
     axes.yaxis.set_major_locator(LogLocator(base=10.0, numticks=20))
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.grid(axis="y", color="#E4E4E4", lw=0.4)
-
-
-def _height(bottom: float, rows: int, height: float) -> float:
-    """Height of the page, mm."""
-    return bottom + rows * height + (rows - 1) * ROW_GAP + TOP

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,12 +66,12 @@ def numerics(
     step_s : of the rebuilt simulation, s.   t_s_unit_s : the unit in which t_s was read, s.
     """
     figure = page(DOUBLE_COLUMN, BOTTOM + 2 * HEIGHT + ROW_GAP + TOP)
-    places = [
-        (LEFT + column * (WIDTH + GAP), BOTTOM + row * (HEIGHT + ROW_GAP))
-        for row in (1, 0)
-        for column in range(3)
-    ]
-    axes = [place(figure, left, bottom, WIDTH, HEIGHT) for left, bottom in places]
+    bottoms, lefts = (
+        (BOTTOM + HEIGHT + ROW_GAP, BOTTOM),
+        (LEFT + n * (WIDTH + GAP) for n in range(3)),
+    )
+    places = [(left, bottom, WIDTH, HEIGHT) for bottom, left in product(bottoms, lefts)]
+    axes = [place(figure, *frame) for frame in places]
     _integrals(axes[0], evidence)
     _steps(axes[1], evidence, oscillator, step_s)
     _coefficients(axes[2], evidence)
@@ -215,6 +216,3 @@ def _unit(e: Evidence, prefix: str) -> float:
     texts = e.claims.loc[e.claims["id"].str.startswith(prefix), "printed"]
     places = max(len(text.partition(".")[2]) for text in texts)
     return math.pow(10.0, -places)
-
-
-__all__ = ["ALT", "Evidence", "numerics"]

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..balance import TERMS, Term
 from ..model import Oscillator
 
@@ -19,7 +19,6 @@ EXACT = 1e-5  # %: an approach nowhere worse than this is exact but for rounding
 ROUNDING = 1e-11  # %: the least bound stated for rounding; below it the errors are chance
 FLOOR = 1e-14  # %: a smaller error, zero too, counts as this on a logarithmic axis
 
-Array = NDArray[np.float64]
 Errors = dict[tuple[str, str, str], float]
 """(approach, phase, pair or ALL) → size of the relative error, %."""
 
@@ -92,9 +91,8 @@ def _of_term(term: Term, tables: Mapping[str, pd.DataFrame], true: float) -> Err
     """The errors of one coefficient against its true value."""
     errors = {name: _relative_errors(table, term.column, true) for name, table in tables.items()}
     worst: dict[str, float] = {}
-    for one in errors.values():
-        for (approach, *_), error in one.items():
-            worst[approach] = max(error, worst.get(approach, 0.0))
+    for (approach, *_), error in (item for one in errors.values() for item in one.items()):
+        worst[approach] = max(error, worst.get(approach, 0.0))
     exact = {key: max(error, ROUNDING) for key, error in worst.items() if error < EXACT}
     return ErrorsOfTerm(term, errors, exact)
 

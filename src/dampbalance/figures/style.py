@@ -74,17 +74,14 @@ def page(width: float, height: float) -> Figure:
 
 def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
     """Axes whose frame has its lower left corner and its size at these places of the page, mm."""
-    page_width, page_height = (float(size) / MM for size in figure.get_size_inches())
-    return figure.add_axes(
-        (left / page_width, bottom / page_height, width / page_width, height / page_height)
-    )
+    wide, high = (float(size) / MM for size in figure.get_size_inches())
+    return figure.add_axes((left / wide, bottom / high, width / wide, height / high))
 
 
 def panel_letter(axes: Axes, letter: str) -> Text:
     """The letter of a panel, (a), (b) …, above the upper left corner of its frame."""
-    return note(
-        axes, f"({letter})", (0.0, 1.0), (0.0, 3.0), xycoords="axes fraction", weight="bold"
-    )
+    look = {"xycoords": "axes fraction", "weight": "bold"}
+    return note(axes, f"({letter})", (0.0, 1.0), (0.0, 3.0), **look)
 
 
 def note(
@@ -97,9 +94,8 @@ def note(
     **look: Any,
 ) -> Text:
     """Words beside a place in the axes, shifted from it by points."""
-    return axes.annotate(
-        text, xy=at, xytext=shift, textcoords="offset points", ha=ha, va=va, **look
-    )
+    look |= {"ha": ha, "va": va}
+    return axes.annotate(text, xy=at, xytext=shift, textcoords="offset points", **look)
 
 
 def arrow(
@@ -127,10 +123,8 @@ def save(figure: Figure, svg: str | Path, png: str | Path, alt: str = "") -> Non
     alt : what the figure shows, in one sentence; it becomes the description inside both files.
     """
     described = {"Description": alt} if alt else {}
-    with replacing(svg) as temporary:
-        # No date and no version of the software: neither says anything about the figure.
-        figure.savefig(
-            temporary, format="svg", metadata={**described, "Date": None, "Creator": None}
-        )
-    with replacing(png) as temporary:
-        figure.savefig(temporary, format="png", dpi=DPI, metadata={**described, "Software": None})
+    # No date and no version of the software: neither says anything about the figure.
+    for path, kind, unsaid in ((svg, "svg", ("Date", "Creator")), (png, "png", ("Software",))):
+        with replacing(path) as temporary:
+            metadata = described | dict.fromkeys(unsaid)
+            figure.savefig(temporary, format=kind, dpi=DPI, metadata=metadata)

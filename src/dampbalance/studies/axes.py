@@ -10,16 +10,14 @@ import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Values = NDArray[Any]
+from ..arrays import Array, Integers, Words
 
-SOBOL_BITS = (
-    32  # 2³² points at most; with more bits scipy cannot skip to the first point of a chunk
-)
+# 2³² points at most; with more bits scipy cannot skip to the first point of a chunk.
+SOBOL_BITS = 32
 Spacing = Literal["linear", "log"]
 
 
@@ -39,8 +37,8 @@ class Listed:
         """The parameters that the block sets."""
         return tuple(self.values)
 
-    def at(self, index: NDArray[np.int64]) -> dict[str, Values]:
-        """Values of the points `index`."""
+    def at(self, index: Integers) -> dict[str, Words]:
+        """Words of the points `index`."""
         return {name: np.asarray(values)[index] for name, values in self.values.items()}
 
 
@@ -52,7 +50,7 @@ class Range:
     high: float
     spacing: Spacing
 
-    def at(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
+    def at(self, share: Array) -> Array:
         """The value at a share 0 … 1 of the way from low to high."""
         if self.spacing == "linear":
             return np.asarray(self.low + share * (self.high - self.low))
@@ -77,8 +75,8 @@ class Sampled:
         """The parameters that the block sets."""
         return tuple(self.ranges)
 
-    def at(self, index: NDArray[np.int64]) -> dict[str, Values]:
-        """Values of the points `index`."""
+    def at(self, index: Integers) -> dict[str, Words]:
+        """Words of the points `index`."""
         if index.size == 0:
             return {name: np.empty(0) for name in self.ranges}
         first = int(index.min())
@@ -87,7 +85,7 @@ class Sampled:
             name: limits.at(shares[:, i]) for i, (name, limits) in enumerate(self.ranges.items())
         }
 
-    def _shares(self, start: int, count: int) -> NDArray[np.float64]:
+    def _shares(self, start: int, count: int) -> Array:
         dimension = len(self.ranges)
         if self.method == "random":
             bits = np.random.PCG64(self.seed).advance(start * dimension)  # one draw a number
@@ -98,9 +96,7 @@ class Sampled:
         if start:
             points.fast_forward(start)
         with warnings.catch_warnings():  # a stretch need not be a power of two: the whole counts
-            warnings.filterwarnings(
-                "ignore", message="The balance properties", category=UserWarning
-            )
+            warnings.filterwarnings("ignore", "The balance properties", UserWarning)
             return np.asarray(points.random(count), dtype=np.float64)
 
 
@@ -112,10 +108,10 @@ def number_of_cases(blocks: Sequence[Block]) -> int:
     return math.prod(block.count for block in blocks)
 
 
-def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Values]:
+def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Words]:
     """Value of every axis in the cases start … stop − 1, each an array of length stop − start."""
     remaining = np.arange(start, stop, dtype=np.int64)
-    values: dict[str, Values] = {}
+    values: dict[str, Words] = {}
     for block in reversed(blocks):
         remaining, index = np.divmod(remaining, block.count)
         values = block.at(index) | values
@@ -125,5 +121,5 @@ def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Val
 def spread(low: float, high: float, count: int, spacing: Spacing) -> list[float]:
     """`count` values from low to high, both included, evenly spaced themselves or in their logarithms."""
     spaced = np.geomspace if spacing == "log" else np.linspace
-    values = spaced(low, high, count)
-    return [float(value) for value in values]
+    values: list[float] = spaced(low, high, count).tolist()
+    return values

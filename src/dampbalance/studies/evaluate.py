@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from ..arrays import Array, Integers, Words
 from ..balance import APPROACHES, TERMS, Rows
@@ -20,21 +19,11 @@ from .plan import columns_of
 from .responses import NOT_READ, REGIME_NAMES, exact_responses
 from .settings import Fit, Study
 
-READ = (
-    "X",
-    "X_s",
-    "X_r",
-    "V_s",
-    "V_r",
-    "t_s",
-    "t_r",
-    "phi",
-)
+READ = ("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi")
 """What rules of reading change; the rows need no other feature that they do."""
 
-NORMAL_95 = (
-    1.959963984540054  # standard errors on either side that hold 95 % of a normal distribution
-)
+# Standard errors on either side that hold 95 % of a normal distribution.
+NORMAL_95 = 1.959963984540054
 
 _SLICE = 16_384  # cases worked on at a time: their arrays stay in the processor's cache
 
@@ -48,15 +37,11 @@ def evaluate(study: Study, start: int, stop: int, threads: int | None = None) ->
         _evaluate(study, first, min(first + _SLICE, stop), threads)
         for first in range(start, stop, _SLICE)
     ]
-    columns = columns_of(study)
-    table = {}
-    for column in columns:
-        pieces = [part[column.name] for part in parts]
-        table[column.name] = np.concatenate(pieces)
-    return pd.DataFrame(table)
+    names = [column.name for column in columns_of(study)]
+    return pd.DataFrame({name: np.concatenate([part[name] for part in parts]) for name in names})
 
 
-def case_parameters(study: Study, start: int, stop: int) -> dict[str, NDArray[Any]]:
+def case_parameters(study: Study, start: int, stop: int) -> dict[str, Words]:
     """Value of every parameter in the cases start … stop − 1, by the names of PARAMETERS, each (stop − start,)."""
     fixed = {name: np.full(stop - start, value) for name, value in study.fixed.items()}
     return fixed | case_values(study.blocks, start, stop)
@@ -67,19 +52,11 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
     si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
     levels = np.array(study.levels)[:, None]
     Y = levels * si["Y"] if study.levels_relative else np.repeat(levels, stop - start, axis=1)
-    replicates: Features | None = None
-    if study.route == "measured":
-        from .noisy import measured_responses  # reads records: much to import, for this route only
-
-        cases = np.arange(start, stop)
-        responses, replicates = measured_responses(
-            si, Y, values, cases, cycles=study.cycles, seed=study.seed, count=study.replicates
-        )
-    else:
-        responses = _responses(study, si, Y, values, threads)
+    cases = np.arange(start, stop)
+    responses, replicates = _responses(study, si, Y, values, cases, threads)
     rules = _read_out_rules(values)
 
-    table: dict[str, Any] = {"case": np.arange(start, stop)}
+    table: dict[str, Any] = {"case": cases}
     table |= {name: values[name] for name in study.axis_names}
     table |= {name: si[key] for key, (name, _, _) in SI_COLUMNS.items() if name not in table}
     table["regime"] = _regime_names(responses.regime)
@@ -88,21 +65,25 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
         key = (fit.approach, fit.phase, fit.sharing)
         if key not in cached:
             cached[key] = _rows(fit, responses, si["k"], rules)
-        estimate = solve(_of_levels(cached[key], fit))
+        rows = _of_levels(cached[key], fit)
+        estimate = solve(rows)
         for symbol, found in estimate.values.items():
             table[f"{TERMS[symbol].column}__{fit.label}"] = found
-            if symbol not in si:  # a term that the oscillator does not have
-                continue
-            with np.errstate(divide="ignore", invalid="ignore"):
-                error = np.where(si[symbol] > 0.0, found / si[symbol] - 1.0, np.nan)
-            table[f"{symbol}_relative_error__{fit.label}"] = error
+            if symbol in si:  # a term that the oscillator has
+                error = _relative(found, si[symbol]) - 1.0
+                table[f"{symbol}_relative_error__{fit.label}"] = error
         if replicates is not None:
             table |= _intervals(fit, estimate, replicates, si)
-        if len(cached[key].W if fit.levels is None else fit.levels) > len(estimate.values):
-            table[f"residual__{fit.label}"] = estimate.residual
-        else:  # rounding only
-            table[f"residual__{fit.label}"] = np.full(stop - start, np.nan)
+        only_rounding = len(rows.W) <= len(estimate.values)
+        residual = np.full(stop - start, np.nan) if only_rounding else estimate.residual
+        table[f"residual__{fit.label}"] = residual
     return table
+
+
+def _relative(value: Array, true: Array) -> Array:
+    """A value over the true one; NaN where that is zero."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(true > 0.0, value / true, np.nan)
 
 
 def _of_levels(rows: Rows, fit: Fit) -> Rows:
@@ -122,10 +103,7 @@ def _intervals(
         error = drawn[symbol].std(axis=1, ddof=1)
         held = np.where(np.abs(found - true) <= NORMAL_95 * error, 1.0, 0.0)
         judged = np.isfinite(found) & np.isfinite(error)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            table[f"{symbol}_relative_standard_error__{fit.label}"] = np.where(
-                true > 0.0, error / true, np.nan
-            )
+        table[f"{symbol}_relative_standard_error__{fit.label}"] = _relative(error, true)
         table[f"{symbol}_covered__{fit.label}"] = np.where(judged, held, np.nan)
     return table
 
@@ -134,18 +112,22 @@ def _responses(
     study: Study,
     si: Mapping[str, Array],
     Y: Array,
-    values: Mapping[str, NDArray[Any]],
+    values: Mapping[str, Words],
+    cases: Integers,
     threads: int | None,
-) -> Features:
+) -> tuple[Features, Features | None]:
+    """The responses, and of noisy records bootstrap replicates. What a route alone needs is slow to import."""
     if study.route == "exact":
-        return exact_responses(si, Y, threads)
-    from .stepwise import fixed_step_responses, sampled_responses  # scipy.integrate: slow to import
+        return exact_responses(si, Y, threads), None
+    if study.route == "measured":
+        from .noisy import measured_responses
 
-    routes: dict[str, Callable[..., Features]] = {
-        "fixed_step": fixed_step_responses,
-        "sampled": sampled_responses,
-    }
-    return routes[study.route](si, Y, values, study.cycles, study.reading)
+        counts = {"cycles": study.cycles, "seed": study.seed, "count": study.replicates}
+        return measured_responses(si, Y, values, cases, **counts)
+    from .stepwise import fixed_step_responses, sampled_responses
+
+    read = fixed_step_responses if study.route == "fixed_step" else sampled_responses
+    return read(si, Y, values, study.cycles, study.reading), None
 
 
 def _rows(
@@ -160,9 +142,7 @@ def _rows(
     return APPROACHES[fit.approach](seen, k)
 
 
-def _read_out_rules(
-    values: Mapping[str, NDArray[Any]],
-) -> list[tuple[Integers, ReadOut]]:
+def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut]]:
     """(cases, rules of reading) for each set of rules among the cases; nothing if there are no rules."""
     names = [name for name in values if PARAMETERS[name].kind == "read_out"]
     if not names:
@@ -171,10 +151,8 @@ def _read_out_rules(
     sets, member = np.unique(table, axis=0, return_inverse=True)
     rules = []
     for i, row in enumerate(sets):
-        section = {
-            name: int(value) if PARAMETERS[name].whole else float(value)
-            for name, value in zip(names, row, strict=True)
-        }
+        kept = zip(names, row.tolist(), strict=True)
+        section = {name: int(x) if PARAMETERS[name].whole else x for name, x in kept}
         rules.append((np.flatnonzero(member.ravel() == i), ReadOut.from_config(section)))
     return rules
 

@@ -20,6 +20,7 @@ from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
 from ..reading.noisy import Reading, read_features
 from ..records.synthetic import measured_orbit
+from .parameters import oscillator_of
 from .responses import NOT_READ, RIGID_LIMIT
 
 
@@ -44,16 +45,14 @@ def measured_responses(
     """
     points, replicates = [], []
     for case in range(len(cases)):
-        osc = Oscillator(*(float(si[name][case]) for name in ("m", "c", "k", "K_z", "F_k")))
+        osc = oscillator_of(si, case)
         read: list[Reading | str] = []
         drawn: list[Features] = []
         for level in range(len(Y)):
             motion = BaseMotion(Y=float(Y[level, case]), omega=float(si["omega"][case]))
             random = np.random.default_rng([seed, int(cases[case]), level])
-            reading = _measured(
-                osc, motion, float(numerics["sampling_hz"][case]), cycles,
-                float(numerics["noise"][case]), random,
-            )  # fmt: skip
+            rate_hz, noise = (float(numerics[name][case]) for name in ("sampling_hz", "noise"))
+            reading = _measured(osc, motion, rate_hz, cycles, noise, random)
             read.append(reading)
             if isinstance(reading, Reading):
                 drawn.append(reading.resampled(count, random, onset=True))
@@ -99,9 +98,10 @@ def _with_shared_line(
             nothing = of_numbers(np.nan, str(reading))
             points.append(nothing)
             replicates.append(nothing[:, None][:, [0] * count])
-            continue
-        at = readings.index(reading)
-        regime = str(Regime.ONE_SLIP) if line.microstick.resolved else RIGID_LIMIT
-        points.append(replace(line.point[[at]], regime=np.array(regime, dtype=object)))
-        replicates.append(replace(line.drawn[[at]], regime=np.array(regime, dtype=object)))
+        else:
+            at = [readings.index(reading)]
+            words = str(Regime.ONE_SLIP) if line.microstick.resolved else RIGID_LIMIT
+            regime = np.array(words, dtype=object)
+            points.append(replace(line.point[at], regime=regime))
+            replicates.append(replace(line.drawn[at], regime=regime))
     return stack(points), stack(replicates)

@@ -16,8 +16,8 @@ from typing import Any
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
-from numpy.typing import NDArray
 
+from ..arrays import Words
 from ..project.files import replacing, write_json
 from .plan import Column, columns_of
 from .responses import REGIME_NAMES
@@ -34,7 +34,9 @@ _PACKING: dict[str, Any] = {
 def schema_of(study: Study, version: str) -> pa.Schema:
     """Names, types, units and meanings of the columns; the study and its settings as metadata of the file."""
     fields = [
-        pa.field(column.name, _type(study, column), metadata=_described(column))
+        pa.field(
+            column.name, _type(column), metadata={"unit": column.unit, "meaning": column.meaning}
+        )
         for column in columns_of(study)
     ]
     about = {
@@ -71,10 +73,7 @@ def join_chunks(path: str | Path, chunks: Sequence[str | Path]) -> None:
 
 def write_manifest(path: str | Path, cases: str | Path, study: Study, version: str) -> None:
     """What the table of cases is: study, version, seeds, settings, number of cases per regime, columns with units."""
-    counts: Counter[str] = Counter()
-    for stretch in stretches(cases, ["regime"]):
-        counts.update(stretch["regime"].tolist())
-    counts = Counter({name: count for name, count in counts.items() if count})
+    counts = Counter(word for part in stretches(cases, ["regime"]) for word in part["regime"])
     seen = {word for pattern in counts for word in pattern.split(", ")}
     write_json(
         path,
@@ -93,20 +92,15 @@ def write_manifest(path: str | Path, cases: str | Path, study: Study, version: s
     )
 
 
-def _described(column: Column) -> dict[str, str]:
-    return {"unit": column.unit, "meaning": column.meaning}
-
-
-def _type(study: Study, column: Column) -> pa.DataType:
+def _type(column: Column) -> pa.DataType:
     if column.words:
         return pa.dictionary(pa.int32(), pa.string())
     return pa.int64() if column.name == "case" else pa.float64()
 
 
-def _array(values: NDArray[Any], kind: pa.DataType) -> pa.Array:
+def _array(values: Words, kind: pa.DataType) -> pa.Array:
     if pa.types.is_dictionary(kind):
         codes, words = pd.factorize(values, sort=True)
-        return pa.DictionaryArray.from_arrays(
-            pa.array(codes, pa.int32()), pa.array(list(words), pa.string())
-        )
+        words = pa.array(list(words), pa.string())
+        return pa.DictionaryArray.from_arrays(pa.array(codes, pa.int32()), words)
     return pa.array(values, kind)

@@ -15,9 +15,10 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..arrays import Array
+from ..model import Oscillator
+
 Kind = Literal["oscillator", "excitation", "numerics", "read_out"]
 
 
@@ -37,6 +38,15 @@ class Parameter:
     whole: bool = False
 
 
+def _decimals(feature: str, unit: str) -> Parameter:
+    """How many decimals of a feature are kept when it is read off."""
+    meaning = f"decimals (of {unit}) kept of {feature}"
+    return Parameter("read_out", "1", meaning, zero_allowed=True, whole=True)
+
+
+_NOISE = "rms of the noise of each channel over that of its signal"
+_RUN = "number of the run: the same but for its noise"
+
 PARAMETERS: dict[str, Parameter] = {
     "m_kg": Parameter("oscillator", "kg", "mass m", "m"),
     "c_N_s_per_m": Parameter("oscillator", "N s/m", "viscous damping c", "c", zero_allowed=True),
@@ -49,12 +59,7 @@ PARAMETERS: dict[str, Parameter] = {
         "excitation", "1", "ω/ω_n, ω_n = √(k/m)", r"\omega/\omega_n", "frequency_hz"
     ),
     "zeta": Parameter(
-        "oscillator",
-        "1",
-        "damping ratio ζ = c/(2√(km))",
-        r"\zeta",
-        "c_N_s_per_m",
-        zero_allowed=True,
+        "oscillator", "1", "damping ratio ζ = c/(2√(km))", r"\zeta", "c_N_s_per_m", True
     ),
     "K_z_over_k": Parameter("oscillator", "1", "K_z/k", "K_z/k", "K_z_N_per_m"),
     "F_k_over_kY": Parameter(
@@ -66,54 +71,28 @@ PARAMETERS: dict[str, Parameter] = {
         "numerics", "1", "steps of the scheme per period, T/h", "T/h", "step_s"
     ),
     "sampling_hz": Parameter("numerics", "Hz", "sampling frequency f_s", "f_s"),
-    "noise": Parameter(
-        "numerics",
-        "1",
-        "rms of the noise of each channel over that of its signal",
-        r"\sigma",
-        "",
-        True,
-    ),
-    "run": Parameter(
-        "numerics", "1", "number of the run: the same but for its noise", "", "", True, whole=True
-    ),
-    "X_decimals": Parameter(
-        "read_out", "1", "decimals (of m) kept of X", "", "", zero_allowed=True, whole=True
-    ),
-    "X_s_decimals": Parameter(
-        "read_out", "1", "decimals (of m) kept of X_s", "", "", zero_allowed=True, whole=True
-    ),
+    "noise": Parameter("numerics", "1", _NOISE, r"\sigma", zero_allowed=True),
+    "run": Parameter("numerics", "1", _RUN, zero_allowed=True, whole=True),
+    "X_decimals": _decimals("X", "m"),
+    "X_s_decimals": _decimals("X_s", "m"),
     "X_s_mark_m": Parameter("read_out", "m", "marks in which X + X_s is counted"),
-    "V_s_decimals": Parameter(
-        "read_out", "1", "decimals (of m/s) kept of V_s", "", "", zero_allowed=True, whole=True
-    ),
-    "phi_decimals": Parameter(
-        "read_out", "1", "decimals (of rad) kept of φ", "", "", zero_allowed=True, whole=True
-    ),
-    "t_s_inset_s": Parameter(
-        "read_out", "s", "time by which t_s reads short", "", "", zero_allowed=True
-    ),
+    "V_s_decimals": _decimals("V_s", "m/s"),
+    "phi_decimals": _decimals("φ", "rad"),
+    "t_s_inset_s": Parameter("read_out", "s", "time by which t_s reads short", zero_allowed=True),
     "t_s_unit_s": Parameter("read_out", "s", "unit to which t_s is cut"),
-    "common_phi_decimals": Parameter(
-        "read_out", "1", "decimals (of rad) kept of the common φ", "", "", True, whole=True
-    ),
-    "common_t_s_decimals": Parameter(
-        "read_out", "1", "decimals (of s) kept of the common t_s", "", "", True, whole=True
-    ),
+    "common_phi_decimals": _decimals("the common φ", "rad"),
+    "common_t_s_decimals": _decimals("the common t_s", "s"),
 }
 """Every name that an axis can have."""
 
 MECHANICAL = tuple(name for name, p in PARAMETERS.items() if p.kind in ("oscillator", "excitation"))
 
 
-def rivals(name: str) -> list[str]:
-    """The other names that set the same quantity, e.g. of zeta: c_N_s_per_m."""
+def synonyms(name: str) -> list[str]:
+    """The names that set the same quantity, this one first, e.g. for zeta: zeta and c_N_s_per_m."""
     target = PARAMETERS[name].stands_for or name
-    return [
-        other
-        for other, parameter in PARAMETERS.items()
-        if other != name and (parameter.stands_for or other) == target
-    ]
+    same = [other for other, p in PARAMETERS.items() if (p.stands_for or other) == target]
+    return sorted(same, key=lambda other: other != name)
 
 
 def objection(name: str, value: Any) -> str | None:
@@ -145,6 +124,11 @@ def in_si(given: Mapping[str, Array]) -> dict[str, Array]:
     else:
         omega = 2.0 * np.pi * given["frequency_hz"]
     return {"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k, "Y": Y, "omega": omega}
+
+
+def oscillator_of(si: Mapping[str, Array], case: int) -> Oscillator:
+    """The oscillator of one of the cases of `in_si`."""
+    return Oscillator(*(float(si[name][case]) for name in ("m", "c", "k", "K_z", "F_k")))
 
 
 SI_COLUMNS = {

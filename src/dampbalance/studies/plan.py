@@ -28,6 +28,25 @@ class Column(NamedTuple):
     words: bool = False
 
 
+_OF_TERMS = {
+    "errors": [("{0.symbol}_relative_error", "1", "{0.symbol} identified / true − 1")],
+    "estimates": [("{0.column}", "{0.unit}", "{0.symbol} identified")],
+    "intervals": [
+        (
+            "{0.symbol}_relative_standard_error",
+            "1",
+            "standard error of {0.symbol} by bootstrap over cycles / true {0.symbol}",
+        ),
+        (
+            "{0.symbol}_covered",
+            "1",
+            "1 if the 95 % interval of {0.symbol} holds its true value, else 0",
+        ),
+    ],
+}
+"""Columns of a fit for each term, by the word that asks for them: name, unit and meaning, to be completed by both."""
+
+
 def columns_of(study: Study) -> list[Column]:
     """The columns of the table of cases, in their order."""
     columns = [Column("case", "1", "number of the case, counted from 0")]
@@ -40,51 +59,28 @@ def columns_of(study: Study) -> list[Column]:
             for name, unit, meaning in SI_COLUMNS.values()
             if name not in study.axis_names and (name != "Y_m" or study.levels_relative)
         ]
-    columns.append(
-        Column(
-            "regime",
-            "",
-            "kind of response at each level, one word if all are alike: "
-            + ", ".join(REGIME_NAMES.values()),
-            words=True,
-        )
-    )
+    kinds = ", ".join(REGIME_NAMES.values())
+    regimes = f"kind of response at each level, one word if all are alike: {kinds}"
+    columns.append(Column("regime", "", regimes, words=True))
     for fit in study.fits:
-        symbols = APPROACHES[fit.approach].terms
-        true = [name for name in symbols if name in SI_COLUMNS]  # what the oscillator has
+        terms = [TERMS[symbol] for symbol in APPROACHES[fit.approach].terms]
         how = " ".join(part.replace("_", " ") for part in fit.label.split("__"))
-        if "errors" in study.columns:
-            columns += [
-                Column(
-                    f"{name}_relative_error__{fit.label}",
-                    "1",
-                    f"{name} identified / true − 1; {how}",
-                )
-                for name in true
-            ]
-        if "estimates" in study.columns:
-            columns += [
-                Column(
-                    f"{TERMS[name].column}__{fit.label}",
-                    TERMS[name].unit,
-                    f"{name} identified; {how}",
-                )
-                for name in symbols
-            ]
-        if "intervals" in study.columns:
-            for name in true:
-                columns += [
-                    Column(
-                        f"{name}_relative_standard_error__{fit.label}",
-                        "1",
-                        f"standard error of {name} by bootstrap over cycles / true {name}; {how}",
-                    ),
-                    Column(
-                        f"{name}_covered__{fit.label}",
-                        "1",
-                        f"1 if the 95 % interval of {name} holds its true value, else 0; {how}",
-                    ),
-                ]
+        asked = [(key, of_term) for key, of_term in _OF_TERMS.items() if key in study.columns]
+        described = [
+            (*texts, term)
+            for key, of_term in asked
+            for term in terms
+            if key == "estimates" or term.symbol in SI_COLUMNS  # what the oscillator has
+            for texts in of_term
+        ]
+        columns += [
+            Column(
+                f"{name}__{fit.label}".format(term),
+                unit.format(term),
+                f"{meaning.format(term)}; {how}",
+            )
+            for name, unit, meaning, term in described
+        ]
         if "residuals" in study.columns:
             columns.append(Column(f"residual__{fit.label}", "1", f"‖A p − W‖/‖W‖; {how}"))
     return columns
@@ -119,13 +115,8 @@ def plan(study: Study) -> Plan:
 def _bytes_per_case(study: Study) -> int:
     """Eight bytes for every number that can differ from case to case, one or two for words and case numbers."""
     varied = sum(len(b.names) for b in study.blocks if isinstance(b, Sampled))
-    total = 8 * varied + 2
-    for column in columns_of(study):
-        if column.words:
-            total += 1
-        elif column.name not in study.axis_names:
-            total += 8
-    return total
+    columns = [c for c in columns_of(study) if c.words or c.name not in study.axis_names]
+    return 8 * varied + 2 + sum(1 if column.words else 8 for column in columns)
 
 
 def chunk_bounds(study: Study, chunk: int) -> tuple[int, int]:
@@ -143,9 +134,8 @@ def check_size(study: Study, sizes: Plan, folder: str | Path, file: str | Path) 
             f"{file}: chunk_cases: {sizes.cases:,} cases in chunks of {study.chunk_cases:,} are {sizes.chunks:,} jobs; "
             f"take chunks of at least {enough:,} cases"
         )
-    existing = Path(folder).absolute()
-    while not existing.exists():
-        existing = existing.parent
+    path = Path(folder).absolute()
+    existing = next(place for place in (path, *path.parents) if place.exists())
     free = int((1.0 - _SPARE) * shutil.disk_usage(existing).free)
     if sizes.disk_bytes > free:
         raise ConfigurationError(

@@ -19,6 +19,7 @@ from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
 from ..reading.clean import CYCLES_TO_READ, ReadAt, of_record
 from ..record import Record
+from .parameters import oscillator_of
 from .responses import NOT_READ, STEP_TOO_COARSE
 
 
@@ -31,27 +32,17 @@ def fixed_step_responses(
     each (n,).   cycles : simulated from rest.
     """
 
-    def read(osc: Oscillator, motion: BaseMotion, case: int) -> Features:
+    def simulated(osc: Oscillator, motion: BaseMotion, case: int) -> Record:
         if "step_s" in numerics:
             step = float(numerics["step_s"][case])
         else:
             step = motion.period / float(numerics["steps_per_cycle"][case])
         if not 0.0 < step < motion.period:
-            return of_numbers(motion.omega, STEP_TOO_COARSE)
-        try:
-            record = simulate(
-                osc,
-                motion,
-                scheme=str(numerics["scheme"][case]),
-                step=step,
-                cycles=cycles,
-                keep_cycles=CYCLES_TO_READ,
-            )
-        except StepTooCoarse:
-            return of_numbers(motion.omega, STEP_TOO_COARSE)
-        return _read(record, osc, motion, reading)
+            raise StepTooCoarse
+        kept = {"cycles": cycles, "keep_cycles": CYCLES_TO_READ}
+        return simulate(osc, motion, scheme=str(numerics["scheme"][case]), step=step, **kept)
 
-    return _one_by_one(si, Y, read)
+    return _read_each(si, Y, simulated, reading)
 
 
 def sampled_responses(
@@ -59,37 +50,44 @@ def sampled_responses(
 ) -> Features:
     """The exact responses, sampled at sampling_hz (Hz, (n,)) for `cycles` cycles from ωt = 0 on, and read."""
 
-    def read(osc: Oscillator, motion: BaseMotion, case: int) -> Features:
-        try:
-            orbit = steady_orbit(osc, motion)
-        except NoSteadyOrbit:
-            return of_numbers(motion.omega, str(Regime.NOT_FOUND))
+    def sampled(osc: Oscillator, motion: BaseMotion, case: int) -> Record | None:
+        orbit = steady_orbit(osc, motion)
         rate = float(numerics["sampling_hz"][case])
         t = np.arange(int(cycles * motion.period * rate) + 1) / rate
         if len(t) < 2:
-            return of_numbers(motion.omega, NOT_READ)
+            return None
         state = orbit.state(t)
-        record = Record(t, motion.y(t), state.x, state.v, state.acceleration)
-        return _read(record, osc, motion, reading)
+        return Record(t, motion.y(t), state.x, state.v, state.acceleration)
 
-    return _one_by_one(si, Y, read)
+    return _read_each(si, Y, sampled, reading)
 
 
-def _read(record: Record, osc: Oscillator, motion: BaseMotion, reading: ReadAt) -> Features:
-    try:
-        return of_record(record, motion.omega, osc.k, reading)
-    except ValueError:  # too short, or too coarse to hold a reversal
+def _read_each(
+    si: Mapping[str, Array],
+    Y: Array,
+    record_of: Callable[[Oscillator, BaseMotion, int], Record | None],
+    reading: ReadAt,
+) -> Features:
+    """The responses (L, n) read off the record of each oscillator, base motion and number of the case."""
+
+    def read(osc: Oscillator, motion: BaseMotion, case: int) -> Features:
+        try:
+            record = record_of(osc, motion, case)
+        except StepTooCoarse:
+            return of_numbers(motion.omega, STEP_TOO_COARSE)
+        except NoSteadyOrbit:
+            return of_numbers(motion.omega, str(Regime.NOT_FOUND))
+        try:
+            if record:
+                return of_record(record, motion.omega, osc.k, reading)
+        except ValueError:  # too short, or too coarse to hold a reversal
+            pass
         return of_numbers(motion.omega, NOT_READ)
 
-
-def _one_by_one(
-    si: Mapping[str, Array], Y: Array, read: Callable[[Oscillator, BaseMotion, int], Features]
-) -> Features:
-    """The responses (L, n) that `read` gives for each oscillator, base motion and number of the case."""
     cases = []
-    for case in range(Y.shape[1]):
-        osc = Oscillator(*(float(si[name][case]) for name in ("m", "c", "k", "K_z", "F_k")))
-        omega = float(si["omega"][case])
-        levels = [read(osc, BaseMotion(Y=float(level), omega=omega), case) for level in Y[:, case]]
-        cases.append(stack(levels))
+    for case, omega in enumerate(si["omega"].tolist()):
+        osc = oscillator_of(si, case)
+        cases.append(
+            stack([read(osc, BaseMotion(level, omega), case) for level in Y[:, case].tolist()])
+        )
     return beside(cases).replaced(Y=Y)

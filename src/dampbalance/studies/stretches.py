@@ -1,24 +1,21 @@
-"""The table of cases, a stretch of it at a time: what is counted along the way needs no more memory for more cases."""
+"""The table of cases, a stretch of it at a time: memory does not grow with the number of cases."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow.parquet as pq
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..arrays import Array, Words
 
-_PER_DECADE = (
-    2000  # bins of sizes: a quantile is good to 0.06 %, below the three digits that are shown
-)
+# Bins of sizes: a quantile is good to 0.06 %, below the three digits that are shown.
+_PER_DECADE = 2000
 _LOWEST, _HIGHEST = -18, 8  # decades: smaller and larger sizes fall into the first and the last bin
 
 
-def stretches(cases: str | Path, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
+def stretches(cases: str | Path, names: Sequence[str]) -> Iterator[dict[str, Words]]:
     """The columns named, row group by row group, in the order of the cases."""
     wanted = list(dict.fromkeys(names))
     with pq.ParquetFile(cases) as file:
@@ -27,7 +24,7 @@ def stretches(cases: str | Path, names: Sequence[str]) -> Iterator[dict[str, NDA
             yield {name: np.asarray(table[name].to_numpy()) for name in wanted}
 
 
-def column_of(cases: str | Path, name: str) -> NDArray[Any]:
+def column_of(cases: str | Path, name: str) -> Words:
     """One whole column of the table of cases."""
     return np.concatenate([stretch[name] for stretch in stretches(cases, [name])])
 

@@ -17,7 +17,7 @@ from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.wording import percent
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.synthetic import measured_orbit
-from dampbalance.studies import evaluate, outputs, settings
+from dampbalance.studies import checking, evaluate, outputs
 from dampbalance.studies.shown import drawing, facts, groups, summary
 from dampbalance.studies.shown.bounds import bounds_of
 from folders import ROOT
@@ -55,7 +55,7 @@ def make(tmp_path_factory):
     def study(document):
         path = tmp_path_factory.mktemp("study") / "test.yaml"
         path.write_text(yaml.safe_dump(document), encoding="utf-8")
-        return settings.read_study(path, SCHEMA_FILE, PAPER_FILE)
+        return checking.read_study(path, SCHEMA_FILE, PAPER_FILE)
 
     return study
 

@@ -17,12 +17,12 @@ from dampbalance.balance import APPROACHES, takes_phase
 from dampbalance.estimates import estimate_table
 from dampbalance.features import of_orbit, stack
 from dampbalance.motion.fixed_step import simulate
-from dampbalance.project.documents import ConfigurationError
+from dampbalance.project.documents import ConfigurationError, against_schema
 from dampbalance.project.wording import percent
 from dampbalance.reading.clean import of_record
 from dampbalance.replication.readout import ReadOut
 from dampbalance.solver import least_squares, pair
-from dampbalance.studies import evaluate, outputs, plan, settings
+from dampbalance.studies import checking, evaluate, outputs, plan
 from dampbalance.studies.axes import SOBOL_BITS, Listed, Range, Sampled, case_values, spread
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.shown import facts, summary
@@ -48,7 +48,7 @@ def study(tmp_path):
     def make(document, name="test"):
         path = tmp_path / f"{name}.yaml"
         path.write_text(yaml.safe_dump({"title": "Test"} | document), encoding="utf-8")
-        return settings.read_study(path, SCHEMA_FILE, PAPER_FILE)
+        return checking.read_study(path, SCHEMA_FILE, PAPER_FILE)
 
     return make
 
@@ -298,7 +298,7 @@ def test_dimensionless_groups_are_what_they_say():
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_shipped_studies_are_in_order(path):
-    made = settings.read_study(path, SCHEMA_FILE, PAPER_FILE)
+    made = checking.read_study(path, SCHEMA_FILE, PAPER_FILE)
     assert made.figure
     assert made.shows
     assert set(made.fixed) | set(made.axis_names) >= {"m_kg", "k_N_per_m"}
@@ -315,11 +315,21 @@ def test_the_schema_knows_every_parameter_where_it_belongs():
     assert set(block["sample"]["properties"]["over"]["properties"]) == set(MECHANICAL)
     rules = {name for name, p in PARAMETERS.items() if p.kind == "read_out"}
     assert set(properties["read_out"]["properties"]) == rules
-    approaches = properties["estimation"]["properties"]["approaches"]["items"]["enum"]
-    assert approaches == list(APPROACHES)
-    assert set(properties["facts"]["additionalProperties"]["properties"]["approach"]["enum"]) == (
-        set(APPROACHES)
+    ways = (
+        properties["estimation"]["properties"]["approaches"]["items"],
+        properties["facts"]["additionalProperties"]["properties"]["approach"],
     )
+    assert all(way["approach"] for way in ways)  # whichever are registered
+
+
+def test_an_approach_that_is_not_registered_is_refused():
+    wrong = GOOD | {"estimation": {"approaches": ["direct", "X-s"]}}
+    assert against_schema(wrong, SCHEMA) == [
+        (
+            ("estimation", "approaches", 1),
+            f"'X-s' is not an approach (did you mean X_s?); known: {', '.join(APPROACHES)}",
+        )
+    ]
 
 
 GOOD = {

@@ -1,12 +1,12 @@
 """The facts of the parameter studies that the article cites, in one file."""
 
 from dampbalance.project.files import write_json
-from dampbalance.studies import settings
+from dampbalance.studies import checking
 from dampbalance.studies.shown import facts
 
 
 def main(file, cases):
-    study = settings.read_study(file, "workflow/schemas/study.schema.yaml", "config/config.yaml")
+    study = checking.read_study(file, "workflow/schemas/study.schema.yaml", "config/config.yaml")
     told = {name: facts.fact(study, cases, spec) for name, spec in study.facts.items()}
     return {"cases": study.cases, "facts": told, "specs": study.facts}
 

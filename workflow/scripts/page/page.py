@@ -6,7 +6,7 @@ from dampbalance.motion.orbit import read_orbits
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, read_routes, write_text
 from dampbalance.publishing.page.report import PageContent, report_page
-from dampbalance.studies.settings import read_study
+from dampbalance.studies.checking import read_study
 
 TABLES = ("table1", "table2", "table3", "statistics")
 

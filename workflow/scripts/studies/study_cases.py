@@ -1,10 +1,10 @@
 """All cases of a study in one Parquet file, and what it is."""
 
 from dampbalance import __version__
-from dampbalance.studies import outputs, settings
+from dampbalance.studies import checking, outputs
 
 if __name__ == "__main__":
-    study = settings.read_study(
+    study = checking.read_study(
         snakemake.params.file, "workflow/schemas/study.schema.yaml", "config/config.yaml"
     )
     outputs.join_chunks(snakemake.output.cases, snakemake.input.chunks)

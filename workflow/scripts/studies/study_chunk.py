@@ -6,11 +6,11 @@ import time
 from pathlib import Path
 
 from dampbalance import __version__
-from dampbalance.studies import evaluate, outputs, plan, settings
+from dampbalance.studies import checking, evaluate, outputs, plan
 
 
 def main(file, chunk, threads):
-    study = settings.read_study(file, "workflow/schemas/study.schema.yaml", "config/config.yaml")
+    study = checking.read_study(file, "workflow/schemas/study.schema.yaml", "config/config.yaml")
     return study, evaluate.evaluate(study, *plan.chunk_bounds(study, chunk), threads=threads)
 
 

@@ -1,11 +1,11 @@
 """The figure of a study."""
 
 from dampbalance.figures.style import save
-from dampbalance.studies import settings
+from dampbalance.studies import checking
 from dampbalance.studies.shown import drawing
 
 if __name__ == "__main__":
-    study = settings.read_study(
+    study = checking.read_study(
         snakemake.input.file, "workflow/schemas/study.schema.yaml", "config/config.yaml"
     )
     figure = drawing.study_figure(study, snakemake.input.cases)

@@ -3,11 +3,11 @@
 from pathlib import Path
 
 from dampbalance.project.files import write_csv, write_text
-from dampbalance.studies import settings
+from dampbalance.studies import checking
 from dampbalance.studies.shown import facts, summary
 
 if __name__ == "__main__":
-    study = settings.read_study(
+    study = checking.read_study(
         snakemake.input.file, "workflow/schemas/study.schema.yaml", "config/config.yaml"
     )
     table = summary.summary_of(snakemake.input.cases, study)

@@ -5,18 +5,18 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integers
 from ...balance import TERMS
 from ...likelihood.information import cramer_rao, noise_of_rms
-from ...model import BaseMotion, Oscillator
+from ...model import BaseMotion
 from ...motion.orbit import NoSteadyOrbit
 from ..evaluate import case_parameters
-from ..parameters import MECHANICAL, in_si
+from ..parameters import MECHANICAL, in_si, oscillator_of
 from ..settings import Study
 
 
-def bounds_of(study: Study, cases: NDArray[np.int_]) -> dict[str, float]:
+def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
     """Least relative standard error, by term, that an unbiased estimate from the records of a case can have.
 
     cases : numbers of cases that may differ by their noise only (the axis `run`). The bound holds for whoever knows m,
@@ -34,7 +34,7 @@ def bounds_of(study: Study, cases: NDArray[np.int_]) -> dict[str, float]:
     if noise == 0.0:
         return nothing
     si = in_si({name: here[name][:1].astype(float) for name in MECHANICAL if name in here})
-    osc = Oscillator(*(float(si[name][0]) for name in ("m", "c", "k", "K_z", "F_k")))
+    osc = oscillator_of(si, 0)
     Y = np.array(study.levels) * (float(si["Y"][0]) if study.levels_relative else 1.0)
     motions = [BaseMotion(Y=float(level), omega=float(si["omega"][0])) for level in Y]
     try:

@@ -35,33 +35,24 @@ from .logarithmic import logarithmic_ticks
 from .maps import share_map
 from .scatter import errors_of_runs
 
-LEFT, BOTTOM, HEIGHT = 15.0, 19.0, 44.0  # mm: margins of the page, height of a panel
-
 
 def study_figure(study: Study, cases: str | Path) -> Figure:
     """The figure that the study's file asks for, from its table of cases."""
-    kinds = {
-        "curves": error_curves,
-        "steps": error_of_steps,
-        "map": share_map,
-        "scatter": errors_of_runs,
-    }
-    figure: Figure = kinds[study.figure["kind"]](study, cases)
-    return figure
+    kinds = {"curves": error_curves, "steps": error_of_steps}
+    kinds |= {"map": share_map, "scatter": errors_of_runs}
+    return kinds[study.figure["kind"]](study, cases)
 
 
 def alternative_text(study: Study) -> str:
     """What the figure shows, in one sentence."""
-    axis = PARAMETERS[study.figure["x"]].meaning
-    identified = f"the identified {joined(TERMS)}"
+    axis, identified = PARAMETERS[study.figure["x"]].meaning, f"the identified {joined(TERMS)}"
+    shown = f"size of the error of {identified} against {axis}"
     if study.figure["kind"] == "map":
         other = PARAMETERS[study.figure["y"]].meaning
-        return f"{study.title}: share of the cases with a small error, over {axis} and {other}."
+        shown = f"share of the cases with a small error, over {axis} and {other}"
     if study.figure["kind"] == "scatter":
-        return (
-            f"{study.title}: rms error of {identified}, and their standard error, against {axis}."
-        )
-    return f"{study.title}: size of the error of {identified} against {axis}."
+        shown = f"rms error of {identified}, and their standard error, against {axis}"
+    return f"{study.title}: {shown}."
 
 
 @styled()
@@ -72,7 +63,7 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
     to the levels.
     """
     shown = series.error_curves(study, cases)
-    panels = grid(len(shown.symbols), len(shown.panels), left=LEFT, bottom=BOTTOM, height=HEIGHT)
+    panels = grid(len(shown.symbols), len(shown.panels))
     for row, symbol in enumerate(shown.symbols):
         limits = shown.limits(symbol)
         for column, panel in enumerate(shown.panels):
@@ -128,18 +119,10 @@ def _title(panel: series.Panel) -> str:
 
 def _curve(axes: Axes, panel: series.Panel, curve: series.Curve) -> None:
     look = look_of(curve.approach)
-    dashed = curve.sharing == "common"
-    axes.plot(
-        panel.x,
-        np.maximum(curve.error, 1e-2 * series.FLOOR),
-        color=look.colour,
-        ls=DASHED if dashed else "-",
-        lw=look.width,
-        marker=look.marker if panel.few else None,
-        ms=3.2,
-        mfc="white" if dashed else look.colour,
-        mew=0.7,
-    )
+    style: dict[str, Any] = {"ls": "-", "mfc": look.colour, "ms": 3.2, "mew": 0.7, "lw": look.width}
+    style |= {"ls": DASHED, "mfc": "white"} if curve.sharing == "common" else {}
+    style |= {"color": look.colour, "marker": look.marker if panel.few else None}
+    axes.plot(panel.x, np.maximum(curve.error, 1e-2 * series.FLOOR), **style)
 
 
 def _x_axis(axes: Axes, shown: series.ErrorCurves, last: bool) -> None:

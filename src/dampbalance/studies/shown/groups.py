@@ -9,15 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
-from numpy.typing import NDArray
 
+from ...arrays import Array, Mask
 from ...balance import TERMS
 from ...project.wording import percent
 from ..settings import Fit, Study
 from ..stretches import column_of
 from .bounds import bounds_of
-
-Array = NDArray[np.float64]
 
 
 class Spread(NamedTuple):
@@ -80,7 +78,7 @@ def spread_of(study: Study, cases: str | Path, quantity: str, fit: Fit, kept: An
 
 def groups(
     study: Study, cases: str | Path, by: Sequence[str]
-) -> Iterator[tuple[dict[str, Any], NDArray[np.bool_]]]:
+) -> Iterator[tuple[dict[str, Any], Mask]]:
     """({axis: value}, which cases) for each combination of values of the axes `by`, in the order of the cases."""
     values = pd.DataFrame({name: column_of(cases, name) for name in by})
     for combination in values.drop_duplicates().to_dict("records"):
@@ -99,7 +97,10 @@ def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
         for quantity in terms_of(cases):
             for fit in study.fits:
                 found = spread_of(study, cases, quantity, fit, kept)
-                record = _record(where, quantity, fit, found)
+                shares = found._asdict()
+                counts = {name: shares.pop(name) for name in ("runs", "identified")}
+                record = {**where, **which(quantity, fit), **counts}
+                record |= {f"{name}_percent": 100.0 * share for name, share in shares.items()}
                 if study.route == "measured":
                     bound = bounds[quantity]
                     used = (bound / found.rms) ** 2 if found.rms > 0.0 else np.nan
@@ -110,20 +111,8 @@ def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
 
 def which(quantity: str, fit: Fit) -> dict[str, str]:
     """The columns of a table that say which quantity and which fit a line is about."""
-    return {
-        "quantity": quantity,
-        "approach": fit.approach,
-        "phase": fit.phase,
-        "sharing": fit.sharing,
-        "fit": fit.kind,
-    }
-
-
-def _record(where: Mapping[str, Any], quantity: str, fit: Fit, found: Spread) -> dict[str, Any]:
-    shares = found._asdict()
-    counts = {name: shares.pop(name) for name in ("runs", "identified")}
-    percentages = {f"{name}_percent": 100.0 * share for name, share in shares.items()}
-    return {**where, **which(quantity, fit), **counts, **percentages}
+    by = {"approach": fit.approach, "phase": fit.phase, "sharing": fit.sharing, "fit": fit.kind}
+    return {"quantity": quantity} | by
 
 
 def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:

@@ -9,19 +9,18 @@ from typing import Literal
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ...arrays import Array
 
 _SHORT = 12.0  # ratio of the ends of an axis up to which 1, 2, 3, 5 are labelled as well as powers of ten
 
 
 def is_logarithmic(places: Sequence[float] | Array) -> bool:
     """Whether values, in ascending order, are spread in their logarithms rather than evenly."""
-    values = np.asarray(places, dtype=float)
-    if len(values) < 3 or values[0] <= 0.0 or values[-1] / values[0] < 5.0:
+    if len(places) < 3 or places[0] <= 0.0 or places[-1] / places[0] < 5.0:
         return False
-    return float(np.std(np.diff(np.log(values)))) < 0.05 * float(np.mean(np.diff(np.log(values))))
+    steps = np.diff(np.log(places))
+    return bool(np.std(steps) < 0.05 * np.mean(steps))
 
 
 def logarithmic_ticks(

@@ -9,9 +9,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
+from ...arrays import Array
 from ...figures.looks import in_maths, label_of
 from ...figures.style import DOUBLE_COLUMN, note, place, styled
 from ...figures.style import page as empty_page
@@ -20,11 +20,8 @@ from ..axes import Sampled
 from ..parameters import PARAMETERS
 from ..settings import Fit, Study
 from ..stretches import stretches
-from .facts import fits_of
 from .groups import joined, terms_of
 from .logarithmic import logarithmic_ticks
-
-Array = NDArray[np.float64]
 
 MOST_BINS = 72  # along each axis
 PER_BIN = 40  # cases that a bin should hold on average: its share is then good to 0.08
@@ -46,11 +43,6 @@ class Shares(NamedTuple):
     y_edges: Array
     overall: float
 
-    @property
-    def axes(self) -> tuple[tuple[Literal["x", "y"], Array], ...]:
-        """The axes with their edges."""
-        return ("x", self.x_edges), ("y", self.y_edges)
-
 
 @styled()
 def share_map(study: Study, cases: str | Path) -> Figure:
@@ -61,13 +53,13 @@ def share_map(study: Study, cases: str | Path) -> Figure:
     An approach that is within it in every case is named below the panels and not drawn.
     """
     within = study.figure.get("within", 0.01)
-    fits, symbols = fits_of(study, study.figure), terms_of(cases)
+    fits, symbols = study.fits_of(study.figure), terms_of(cases)
     shares = shares_within(study, cases, fits, within)
     perfect = _perfect(fits, shares)
     fits = [fit for fit in fits if fit.approach not in perfect]
     approaches = list(dict.fromkeys(fit.approach for fit in fits))
-    kinds = list(dict.fromkeys((fit.phase, fit.sharing) for fit in fits if fit.phase))
-    kinds = kinds or [("", "")]
+    phases = dict.fromkeys((fit.phase, fit.sharing) for fit in fits if fit.phase)
+    kinds = list(phases) or [("", "")]
     rows = [(symbol, *kind) for symbol in symbols for kind in kinds]
     width = (DOUBLE_COLUMN - LEFT - RIGHT - (len(approaches) - 1) * GAP) / len(approaches)
     height = min(width, HEIGHT)
@@ -100,13 +92,10 @@ def share_map(study: Study, cases: str | Path) -> Figure:
     if perfect:
         names = joined(in_maths(label_of(key)) for key in perfect)
         coefficients = joined(f"${symbol}$" for symbol in symbols)
-        figure.text(
-            (LEFT + 0.5 * (DOUBLE_COLUMN - LEFT - RIGHT)) / DOUBLE_COLUMN,
-            2.5 / (BOTTOM + panels_height + TOP),
-            f"Within {100 * within:g} % in every case, for {coefficients}: {names}",
-            ha="center",
-            va="center",
-        )
+        text = f"Within {100 * within:g} % in every case, for {coefficients}: {names}"
+        middle = (LEFT + 0.5 * (DOUBLE_COLUMN - LEFT - RIGHT)) / DOUBLE_COLUMN
+        level = 2.5 / (BOTTOM + panels_height + TOP)
+        figure.text(middle, level, text, ha="center", va="center")
     return figure
 
 
@@ -144,11 +133,8 @@ def shares_within(
     """The map of each term and fit, counted a stretch of cases at a time."""
     settings = study.figure
     x_edges, y_edges = (_edges(study, settings[axis])[0] for axis in ("x", "y"))
-    wanted = {
-        (fit, symbol): f"{symbol}_relative_error__{fit.label}"
-        for fit in fits
-        for symbol in terms_of(cases)
-    }
+    keys = [(fit, symbol) for fit in fits for symbol in terms_of(cases)]
+    wanted = {key: f"{key[1]}_relative_error__{key[0].label}" for key in keys}
     total = np.zeros((len(y_edges) - 1, len(x_edges) - 1))
     good = {key: np.zeros_like(total) for key in wanted}
     names = [settings["x"], settings["y"], *wanted.values()]
@@ -171,20 +157,12 @@ def shares_within(
 
 def _panel(axes: Axes, study: Study, found: Shares, last: bool) -> Any:
     """One map, with the line around the region where the approach holds."""
-    mesh = axes.pcolormesh(
-        found.x_edges,
-        found.y_edges,
-        found.share,
-        cmap="viridis",
-        vmin=0.0,
-        vmax=1.0,
-        rasterized=True,
-        linewidth=0,
-    )
-    axes.set_xlim(found.x_edges[0], found.x_edges[-1])
-    axes.set_ylim(found.y_edges[0], found.y_edges[-1])
+    look: dict[str, Any] = {"cmap": "viridis", "rasterized": True, "linewidth": 0}
+    mesh = axes.pcolormesh(found.x_edges, found.y_edges, found.share, vmin=0.0, vmax=1.0, **look)
+    axes.set(xlim=found.x_edges[[0, -1]], ylim=found.y_edges[[0, -1]])
     centres = []
-    for which, edges in found.axes:
+    sides: dict[Literal["x", "y"], Array] = {"x": found.x_edges, "y": found.y_edges}
+    for which, edges in sides.items():
         _, logarithmic = _edges(study, study.figure[which])
         middle = 0.5 * (edges[1:] + edges[:-1])
         centres.append(np.sqrt(edges[1:] * edges[:-1]) if logarithmic else middle)

@@ -10,19 +10,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
-from numpy.typing import NDArray
 
+from ...arrays import Array
 from ...figures.grid import Grid, decades_axis, grid
 from ...figures.looks import in_maths, label_of, look_of
 from ...figures.series import decades
 from ...figures.style import DASHED, FAINT, styled
 from ..parameters import PARAMETERS
 from ..settings import Fit, Study
-from .facts import fits_of
 from .groups import Spread, groups, spread_of, terms_of
 from .series import with_unit
-
-Array = NDArray[np.float64]
 
 # Ratio by which the curves of two approaches are moved apart, so that all can be seen.
 _BESIDE = 1.06
@@ -36,12 +33,12 @@ def errors_of_runs(study: Study, cases: str | Path) -> Figure:
     the approach has an error of its own, which no number of cycles lowers.
     """
     settings = study.figure
-    fits = fits_of(study, settings)
+    fits = study.fits_of(settings)
     by = settings.get("panels")
     kept = list(groups(study, cases, [settings["x"], *([by] if by else [])]))
     values: list[Any] = list(dict.fromkeys(where[by] for where, _ in kept)) if by else [None]
     symbols = terms_of(cases)
-    panels = grid(len(symbols), len(values), left=15.0, bottom=19.0, height=44.0)
+    panels = grid(len(symbols), len(values))
     for row, symbol in enumerate(symbols):
         drawn = []
         for column, value in enumerate(values):

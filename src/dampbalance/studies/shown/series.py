@@ -8,23 +8,20 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Array, Integers
 from ...balance import APPROACHES, takes_phase
 from ...figures.looks import SCHEME_LOOKS
-from ...figures.series import decades
+from ...figures.series import EXACT, decades
 from ...model import Oscillator
 from ...motion.fixed_step import SCHEMES
-from ..parameters import PARAMETERS, Parameter
+from ..parameters import PARAMETERS, SI_COLUMNS, Parameter
 from ..settings import Study
 from ..stretches import column_of
-from .facts import fits_of, worst_errors
+from .facts import worst_errors
 from .groups import terms_of
 from .logarithmic import is_logarithmic
 
-Array = NDArray[np.float64]
-
-EXACT = 1e-5  # %: an approach nowhere worse is exact but for rounding, and named, not drawn
 FLOOR, CEILING = 1e-3, 1e3  # %, the least and the largest error an axis reaches to
 FEW = 24  # cases on a curve up to which each is marked
 SHARINGS = ("individual", "common")
@@ -47,7 +44,7 @@ class Panel:
     value: str
     phase: str
     x: Array
-    cases: NDArray[np.int_]
+    cases: Integers
 
     @property
     def few(self) -> bool:
@@ -89,9 +86,7 @@ class ErrorCurves:
 
     def limits(self, symbol: str) -> tuple[float, float]:
         """Limits of the axis of the errors of a term, the same in all panels, %."""
-        curves = (
-            curve for (of, _), drawn in self.curves.items() if of == symbol for curve in drawn
-        )
+        curves = [curve for (of, _), some in self.curves.items() if of == symbol for curve in some]
         return decades([curve.error for curve in curves], FLOOR, CEILING, cut=0.02)
 
 
@@ -134,7 +129,7 @@ def error_curves(study: Study, cases: str | Path) -> ErrorCurves:
     Panels: phase definitions, or the values of another axis. Curves: the approaches, with φ and t_s of each level or
     common to the levels. Where a curve stands for several fits (all pairs) it is the worst.
     """
-    fits = fits_of(study, study.figure)
+    fits = study.fits_of(study.figure)
     sharings = [name for name in SHARINGS if any(fit.sharing == name for fit in fits)]
     approaches = tuple(dict.fromkeys(fit.approach for fit in fits))
     panels = tuple(_panels(study, cases))
@@ -174,9 +169,7 @@ def error_of_steps(study: Study, cases: str | Path) -> ErrorOfSteps:
     """The error of c by direct integration against the step, for each scheme of the study."""
     h, scheme = column_of(cases, "step_s"), column_of(cases, "scheme")
     relative = worst_errors(study, cases, {"of": "c", "approach": "direct"})
-    m, c, k, omega = (
-        column_of(cases, name) for name in ("m_kg", "c_N_s_per_m", "k_N_per_m", "omega_rad_per_s")
-    )
+    m, c, k, omega = (column_of(cases, SI_COLUMNS[name][0]) for name in ("m", "c", "k", "omega"))
     errors = {}
     for name in SCHEME_LOOKS:
         those = np.flatnonzero(scheme == name)

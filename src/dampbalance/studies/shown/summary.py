@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pandas as pd
@@ -26,28 +27,23 @@ def overall_summary(cases: str | Path, study: Study) -> pd.DataFrame:
     Median and 95 % quantile of the error's size (to 0.06 % of themselves), its maximum, and the share of all cases
     with an error of at most WITHIN.
     """
-    quantities = terms_of(cases)
     records = []
     for fit in study.fits:
-        for quantity in quantities:  # a column at a time: a file may have hundreds
+        for quantity in terms_of(cases):  # a column at a time: a file may have hundreds
             name = f"{quantity}_relative_error__{fit.label}"
             sizes = Sizes(WITHIN)
             for stretch in stretches(cases, [name]):
                 sizes.add(stretch[name])
-            records.append(which(quantity, fit) | _sizes(sizes))
+            how_large = {
+                "cases": sizes.cases,
+                "identified": sizes.known,
+                "median_error_percent": 100.0 * sizes.quantile(0.5),
+                "p95_error_percent": 100.0 * sizes.quantile(0.95),
+                "max_error_percent": 100.0 * sizes.largest if sizes.known else math.nan,
+                SHARE: sizes.share,
+            }
+            records.append(which(quantity, fit) | how_large)
     return pd.DataFrame.from_records(records)
-
-
-def _sizes(sizes: Sizes) -> dict[str, float]:
-    """The columns of the table that say how large the errors are."""
-    return {
-        "cases": sizes.cases,
-        "identified": sizes.known,
-        "median_error_percent": 100.0 * sizes.quantile(0.5),
-        "p95_error_percent": 100.0 * sizes.quantile(0.95),
-        "max_error_percent": 100.0 * sizes.largest if sizes.known else float("nan"),
-        SHARE: sizes.share,
-    }
 
 
 def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure: str) -> str:
