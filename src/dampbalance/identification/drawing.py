@@ -11,14 +11,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
 from .loading import Loaded
 from .result import Identification
-
-Array = NDArray[np.float64]
 
 _POINTS = 6000  # samples drawn at most
 _SHOWN = {  # quantity → (symbol, factor, unit, column of the averaged cycle)
@@ -57,14 +54,14 @@ def cycles(loaded: Sequence[Loaded]) -> Figure:
 
 
 @styled()
-def loops(loaded: Sequence[Loaded], found: Identification) -> Figure:
+def loops(loaded: Sequence[Loaded], result: Identification) -> Figure:
     """Acceleration against displacement, a panel per record: the averaged cycle, and the lines fitted to it.
 
     The steep line from a reversal is the microstick line, of slope −(k + K_z)/m; where it ends slip begins (dot). It
     has the length that all records share. Where that is not resolved, there is none.
     """
     figure, panels = _panels(len(loaded))
-    shared = found.microstick
+    shared = result.microstick
     for one, axes in zip(loaded, panels, strict=True):
         cycle = one.reading.averaged_cycle()
         x, acceleration = 1e3 * cycle["x"], cycle["acceleration"]
@@ -87,7 +84,7 @@ def loops(loaded: Sequence[Loaded], found: Identification) -> Figure:
 
 
 @styled()
-def balance(found: Identification) -> Figure:
+def balance(result: Identification) -> Figure:
     """The rows of the balance, and their residuals.
 
     (a) W/b against a/b: a F_k + b c = W is a straight line of slope F_k that meets the axis at c. The line is that of
@@ -95,7 +92,7 @@ def balance(found: Identification) -> Figure:
     """
     figure = page(DOUBLE_COLUMN, 78.0)
     left, right = place(figure, 17.0, 20.0, 68.0, 50.0), place(figure, 107.0, 20.0, 70.0, 50.0)
-    for index, (name, estimated) in enumerate(found.estimates.items()):
+    for index, (name, estimated) in enumerate(result.estimates.items()):
         rows, usable = estimated.rows, estimated.rows.usable
         look, label = look_of(name), in_maths(label_of(name))
         colour, marker = look.colour, look.marker
@@ -111,7 +108,7 @@ def balance(found: Identification) -> Figure:
         off = rows.misfit(values)
         with np.errstate(divide="ignore", invalid="ignore"):
             scaled = off / estimated.row_errors
-        places = np.arange(len(scaled)) + 1 + 0.12 * (index - 0.5 * (len(found.estimates) - 1))
+        places = np.arange(len(scaled)) + 1 + 0.12 * (index - 0.5 * (len(result.estimates) - 1))
         right.errorbar(
             places[usable], scaled[usable], yerr=1.0, fmt=marker, color=colour, fillstyle="none",
             elinewidth=0.6, label=label,
@@ -131,9 +128,9 @@ def balance(found: Identification) -> Figure:
     return figure
 
 
-def alternative_texts(found: Identification) -> Mapping[str, str]:
+def alternative_texts(result: Identification) -> Mapping[str, str]:
     """What each figure shows, in words."""
-    count = len(found.readings)
+    count = len(result.readings)
     return {
         "cycles": f"{count} records folded onto one cycle of the drive, with their averaged cycle",
         "loops": f"acceleration against displacement of {count} records, with the fitted microstick lines",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 from ..balance import APPROACHES, TERMS, takes_phase
 from ..estimates import estimate_table
@@ -20,7 +20,7 @@ from ..project.wording import percent
 if TYPE_CHECKING:
     import pandas as pd
 
-PHASES: tuple[Phase, ...] = ("reversal", "zero_crossing", "fundamental")
+PHASES: tuple[Phase, ...] = get_args(Phase)
 """The lags of x behind y that the harmonic approaches can use."""
 
 

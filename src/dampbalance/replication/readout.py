@@ -12,11 +12,9 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..features import Features
-
-Array = NDArray[np.float64]
 
 # A reading is divided by its unit in binary: what lies this close to a whole number of units is that number.
 _WHOLE = 1e-9
