@@ -22,16 +22,15 @@ def package_modules(
     start from.
     """
     source = Path(source)
-    found: set[Path] = set()
+    modules: set[Path] = set()
     waiting = [Path(script)]
     while waiting:
         file = waiting.pop()
         for module in _imported_files(file, file.stat().st_mtime_ns, source):
-            if module not in found:
-                found.add(module)
+            if module not in modules:
+                modules.add(module)
                 waiting.append(module)
-    start = relative_to if relative_to is not None else source
-    return sorted(os.path.relpath(path, start) for path in found)
+    return sorted(os.path.relpath(path, relative_to or source) for path in modules)
 
 
 @cache  # a workflow asks about many scripts that share their modules

@@ -47,20 +47,24 @@ def evidence(
     exact = {name: Features.from_frame(table) for name, table in features["exact"].items()}
     first = next(iter(exact))
     terms = {name: balance_terms(f, oscillator) for name, f in exact.items()}
-    found: Json = _without_nan(
+    fourier = approaches[approaches["approach"] == "fourier"]
+    numbers: Json = _without_nan(
         {
             "setting": setting(case, exact[first]),
             "verdicts": verdicts(claims),
             "dissipation": dissipation(case, float(exact[first].omega[0])),
             "integrals": integral_deviations(features, claims, schemes, first),
             "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},
-            "fourier_largest": _largest_of(approaches, "fourier"),
+            "fourier_largest": {
+                term: float(fourier[f"{term}_largest_pair_error_percent"].max())
+                for term in ("F_k", "c")
+            },
             "balance": terms,
             "fundamental_work_largest": max(of["W_fundamental"]["max"] for of in terms.values()),
             "largest": largest_errors(estimates, oscillator),
         }
     )
-    return found
+    return numbers
 
 
 def setting(case: Case, first: Features) -> Json:
@@ -94,11 +98,7 @@ def verdicts(claims: pd.DataFrame) -> Json:
 def dissipation(case: Case, omega: float) -> Json:
     """Backward Euler near resonance: c acts as c + mω²h.   added, effective : N s/m.   relative : of c."""
     c, added = case.oscillator.c, added_damping(case, omega)
-    return {
-        "added": added,
-        "effective": c + added,
-        "relative": added / c if c else math.nan,
-    }
+    return {"added": added, "effective": c + added, "relative": added / c if c else math.nan}
 
 
 def integral_deviations(
@@ -184,26 +184,19 @@ def largest_errors(
     estimates: Mapping[str, Mapping[str, pd.DataFrame]], oscillator: Oscillator
 ) -> Json:
     """route → frequency → largest error of F_k and c, %, of direct integration and of Table 3's two-point formulas."""
-    found: Json = {}
-    for route, tables in estimates.items():
-        for frequency, table in tables.items():
-            pairs = table[table["kind"] == "pair"]
-            sets = {
-                "direct": pairs[pairs["approach"] == "direct"],
-                "common": pairs[(pairs["phase"] == "common") & pairs["approach"].map(takes_phase)],
-            }
-            found.setdefault(route, {})[frequency] = {
-                name: comparison.largest_errors(rows, oscillator) for name, rows in sets.items()
-            }
-    return found
 
+    def of_table(table: pd.DataFrame) -> Json:
+        pairs = table[table["kind"] == "pair"]
+        harmonic = pairs["approach"].map(takes_phase)
+        sets = {
+            "direct": pairs[pairs["approach"] == "direct"],
+            "common": pairs[(pairs["phase"] == "common") & harmonic],
+        }
+        return {name: comparison.largest_errors(rows, oscillator) for name, rows in sets.items()}
 
-def _largest_of(approaches: pd.DataFrame, approach: str) -> Json:
-    """The largest error of a pair at any frequency by an approach: of F_k and c, %."""
-    rows = approaches[approaches["approach"] == approach]
     return {
-        quantity: float(rows[f"{quantity}_largest_pair_error_percent"].max())
-        for quantity in ("F_k", "c")
+        route: {frequency: of_table(table) for frequency, table in tables.items()}
+        for route, tables in estimates.items()
     }
 
 
