@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import os
 from functools import cache
+from importlib.util import resolve_name
 from pathlib import Path
 
 
@@ -58,6 +59,5 @@ def _base(node: ast.ImportFrom, file: Path, source: Path) -> str:
     """The absolute name of the module that an import statement takes from."""
     if node.level == 0:
         return node.module or ""
-    package = file.relative_to(source).parent.parts
-    package = package[: len(package) - node.level + 1]
-    return ".".join([*package, *([node.module] if node.module else [])])
+    package = ".".join(file.relative_to(source).parent.parts)
+    return resolve_name("." * node.level + (node.module or ""), package)

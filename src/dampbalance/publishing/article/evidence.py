@@ -51,7 +51,10 @@ def evidence(
     numbers: Json = _without_nan(
         {
             "setting": setting(case, exact[first]),
-            "verdicts": verdicts(claims),
+            "verdicts": {
+                count.key: {**count.of_verdict, "printed": count.printed}
+                for count in counts(claims)
+            },
             "dissipation": dissipation(case, float(exact[first].omega[0])),
             "integrals": integral_deviations(features, claims, schemes, first),
             "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},
@@ -90,11 +93,6 @@ def setting(case: Case, first: Features) -> Json:
     }
 
 
-def verdicts(claims: pd.DataFrame) -> Json:
-    """How many printed numbers there are, by part and verdict."""
-    return {count.key: {**count.of_verdict, "printed": count.printed} for count in counts(claims)}
-
-
 def dissipation(case: Case, omega: float) -> Json:
     """Backward Euler near resonance: c acts as c + mω²h.   added, effective : N s/m.   relative : of c."""
     c, added = case.oscillator.c, added_damping(case, omega)
@@ -119,7 +117,8 @@ def integral_deviations(
     found: Json = {}
     for name, _, _, column, _ in TABLE_2:
         exact, rebuilt = (features[route][frequency][column] for route in ("exact", "as_published"))
-        printed = printed_numbers(claims, of_cell("table2", name))
+        in_column = claims["id"].str.startswith(of_cell("table2", name))
+        printed = claims.loc[in_column, "printed"].astype(float).to_numpy()
         from_rebuilt = np.abs(printed / rebuilt.to_numpy() - 1.0)
         found[name] = {
             "printed": _range(printed / exact.to_numpy() - 1.0),
@@ -130,11 +129,6 @@ def integral_deviations(
             "printed_from_rebuilt_at_first": float(from_rebuilt[0]),
         }
     return found
-
-
-def printed_numbers(claims: pd.DataFrame, prefix: str) -> np.ndarray:
-    """The printed numbers whose identifier begins so, in their order."""
-    return claims.loc[claims["id"].str.startswith(prefix), "printed"].astype(float).to_numpy()
 
 
 def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[Pair]) -> Json:

@@ -118,9 +118,9 @@ def crate(
 
 def _id(path: str, root: str) -> str:
     """The name of a file in the crate: its path from the root, or '#' and its path when it lies elsewhere."""
-    inside = not root or PurePosixPath(path).is_relative_to(root)
-    text = str(PurePosixPath(path).relative_to(root)) if root and inside else path
-    return quote(text) if inside else f"#{quote(text)}"
+    if not PurePosixPath(path).is_relative_to(root):
+        return f"#{quote(path)}"
+    return quote(str(PurePosixPath(path).relative_to(root)))
 
 
 def _file(path: str, root: str, digest: str | None, size: int | None) -> Entity:
