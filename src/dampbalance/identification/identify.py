@@ -5,8 +5,8 @@ neither F_k nor c knows the frequency. The microstick line has one length for al
 weighted mean over the records serves each of them, also those that do not resolve it alone. Where the mean does not
 stand out of its noise either, the contact is taken as rigid, and what that may cost is stated.
 
-What noise does to the estimates is told twice: by bootstrap (cycles of every record drawn with replacement, the balance
-solved for each drawing) and by propagation (the jackknife: one cycle of one record left out after the other).
+The effect of noise on the estimates is computed twice: by bootstrap (cycles of every record drawn with replacement, the
+balance solved for each drawing) and by propagation (the jackknife: one cycle of one record left out after the other).
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def identify(
 ) -> Identification:
     """F_k, c and K_z from the features of n ≥ 2 measured responses, by each approach, with intervals.
 
-    readings : of `read_features`, one per level; levels that differ.   k : stiffness, N/m, as the readings were told.
+    readings : of `read_features`, one per level; levels that differ.   k : stiffness, N/m, that of the readings.
     approaches : by name.   phase : that the harmonic approaches take.
     replicates : of the bootstrap.   seed : of its drawings.
 
@@ -119,7 +119,7 @@ _NOTHING = Parameter(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
 
 
 def _result(name: str, approach: Approach, line: SharedLine, k: float) -> ApproachResult:
-    """What an approach says of the records, with standard errors and intervals."""
+    """The estimates of one approach, with standard errors and intervals."""
     rows = approach(line.point, k)
     try:
         estimate = least_squares(rows)

@@ -23,7 +23,7 @@ from .result import Microstick
 class SharedLine:
     """Features of n records with the microstick line that they share.
 
-    microstick : what is known of its length.   length : the one in use, m, 0 for a rigid contact; drawn_length : of the
+    microstick : its length, error and bound.   length : the one in use, m, 0 for a rigid contact; drawn_length : of the
     r replicates, (r,), and left_lengths without each group of cycles of the record j, (g_j,).
     point : features as read, (n,).   drawn : of the replicates, (n, r).   left : without groups of cycles of the record
     j, (n, g_j) for each j.   fitted : whether a waveform was fitted, so that V_s and t_s were read, (n,).
@@ -91,7 +91,7 @@ def with_length(features: Features, length: float | Array, fitted: Mask) -> Feat
 
 
 def _replaced(points: Features, record: int, left: Features) -> Features:
-    """Each record as read, but for one, which stands with its jackknife replicates: (n, g)."""
+    """Each record as read, except one, which stands with its jackknife replicates: (n, g)."""
     others = points[:, None][:, [0] * len(left)]
     return stack([others[:record], left[None], others[record + 1 :]])
 

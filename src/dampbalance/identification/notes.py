@@ -1,4 +1,4 @@
-"""What the estimates say of each other: misfits, contradictions, and numbers that no oscillator can have."""
+"""Notes on the estimates, and on how they agree: misfits, contradictions, and numbers that no oscillator can have."""
 
 from __future__ import annotations
 

@@ -53,12 +53,12 @@ class Case:
     @classmethod
     def from_config(cls, config: Mapping[str, Any]) -> Self:
         """The case of a configuration that `check` has passed, or of an `excerpt` of one."""
-        made = {}
+        fields = {}
         for field, (section, name, make) in _FIELDS.items():
             part = config.get(section, {}) if section else config
             if name in part:
-                made[field] = make(part[name])
-        return cls(**made)
+                fields[field] = make(part[name])
+        return cls(**fields)
 
     def omega(self, frequency: str) -> float:
         """Circular drive frequency ω = 2πf, rad/s."""

@@ -155,15 +155,15 @@ def _origin(key: Key, documents: Mapping[str, Any]) -> str:
     """The last file that sets the key, or the longest part of it that any file sets."""
     best, depth = "configuration", 0
     for file, document in documents.items():
-        found = 0
+        level = 0
         for part in key:
             try:
                 document = document[part]
             except (KeyError, IndexError, TypeError):
                 break
-            found += 1
-        if found >= depth:
-            best, depth = file, found
+            level += 1
+        if level >= depth:
+            best, depth = file, level
     return best
 
 

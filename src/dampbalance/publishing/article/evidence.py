@@ -114,13 +114,13 @@ def integral_deviations(
     unrounded = schemes[
         (schemes["scheme"] == "backward-euler") & (schemes["coefficients"] == "exact")
     ]
-    found: Json = {}
+    deviations: Json = {}
     for name, _, _, column, _ in TABLE_2:
         exact, rebuilt = (features[route][frequency][column] for route in ("exact", "as_published"))
         in_column = claims["id"].str.startswith(of_cell("table2", name))
         printed = claims.loc[in_column, "printed"].astype(float).to_numpy()
         from_rebuilt = np.abs(printed / rebuilt.to_numpy() - 1.0)
-        found[name] = {
+        deviations[name] = {
             "printed": _range(printed / exact.to_numpy() - 1.0),
             "as_published": _range(rebuilt.to_numpy() / exact.to_numpy() - 1.0),
             "printed_from_rebuilt": _range(from_rebuilt),
@@ -128,7 +128,7 @@ def integral_deviations(
             "printed_from_unrounded": _range(np.abs(printed / unrounded[column].to_numpy() - 1.0)),
             "printed_from_rebuilt_at_first": float(from_rebuilt[0]),
         }
-    return found
+    return deviations
 
 
 def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[Pair]) -> Json:
@@ -168,10 +168,10 @@ def balance_terms(features: Features, oscillator: Oscillator) -> Json:
         "b_fifth": viscous_integral(features.omega, harmonics) / features.b - 1.0,
         "third": features.X_3 / features.X_1,
     }
-    found: Json = {name: _range(100.0 * values) for name, values in terms.items()}
-    found["sine"] = {"first": float(sines[0]), "last": float(sines[-1])}
-    found["phase_spread"] = 100.0 * float(np.ptp(sines) / np.mean(sines))
-    return found
+    ranges: Json = {name: _range(100.0 * values) for name, values in terms.items()}
+    ranges["sine"] = {"first": float(sines[0]), "last": float(sines[-1])}
+    ranges["phase_spread"] = 100.0 * float(np.ptp(sines) / np.mean(sines))
+    return ranges
 
 
 def largest_errors(

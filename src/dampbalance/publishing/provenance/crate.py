@@ -38,8 +38,8 @@ Entity = dict[str, Any]
 
 def _entity(identifier: str, kind: str, **properties: Any) -> Entity:
     """An entity with those of its properties that are known."""
-    known = {key: value for key, value in properties.items() if value is not None}
-    return {"@id": identifier, "@type": kind, **known}
+    entries = {key: value for key, value in properties.items() if value is not None}
+    return {"@id": identifier, "@type": kind} | entries
 
 
 DESCRIPTOR = _entity(
