@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from .. import __version__
-from . import identifying, simulating
+from . import identify, simulate
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -19,12 +19,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--version", action="version", version=f"dampbalance {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    identifying.add_to(commands)
-    simulating.add_to(commands)
+    for name, command in {"identify": identify, "simulate": simulate}.items():
+        command_parser = commands.add_parser(
+            name,
+            help=command.SUMMARY,
+            description=command.__doc__,
+            epilog=command.EPILOG,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        for argument, options_of in command.ARGUMENTS.items():
+            command_parser.add_argument(argument, **options_of)
+        command_parser.set_defaults(run=command.run)
     options = parser.parse_args(arguments)
     try:
-        run = options.run
-        run(options)
+        options.run(options)
     except (ValueError, OSError) as error:  # RecordError is a ValueError
         print(f"dampbalance {options.command}: error: {error}", file=sys.stderr)
         return 2

@@ -11,14 +11,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
 from .loading import Loaded
 from .result import Identification
-
-Array = NDArray[np.float64]
 
 _POINTS = 6000  # samples drawn at most
 _SHOWN = {  # quantity → (symbol, factor, unit, column of the averaged cycle)
@@ -35,7 +32,7 @@ def cycles(loaded: Sequence[Loaded]) -> Figure:
 
     Of several response channels the sharpest is shown. The phase is that of the base, whose peak is at 0.
     """
-    figure, panels = _panels(len(loaded))
+    figure, panels = _panels(loaded, "phase of the drive (°)")
     for one, axes in zip(loaded, panels, strict=True):
         steady = one.reading.steady
         quantity = next(q for q in reversed(_SHOWN) if q in one.excerpt)
@@ -50,21 +47,19 @@ def cycles(loaded: Sequence[Loaded]) -> Figure:
         axes.plot(np.degrees(averaged["phase"]), factor * averaged[column], color=STICK)
         axes.set_xlim(0.0, 360.0)
         axes.set_xticks([0, 90, 180, 270, 360])
-        axes.set_title(_name(one.label), pad=3.0)
         axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
-    _below(panels, "phase of the drive (°)")
     return figure
 
 
 @styled()
-def loops(loaded: Sequence[Loaded], found: Identification) -> Figure:
+def loops(loaded: Sequence[Loaded], result: Identification) -> Figure:
     """Acceleration against displacement, a panel per record: the averaged cycle, and the lines fitted to it.
 
     The steep line from a reversal is the microstick line, of slope −(k + K_z)/m; where it ends slip begins (dot). It
     has the length that all records share. Where that is not resolved, there is none.
     """
-    figure, panels = _panels(len(loaded))
-    shared = found.microstick
+    figure, panels = _panels(loaded, "$x$ (mm)")
+    shared = result.microstick
     for one, axes in zip(loaded, panels, strict=True):
         cycle = one.reading.averaged_cycle()
         x, acceleration = 1e3 * cycle["x"], cycle["acceleration"]
@@ -79,15 +74,13 @@ def loops(loaded: Sequence[Loaded], found: Identification) -> Figure:
                 line = sign * np.array([[-X, length - X], [start, start - drop]])
                 axes.plot(*line, color=STICK)
                 axes.plot(*line[:, 1], "o", color=STICK, markersize=2.5)
-        axes.set_title(_name(one.label), pad=3.0)
         axes.set_ylabel(r"$\ddot x$ (m/s²)", labelpad=1.0)
         axes.margins(0.08)
-    _below(panels, "$x$ (mm)")
     return figure
 
 
 @styled()
-def balance(found: Identification) -> Figure:
+def balance(result: Identification) -> Figure:
     """The rows of the balance, and their residuals.
 
     (a) W/b against a/b: a F_k + b c = W is a straight line of slope F_k that meets the axis at c. The line is that of
@@ -95,15 +88,13 @@ def balance(found: Identification) -> Figure:
     """
     figure = page(DOUBLE_COLUMN, 78.0)
     left, right = place(figure, 17.0, 20.0, 68.0, 50.0), place(figure, 107.0, 20.0, 70.0, 50.0)
-    for index, (name, estimated) in enumerate(found.estimates.items()):
+    for index, (name, estimated) in enumerate(result.estimates.items()):
         rows, usable = estimated.rows, estimated.rows.usable
-        look, label = look_of(name), in_maths(label_of(name))
-        colour, marker = look.colour, look.marker
-        a, b = rows.terms["F_k"], rows.terms["c"]
-        along, height = a / b, rows.W / b
-        left.plot(
-            along[usable], height[usable], marker, color=colour, fillstyle="none", label=label
-        )
+        look = look_of(name)
+        marks: dict[str, Any] = {"color": look.colour, "fillstyle": "none"}
+        marks["label"] = in_maths(label_of(name))
+        along, height = rows.terms["F_k"] / rows.terms["c"], rows.W / rows.terms["c"]
+        left.plot(along[usable], height[usable], look.marker, **marks)
         values = {symbol: p.value for symbol, p in estimated.coefficients.items()}
         if index == 0 and np.isfinite(values["F_k"]):
             ends = np.array([0.0, 1.06 * float(np.max(along[usable]))])
@@ -111,11 +102,9 @@ def balance(found: Identification) -> Figure:
         off = rows.misfit(values)
         with np.errstate(divide="ignore", invalid="ignore"):
             scaled = off / estimated.row_errors
-        places = np.arange(len(scaled)) + 1 + 0.12 * (index - 0.5 * (len(found.estimates) - 1))
-        right.errorbar(
-            places[usable], scaled[usable], yerr=1.0, fmt=marker, color=colour, fillstyle="none",
-            elinewidth=0.6, label=label,
-        )  # fmt: skip
+        places = np.arange(len(scaled)) + 1 + 0.12 * (index - 0.5 * (len(result.estimates) - 1))
+        bars: dict[str, Any] = {"yerr": 1.0, "fmt": look.marker, "elinewidth": 0.6, **marks}
+        right.errorbar(places[usable], scaled[usable], **bars)
     left.set_xlim(left=0.0)
     left.set_xlabel("$a/b$ (s/m)")
     left.set_ylabel("$W/b$ (N s/m)")
@@ -131,9 +120,9 @@ def balance(found: Identification) -> Figure:
     return figure
 
 
-def alternative_texts(found: Identification) -> Mapping[str, str]:
+def alternative_texts(result: Identification) -> Mapping[str, str]:
     """What each figure shows, in words."""
-    count = len(found.readings)
+    count = len(result.readings)
     return {
         "cycles": f"{count} records folded onto one cycle of the drive, with their averaged cycle",
         "loops": f"acceleration against displacement of {count} records, with the fitted microstick lines",
@@ -141,24 +130,17 @@ def alternative_texts(found: Identification) -> Mapping[str, str]:
     }
 
 
-def _panels(count: int) -> tuple[Figure, list[Axes]]:
-    """Panels three abreast."""
-    rows = math.ceil(count / 3)
+def _panels(loaded: Sequence[Loaded], xlabel: str) -> tuple[Figure, list[Axes]]:
+    """A panel for each record, three abreast; the lowest of each column has the label of the abscissa."""
+    rows = math.ceil(len(loaded) / 3)
     height = _BOTTOM + rows * (_HEIGHT + _GAP) - _GAP + _TOP
     figure = page(DOUBLE_COLUMN, height)
     panels = []
-    for i in range(count):
+    for i, one in enumerate(loaded):
         row, column = divmod(i, 3)
         bottom = height - _TOP - _HEIGHT - row * (_HEIGHT + _GAP)
         panels.append(place(figure, 13.0 + 60.0 * column, bottom, 44.0, _HEIGHT))
-    return figure, panels
-
-
-def _below(panels: Sequence[Axes], label: str) -> None:
-    """Label of the abscissa under the lowest panel of each column."""
+        panels[-1].set_title(one.label.replace("$", r"\$"), pad=3.0)  # $ would begin mathematics
     for axes in panels[-3:]:
-        axes.set_xlabel(label)
-
-
-def _name(label: str) -> str:
-    return label.replace("$", r"\$")  # else matplotlib takes it for mathematics
+        axes.set_xlabel(xlabel)
+    return figure, panels

@@ -5,8 +5,8 @@ neither F_k nor c knows the frequency. The microstick line has one length for al
 weighted mean over the records serves each of them, also those that do not resolve it alone. Where the mean does not
 stand out of its noise either, the contact is taken as rigid, and what that may cost is stated.
 
-What noise does to the estimates is told twice: by bootstrap (cycles of every record drawn with replacement, the balance
-solved for each drawing) and by propagation (the jackknife: one cycle of one record left out after the other).
+The effect of noise on the estimates is computed twice: by bootstrap (cycles of every record drawn with replacement, the
+balance solved for each drawing) and by propagation (the jackknife: one cycle of one record left out after the other).
 """
 
 from __future__ import annotations
@@ -26,10 +26,8 @@ from ..reading.noisy import Reading
 from ..reading.one_thread import one_thread
 from ..solver import Estimate, contact_stiffness, least_squares, solve
 from .microstick import SharedLine, share_line, with_length
-from .notes import agreement, judged
+from .notes import agreement, with_notes
 from .result import CONFIDENCE, ApproachResult, Identification, Interval, Parameter
-
-__all__ = ["REPLICATES", "SEED", "Identification", "identify"]
 
 REPLICATES = 1000
 SEED = 2010
@@ -47,7 +45,7 @@ def identify(
 ) -> Identification:
     """F_k, c and K_z from the features of n ≥ 2 measured responses, by each approach, with intervals.
 
-    readings : of `read_features`, one per level; levels that differ.   k : stiffness, N/m, as the readings were told.
+    readings : of `read_features`, one per level; levels that differ.   k : stiffness, N/m, that of the readings.
     approaches : by name.   phase : that the harmonic approaches take.
     replicates : of the bootstrap.   seed : of its drawings.
 
@@ -67,7 +65,7 @@ def identify(
         drawn=line.drawn.with_phase(phase),
         left=tuple(features.with_phase(phase) for features in line.left),
     )
-    estimates = judged({name: _result(name, way, line, k) for name, way in approaches.items()})
+    estimates = with_notes({name: _result(name, way, line, k) for name, way in approaches.items()})
     of_records = [
         f"{reading.steady.source}: {words}"
         for reading in readings
@@ -121,7 +119,7 @@ _NOTHING = Parameter(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
 
 
 def _result(name: str, approach: Approach, line: SharedLine, k: float) -> ApproachResult:
-    """What an approach says of the records, with standard errors and intervals."""
+    """The estimates of one approach, with standard errors and intervals."""
     rows = approach(line.point, k)
     try:
         estimate = least_squares(rows)
@@ -134,34 +132,28 @@ def _result(name: str, approach: Approach, line: SharedLine, k: float) -> Approa
     drawn_rows = approach(line.drawn, k)
     drawn = solve(drawn_rows)
     left = [solve(approach(features, k)) for features in line.left]
-    row_errors = drawn_rows.misfit({s: float(p) for s, p in estimate.values.items()}).std(
-        axis=1, ddof=1
-    )
-    freedom = int(estimate.n) - len(estimate.values)
+    values = {symbol: float(value) for symbol, value in estimate.values.items()}
+    row_errors = drawn_rows.misfit(values).std(axis=1, ddof=1)
+    freedom = int(estimate.n) - len(values)
+    missing = ", ".join(str(i + 1) for i in np.flatnonzero(~rows.usable))
+    note = f"without record {missing}, which lacks a feature that this approach needs"
     return ApproachResult(
         approach=name,
         coefficients={
-            symbol: _parameter(float(value), drawn[symbol], [e[symbol] for e in left])
-            for symbol, value in estimate.values.items()
+            symbol: _parameter(value, drawn[symbol], [e[symbol] for e in left])
+            for symbol, value in values.items()
         },
         K_z=_stiffness(line, estimate, drawn, left),
         correlations={
             (one, other): float(np.corrcoef(drawn[one], drawn[other])[0, 1])
-            for one, other in itertools.combinations(estimate.values, 2)
+            for one, other in itertools.combinations(values, 2)
         },
         residual=float(estimate.residual) if freedom else math.nan,
         misfit=_misfit(rows, row_errors, freedom),
         rows=rows,
         row_errors=row_errors,
-        notes=_left_out(rows),
+        notes=(note,) if missing else (),
     )
-
-
-def _left_out(rows: Rows) -> tuple[str, ...]:
-    missing = ", ".join(str(i + 1) for i in np.flatnonzero(~rows.usable))
-    if not missing:
-        return ()
-    return (f"without record {missing}, which lacks a feature that this approach needs",)
 
 
 def _stiffness(
@@ -173,13 +165,11 @@ def _stiffness(
     F_k = float(estimate["F_k"])
     if line.microstick.resolved:
         with np.errstate(divide="ignore", invalid="ignore"):
+            left_out = zip(line.left_lengths, left, strict=True)
             compliance = _parameter(
                 line.length / (2.0 * F_k),
                 line.drawn_length / (2.0 * drawn["F_k"]),
-                [
-                    lengths / (2.0 * e["F_k"])
-                    for lengths, e in zip(line.left_lengths, left, strict=True)
-                ],
+                [lengths / (2.0 * e["F_k"]) for lengths, e in left_out],
             )
         return _inverse(compliance)
     if line.microstick.bound > 0.0 and F_k > 0.0:

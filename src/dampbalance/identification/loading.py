@@ -7,16 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..arrays import Array
 from ..reading.conditioning import condition_blocks
 from ..reading.noisy import Reading, read_features, read_steady
 from ..records.mapping import mapping_for
 from ..records.measurement import Measurement
 from ..records.readers import MappingLike, RecordWarning, open_channels, read
-
-Array = NDArray[np.float64]
 
 LARGE = 256_000_000
 """Size of a file, bytes, from which it is not taken into memory as a whole."""
@@ -62,19 +58,17 @@ def load(
         warnings.simplefilter("always", RecordWarning)
         if path.is_file() and path.stat().st_size > LARGE:
             channels = open_channels(path, rules)
-            reading = read_steady(
-                condition_blocks(
-                    str(path), channels, k, frequency_hz=nominal, skip_cycles=skip_cycles
-                )
+            steady = condition_blocks(
+                str(path), channels, k, frequency_hz=nominal, skip_cycles=skip_cycles
             )
+            reading = read_steady(steady)
             first = {q: next(iter(blocks())) for q, blocks in channels.items()}
         else:
             measurement = replace(read(path, rules), source=str(path))
             reading = read_features(measurement, k, frequency_hz=nominal, skip_cycles=skip_cycles)
             first = {q: (measurement[q].t, measurement[q].values) for q in measurement}
-    said = [w.message for w in caught if issubclass(w.category, RecordWarning)]
-    found = dict.fromkeys(str(words).removeprefix(f"{path}: ") for words in said)
-    if found:
-        reading = replace(reading, warnings=(*found, *reading.warnings))
+    messages = (w.message for w in caught if issubclass(w.category, RecordWarning))
+    notes = dict.fromkeys(str(message).removeprefix(f"{path}: ") for message in messages)
+    reading = replace(reading, warnings=(*notes, *reading.warnings))
     excerpt = {q: (t[:EXCERPT], values[:EXCERPT]) for q, (t, values) in first.items()}
     return Loaded(path, str(rules.level or path.name), reading, excerpt, measurement)

@@ -23,7 +23,7 @@ from .result import Microstick
 class SharedLine:
     """Features of n records with the microstick line that they share.
 
-    microstick : what is known of its length.   length : the one in use, m, 0 for a rigid contact; drawn_length : of the
+    microstick : its length, error and bound.   length : the one in use, m, 0 for a rigid contact; drawn_length : of the
     r replicates, (r,), and left_lengths without each group of cycles of the record j, (g_j,).
     point : features as read, (n,).   drawn : of the replicates, (n, r).   left : without groups of cycles of the record
     j, (n, g_j) for each j.   fitted : whether a waveform was fitted, so that V_s and t_s were read, (n,).
@@ -83,17 +83,15 @@ def with_length(features: Features, length: float | Array, fitted: Mask) -> Feat
     than 0, which are then unknown.
     """
     X_s = length - features.X
-    changed = {"X_s": X_s, "X_r": -X_s, "a": 2.0 * (features.X - X_s)}
-    rigid = not np.any(length)
-    for name in ("V_s", "t_s", "V_r", "t_r"):
-        changed[name] = (
-            np.where(fitted, getattr(features, name), np.nan) if not rigid else 0.0 * X_s
-        )
-    return features.replaced(**changed)
+    onset = {
+        name: np.where(fitted, getattr(features, name), np.nan) if np.any(length) else 0.0 * X_s
+        for name in ("V_s", "t_s", "V_r", "t_r")
+    }
+    return features.replaced(X_s=X_s, X_r=-X_s, a=2.0 * (features.X - X_s), **onset)
 
 
 def _replaced(points: Features, record: int, left: Features) -> Features:
-    """Each record as read, but for one, which stands with its jackknife replicates: (n, g)."""
+    """Each record as read, except one, which stands with its jackknife replicates: (n, g)."""
     others = points[:, None][:, [0] * len(left)]
     return stack([others[:record], left[None], others[record + 1 :]])
 
@@ -110,17 +108,14 @@ def _weights(readings: Sequence[Reading]) -> Array:
     L_i/σ_i², do not favour the records that happen to find a short one.
     """
     precision = np.array(
-        [
-            0.0 if r.waveform is None else _found(r.waveform) / r.waveform.length_error**2
-            for r in readings
-        ]
+        [_length(r.waveform) / r.waveform.length_error**2 if r.waveform else 0.0 for r in readings]
     )
     total = precision.sum()
     weights: Array = precision / total if total > 0.0 else precision
     return weights
 
 
-def _found(waveform: Waveform) -> float:
+def _length(waveform: Waveform) -> float:
     """Length of the microstick line of the fitted waveform itself, m."""
     return waveform.orbit.X + waveform.orbit.X_s
 
@@ -135,7 +130,7 @@ def _microstick(readings: Sequence[Reading], length: float, drawn: Array) -> Mic
     misfit = math.nan
     if len(waveforms) > 1 and resolved:
         apart = [
-            (w.length - length) ** 2 * _found(w) / (length * w.length_error**2) for w in waveforms
+            (w.length - length) ** 2 * _length(w) / (length * w.length_error**2) for w in waveforms
         ]
         misfit = math.fsum(apart) / (len(waveforms) - 1)
     bound = max(length, 0.0) + 1.96 * error

@@ -1,4 +1,4 @@
-"""What the estimates say of each other: misfits, contradictions, and numbers that no oscillator can have."""
+"""Notes on the estimates, and on how they agree: misfits, contradictions, and numbers that no oscillator can have."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ _APART = 3.0  # standard errors
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly tell F_k and c apart
 
 
-def judged(estimates: Mapping[str, ApproachResult]) -> dict[str, ApproachResult]:
-    """The estimates, with notes on each."""
+def with_notes(estimates: Mapping[str, ApproachResult]) -> dict[str, ApproachResult]:
+    """Add to each estimate what a reader must know of it."""
     yardstick = estimates.get(YARDSTICK)
     return {
         name: replace(e, notes=(*e.notes, *_notes(e, None if e is yardstick else yardstick)))
@@ -33,30 +33,31 @@ def judged(estimates: Mapping[str, ApproachResult]) -> dict[str, ApproachResult]
 
 
 def _notes(estimated: ApproachResult, yardstick: ApproachResult | None) -> list[str]:
-    found = []
+    notes = []
     for symbol, parameter in estimated.coefficients.items():
         if parameter.value < -_APART * parameter.standard_error:
-            found.append(
+            notes.append(
                 f"{symbol} = {parameter.value:.3g} {TERMS[symbol].unit} is negative: no such oscillator exists; "
                 "check signs, channels and the stiffness"
             )
     apart = _apart(estimated, yardstick)
     if apart:
-        found.append(apart)
-    elif _misfits(estimated):
-        found.append(
+        notes.append(apart)
+    elif _improbable(estimated.misfit, estimated.rows, len(estimated.coefficients)):
+        notes.append(
             f"the rows lie {math.sqrt(estimated.misfit):.2g} times farther from the fit than noise explains: "
             f"{_listed(estimated, 'or')} is not the same at every level, or the oscillator is not of this kind; the "
             "intervals do not tell"
         )
-    return found
+    return notes
 
 
-def _misfits(estimated: ApproachResult) -> bool:
-    freedom = int(estimated.rows.usable.sum()) - len(estimated.coefficients)
-    if freedom < 1 or not math.isfinite(estimated.misfit):
+def _improbable(misfit: float, rows: Rows, parameters: int) -> bool:
+    """Whether noise makes a χ² per degree of freedom as large as this hardly ever; False where it is not known."""
+    freedom = int(rows.usable.sum()) - parameters
+    if freedom < 1 or not math.isfinite(misfit):
         return False
-    return bool(special.chdtrc(freedom, estimated.misfit * freedom) < _CHANCE)
+    return bool(special.chdtrc(freedom, misfit * freedom) < _CHANCE)
 
 
 def _apart(estimated: ApproachResult, yardstick: ApproachResult | None) -> str:
@@ -81,32 +82,30 @@ def _apart(estimated: ApproachResult, yardstick: ApproachResult | None) -> str:
 
 def agreement(microstick: Microstick, estimates: Mapping[str, ApproachResult]) -> list[str]:
     """Warnings on all records together."""
-    found = []
+    warnings = []
     if not math.isfinite(microstick.bound):
-        found.append(
+        warnings.append(
             "no record shows harmonics above its noise: nothing may slip, or there may be no friction; K_z is unknown, "
             "and the contact is taken as rigid, which costs F_k an unknown part: excite it more, or reduce the noise"
         )
     elif not microstick.resolved:
-        found.append(
+        warnings.append(
             "the records together do not resolve the slip onset: K_z has no upper limit, and the contact is taken as "
             f"rigid; F_k is then too small by up to {100.0 * abs(microstick.rigid_bias):.2g} % (97.5 % confidence); "
             "sample faster, measure acceleration, or reduce the noise"
         )
-    if microstick.misfit > 1.0 and math.isfinite(microstick.misfit):
-        freedom = int(next(iter(estimates.values())).rows.usable.sum()) - 1
-        if freedom > 0 and special.chdtrc(freedom, microstick.misfit * freedom) < _CHANCE:
-            found.append(
-                f"the microstick lines of the records differ {math.sqrt(microstick.misfit):.2g} times more than their "
-                "noise explains: 2F_k/K_z is not the same at every level"
-            )
+    if _improbable(microstick.misfit, next(iter(estimates.values())).rows, 1):
+        warnings.append(
+            f"the microstick lines of the records differ {math.sqrt(microstick.misfit):.2g} times more than their "
+            "noise explains: 2F_k/K_z is not the same at every level"
+        )
     first = next((e for e in estimates.values() if e.rows.usable.sum() >= 2), None)
     if first is not None and _sine(first.rows) < _ALIKE:
-        found.append(
+        warnings.append(
             f"the levels are so alike that {_listed(first, 'and')} can hardly be told apart: add a record at a much "
             "higher or lower amplitude"
         )
-    return found
+    return warnings
 
 
 def _sine(rows: Rows) -> float:

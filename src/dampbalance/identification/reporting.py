@@ -4,25 +4,23 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..balance import TERMS, named_with_unit
 from ..features import COLUMNS
 from ..likelihood.result import ReferenceFit
 from ..reading.noisy import Reading
-from .result import CONFIDENCE, ApproachResult, Identification, Parameter
+from .result import CONFIDENCE, ApproachResult, Identification, Interval, Parameter
 
 if TYPE_CHECKING:
     import pandas as pd
-
-K_Z_UNIT = "N/m"
 
 REFERENCE = "maximum likelihood"
 
 
 def document(
-    found: Identification, reference: ReferenceFit | None = None, version: str = ""
+    result: Identification, reference: ReferenceFit | None = None, version: str = ""
 ) -> dict[str, Any]:
     """Everything that was identified, for JSON; SI units, named in the keys; what is not known is null.
 
@@ -30,37 +28,32 @@ def document(
     """
     return {
         "dampbalance": version,
-        "k_N_per_m": found.k,
-        "phase": found.phase,
+        "k_N_per_m": result.k,
+        "phase": result.phase,
         "confidence": CONFIDENCE,
-        "bootstrap": {"replicates": found.replicates, "seed": found.seed},
-        "approaches": {name: _approach(e) for name, e in found.estimates.items()},
+        "bootstrap": {"replicates": result.replicates, "seed": result.seed},
+        "approaches": {name: _approach(e) for name, e in result.estimates.items()},
         "maximum_likelihood": None if reference is None else _reference(reference),
         "microstick": {
-            "length_m": _number(found.microstick.length),
-            "standard_error_m": _number(found.microstick.standard_error),
-            "resolved": found.microstick.resolved,
-            "upper_bound_m": _number(found.microstick.bound),
-            "F_k_bias_of_rigid_contact": _number(found.microstick.rigid_bias),
+            "length_m": _number(result.microstick.length),
+            "standard_error_m": _number(result.microstick.standard_error),
+            "resolved": result.microstick.resolved,
+            "upper_bound_m": _number(result.microstick.bound),
+            "F_k_bias_of_rigid_contact": _number(result.microstick.rigid_bias),
         },
-        "records": [_record(reading, found, i) for i, reading in enumerate(found.readings)],
-        "warnings": [*found.warnings, *(reference.warnings if reference is not None else ())],
+        "records": [_record(reading, result, i) for i, reading in enumerate(result.readings)],
+        "warnings": [*result.warnings, *(reference.warnings if reference is not None else ())],
     }
 
 
-def frame(found: Identification) -> pd.DataFrame:
+def frame(result: Identification) -> pd.DataFrame:
     """One row per approach: value, standard errors and interval of each parameter, in columns named with units."""
     records = []
-    for name, estimated in found.estimates.items():
+    for name, estimated in result.estimates.items():
         line: dict[str, Any] = {"approach": name}
         for symbol, parameter in estimated.parameters.items():
-            numbers = {
-                "": parameter.value,
-                "_standard_error": parameter.standard_error,
-                "_propagated_error": parameter.propagated_error,
-                "_low": parameter.interval.low,
-                "_high": parameter.interval.high,
-            }
+            ends = {f"_{end}": number for end, number in parameter.interval._asdict().items()}
+            numbers = _with_errors(parameter) | ends
             line |= {_key(symbol, what): number for what, number in numbers.items()}
         line |= {"residual": estimated.residual, "misfit": estimated.misfit}
         records.append(line | {"note": "; ".join(estimated.notes)})
@@ -69,64 +62,56 @@ def frame(found: Identification) -> pd.DataFrame:
     return pd.DataFrame.from_records(records)
 
 
-def features_frame(found: Identification) -> pd.DataFrame:
+def features_frame(result: Identification) -> pd.DataFrame:
     """One row per record: its features, and the standard error of each, in columns named with units."""
-    table = found.features.to_frame()
-    table.insert(0, "record", [reading.steady.source for reading in found.readings])
+    table = result.features.to_frame()
+    table.insert(0, "record", [reading.steady.source for reading in result.readings])
     for name, column in COLUMNS.items():
         error = column.replace(name, f"{name}_standard_error", 1)
-        table[error] = [reading.standard_errors[name] for reading in found.readings]
+        table[error] = [reading.standard_errors[name] for reading in result.readings]
     return table
 
 
-def text_table(found: Identification, reference: ReferenceFit | None = None) -> str:
+def text_table(result: Identification, reference: ReferenceFit | None = None) -> str:
     """Estimates with their 95 % intervals, a line per approach, then what must be known of them; for a screen."""
-    symbols = list(dict.fromkeys(s for e in found.estimates.values() for s in e.coefficients))
+    symbols = list(dict.fromkeys(s for e in result.estimates.values() for s in e.coefficients))
     symbols.append("K_z")
     lines = [["", *(f"{symbol} ({_unit(symbol)})" for symbol in symbols)]]
-    for name, estimated in found.estimates.items():
-        parameters = {s: _with_interval(p) for s, p in estimated.parameters.items()}
-        mark = " *" if estimated.notes else ""
-        lines.append([name + mark, *(parameters.get(symbol, "") for symbol in symbols)])
+    rows: dict[str, Mapping[str, Parameter]] = {}
+    for name, estimated in result.estimates.items():
+        rows[name + (" *" if estimated.notes else "")] = estimated.parameters
     if reference is not None:
-        numbers = {s: _interval_text(v, *ends) for s, v, _, ends in _of_reference(reference)}
-        lines.append([REFERENCE, *(numbers.get(symbol, "") for symbol in symbols)])
+        rows[REFERENCE] = _of_reference(reference)
+    for name, parameters in rows.items():
+        cells = (_with_interval(parameters[s]) if s in parameters else "" for s in symbols)
+        lines.append([name, *cells])
     widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
     shown = [
         "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
         for line in lines
     ]
-    said = [f"* {name}: {note}" for name, e in found.estimates.items() for note in e.notes]
-    said += [f"warning: {words}" for words in found.warnings]
-    said += [f"warning: {REFERENCE}: {w}" for w in (reference.warnings if reference else ())]
-    hz = sorted({round(r.steady.frequency_hz, 4) for r in found.readings})
+    notes = [f"* {name}: {note}" for name, e in result.estimates.items() for note in e.notes]
+    notes += [f"warning: {words}" for words in result.warnings]
+    notes += [f"warning: {REFERENCE}: {w}" for w in (reference.warnings if reference else ())]
+    hz = sorted({round(r.steady.frequency_hz, 4) for r in result.readings})
     head = (
-        f"{len(found.readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; values with 95 % intervals from "
-        f"{found.replicates} bootstrap replicates"
+        f"{len(result.readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; values with 95 % intervals from "
+        f"{result.replicates} bootstrap replicates"
     )
-    return "\n".join([head, "", *shown, *([""] if said else []), *said]) + "\n"
+    return "\n".join([head, "", *shown, *([""] if notes else []), *notes]) + "\n"
 
 
 def _approach(estimated: ApproachResult) -> dict[str, Any]:
-    made: dict[str, Any] = {}
-    for symbol, parameter in estimated.parameters.items():
-        made |= {
-            _key(symbol): _number(parameter.value),
-            _key(symbol, "_standard_error"): _number(parameter.standard_error),
-            _key(symbol, "_propagated_error"): _number(parameter.propagated_error),
-            _key(symbol, "_interval"): [_number(end) for end in parameter.interval],
-        }
-    made |= {
+    entries = _parameters(estimated.parameters)
+    entries |= {
         f"correlation_of_{one}_and_{other}": _number(
             estimated.correlations.get((one, other), math.nan)
         )
         for one, other in itertools.combinations(estimated.coefficients, 2)
     }
-    integrals = {
-        TERMS[symbol].integral_column: values for symbol, values in estimated.rows.terms.items()
-    }
-    columns = {**integrals, "W_J": estimated.rows.W, "standard_error_J": estimated.row_errors}
-    return made | {
+    columns = {TERMS[s].integral_column: values for s, values in estimated.rows.terms.items()}
+    columns |= {"W_J": estimated.rows.W, "standard_error_J": estimated.row_errors}
+    return entries | {
         "residual": _number(estimated.residual),
         "misfit": _number(estimated.misfit),
         "rows": {key: [_number(v) for v in values] for key, values in columns.items()},
@@ -135,26 +120,44 @@ def _approach(estimated: ApproachResult) -> dict[str, Any]:
 
 
 def _reference(fit: ReferenceFit) -> dict[str, Any]:
-    made: dict[str, Any] = {}
-    for symbol, value, error, ends in _of_reference(fit):
-        made |= {
-            _key(symbol): _number(value),
-            _key(symbol, "_standard_error"): _number(error),
-            _key(symbol, "_interval"): [_number(end) for end in ends],
-        }
-    return made | {"m_kg": fit.m, "warnings": list(fit.warnings)}
+    parameters = _parameters(_of_reference(fit), leave_out="_propagated_error")
+    return parameters | {"m_kg": fit.m, "warnings": list(fit.warnings)}
 
 
-def _of_reference(fit: ReferenceFit) -> Iterator[tuple[str, float, float, tuple[float, float]]]:
-    """(symbol, value, standard error, ends of the interval) of what the maximum-likelihood fit identifies."""
+def _of_reference(fit: ReferenceFit) -> dict[str, Parameter]:
+    """What the maximum-likelihood fit identifies; it has no propagated errors."""
+    parameters = {}
     for symbol, error in zip(("F_k", "c", "K_z"), fit.standard_errors, strict=True):
         value = float(getattr(fit, symbol))
         ends = (value - 1.96 * error, value + 1.96 * error)
-        yield symbol, value, error, fit.K_z_interval if symbol == "K_z" else ends
+        interval = Interval(*(fit.K_z_interval if symbol == "K_z" else ends))
+        parameters[symbol] = Parameter(value, error, math.nan, interval)
+    return parameters
+
+
+def _parameters(
+    parameters: Mapping[str, Parameter], leave_out: str | None = None
+) -> dict[str, Any]:
+    entries: dict[str, Any] = {}
+    for symbol, parameter in parameters.items():
+        for what, number in _with_errors(parameter).items():
+            if what != leave_out:
+                entries[_key(symbol, what)] = _number(number)
+        entries[_key(symbol, "_interval")] = [_number(end) for end in parameter.interval]
+    return entries
+
+
+def _with_errors(parameter: Parameter) -> dict[str, float]:
+    """The value and its standard errors by the ends of their keys."""
+    return {
+        "": parameter.value,
+        "_standard_error": parameter.standard_error,
+        "_propagated_error": parameter.propagated_error,
+    }
 
 
 def _unit(symbol: str) -> str:
-    return K_Z_UNIT if symbol == "K_z" else TERMS[symbol].unit
+    return "N/m" if symbol == "K_z" else TERMS[symbol].unit
 
 
 def _key(symbol: str, what: str = "") -> str:
@@ -162,8 +165,8 @@ def _key(symbol: str, what: str = "") -> str:
     return named_with_unit(f"{symbol}{what}", _unit(symbol))
 
 
-def _record(reading: Reading, found: Identification, index: int) -> dict[str, Any]:
-    steady, features = reading.steady, found.features
+def _record(reading: Reading, result: Identification, index: int) -> dict[str, Any]:
+    steady, features = reading.steady, result.features
     return {
         "record": steady.source,
         "frequency_Hz": steady.frequency_hz,
@@ -189,16 +192,11 @@ def _number(value: float) -> float | None:
 
 
 def _with_interval(parameter: Parameter) -> str:
-    return _interval_text(parameter.value, *parameter.interval)
-
-
-def _interval_text(value: float | None, low: float | None, high: float | None) -> str:
     """1.2807 [1.2784, 1.2831]: digits down to a tenth of the interval's half width."""
-    ends = [math.nan if v is None else v for v in (value, low, high)]
-    value, low, high = ends
+    value, (low, high) = parameter.value, parameter.interval
     if math.isfinite(low) and not math.isfinite(high):
         return f"> {_rounded(low, low)}"
-    if not all(map(math.isfinite, ends)):
+    if not all(map(math.isfinite, (value, low, high))):
         return "–"
     half = 0.5 * (high - low)
     return f"{_rounded(value, half)} [{_rounded(low, half)}, {_rounded(high, half)}]"

@@ -37,7 +37,7 @@ class Parameter:
 
 @dataclass(frozen=True, eq=False)
 class ApproachResult:
-    """What one approach says.
+    """The estimates of one approach.
 
     coefficients : of the balance's terms, by symbol, SI units.   K_z : N/m; its interval comes from that of the
     compliance 1/K_z.   correlations : of the errors of two coefficients, by their symbols.

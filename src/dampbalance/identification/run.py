@@ -17,32 +17,32 @@ from ..likelihood.information import NotIdentifiable
 from ..likelihood.result import ReferenceFit
 from ..project.files import write_csv, write_json, write_text
 from ..record import Record
-from ..records.measurement import Measurement
 from ..records.readers import MappingLike
 from . import reporting
 from .identify import REPLICATES, SEED, identify
 from .loading import Loaded, load
+from .outputs import FIGURES
 from .result import Identification
 
 
 @dataclass(frozen=True, eq=False)
-class Results:
+class IdentificationRun:
     """An identification, the records it comes from, and a maximum-likelihood fit of them where the mass was given."""
 
     records: tuple[Loaded, ...]
-    found: Identification
+    result: Identification
     reference: ReferenceFit | None
 
     def text(self) -> str:
         """The table for a screen."""
-        return reporting.text_table(self.found, self.reference)
+        return reporting.text_table(self.result, self.reference)
 
     def document(self) -> dict[str, Any]:
         """Everything, for JSON."""
-        return reporting.document(self.found, self.reference, __version__)
+        return reporting.document(self.result, self.reference, __version__)
 
 
-def identified(
+def identify_files(
     paths: Sequence[str | Path],
     k: float,
     *,
@@ -54,7 +54,7 @@ def identified(
     mass: float | None = None,
     replicates: int = REPLICATES,
     seed: int = SEED,
-) -> Results:
+) -> IdentificationRun:
     """F_k, c and K_z from record files, one per level.
 
     k : stiffness, N/m.   mapping, frequency_hz, skip_cycles : as for `load`.   approaches : names; default, all.
@@ -75,7 +75,7 @@ def identified(
         load(path, k, mapping=mapping, frequency_hz=frequency_hz, skip_cycles=skip_cycles)
         for path in named
     )
-    found = identify(
+    result = identify(
         [one.reading for one in records],
         k,
         approaches=chosen,
@@ -88,9 +88,9 @@ def identified(
         try:
             reference = maximum_likelihood(records, mass, k)
         except (ArithmeticError, NotIdentifiable) as error:  # the approaches stand without it
-            said = f"no maximum-likelihood fit with m = {mass:g} kg: {error}"
-            found = replace(found, warnings=(*found.warnings, said))
-    return Results(records, found, reference)
+            warning = f"no maximum-likelihood fit with m = {mass:g} kg: {error}"
+            result = replace(result, warnings=(*result.warnings, warning))
+    return IdentificationRun(records, result, reference)
 
 
 def maximum_likelihood(records: Sequence[Loaded], m: float, k: float) -> ReferenceFit:
@@ -108,25 +108,24 @@ def maximum_likelihood(records: Sequence[Loaded], m: float, k: float) -> Referen
     )
 
 
-def write_results(results: Results, folder: str | Path) -> None:
+def write_results(run: IdentificationRun, folder: str | Path) -> None:
     """Write OUTPUTS to a folder: each complete or not at all; the same bytes for the same records."""
     from ..figures.style import save  # slow to import, and needed for pictures only
     from . import drawing
 
     folder = Path(folder)
-    document = results.document()
-    write_csv(folder / "identification.csv", reporting.frame(results.found))
-    write_csv(folder / "features.csv", reporting.features_frame(results.found))
-    write_text(folder / "summary.txt", results.text())
-    alt = drawing.alternative_texts(results.found)
-    figures = {
-        "cycles": drawing.cycles(results.records),
-        "loops": drawing.loops(results.records, results.found),
-        "balance": drawing.balance(results.found),
-    }
-    for name, figure in figures.items():
+    write_csv(folder / "identification.csv", reporting.frame(run.result))
+    write_csv(folder / "features.csv", reporting.features_frame(run.result))
+    write_text(folder / "summary.txt", run.text())
+    alt = drawing.alternative_texts(run.result)
+    figures = (
+        drawing.cycles(run.records),
+        drawing.loops(run.records, run.result),
+        drawing.balance(run.result),
+    )
+    for name, figure in zip(FIGURES, figures, strict=True):
         save(figure, folder / f"{name}.svg", folder / f"{name}.png", alt[name])
-    write_json(folder / "identification.json", document)
+    write_json(folder / "identification.json", run.document())
 
 
 def _record(one: Loaded, k: float) -> Record:
@@ -135,33 +134,26 @@ def _record(one: Loaded, k: float) -> Record:
         raise ValueError(
             f"{one.path} is too large for the maximum-likelihood fit: leave out the mass, or give shorter records"
         )
-    measurement: Measurement = one.measurement
-    for quantity in ("base_displacement", "force"):
-        if quantity in measurement:
-            base = measurement[quantity].values / (k if quantity == "force" else 1.0)
-            t = measurement[quantity].t
-            break
-    else:
+    measurement = one.measurement
+    remedy = "leave out the mass"
+    drive = next((q for q in ("base_displacement", "force") if q in measurement), None)
+    if drive is None:
         raise ValueError(
-            f"{one.path}: the maximum-likelihood fit needs base_displacement or force as input; leave out the mass"
+            f"{one.path}: the maximum-likelihood fit needs base_displacement or force as input; {remedy}"
         )
     if "displacement" not in measurement:
         raise ValueError(
-            f"{one.path}: the maximum-likelihood fit needs the displacement of the mass; leave out the mass"
+            f"{one.path}: the maximum-likelihood fit needs the displacement of the mass; {remedy}"
         )
-    signals = {"t": t, "y": base}
-    for name, quantity in (
-        ("x", "displacement"),
-        ("v", "velocity"),
-        ("acceleration", "acceleration"),
-    ):
-        if quantity in measurement:
-            if not np.array_equal(measurement[quantity].t, t):
-                raise ValueError(
-                    f"{one.path}: the maximum-likelihood fit needs all channels sampled at the same times; leave out "
-                    "the mass"
-                )
-            signals[name] = measurement[quantity].values
+    t = measurement[drive].t
+    signals = {"t": t, "y": measurement[drive].values / (k if drive == "force" else 1.0)}
+    names = {"displacement": "x", "velocity": "v", "acceleration": "acceleration"}
+    for channel in (measurement[quantity] for quantity in names if quantity in measurement):
+        if not np.array_equal(channel.t, t):
+            raise ValueError(
+                f"{one.path}: the maximum-likelihood fit needs all channels sampled at the same times; {remedy}"
+            )
+        signals[names[channel.quantity]] = channel.values
     steady = one.reading.steady
     begin = int(np.searchsorted(t, steady.start - 0.5 * float(t[1] - t[0])))
     return Record(**{name: values[begin:] for name, values in signals.items()})

@@ -53,13 +53,12 @@ class Case:
     @classmethod
     def from_config(cls, config: Mapping[str, Any]) -> Self:
         """The case of a configuration that `check` has passed, or of an `excerpt` of one."""
-        made = {}
-        for field, (key, make) in _FIELDS.items():
-            section, _, name = key.rpartition(".")
+        fields = {}
+        for field, (section, name, make) in _FIELDS.items():
             part = config.get(section, {}) if section else config
             if name in part:
-                made[field] = make(part[name])
-        return cls(**made)
+                fields[field] = make(part[name])
+        return cls(**fields)
 
     def omega(self, frequency: str) -> float:
         """Circular drive frequency ω = 2πf, rad/s."""
@@ -85,11 +84,11 @@ def excerpt(
     """
     kept: dict[str, Any] = {}
     for field in fields:
-        section, _, name = _FIELDS[field][0].rpartition(".")
-        source, target = config, kept
+        section, name, _ = _FIELDS[field]
         if section:
-            source, target = config[section], kept.setdefault(section, {})
-        target[name] = source[name]
+            kept.setdefault(section, {})[name] = config[section][name]
+        else:
+            kept[name] = config[name]
     if frequency is not None:
         drives = config["excitation"]["frequencies"]
         only = [drive for drive in drives if drive["name"] == frequency]
@@ -107,18 +106,19 @@ def _oscillator(section: Mapping[str, float]) -> Oscillator:
     )
 
 
-# Field of a case → where the configuration has it, and what makes the one from the other.
-_FIELDS: dict[str, tuple[str, Callable[[Any], Any]]] = {
-    "name": ("case", str),
-    "oscillator": ("oscillator", _oscillator),
-    "frequencies_hz": (
-        "excitation.frequencies",
-        lambda drives: {drive["name"]: drive["hz"] for drive in drives},
-    ),
-    "levels_m": ("excitation.levels_m", tuple),
-    "pairs": ("estimation.pairs", lambda pairs: tuple((i - 1, j - 1) for i, j in pairs)),
-    "phase": ("estimation.phase", str),
-    "numerics": ("as_published", lambda section: Numerics(**section)),
+def _by_name(drives: Iterable[Mapping[str, Any]]) -> dict[str, float]:
+    return {drive["name"]: drive["hz"] for drive in drives}
+
+
+# Field of a case → section and key of the configuration, and what makes the one from the other.
+_FIELDS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
+    "name": ("", "case", str),
+    "oscillator": ("", "oscillator", _oscillator),
+    "frequencies_hz": ("excitation", "frequencies", _by_name),
+    "levels_m": ("excitation", "levels_m", tuple),
+    "pairs": ("estimation", "pairs", lambda pairs: tuple((i - 1, j - 1) for i, j in pairs)),
+    "phase": ("estimation", "phase", str),
+    "numerics": ("", "as_published", lambda section: Numerics(**section)),
 }
 
 

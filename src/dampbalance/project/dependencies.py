@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import os
 from functools import cache
+from importlib.util import resolve_name
 from pathlib import Path
 
 
@@ -22,16 +23,15 @@ def package_modules(
     start from.
     """
     source = Path(source)
-    found: set[Path] = set()
+    modules: set[Path] = set()
     waiting = [Path(script)]
     while waiting:
         file = waiting.pop()
         for module in _imported_files(file, file.stat().st_mtime_ns, source):
-            if module not in found:
-                found.add(module)
+            if module not in modules:
+                modules.add(module)
                 waiting.append(module)
-    start = relative_to if relative_to is not None else source
-    return sorted(os.path.relpath(path, start) for path in found)
+    return sorted(os.path.relpath(path, relative_to or source) for path in modules)
 
 
 @cache  # a workflow asks about many scripts that share their modules
@@ -59,6 +59,5 @@ def _base(node: ast.ImportFrom, file: Path, source: Path) -> str:
     """The absolute name of the module that an import statement takes from."""
     if node.level == 0:
         return node.module or ""
-    package = file.relative_to(source).parent.parts
-    package = package[: len(package) - node.level + 1]
-    return ".".join([*package, *([node.module] if node.module else [])])
+    package = ".".join(file.relative_to(source).parent.parts)
+    return resolve_name("." * node.level + (node.module or ""), package)

@@ -102,24 +102,10 @@ def page(notebook: NotebookNode, style: str, template: str | Path) -> str:
         raise NotebookError("the first cell of a notebook must begin with its title, '# …'")
     content = markdown(notebook)
     _refuse_remote(content)  # before pandoc tries to fetch it
-    text = str(
-        pypandoc.convert_text(
-            content,
-            to="html5",
-            format="markdown",
-            extra_args=[
-                "--standalone",
-                "--mathml",
-                "--embed-resources",
-                "--toc",
-                "--toc-depth=2",
-                f"--template={template}",
-                "--variable=lang:en",
-                f"--metadata=pagetitle:{title[1]}",
-                f"--variable=style:{style}",
-            ],
-        )
-    )
+    options = ["--standalone", "--mathml", "--embed-resources", "--toc", "--toc-depth=2"]
+    options += [f"--template={template}", "--variable=lang:en"]
+    options += [f"--metadata=pagetitle:{title[1]}", f"--variable=style:{style}"]
+    text = str(pypandoc.convert_text(content, "html5", format="markdown", extra_args=options))
     _refuse_remote(text)
     # A browser may break the line between a formula and the comma after it.
     return _MATH_AND_STOP.sub(r'<span class="together">\1\2</span>', text)
@@ -128,7 +114,9 @@ def page(notebook: NotebookNode, style: str, template: str | Path) -> str:
 def markdown(notebook: NotebookNode) -> str:
     """The notebook as pandoc's Markdown: text as it is, code and its outputs as blocks, outcomes folded."""
     parts: list[str] = []
-    for folded, cells in groupby(notebook.cells, key=_is_outcome):
+    for folded, cells in groupby(
+        notebook.cells, key=lambda cell: "outcome" in cell.metadata.get("tags", [])
+    ):
         blocks = [block for cell in cells for block in _blocks(cell)]
         if folded:
             blocks = ["<details>\n<summary>Outcome</summary>", *blocks, "</details>"]
@@ -142,17 +130,12 @@ def _refuse_remote(text: str) -> None:
         raise NotebookError(f"the page would load from elsewhere: {remote[0][:100]}; embed it")
 
 
-def _is_outcome(cell: NotebookNode) -> bool:
-    return "outcome" in cell.metadata.get("tags", [])
-
-
 def _blocks(cell: NotebookNode) -> Iterator[str]:
     if cell.cell_type == "markdown":
         yield cell.source
         return
     yield f"```python\n{cell.source}\n```"
-    for output in cell.outputs:
-        yield _shown(output, cell)
+    yield from (_shown(output, cell) for output in cell.outputs)
 
 
 def _shown(output: NotebookNode, cell: NotebookNode) -> str:
@@ -186,14 +169,10 @@ def _settled(notebook: NotebookNode) -> NotebookNode:
     notebook.metadata.pop("jupytext", None)
     notebook.metadata.get("language_info", {}).pop("version", None)
     for cell in notebook.cells:
-        kept = []
-        for output in cell.get("outputs", []):
+        for output in list(cell.get("outputs", [])):
             if output.output_type == "stream" and output.name == "stderr":
                 print(output.text, file=sys.stderr, end="")
-            else:
-                kept.append(output)
-        if cell.cell_type == "code":
-            cell.outputs = kept
+                cell.outputs.remove(output)
     return notebook
 
 
@@ -211,13 +190,10 @@ def _kernel_environment(folder: Path) -> Iterator[None]:
         "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]),
         "PYDEVD_DISABLE_FILE_VALIDATION": "1",
     }
-    before = {name: os.environ.get(name) for name in wanted}
+    before = dict(os.environ)
     os.environ.update(wanted)
     try:
         yield
     finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+        os.environ.clear()
+        os.environ.update(before)

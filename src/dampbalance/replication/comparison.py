@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 from ..balance import APPROACHES, TERMS, takes_phase
 from ..estimates import estimate_table
@@ -20,7 +20,7 @@ from ..project.wording import percent
 if TYPE_CHECKING:
     import pandas as pd
 
-PHASES: tuple[Phase, ...] = ("reversal", "zero_crossing", "fundamental")
+PHASES: tuple[Phase, ...] = get_args(Phase)
 """The lags of x behind y that the harmonic approaches can use."""
 
 
@@ -82,24 +82,20 @@ def _errors(features: Features, case: Case) -> Iterator[dict[str, object]]:
     k, pairs = case.oscillator.k, case.pairs
     tables = {phase: estimate_table(features.with_phase(phase), k, pairs) for phase in PHASES}
     for approach in APPROACHES:
-        for phase in PHASES[:1] if not takes_phase(approach) else PHASES:
+        for phase in PHASES if takes_phase(approach) else PHASES[:1]:
             lines = tables[phase][tables[phase]["approach"] == approach]
             for sharing, estimates in lines.groupby("phase", sort=False):
-                words = ("", "") if not takes_phase(approach) else (phase, sharing)
+                words = (phase, sharing) if takes_phase(approach) else ("", "")
                 head = {"approach": approach, "phase": words[0], "sharing": words[1]}
-                yield head | _errors_of(estimates, case.oscillator)
+                yield {**head, **_errors_of(estimates, case.oscillator)}
 
 
-def _errors_of(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, object]:
+def _errors_of(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, float]:
     """The errors of one approach: of its least squares, and of the pair that is furthest off."""
     fit, pairs = (estimates[estimates["kind"] == kind] for kind in ("least_squares", "pair"))
-    found: dict[str, object] = {
-        f"{name}_error_percent": error.iloc[0] for name, error in relative_errors(fit, osc).items()
-    }
-    return found | {
-        f"{name}_largest_pair_error_percent": error
-        for name, error in largest_errors(pairs, osc).items()
-    }
+    of_fit = {f"{name}_error_percent": e.iloc[0] for name, e in relative_errors(fit, osc).items()}
+    of_pairs = largest_errors(pairs, osc).items()
+    return of_fit | {f"{name}_largest_pair_error_percent": error for name, error in of_pairs}
 
 
 def _side_by_side(table: pd.DataFrame, column: str) -> list[str]:
@@ -109,12 +105,9 @@ def _side_by_side(table: pd.DataFrame, column: str) -> list[str]:
         "| approach | phase | φ, t_s | " + " | ".join(heads) + " |",
         "|---|---|---|" + "---:|" * len(heads),
     ]
+    columns = [column.format(name) for name in TERMS]
     for key, rows in table.groupby(["approach", "phase", "sharing"], sort=False):
-        at = {
-            name: dict(zip(rows["frequency"], rows[column.format(name)], strict=True))
-            for name in TERMS
-        }
-        errors = [at[name].get(f, math.nan) for f in frequencies for name in TERMS]
+        errors = rows.set_index("frequency")[columns].reindex(list(frequencies)).to_numpy().ravel()
         approach, phase, sharing = (str(word) for word in key)
         words = [approach, phase.replace("_", " ") or "–", sharing or "–"]
         lines.append("| " + " | ".join([*words, *map(_signed, errors)]) + " |")

@@ -12,11 +12,9 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..features import Features
-
-Array = NDArray[np.float64]
 
 # A reading is divided by its unit in binary: what lies this close to a whole number of units is that number.
 _WHOLE = 1e-9
@@ -61,8 +59,8 @@ class ReadOut:
     @classmethod
     def from_config(cls, section: Mapping[str, Any]) -> Self:
         """The rules of a section of the configuration, whose keys carry their units; null is no rule."""
-        given = {key: value for key, value in section.items() if value is not None}
-        return cls(**{key.removesuffix("_m").removesuffix("_s"): v for key, v in given.items()})
+        rules = {key: value for key, value in section.items() if value is not None}
+        return cls(**{key.removesuffix("_m").removesuffix("_s"): v for key, v in rules.items()})
 
     def apply(self, features: Features) -> Features:
         """The features as read, each response by itself."""

@@ -16,7 +16,7 @@ from dampbalance.balance import APPROACHES
 from dampbalance.commands.main import main
 from dampbalance.identification.loading import load
 from dampbalance.identification.outputs import OUTPUTS
-from dampbalance.identification.run import identified
+from dampbalance.identification.run import identify_files
 from dampbalance.records.readers import read
 from folders import ROOT
 from paper_case import PAPER
@@ -289,12 +289,12 @@ def test_a_wrong_frequency_is_refused(capsys):
 
 
 def test_large_files_are_read_in_blocks_with_the_same_result(monkeypatch):
-    whole = identified(RECORDS[:2], 2310.0, approaches=["direct"], replicates=20).document()
+    whole = identify_files(RECORDS[:2], 2310.0, approaches=["direct"], replicates=20).document()
     monkeypatch.setattr("dampbalance.identification.loading.LARGE", 1000)
-    blocks = identified(RECORDS[:2], 2310.0, approaches=["direct"], replicates=20)
+    blocks = identify_files(RECORDS[:2], 2310.0, approaches=["direct"], replicates=20)
     assert blocks.document() == whole
     with pytest.raises(ValueError, match="too large for the maximum-likelihood fit"):
-        identified(RECORDS[:2], 2310.0, replicates=20, mass=2.42)
+        identify_files(RECORDS[:2], 2310.0, replicates=20, mass=2.42)
 
 
 def test_the_version_is_told(capsys):

@@ -2,13 +2,13 @@
 
 import sys
 
-from dampbalance.identification.run import identified, write_results
+from dampbalance.identification.run import identify_files, write_results
 
 if __name__ == "__main__":
     given = {key: value for key, value in snakemake.params.settings.items() if value is not None}
     keys = {"mapping", "frequency_hz", "skip_cycles", "approaches", "phase", "replicates", "seed"}
     try:
-        results = identified(
+        results = identify_files(
             list(snakemake.input.records),
             given["stiffness_N_per_m"],
             mass=given.get("mass_kg"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -47,22 +48,20 @@ class Book:
 
     def as_json(self) -> dict[str, Any]:
         """The values by key, and the files they come from, numbered in the order in which they are first used."""
-        files: dict[str, int] = {}
-        for value in self._values.values():
-            files.setdefault(value["file"], len(files) + 1)
+        uses = Counter(value["file"] for value in self._values.values())
+        numbers = {file: number for number, file in enumerate(uses, start=1)}
+        values = {k: v | {"source": numbers[v["file"]]} for k, v in self._values.items()}
         return {
-            "values": {
-                key: value | {"source": files[value["file"]]} for key, value in self._values.items()
-            },
+            "values": values,
             "sources": [
                 {
                     "number": number,
                     "file": file,
                     "name": file.removeprefix(f"{self.folder}/").removeprefix("results/"),
                     "rule": self._rules[file],
-                    "values": sum(value["file"] == file for value in self._values.values()),
+                    "values": uses[file],
                 }
-                for file, number in files.items()
+                for file, number in numbers.items()
             ],
         }
 

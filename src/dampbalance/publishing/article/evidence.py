@@ -47,20 +47,27 @@ def evidence(
     exact = {name: Features.from_frame(table) for name, table in features["exact"].items()}
     first = next(iter(exact))
     terms = {name: balance_terms(f, oscillator) for name, f in exact.items()}
-    found: Json = _without_nan(
+    fourier = approaches[approaches["approach"] == "fourier"]
+    numbers: Json = _without_nan(
         {
             "setting": setting(case, exact[first]),
-            "verdicts": verdicts(claims),
+            "verdicts": {
+                count.key: {**count.of_verdict, "printed": count.printed}
+                for count in counts(claims)
+            },
             "dissipation": dissipation(case, float(exact[first].omega[0])),
             "integrals": integral_deviations(features, claims, schemes, first),
             "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},
-            "fourier_largest": _largest_of(approaches, "fourier"),
+            "fourier_largest": {
+                term: float(fourier[f"{term}_largest_pair_error_percent"].max())
+                for term in ("F_k", "c")
+            },
             "balance": terms,
             "fundamental_work_largest": max(of["W_fundamental"]["max"] for of in terms.values()),
             "largest": largest_errors(estimates, oscillator),
         }
     )
-    return found
+    return numbers
 
 
 def setting(case: Case, first: Features) -> Json:
@@ -86,19 +93,10 @@ def setting(case: Case, first: Features) -> Json:
     }
 
 
-def verdicts(claims: pd.DataFrame) -> Json:
-    """How many printed numbers there are, by part and verdict."""
-    return {count.key: {**count.of_verdict, "printed": count.printed} for count in counts(claims)}
-
-
 def dissipation(case: Case, omega: float) -> Json:
     """Backward Euler near resonance: c acts as c + mω²h.   added, effective : N s/m.   relative : of c."""
     c, added = case.oscillator.c, added_damping(case, omega)
-    return {
-        "added": added,
-        "effective": c + added,
-        "relative": added / c if c else math.nan,
-    }
+    return {"added": added, "effective": c + added, "relative": added / c if c else math.nan}
 
 
 def integral_deviations(
@@ -116,12 +114,13 @@ def integral_deviations(
     unrounded = schemes[
         (schemes["scheme"] == "backward-euler") & (schemes["coefficients"] == "exact")
     ]
-    found: Json = {}
+    deviations: Json = {}
     for name, _, _, column, _ in TABLE_2:
         exact, rebuilt = (features[route][frequency][column] for route in ("exact", "as_published"))
-        printed = printed_numbers(claims, of_cell("table2", name))
+        in_column = claims["id"].str.startswith(of_cell("table2", name))
+        printed = claims.loc[in_column, "printed"].astype(float).to_numpy()
         from_rebuilt = np.abs(printed / rebuilt.to_numpy() - 1.0)
-        found[name] = {
+        deviations[name] = {
             "printed": _range(printed / exact.to_numpy() - 1.0),
             "as_published": _range(rebuilt.to_numpy() / exact.to_numpy() - 1.0),
             "printed_from_rebuilt": _range(from_rebuilt),
@@ -129,12 +128,7 @@ def integral_deviations(
             "printed_from_unrounded": _range(np.abs(printed / unrounded[column].to_numpy() - 1.0)),
             "printed_from_rebuilt_at_first": float(from_rebuilt[0]),
         }
-    return found
-
-
-def printed_numbers(claims: pd.DataFrame, prefix: str) -> np.ndarray:
-    """The printed numbers whose identifier begins so, in their order."""
-    return claims.loc[claims["id"].str.startswith(prefix), "printed"].astype(float).to_numpy()
+    return deviations
 
 
 def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[Pair]) -> Json:
@@ -174,36 +168,29 @@ def balance_terms(features: Features, oscillator: Oscillator) -> Json:
         "b_fifth": viscous_integral(features.omega, harmonics) / features.b - 1.0,
         "third": features.X_3 / features.X_1,
     }
-    found: Json = {name: _range(100.0 * values) for name, values in terms.items()}
-    found["sine"] = {"first": float(sines[0]), "last": float(sines[-1])}
-    found["phase_spread"] = 100.0 * float(np.ptp(sines) / np.mean(sines))
-    return found
+    ranges: Json = {name: _range(100.0 * values) for name, values in terms.items()}
+    ranges["sine"] = {"first": float(sines[0]), "last": float(sines[-1])}
+    ranges["phase_spread"] = 100.0 * float(np.ptp(sines) / np.mean(sines))
+    return ranges
 
 
 def largest_errors(
     estimates: Mapping[str, Mapping[str, pd.DataFrame]], oscillator: Oscillator
 ) -> Json:
     """route → frequency → largest error of F_k and c, %, of direct integration and of Table 3's two-point formulas."""
-    found: Json = {}
-    for route, tables in estimates.items():
-        for frequency, table in tables.items():
-            pairs = table[table["kind"] == "pair"]
-            sets = {
-                "direct": pairs[pairs["approach"] == "direct"],
-                "common": pairs[(pairs["phase"] == "common") & pairs["approach"].map(takes_phase)],
-            }
-            found.setdefault(route, {})[frequency] = {
-                name: comparison.largest_errors(rows, oscillator) for name, rows in sets.items()
-            }
-    return found
 
+    def of_table(table: pd.DataFrame) -> Json:
+        pairs = table[table["kind"] == "pair"]
+        harmonic = pairs["approach"].map(takes_phase)
+        sets = {
+            "direct": pairs[pairs["approach"] == "direct"],
+            "common": pairs[(pairs["phase"] == "common") & harmonic],
+        }
+        return {name: comparison.largest_errors(rows, oscillator) for name, rows in sets.items()}
 
-def _largest_of(approaches: pd.DataFrame, approach: str) -> Json:
-    """The largest error of a pair at any frequency by an approach: of F_k and c, %."""
-    rows = approaches[approaches["approach"] == approach]
     return {
-        quantity: float(rows[f"{quantity}_largest_pair_error_percent"].max())
-        for quantity in ("F_k", "c")
+        route: {frequency: of_table(table) for frequency, table in tables.items()}
+        for route, tables in estimates.items()
     }
 
 

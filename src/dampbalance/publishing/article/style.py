@@ -56,57 +56,36 @@ class Style:
             return NONE
         if self.unsigned:
             number = abs(number)
-        return _signed(_FORMS[self.form](number, self.digits, str(raw)), self.signed)
+        text = self._digits_of(number, str(raw))
+        if text.startswith("-"):
+            return MINUS + text[1:]
+        return f"+{text}" if self.signed else text
 
-
-def _verbatim(number: Decimal, digits: int, raw: str) -> str:
-    mantissa, _, exponent = raw.lower().partition("e")
-    return scientific(mantissa, int(exponent)) if exponent else mantissa
-
-
-def _plain(number: Decimal, digits: int, raw: str) -> str:
-    return _thousands(f"{float(f'{number:.{_PLAIN_DIGITS}g}'):f}".rstrip("0").rstrip("."))
-
-
-def _fixed(number: Decimal, digits: int, raw: str) -> str:
-    return _thousands(f"{_rounded(number, digits):f}")
-
-
-def _significant(number: Decimal, digits: int, raw: str) -> str:
-    if not number:
-        return "0"
-    decimals = digits - 1 - number.adjusted()
-    if _rounded(number, decimals).adjusted() > number.adjusted():  # 9.99 → 10.0
-        decimals -= 1
-    return _thousands(f"{_rounded(number, decimals):f}")
-
-
-def _with_power(number: Decimal, digits: int, raw: str) -> str:
-    if not number:
-        return "0"
-    mantissa, _, exponent = f"{number:.{digits}e}".partition("e")
-    return scientific(mantissa, int(exponent))
-
-
-def _bound(number: Decimal, digits: int, raw: str) -> str:
-    if not number:
-        return "0"
-    return ten_to(int(abs(number).log10().to_integral_value(ROUND_CEILING)))
-
-
-def _word(number: Decimal, digits: int, raw: str) -> str:
-    return in_words(int(number)) if number == int(number) else f"{number:f}"
-
-
-_FORMS = {
-    "verbatim": _verbatim,
-    "plain": _plain,
-    "fixed": _fixed,
-    "significant": _significant,
-    "power": _with_power,
-    "bound": _bound,
-    "word": _word,
-}
+    def _digits_of(self, number: Decimal, raw: str) -> str:
+        """The number in its form, with an ASCII minus.   raw : as it stands in the file."""
+        if not number and self.form in ("significant", "power", "bound"):
+            return "0"
+        match self.form:
+            case "verbatim":
+                mantissa, _, exponent = raw.lower().partition("e")
+                return scientific(mantissa, int(exponent)) if exponent else mantissa
+            case "plain":
+                rounded = float(f"{number:.{_PLAIN_DIGITS}g}")
+                return _thousands(f"{rounded:f}".rstrip("0").rstrip("."))
+            case "fixed":
+                return _thousands(f"{_rounded(number, self.digits):f}")
+            case "significant":
+                decimals = self.digits - 1 - number.adjusted()
+                if _rounded(number, decimals).adjusted() > number.adjusted():  # 9.99 → 10.0
+                    decimals -= 1
+                return _thousands(f"{_rounded(number, decimals):f}")
+            case "power":
+                mantissa, _, exponent = f"{number:.{self.digits}e}".partition("e")
+                return scientific(mantissa, int(exponent))
+            case "bound":
+                return ten_to(int(abs(number).log10().to_integral_value(ROUND_CEILING)))
+            case _:
+                return in_words(int(number)) if number == int(number) else f"{number:f}"
 
 
 def _rounded(number: Decimal, digits: int) -> Decimal:
@@ -116,14 +95,6 @@ def _rounded(number: Decimal, digits: int) -> Decimal:
 def _thousands(text: str) -> str:
     """208000 → 208 000, with thin spaces; four digits stay together."""
     whole, point, rest = text.partition(".")
-    sign = whole[:1] if whole.startswith("-") else ""
-    digits = whole.removeprefix("-")
-    if len(digits) > 4:
-        digits = f"{int(digits):,}".replace(",", THIN)
-    return f"{sign}{digits}{point}{rest}"
-
-
-def _signed(text: str, signed: bool) -> str:
-    if text.startswith("-"):
-        return MINUS + text[1:]
-    return f"+{text}" if signed else text
+    if len(whole.removeprefix("-")) > 4:
+        whole = f"{int(whole):,}".replace(",", THIN)
+    return whole + point + rest

@@ -10,13 +10,7 @@ from .style import Style
 TEXT, VERBATIM = Style("text"), Style("verbatim")
 
 # quantity of a table → (power of ten it is shown in, further digits of the exact value)
-TABLE_1 = {
-    "X": ("1e3", 2),
-    "X_s": ("1e3", 2),
-    "V_s": ("1e3", 2),
-    "phi": ("1", 1),
-    "t_s": ("1e3", 2),
-}
+TABLE_1 = {**dict.fromkeys(("X", "X_s", "V_s", "t_s"), ("1e3", 2)), "phi": ("1", 1)}
 TABLE_2 = {"a": ("1e3", 1), "b": ("1e6", 2), "W": ("1e3", 1)}
 TABLE_2_PAIRS = {"F_k": ("1", 1), "c": ("1", 1)}
 TABLE_3 = {

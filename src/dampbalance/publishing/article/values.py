@@ -13,10 +13,8 @@ from .book import Book
 from .places import ResultFiles
 from .style import Style
 
-EVIDENCE, ENVIRONMENT, SCHEMES, STUDIES = (
-    f"article/{name}"
-    for name in ("evidence.json", "environment.json", "schemes.csv", "studies.json")
-)
+EVIDENCE, ENVIRONMENT = "article/evidence.json", "article/environment.json"
+SCHEMES, STUDIES = "article/schemes.csv", "article/studies.json"
 APPROACHES = "tables/approaches.csv"
 
 PLAIN, COUNT, WORD, TEXT = Style("plain"), Style("fixed"), Style("word"), Style("text")

@@ -17,13 +17,14 @@ from pathlib import Path
 from typing import Any
 
 from ...project.files import replacing
-from .crate import crate
+from .crate import DESCRIPTOR, crate
 from .sources import ARCHIVED_VERSION, sha256
 
 # Bytes; larger results are not packed: a rebuild makes them, the manifest has their digests
 LARGEST_PACKED = 5_000_000
 TIME = 315_532_800  # of every file, s: 1980-01-01, the earliest that all formats can hold
 SUMS = "SHA256SUMS"
+NUMERICAL = ("numpy", "scipy", "numba", "pandas", "matplotlib")
 
 README = """\
 # {name}
@@ -94,31 +95,26 @@ def pack(
     digests = {file: sha256(source) for file, source in files.items()}
 
     code = manifest["run"]["code"]
+    guide = readme(name, manifest, set(results) - packed, manifest_file, rebuild)
     written = {
         ARCHIVED_VERSION: _json({k: v for k, v in code.items() if k != "known_from"}),
-        "ARCHIVE.md": readme(
-            name, manifest, set(results) - packed, manifest_file, rebuild
-        ).encode(),
+        "ARCHIVE.md": guide.encode(),
     }
-    digests |= {file: hashlib.sha256(data).hexdigest() for file, data in written.items()}
-    kept = dict(manifest["reproducible"])
-    kept["results"] = [results[file] for file in sorted(packed)]
-    inside = set(digests)
-    kept["jobs"] = [
-        {**job, "outputs": [file for file in job["outputs"] if file in inside]}
-        for job in kept["jobs"]
-        if inside & set(job["outputs"])
+    digests |= {file: _digest(data) for file, data in written.items()}
+    jobs = [
+        {**job, "outputs": [file for file in job["outputs"] if file in digests]}
+        for job in manifest["reproducible"]["jobs"]
+        if not digests.keys().isdisjoint(job["outputs"])
     ]
-    described = crate(
-        {**manifest, "reproducible": kept},
+    kept = {"results": [results[file] for file in sorted(packed)], "jobs": jobs}
+    metadata = crate(
+        {**manifest, "reproducible": {**manifest["reproducible"], **kept}},
         manifest_file,
         citation,
         others={file: digest for file, digest in digests.items() if file != manifest_file},
     )
-    written["ro-crate-metadata.json"] = _json(described)
-    digests["ro-crate-metadata.json"] = hashlib.sha256(
-        written["ro-crate-metadata.json"]
-    ).hexdigest()
+    written[DESCRIPTOR["@id"]] = _json(metadata)
+    digests[DESCRIPTOR["@id"]] = _digest(written[DESCRIPTOR["@id"]])
     lines = [f"{digest}  {file}\n" for file, digest in sorted(digests.items())]
     written[SUMS] = "".join(lines).encode()
 
@@ -135,11 +131,7 @@ def pack(
 
 
 def readme(
-    name: str,
-    manifest: Mapping[str, Any],
-    left_out: set[str],
-    manifest_file: str,
-    rebuild: str,
+    name: str, manifest: Mapping[str, Any], left_out: set[str], manifest_file: str, rebuild: str
 ) -> str:
     """What the archive holds, how to verify it and how to rebuild it."""
     made, run = manifest["reproducible"], manifest["run"]
@@ -148,38 +140,34 @@ def readme(
     if code["modified"]:
         commit += ", with changes that the archive holds"
     sizes = {result["path"]: result["bytes"] for result in made["results"]}
-    omitted = [f"- `{file}` ({sizes[file] / 1e6:.0f} MB)" for file in sorted(left_out)]
-    if omitted:
-        heading = (
+    omitted = "Nothing: every result is here."
+    if left_out:
+        omitted = (
             f"Results above {LARGEST_PACKED / 1e6:.0f} MB are left out. A rebuild makes them again; "
-            f"their digests stand in `{manifest_file}`."
-        )
-        omitted = [heading, "", *omitted]
-    else:
-        omitted = ["Nothing: every result is here."]
+            f"their digests stand in `{manifest_file}`.\n"
+        ) + "".join(f"\n- `{file}` ({sizes[file] / 1e6:.0f} MB)" for file in sorted(left_out))
+    packages = [f"{p} {run['packages'][p]}" for p in NUMERICAL if p in run["packages"]]
     return README.format(
         name=name,
         version=made["version"],
         commit=commit,
         case=made["case"],
         python=f"Python {run['python']} on {run['system']} ({run['machine']})",
-        packages=_versions(run["packages"]),
+        packages=", ".join(packages) or "those named in pyproject.toml",
         rebuild=rebuild,
         manifest=manifest_file,
-        omitted="\n".join(omitted),
+        omitted=omitted,
     )
-
-
-def _versions(packages: Mapping[str, str]) -> str:
-    wanted = ("numpy", "scipy", "numba", "pandas", "matplotlib")
-    known = [f"{name} {packages[name]}" for name in wanted if name in packages]
-    return ", ".join(known) or "those named in pyproject.toml"
 
 
 def _entry(name: str, size: int, executable: bool) -> tarfile.TarInfo:
     entry = tarfile.TarInfo(name)
     entry.size, entry.mtime, entry.mode = size, TIME, 0o755 if executable else 0o644
     return entry
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
 
 
 def _json(data: Any) -> bytes:

@@ -35,18 +35,22 @@ ABOUT_MANIFEST = "Configuration, code, packages, digests. Names the machine: no 
 
 Entity = dict[str, Any]
 
-DESCRIPTOR: Entity = {
-    "@id": "ro-crate-metadata.json",
-    "@type": "CreativeWork",
-    "conformsTo": {"@id": ROCRATE},
-    "about": {"@id": "./"},
-}
-PROFILE: Entity = {
-    "@id": PROCESS_RUN,
-    "@type": "CreativeWork",
-    "name": "Process Run Crate",
-    "version": PROCESS_RUN.rsplit("/", 1)[-1],
-}
+
+def _entity(identifier: str, kind: str, **properties: Any) -> Entity:
+    """An entity with those of its properties that are known."""
+    entries = {key: value for key, value in properties.items() if value is not None}
+    return {"@id": identifier, "@type": kind} | entries
+
+
+DESCRIPTOR = _entity(
+    "ro-crate-metadata.json",
+    "CreativeWork",
+    conformsTo={"@id": ROCRATE},
+    about={"@id": "./"},
+)
+PROFILE = _entity(
+    PROCESS_RUN, "CreativeWork", name="Process Run Crate", version=PROCESS_RUN.rsplit("/", 1)[-1]
+)
 
 
 def crate(
@@ -77,105 +81,84 @@ def crate(
     files.append(_file(manifest_file, root, None, None) | {"description": ABOUT_MANIFEST})
     actions = [_action(job, configuration, root, named) for job in made["jobs"]]
     scripts = [
-        _script(script, digests.get(script))
-        for script in sorted({job["script"] for job in made["jobs"]})
+        _entity(_script(path), "SoftwareApplication", name=path, sha256=digests.get(path))
+        for path in sorted({job["script"] for job in made["jobs"]})
     ]
     authors = [_author(author, i) for i, author in enumerate(citation.get("authors", []), start=1)]
-    licence: Entity = {
-        "@id": f"{LICENCES}{citation['license']}",
-        "@type": "CreativeWork",
-        "name": citation["license"],
-    }
+    terms = citation["license"]
+    licence = _entity(f"{LICENCES}{terms}", "CreativeWork", name=terms)
     common = {"license": {"@id": licence["@id"]}, "author": _references(authors)}
-    software = _software(made["version"], code, common, scripts)
-    top: Entity = {
-        "@id": "./",
-        "@type": "Dataset",
-        "name": f"{citation['title']}: case '{made['case']}'",
-        "description": citation["abstract"],
-        "keywords": ", ".join(citation.get("keywords", [])),
-        **common,
-        "conformsTo": {"@id": PROCESS_RUN},
-        "hasPart": _references(file for file in files if file["@type"] == "File"),
-        "mentions": _references([*actions, software]),
-    }
+    software = _entity(
+        "#dampbalance",
+        "SoftwareSourceCode",
+        name="dampbalance",
+        version=made["version"],
+        license=common["license"],
+        programmingLanguage="Python",
+        author=common["author"],
+        description=_code(code),
+        hasPart=_references(scripts),
+    )
     published = citation.get("date-released") or code.get("committed")
-    if published:
-        top["datePublished"] = str(published)
+    top = _entity(
+        "./",
+        "Dataset",
+        name=f"{citation['title']}: case '{made['case']}'",
+        description=citation["abstract"],
+        keywords=", ".join(citation.get("keywords", [])),
+        **common,
+        conformsTo={"@id": PROCESS_RUN},
+        hasPart=_references(file for file in files if file["@type"] == "File"),
+        mentions=_references([*actions, software]),
+        datePublished=str(published) if published else None,
+    )
     graph = [DESCRIPTOR, top, *files, *actions, software, *scripts, *authors, licence, PROFILE]
     return {"@context": CONTEXT, "@graph": graph}
 
 
 def _id(path: str, root: str) -> str:
     """The name of a file in the crate: its path from the root, or '#' and its path when it lies elsewhere."""
-    inside = not root or PurePosixPath(path).is_relative_to(root)
-    text = str(PurePosixPath(path).relative_to(root)) if root and inside else path
-    return quote(text) if inside else f"#{quote(text)}"
+    if not PurePosixPath(path).is_relative_to(root):
+        return f"#{quote(path)}"
+    return quote(str(PurePosixPath(path).relative_to(root)))
 
 
 def _file(path: str, root: str, digest: str | None, size: int | None) -> Entity:
-    name = _id(path, root)
+    identifier = _id(path, root)
     suffix = PurePosixPath(path).suffix
     kind = _TYPES.get(suffix) or mimetypes.guess_type(path)[0] or "text/plain"
-    entity: Entity = {
-        "@id": name,
-        "@type": "CreativeWork" if name.startswith("#") else "File",
-        "name": path,
-        "encodingFormat": kind,
-    }
-    if size is not None:
-        entity["contentSize"] = str(size)
-    if digest is not None:
-        entity["sha256"] = digest
-    return entity
+    return _entity(
+        identifier,
+        "CreativeWork" if identifier.startswith("#") else "File",
+        name=path,
+        encodingFormat=kind,
+        contentSize=None if size is None else str(size),
+        sha256=digest,
+    )
 
 
 def _action(
     job: Mapping[str, Any], configuration: Iterable[str], root: str, named: set[str]
 ) -> Entity:
     inputs = sorted({*job["inputs"], *configuration} & named)
-    return {
-        "@id": f"#job/{quote(min(job['outputs']))}",
-        "@type": "CreateAction",
-        "name": job["rule"],
-        "instrument": {"@id": f"#script/{quote(job['script'])}"},
-        "object": [{"@id": _id(file, root)} for file in inputs],
-        "result": [{"@id": _id(file, root)} for file in sorted(job["outputs"])],
-    }
+    return _entity(
+        f"#job/{quote(min(job['outputs']))}",
+        "CreateAction",
+        name=job["rule"],
+        instrument={"@id": _script(job["script"])},
+        object=[{"@id": _id(file, root)} for file in inputs],
+        result=[{"@id": _id(file, root)} for file in sorted(job["outputs"])],
+    )
 
 
-def _script(path: str, digest: str | None) -> Entity:
-    entity: Entity = {
-        "@id": f"#script/{quote(path)}",
-        "@type": "SoftwareApplication",
-        "name": path,
-    }
-    return entity if digest is None else entity | {"sha256": digest}
-
-
-def _software(
-    version: str, code: Mapping[str, Any], common: Entity, scripts: Iterable[Entity]
-) -> Entity:
-    return {
-        "@id": "#dampbalance",
-        "@type": "SoftwareSourceCode",
-        "name": "dampbalance",
-        "version": version,
-        "license": common["license"],
-        "programmingLanguage": "Python",
-        "author": common["author"],
-        "description": _code(code),
-        "hasPart": _references(scripts),
-    }
+def _script(path: str) -> str:
+    return f"#script/{quote(path)}"
 
 
 def _author(author: Mapping[str, str], number: int) -> Entity:
     person = f"{author.get('given-names', '')} {author.get('family-names', '')}".strip()
-    return {
-        "@id": f"#author-{number}",
-        "@type": "Organization" if "name" in author else "Person",
-        "name": author.get("name") or person,
-    }
+    kind = "Organization" if "name" in author else "Person"
+    return _entity(f"#author-{number}", kind, name=author.get("name") or person)
 
 
 def _references(entities: Iterable[Entity]) -> list[dict[str, str]]:

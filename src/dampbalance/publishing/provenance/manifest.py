@@ -11,6 +11,7 @@ from __future__ import annotations
 import platform
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -75,19 +76,15 @@ def manifest(
 
 def _packages(lock: Path) -> dict[str, Any]:
     """Versions of the installed packages that the lock names, and those of them that are not as locked."""
+    text = lock.read_text(encoding="utf-8") if lock.is_file() else ""
     pinned: dict[str, set[str]] = {}
-    if lock.is_file():
-        for name, version in re.findall(
-            r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", lock.read_text(encoding="utf-8"), re.MULTILINE
-        ):
-            pinned.setdefault(name, set()).add(version)
+    for name, version in re.findall(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", text, re.MULTILINE):
+        pinned.setdefault(name, set()).add(version)
     installed = {}
-    for name in pinned:
-        try:
+    for name in sorted(pinned):
+        with suppress(metadata.PackageNotFoundError):  # for another system, or not asked for
             installed[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:  # for another system, or not asked for
-            continue
     return {
-        "packages": dict(sorted(installed.items())),
-        "packages_not_as_locked": sorted(n for n, v in installed.items() if v not in pinned[n]),
+        "packages": installed,
+        "packages_not_as_locked": [n for n, v in installed.items() if v not in pinned[n]],
     }

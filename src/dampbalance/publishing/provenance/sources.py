@@ -71,21 +71,20 @@ def code_version(root: str | Path, version: str) -> dict[str, Any]:
     None.   modified : whether files differ from that commit, or None.   known_from : git, archive, or nothing.
     """
     root = Path(root).resolve()
-    unknown = {"commit": None, "committed": None, "modified": None}
+    state: dict[str, Any] = dict.fromkeys(("commit", "committed", "modified"))
+    known_from = "nothing"
     archived = root / ARCHIVED_VERSION
     # A folder of an archive may lie within someone else's repository: that one says nothing of this code.
-    if (_git(root, "rev-parse", "--show-toplevel") or "") == str(root):
-        commit = _git(root, "log", "-1", "--format=%H %cs") or ""
-        if commit:
-            name, _, date = commit.partition(" ")
-            modified = bool(_git(root, "status", "--porcelain"))
-            commit_of = {"commit": name, "committed": date, "modified": modified}
-            return {"version": version, **commit_of, "known_from": "git"}
-    if archived.is_file():
+    own = _git(root, "rev-parse", "--show-toplevel") == str(root)
+    if own and (commit := _git(root, "log", "-1", "--format=%H %cs")):
+        state["commit"], _, state["committed"] = commit.partition(" ")
+        state["modified"] = bool(_git(root, "status", "--porcelain"))
+        known_from = "git"
+    elif archived.is_file():
         stated = json.loads(archived.read_text(encoding="utf-8"))
-        found = {key: stated.get(key) for key in unknown}
-        return {"version": version, **found, "known_from": "archive"}
-    return {"version": version, **unknown, "known_from": "nothing"}
+        state = {key: stated.get(key) for key in state}
+        known_from = "archive"
+    return {"version": version, **state, "known_from": known_from}
 
 
 def _below(path: Path) -> Iterator[Path]:

@@ -16,7 +16,8 @@ from ..records.measurement import QUANTITIES, Channel, Measurement
 from ..records.synthetic import measured_orbit
 from ..records.writers import write
 
-_EPILOG = """\
+SUMMARY = "write a record with known truth"
+EPILOG = """\
 Each record is exact but for its noise, which is white, of every channel by itself. The oscillator is that of the paper
 unless told otherwise.
 
@@ -25,49 +26,37 @@ unless told otherwise.
 _CHANNELS = ("base_displacement", "displacement")
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the parser."""
-    parser = commands.add_parser(
-        "simulate",
-        help="write a record with known truth",
-        description=__doc__,
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    add = parser.add_argument
-    add("record", type=Path, metavar="FILE", help="its suffix names the format")
-    add("--frequency", type=float, required=True, metavar="HZ", help="of the drive, Hz")
-    add("--amplitude", type=float, required=True, metavar="Y", help="of the base, m")
-    add("--mass", type=float, default=2.42, help="m, kg (default: %(default)s)")
-    add("--damping", type=float, default=90.0, help="c, N s/m (default: %(default)s)")
-    add("--stiffness", type=float, default=2310.0, help="k, N/m (default: %(default)s)")
-    add("--contact-stiffness", type=float, default=208000.0, help="K_z, N/m (default: %(default)s)")
-    add("--friction", type=float, default=1.28, help="F_k, N (default: %(default)s)")
-    add("--rate", type=float, default=5000.0, help="samples per second (default: %(default)s)")
-    add("--cycles", type=float, default=100.0, help="of the drive (default: %(default)s)")
-    add(
-        "--start",
-        type=float,
-        default=0.0,
-        help="time of the first sample, s (default: %(default)s)",
-    )
-    add(
-        "--noise",
-        type=float,
-        default=0.0,
-        help="rms over that of the channel (default: %(default)s)",
-    )
-    add("--seed", type=int, default=0, help="of the noise (default: %(default)s)")
-    add(
-        "--channel",
-        action="append",
-        choices=list(QUANTITIES),
-        help=f"a quantity; may be repeated (default: {', '.join(_CHANNELS)})",
-    )
-    add("--decimals", type=int, metavar="N", help="round the values, in SI units, to N decimals")
-    add("--format", help="where the suffix stands for several, e.g. matlab73")
-    add("--overwrite", action="store_true", help="replace a file that is there already")
-    parser.set_defaults(run=run)
+def _quantity(default: float, words: str) -> dict[str, Any]:
+    return {"type": float, "default": default, "help": f"{words} (default: %(default)s)"}
+
+
+ARGUMENTS: dict[str, dict[str, Any]] = {
+    "record": {"type": Path, "metavar": "FILE", "help": "its suffix names the format"},
+    "--frequency": {"type": float, "required": True, "metavar": "HZ", "help": "of the drive, Hz"},
+    "--amplitude": {"type": float, "required": True, "metavar": "Y", "help": "of the base, m"},
+    "--mass": _quantity(2.42, "m, kg"),
+    "--damping": _quantity(90.0, "c, N s/m"),
+    "--stiffness": _quantity(2310.0, "k, N/m"),
+    "--contact-stiffness": _quantity(208000.0, "K_z, N/m"),
+    "--friction": _quantity(1.28, "F_k, N"),
+    "--rate": _quantity(5000.0, "samples per second"),
+    "--cycles": _quantity(100.0, "of the drive"),
+    "--start": _quantity(0.0, "time of the first sample, s"),
+    "--noise": _quantity(0.0, "rms over that of the channel"),
+    "--seed": {"type": int, "default": 0, "help": "of the noise (default: %(default)s)"},
+    "--channel": {
+        "action": "append",
+        "choices": list(QUANTITIES),
+        "help": f"a quantity; may be repeated (default: {', '.join(_CHANNELS)})",
+    },
+    "--decimals": {
+        "type": int,
+        "metavar": "N",
+        "help": "round the values, in SI units, to N decimals",
+    },
+    "--format": {"help": "where the suffix stands for several, e.g. matlab73"},
+    "--overwrite": {"action": "store_true", "help": "replace a file that is there already"},
+}
 
 
 def run(options: argparse.Namespace) -> None:
