@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import Array, Mask, Words
+from .arrays import Array, Words
 from .motion.orbit import Orbit
 from .motion.orbits import Orbits
 from .motion.regime import Regime
@@ -107,11 +107,6 @@ class Features:
 
     def __len__(self) -> int:
         return len(self.Y)
-
-    @property
-    def slipping(self) -> Mask:
-        """Which responses have a slip onset."""
-        return np.isfinite(self.X_s)
 
     def replaced(self, **values: ArrayLike) -> Self:
         """These features, except those given by name; they are broadcast as everywhere."""

@@ -12,7 +12,7 @@ A case is solved by itself: the cases beside it change no bit of its estimate.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -136,11 +136,6 @@ def pair(rows: Rows, i: int, j: int) -> Estimate:
             f"{_listed(unknowns)} cannot be told apart; use two levels that differ and slip"
         )
     return estimate
-
-
-def pairs(rows: Rows, chosen: Iterable[Pair]) -> list[Estimate]:
-    """The pair-wise estimates of (8) for each pair (i, j) of responses counted from 0."""
-    return [pair(rows, i, j) for i, j in chosen]
 
 
 def mean_and_deviation(estimates: Sequence[Mapping[str, ArrayLike]]) -> Statistics:

@@ -73,7 +73,7 @@ def test_mean_phase_and_time(published):
 
 
 def test_largest_errors_of_table_3(published):
-    F_k, c = printed_estimates(published).largest_errors(PAPER)
+    F_k, c = printed_estimates(published).largest_errors(PAPER).values()
     assert F_k == pytest.approx(100.0 * (1.299 / 1.28 - 1.0), rel=1e-12)  # X_s, pair 2-3
     assert c == pytest.approx(100.0 * (90.071 / 90.0 - 1.0), rel=1e-12)  # V_s, pair 1-2
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...balance import takes_phase, viscous_integral
+from ...balance import TERMS, takes_phase, viscous_integral
 from ...estimates import estimate_table
 from ...features import Features
 from ...model import Oscillator
@@ -59,8 +59,7 @@ def evidence(
             "integrals": integral_deviations(features, claims, schemes, first),
             "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},
             "fourier_largest": {
-                term: float(fourier[f"{term}_largest_pair_error_percent"].max())
-                for term in ("F_k", "c")
+                term: float(fourier[f"{term}_largest_pair_error_percent"].max()) for term in TERMS
             },
             "balance": terms,
             "fundamental_work_largest": max(of["W_fundamental"]["max"] for of in terms.values()),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ...balance import TERMS
 from ...replication.claim_ids import of_text, part_of, short, statistic
 from ...replication.printed import Printed
 from .book import Book
@@ -13,9 +14,7 @@ TEXT, VERBATIM = Style("text"), Style("verbatim")
 TABLE_1 = {**dict.fromkeys(("X", "X_s", "V_s", "t_s"), ("1e3", 2)), "phi": ("1", 1)}
 TABLE_2 = {"a": ("1e3", 1), "b": ("1e6", 2), "W": ("1e3", 1)}
 TABLE_2_PAIRS = {"F_k": ("1", 1), "c": ("1", 1)}
-TABLE_3 = {
-    f"{p} by {approach}": ("1", 2) for approach in ("t_s", "X_s", "V_s") for p in ("F_k", "c")
-}
+TABLE_3 = {f"{p} by {approach}": ("1", 2) for approach in ("t_s", "X_s", "V_s") for p in TERMS}
 APPROACHES = ("direct", "X_s", "t_s", "V_s")
 
 

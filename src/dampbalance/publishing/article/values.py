@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from ...balance import TERMS
 from ...replication.claim_ids import PARTS
 from ...replication.verdicts import VERDICTS
 from . import tabulated
@@ -113,7 +114,7 @@ def _numerics(book: Book, frequencies: list[str]) -> None:
         book.cell(f"c.{scheme}", SCHEMES, row, "c_N_s_per_m", Style("fixed", 4), "N s/m")
     for name in ("direct", "common"):
         style = BOUND if name == "direct" else PERCENT
-        for quantity in ("F_k", "c"):
+        for quantity in TERMS:
             pointer = f"/largest/exact/{first}/{name}/{quantity}"
             book.item(f"worst.{name}.{quantity}", EVIDENCE, pointer, style, "%")
     book.item("t_s_mean", EVIDENCE, "/setting/t_s_mean_ms", Style("fixed", 2), "ms")
@@ -122,7 +123,7 @@ def _numerics(book: Book, frequencies: list[str]) -> None:
 def _off_resonance(book: Book, frequencies: list[str]) -> None:
     """Errors of F_k by each way at each frequency, and the terms of the balance that explain them."""
     book.item("W_fundamental", EVIDENCE, "/fundamental_work_largest", BOUND)
-    for quantity in ("F_k", "c"):
+    for quantity in TERMS:
         book.item(f"fourier.largest.{quantity}", EVIDENCE, f"/fourier_largest/{quantity}", PERCENT)
     for frequency in frequencies:
         _errors(book, frequency)
@@ -139,7 +140,7 @@ def _off_resonance(book: Book, frequencies: list[str]) -> None:
 
 def _errors(book: Book, frequency: str) -> None:
     """Sizes of the errors of F_k and c at a frequency: the largest of the pairs, and least squares of all levels."""
-    for quantity in ("F_k", "c"):
+    for quantity in TERMS:
         for fit, column in FITS.items():
             for way, place in WAYS.items():
                 row = {"frequency": frequency} | dict(zip(WAY, place, strict=True))

@@ -17,6 +17,7 @@ import pandas as pd
 from markupsafe import Markup
 
 from ... import __version__
+from ...balance import TERMS
 from ...figures.cycle import POINTS
 from ...figures.looks import label_of, look_of
 from ...motion.orbit import Orbit
@@ -121,6 +122,7 @@ def report_page(content: PageContent, page: str) -> str:
             {"name": frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
             for name, hz in frequencies.items()
         ],
+        terms=list(TERMS),
         error_table=list(_error_lines(content.approaches, list(frequencies))),
         **shown,
         **_provenance(content),
@@ -274,7 +276,7 @@ def _error_lines(approaches: pd.DataFrame, frequencies: Sequence[str]) -> Iterat
                 _size(float(at[f"{unknown}_largest_pair_error_percent"][frequency])),
             )
             for frequency in frequencies
-            for unknown in ("F_k", "c")
+            for unknown in TERMS
         )
         yield ErrorLine(approach, phase.replace("_", " ") or NONE, sharing or NONE, errors)
 

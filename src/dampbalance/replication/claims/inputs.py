@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from ...balance import TERMS
 from ...model import Oscillator
 from ...project.case import Case
 from ...solver import Pair, pair_label
@@ -83,19 +84,18 @@ class RouteTables:
         oscillator: Oscillator,
         approaches: tuple[str, ...] = HARMONIC,
         frequency: str = "omega1",
-    ) -> tuple[float, float]:
-        """Largest errors of F_k and of c over the pairs, per cent; harmonic approaches with common φ and t_s."""
+    ) -> dict[str, float]:
+        """Largest errors over the pairs, per cent, by term; harmonic approaches with common φ and t_s."""
         frame = self.estimates.get(frequency)
         if frame is None:
-            return math.nan, math.nan
+            return dict.fromkeys(TERMS, math.nan)
         phase = np.where(frame["approach"] == "direct", "individual", "common")
         taken = frame[
             frame["approach"].isin(approaches)
             & (frame["kind"] == "pair")
             & (frame["phase"] == phase)
         ]
-        errors = largest_errors(taken, oscillator)
-        return errors["F_k"], errors["c"]
+        return largest_errors(taken, oscillator)
 
 
 @dataclass(frozen=True, slots=True)

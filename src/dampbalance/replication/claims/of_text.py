@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
+from ...balance import TERMS
 from ...estimates import estimate_table
 from ...features import Features
 from ...model import Oscillator
@@ -96,10 +97,10 @@ def error_bounds(sources: Sources) -> Iterator[Claim]:
     osc = sources.case.oscillator
     tables = sources.routes | {"from_print": printed_estimates(sources.published)}
     errors = {route: table.largest_errors(osc) for route, table in tables.items()}
-    for index, symbol in enumerate(("F_k", "c")):
+    for symbol in TERMS:
         name = f"max_error_{symbol}"
         bound = Printed(sources.published.text_values["printed"][name]).value
-        values = {route: both[index] for route, both in errors.items()}
+        values = {route: largest[symbol] for route, largest in errors.items()}
         holds = {route: value < bound for route, value in values.items()}
         cause = f"Largest error in the fifteen pairs: {_each(values, '%')}."
         yield _claim(sources, name, values, cause, holds)
@@ -147,7 +148,7 @@ def _worst(
 ) -> dict[str, float]:
     """By each route, the larger of the largest errors of F_k and c over the pairs, per cent."""
     return {
-        route: max(table.largest_errors(osc, approaches, frequency))
+        route: max(table.largest_errors(osc, approaches, frequency).values())
         for route, table in tables.items()
     }
 

@@ -47,4 +47,5 @@ def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
         )
     except (ValueError, NoSteadyOrbit, ArithmeticError):
         return nothing
-    return nothing | dict(zip(("F_k", "c"), bound.relative, strict=False))  # the third is K_z
+    F_k, c, _ = bound.relative  # the third is K_z
+    return nothing | {"F_k": F_k, "c": c}
