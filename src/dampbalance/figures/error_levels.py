@@ -43,7 +43,7 @@ def estimation_error(
     The arguments are those of `series.errors_by_level`; a row of panels per term, a column per frequency.
 
     Filled markers: φ and t_s common to all levels; open: those of each level. Approaches that know no
-    such choice (`balance.takes_phase`) are filled. An approach that is exact but for rounding stands
+    such choice (`balance.takes_phase`) are filled. An approach that is exact to rounding stands
     below the break of the axis, beside the bound it keeps.
     """
     shown = errors_by_level(estimates, oscillator, frequencies_hz, levels_m)

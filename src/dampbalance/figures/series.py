@@ -15,7 +15,7 @@ from ..model import Oscillator
 
 COMMON, INDIVIDUAL = "common", "individual"
 ALL = "all"  # what the tables name in place of a pair: least squares over all levels
-EXACT = 1e-5  # %: an approach nowhere worse than this is exact but for rounding (which uneven levels magnify)
+EXACT = 1e-5  # %: an approach nowhere worse than this is exact to rounding (which uneven levels magnify)
 ROUNDING = 1e-11  # %: the least bound stated for rounding; below it the errors are chance
 FLOOR = 1e-14  # %: a smaller error, zero too, counts as this on a logarithmic axis
 
@@ -27,7 +27,7 @@ Errors = dict[tuple[str, str, str], float]
 class ErrorsOfTerm:
     """How wrong the estimates of one coefficient are.
 
-    errors : by frequency, those that exist.   exact : approach that is exact but for rounding → bound of its error, %.
+    errors : by frequency, those that exist.   exact : approach that is exact to rounding → bound of its error, %.
     """
 
     term: Term
