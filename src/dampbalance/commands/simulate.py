@@ -18,8 +18,8 @@ from ..records.writers import write
 
 SUMMARY = "write a record with known truth"
 EPILOG = """\
-Each record is exact except for its noise, which is white, of every channel by itself. The oscillator is that of the paper
-unless told otherwise.
+Each record is exact except for its noise, which is white, of every channel by itself. The oscillator is that of the
+paper unless told otherwise.
 
   dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --noise 0.01 --seed 1
 """
