@@ -27,7 +27,7 @@ from ..reading.one_thread import one_thread
 from ..solver import Estimate, contact_stiffness, least_squares, solve
 from .microstick import SharedLine, share_line, with_length
 from .notes import agreement, with_notes
-from .result import CONFIDENCE, ApproachResult, Identification, Interval, Parameter
+from .result import CONFIDENCE, ApproachResult, Identification, Interval, ParameterEstimate
 
 REPLICATES = 1000
 SEED = 2010
@@ -115,7 +115,7 @@ def _rigid_bias(line: SharedLine, k: float) -> float:
     return F_k[0] / F_k[1] - 1.0
 
 
-_NOTHING = Parameter(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
+_NOTHING = ParameterEstimate(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
 
 
 def _result(name: str, approach: Approach, line: SharedLine, k: float) -> ApproachResult:
@@ -158,7 +158,7 @@ def _result(name: str, approach: Approach, line: SharedLine, k: float) -> Approa
 
 def _stiffness(
     line: SharedLine, estimate: Estimate, drawn: Estimate, left: Sequence[Estimate]
-) -> Parameter:
+) -> ParameterEstimate:
     """K_z from F_k and the shared microstick line; a lower limit where the line is not resolved."""
     if "F_k" not in estimate.values:
         return _NOTHING
@@ -174,7 +174,7 @@ def _stiffness(
         return _inverse(compliance)
     if line.microstick.bound > 0.0 and F_k > 0.0:
         low = float(contact_stiffness(F_k, line.microstick.bound, 0.0))
-        return Parameter(math.inf, math.nan, math.nan, Interval(low, math.inf))
+        return ParameterEstimate(math.inf, math.nan, math.nan, Interval(low, math.inf))
     return _NOTHING
 
 
@@ -191,7 +191,7 @@ def _misfit(rows: Rows, errors: Array, freedom: int) -> float:
     return float(fit.residual) ** 2 * total / freedom
 
 
-def _parameter(value: float, drawn: Array, left: Sequence[Array]) -> Parameter:
+def _parameter(value: float, drawn: Array, left: Sequence[Array]) -> ParameterEstimate:
     """Standard errors and interval of one number.
 
     drawn : of the bootstrap.   left : without groups of cycles of each record.
@@ -204,14 +204,14 @@ def _parameter(value: float, drawn: Array, left: Sequence[Array]) -> Parameter:
     total = float(parts.sum())
     freedom = total**2 / float(np.sum(parts**2 / (groups - 1))) if total > 0.0 else math.inf
     reach = float(special.stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE)) * error
-    return Parameter(value, error, math.sqrt(total), Interval(value - reach, value + reach))
+    return ParameterEstimate(value, error, math.sqrt(total), Interval(value - reach, value + reach))
 
 
-def _inverse(compliance: Parameter) -> Parameter:
+def _inverse(compliance: ParameterEstimate) -> ParameterEstimate:
     """The stiffness of a compliance; without an upper limit where the interval of the compliance holds zero."""
     low, high = compliance.interval
     K_z = 1.0 / compliance.value
-    return Parameter(
+    return ParameterEstimate(
         K_z,
         K_z**2 * compliance.standard_error,
         K_z**2 * compliance.propagated_error,

@@ -11,7 +11,7 @@ from ..balance import TERMS, named_with_unit
 from ..features import COLUMNS
 from ..likelihood.result import ReferenceFit
 from ..reading.noisy import Reading
-from .result import CONFIDENCE, ApproachResult, Identification, Interval, Parameter
+from .result import CONFIDENCE, ApproachResult, Identification, Interval, ParameterEstimate
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -77,7 +77,7 @@ def text_table(result: Identification, reference: ReferenceFit | None = None) ->
     symbols = list(dict.fromkeys(s for e in result.estimates.values() for s in e.coefficients))
     symbols.append("K_z")
     lines = [["", *(f"{symbol} ({_unit(symbol)})" for symbol in symbols)]]
-    rows: dict[str, Mapping[str, Parameter]] = {}
+    rows: dict[str, Mapping[str, ParameterEstimate]] = {}
     for name, estimated in result.estimates.items():
         rows[name + (" *" if estimated.notes else "")] = estimated.parameters
     if reference is not None:
@@ -124,19 +124,19 @@ def _reference(fit: ReferenceFit) -> dict[str, Any]:
     return parameters | {"m_kg": fit.m, "warnings": list(fit.warnings)}
 
 
-def _of_reference(fit: ReferenceFit) -> dict[str, Parameter]:
+def _of_reference(fit: ReferenceFit) -> dict[str, ParameterEstimate]:
     """What the maximum-likelihood fit identifies; it has no propagated errors."""
     parameters = {}
     for symbol, error in zip(("F_k", "c", "K_z"), fit.standard_errors, strict=True):
         value = float(getattr(fit, symbol))
         ends = (value - 1.96 * error, value + 1.96 * error)
         interval = Interval(*(fit.K_z_interval if symbol == "K_z" else ends))
-        parameters[symbol] = Parameter(value, error, math.nan, interval)
+        parameters[symbol] = ParameterEstimate(value, error, math.nan, interval)
     return parameters
 
 
 def _parameters(
-    parameters: Mapping[str, Parameter], leave_out: str | None = None
+    parameters: Mapping[str, ParameterEstimate], leave_out: str | None = None
 ) -> dict[str, Any]:
     entries: dict[str, Any] = {}
     for symbol, parameter in parameters.items():
@@ -147,7 +147,7 @@ def _parameters(
     return entries
 
 
-def _with_errors(parameter: Parameter) -> dict[str, float]:
+def _with_errors(parameter: ParameterEstimate) -> dict[str, float]:
     """The value and its standard errors by the ends of their keys."""
     return {
         "": parameter.value,
@@ -191,7 +191,7 @@ def _number(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def _with_interval(parameter: Parameter) -> str:
+def _with_interval(parameter: ParameterEstimate) -> str:
     """1.2807 [1.2784, 1.2831]: digits down to a tenth of the interval's half width."""
     value, (low, high) = parameter.value, parameter.interval
     if math.isfinite(low) and not math.isfinite(high):

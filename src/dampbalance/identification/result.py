@@ -22,7 +22,7 @@ class Interval(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class ParameterEstimate:
     """One identified number, SI units.
 
     standard_error : by bootstrap.   propagated_error : the same by propagation.   interval : at CONFIDENCE.
@@ -48,8 +48,8 @@ class ApproachResult:
     """
 
     approach: str
-    coefficients: Mapping[str, Parameter]
-    K_z: Parameter
+    coefficients: Mapping[str, ParameterEstimate]
+    K_z: ParameterEstimate
     correlations: Mapping[tuple[str, str], float]
     residual: float
     misfit: float
@@ -58,7 +58,7 @@ class ApproachResult:
     notes: tuple[str, ...] = ()
 
     @property
-    def parameters(self) -> dict[str, Parameter]:
+    def parameters(self) -> dict[str, ParameterEstimate]:
         """The coefficients, and K_z."""
         return {**self.coefficients, "K_z": self.K_z}
 

@@ -17,7 +17,7 @@ from .claim_ids import of_cell, of_text, statistic
 from .verdicts import VERDICTS
 
 COLUMNS = ("row", "quantity", "unit", "printed", "as_published", "exact", "verdict")
-ROUTES = ("as_published", "exact")
+SHOWN_ROUTES = ("as_published", "exact")
 
 Frames = Mapping[str, pd.DataFrame]
 
@@ -49,7 +49,7 @@ UNKNOWNS = tuple(
     for symbol, digits in (("F_k", ".6f"), ("c", ".4f"))
 )
 RESIDUAL = Quantity("residual", "residual", "1", "residual", ".4e")
-APPROACHES = ("direct", "t_s", "X_s", "V_s")  # in the order of Tables 2 and 3
+PRINTED_APPROACHES = ("direct", "t_s", "X_s", "V_s")  # in the order of Tables 2 and 3
 _FORMATS = {q.symbol: q.format for q in (*TABLE_1, *TABLE_2, *UNKNOWNS, RESIDUAL)}
 
 
@@ -72,21 +72,23 @@ def table2(features: Frames, estimates: Frames, claims: pd.DataFrame | None = No
 
 def table3(estimates: Frames, claims: pd.DataFrame | None = None) -> pd.DataFrame:
     """Table 3: F_k and c of every pair by the three harmonic approaches, with φ and t_s common to all levels."""
-    cells = [cell for name in APPROACHES[1:] for cell in _pairs(estimates, name)]
+    cells = [cell for name in PRINTED_APPROACHES[1:] for cell in _pairs(estimates, name)]
     return _frame("table3", cells, claims)
 
 
 def statistics(estimates: Frames, claims: pd.DataFrame | None = None) -> pd.DataFrame:
     """The statistics of the text: least squares with its residual, and mean and standard deviation over the pairs."""
     cells = []
-    for approach in APPROACHES:
+    for approach in PRINTED_APPROACHES:
         pairwise = "individual" if approach == "direct" else "common"
         for kind, phase, quantities in (
             ("least_squares", "individual", (*UNKNOWNS, RESIDUAL)),
             ("mean", pairwise, UNKNOWNS),
             ("std", pairwise, UNKNOWNS),
         ):
-            chosen = {route: _lines(estimates[route], approach, kind, phase) for route in ROUTES}
+            chosen = {
+                route: _lines(estimates[route], approach, kind, phase) for route in SHOWN_ROUTES
+            }
             row = f"{approach}, {kind.replace('_', ' ')}"
             for q in quantities:
                 values = {route: _only(frame, q.column) for route, frame in chosen.items()}
@@ -118,7 +120,7 @@ def markdown(table: pd.DataFrame, title: str) -> str:
         parts += ["| | | " + " | ".join(heads) + " |", "|---|---|" + "---:|" * len(quantities)]
         for row, cells in block.groupby("row", sort=False):
             label = str(row)
-            for source in ("printed", *ROUTES):
+            for source in ("printed", *SHOWN_ROUTES):
                 if source == "printed" and (cells["printed"] == "").all():
                     continue
                 shown = [_shown(cell, source) for _, cell in cells.iterrows()]
@@ -149,13 +151,13 @@ class _Cell(NamedTuple):
 def _levels(features: Frames, quantities: Iterable[Quantity]) -> Iterator[_Cell]:
     for i, Y in enumerate(features["exact"]["Y_m"]):
         for q in quantities:
-            values = {route: float(features[route][q.column].iloc[i]) for route in ROUTES}
+            values = {route: float(features[route][q.column].iloc[i]) for route in SHOWN_ROUTES}
             yield _Cell(f"{1e3 * Y:g} mm", q.symbol, q.unit, values)
 
 
 def _pairs(estimates: Frames, approach: str) -> Iterator[_Cell]:
     phase = "individual" if approach == "direct" else "common"
-    chosen = {route: _lines(estimates[route], approach, "pair", phase) for route in ROUTES}
+    chosen = {route: _lines(estimates[route], approach, "pair", phase) for route in SHOWN_ROUTES}
     for pair in chosen["exact"]["pair"]:
         for q in UNKNOWNS:
             values = {

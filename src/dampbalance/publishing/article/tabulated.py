@@ -11,19 +11,21 @@ from .style import Style
 TEXT, VERBATIM = Style("text"), Style("verbatim")
 
 # quantity of a table → (power of ten it is shown in, further digits of the exact value)
-TABLE_1 = {**dict.fromkeys(("X", "X_s", "V_s", "t_s"), ("1e3", 2)), "phi": ("1", 1)}
-TABLE_2 = {"a": ("1e3", 1), "b": ("1e6", 2), "W": ("1e3", 1)}
-TABLE_2_PAIRS = {"F_k": ("1", 1), "c": ("1", 1)}
-TABLE_3 = {f"{p} by {approach}": ("1", 2) for approach in ("t_s", "X_s", "V_s") for p in TERMS}
-APPROACHES = ("direct", "X_s", "t_s", "V_s")
+FACTORS_OF_TABLE_1 = {**dict.fromkeys(("X", "X_s", "V_s", "t_s"), ("1e3", 2)), "phi": ("1", 1)}
+FACTORS_OF_TABLE_2 = {"a": ("1e3", 1), "b": ("1e6", 2), "W": ("1e3", 1)}
+FACTORS_OF_TABLE_2_PAIRS = {"F_k": ("1", 1), "c": ("1", 1)}
+FACTORS_OF_TABLE_3 = {
+    f"{p} by {approach}": ("1", 2) for approach in ("t_s", "X_s", "V_s") for p in TERMS
+}
+ORDER = ("direct", "X_s", "t_s", "V_s")
 
 
 def tables(book: Book) -> dict[str, list[str]]:
     """Enter Tables 1–3 and the least squares; return the rows of each, in order."""
-    _side_by_side(book, "t1", "tables/table1.csv", TABLE_1)
-    _side_by_side(book, "t2", "tables/table2.csv", TABLE_2)
-    _side_by_side(book, "t2", "tables/table2.csv", TABLE_2_PAIRS)
-    _side_by_side(book, "t3", "tables/table3.csv", TABLE_3)
+    _side_by_side(book, "t1", "tables/table1.csv", FACTORS_OF_TABLE_1)
+    _side_by_side(book, "t2", "tables/table2.csv", FACTORS_OF_TABLE_2)
+    _side_by_side(book, "t2", "tables/table2.csv", FACTORS_OF_TABLE_2_PAIRS)
+    _side_by_side(book, "t3", "tables/table3.csv", FACTORS_OF_TABLE_3)
     _least_squares(book)
     levels = _labels(book, "t1", "tables/table1.csv", "X")
     _labels(book, "t2", "tables/table2.csv", "a")
@@ -61,7 +63,7 @@ def _side_by_side(book: Book, key: str, file: str, quantities: dict[str, tuple[s
 def _least_squares(book: Book) -> None:
     """Least squares of each approach, as the text of the paper gives them."""
     printed = {row["id"]: row["printed"] for row in book.rows("claims.csv")}
-    for approach in APPROACHES:
+    for approach in ORDER:
         for quantity in ("F_k", "c", "residual"):
             claim = {"id": of_text(statistic(quantity, approach, "least_squares"))}
             key = f"ls.{short(approach)}.{quantity}"

@@ -16,7 +16,7 @@ from .style import Style
 
 EVIDENCE, ENVIRONMENT = "article/evidence.json", "article/environment.json"
 SCHEMES, STUDIES = "article/schemes.csv", "article/studies.json"
-APPROACHES = "tables/approaches.csv"
+APPROACHES_FILE = "tables/approaches.csv"
 
 PLAIN, COUNT, WORD, TEXT = Style("plain"), Style("fixed"), Style("word"), Style("text")
 PERCENT, DEVIATION, BOUND = Style("significant", 2), Style("power", 1), Style("bound")
@@ -146,7 +146,7 @@ def _errors(book: Book, frequency: str) -> None:
                 row = {"frequency": frequency} | dict(zip(WAY, place, strict=True))
                 style = replace(BOUND if way == "direct" else PERCENT, unsigned=True)
                 key = f"error.{frequency}.{way}.{fit}.{quantity}"
-                book.cell(key, APPROACHES, row, column.format(quantity), style)
+                book.cell(key, APPROACHES_FILE, row, column.format(quantity), style)
             key = f"error.{frequency}.lock_in.{fit}.{quantity}"
             book.item(key, EVIDENCE, f"/lock_in/{frequency}/{fit}/{quantity}", PERCENT)
 

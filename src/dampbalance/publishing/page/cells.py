@@ -81,7 +81,7 @@ def _lines(
             for record, claim in zip(records, ids, strict=True)
         )
         lines.append(Line(label, "printed", printed))
-    for route in tables.ROUTES:
+    for route in tables.SHOWN_ROUTES:
         texts = (
             claims.get(claim, {}).get(route, "") or number(float(record[route]))
             for record, claim in zip(records, ids, strict=True)

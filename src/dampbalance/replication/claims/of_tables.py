@@ -11,7 +11,7 @@ from ...balance import Rows
 from ...solver import pair
 from ..claim_ids import of_cell
 from ..printed import Printed
-from ..tables import APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
+from ..tables import PRINTED_APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
 from . import causes
 from .inputs import CORRECTED, PAIR_LABELS, PAIRS, Sources
 from .judging import Claim, Resolution
@@ -110,7 +110,7 @@ def table2_pairs(sources: Sources) -> Iterator[Claim]:
 
 def table3(sources: Sources) -> Iterator[Claim]:
     """Table 3: the pair-wise estimates of the three harmonic approaches with common φ and t_s."""
-    for approach, label, q in itertools.product(APPROACHES[1:], PAIR_LABELS, UNKNOWNS):
+    for approach, label, q in itertools.product(PRINTED_APPROACHES[1:], PAIR_LABELS, UNKNOWNS):
         values = sources.estimates(q.column, approach, phase="common", pair=label)
         correct = sources.as_published.estimate(
             q.column, CORRECTED if approach == "V_s" else approach, phase="common", pair=label

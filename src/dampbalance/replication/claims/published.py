@@ -13,14 +13,17 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from ..printed import Printed
-from ..tables import APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
+from ..tables import PRINTED_APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
 
 FILES = {
     "parameters": ("id", "symbol", "quantity", "printed", "unit", "where"),
     "table1": ("level", "Y_m", *(q.column for q in TABLE_1)),
     "table2_integrals": ("level", "Y_m", *(q.column for q in TABLE_2)),
     "table2_pairs": ("pair", "direct_c_N_s_per_m", "direct_F_k_N"),
-    "table3": ("pair", *(f"{name}_{q.column}" for name in APPROACHES[1:] for q in UNKNOWNS)),
+    "table3": (
+        "pair",
+        *(f"{name}_{q.column}" for name in PRINTED_APPROACHES[1:] for q in UNKNOWNS),
+    ),
     "text_values": ("id", "quantity", "printed", "unit", "where"),
 }
 
