@@ -20,7 +20,7 @@ import numpy as np
 from ..arrays import Array
 from ..model import Parameters
 from .events import PHASE_V, PHASE_X, PHASE_Z, read_phase
-from .flow import inverse, move, phase_constants, unit
+from .flow import Phase, inverse, move, phase_start, unit
 from .jit import jit
 
 _UNDAMPED_BELOW = 1e-3  # of 2δt
@@ -56,7 +56,7 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
     Feeny (2010). X_s, V_s, t_s belong to the first forward slip onset after the reversal. The harmonics are those of
     the velocity over inω.
     """
-    omega, delta = par.omega, par.c / (2.0 * par.m)
+    omega = par.omega
     half = math.pi / omega
     X = -phases[0, PHASE_X]
     X_s = V_s = t_s = math.nan
@@ -77,19 +77,17 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
         if s != 0.0:
             a += 2.0 * abs(x_end - x)
         duration = t_end - t
-        f0, A, Omega2 = phase_constants(s, x, z, turn, par)
-        undamped = 2.0 * delta * duration < _UNDAMPED_BELOW
+        phase = phase_start(s, x, v, z, turn, par)
+        undamped = 2.0 * phase.delta * duration < _UNDAMPED_BELOW
         forced = square = 0.0
         one = three = five = 0j
         if not undamped:
             gained = z_end - z if s == 0.0 else x_end - x  # z keeps the digits of a short stick
-            before, after = (0.0, v, turn), (gained, v_end, turn_end)
-            drive = par.k * par.Y / par.m
-            forced, square, one, three, five = _by_ends(
-                duration, before, after, f0, drive, delta, Omega2, omega
-            )
-        if undamped or (square < _CANCELLED_BELOW * forced and delta * delta < Omega2):
-            square, one, three, five = _by_gauss(duration, v, f0, A, turn, delta, Omega2, omega)
+            ends, turns, drive = (gained, v_end), (turn, turn_end), par.k * par.Y / par.m
+            forced, square, one, three, five = _by_ends(duration, phase, ends, turns, drive)
+        cancelled = square < _CANCELLED_BELOW * forced
+        if undamped or (cancelled and phase.delta * phase.delta < phase.Omega2):
+            square, one, three, five = _by_gauss(duration, phase, turn)
         b += 2.0 * square
         first += one
         third += three
@@ -113,27 +111,24 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
 @jit
 def _by_ends(
     duration: float,
-    start: tuple[float, float, complex],
-    end: tuple[float, float, complex],
-    f0: float,
+    phase: Phase,
+    end: tuple[float, float],
+    turns: tuple[complex, complex],
     drive: float,
-    delta: float,
-    Omega2: float,
-    omega: float,
 ) -> tuple[float, float, complex, complex, complex]:
     """∫ ẋ² dt of the forced motion and of the whole, and ∫ ẋ e^{inψ} dt, n = 1, 3, 5, over a phase, from the values
     at its ends.
 
-    start, end : u, m, ẋ, m/s, and e^{iψ}, u displacement gained, ψ phase of the base.   drive : kY/m, m/s².   Others as
-    in `flow.move`.
+    end : displacement gained, m, and ẋ, m/s, at the end.   turns : e^{iψ} at the start and end, ψ phase of the base.
+    drive : kY/m, m/s².
     """
-    u0, v0, turn0 = start
-    u1, v1, turn1 = end
+    v0, f0, _, delta, Omega2, omega = phase
+    (u1, v1), (turn0, turn1) = end, turns
     over_D = inverse(Omega2 - omega * omega, 2.0 * delta * omega)
     B = complex(drive * over_D.real, drive * over_D.imag)  # forced motion Re[B e^{iψ}] about `rest`
     V = complex(-omega * B.imag, omega * B.real)
     rest = f0 / Omega2
-    q0, w0 = u0 - rest - (B * turn0).real, v0 - (V * turn0).real
+    q0, w0 = -rest - (B * turn0).real, v0 - (V * turn0).real
     q1, w1 = u1 - rest - (B * turn1).real, v1 - (V * turn1).real
 
     square0, square1 = turn0 * turn0, turn1 * turn1
@@ -182,27 +177,21 @@ def _free_integral(
 
 @jit
 def _by_gauss(
-    duration: float,
-    v0: float,
-    f0: float,
-    A: complex,
-    start: complex,
-    delta: float,
-    Omega2: float,
-    omega: float,
+    duration: float, phase: Phase, start: complex
 ) -> tuple[float, complex, complex, complex]:
     """The integrals of `_by_ends`, except that of the forced motion, by Gauss's rule; not for over-damped phases.
 
-    start : e^{iψ} at the start.   Others as in `flow.move`.
+    start : e^{iψ} at the start.
     """
-    panels = 1 + int(duration * (2.0 * math.sqrt(Omega2) + 6.0 * omega) / _PANEL)
+    omega = phase.omega
+    panels = 1 + int(duration * (2.0 * math.sqrt(phase.Omega2) + 6.0 * omega) / _PANEL)
     h = duration / panels
     square = 0.0
     one = three = five = 0j
     for i in range(panels):
         for node, weight in zip(_GAUSS_NODES, _GAUSS_WEIGHTS):  # noqa: B905 (no strict= in compiled code)
             t = h * (i + 0.5 + 0.5 * node)
-            _, v = move(t, v0, f0, A, delta, Omega2, omega)
+            _, v = move(t, phase)
             turn = start * unit(omega * t)
             turn2 = turn * turn
             weighted = 0.5 * h * weight * v

@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 
 from ..model import Parameters
-from .flow import harmonic_response, phase_start, step_response, unit
+from .flow import Phase, harmonic_response, phase_start, step_response, unit
 from .jit import jit
 
 _MAX_NEWTON = 40
@@ -138,31 +138,23 @@ def _half_cycle(
 @jit
 def _is_forward(tau: float, X: float, theta: float, V_s: float, par: Parameters) -> bool:
     """Whether ẋ > 0 between the two ends of the half cycle of a solution."""
-    delta, omega, Z_m = par.c / (2.0 * par.m), par.omega, par.F_k / par.K_z
-    f0, A, Omega2 = phase_start(0.0, -X, -Z_m, theta, par)
-    if not velocity_keeps_sign(tau, 0.0, f0, A, delta, Omega2, omega, V_s):
+    omega, Z_m = par.omega, par.F_k / par.K_z
+    stick = phase_start(0.0, -X, 0.0, -Z_m, unit(theta), par)
+    if not velocity_keeps_sign(tau, stick, V_s):
         return False
-    f0, A, Omega2 = phase_start(1.0, -X + 2.0 * Z_m, Z_m, theta + omega * tau, par)
-    return velocity_keeps_sign(math.pi / omega - tau, V_s, f0, A, delta, Omega2, omega, omega * X)
+    slip = phase_start(1.0, -X + 2.0 * Z_m, V_s, Z_m, unit(theta + omega * tau), par)
+    return velocity_keeps_sign(math.pi / omega - tau, slip, omega * X)
 
 
 @jit
-def velocity_keeps_sign(
-    duration: float,
-    v0: float,
-    f0: float,
-    A: complex,
-    delta: float,
-    Omega2: float,
-    omega: float,
-    scale: float,
-) -> bool:
+def velocity_keeps_sign(duration: float, phase: Phase, scale: float) -> bool:
     """Whether the velocity of a phase stays positive between its ends, of which either may be a rest.
 
     The phase is sampled at least 2.5 times per radian; between samples, the cubic through velocities and
     accelerations bounds it. A minimum above zero by less than 1e-6 of `scale` counts as a change of sign, which
     sends the case to the event-located simulation: the safe side.
     """
+    v0, f0, A, delta, Omega2, omega = phase
     n = max(6, math.ceil(2.5 * duration * max(omega, math.sqrt(Omega2))))
     h = duration / n
     J, S, R = step_response(h, delta, Omega2)

@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Array
 from ..model import Parameters
 from .events import PHASE_T, PHASE_X, read_phase
-from .flow import move, phase_start
+from .flow import Phase, move, phase_start, unit
 from .jit import jit
 
 
@@ -35,14 +35,13 @@ def states_in_phases(
     phases : (count, 5), rows (t, s, x, ẋ, z).   theta : phase of the base at t = 0.   Times before the first phase
     are not allowed.
     """
-    delta = par.c / (2.0 * par.m)
     Z_m = par.F_k / par.K_z
     for j in range(times.size):
         t = times[j]
         i = max(0, np.searchsorted(phases[:, PHASE_T], t, side="right") - 1)
         start, s, x0, v0, z0 = read_phase(phases, i)
-        f0, A, Omega2 = phase_start(s, x0, z0, theta + par.omega * start, par)
-        u, v = move(t - start, v0, f0, A, delta, Omega2, par.omega)
+        phase = phase_start(s, x0, v0, z0, unit(theta + par.omega * start), par)
+        u, v = move(t - start, phase)
         x = x0 + u
         z = z0 + u if s == 0.0 else s * Z_m
         force = par.k * (par.Y * math.cos(theta + par.omega * t) - x) - par.c * v - par.K_z * z
@@ -58,21 +57,18 @@ def zero_crossing(phases: Array, count: int, theta: float, par: Parameters) -> f
         end = phases[i + 1, PHASE_T] if i + 1 < count else math.pi / par.omega
         x_end = phases[i + 1, PHASE_X] if i + 1 < count else -phases[0, PHASE_X]
         if x < 0.0 <= x_end:
-            f0, A, Omega2 = phase_start(s, x, z, theta + par.omega * start, par)
-            return float(start + _time_of(-x, end - start, v, f0, A, Omega2, par))
+            phase = phase_start(s, x, v, z, unit(theta + par.omega * start), par)
+            return float(start + _time_of(-x, end - start, phase))
     return math.nan
 
 
 @jit
-def _time_of(
-    level: float, end: float, v0: float, f0: float, A: complex, Omega2: float, par: Parameters
-) -> float:
-    """The time before `end` at which a phase has moved by `level`, which it has passed at `end`; others as in
-    `flow.move`. Newton's method, kept inside the bracket."""
-    delta = par.c / (2.0 * par.m)
+def _time_of(level: float, end: float, phase: Phase) -> float:
+    """The time before `end` at which a phase has moved by `level`, which it has passed at `end`: by Newton's method,
+    kept inside the bracket."""
     low, high, t = 0.0, end, 0.5 * end
     for _ in range(100):
-        u, v = move(t, v0, f0, A, delta, Omega2, par.omega)
+        u, v = move(t, phase)
         if u > level:
             high = t
         else:
