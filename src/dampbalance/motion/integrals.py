@@ -32,18 +32,23 @@ _GAUSS_NODES, _GAUSS_WEIGHTS = (
 
 
 class Measures(NamedTuple):
-    """Exact features of an orbit with slip; units as in `dampbalance.model`, harmonics as X_n e^{−iφ_n} in m."""
+    """Exact features of an orbit; units and meaning as in `dampbalance.motion.orbit.Orbit`."""
 
     X: float
     X_s: float
     V_s: float
     t_s: float
+    phi: float
+    phi_zero_crossing: float
     a: float
     b: float
     W: float
-    harmonic_1: complex
-    harmonic_3: complex
-    harmonic_5: complex
+    X_1: float
+    phi_1: float
+    X_3: float
+    phi_3: float
+    X_5: float
+    phi_5: float
 
 
 @jit
@@ -53,13 +58,13 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
     phases : (≥ count, 5), rows (t, s, x, ẋ, z), SI.   theta : phase of the base at the reversal, rad.
 
     a = ∮ |ẋ| over the slip phases, b = ∮ ẋ² dt, W = ∮ k y ẋ dt, each over a whole cycle: Eqs. (5)–(7) of Liang &
-    Feeny (2010). X_s, V_s, t_s belong to the first forward slip onset after the reversal. The harmonics are those of
-    the velocity over inω.
+    Feeny (2010). X_s, V_s, t_s belong to the first forward slip onset after the reversal, `phi_zero_crossing` to the
+    first upward zero of x. The harmonics are those of the velocity over inω.
     """
     omega = par.omega
     half = math.pi / omega
     X = -phases[0, PHASE_X]
-    X_s = V_s = t_s = math.nan
+    X_s = V_s = t_s = t_zero = math.nan
     a = b = 0.0
     first = third = fifth = 0j  # ∫ ẋ e^{inψ} dt over the half cycle, ψ = θ + ωt
     start = turn = unit(theta)  # e^{iψ}
@@ -78,6 +83,8 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
             a += 2.0 * abs(x_end - x)
         duration = t_end - t
         phase = phase_start(s, x, v, z, turn, par)
+        if x < 0.0 <= x_end and math.isnan(t_zero):
+            t_zero = t + _time_of(-x, duration, phase)
         undamped = 2.0 * phase.delta * duration < _UNDAMPED_BELOW
         forced = square = 0.0
         one = three = five = 0j
@@ -94,18 +101,38 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
         fifth += five
         turn = turn_end
     scale = complex(0.0, -2.0 / math.pi)  # 4/T over iω
-    return Measures(
-        X,
-        X_s,
-        V_s,
-        t_s,
-        a,
-        b,
-        2.0 * par.k * par.Y * first.real,
-        scale * first.conjugate(),
-        scale * third.conjugate() / 3.0,
-        scale * fifth.conjugate() / 5.0,
-    )
+    X_1, phi_1 = _amplitude_and_lag(scale * first.conjugate())
+    X_3, phi_3 = _amplitude_and_lag(scale * third.conjugate() / 3.0)
+    X_5, phi_5 = _amplitude_and_lag(scale * fifth.conjugate() / 5.0)
+    phi, W = wrapped(theta + math.pi), 2.0 * par.k * par.Y * first.real
+    crossing = wrapped(theta + omega * t_zero + 0.5 * math.pi)
+    return Measures(X, X_s, V_s, t_s, phi, crossing, a, b, W, X_1, phi_1, X_3, phi_3, X_5, phi_5)
+
+
+@jit
+def _amplitude_and_lag(harmonic: complex) -> tuple[float, float]:
+    """X_n and φ_n of X_n e^{−iφ_n}."""
+    return abs(harmonic), -math.atan2(harmonic.imag, harmonic.real)
+
+
+@jit
+def _time_of(level: float, end: float, phase: Phase) -> float:
+    """The time before `end` at which a phase has moved by `level`, which it has passed at `end`: by Newton's method,
+    kept inside the bracket."""
+    low, high, t = 0.0, end, 0.5 * end
+    for _ in range(100):
+        u, v = move(t, phase)
+        if u > level:
+            high = t
+        else:
+            low = t
+        step = (level - u) / v if v != 0.0 else math.inf
+        if not low <= t + step <= high:
+            step = 0.5 * (low + high) - t
+        t += step
+        if abs(step) <= 1e-9 * t:  # the next step would be its square
+            break
+    return t
 
 
 @jit
