@@ -21,6 +21,8 @@ PHASE_T, PHASE_S, PHASE_X, PHASE_V, PHASE_Z = range(5)
 _STEPS_PER_RADIAN = 2.5
 _HALVINGS = 60
 
+_Motion = tuple[float, float, float, float, float]  # u, u̇, ü and the next two derivatives
+
 
 @jit
 def contact_state(x: float, v: float, z: float, theta: float, par: Parameters) -> float:
@@ -40,8 +42,8 @@ def contact_state(x: float, v: float, z: float, theta: float, par: Parameters) -
 
 
 @jit
-def _motion(t: float, phase: Phase) -> tuple[float, float, float, float, float]:
-    """u, u̇, ü and the next two derivatives at time t of a phase."""
+def _motion(t: float, phase: Phase) -> _Motion:
+    """u and its derivatives at time t of a phase."""
     u, v = move(t, phase)
     omega, damping = phase.omega, 2.0 * phase.delta
     force = phase.A * unit(omega * t)
@@ -74,12 +76,7 @@ def _locate(which: int, level: float, low: float, high: float, phase: Phase) -> 
 
 @jit
 def _turns(
-    which: int,
-    low: float,
-    high: float,
-    at_low: tuple[float, float, float, float, float],
-    at_high: tuple[float, float, float, float, float],
-    phase: Phase,
+    which: int, low: float, high: float, at_low: _Motion, at_high: _Motion, phase: Phase
 ) -> tuple[float, float]:
     """The times in (low, high) at which u (which = 0) or u̇ (which = 1) has an extremum, at most two; `high` for none.
 

@@ -66,10 +66,8 @@ def _step_response_series(t: float, delta: float, Omega2: float) -> tuple[float,
     before, term = 0.0, 0.5 * t * t
     J, S_t = term, 2.0 * term
     for n in range(3, 14):
-        before, term = (
-            term,
-            (-2.0 * delta * t * (n - 1) * term - Omega2 * t * t * before) / (n * (n - 1)),
-        )
+        rest = -2.0 * delta * t * (n - 1) * term - Omega2 * t * t * before
+        before, term = term, rest / (n * (n - 1))
         J += term
         S_t += n * term
     return J, (S_t / t if t > 0.0 else 0.0)
@@ -139,10 +137,8 @@ def _harmonic_response_series(
     P, P_t = term, 2.0 * term
     for n in range(3, last + 1):
         force *= complex(0.0, omega * t / (n - 2))
-        before, term = (
-            term,
-            (force - 2.0 * delta * t * (n - 1) * term - Omega2 * t * t * before) / (n * (n - 1)),
-        )
+        rest = force - 2.0 * delta * t * (n - 1) * term - Omega2 * t * t * before
+        before, term = term, rest / (n * (n - 1))
         P += term
         P_t += n * term
     return P, (P_t / t if t > 0.0 else 0j)
@@ -160,11 +156,9 @@ def _harmonic_response_resonant(
     decay, growth = math.exp(-delta * t), math.expm1(delta * t)
     detuning = (omega * omega - Omega2 + delta * delta) / (omega + sigma)  # ω − σ
     w = complex(delta * t, detuning * t)
-    half = math.sin(0.5 * w.imag)
+    half, grown = math.sin(0.5 * w.imag), 1.0 + growth
     # e^w − 1
-    w_minus_1 = complex(
-        growth - (1.0 + growth) * 2.0 * half * half, (1.0 + growth) * math.sin(w.imag)
-    )
+    w_minus_1 = complex(growth - grown * 2.0 * half * half, grown * math.sin(w.imag))
     turn = unit(sigma * t)
     near = t * decay * turn * (w_minus_1 / w if w != 0j else 1.0 + 0j)
     drive = unit(omega * t)

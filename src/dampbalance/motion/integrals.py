@@ -165,9 +165,9 @@ def _by_ends(
     sixth = _over_i(cube1 * cube1 - cube0 * cube0, 6.0 * omega)
     back = V.conjugate()
     ends = (q0, w0, q1, w1)
-    free_1 = _free_integral(ends, turn0, turn1, omega, delta, Omega2)
-    free_3 = _free_integral(ends, cube0, cube1, 3.0 * omega, delta, Omega2)
-    free_5 = _free_integral(ends, cube0 * square0, cube1 * square1, 5.0 * omega, delta, Omega2)
+    free_1 = _free_integral(ends, turn0, turn1, omega, phase)
+    free_3 = _free_integral(ends, cube0, cube1, 3.0 * omega, phase)
+    free_5 = _free_integral(ends, cube0 * square0, cube1 * square1, 5.0 * omega, phase)
 
     free_square = (w0 * w0 - w1 * w1 + Omega2 * (q0 * q0 - q1 * q1)) / (4.0 * delta)
     speed_squared = V.real * V.real + V.imag * V.imag
@@ -193,11 +193,11 @@ def _free_integral(
     turn0: complex,
     turn1: complex,
     sigma: float,
-    delta: float,
-    Omega2: float,
+    phase: Phase,
 ) -> complex:
     """∫ q̇ e^{iσt} dt over a phase, from q, q̇ and e^{iσt} at its start and end."""
     q0, w0, q1, w1 = ends
+    delta, Omega2 = phase.delta, phase.Omega2
     difference = turn1 * complex(Omega2 * q1, sigma * w1) - turn0 * complex(Omega2 * q0, sigma * w0)
     return difference * inverse(Omega2 - sigma * sigma, -2.0 * delta * sigma)
 
