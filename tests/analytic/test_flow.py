@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from dampbalance.model import Parameters
-from dampbalance.motion.flow import move, phase_start, step_response
+from dampbalance.motion.flow import Phase, move, phase_start, step_response, unit
 
 EPS = np.finfo(float).eps
 
@@ -71,8 +71,8 @@ def exact_harmonic_response(t, omega, delta, Omega2):
 
 def harmonic_response(t, omega, delta, Omega2):
     """P and Ṗ as the flow has them: Re[A P] for A = 1 and A = −i."""
-    real = move(t, 0.0, 0.0, 1.0 + 0.0j, delta, Omega2, omega)
-    imaginary = move(t, 0.0, 0.0, 0.0 - 1.0j, delta, Omega2, omega)
+    real = move(t, Phase(0.0, 0.0, 1.0 + 0.0j, delta, Omega2, omega))
+    imaginary = move(t, Phase(0.0, 0.0, 0.0 - 1.0j, delta, Omega2, omega))
     return complex(real[0], imaginary[0]), complex(real[1], imaginary[1])
 
 
@@ -111,7 +111,7 @@ def test_everything_vanishes_at_the_start():
     for ratio, drive in itertools.product(DAMPING, DRIVES):
         assert step_response(0.0, ratio, 1.0) == (0.0, 0.0, 1.0)
         assert harmonic_response(0.0, drive, ratio, 1.0) == (0j, 0j)
-        assert move(0.0, 0.3, 2.0, 1.5 + 0.5j, ratio, 1.0, drive) == (0.0, 0.3)
+        assert move(0.0, Phase(0.3, 2.0, 1.5 + 0.5j, ratio, 1.0, drive)) == (0.0, 0.3)
 
 
 @pytest.mark.parametrize("s", [1.0, -1.0, 0.0])
@@ -123,7 +123,7 @@ def test_motion_of_a_phase_solves_the_equation_of_motion(s, ratio):
     c = 2.0 * m * ratio * math.sqrt(kappa / m)
     par = Parameters(m, c, k, K_z, F_k, Y, omega)
     x0, v0, z0, theta = -0.31, 0.17, 0.02, 0.7
-    f0, A, Omega2 = phase_start(s, x0, z0, theta, par)
+    phase = phase_start(s, x0, v0, z0, unit(theta), par)
 
     def rate(t, q):
         contact = s * mp.mpf(F_k) if s else K_z * (z0 + q[0])
@@ -133,7 +133,7 @@ def test_motion_of_a_phase_solves_the_equation_of_motion(s, ratio):
     with mp.workdps(22):
         solution = mp.odefun(rate, 0, [mp.mpf(0), mp.mpf(v0)])
         for t in (1e-3, 0.2, 0.6):
-            u, v = move(t, v0, f0, A, c / (2.0 * m), Omega2, omega)
+            u, v = move(t, phase)
             exact_u, exact_v = solution(t)
             # the sum of four terms of which none is more than some ten times the result
             assert abs(u - exact_u) <= 1e-14 * max(abs(exact_u), v0 * t)
@@ -145,12 +145,10 @@ def test_composition_of_two_steps_is_one_step():
     par = Parameters(1.3, 0.4, 5.0, 80.0, 0.6, 0.2, 1.9)
     for s, ratio in itertools.product((0.0, 1.0), (1e-3, 0.1, 0.5)):
         x, v, z, theta, t = 0.1, -0.2, 0.003, 0.4, 1.1
-        f0, A, Omega2 = phase_start(s, x, z, theta, par)
-        delta = par.c / (2.0 * par.m)
-        once = move(t, v, f0, A, delta, Omega2, par.omega)
-        first = move(ratio * t, v, f0, A, delta, Omega2, par.omega)
-        f0, A, _ = phase_start(s, x + first[0], z + first[0], theta + par.omega * ratio * t, par)
-        second = move((1 - ratio) * t, first[1], f0, A, delta, Omega2, par.omega)
+        phase = phase_start(s, x, v, z, unit(theta), par)
+        once, (u, v) = move(t, phase), move(ratio * t, phase)
+        turn = unit(theta + par.omega * ratio * t)
+        second = move((1 - ratio) * t, phase_start(s, x + u, v, z + u, turn, par))
         # a few units of rounding of each step
-        assert first[0] + second[0] == pytest.approx(once[0], rel=0, abs=1e-15)
+        assert u + second[0] == pytest.approx(once[0], rel=0, abs=1e-15)
         assert second[1] == pytest.approx(once[1], rel=0, abs=1e-14)

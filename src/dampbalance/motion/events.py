@@ -9,11 +9,10 @@ kept inside the bracket.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from ..arrays import Array
 from ..model import Parameters
-from .flow import move, phase_start, unit
+from .flow import Phase, move, phase_start, unit
 from .jit import jit
 
 PHASE_T, PHASE_S, PHASE_X, PHASE_V, PHASE_Z = range(5)
@@ -21,6 +20,8 @@ PHASE_T, PHASE_S, PHASE_X, PHASE_V, PHASE_Z = range(5)
 
 _STEPS_PER_RADIAN = 2.5
 _HALVINGS = 60
+
+_Motion = tuple[float, float, float, float, float]  # u, u̇, ü and the next two derivatives
 
 
 @jit
@@ -40,21 +41,10 @@ def contact_state(x: float, v: float, z: float, theta: float, par: Parameters) -
     return s if s * v > 0.0 else 0.0
 
 
-class _Phase(NamedTuple):
-    """What the flow of one phase needs: see `dampbalance.motion.flow`."""
-
-    v0: float
-    f0: float
-    A: complex
-    delta: float
-    Omega2: float
-    omega: float
-
-
 @jit
-def _motion(t: float, phase: _Phase) -> tuple[float, float, float, float, float]:
-    """u, u̇, ü and the next two derivatives at time t of a phase."""
-    u, v = move(t, phase.v0, phase.f0, phase.A, phase.delta, phase.Omega2, phase.omega)
+def _motion(t: float, phase: Phase) -> _Motion:
+    """u and its derivatives at time t of a phase."""
+    u, v = move(t, phase)
     omega, damping = phase.omega, 2.0 * phase.delta
     force = phase.A * unit(omega * t)
     a = phase.f0 + force.real - damping * v - phase.Omega2 * u
@@ -63,7 +53,7 @@ def _motion(t: float, phase: _Phase) -> tuple[float, float, float, float, float]
 
 
 @jit
-def _locate(which: int, level: float, low: float, high: float, phase: _Phase) -> float:
+def _locate(which: int, level: float, low: float, high: float, phase: Phase) -> float:
     """Time at which the derivative of u of order `which`, 0 to 3, crosses `level`; it is beyond it at `high` alone."""
     beyond = _motion(high, phase)[which] > level
     t = 0.5 * (low + high)
@@ -86,12 +76,7 @@ def _locate(which: int, level: float, low: float, high: float, phase: _Phase) ->
 
 @jit
 def _turns(
-    which: int,
-    low: float,
-    high: float,
-    at_low: tuple[float, float, float, float, float],
-    at_high: tuple[float, float, float, float, float],
-    phase: _Phase,
+    which: int, low: float, high: float, at_low: _Motion, at_high: _Motion, phase: Phase
 ) -> tuple[float, float]:
     """The times in (low, high) at which u (which = 0) or u̇ (which = 1) has an extremum, at most two; `high` for none.
 
@@ -113,7 +98,7 @@ def _turns(
 
 
 @jit
-def _just_inside(which: int, lower: float, upper: float, before: float, phase: _Phase) -> float:
+def _just_inside(which: int, lower: float, upper: float, before: float, phase: Phase) -> float:
     """A time before `before` at which a motion that starts on the edge of [lower, upper] is within it; 0 if it
     leaves at once."""
     t = before
@@ -134,9 +119,8 @@ def phase_end(
     is exact.
     theta : phase of the base at the start, rad.   limit : longest duration, s.
     """
-    delta, Z_m = par.c / (2.0 * par.m), par.F_k / par.K_z
-    f0, A, Omega2 = phase_start(s, x, z, theta, par)
-    phase = _Phase(v, f0, A, delta, Omega2, par.omega)
+    Z_m = par.F_k / par.K_z
+    phase = phase_start(s, x, v, z, unit(theta), par)
     if s == 0.0:
         which, lower, upper = 0, -Z_m - z, Z_m - z
     elif s > 0.0:
@@ -144,10 +128,8 @@ def phase_end(
     else:
         which, lower, upper = 1, -math.inf, 0.0
 
-    n = max(
-        1,
-        math.ceil(_STEPS_PER_RADIAN * limit * max(par.omega, math.sqrt(Omega2), delta)),
-    )
+    fastest = max(phase.omega, math.sqrt(phase.Omega2), phase.delta)
+    n = max(1, math.ceil(_STEPS_PER_RADIAN * limit * fastest))
     low, at_low = 0.0, _motion(0.0, phase)
     for i in range(1, n + 1):
         high = limit * i / n
@@ -167,12 +149,7 @@ def phase_end(
             level = upper if value > upper else lower
             t = _locate(which, level, inside, out, phase)
             if s == 0.0:
-                return (
-                    t,
-                    x + level,
-                    _motion(t, phase)[1],
-                    (Z_m if level == upper else -Z_m),
-                )
+                return t, x + level, _motion(t, phase)[1], (Z_m if level == upper else -Z_m)
             return t, x + _motion(t, phase)[0], 0.0, s * Z_m
         low, at_low = high, at_high
     return limit, x + at_low[0], at_low[1], (z + at_low[0] if s == 0.0 else s * Z_m)
@@ -188,25 +165,13 @@ def write_phase(phases: Array, i: int, t: float, s: float, x: float, v: float, z
 @jit
 def read_phase(phases: Array, i: int) -> tuple[float, float, float, float, float]:
     """(t, s, x, ẋ, z) of row i of `phases`."""
-    return (
-        phases[i, PHASE_T],
-        phases[i, PHASE_S],
-        phases[i, PHASE_X],
-        phases[i, PHASE_V],
-        phases[i, PHASE_Z],
-    )
+    row = phases[i]
+    return row[PHASE_T], row[PHASE_S], row[PHASE_X], row[PHASE_V], row[PHASE_Z]
 
 
 @jit
 def run(
-    x: float,
-    v: float,
-    z: float,
-    t: float,
-    end: float,
-    theta: float,
-    par: Parameters,
-    phases: Array,
+    x: float, v: float, z: float, t: float, end: float, theta: float, par: Parameters, phases: Array
 ) -> tuple[int, float, float, float, float]:
     """Follow the motion from (x, ẋ, z) at time t to `end`: (number of phases, t, x, ẋ, z) reached.
 

@@ -28,11 +28,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
-from ..model import BaseMotion, Oscillator
+from ..model import BaseMotion, Oscillator, Parameters
 from ..record import Record
 from .jit import jit
 
@@ -156,25 +157,16 @@ def simulate(
     C = osc.c / osc.m if c_over_m is None else c_over_m
     K = osc.k / osc.m if k_over_m is None else k_over_m
     K_z, F = osc.K_z / osc.m, osc.F_k / osc.m
-
+    unit_mass = Parameters(1.0, C, K, K_z, F, motion.Y, motion.omega)
+    laws = np.stack([_linear_map(SCHEMES[scheme].step, C, k, step) for k in (K, K + K_z)])
     per_cycle = motion.period / step
     first, last = math.floor((cycles - keep_cycles) * per_cycle), math.ceil(cycles * per_cycle)
-    laws = [_linear_map(SCHEMES[scheme].step, C, stiffness, step) for stiffness in (K, K + K_z)]
-    x, v, acceleration = (np.empty(last - first + 1) for _ in range(3))
-    stick_samples = _march(
-        np.stack([m for m, _ in laws]),
-        np.stack([w for _, w in laws]),
-        (C, K, K_z, F, K * motion.Y, motion.omega, step),
-        (first, last),
-        x,
-        v,
-        acceleration,
-    )
+    stick_samples, (x, v, acceleration) = _march(laws, unit_mass, step, first, last)
     if not np.all(np.isfinite(x)) or np.max(np.abs(x)) > 1e6 * motion.Y:
         raise StepTooCoarse(
             f"{scheme} with a step of {step:g} s is unstable here: take a smaller step"
         )
-    if 0 <= stick_samples < MIN_STICK_SAMPLES:
+    if stick_samples < MIN_STICK_SAMPLES:
         wanted = 0.9 * step * max(stick_samples, 1) / MIN_STICK_SAMPLES
         raise StepTooCoarse(
             f"a step of {step:g} s leaves {stick_samples} samples in a stick phase, {MIN_STICK_SAMPLES} are needed: "
@@ -184,74 +176,71 @@ def simulate(
     return Record(t, motion.y(t), x, v, acceleration)
 
 
-def _linear_map(step: Step, C: float, K: float, h: float) -> tuple[Array, Array]:
-    """The (2, 2) matrix on u and (2, 3) weights on p of one step; their columns are the steps of unit vectors."""
+def _linear_map(step: Step, C: float, K: float, h: float) -> Array:
+    """The (2, 5) matrix of one step, on (u, p): its columns are the steps of unit vectors."""
     A = np.array([[0.0, 1.0], [-K, -C]])
-    matrix = np.column_stack([step(u, np.zeros(3), A, h) for u in np.eye(2)])
-    weights = np.column_stack([step(np.zeros(2), p, A, h) for p in np.eye(3)])
-    return matrix, weights
+    return np.column_stack([step(unit[:2], unit[2:], A, h) for unit in np.eye(5)])
+
+
+class _Contact(NamedTuple):
+    """The contact between two steps: whether it sticks, the direction of the last slip (0 before any), and where the
+    last stick began: displacement X_t and deflection z_0, m."""
+
+    sticks: bool
+    direction: float
+    X_t: float
+    z_0: float
 
 
 @jit
-def _march(
-    matrices: Array,
-    weights: Array,
-    coefficients: tuple[float, float, float, float, float, float, float],
-    kept: tuple[int, int],
-    x_out: Array,
-    v_out: Array,
-    acceleration_out: Array,
-) -> int:
-    """Step from rest to sample kept[1] and write the samples from kept[0] on; return those of the shortest stick phase.
+def _after(x: float, v: float, contact: _Contact, Z_m: float) -> _Contact:
+    """The contact after a step that ended at x and v: sticking, slipping, or switched from one to the other."""
+    sticks, direction, X_t, z_0 = contact
+    z = z_0 + x - X_t
+    if sticks and abs(z) > Z_m:
+        return _Contact(False, 1.0 if z > 0.0 else -1.0, X_t, z_0)
+    if not sticks and v * direction < 0.0:
+        return _Contact(True, direction, x, direction * Z_m)
+    return contact
 
-    matrices (2, 2, 2), weights (2, 2, 3) : of a step in slip [0] and in stick [1].   coefficients : c/m, k/m, K_z/m,
-    F_k/m, kY/m, ω, h.   A stick phase counts when it begins among the kept samples and ends on the other side of the
-    spring; −1 if there is none.
+
+@jit
+def _march(laws: Array, par: Parameters, h: float, first: int, last: int) -> tuple[int, Array]:
+    """Step an oscillator of unit mass from rest to sample `last`: (samples of the shortest stick phase, the samples
+    of x, ẋ, ẍ from `first` on, shape (3, n)).
+
+    laws (2, 2, 5) : `_linear_map` in slip [0] and in stick [1].   h : step, s.
+    A stick phase counts when it begins among the kept samples and ends on the other side of the spring; without one
+    that is shorter the number is MIN_STICK_SAMPLES.
     """
-    C, K, K_z, F, drive, omega, h = coefficients
-    first, last = kept
-    Z_m = F / K_z
-    uses_middle = weights[0, 0, 1] != 0.0 or weights[0, 1, 1] != 0.0
-    x = v = z_0 = X_t = 0.0
-    direction = 0.0
-    sticks = F > 0.0
-    began, shortest = -1, -1
-    p_end, p_middle = drive, 0.0
+    Z_m, drive = par.F_k / par.K_z, par.k * par.Y
+    uses_middle = laws[0, 0, 3] != 0.0 or laws[0, 1, 3] != 0.0
+    out = np.empty((3, last - first + 1))
+    x = v = p_middle = 0.0
+    p_end = drive
+    contact = _Contact(par.F_k > 0.0, 0.0, 0.0, 0.0)
+    began, shortest = -1, MIN_STICK_SAMPLES
     if first == 0:
-        x_out[0], v_out[0], acceleration_out[0] = x, v, drive
+        out[0, 0], out[1, 0], out[2, 0] = x, v, drive
     for n in range(1, last + 1):
-        law = 1 if sticks else 0
-        contact = -K_z * (z_0 - X_t) if sticks else -direction * F
-        p_start = p_end
-        p_end = drive * math.cos(omega * (n * h))
+        sticks, direction, X_t, z_0 = contact
+        force = -par.K_z * (z_0 - X_t) if sticks else -direction * par.F_k
+        p_start, p_end = p_end, drive * math.cos(par.omega * (n * h))
         if uses_middle:
-            p_middle = drive * math.cos(omega * ((n - 0.5) * h))
-        m, w = matrices[law], weights[law]
-        q0, q1, q2 = p_start + contact, p_middle + contact, p_end + contact
+            p_middle = drive * math.cos(par.omega * ((n - 0.5) * h))
+        q0, q1, q2 = p_start + force, p_middle + force, p_end + force
+        m = laws[1 if sticks else 0]
         x, v = (
-            m[0, 0] * x + m[0, 1] * v + w[0, 0] * q0 + w[0, 1] * q1 + w[0, 2] * q2,
-            m[1, 0] * x + m[1, 1] * v + w[1, 0] * q0 + w[1, 1] * q1 + w[1, 2] * q2,
+            m[0, 0] * x + m[0, 1] * v + m[0, 2] * q0 + m[0, 3] * q1 + m[0, 4] * q2,
+            m[1, 0] * x + m[1, 1] * v + m[1, 2] * q0 + m[1, 3] * q1 + m[1, 4] * q2,
         )
         if n >= first:
-            i = n - first
-            stiffness = K + K_z if sticks else K
-            x_out[i], v_out[i] = x, v
-            acceleration_out[i] = q2 - C * v - stiffness * x
-
-        if F == 0.0:
-            continue
-        if sticks:
-            z = z_0 + x - X_t
-            if abs(z) > Z_m:
-                if (
-                    began >= first
-                    and z * direction < 0.0
-                    and (shortest < 0 or n - began < shortest)
-                ):
-                    shortest = n - began
-                sticks = False
-                direction = 1.0 if z > 0.0 else -1.0
-        elif v * direction < 0.0:
-            sticks, began = True, n
-            X_t, z_0 = x, direction * Z_m
-    return shortest
+            stiffness = par.k + par.K_z if sticks else par.k
+            out[0, n - first], out[1, n - first] = x, v
+            out[2, n - first] = q2 - par.c * v - stiffness * x
+        contact = _after(x, v, contact, Z_m)
+        if contact.sticks and not sticks:
+            began = n
+        elif sticks and not contact.sticks and began >= first and contact.direction == -direction:
+            shortest = min(shortest, n - began)
+    return shortest, out

@@ -24,6 +24,7 @@ The state of the contact is a number s: +1 or −1 while it slips that way, 0 wh
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from ..model import Parameters
 from .jit import jit
@@ -65,10 +66,8 @@ def _step_response_series(t: float, delta: float, Omega2: float) -> tuple[float,
     before, term = 0.0, 0.5 * t * t
     J, S_t = term, 2.0 * term
     for n in range(3, 14):
-        before, term = (
-            term,
-            (-2.0 * delta * t * (n - 1) * term - Omega2 * t * t * before) / (n * (n - 1)),
-        )
+        rest = -2.0 * delta * t * (n - 1) * term - Omega2 * t * t * before
+        before, term = term, rest / (n * (n - 1))
         J += term
         S_t += n * term
     return J, (S_t / t if t > 0.0 else 0.0)
@@ -138,10 +137,8 @@ def _harmonic_response_series(
     P, P_t = term, 2.0 * term
     for n in range(3, last + 1):
         force *= complex(0.0, omega * t / (n - 2))
-        before, term = (
-            term,
-            (force - 2.0 * delta * t * (n - 1) * term - Omega2 * t * t * before) / (n * (n - 1)),
-        )
+        rest = force - 2.0 * delta * t * (n - 1) * term - Omega2 * t * t * before
+        before, term = term, rest / (n * (n - 1))
         P += term
         P_t += n * term
     return P, (P_t / t if t > 0.0 else 0j)
@@ -159,11 +156,9 @@ def _harmonic_response_resonant(
     decay, growth = math.exp(-delta * t), math.expm1(delta * t)
     detuning = (omega * omega - Omega2 + delta * delta) / (omega + sigma)  # ω − σ
     w = complex(delta * t, detuning * t)
-    half = math.sin(0.5 * w.imag)
+    half, grown = math.sin(0.5 * w.imag), 1.0 + growth
     # e^w − 1
-    w_minus_1 = complex(
-        growth - (1.0 + growth) * 2.0 * half * half, (1.0 + growth) * math.sin(w.imag)
-    )
+    w_minus_1 = complex(growth - grown * 2.0 * half * half, grown * math.sin(w.imag))
     turn = unit(sigma * t)
     near = t * decay * turn * (w_minus_1 / w if w != 0j else 1.0 + 0j)
     drive = unit(omega * t)
@@ -173,45 +168,41 @@ def _harmonic_response_resonant(
     return (near - far) / between, (root * near - root.conjugate() * far) / between
 
 
-@jit
-def move(
-    t: float,
-    v0: float,
-    f0: float,
-    A: complex,
-    delta: float,
-    Omega2: float,
-    omega: float,
-) -> tuple[float, float]:
-    """Displacement gained u, m, and velocity, m/s, a time t after the start of a phase.
+class Phase(NamedTuple):
+    """What the motion within one phase depends on.
 
     v0 : initial velocity, m/s.   f0, A : constant and harmonic force per mass at the start, m/s².
+    delta : 1/s.   Omega2 : 1/s².   omega : rad/s.
     """
+
+    v0: float
+    f0: float
+    A: complex
+    delta: float
+    Omega2: float
+    omega: float
+
+
+@jit
+def phase_start(s: float, x: float, v: float, z: float, turn: complex, par: Parameters) -> Phase:
+    """The phase that starts at (x, ẋ, z) with the contact in state s, when the base is at Re[Y turn].
+
+    x, z : m.   v : m/s.   turn : e^{iθ}; y = Y cos(θ + ωt) from the start of the phase on.
+    """
+    contact, kappa = (par.K_z * z, par.k + par.K_z) if s == 0.0 else (s * par.F_k, par.k)
+    f0 = -(par.k * x + contact) / par.m
+    drive = par.k * par.Y / par.m
+    A = complex(drive * turn.real, drive * turn.imag)
+    return Phase(v, f0, A, par.c / (2.0 * par.m), kappa / par.m, par.omega)
+
+
+@jit
+def move(t: float, phase: Phase) -> tuple[float, float]:
+    """Displacement gained u, m, and velocity, m/s, a time t after the start of a phase."""
+    v0, f0, A, delta, Omega2, omega = phase
     J, S, R = step_response(t, delta, Omega2)
     P, P_rate = harmonic_response(t, omega, delta, Omega2, J, S)
     return (
         v0 * S + f0 * J + A.real * P.real - A.imag * P.imag,
         v0 * R + f0 * S + A.real * P_rate.real - A.imag * P_rate.imag,
     )
-
-
-@jit
-def phase_start(
-    s: float, x: float, z: float, theta: float, par: Parameters
-) -> tuple[float, complex, float]:
-    """(f₀, A, Ω²) of a phase that starts at displacement x and contact deflection z when the base is at phase θ.
-
-    s : state of the contact.   x, z : m.   theta : rad, y = Y cos(θ + ωt) from the start of the phase on.
-    """
-    return phase_constants(s, x, z, unit(theta), par)
-
-
-@jit
-def phase_constants(
-    s: float, x: float, z: float, turn: complex, par: Parameters
-) -> tuple[float, complex, float]:
-    """Like `phase_start`, with turn = e^{iθ} computed beforehand."""
-    contact, kappa = (par.K_z * z, par.k + par.K_z) if s == 0.0 else (s * par.F_k, par.k)
-    f0 = -(par.k * x + contact) / par.m
-    drive = par.k * par.Y / par.m
-    return f0, complex(drive * turn.real, drive * turn.imag), kappa / par.m

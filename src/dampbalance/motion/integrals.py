@@ -20,7 +20,7 @@ import numpy as np
 from ..arrays import Array
 from ..model import Parameters
 from .events import PHASE_V, PHASE_X, PHASE_Z, read_phase
-from .flow import inverse, move, phase_constants, unit
+from .flow import Phase, inverse, move, phase_start, unit
 from .jit import jit
 
 _UNDAMPED_BELOW = 1e-3  # of 2δt
@@ -32,18 +32,23 @@ _GAUSS_NODES, _GAUSS_WEIGHTS = (
 
 
 class Measures(NamedTuple):
-    """Exact features of an orbit with slip; units as in `dampbalance.model`, harmonics as X_n e^{−iφ_n} in m."""
+    """Exact features of an orbit; units and meaning as in `dampbalance.motion.orbit.Orbit`."""
 
     X: float
     X_s: float
     V_s: float
     t_s: float
+    phi: float
+    phi_zero_crossing: float
     a: float
     b: float
     W: float
-    harmonic_1: complex
-    harmonic_3: complex
-    harmonic_5: complex
+    X_1: float
+    phi_1: float
+    X_3: float
+    phi_3: float
+    X_5: float
+    phi_5: float
 
 
 @jit
@@ -53,13 +58,13 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
     phases : (≥ count, 5), rows (t, s, x, ẋ, z), SI.   theta : phase of the base at the reversal, rad.
 
     a = ∮ |ẋ| over the slip phases, b = ∮ ẋ² dt, W = ∮ k y ẋ dt, each over a whole cycle: Eqs. (5)–(7) of Liang &
-    Feeny (2010). X_s, V_s, t_s belong to the first forward slip onset after the reversal. The harmonics are those of
-    the velocity over inω.
+    Feeny (2010). X_s, V_s, t_s belong to the first forward slip onset after the reversal, `phi_zero_crossing` to the
+    first upward zero of x. The harmonics are those of the velocity over inω.
     """
-    omega, delta = par.omega, par.c / (2.0 * par.m)
+    omega = par.omega
     half = math.pi / omega
     X = -phases[0, PHASE_X]
-    X_s = V_s = t_s = math.nan
+    X_s = V_s = t_s = t_zero = math.nan
     a = b = 0.0
     first = third = fifth = 0j  # ∫ ẋ e^{inψ} dt over the half cycle, ψ = θ + ωt
     start = turn = unit(theta)  # e^{iψ}
@@ -77,63 +82,80 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
         if s != 0.0:
             a += 2.0 * abs(x_end - x)
         duration = t_end - t
-        f0, A, Omega2 = phase_constants(s, x, z, turn, par)
-        undamped = 2.0 * delta * duration < _UNDAMPED_BELOW
+        phase = phase_start(s, x, v, z, turn, par)
+        if x < 0.0 <= x_end and math.isnan(t_zero):
+            t_zero = t + _time_of(-x, duration, phase)
+        undamped = 2.0 * phase.delta * duration < _UNDAMPED_BELOW
         forced = square = 0.0
         one = three = five = 0j
         if not undamped:
             gained = z_end - z if s == 0.0 else x_end - x  # z keeps the digits of a short stick
-            before, after = (0.0, v, turn), (gained, v_end, turn_end)
-            drive = par.k * par.Y / par.m
-            forced, square, one, three, five = _by_ends(
-                duration, before, after, f0, drive, delta, Omega2, omega
-            )
-        if undamped or (square < _CANCELLED_BELOW * forced and delta * delta < Omega2):
-            square, one, three, five = _by_gauss(duration, v, f0, A, turn, delta, Omega2, omega)
+            ends, turns, drive = (gained, v_end), (turn, turn_end), par.k * par.Y / par.m
+            forced, square, one, three, five = _by_ends(duration, phase, ends, turns, drive)
+        cancelled = square < _CANCELLED_BELOW * forced
+        if undamped or (cancelled and phase.delta * phase.delta < phase.Omega2):
+            square, one, three, five = _by_gauss(duration, phase, turn)
         b += 2.0 * square
         first += one
         third += three
         fifth += five
         turn = turn_end
     scale = complex(0.0, -2.0 / math.pi)  # 4/T over iω
-    return Measures(
-        X,
-        X_s,
-        V_s,
-        t_s,
-        a,
-        b,
-        2.0 * par.k * par.Y * first.real,
-        scale * first.conjugate(),
-        scale * third.conjugate() / 3.0,
-        scale * fifth.conjugate() / 5.0,
-    )
+    X_1, phi_1 = _amplitude_and_lag(scale * first.conjugate())
+    X_3, phi_3 = _amplitude_and_lag(scale * third.conjugate() / 3.0)
+    X_5, phi_5 = _amplitude_and_lag(scale * fifth.conjugate() / 5.0)
+    phi, W = wrapped(theta + math.pi), 2.0 * par.k * par.Y * first.real
+    crossing = wrapped(theta + omega * t_zero + 0.5 * math.pi)
+    return Measures(X, X_s, V_s, t_s, phi, crossing, a, b, W, X_1, phi_1, X_3, phi_3, X_5, phi_5)
+
+
+@jit
+def _amplitude_and_lag(harmonic: complex) -> tuple[float, float]:
+    """X_n and φ_n of X_n e^{−iφ_n}."""
+    return abs(harmonic), -math.atan2(harmonic.imag, harmonic.real)
+
+
+@jit
+def _time_of(level: float, end: float, phase: Phase) -> float:
+    """The time before `end` at which a phase has moved by `level`, which it has passed at `end`: by Newton's method,
+    kept inside the bracket."""
+    low, high, t = 0.0, end, 0.5 * end
+    for _ in range(100):
+        u, v = move(t, phase)
+        if u > level:
+            high = t
+        else:
+            low = t
+        step = (level - u) / v if v != 0.0 else math.inf
+        if not low <= t + step <= high:
+            step = 0.5 * (low + high) - t
+        t += step
+        if abs(step) <= 1e-9 * t:  # the next step would be its square
+            break
+    return t
 
 
 @jit
 def _by_ends(
     duration: float,
-    start: tuple[float, float, complex],
-    end: tuple[float, float, complex],
-    f0: float,
+    phase: Phase,
+    end: tuple[float, float],
+    turns: tuple[complex, complex],
     drive: float,
-    delta: float,
-    Omega2: float,
-    omega: float,
 ) -> tuple[float, float, complex, complex, complex]:
     """∫ ẋ² dt of the forced motion and of the whole, and ∫ ẋ e^{inψ} dt, n = 1, 3, 5, over a phase, from the values
     at its ends.
 
-    start, end : u, m, ẋ, m/s, and e^{iψ}, u displacement gained, ψ phase of the base.   drive : kY/m, m/s².   Others as
-    in `flow.move`.
+    end : displacement gained, m, and ẋ, m/s, at the end.   turns : e^{iψ} at the start and end, ψ phase of the base.
+    drive : kY/m, m/s².
     """
-    u0, v0, turn0 = start
-    u1, v1, turn1 = end
+    v0, f0, _, delta, Omega2, omega = phase
+    (u1, v1), (turn0, turn1) = end, turns
     over_D = inverse(Omega2 - omega * omega, 2.0 * delta * omega)
     B = complex(drive * over_D.real, drive * over_D.imag)  # forced motion Re[B e^{iψ}] about `rest`
     V = complex(-omega * B.imag, omega * B.real)
     rest = f0 / Omega2
-    q0, w0 = u0 - rest - (B * turn0).real, v0 - (V * turn0).real
+    q0, w0 = -rest - (B * turn0).real, v0 - (V * turn0).real
     q1, w1 = u1 - rest - (B * turn1).real, v1 - (V * turn1).real
 
     square0, square1 = turn0 * turn0, turn1 * turn1
@@ -143,9 +165,9 @@ def _by_ends(
     sixth = _over_i(cube1 * cube1 - cube0 * cube0, 6.0 * omega)
     back = V.conjugate()
     ends = (q0, w0, q1, w1)
-    free_1 = _free_integral(ends, turn0, turn1, omega, delta, Omega2)
-    free_3 = _free_integral(ends, cube0, cube1, 3.0 * omega, delta, Omega2)
-    free_5 = _free_integral(ends, cube0 * square0, cube1 * square1, 5.0 * omega, delta, Omega2)
+    free_1 = _free_integral(ends, turn0, turn1, omega, phase)
+    free_3 = _free_integral(ends, cube0, cube1, 3.0 * omega, phase)
+    free_5 = _free_integral(ends, cube0 * square0, cube1 * square1, 5.0 * omega, phase)
 
     free_square = (w0 * w0 - w1 * w1 + Omega2 * (q0 * q0 - q1 * q1)) / (4.0 * delta)
     speed_squared = V.real * V.real + V.imag * V.imag
@@ -171,38 +193,32 @@ def _free_integral(
     turn0: complex,
     turn1: complex,
     sigma: float,
-    delta: float,
-    Omega2: float,
+    phase: Phase,
 ) -> complex:
     """∫ q̇ e^{iσt} dt over a phase, from q, q̇ and e^{iσt} at its start and end."""
     q0, w0, q1, w1 = ends
+    delta, Omega2 = phase.delta, phase.Omega2
     difference = turn1 * complex(Omega2 * q1, sigma * w1) - turn0 * complex(Omega2 * q0, sigma * w0)
     return difference * inverse(Omega2 - sigma * sigma, -2.0 * delta * sigma)
 
 
 @jit
 def _by_gauss(
-    duration: float,
-    v0: float,
-    f0: float,
-    A: complex,
-    start: complex,
-    delta: float,
-    Omega2: float,
-    omega: float,
+    duration: float, phase: Phase, start: complex
 ) -> tuple[float, complex, complex, complex]:
     """The integrals of `_by_ends`, except that of the forced motion, by Gauss's rule; not for over-damped phases.
 
-    start : e^{iψ} at the start.   Others as in `flow.move`.
+    start : e^{iψ} at the start.
     """
-    panels = 1 + int(duration * (2.0 * math.sqrt(Omega2) + 6.0 * omega) / _PANEL)
+    omega = phase.omega
+    panels = 1 + int(duration * (2.0 * math.sqrt(phase.Omega2) + 6.0 * omega) / _PANEL)
     h = duration / panels
     square = 0.0
     one = three = five = 0j
     for i in range(panels):
         for node, weight in zip(_GAUSS_NODES, _GAUSS_WEIGHTS):  # noqa: B905 (no strict= in compiled code)
             t = h * (i + 0.5 + 0.5 * node)
-            _, v = move(t, v0, f0, A, delta, Omega2, omega)
+            _, v = move(t, phase)
             turn = start * unit(omega * t)
             turn2 = turn * turn
             weighted = 0.5 * h * weight * v

@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 
 from ..model import Parameters
-from .flow import harmonic_response, phase_start, step_response, unit
+from .flow import Phase, harmonic_response, phase_start, step_response, unit
 from .jit import jit
 
 _MAX_NEWTON = 40
@@ -43,9 +43,9 @@ def solve_one_slip(par: Parameters) -> tuple[bool, float, float, float, float]:
     stalled = 0
     X = p1 = p2 = V_s = 0.0
     for _ in range(_MAX_NEWTON):
-        regular, X, p1, p2, V_s, dp1, dp2 = _half_cycle(tau, par)
+        X, p1, p2, V_s, dp1, dp2 = _half_cycle(tau, par)
         p_squared = p1 * p1 + p2 * p2
-        if not (regular and p_squared > 0.0):
+        if not p_squared > 0.0:
             return False, 0.0, 0.0, 0.0, 0.0
         error = 0.5 * math.log(p_squared) - log_Y
         slope = tau * (p1 * dp1 + p2 * dp2) / p_squared
@@ -87,10 +87,8 @@ def _first_guess(par: Parameters) -> float:
 
 
 @jit
-def _half_cycle(
-    tau: float, par: Parameters
-) -> tuple[bool, float, float, float, float, float, float]:
-    """Solve M q = r for a given τ: (regular, X, p₁, p₂, V_s, dp₁/dτ, dp₂/dτ)."""
+def _half_cycle(tau: float, par: Parameters) -> tuple[float, float, float, float, float, float]:
+    """Solve M q = r for a given τ: (X, p₁, p₂, V_s, dp₁/dτ, dp₂/dτ), all zero where M is singular."""
     m, c, k, K_z, F_k, _, omega = par
     delta = c / (2.0 * m)
     half_cycle = math.pi / omega
@@ -120,7 +118,7 @@ def _half_cycle(
     c1, c2, c3 = m22 * m33 - m23 * m32, m13 * m32 - m12 * m33, m12 * m23 - m13 * m22
     det = m11 * c1 + m21 * c2 + m31 * c3
     if det == 0.0 or not math.isfinite(det):
-        return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     b1, b2, b3 = m23 * m31 - m21 * m33, m11 * m33 - m13 * m31, m13 * m21 - m11 * m23
     a1, a2, a3 = m21 * m32 - m22 * m31, m12 * m31 - m11 * m32, m11 * m22 - m12 * m21
     X = (c1 * r1 + c2 * r2 + c3 * r3) / det
@@ -132,37 +130,29 @@ def _half_cycle(
     d2, d3 = 1.0 - Omega2 * J, -Omega2 * S
     dp1 = -V_s * (b1 - b2 * d2 - b3 * d3) / det
     dp2 = -V_s * (a1 - a2 * d2 - a3 * d3) / det
-    return True, X, p1, p2, V_s, dp1, dp2
+    return X, p1, p2, V_s, dp1, dp2
 
 
 @jit
 def _is_forward(tau: float, X: float, theta: float, V_s: float, par: Parameters) -> bool:
     """Whether ẋ > 0 between the two ends of the half cycle of a solution."""
-    delta, omega, Z_m = par.c / (2.0 * par.m), par.omega, par.F_k / par.K_z
-    f0, A, Omega2 = phase_start(0.0, -X, -Z_m, theta, par)
-    if not velocity_keeps_sign(tau, 0.0, f0, A, delta, Omega2, omega, V_s):
+    omega, Z_m = par.omega, par.F_k / par.K_z
+    stick = phase_start(0.0, -X, 0.0, -Z_m, unit(theta), par)
+    if not velocity_keeps_sign(tau, stick, V_s):
         return False
-    f0, A, Omega2 = phase_start(1.0, -X + 2.0 * Z_m, Z_m, theta + omega * tau, par)
-    return velocity_keeps_sign(math.pi / omega - tau, V_s, f0, A, delta, Omega2, omega, omega * X)
+    slip = phase_start(1.0, -X + 2.0 * Z_m, V_s, Z_m, unit(theta + omega * tau), par)
+    return velocity_keeps_sign(math.pi / omega - tau, slip, omega * X)
 
 
 @jit
-def velocity_keeps_sign(
-    duration: float,
-    v0: float,
-    f0: float,
-    A: complex,
-    delta: float,
-    Omega2: float,
-    omega: float,
-    scale: float,
-) -> bool:
+def velocity_keeps_sign(duration: float, phase: Phase, scale: float) -> bool:
     """Whether the velocity of a phase stays positive between its ends, of which either may be a rest.
 
     The phase is sampled at least 2.5 times per radian; between samples, the cubic through velocities and
     accelerations bounds it. A minimum above zero by less than 1e-6 of `scale` counts as a change of sign, which
     sends the case to the event-located simulation: the safe side.
     """
+    v0, f0, A, delta, Omega2, omega = phase
     n = max(6, math.ceil(2.5 * duration * max(omega, math.sqrt(Omega2))))
     h = duration / n
     J, S, R = step_response(h, delta, Omega2)

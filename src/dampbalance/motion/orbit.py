@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..model import BaseMotion, Oscillator, Parameters, parameters
-from .integrals import Measures, measure, wrapped
+from .integrals import Measures, measure
 from .regime import Regime
-from .states import State, states_in_phases, zero_crossing
+from .states import State, states_in_phases
 from .steady import MAX_PHASES, solve_steady
 
 
@@ -43,6 +43,9 @@ class Orbit:
     regime: Regime
     theta: float
     phases: Array = field(repr=False)
+
+    def __post_init__(self) -> None:
+        self.phases.flags.writeable = False
 
     @cached_property
     def _parameters(self) -> Parameters:
@@ -75,13 +78,12 @@ class Orbit:
     @property
     def phi(self) -> float:
         """Lag of the velocity reversal at x = +X behind the base's peak, rad."""
-        return wrapped(self.theta + math.pi)
+        return self._measures.phi
 
-    @cached_property
+    @property
     def phi_zero_crossing(self) -> float:
         """Lag of the upward zero crossing of x behind that of the base, rad."""
-        delay = zero_crossing(self.phases, len(self.phases), self.theta, self._parameters)
-        return wrapped(self.theta + self.motion.omega * delay + 0.5 * math.pi)
+        return self._measures.phi_zero_crossing
 
     @property
     def t_1(self) -> float:
@@ -112,8 +114,7 @@ class Orbit:
         """(X_n, φ_n) of x = Σ X_n cos(nωt − φ_n), m and rad, for n = 1, 3, 5. Even harmonics vanish by symmetry."""
         if n not in (1, 3, 5):
             raise ValueError(f"harmonic n must be 1, 3 or 5, got {n!r}")
-        value: complex = getattr(self._measures, f"harmonic_{int(n)}")
-        return abs(value), -math.atan2(value.imag, value.real)
+        return getattr(self._measures, f"X_{int(n)}"), getattr(self._measures, f"phi_{int(n)}")
 
     def state(self, t: ArrayLike) -> State:
         """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
@@ -121,23 +122,15 @@ class Orbit:
         period = self.motion.period
         since = np.mod(times.ravel() - self.theta / self.motion.omega, period)
         mirrored = since >= 0.5 * period
-        out = np.empty((4, times.size))
-        states_in_phases(
-            np.where(mirrored, since - 0.5 * period, since),
-            self.phases,
-            self.theta,
-            self._parameters,
-            out,
-        )
-        out = np.where(mirrored, -out, out)
-        return State(*(row.reshape(times.shape) for row in out))
+        within = np.where(mirrored, since - 0.5 * period, since)
+        rows = states_in_phases(within, self.phases, self.theta, self._parameters)
+        return State(*(row.reshape(times.shape) for row in np.where(mirrored, -rows, rows)))
 
     def to_dict(self) -> dict[str, Any]:
         """The orbit as plain numbers and lists, from which `from_dict` makes it again, bit for bit."""
-        o, y = self.oscillator, self.motion
         return {
-            "oscillator": {name: getattr(o, name) for name in ("m", "c", "k", "K_z", "F_k")},
-            "motion": {"Y": y.Y, "omega": y.omega},
+            "oscillator": asdict(self.oscillator),
+            "motion": asdict(self.motion),
             "regime": self.regime.name,
             "theta": self.theta,
             "phases": self.phases.tolist(),
@@ -146,14 +139,12 @@ class Orbit:
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
         """The orbit that `to_dict` described."""
-        phases = np.array(data["phases"], dtype=float).reshape(-1, 5)
-        phases.flags.writeable = False
         return cls(
             Oscillator(**data["oscillator"]),
             BaseMotion(**data["motion"]),
             Regime[data["regime"]],
             float(data["theta"]),
-            phases,
+            np.array(data["phases"], dtype=float).reshape(-1, 5),
         )
 
 
@@ -173,6 +164,4 @@ def steady_orbit(oscillator: Oscillator, motion: BaseMotion) -> Orbit:
     regime = Regime(code)
     if regime is Regime.NOT_FOUND:
         raise NoSteadyOrbit(f"no steady orbit found for {oscillator} under {motion}")
-    kept = phases[:count].copy()
-    kept.flags.writeable = False
-    return Orbit(oscillator, motion, regime, theta, kept)
+    return Orbit(oscillator, motion, regime, theta, phases[:count].copy())

@@ -11,31 +11,12 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, Codes
 from ..model import Parameters
-from .integrals import measure, wrapped
+from .integrals import Measures, measure
 from .jit import jit
-from .states import zero_crossing
 from .steady import MAX_PHASES, solve_steady
 
 _BLOCK = 4096  # cases handed to a thread at a time: the scratch memory stays below a megabyte
-_COLUMNS = (
-    "X",
-    "X_s",
-    "V_s",
-    "t_s",
-    "phi",
-    "phi_zero_crossing",
-    "a",
-    "b",
-    "W",
-    "X_1",
-    "phi_1",
-    "X_3",
-    "phi_3",
-    "X_5",
-    "phi_5",
-)
 _POSITIVE = ("m", "k", "K_z", "Y", "omega")
-_NOT_NEGATIVE = ("c", "F_k")
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,16 +67,13 @@ def steady_orbits(
     arrays = _checked({"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k, "Y": Y, "omega": omega})
     shape = _common_shape(arrays)
     size = int(np.prod(shape))
-    out = np.empty((len(_COLUMNS), size))
+    out = np.empty((len(Measures._fields), size))
     regime = np.empty(size, dtype=np.uint8)
     views = [np.broadcast_to(a, shape) for a in arrays]
 
     def solve(start: int) -> None:
-        stop = min(start + _BLOCK, size)
-        inputs = np.empty((len(views), stop - start))
-        for row, view in zip(inputs, views, strict=True):
-            row[:] = view.flat[start:stop]
-        _solve_block(inputs, out[:, start:stop], regime[start:stop])
+        block = slice(start, start + _BLOCK)
+        _solve_block(tuple(view.flat[block] for view in views), out[:, block], regime[block])
 
     if threads is None:
         threads = (
@@ -104,8 +82,8 @@ def steady_orbits(
     with ThreadPoolExecutor(max_workers=max(1, threads or 1)) as pool:
         for _ in pool.map(solve, range(0, size, _BLOCK)):
             pass
-    columns = {name: row.reshape(shape) for name, row in zip(_COLUMNS, out, strict=True)}
-    return Orbits(**columns, regime=regime.reshape(shape))
+    # the fields of `Orbits` are those of `Measures`, in their order, and the regime
+    return Orbits(*(row.reshape(shape) for row in (*out, regime)))
 
 
 def _common_shape(arrays: list[Array]) -> tuple[int, ...]:
@@ -134,30 +112,14 @@ def _checked(arguments: dict[str, ArrayLike]) -> list[Array]:
 
 
 @jit
-def _solve_block(inputs: Array, out: Array, regime: Codes) -> None:
-    """Rows of `inputs` (7, n) in the order of `Parameters`; rows of `out` in that of _COLUMNS."""
+def _solve_block(inputs: tuple[Array, ...], out: Array, regime: Codes) -> None:
+    """inputs : the arrays (n,) of `Parameters`.   Rows of `out` (15, n) receive the fields of `Measures`."""
     phases = np.empty((MAX_PHASES, 5))
-    for i in range(inputs.shape[1]):
-        par = Parameters(
-            inputs[0, i],
-            inputs[1, i],
-            inputs[2, i],
-            inputs[3, i],
-            inputs[4, i],
-            inputs[5, i],
-            inputs[6, i],
-        )
+    for i, numbers in enumerate(zip(*inputs)):  # noqa: B905 (no strict= in compiled code)
+        par = Parameters(*numbers)
         code, count, theta = solve_steady(par, phases)
         regime[i] = code
         if count == 0:
             out[:, i] = np.nan
-            continue
-        found = measure(phases, count, theta, par)
-        delay = zero_crossing(phases, count, theta, par)
-        out[0, i], out[1, i], out[2, i], out[3, i] = found.X, found.X_s, found.V_s, found.t_s
-        out[4, i] = wrapped(theta + np.pi)
-        out[5, i] = wrapped(theta + par.omega * delay + 0.5 * np.pi)
-        out[6, i], out[7, i], out[8, i] = found.a, found.b, found.W
-        out[9, i], out[10, i] = abs(found.harmonic_1), -np.angle(found.harmonic_1)
-        out[11, i], out[12, i] = abs(found.harmonic_3), -np.angle(found.harmonic_3)
-        out[13, i], out[14, i] = abs(found.harmonic_5), -np.angle(found.harmonic_5)
+        else:
+            out[:, i] = measure(phases, count, theta, par)

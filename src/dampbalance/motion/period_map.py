@@ -32,13 +32,7 @@ _ACCEPTED = 1e-12  # like `_CONVERGED`, where rounding stops the descent
 
 @jit
 def half_period_map(
-    x: float,
-    v: float,
-    z: float,
-    theta: float,
-    par: Parameters,
-    phases: Array,
-    jacobian: Array,
+    x: float, v: float, z: float, theta: float, par: Parameters, phases: Array, jacobian: Array
 ) -> tuple[int, float, float, float]:
     """(number of phases, x, ẋ, z) after half a period; `jacobian` (3, 3) receives the derivative. The number is 0
     on overflow.
@@ -51,9 +45,7 @@ def half_period_map(
     if t < half:
         return 0, x, v, z
     delta = par.c / (2.0 * par.m)
-    for i in range(3):
-        for j in range(3):
-            jacobian[i, j] = 1.0 if i == j else 0.0
+    jacobian[:] = np.eye(3)
     for i in range(count):
         duration = (phases[i + 1, PHASE_T] if i + 1 < count else half) - phases[i, PHASE_T]
         sticks = phases[i, PHASE_S] == 0.0
@@ -91,12 +83,7 @@ def _energy_norm(x: float, v: float, z: float, par: Parameters) -> float:
 
 @jit
 def solve_period_map(
-    x: float,
-    v: float,
-    z: float,
-    theta: float,
-    par: Parameters,
-    phases: Array,
+    x: float, v: float, z: float, theta: float, par: Parameters, phases: Array
 ) -> tuple[bool, float, float, float]:
     """(found, x, ẋ, z): the state at base phase θ of the steady orbit, by Newton from the given state.
 

@@ -34,10 +34,9 @@ class Trajectory:
         start = self.phases[0, PHASE_T]
         if times.size and not (times.min() >= start and times.max() <= self.end):
             raise ValueError(f"times must lie within [{start}, {self.end}] s")
-        out = np.empty((4, times.size))
         par = parameters(self.oscillator, self.motion)
-        states_in_phases(times.ravel(), self.phases, 0.0, par, out)
-        return State(*(row.reshape(times.shape) for row in out))
+        rows = states_in_phases(times.ravel(), self.phases, 0.0, par)
+        return State(*(row.reshape(times.shape) for row in rows))
 
 
 def transient(
