@@ -145,7 +145,7 @@ def _condition(
     }
     steps = {q: _step(t, q) for q, (t, _) in leading.items()}
     omega, omega_error = _drive_frequency(driving, leading[driving], steps[driving])
-    warnings = checks.frequency(omega, omega_error, frequency_hz)
+    warnings = list(checks.frequency(omega, omega_error, frequency_hz))
     period = 2.0 * math.pi / omega
     start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
     harmonics = {
@@ -224,7 +224,7 @@ def _checked_cycles(
     harmonics: Mapping[str, CycleHarmonics], weights: Array, omega: float
 ) -> list[str]:
     """Warnings about cycles that are missing, and about the signals in the others."""
-    warnings = checks.bad_cycles({q: h.bad_cycles for q, h in harmonics.items()})
+    warnings = [w for q, h in harmonics.items() for w in checks.bad_cycles(q, h.bad_cycles)]
     cycles = int(weights.sum())
     checks.require_cycles(cycles, int(np.count_nonzero(weights)), omega, FEWEST_CYCLES)
     warnings += checks.few_cycles(cycles)
@@ -382,12 +382,7 @@ def _combined(moved: Mapping[str, Complexes], weights: Array) -> tuple[Complexes
 
 def _bandwidth(mean: Complexes, error: Array) -> int:
     """The highest odd harmonic that stands out of the noise by four standard deviations; two in a row may be hidden."""
-    highest, hidden = 1, 0
-    for n in range(3, len(mean), 2):
-        if abs(mean[n]) > 4.0 * error[n]:
-            highest, hidden = n, 0
-        else:
-            hidden += 1
-            if hidden > 2:
-                break
-    return highest
+    odd = np.arange(1, len(mean), 2)
+    clear = odd[(odd == 1) | (np.abs(mean[odd]) > 4.0 * error[odd])]
+    ends = clear[np.diff(clear, append=math.inf) > 6]
+    return int(ends[0])
