@@ -291,8 +291,7 @@ class _Accumulator:
 
 def _three_in_a_row(true: Mask) -> Mask:
     """Which rows are true at three neighbouring places."""
-    found: Mask = (true[:, 2:] & true[:, 1:-1] & true[:, :-2]).any(axis=1)
-    return found
+    return np.asarray((true[:, 2:] & true[:, 1:-1] & true[:, :-2]).any(axis=1))
 
 
 def _joined(rows: Complexes, count: int) -> Complexes:
