@@ -6,9 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..arrays import Array
+from .information import Coefficients
 from .residuals import Adequacy
 
 _NORMAL_95 = 1.959963984540054  # 97.5 % point of the normal distribution
@@ -17,7 +16,7 @@ _LEVEL = 1e-3  # of the probability below which a test rejects
 
 
 @dataclass(frozen=True, eq=False)
-class ReferenceFit:
+class ReferenceFit(Coefficients):
     """Maximum-likelihood estimate from n records; SI units.
 
     F_k : N.   c : N s/m.   K_z : N/m; infinite where the best contact is rigid.
@@ -30,14 +29,9 @@ class ReferenceFit:
     adequacy : whether the residuals are white.   iterations : on all samples.   warnings : to the reader.
     """
 
-    F_k: float
-    c: float
-    K_z: float
-    covariance: Array
     rho: float
     rho_standard_error: float
     m: float
-    m_standard_error: float
     Y: Array
     psi: Array
     omega: Array
@@ -47,12 +41,6 @@ class ReferenceFit:
     adequacy: Adequacy
     iterations: int
     warnings: tuple[str, ...]
-
-    @property
-    def standard_errors(self) -> tuple[float, float, float]:
-        """Of F_k (N), c (N s/m), K_z (N/m)."""
-        F_k, c, K_z = np.sqrt(np.diag(self.covariance)).tolist()
-        return F_k, c, K_z
 
     @property
     def K_z_interval(self) -> tuple[float, float]:
