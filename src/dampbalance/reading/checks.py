@@ -35,13 +35,13 @@ _LARGEST_AMPLITUDE = 0.5  # m
 _LARGEST_ACCELERATION = 1000.0  # m/s²: a hundred times gravity
 _LARGEST_GAIN = 100.0
 
+_UNCONNECTED = "the transducer was not connected, or the wrong column was read"
+
 
 def require_signal(quantity: str, values: Array) -> None:
     """ValueError when the values are all the same."""
     if not np.ptp(values) > 0.0:
-        raise ValueError(
-            f"{quantity} is constant ({values[0]:.6g}): the transducer was not connected, or the wrong column was read"
-        )
+        raise ValueError(f"{quantity} is constant ({values[0]:.6g}): {_UNCONNECTED}")
 
 
 def require_level(quantity: str, harmonics: CycleHarmonics) -> None:
@@ -49,9 +49,7 @@ def require_level(quantity: str, harmonics: CycleHarmonics) -> None:
     usable = harmonics.weights > 0.0
     fundamental = harmonics.coefficients[usable, 1]
     if not harmonics.span > 0.0:
-        raise ValueError(
-            f"{quantity} is constant: the transducer was not connected, or the wrong column was read"
-        )
+        raise ValueError(f"{quantity} is constant: {_UNCONNECTED}")
     mean = fundamental.mean()
     scatter = math.sqrt(float(np.mean(np.abs(fundamental - mean) ** 2)) / len(fundamental))
     if abs(mean) < SIGNIFICANT * scatter:
@@ -73,9 +71,7 @@ def require_cycles(cycles: int, rows: int, omega: float, fewest: int) -> None:
 def few_cycles(cycles: int) -> Iterator[str]:
     """A warning when there are so few cycles that their scatter says little."""
     if cycles < FEW_CYCLES:
-        yield (
-            f"only {cycles} cycles: standard errors and intervals are rough; record {FEW_CYCLES} or more"
-        )
+        yield f"only {cycles} cycles: standard errors and intervals are rough; record {FEW_CYCLES} or more"
 
 
 def frequency(omega: float, error: float, frequency_hz: float | None) -> Iterator[str]:
@@ -180,7 +176,8 @@ def steadiness(
     ):
         mean = weighted_mean(rows, weights)
         along = basis[:, 1:].T @ rows
-        noise = min(_successive(half, parts) for half in (rows[: size // 2], rows[size // 2 :]))
+        halves = rows[: size // 2], rows[size // 2 :]
+        noise = min(float(np.mean(np.abs(np.diff(half)) ** 2)) for half in halves) / (2.0 * parts)
         statistic = float(np.sum(np.abs(along) ** 2)) / max(noise, 1e-300)
         # successive differences know the variance as well as two thirds as many independent rows; of two halves, twice
         # the chance
@@ -203,11 +200,6 @@ def steadiness(
         if 0 < settled < size // 2:
             words += f"; it settles after about {cycles} cycles: leave those out"
         yield words
-
-
-def _successive(rows: Complexes, parts: float) -> float:
-    """Variance of the real (and of the imaginary) part of rows about a slowly changing mean."""
-    return float(np.mean(np.abs(np.diff(rows)) ** 2)) / (2.0 * parts)
 
 
 def _settled_after(rows: Complexes, noise: float, parts: float) -> int:
