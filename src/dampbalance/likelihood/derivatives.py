@@ -97,7 +97,7 @@ def response(
         _by_oscillator(osc, motion, name, phase)
         for name in ("F_k", "c", "rho", *(("m",) if "m" in free else ()))
     )
-    by_psi = _over_omega(_rates(orbit, state, phase), motion.omega)
+    by_psi = State(*(rate / motion.omega for rate in _rates(orbit, state, phase)))
     by_omega = _by_omega(osc, motion, phase) if "omega" in free else None
 
     values: dict[str, Array] = {}
@@ -167,7 +167,3 @@ def _rates(orbit: Orbit, state: State, phase: Array) -> State:
     drive = -osc.k * motion.Y * motion.omega * np.sin(phase)
     jerk = (drive - osc.c * state.acceleration - osc.k * state.v - contact) / osc.m
     return State(state.v, state.acceleration, jerk, np.where(sticks, state.v, 0.0))
-
-
-def _over_omega(rates: State, omega: float) -> State:
-    return State(*(rate / omega for rate in rates))

@@ -62,13 +62,13 @@ def reference_fit(
 
     Raises NotIdentifiable where nothing slips, NoConvergence, NoSteadyOrbit; ValueError for what makes no sense.
     """
-    problem = _Problem.of(records, omega, m, k, noise, free)
-    lines = [
-        lines_of(r, tau, w)
-        for r, tau, w in zip(problem.records, problem.tau, problem.omega, strict=True)
-    ]
-    refuse_linear(lines, problem.omega, m, k)
-    osc = starting_point(lines, problem.omega, m, k) if start is None else start
+    _check(records, m, k, noise, free)
+    omegas = _frequencies(omega, len(records))
+    tau = [record.t - record.t.mean() for record in records]
+    problem = _Problem(records, tau, omegas, m, k, noise, free)
+    lines = lines_of(records, tau, omegas)
+    refuse_linear(lines, omegas, m, k)
+    osc = starting_point(lines, omegas, m, k) if start is None else start
     point, (lower, scale) = problem.point(osc, lines), problem.limits(lines)
     try:
         for part in (problem.thinned(), problem):
@@ -83,48 +83,44 @@ def reference_fit(
     return problem.report(climbed)
 
 
+def _check(
+    records: Sequence[Record], m: float, k: float, noise: Noise | None, free: Collection[str]
+) -> None:
+    """ValueError for what makes no sense."""
+    if not records:
+        raise ValueError("a fit needs at least one record")
+    require_known(noise or {}, free)
+    for name, value in (("m", m), ("k", k)):
+        if not finite_number(name, value) > 0.0:
+            raise ValueError(f"{name} must be positive, got {value!r}")
+    for i, record in enumerate(records):
+        missing = sorted(_channels(record).keys() - noise.keys()) if noise is not None else []
+        if missing:
+            raise ValueError(f"noise lacks the channels {missing} of record {i + 1}")
+
+
+def _frequencies(omega: float | Sequence[float], records: int) -> list[float]:
+    """ω of each record."""
+    given = np.atleast_1d(np.asarray(omega, dtype=float))
+    omegas = np.repeat(given, records if given.size == 1 else 1).tolist()
+    if len(omegas) != records or not all(math.isfinite(w) and w > 0.0 for w in omegas):
+        raise ValueError(
+            f"omega must be one positive number, or one per record, got {omega!r} for {records} records"
+        )
+    return omegas
+
+
 @dataclass(frozen=True, eq=False)
 class _Problem:
     """Records with what was given about them. A point holds F_k, c, ρ[, m], then Y, ψ[, ω] of each record."""
 
-    records: list[Record]
+    records: Sequence[Record]
     tau: list[Array]
     omega: list[float]
     m: float
     k: float
     noise: Noise | None
     free: Collection[str]
-
-    @classmethod
-    def of(
-        cls,
-        records: Sequence[Record],
-        omega: float | Sequence[float],
-        m: float,
-        k: float,
-        noise: Noise | None,
-        free: Collection[str],
-    ) -> _Problem:
-        """The problem, checked."""
-        if not records:
-            raise ValueError("a fit needs at least one record")
-        require_known(noise or {}, free)
-        for name, value in (("m", m), ("k", k)):
-            if not finite_number(name, value) > 0.0:
-                raise ValueError(f"{name} must be positive, got {value!r}")
-        omegas = np.atleast_1d(np.asarray(omega, dtype=float)).tolist()
-        if len(omegas) == 1:
-            omegas *= len(records)
-        if len(omegas) != len(records) or not all(math.isfinite(w) and w > 0.0 for w in omegas):
-            raise ValueError(
-                f"omega must be one positive number, or one per record, got {omega!r} for {len(records)} records"
-            )
-        for i, record in enumerate(records):
-            missing = sorted(_channels(record).keys() - noise.keys()) if noise is not None else []
-            if missing:
-                raise ValueError(f"noise lacks the channels {missing} of record {i + 1}")
-        tau = [record.t - record.t.mean() for record in records]
-        return cls(list(records), tau, omegas, m, k, noise, free)
 
     @property
     def common(self) -> int:
@@ -138,30 +134,28 @@ class _Problem:
 
     def thinned(self) -> _Problem | None:
         """This problem with about `_COARSE` samples of each record, or None where they have not many more."""
-        strides = [len(record) // _COARSE for record in self.records]
+        strides = [max(len(record) // _COARSE, 1) for record in self.records]
         if max(strides) < 2:
             return None
-        records, tau = [], []
-        for record, times, stride in zip(self.records, self.tau, strides, strict=True):
-            kept = slice(None, None, max(stride, 1))
-            records.append(
-                Record(**{name: signal[kept] for name, signal in record.signals().items()})
-            )
-            tau.append(times[kept])
-        return _Problem(records, tau, self.omega, self.m, self.k, self.noise, self.free)
+        records = [
+            Record(**{name: signal[::stride] for name, signal in record.signals().items()})
+            for record, stride in zip(self.records, strides, strict=True)
+        ]
+        tau = [times[::stride] for times, stride in zip(self.tau, strides, strict=True)]
+        return replace(self, records=records, tau=tau)
 
-    def point(self, osc: Oscillator, lines: Sequence[Lines]) -> Array:
+    def point(self, osc: Oscillator, lines: Lines) -> Array:
         """The point of an oscillator, with Y and ψ of the records' own harmonics."""
-        own = [(line.Y, line.psi, w)[: self.own] for line, w in zip(lines, self.omega, strict=True)]
+        own = np.column_stack([lines.Y, lines.psi, self.omega])[:, : self.own]
         common = [osc.F_k, osc.c, compliance_root(osc.K_z), osc.m][: self.common]
         return np.concatenate([common, np.ravel(own)])
 
-    def limits(self, lines: Sequence[Lines]) -> tuple[Array, Array]:
+    def limits(self, lines: Lines) -> tuple[Array, Array]:
         """The least value of each unknown, and one that is as good as zero.
 
         F_k stays just above zero, where it would take K_z along.
         """
-        force = self.k * max(line.Y for line in lines)
+        force = self.k * float(lines.Y.max())
         rigid = smallest_compliance_root(self.k)
         common = [
             (1e-9 * force, 1e-9 * force),
@@ -170,8 +164,8 @@ class _Problem:
             (1e-6 * self.m, 1e-6 * self.m),
         ][: self.common]
         own = [
-            ((1e-3 * line.Y, 1e-3 * line.Y), (-math.inf, 1.0), (0.9 * w, w))[: self.own]
-            for line, w in zip(lines, self.omega, strict=True)
+            ((1e-3 * Y, 1e-3 * Y), (-math.inf, 1.0), (0.9 * w, w))[: self.own]
+            for Y, w in zip(lines.Y, self.omega, strict=True)
         ]
         lower, scale = np.array([*common, *(pair for pairs in own for pair in pairs)]).T
         return lower, scale
@@ -229,6 +223,10 @@ class _Problem:
         noise = self.noise_of(residuals, point.size)
         every = [r for channels in residuals for r in channels.values()]
         samples = sum(r.values.size - 1 for r in every)
+        sigmas = [sigma for channels in noise for sigma in channels.values()]
+        chi_square = math.nan
+        if self.noise is not None:
+            chi_square = sum(_square(r) / s**2 for r, s in zip(every, sigmas, strict=True))
         fit = ReferenceFit(
             F_k=osc.F_k,
             c=osc.c,
@@ -245,14 +243,7 @@ class _Problem:
             offsets=_by_channel(
                 [{name: float(r.values.mean()) for name, r in rs.items()} for rs in residuals]
             ),
-            chi_square=math.nan
-            if self.noise is None
-            else sum(
-                _square(r) / sigmas[name] ** 2
-                for channels, sigmas in zip(residuals, noise, strict=True)
-                for name, r in channels.items()
-            )
-            / (samples - point.size),
+            chi_square=chi_square / (samples - point.size),
             adequacy=adequacy(every, point.size - len(self.records) * ("omega" in self.free)),
             iterations=climbed.iterations,
             warnings=(),

@@ -49,25 +49,31 @@ class Terms(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Bound:
-    """Smallest covariance that an unbiased estimate can have.
-
-    F_k (N), c (N s/m), K_z (N/m) : where it holds.   covariance : (3, 3), of (F_k, c, K_z) in SI units.
-    m_standard_error : kg; 0 where the mass is known.   samples : of a channel, all records together.
-    """
+class Coefficients:
+    """F_k (N), c (N s/m), K_z (N/m), their covariance (3, 3) in SI units, and the standard error of the mass, kg."""
 
     F_k: float
     c: float
     K_z: float
     covariance: Array
     m_standard_error: float
-    samples: int
 
     @property
     def standard_errors(self) -> tuple[float, float, float]:
         """Of F_k (N), c (N s/m), K_z (N/m)."""
         F_k, c, K_z = np.sqrt(np.diag(self.covariance)).tolist()
         return F_k, c, K_z
+
+
+@dataclass(frozen=True, eq=False)
+class Bound(Coefficients):
+    """Smallest covariance that an unbiased estimate can have.
+
+    F_k (N), c (N s/m), K_z (N/m) : where it holds.   covariance : (3, 3), of (F_k, c, K_z) in SI units.
+    m_standard_error : kg; 0 where the mass is known.   samples : of a channel, all records together.
+    """
+
+    samples: int
 
     @property
     def relative(self) -> tuple[float, float, float]:

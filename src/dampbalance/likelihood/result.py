@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..arrays import Array
+from .information import Coefficients
 from .residuals import Adequacy
 
 _NORMAL_95 = 1.959963984540054  # 97.5 % point of the normal distribution
@@ -17,7 +16,7 @@ _LEVEL = 1e-3  # of the probability below which a test rejects
 
 
 @dataclass(frozen=True, eq=False)
-class ReferenceFit:
+class ReferenceFit(Coefficients):
     """Maximum-likelihood estimate from n records; SI units.
 
     F_k : N.   c : N s/m.   K_z : N/m; infinite where the best contact is rigid.
@@ -30,14 +29,9 @@ class ReferenceFit:
     adequacy : whether the residuals are white.   iterations : on all samples.   warnings : to the reader.
     """
 
-    F_k: float
-    c: float
-    K_z: float
-    covariance: Array
     rho: float
     rho_standard_error: float
     m: float
-    m_standard_error: float
     Y: Array
     psi: Array
     omega: Array
@@ -49,12 +43,6 @@ class ReferenceFit:
     warnings: tuple[str, ...]
 
     @property
-    def standard_errors(self) -> tuple[float, float, float]:
-        """Of F_k (N), c (N s/m), K_z (N/m)."""
-        F_k, c, K_z = np.sqrt(np.diag(self.covariance)).tolist()
-        return F_k, c, K_z
-
-    @property
     def K_z_interval(self) -> tuple[float, float]:
         """95 % interval of K_z, N/m, from ρ ± 1.96 standard errors; unbounded above where ρ = 0 is within."""
         spread = _NORMAL_95 * self.rho_standard_error
@@ -64,41 +52,35 @@ class ReferenceFit:
 
 def warnings_of(
     fit: ReferenceFit, silent: Sequence[int], undamped: bool, samples: int
-) -> list[str]:
+) -> Iterator[str]:
     """Warnings to the reader of the fit.
 
     silent : numbers of the records in which nothing slips.   undamped : whether c is at its limit.
     samples : that χ² is the mean of.
     """
-    warnings = []
     low, high = fit.K_z_interval
     if math.isinf(high):
-        warnings.append(
+        yield (
             f"the records do not tell the contact from a rigid one: K_z is above {low:.3g} N/m (97.5 %), without an "
             "upper limit; sample faster, measure acceleration, or reduce the noise"
         )
     if undamped:
-        warnings.append(
-            "the best c is at its limit, zero: its standard error is not that of a normal distribution"
-        )
+        yield "the best c is at its limit, zero: its standard error is not that of a normal distribution"
     if silent:
-        warnings.append(
-            f"nothing slips in record {', '.join(map(str, silent))}: it says nothing of F_k"
-        )
+        yield f"nothing slips in record {', '.join(map(str, silent))}: it says nothing of F_k"
     if abs(fit.chi_square - 1.0) > _NORMAL_999 * math.sqrt(2.0 / samples):  # NaN: not tested
-        warnings.append(
+        yield (
             f"the residuals are {math.sqrt(fit.chi_square):.4g} times the noise given: the noise or the model is "
             "wrong; do not trust the intervals"
         )
     if fit.adequacy.harmonics_p < _LEVEL:
-        warnings.append(
+        yield (
             f"the residuals repeat with the drive (χ² = {fit.adequacy.harmonics:.3g} per degree of freedom at its "
             "harmonics, 1 expected): the oscillator is not of this kind, or k or m is wrong; do not trust the intervals"
         )
     if fit.adequacy.whiteness_p < _LEVEL:
-        warnings.append(
+        yield (
             f"the residuals are not white (Ljung–Box χ² = {fit.adequacy.whiteness:.3g} per degree of freedom, 1 "
             "expected): the frequency is wrong, the response not steady or the noise filtered; do not trust the "
             "intervals"
         )
-    return warnings

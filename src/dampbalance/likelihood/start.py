@@ -16,11 +16,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import special  # scipy.stats has the same functions, and takes seconds to import
 from scipy.optimize import nnls
 
-from ..arrays import Array
+from ..arrays import Array, Complexes
 from ..model import Oscillator
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
@@ -35,23 +34,28 @@ _LEVEL = 1e-3  # of the probability at which a linear oscillator is rejected
 
 
 class Lines(NamedTuple):
-    """Harmonics of one record, y = Re[Y e^{i(ωτ + ψ)}], x = Re Σ X_n e^{in(ωτ + ψ)}, n = 1, 3, 5.
+    """Harmonics of n records, y = Re[Y e^{i(ωτ + ψ)}], x = Re Σ X_n e^{in(ωτ + ψ)}, n = 1, 3, 5.
 
-    Y : m.   psi : rad.   X : complex, m, shape (3,), 0 beyond the reach of the sampling.
-    deviation : standard deviation of the real and imaginary part of X_n from noise, m.
+    Y : m, (n,).   psi : rad, (n,).   X : complex, m, (n, 3), 0 beyond the reach of the sampling.
+    deviation : standard deviation of the real and imaginary part of X_n from noise, m, (n,).
     """
 
-    Y: float
-    psi: float
-    X: NDArray[np.complex128]
-    deviation: float
+    Y: Array
+    psi: Array
+    X: Complexes
+    deviation: Array
 
 
-def lines_of(record: Record, tau: Array, omega: float) -> Lines:
-    """Least-squares harmonics of a record at the times τ, s, ω in rad/s.
+def lines_of(records: Sequence[Record], tau: Sequence[Array], omegas: Sequence[float]) -> Lines:
+    """Least-squares harmonics of records at the times τ, s, ω in rad/s.
 
-    Raises ValueError where the record is shorter than one cycle or sampled fewer than 3 times in it.
+    Raises ValueError where a record is shorter than one cycle or sampled fewer than 3 times in it.
     """
+    each = [_of_record(*one) for one in zip(records, tau, omegas, strict=True)]
+    return Lines(*map(np.array, zip(*each, strict=True)))
+
+
+def _of_record(record: Record, tau: Array, omega: float) -> tuple[float, float, Complexes, float]:
     per_cycle = 2.0 * math.pi / (omega * record.dt)
     if per_cycle < 3.0 or tau.size < per_cycle:
         raise ValueError(
@@ -67,16 +71,12 @@ def lines_of(record: Record, tau: Array, omega: float) -> Lines:
     X = np.zeros(len(_HARMONICS), dtype=np.complex128)
     X[: len(reach)] = amplitudes * np.exp(-1j * psi * np.array(reach))
     gain = abs(X[0]) / Y
-    return Lines(Y, psi, X, math.hypot(sigma_x, gain * sigma_y) * math.sqrt(2.0 / tau.size))
+    return Y, psi, X, math.hypot(sigma_x, gain * sigma_y) * math.sqrt(2.0 / tau.size)
 
 
-def starting_point(
-    lines: Sequence[Lines], omegas: Sequence[float], m: float, k: float
-) -> Oscillator:
+def starting_point(lines: Lines, omegas: Sequence[float], m: float, k: float) -> Oscillator:
     """The oscillator among the candidates whose orbits have harmonics closest to the records'."""
-    X1 = np.array([line.X[0] for line in lines])
-    Y, omega = np.array([line.Y for line in lines]), np.array(omegas)
-    harmonics = np.array([line.X for line in lines])
+    Y, omega, harmonics, X1 = lines.Y, np.array(omegas), lines.X, lines.X[:, 0]
     W = -math.pi * k * Y * X1.imag
     if not np.all(W > 0.0):
         level = int(np.argmin(W))
@@ -109,14 +109,13 @@ def starting_point(
     return Oscillator(m, float(c[best, 0]), k, float(K_z[best, 0]), float(F_k[best, 0]))
 
 
-def refuse_linear(lines: Sequence[Lines], omegas: Sequence[float], m: float, k: float) -> None:
+def refuse_linear(lines: Lines, omegas: Sequence[float], m: float, k: float) -> None:
     """NotIdentifiable where a linear oscillator explains the harmonics within their noise: F_k leaves no trace then.
 
     It obeys (k + K − mω² + icω) X₁ = kY with K ≥ 0 the stiffness of a contact that only sticks (0: none), and has no
     X₃, X₅. The squared misfit over its variance is χ² with two degrees of freedom per harmonic, less two.
     """
-    omega, Y = np.array(omegas), np.array([line.Y for line in lines])
-    X = np.array([line.X for line in lines])
+    omega, Y, X = np.array(omegas), lines.Y, lines.X
     unexplained = (k * Y - (k - m * omega**2) * X[:, 0]) / X[:, 0]
     weight = np.abs(X[:, 0])
     K = max(float(np.average(unexplained.real, weights=weight**2)), 0.0)
@@ -124,8 +123,7 @@ def refuse_linear(lines: Sequence[Lines], omegas: Sequence[float], m: float, k: 
     c /= float(np.average(omega**2, weights=weight**2))
     error = X.copy()
     error[:, 0] -= k * Y / (k + K - m * omega**2 + 1j * c * omega)
-    sigma = np.array([line.deviation for line in lines])
-    sigma = np.maximum(sigma, _ROUNDING * weight)
+    sigma = np.maximum(lines.deviation, _ROUNDING * weight)
     statistic = float(np.sum(np.abs(error / sigma[:, None]) ** 2))
     dof = 2 * np.count_nonzero(X) - 2
     if dof > 0 and special.chdtrc(dof, statistic) > _LEVEL:
@@ -136,9 +134,7 @@ def refuse_linear(lines: Sequence[Lines], omegas: Sequence[float], m: float, k: 
         )
 
 
-def _amplitudes(
-    signal: Array, phase: Array, orders: Sequence[int]
-) -> tuple[NDArray[np.complex128], float]:
+def _amplitudes(signal: Array, phase: Array, orders: Sequence[int]) -> tuple[Complexes, float]:
     """Complex amplitudes of the harmonics, beside a constant, and the standard deviation of what is left."""
     basis = np.ones((2 * len(orders) + 1, phase.size))
     for i, n in enumerate(orders):

@@ -7,7 +7,7 @@ numbers. Differences count when they stand out of the scatter between cycles and
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,13 +35,13 @@ _LARGEST_AMPLITUDE = 0.5  # m
 _LARGEST_ACCELERATION = 1000.0  # m/s²: a hundred times gravity
 _LARGEST_GAIN = 100.0
 
+_UNCONNECTED = "the transducer was not connected, or the wrong column was read"
+
 
 def require_signal(quantity: str, values: Array) -> None:
     """ValueError when the values are all the same."""
     if not np.ptp(values) > 0.0:
-        raise ValueError(
-            f"{quantity} is constant ({values[0]:.6g}): the transducer was not connected, or the wrong column was read"
-        )
+        raise ValueError(f"{quantity} is constant ({values[0]:.6g}): {_UNCONNECTED}")
 
 
 def require_level(quantity: str, harmonics: CycleHarmonics) -> None:
@@ -49,9 +49,7 @@ def require_level(quantity: str, harmonics: CycleHarmonics) -> None:
     usable = harmonics.weights > 0.0
     fundamental = harmonics.coefficients[usable, 1]
     if not harmonics.span > 0.0:
-        raise ValueError(
-            f"{quantity} is constant: the transducer was not connected, or the wrong column was read"
-        )
+        raise ValueError(f"{quantity} is constant: {_UNCONNECTED}")
     mean = fundamental.mean()
     scatter = math.sqrt(float(np.mean(np.abs(fundamental - mean) ** 2)) / len(fundamental))
     if abs(mean) < SIGNIFICANT * scatter:
@@ -70,19 +68,16 @@ def require_cycles(cycles: int, rows: int, omega: float, fewest: int) -> None:
         )
 
 
-def few_cycles(cycles: int) -> list[str]:
+def few_cycles(cycles: int) -> Iterator[str]:
     """A warning when there are so few cycles that their scatter says little."""
-    if cycles >= FEW_CYCLES:
-        return []
-    return [
-        f"only {cycles} cycles: standard errors and intervals are rough; record {FEW_CYCLES} or more"
-    ]
+    if cycles < FEW_CYCLES:
+        yield f"only {cycles} cycles: standard errors and intervals are rough; record {FEW_CYCLES} or more"
 
 
-def frequency(omega: float, error: float, frequency_hz: float | None) -> list[str]:
+def frequency(omega: float, error: float, frequency_hz: float | None) -> Iterator[str]:
     """Compare the frequency of the excitation with the one given; ValueError when it is another."""
     if frequency_hz is None:
-        return []
+        return
     if not (math.isfinite(frequency_hz) and frequency_hz > 0.0):
         raise ValueError(f"the drive frequency must be positive, got {frequency_hz} Hz")
     hertz, spread = omega / (2.0 * math.pi), error / (2.0 * math.pi)
@@ -91,31 +86,26 @@ def frequency(omega: float, error: float, frequency_hz: float | None) -> list[st
     if abs(off) > _FREQUENCY_WRONG:
         raise ValueError(f"{words}: wrong frequency, wrong column, or a wrong sampling rate")
     if abs(off) > max(_FREQUENCY_DIFFERS, SIGNIFICANT * spread / frequency_hz):
-        return [f"{words} ({100.0 * off:+.2f} %); the frequency found is used"]
-    return []
+        yield f"{words} ({100.0 * off:+.2f} %); the frequency found is used"
 
 
-def bad_cycles(faults: Mapping[str, Sequence[tuple[int, float, str]]]) -> list[str]:
-    """One warning per channel with cycles that were left out."""
-    warnings = []
-    for quantity, bad in faults.items():
-        if bad:
-            number, time, reason = bad[0]
-            warnings.append(
-                f"{quantity}: {len(bad)} cycle{'s' * (len(bad) > 1)} left out; first cycle {number + 1} "
-                f"(at {time:.6g} s): {reason}"
-            )
-    return warnings
+def bad_cycles(quantity: str, bad: Sequence[tuple[int, float, str]]) -> Iterator[str]:
+    """A warning when cycles of a channel were left out."""
+    if bad:
+        number, time, reason = bad[0]
+        yield (
+            f"{quantity}: {len(bad)} cycle{'s' * (len(bad) > 1)} left out; first cycle {number + 1} "
+            f"(at {time:.6g} s): {reason}"
+        )
 
 
-def clipping(quantity: str, harmonics: CycleHarmonics) -> list[str]:
+def clipping(quantity: str, harmonics: CycleHarmonics) -> Iterator[str]:
     """A warning when the signal is cut off at a level."""
-    if harmonics.clipped < _CLIPPED_CYCLES:
-        return []
-    return [
-        f"{quantity} is clipped: in {100.0 * harmonics.clipped:.0f} % of the cycles several samples hold the extreme "
-        "value; amplitude and harmonics are too small; raise the measuring range"
-    ]
+    if harmonics.clipped >= _CLIPPED_CYCLES:
+        yield (
+            f"{quantity} is clipped: in {100.0 * harmonics.clipped:.0f} % of the cycles several samples hold the "
+            "extreme value; amplitude and harmonics are too small; raise the measuring range"
+        )
 
 
 def consistency(
@@ -130,13 +120,12 @@ def consistency(
     warnings = []
     names = list(moved)
     reference = moved[names[0]][:, 1]
+    mean = weighted_mean(reference, weights)
     for name in names[1:]:
-        ratio = weighted_mean(moved[name][:, 1], weights) / weighted_mean(reference, weights)
-        rest = moved[name][:, 1] - ratio * reference
-        error = math.sqrt(
-            float(weights @ np.abs(rest) ** 2) / (2.0 * (len(rest) - 1)) / weights.sum()
-        )
-        error /= abs(weighted_mean(reference, weights))
+        ratio = weighted_mean(moved[name][:, 1], weights) / mean
+        rest = np.abs(moved[name][:, 1] - ratio * reference)
+        error = math.sqrt(float(weights @ rest**2) / (2.0 * (len(rest) - 1)) / weights.sum())
+        error /= abs(mean)
         gain, phase = abs(ratio), math.atan2(ratio.imag, ratio.real)
         if abs(gain - 1.0) > _GAIN_WRONG or abs(phase) > _PHASE_WRONG:
             raise ValueError(
@@ -164,7 +153,7 @@ def consistency(
 
 def steadiness(
     Y: Complexes, X: Complexes, times: Array, weights: Array, period: float
-) -> list[str]:
+) -> Iterator[str]:
     """Whether the fundamentals of base and response stay as they are, against the scatter from cycle to cycle.
 
     The change is sought along a line, a parabola and the difference between the first eighth and the rest: under
@@ -174,20 +163,21 @@ def steadiness(
 
     ValueError when the amplitude changes by more than a tenth.
     """
-    warnings = []
-    phase = Y / np.abs(Y)
-    for name, rows in (("the excitation", Y), ("the response", X / phase if len(X) else X)):
-        rows = np.abs(rows) + 0j if name == "the excitation" else rows
-        size = len(rows)
-        if size < 4:
-            continue
+    size = len(Y)
+    if size < 4:
+        return
+    s, first = np.linspace(-1.0, 1.0, size), np.arange(size) < max(1, size // 8)
+    basis, _ = np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))
+    # of the excitation, whose phase is that of the record, only the amplitude varies
+    amplitude = np.abs(Y)
+    for name, rows, parts in (
+        ("the excitation", amplitude + 0j, 1.0),
+        ("the response", X / (Y / amplitude), 2.0),
+    ):
         mean = weighted_mean(rows, weights)
-        s = np.linspace(-1.0, 1.0, size)
-        first = (np.arange(size) < max(1, size // 8)).astype(float)
-        basis, _ = np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))
         along = basis[:, 1:].T @ rows
-        parts = 2.0 if name == "the response" else 1.0
-        noise = min(_successive(half, parts) for half in (rows[: size // 2], rows[size // 2 :]))
+        halves = rows[: size // 2], rows[size // 2 :]
+        noise = min(float(np.mean(np.abs(np.diff(half)) ** 2)) for half in halves) / (2.0 * parts)
         statistic = float(np.sum(np.abs(along) ** 2)) / max(noise, 1e-300)
         # successive differences know the variance as well as two thirds as many independent rows; of two halves, twice
         # the chance
@@ -209,13 +199,7 @@ def steadiness(
             )
         if 0 < settled < size // 2:
             words += f"; it settles after about {cycles} cycles: leave those out"
-        warnings.append(words)
-    return warnings
-
-
-def _successive(rows: Complexes, parts: float) -> float:
-    """Variance of the real (and of the imaginary) part of rows about a slowly changing mean."""
-    return float(np.mean(np.abs(np.diff(rows)) ** 2)) / (2.0 * parts)
+        yield words
 
 
 def _settled_after(rows: Complexes, noise: float, parts: float) -> int:
@@ -227,62 +211,58 @@ def _settled_after(rows: Complexes, noise: float, parts: float) -> int:
     return int(outside[-1]) + 1 if outside.size else 0
 
 
-def plausible(Y: float, X: float, omega: float, driven_by: str) -> list[str]:
+def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[str]:
     """Warnings where amplitudes Y, X (m) are not those of a test bench: a unit may be wrong.
 
     A wrong unit of all channels alike scales F_k, and nothing else: only the size can betray it.
     """
     base = "the force over the stiffness" if driven_by == "force" else "the base"
-    warnings = [
-        f"{what} moves by {amplitude:.3g} m, with {omega**2 * amplitude:.3g} m/s²: is a unit wrong (mm taken for m)?"
-        for what, amplitude in ((base, Y), ("the mass", X))
-        if amplitude > _LARGEST_AMPLITUDE or omega**2 * amplitude > _LARGEST_ACCELERATION
-    ]
+    for what, amplitude in ((base, Y), ("the mass", X)):
+        if amplitude > _LARGEST_AMPLITUDE or omega**2 * amplitude > _LARGEST_ACCELERATION:
+            yield (
+                f"{what} moves by {amplitude:.3g} m, with {omega**2 * amplitude:.3g} m/s²: is a unit wrong (mm taken "
+                "for m)?"
+            )
     if not 1.0 / _LARGEST_GAIN < X / Y < _LARGEST_GAIN:
-        warnings.append(
-            f"the mass moves {X / Y:.3g} times as far as {base}: is the unit of one channel wrong (mm taken for m)?"
-        )
-    return warnings
+        yield f"the mass moves {X / Y:.3g} times as far as {base}: is the unit of one channel wrong (mm taken for m)?"
 
 
-def harmonic_base(mean: Complexes, error: Array) -> list[str]:
+def harmonic_base(mean: Complexes, error: Array) -> Iterator[str]:
     """A warning when the base moves at more than one frequency: the input work then needs its harmonics too."""
-    relative = np.abs(mean[2:]) / abs(mean[1])
-    real = (relative > _HARMONIC_MATTERS) & (np.abs(mean[2:]) > SIGNIFICANT * error[2:])
-    if not real.any():
-        return []
-    total = math.sqrt(float(np.sum(relative[real] ** 2)))
-    n = int(np.argmax(np.where(real, relative, 0.0))) + 2
-    return [
-        f"the base motion is not harmonic: {100.0 * total:.2g} % distortion, most of it harmonic {n} "
-        f"({100.0 * relative[n - 2]:.2g} %); the input work counts the fundamental only"
-    ]
+    relative = _significant(mean, error)[2:]
+    if relative.any():
+        yield (
+            f"the base motion is not harmonic: {100.0 * math.hypot(*relative):.2g} % distortion, most of it harmonic "
+            f"{np.argmax(relative) + 2} ({100.0 * relative.max():.2g} %); the input work counts the fundamental only"
+        )
 
 
-def symmetry(mean: Complexes, error: Array) -> list[str]:
+def symmetry(mean: Complexes, error: Array) -> Iterator[str]:
     """A warning when the response has even harmonics: friction or stiffness then differ between the two directions."""
-    even = np.arange(2, len(mean), 2)
-    relative = np.abs(mean[even]) / abs(mean[1])
-    real = (relative > _HARMONIC_MATTERS) & (np.abs(mean[even]) > SIGNIFICANT * error[even])
-    if not real.any():
-        return []
-    n = int(even[np.argmax(np.where(real, relative, 0.0))])
-    return [
-        f"the response is not symmetric: harmonic {n} is {100.0 * relative[n // 2 - 1]:.2g} % of the fundamental; "
-        "features of the two directions are averaged"
-    ]
+    even = _significant(mean, error)[2::2]
+    if even.any():
+        yield (
+            f"the response is not symmetric: harmonic {2 * np.argmax(even) + 2} is {100.0 * even.max():.2g} % of the "
+            "fundamental; features of the two directions are averaged"
+        )
 
 
-def work(Y: complex, X: complex, Y_error: float, X_error: float) -> list[str]:
+def _significant(mean: Complexes, error: Array) -> Array:
+    """Size of each harmonic over the fundamental; 0 where it does not matter or does not stand out of its error."""
+    relative = np.abs(mean) / abs(mean[1])
+    real = (relative > _HARMONIC_MATTERS) & (np.abs(mean) > SIGNIFICANT * error)
+    return np.where(real, relative, 0.0)
+
+
+def work(Y: complex, X: complex, Y_error: float, X_error: float) -> Iterator[str]:
     """A warning when the base does not put work into the mass."""
     sine = -math.sin(math.atan2((X / Y).imag, (X / Y).real))
     error = math.hypot(X_error / abs(X), Y_error / abs(Y))
-    if sine > -SIGNIFICANT * error:
-        return []
-    return [
-        f"the response leads the excitation (sin φ₁ = {sine:.4f}), so that no work is put in: is a sign turned, or "
-        "are two channels exchanged?"
-    ]
+    if sine <= -SIGNIFICANT * error:
+        yield (
+            f"the response leads the excitation (sin φ₁ = {sine:.4f}), so that no work is put in: is a sign turned, or "
+            "are two channels exchanged?"
+        )
 
 
 def weighted_mean(rows: Complexes, weights: Array) -> Any:

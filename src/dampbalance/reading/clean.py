@@ -15,6 +15,7 @@ noisy acceleration has no second difference to speak of: a reader for noisy reco
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
@@ -74,16 +75,14 @@ def of_record(record: Record, omega: float, k: float, reading: ReadAt = "interpo
     base = _lock_in(s, s.y, 1, start.place)
     if not abs(base) > 0.0:
         raise ValueError(f"the base does not move at ω = {omega:g} rad/s: y has no fundamental")
-    lag = -math.atan2(base.imag, base.real)  # of y behind cos ωt, zero in a simulation
-    X_1, X_3, X_5 = (_lock_in(s, s.x, n, start.place) for n in (1, 3, 5))
+    lag = -cmath.phase(base)  # of y behind cos ωt, zero in a simulation
+    harmonics = {f"X_{n}": _lock_in(s, s.x, n, start.place) for n in (1, 3, 5)}
     numbers: dict[str, Any] = {
         "Y": abs(base),
         "X": 0.5 * float(np.ptp(s.x[n_1 : n_1 + round(s.per_cycle) + 2])),
-        "phi_fundamental": wrapped(-math.atan2(X_1.imag, X_1.real) - lag),
+        "phi_fundamental": wrapped(-cmath.phase(harmonics["X_1"]) - lag),
         "phi_zero_crossing": wrapped(_phase(s, _upward_zero(s, n_1)) - 1.5 * math.pi - lag),
-        "X_1": abs(X_1),
-        "X_3": abs(X_3),
-        "X_5": abs(X_5),
+        **{name: abs(amplitude) for name, amplitude in harmonics.items()},
         "b": integral(s.v**2, s.dt, start.place, stop),
         "W": integral(k * s.y * s.v, s.dt, start.place, stop),
     }

@@ -139,44 +139,26 @@ def _condition(
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"the stiffness k must be positive, got {k} N/m")
     driving = next(q for q in EXCITATIONS if q in channels)
-    responses = [q for q in RESPONSES if q in channels]
-    leading = {
-        q: _leading(blocks(), _LEADING if q == driving else 64) for q, blocks in channels.items()
-    }
-    steps = {q: _step(t, q) for q, (t, _) in leading.items()}
-    omega, omega_error = _drive_frequency(driving, leading[driving], steps[driving])
-    warnings = checks.frequency(omega, omega_error, frequency_hz)
-    period = 2.0 * math.pi / omega
-    start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
-    harmonics = {
-        q: accumulate(
-            blocks(),
-            omega,
-            start=start,
-            dt=steps[q],
-            harmonics=_harmonics_of(q, period / steps[q]),
-            cycles=1 << 62,
-        )
-        for q, blocks in channels.items()
-    }
+    harmonics, warnings = _harmonics(channels, driving, frequency_hz, skip_cycles)
+    base = harmonics[driving]
     weights = _common_weights(harmonics)
-    warnings += _checked_cycles(harmonics, weights, omega)
+    warnings += _checked_cycles(harmonics, weights, base.omega)
 
     # a longer look corrects the frequency of the leading part
-    offset, omega_error = frequency_offset(harmonics[driving])
+    offset, omega_error = frequency_offset(base)
     usable = weights > 0.0
-    times, weights = harmonics[driving].times[: len(weights)][usable] - start, weights[usable]
-    settled = {q: _settled(h, usable, times, weights, start, offset) for q, h in harmonics.items()}
-    omega += offset
-    Y = settled[driving] * _to_displacement(driving, settled[driving].shape[1], omega, k)
+    times, weights = base.times[: len(weights)][usable] - base.start, weights[usable]
+    settled = {q: _settled(h, usable, times, weights, offset) for q, h in harmonics.items()}
+    omega = base.omega + offset
+    Y = _displacement(driving, settled[driving], omega, k)
     Y_error = _error(Y, weights)
-    moved = {q: settled[q] * _to_displacement(q, settled[q].shape[1], omega, k) for q in responses}
+    moved = {q: _displacement(q, settled[q], omega, k) for q in RESPONSES if q in channels}
     skew, inconsistencies = checks.consistency(moved, weights, omega)
     warnings += inconsistencies
     X, X_error = _combined(moved, weights)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
     warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
-    warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, period)
+    warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, 2.0 * math.pi / base.omega)
     warnings += checks.harmonic_base(mean_Y, Y_error)
     warnings += checks.symmetry(mean_X, X_error)
     warnings += checks.work(mean_Y[1], mean_X[1], Y_error[1], X_error[1])
@@ -185,9 +167,9 @@ def _condition(
         k=k,
         omega=omega,
         omega_standard_error=omega_error,
-        start=start,
+        start=base.start,
         cycles=int(weights.sum()),
-        cycles_per_row=harmonics[driving].cycles_per_row,
+        cycles_per_row=base.cycles_per_row,
         Y=Y,
         X=X,
         weights=weights,
@@ -195,10 +177,29 @@ def _condition(
         Y_error=Y_error,
         bandwidth=_bandwidth(mean_X, X_error),
         channels=harmonics,
-        noise_rms={q: _noise_rms(c, weights, steps[q], period) for q, c in settled.items()},
+        noise_rms={q: _noise_rms(settled[q], weights, h) for q, h in harmonics.items()},
         skew=skew,
         warnings=tuple(warnings),
     )
+
+
+def _harmonics(
+    channels: Mapping[str, SampleBlocks], driving: str, frequency_hz: float | None, skip_cycles: int
+) -> tuple[dict[str, CycleHarmonics], list[str]]:
+    """The harmonics of every channel at the drive frequency of the leading part; warnings about that frequency."""
+    leading = {
+        q: _leading(blocks(), _LEADING if q == driving else 64) for q, blocks in channels.items()
+    }
+    steps = {q: _step(t, q) for q, (t, _) in leading.items()}
+    omega, error = _drive_frequency(driving, leading[driving], steps[driving])
+    warnings = list(checks.frequency(omega, error, frequency_hz))
+    period = 2.0 * math.pi / omega
+    start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
+    counts = {q: _harmonics_of(q, period / dt) for q, dt in steps.items()}
+    return {
+        q: accumulate(blocks(), omega, start=start, dt=steps[q], harmonics=counts[q])
+        for q, blocks in channels.items()
+    }, warnings
 
 
 def _drive_frequency(driving: str, leading: Samples, step: float) -> tuple[float, float]:
@@ -224,7 +225,7 @@ def _checked_cycles(
     harmonics: Mapping[str, CycleHarmonics], weights: Array, omega: float
 ) -> list[str]:
     """Warnings about cycles that are missing, and about the signals in the others."""
-    warnings = checks.bad_cycles({q: h.bad_cycles for q, h in harmonics.items()})
+    warnings = [w for q, h in harmonics.items() for w in checks.bad_cycles(q, h.bad_cycles)]
     cycles = int(weights.sum())
     checks.require_cycles(cycles, int(np.count_nonzero(weights)), omega, FEWEST_CYCLES)
     warnings += checks.few_cycles(cycles)
@@ -235,16 +236,11 @@ def _checked_cycles(
 
 
 def _settled(
-    harmonics: CycleHarmonics,
-    usable: Mask,
-    times: Array,
-    weights: Array,
-    start: float,
-    offset: float,
+    harmonics: CycleHarmonics, usable: Mask, times: Array, weights: Array, offset: float
 ) -> Complexes:
-    """The usable rows without drift, turned to the time `start` and to a frequency faster by `offset`, rad/s."""
+    """The usable rows without drift, turned to the time of their start and to a frequency faster by `offset`, rad/s."""
     rows = harmonics.coefficients[: len(usable)][usable]
-    phase = harmonics.omega * start - offset * times
+    phase = harmonics.omega * harmonics.start - offset * times
     turn = np.exp(1j * np.outer(phase, np.arange(rows.shape[1])))
     settled: Complexes = _without_drift(rows, harmonics.drift, times, weights) * turn
     return settled
@@ -280,16 +276,15 @@ def _evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Chann
 
 def _leading(blocks: Iterable[Samples], count: int) -> Samples:
     """The first samples of a channel, at least `count` of them if there are as many."""
-    parts: list[Samples] = []
-    size = 0
-    for t, values in blocks:
-        parts.append((t[: count - size], values[: count - size]))
-        size += len(parts[-1][0])
-        if size >= count:
+    leading = np.zeros((2, 0))
+    for block in blocks:
+        room = count - leading.shape[1]
+        leading = np.hstack([leading, [samples[:room] for samples in block]])
+        if leading.shape[1] >= count:
             break
-    if not parts:
+    if not leading.size:
         raise ValueError("a channel has no samples")
-    return np.concatenate([t for t, _ in parts]), np.concatenate([v for _, v in parts])
+    return leading[0], leading[1]
 
 
 def _step(t: Array, quantity: str) -> float:
@@ -309,17 +304,14 @@ def _harmonics_of(quantity: str, per_cycle: float) -> int:
     return min(MOST_HARMONICS.get(quantity, _HARMONICS_OF_BASE), quarter)
 
 
-def _to_displacement(quantity: str, count: int, omega: float, k: float) -> Complexes:
-    """Factors that turn the harmonics of a channel into those of a displacement; of the mean of a rate: 0."""
-    n = np.arange(count)
-    rate = np.concatenate([[0.0], 1.0 / (1j * n[1:] * omega)])
-    factors: Complexes = {
-        "velocity": rate,
-        "acceleration": rate**2,
-        "base_acceleration": rate**2,
-        "force": np.full(count, 1.0 / k, dtype=np.complex128),
-    }.get(quantity, np.ones(count, dtype=np.complex128))
-    return factors
+def _displacement(quantity: str, rows: Complexes, omega: float, k: float) -> Complexes:
+    """The harmonics of a channel as those of a displacement; the mean of a rate counts as 0."""
+    if quantity == "force":
+        return rows * (1.0 / k)
+    orders = {"velocity": 1, "acceleration": 2, "base_acceleration": 2}
+    by_time = np.concatenate([[0.0], 1.0 / (1j * np.arange(1, rows.shape[1]) * omega)])
+    displacement: Complexes = rows * by_time ** orders.get(quantity, 0)
+    return displacement
 
 
 def _without_drift(rows: Complexes, drift: Complexes, times: Array, weights: Array) -> Complexes:
@@ -345,10 +337,9 @@ def _error(rows: Complexes, weights: Array) -> Array:
 
     Smoothed over five neighbouring harmonics: of few cycles, each by itself would be a poor estimate.
     """
-    variance = _scatter(rows, weights) / weights.sum()
-    smooth = variance.copy()
-    for n in range(2, len(variance)):
-        smooth[n] = np.median(variance[max(2, n - 2) : n + 3])
+    smooth = _scatter(rows, weights) / weights.sum()
+    higher = np.pad(smooth[2:], 2, constant_values=np.nan)
+    smooth[2:] = np.nanmedian(np.lib.stride_tricks.sliding_window_view(higher, 5), axis=1)
     floor = (_RELATIVE_FLOOR * abs(weighted_mean(rows, weights)[1])) ** 2
     errors: Array = np.sqrt(np.maximum(smooth, floor))
     return errors
@@ -361,9 +352,10 @@ def _scatter(rows: Complexes, weights: Array) -> Array:
     return scatter
 
 
-def _noise_rms(rows: Complexes, weights: Array, dt: float, period: float) -> float:
+def _noise_rms(rows: Complexes, weights: Array, of: CycleHarmonics) -> float:
     """Standard deviation of the samples, were all noise white: from the scatter of the harmonics between rows."""
-    return math.sqrt(float(np.median(_scatter(rows, weights)[1:])) * 0.5 * period / dt)
+    period = 2.0 * math.pi / of.omega
+    return math.sqrt(float(np.median(_scatter(rows, weights)[1:])) * 0.5 * period / of.dt)
 
 
 def _combined(moved: Mapping[str, Complexes], weights: Array) -> tuple[Complexes, Array]:
@@ -382,12 +374,7 @@ def _combined(moved: Mapping[str, Complexes], weights: Array) -> tuple[Complexes
 
 def _bandwidth(mean: Complexes, error: Array) -> int:
     """The highest odd harmonic that stands out of the noise by four standard deviations; two in a row may be hidden."""
-    highest, hidden = 1, 0
-    for n in range(3, len(mean), 2):
-        if abs(mean[n]) > 4.0 * error[n]:
-            highest, hidden = n, 0
-        else:
-            hidden += 1
-            if hidden > 2:
-                break
-    return highest
+    odd = np.arange(1, len(mean), 2)
+    clear = odd[(odd == 1) | (np.abs(mean[odd]) > 4.0 * error[odd])]
+    ends = clear[np.diff(clear, append=math.inf) > 6]
+    return int(ends[0])

@@ -14,6 +14,7 @@ averaged and a row stands for twice as many cycles.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -67,12 +68,18 @@ class CycleHarmonics:
 
 
 def accumulate(
-    blocks: Iterable[Samples], omega: float, *, start: float, dt: float, harmonics: int, cycles: int
+    blocks: Iterable[Samples],
+    omega: float,
+    *,
+    start: float,
+    dt: float,
+    harmonics: int,
+    cycles: int = sys.maxsize,
 ) -> CycleHarmonics:
     """The harmonics of every cycle of a signal that comes in blocks.
 
     blocks : (t, values), successive; t in steps of dt, gaps apart.   omega : rad/s.   start : of the first cycle, s.
-    dt : sampling interval, s.   harmonics : N.   cycles : how many to take.
+    dt : sampling interval, s.   harmonics : N.   cycles : how many to take at the most.
 
     A cycle with a gap, or with samples that are held or spike, is left out and listed. Raises ValueError when a cycle
     has too few samples for N.
@@ -111,13 +118,7 @@ class _Accumulator:
         self.held_at_extreme = 0
         self.highest, self.lowest = -math.inf, math.inf
         self.usable = 0
-        self._prepare()
-
-    def _prepare(self) -> None:
-        """The Fourier matrix of one cycle and the inverse normal matrices for each number of samples in it."""
-        steps = np.arange(self.longest)
-        n = np.arange(self.count)
-        angle = self.omega * self.dt * np.outer(steps, n)
+        angle = omega * dt * np.outer(np.arange(self.longest), np.arange(self.count))
         # s @ fourier = Re, Im of Σ s e^{−inωt}
         self.fourier = np.hstack([np.cos(angle), -np.sin(angle)])
         self.systems: dict[int, tuple[Complexes, Complexes]] = {}
@@ -198,59 +199,43 @@ class _Accumulator:
         square = np.maximum(np.einsum("jr,jr->j", s, s) - fitted, 0.0)
         square /= np.maximum(length - 2 * self.count + 1, 1)
 
-        for j in np.flatnonzero(~whole):
-            when = self.start + number[j] * self.period
-            self.bad.append(
-                (int(number[j]), float(when), _missing(length[j], self.period / self.dt))
-            )
-        whole &= ~self._faulty(s, inside, local, square, whole, number)
+        expected = f"samples where there should be {self.period / self.dt:.1f}"
+        faults = {int(j): f"a gap: {length[j]} {expected}" for j in np.flatnonzero(~whole)}
+        faults |= self._faults(s, inside, local, square, whole)
+        for j, reason in faults.items():
+            when = float(self.start + number[j] * self.period)
+            self.bad.append((int(number[j]), when, reason))
+        whole[list(faults)] = False
         self._extremes(s, inside, whole)
         self.usable += int(whole.sum())
         self._gather(local * turn, whole)
 
-    def _faulty(
-        self,
-        s: Array,
-        inside: Mask,
-        local: Complexes,
-        square: Array,
-        whole: Mask,
-        number: NDArray[np.int_],
-    ) -> Mask:
+    def _faults(
+        self, s: Array, inside: Mask, local: Complexes, square: Array, whole: Mask
+    ) -> dict[int, str]:
         """Which cycles hold samples that stand still while the signal moves on, or that lie far off it."""
-        faulty = np.zeros(len(s), dtype=np.bool_)
         if not whole.any():
-            return faulty
+            return {}
         usual = float(np.median(square[whole]))
-        usual = max(usual, (_HARMLESS * float(np.ptp(s[inside]))) ** 2)
-        still = (s[:, 1:] == s[:, :-1]) & inside[:, 1:]
-        run = still[:, 2:] & still[:, 1:-1] & still[:, :-2]  # four equal samples in a row
-        outlying = square > _OUTLYING * usual
-        suspect = whole & (run.any(axis=1) | outlying)
+        usual = math.sqrt(max(usual, (_HARMLESS * float(np.ptp(s[inside]))) ** 2))
+        still = _three_in_a_row((s[:, 1:] == s[:, :-1]) & inside[:, 1:])  # four equal samples
+        outlying = square > _OUTLYING * usual**2
+        suspect = whole & (still | outlying)
         if not suspect.any():
-            return faulty
-        good = np.flatnonzero(whole & ~outlying)
-        off = [
-            np.abs(s[j, : inside[j].sum()] - self._model(local[j], inside[j])).max()
-            for j in good[:8]
-        ]
-        limit = max(8.0 * math.sqrt(usual), 2.0 * float(np.max(off, initial=0.0)))
-        for j in np.flatnonzero(suspect):
-            size = int(inside[j].sum())
-            model = self._model(local[j], inside[j])
-            reason = _held(s[j, :size], model, math.sqrt(usual))
-            if not reason and outlying[j]:
-                reason = _spike(s[j, :size], model, limit)
+            return {}
+        model = np.hstack([local.real, local.imag]) @ self.fourier.T
+        off = np.where(inside, np.abs(s - model), 0.0)
+        good = np.flatnonzero(whole & ~outlying)[:8]
+        limit = max(8.0 * usual, 2.0 * float(np.max(off[good], initial=0.0)))
+        faults = {}
+        for j in np.flatnonzero(suspect).tolist():
+            size, worst = inside[j].sum(), int(np.argmax(off[j]))
+            reason = _held(s[j, :size], model[j, :size], usual)
+            if not reason and outlying[j] and off[j, worst] > limit:
+                reason = f"a spike: {s[j, worst]:.6g} where {model[j, worst]:.6g} is expected"
             if reason:
-                faulty[j] = True
-                when = self.start + number[j] * self.period
-                self.bad.append((int(number[j]), float(when), reason))
-        return faulty
-
-    def _model(self, local: Complexes, inside: Mask) -> Array:
-        """The samples of one cycle as its harmonics give them."""
-        model: Array = self.fourier[: inside.sum()] @ np.concatenate([local.real, local.imag])
-        return model
+                faults[j] = reason
+        return faults
 
     def _extremes(self, s: Array, inside: Mask, whole: Mask) -> None:
         """Count the cycles whose highest or lowest value is held as a clipped signal holds it."""
@@ -263,12 +248,11 @@ class _Accumulator:
             top = high.max(axis=1)
             at_top = high == top[:, None]
             count = at_top.sum(axis=1)
-            row = (at_top[:, 2:] & at_top[:, 1:-1] & at_top[:, :-2]).any(axis=1)
             # A sinusoid in steps of a converter dwells at its top level at most 1/(√2 − 1) = 2.4 times as long as at
             # the next; noise shortens that. A clipped one dwells there alone.
             below = np.where(at_top, -np.inf, high)
             next_count = (below == below.max(axis=1)[:, None]).sum(axis=1)
-            clipped |= row & (count > 4 * next_count) & (top == top.max())
+            clipped |= _three_in_a_row(at_top) & (count > 4 * next_count) & (top == top.max())
         self.held_at_extreme += int(clipped.sum())
 
     def _gather(self, harmonics: Complexes, whole: Mask) -> None:
@@ -305,14 +289,15 @@ class _Accumulator:
         )
 
 
+def _three_in_a_row(true: Mask) -> Mask:
+    """Which rows are true at three neighbouring places."""
+    return np.asarray((true[:, 2:] & true[:, 1:-1] & true[:, :-2]).any(axis=1))
+
+
 def _joined(rows: Complexes, count: int) -> Complexes:
     """Sums of `count` successive rows."""
     sums: Complexes = rows.reshape(-1, count, rows.shape[1]).sum(axis=1)
     return sums
-
-
-def _missing(length: int, expected: float) -> str:
-    return f"a gap: {length} samples where there should be {expected:.1f}"
 
 
 def _held(s: Array, model: Array, usual: float) -> str:
@@ -333,12 +318,4 @@ def _held(s: Array, model: Array, usual: float) -> str:
     # A converter with coarse steps repeats values too, but everywhere, and only while the signal is flat.
     if change.max() > 6.0 * usual or elsewhere < 0.01:
         return f"a drop-out: {length} samples hold the value {s[starts[held][longest]]:.6g}"
-    return ""
-
-
-def _spike(s: Array, model: Array, limit: float) -> str:
-    """Whether a sample of a cycle lies off its harmonics by more than the limit; nothing if not."""
-    worst = int(np.argmax(np.abs(s - model)))
-    if abs(s[worst] - model[worst]) > limit:
-        return f"a spike: {s[worst]:.6g} where {model[worst]:.6g} is expected"
     return ""

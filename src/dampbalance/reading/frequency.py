@@ -42,15 +42,11 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
                 f"{2.0 * math.pi / omega / dt:.1f} samples per cycle of the {omega / (2.0 * math.pi):.4g} Hz found are "
                 "too few"
             )
-        harmonics = accumulate(
-            [(t, values)],
-            omega,
-            start=float(t[0]),
-            dt=dt,
-            harmonics=highest,
-            cycles=cycles,
+        correction, error = frequency_offset(
+            accumulate(
+                [(t, values)], omega, start=float(t[0]), dt=dt, harmonics=highest, cycles=cycles
+            )
         )
-        correction, error = frequency_offset(harmonics)
         omega += correction
         if abs(correction) <= 1e-3 * error or abs(correction) < 1e-13 * omega:
             break

@@ -15,7 +15,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -35,6 +36,7 @@ ONE_SLIP = str(Regime.ONE_SLIP)
 
 _EXTRA = 4  # odd harmonics beyond the bandwidth that the waveform is fitted to: they bound it
 _JACKKNIFE_GROUPS = 400
+_OF_ONSET = ("V_s", "t_s", "V_r", "t_r")
 _MISFIT = 5.0  # standard deviations of χ²
 
 
@@ -43,7 +45,7 @@ class Reading:
     """Features of one response read off a record, and how sure they are.
 
     features : of the one response; where the onset is not resolved, X_s = −X and a = 4X (the rigid limit).
-    standard_errors : by feature name; NaN for what is not read.
+    standard_errors : by feature name, of the jackknife over cycles; NaN for what is not read.
     steady : the conditioned record.   waveform : the fitted exact waveform, or None.
     onset_resolved : whether X_s, V_s, t_s were read.   length_bound : X + X_s is below it with 97.5 % confidence, m.
     warnings : what is wrong with the record, one sentence each; the last is `onset_note`, if there is one.
@@ -51,7 +53,6 @@ class Reading:
     """
 
     features: Features
-    standard_errors: Mapping[str, float]
     steady: SteadyRecord
     waveform: Waveform | None
     onset_resolved: bool
@@ -59,11 +60,22 @@ class Reading:
     warnings: tuple[str, ...]
     onset_note: str = ""
 
+    @cached_property
+    def standard_errors(self) -> Mapping[str, float]:
+        """Standard errors by leaving out one group of rows after the other; NaN for what is not read."""
+        left, errors = self.left_out(), {}
+        for name in COLUMNS:
+            values = getattr(left, name)
+            if name.startswith("phi"):  # phases near the ends of the interval
+                values = np.unwrap(values)
+            spread = float(np.sum((values - values.mean()) ** 2))
+            errors[name] = math.sqrt((len(left) - 1) / len(left) * spread)
+        return errors if self.onset_resolved else errors | dict.fromkeys(_OF_ONSET, math.nan)
+
     @one_thread
     def with_onset(self, onset: bool) -> Features:
         """The features with the slip onset of the waveform, resolved or not, or without: the rigid limit."""
-        numbers = _evaluate(_Parts.of(self.steady, self.waveform), self.waveform, onset)
-        return of_numbers(self.steady.omega, _regime(self, onset), **numbers)
+        return _features(self.steady, self.waveform, onset)
 
     @one_thread
     def resampled(
@@ -74,10 +86,11 @@ class Reading:
         Their deviations from the mean are stretched by √(n/(n − 1)), n rows, for the bootstrap falls short of the
         scatter by that much.   onset : whether they have a slip onset; default, where it is resolved.
         """
-        steady = self.steady
-        rows = len(steady.weights)
-        drawn = rng.multinomial(rows, np.full(rows, 1.0 / rows), size=count) * steady.weights
-        return _replicates(self, drawn, math.sqrt(rows / max(1, rows - 1)), onset=onset)
+        weights, onset = self.steady.weights, self.onset_resolved if onset is None else onset
+        rows = len(weights)
+        drawn = rng.multinomial(rows, np.full(rows, 1.0 / rows), size=count) * weights
+        stretch = math.sqrt(rows / max(1, rows - 1))
+        return _features(self.steady, self.waveform, onset, drawn, stretch)
 
     @one_thread
     def left_out(self, *, onset: bool | None = None) -> Features:
@@ -85,12 +98,12 @@ class Reading:
 
         g groups (all cycles, or 400): (g − 1)/g Σ (p_j − p̄)² over the replicates is the variance of any p.
         """
-        weights = self.steady.weights
+        weights, onset = self.steady.weights, self.onset_resolved if onset is None else onset
         rows = len(weights)
         groups = min(rows, _JACKKNIFE_GROUPS)
         member = np.arange(rows) * groups // rows
         drawn = np.where(member[None, :] == np.arange(groups)[:, None], 0.0, weights)
-        return _replicates(self, drawn, 1.0, bias=1.0, onset=onset)
+        return _features(self.steady, self.waveform, onset, drawn, bias=1.0)
 
     @one_thread
     def averaged_cycle(self, points: int = 720) -> dict[str, Array]:
@@ -100,15 +113,12 @@ class Reading:
         """
         parts = _Parts.of(self.steady, self.waveform)
         theta = np.linspace(0.0, 2.0 * math.pi, points, endpoint=False)
-        turn = np.exp(1j * np.outer(theta, parts.n_all))
-        rate = 1j * parts.n_all * self.steady.omega
-        x = np.concatenate([parts.x[0], parts.tail])
-        return {
-            "phase": theta,
-            "x": (turn @ x).real,
-            "v": (turn @ (rate * x)).real,
-            "acceleration": (turn @ (rate**2 * x)).real,
+        turn, rate = np.exp(1j * np.outer(theta, parts.n)), 1j * parts.n * self.steady.omega
+        moved = {
+            name: (turn @ (rate**order * parts.x[0])).real
+            for order, name in enumerate(("x", "v", "acceleration"))
         }
+        return {"phase": theta, **moved}
 
 
 def read_features(
@@ -147,19 +157,15 @@ def read_steady(steady: SteadyRecord) -> Reading:
                 f"the waveform of one mass on a compliant contact fits the harmonics {waveform.misfit:.1f} times worse "
                 "than their noise (χ² per degree of freedom): the slip onset is that of the nearest such waveform"
             )
-    parts = _Parts.of(steady, waveform)
-    numbers = _evaluate(parts, waveform, resolved)
-    X = float(numbers["X"][0])
+    features = _features(steady, waveform, resolved)
     if waveform is not None and not resolved:
         note = (
             f"the slip onset is not resolved: the microstick line is {1e6 * waveform.length:.2g} ± "
             f"{1e6 * waveform.length_error:.2g} µm long; the rigid limit a = 4X is used, too large by less than "
-            f"{50.0 * bound / X:.2g} % (97.5 % confidence)"
+            f"{50.0 * bound / features.X[0]:.2g} % (97.5 % confidence)"
         )
-    regime = ONE_SLIP if resolved else RIGID
-    reading = Reading(
-        features=of_numbers(steady.omega, regime, **numbers),
-        standard_errors={},
+    return Reading(
+        features=features,
         steady=steady,
         waveform=waveform,
         onset_resolved=resolved,
@@ -167,7 +173,6 @@ def read_steady(steady: SteadyRecord) -> Reading:
         warnings=(*warnings, note) if note else tuple(warnings),
         onset_note=note,
     )
-    return replace(reading, standard_errors=_jackknife(reading))
 
 
 def _waveform(steady: SteadyRecord) -> Waveform | None:
@@ -176,36 +181,25 @@ def _waveform(steady: SteadyRecord) -> Waveform | None:
         return None
     highest = min(steady.bandwidth + 2 * _EXTRA, len(steady.X_error) - 1)
     n = np.arange(1, highest + 1, 2)
-    parts = _Parts.of(steady, None)
-    mean = steady.mean(steady.X)[n] * np.exp(-1j * n * parts.phase[0])
-    return fit_waveform(
-        steady.omega,
-        steady.k,
-        float(parts.Y[0]),
-        float(steady.Y_error[1]),
-        n,
-        mean,
-        steady.X_error[n],
-    )
+    base = steady.mean(steady.Y[:, 1:2])[0]
+    x = steady.mean(steady.X)[n] * np.exp(-1j * n * np.angle(base))
+    Y, Y_error = float(np.abs(base)), float(steady.Y_error[1])
+    return fit_waveform(steady.omega, steady.k, Y, Y_error, n, x, steady.X_error[n])
 
 
 @dataclass(frozen=True, eq=False)
 class _Parts:
-    """Means of r drawings of cycles: amplitude and phase of the base, odd harmonics of x relative to it.
+    """Means of r drawings of cycles: amplitude of the base, odd harmonics of x relative to its phase.
 
-    Y, phase : (r,).   x : (r, h), n = 1, 3 … bandwidth, m.   variance : of x_n as a complex number, to be taken from
-    |x_n|², (h,), m².   tail : harmonics beyond, from the waveform.   n, n_all : orders of x, of x and tail.
+    Y : (r,).   x : x_n, (r, h), m: those read up to the bandwidth, those of the waveform beyond.   n : orders.
+    read : how many of them are read.   variance : of x_n as a complex number, to be taken from |x_n|²; zero beyond, m².
     """
 
-    omega: float
-    k: float
     Y: Array
-    phase: Array
     x: Complexes
     variance: Array
-    tail: Complexes
     n: Array
-    n_all: Array
+    read: int
 
     @classmethod
     def of(
@@ -221,95 +215,90 @@ class _Parts:
         # without a waveform to stand for them, the third and fifth are taken as they are
         least = 1 if waveform is not None else min(5, steady.X.shape[1] - 1)
         n = np.arange(1, max(steady.bandwidth, least) + 1, 2)
-        Y, x = steady.mean(steady.Y[:, 1:2]), steady.mean(steady.X[:, n])
-        if drawn is None:
-            x = x[None]
-        else:
+        Y, x = steady.mean(steady.Y[:, 1:2]), steady.mean(steady.X[:, n])[None]
+        if drawn is not None:
             total = drawn.sum(axis=1)
             Y = Y + stretch * (drawn @ steady.Y[:, 1] / total - Y)
             x = x + stretch * (drawn @ steady.X[:, n] / total[:, None] - x)
-        phase = np.angle(Y)
-        orders = 2.0 * np.arange(0 if waveform is None else len(waveform.tail)) + 1.0
-        beyond = orders > n[-1]
-        tail = np.zeros(0, dtype=np.complex128) if waveform is None else waveform.tail[beyond]
+        x = x * np.exp(-1j * np.outer(np.angle(Y), n))
+        tail = np.zeros(0) if waveform is None else waveform.tail[n.size :]
         return cls(
-            omega=steady.omega,
-            k=steady.k,
             Y=np.abs(Y),
-            phase=phase,
-            x=x * np.exp(-1j * np.outer(phase, n)),
-            variance=bias * 2.0 * steady.X_error[n] ** 2,
-            tail=tail,
-            n=n.astype(np.float64),
-            n_all=np.concatenate([n, orders[beyond]]),
+            x=np.hstack([x, np.tile(tail, (len(x), 1))]),
+            variance=np.append(bias * 2.0 * steady.X_error[n] ** 2, np.zeros(tail.size)),
+            n=np.arange(1.0, 2.0 * (n.size + tail.size), 2.0),
+            read=n.size,
         )
 
 
-def _evaluate(
-    parts: _Parts, waveform: Waveform | None, resolved: bool, at: _Parts | None = None
-) -> dict[str, Array]:
-    """All features of r means, arrays (r,). The onset follows the waveform to first order in the deviations from `at`,
-    the means that it was fitted to."""
-    omega, x = parts.omega, parts.x
+def _features(
+    steady: SteadyRecord,
+    waveform: Waveform | None,
+    onset: bool,
+    drawn: Array | None = None,
+    stretch: float = 1.0,
+    bias: float = 2.0,
+) -> Features:
+    """Features of the means over the rows drawn, or over all, with the slip onset of the waveform or without.
+
+    The onset follows the waveform to first order in the deviations from the means that it was fitted to. A replicate's
+    |x_n|² holds the variance twice: the mean's own, and that of the drawing. Taking off both centres the replicates on
+    the estimate.
+    """
+    parts = at = _Parts.of(steady, waveform)
+    if drawn is not None:
+        parts = _Parts.of(steady, waveform, drawn, stretch, bias)
     # may fall below zero: cutting that off would be a bias in b
-    squares = np.abs(x) ** 2 - parts.variance
-    amplitudes = np.sqrt(np.maximum(squares, 0.0))
-    lag = -np.angle(x[:, 0])
-    tail_b = float(np.sum((parts.n_all[len(parts.n) :] * np.abs(parts.tail)) ** 2))
-    b = math.pi * omega * (squares @ parts.n**2 + tail_b)
-    theta_peak, X = _peak(parts, lag)
-    numbers = {name: np.full(len(x), np.nan) for name in COLUMNS}
-    for index, name in enumerate(("X_1", "X_3", "X_5")):
-        if index < amplitudes.shape[1]:
-            numbers[name] = amplitudes[:, index]
-        elif index - len(parts.n) < len(parts.tail):
-            numbers[name] = np.full(len(x), abs(parts.tail[index - len(parts.n)]))
-        else:
-            numbers[name] = np.zeros(len(x))
-    if waveform is not None and resolved:
-        length, V_s, t_s = _onset(parts, waveform, at)
-    else:
-        length = V_s = t_s = np.zeros(len(x))
+    squares = np.abs(parts.x) ** 2 - parts.variance
+    amplitudes = np.zeros((len(squares), 3))  # of the first three, as far as the sampling reaches
+    amplitudes[:, : squares.shape[1]] = np.sqrt(np.maximum(squares[:, :3], 0.0))
+    lag, read = -np.angle(parts.x[:, 0]), parts.read
+    beyond = float(np.sum((parts.n * np.abs(parts.x[0]))[read:] ** 2))
+    theta_peak, X = _peak(parts)
     reversal = wrapped(theta_peak)
-    numbers |= {
-        "Y": parts.Y,
-        "X": X,
-        "X_s": length - X,
-        "V_s": V_s,
-        "t_s": t_s,
-        "phi": reversal,
-        "phi_reversal": reversal,
-        "phi_zero_crossing": wrapped(_upward_zero(parts, lag) + 0.5 * math.pi),
-        "phi_fundamental": wrapped(lag),
-        "X_r": X - length,
-        "V_r": -V_s,
-        "t_r": t_s,
-        "a": 4.0 * X - 2.0 * length,
-        "b": b,
-        "W": math.pi * parts.k * parts.Y * amplitudes[:, 0] * np.sin(lag),
-    }
-    return numbers
+    if onset and waveform is not None:
+        regime, (length, V_s, t_s) = ONE_SLIP, _onset(parts, waveform, at)
+    else:
+        regime, (length, V_s, t_s) = RIGID, np.zeros((3, len(X)))
+    return of_numbers(
+        steady.omega,
+        regime,
+        Y=parts.Y,
+        X=X,
+        X_s=length - X,
+        V_s=V_s,
+        t_s=t_s,
+        phi=reversal,
+        phi_reversal=reversal,
+        phi_zero_crossing=wrapped(_upward_zero(parts, lag) + 0.5 * math.pi),
+        phi_fundamental=wrapped(lag),
+        X_r=X - length,
+        V_r=-V_s,
+        t_r=t_s,
+        X_1=amplitudes[:, 0],
+        X_3=amplitudes[:, 1],
+        X_5=amplitudes[:, 2],
+        a=4.0 * X - 2.0 * length,
+        b=math.pi * steady.omega * (squares[:, :read] @ parts.n[:read] ** 2 + beyond),
+        W=math.pi * steady.k * parts.Y * amplitudes[:, 0] * np.sin(lag),
+    )
 
 
-def _onset(parts: _Parts, waveform: Waveform, at: _Parts | None) -> tuple[Array, Array, Array]:
-    """(L, V_s, t_s) of each mean, (r,)."""
-    here = np.array([waveform.length, waveform.orbit.V_s, waveform.orbit.t_s])
-    values = np.tile(here[:, None], len(parts.Y))
-    if at is not None:
-        fitted = (waveform.sensitivity.shape[1] - 1) // 2
-        used = min(fitted, len(parts.n))
-        off = parts.x[:, :used] - at.x[:, :used]
-        columns = [0, *range(1, 1 + used), *range(1 + fitted, 1 + fitted + used)]
-        deviations = np.column_stack([parts.Y - at.Y, off.real, off.imag])
-        values = values + waveform.sensitivity[:, columns] @ deviations.T
-    return values[0], values[1], values[2]
+def _onset(parts: _Parts, waveform: Waveform, at: _Parts) -> Array:
+    """(L, V_s, t_s) of each mean, (3, r); at : the means that the waveform was fitted to."""
+    here = np.array([[waveform.length], [waveform.orbit.V_s], [waveform.orbit.t_s]])
+    fitted = waveform.sensitivity.shape[1] // 2
+    used = np.arange(min(fitted, parts.read))
+    off = (parts.x - at.x)[:, used]
+    deviations = np.column_stack([parts.Y - at.Y, off.real, off.imag])
+    return here + waveform.sensitivity[:, np.r_[0, 1 + used, 1 + fitted + used]] @ deviations.T
 
 
-def _peak(parts: _Parts, guess: Array) -> tuple[Array, Array]:
+def _peak(parts: _Parts) -> tuple[Array, Array]:
     """(ωt, x) at the largest value of x, (r,): by Newton's method on the velocity, from the largest of 360 points."""
-    mean = np.concatenate([parts.x.mean(axis=0), parts.tail])[:8]
+    mean = parts.x[:, :8].mean(axis=0)
     theta = np.linspace(0.0, 2.0 * math.pi, 360, endpoint=False)
-    values = (np.exp(1j * np.outer(theta, parts.n_all[:8])) @ mean).real
+    values = (np.exp(1j * np.outer(theta, parts.n[:8])) @ mean).real
     start = float(theta[int(np.argmax(values))])
     at = np.full(len(parts.Y), start)
     limit = 2.0 * math.pi / 360
@@ -331,51 +320,6 @@ def _upward_zero(parts: _Parts, lag: Array) -> Array:
 
 def _motion(parts: _Parts, theta: Array) -> tuple[Array, Array, Array]:
     """x, dx/dωt, d²x/dωt² at one phase for each mean, (r,)."""
-    size = len(parts.n)
-    turn = np.exp(1j * theta[:, None] * parts.n_all)
-    turn[:, :size] *= parts.x
-    turn[:, size:] *= parts.tail
-    n = parts.n_all
+    n = parts.n
+    turn = np.exp(1j * theta[:, None] * n) * parts.x
     return turn.real.sum(axis=1), -(turn.imag @ n), -(turn.real @ n**2)
-
-
-def _regime(reading: Reading, onset: bool) -> str:
-    return ONE_SLIP if onset and reading.waveform is not None else RIGID
-
-
-def _replicates(
-    reading: Reading,
-    drawn: Array,
-    stretch: float,
-    bias: float = 2.0,
-    onset: bool | None = None,
-) -> Features:
-    """Features of the means over the rows drawn.
-
-    A replicate's |x_n|² holds the variance twice: the mean's own, and that of the drawing. Taking off both centres the
-    replicates on the estimate.
-    """
-    steady, waveform = reading.steady, reading.waveform
-    parts = _Parts.of(steady, waveform, drawn, stretch, bias)
-    at = _Parts.of(steady, waveform)
-    resolved = reading.onset_resolved if onset is None else onset
-    numbers = _evaluate(parts, waveform, resolved, at)
-    regime = _regime(reading, resolved)
-    return of_numbers(steady.omega, regime, **numbers)
-
-
-def _jackknife(reading: Reading) -> dict[str, float]:
-    """Standard errors by leaving out one group of rows after the other; NaN for what is not read."""
-    left = reading.left_out()
-    groups = len(left)
-    errors = {}
-    for name in COLUMNS:
-        values = getattr(left, name)
-        if name.startswith("phi"):  # phases near the ends of the interval
-            values = np.unwrap(values)
-        errors[name] = math.sqrt(
-            (groups - 1) / groups * float(np.sum((values - values.mean()) ** 2))
-        )
-    if not reading.onset_resolved:
-        errors |= dict.fromkeys(("V_s", "t_s", "V_r", "t_r"), math.nan)
-    return errors

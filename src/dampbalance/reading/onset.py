@@ -16,15 +16,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array, Complexes
+from ..arrays import Array, Complexes, Integers
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
 from .climb import Evaluation, NoConvergence, NoStart, climb
-
-Orders = NDArray[np.int_]
 
 _HALF = 1024  # points of half a cycle: harmonics alias below 1e-9 of X
 _SMALLEST_U, _LARGEST_U = 1e-3, 1.9
@@ -56,7 +53,7 @@ class Waveform:
 
 
 def fit_waveform(
-    omega: float, k: float, Y: float, Y_error: float, n: Orders, x: Complexes, x_error: Array
+    omega: float, k: float, Y: float, Y_error: float, n: Integers, x: Complexes, x_error: Array
 ) -> Waveform | None:
     """The waveform that fits harmonics of one record; None where they show no slip that could be fitted.
 
@@ -98,7 +95,7 @@ def fit_waveform(
 
 
 def _rigid(
-    omega: float, k: float, Y: float, n: Orders, x: Complexes, x_error: Array
+    omega: float, k: float, Y: float, n: Integers, x: Complexes, x_error: Array
 ) -> tuple[float, float, float] | None:
     """(m, c, F_k) by linear least squares, the contact force being a square wave with the sign of the velocity."""
     theta = np.arange(720) * (2.0 * math.pi / 720)
@@ -128,7 +125,7 @@ class _Fit:
     k: float
     Y: float
     Y_error: float
-    n: Orders
+    n: Integers
     x: Complexes
     x_error: Array
 
@@ -146,9 +143,8 @@ class _Fit:
 
     def residual(self, p: Array) -> Array | None:
         """(model − data)/σ of |Y|, the phase of y, Re x_n, Im x_n; None where nothing slips."""
-        orbit = (
-            self.orbit(p) if _SMALLEST_U <= p[3] <= _LARGEST_U and abs(p[:3]).max() < 50 else None
-        )
+        within = _SMALLEST_U <= p[3] <= _LARGEST_U and abs(p[:3]).max() < 50
+        orbit = self.orbit(p) if within else None
         if orbit is None:
             return None
         model = _harmonics(orbit)[self.n // 2] * np.exp(1j * self.n * p[5])
@@ -184,19 +180,14 @@ class _Fit:
     def evaluate(self, p: Array) -> Evaluation | None:
         """Half the sum of squares with its information and gradient; None where nothing slips."""
         residual = self.residual(p)
-        jacobian = None if residual is None else self.jacobian(p, residual)
-        if residual is None or jacobian is None:
+        if residual is None:
             return None
-        return Evaluation.of_residuals(residual, jacobian)
-
-    def jacobian(self, p: Array, residual: Array) -> Array | None:
-        columns = []
-        for step in _STEP * np.eye(p.size):
-            moved = self.residual(p + step if p[3] + _STEP <= _LARGEST_U else p - step)
-            if moved is None:
-                return None
-            columns.append((moved - residual) / (_STEP if p[3] + _STEP <= _LARGEST_U else -_STEP))
-        return np.column_stack(columns)
+        step = _STEP if p[3] + _STEP <= _LARGEST_U else -_STEP
+        moved = [self.residual(p + one) for one in step * np.eye(p.size)]
+        slopes = [(there - residual) / step for there in moved if there is not None]
+        if len(slopes) < p.size:
+            return None
+        return Evaluation.of_residuals(residual, np.column_stack(slopes))
 
 
 def _harmonics(orbit: Orbit) -> Complexes:

@@ -72,15 +72,13 @@ def _lines(
     records = cells.to_dict("records")
     label = str(records[0]["row"])
     ids = [tables.claim_of(name, label, place, str(record["quantity"])) for record in records]
-    lines = []
-    if any(record["printed"] for record in records):
-        printed = tuple(
-            Cell(minus(record["printed"]), VERDICTS[record["verdict"]], claim)
-            if record["printed"]
-            else Cell("")
-            for record, claim in zip(records, ids, strict=True)
-        )
-        lines.append(Line(label, "printed", printed))
+    printed = tuple(
+        Cell(minus(record["printed"]), VERDICTS[record["verdict"]], claim)
+        if record["printed"]
+        else Cell("")
+        for record, claim in zip(records, ids, strict=True)
+    )
+    lines = [Line(label, "printed", printed)] if any(cell.text for cell in printed) else []
     for route in tables.SHOWN_ROUTES:
         texts = (
             claims.get(claim, {}).get(route, "") or number(float(record[route]))

@@ -91,8 +91,8 @@ class Axis:
     limits: tuple[float, float] | None = None
     labels: Sequence[str] | None = None  # of the places 0, 1, 2 …, where numbers mean nothing
 
-    def encoding(self, channel: str) -> Spec:
-        """The position channel, x or y, of Vega-Lite."""
+    def encoding(self, channel: str, still: bool = False) -> Spec:
+        """The position channel, x or y, of Vega-Lite; where nothing moves, a logarithmic axis has only named ticks."""
         scale: Spec = {"type": self.scale, "nice": False}
         if self.scale == "linear":
             scale["zero"] = False
@@ -106,14 +106,9 @@ class Axis:
         elif self.scale == "log":
             seen = {"condition": {"test": _IS_POWER, "value": 1}, "value": 0}
             axis |= {"labelExpr": _LOG_LABEL.replace("CHANNEL", channel), "gridOpacity": seen}
+        if still and self.scale == "log" and self.limits:
+            axis |= {"values": _named_ticks(*self.limits)}
         return {**quantitative(self.column), "scale": scale, "axis": axis}
-
-    def still_encoding(self, channel: str) -> Spec:
-        """`encoding` for a picture that does not move: a logarithmic axis with only the ticks that are named."""
-        encoding = self.encoding(channel)
-        if self.scale == "log" and self.limits:
-            encoding["axis"] |= {"values": _named_ticks(*self.limits)}
-        return encoding
 
 
 # A tick of a logarithmic axis is named if it is a power of ten, and 2 and 5 times one where under two decades are seen;
@@ -163,7 +158,7 @@ class Chart:
         first, *others = self.layers
         grid = {"name": "grid", "select": _ZOOM, "bind": "scales"}
         return {
-            **self._frame,
+            **self._frame(),
             "width": "container",
             "height": HEIGHT,
             "params": [{"name": "cursor", "value": -1}],
@@ -181,24 +176,22 @@ class Chart:
     def still(self) -> str:
         """The chart as SVG, without zoom and cursor; names inside it are its own."""
         spec = {
-            **self._frame,
+            **self._frame(still=True),
             "width": WIDTH,
             "height": HEIGHT,
             "data": {"values": self.table.csv, "format": {"type": "csv", "parse": self._parse}},
-            "encoding": {"x": self.x.still_encoding("x"), "y": self.y.still_encoding("y")},
             "layer": list(self.layers),
             "config": CONFIG,
         }
         return _lean(_drawn(json.dumps(spec)), self.id)
 
-    @property
-    def _frame(self) -> Spec:
+    def _frame(self, still: bool = False) -> Spec:
         """What both have in common."""
         return {
             "description": self.description,
             "autosize": {"type": "fit-x", "contains": "padding"},
             "data": {"name": "rows"},
-            "encoding": {"x": self.x.encoding("x"), "y": self.y.encoding("y")},
+            "encoding": {"x": self.x.encoding("x", still), "y": self.y.encoding("y", still)},
         }
 
     @property
@@ -211,12 +204,11 @@ class Chart:
         """The row that is spoken of: a line across the curves, or a ring around the point."""
         here = [{"filter": "datum.i === cursor"}]
         if self.nearest == "x":
-            mark: Spec = {"type": "rule", "color": variable("focus"), "strokeWidth": 1.4}
-            return [{"transform": here, "mark": mark, "encoding": _ACROSS}]
+            line: Spec = {"type": "rule", "color": variable("focus"), "strokeWidth": 1.4}
+            return [{"transform": here, "mark": line, "encoding": _ACROSS}]
         ring: Spec = {"type": "point", "size": 150, "color": variable("focus"), "strokeWidth": 2}
-        return [
-            {"transform": here, "mark": ring | {"filled": False, "clip": True, "tooltip": None}}
-        ]
+        ring |= {"filled": False, "clip": True, "tooltip": None}
+        return [{"transform": here, "mark": ring}]
 
 
 @dataclass(frozen=True, slots=True)
@@ -304,8 +296,7 @@ def _short(value: Any, digits: int) -> str:
 @cache
 def _drawn(spec: str) -> str:
     """The picture of a specification, as Vega draws it."""
-    svg: str = vl_convert.vegalite_to_svg(spec, vl_version=VERSION)
-    return svg
+    return str(vl_convert.vegalite_to_svg(spec, vl_version=VERSION))
 
 
 def _lean(svg: str, name: str) -> str:

@@ -24,8 +24,7 @@ def study_charts(study: Study, cases: str | Path) -> ChartSet:
 
     Raises KeyError for another kind.
     """
-    kinds = {"curves": error_curves, "steps": error_of_steps}
-    return kinds[study.figure["kind"]](study, cases)
+    return {"curves": error_curves, "steps": error_of_steps}[study.figure["kind"]](study, cases)
 
 
 def error_curves(study: Study, cases: str | Path) -> ChartSet:

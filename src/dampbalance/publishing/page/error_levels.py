@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 
 import pandas as pd
@@ -30,18 +31,14 @@ def error_charts(
     drawn.
     """
     shown = series.errors_by_level(estimates, oscillator, frequencies_hz, levels_m)
-    charts = [
-        _chart(of_term, name, hz, shown)
-        for of_term in shown.terms
-        for name, hz in frequencies_hz.items()
-    ]
     exact = {
         key: max(of_term.exact[key] for of_term in shown.terms)
         for key in shown.approaches
         if all(key in of_term.exact for of_term in shown.terms)
     }
+    places = itertools.product(shown.terms, frequencies_hz.items())
     return ChartSet(
-        tuple(charts),
+        tuple(_chart(of_term, name, hz, shown) for of_term, (name, hz) in places),
         tuple(key for key in shown.approaches if key not in exact),
         (INDIVIDUAL, COMMON),
         {key: power_of_ten(bound) for key, bound in exact.items()},

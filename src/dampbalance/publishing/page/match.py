@@ -81,9 +81,9 @@ def _legend(base: int) -> list[str]:
     """What symbol and colour stand for."""
     lines = []
     for place, verdict in zip(LEGEND_PLACES, VERDICTS.values(), strict=True):
-        lines.append(
-            f'<rect x="{place}" y="{base - 15}" width="24" height="20" rx="2" fill="{variable(verdict.css)}"/>'
-        )
-        lines.append(f'<text class="in" x="{place + 12}" y="{base}">{verdict.mark}</text>')
-        lines.append(f'<text x="{place + 31}" y="{base}">{verdict.name}</text>')
+        lines += [
+            f'<rect x="{place}" y="{base - 15}" width="24" height="20" rx="2" fill="{variable(verdict.css)}"/>',
+            f'<text class="in" x="{place + 12}" y="{base}">{verdict.mark}</text>',
+            f'<text x="{place + 31}" y="{base}">{verdict.name}</text>',
+        ]
     return lines

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -24,12 +24,12 @@ from ...motion.orbit import Orbit
 from ...project.case import Case
 from ...project.wording import MINUS, NONE, frequency_name, minus, percent, unit_of
 from ...replication.claim_ids import PARTS, part_of
-from ...replication.verdicts import ROUTE_NAMES, VERDICTS, Count, Verdict, counts
+from ...replication.verdicts import ROUTE_NAMES, VERDICTS, Count, counts
 from ...studies.settings import Study
 from ...studies.shown.facts import paragraph
 from . import words
-from .cells import Subtable, subtables
-from .charts import CONFIG, Chart, as_json, runtime
+from .cells import subtables
+from .charts import CONFIG, as_json, runtime
 from .colours import css_variables, series_colour, shape
 from .curves import study_charts
 from .error_levels import error_charts
@@ -47,6 +47,16 @@ TABLE_TITLES = {
     "table2": "Table 2: energy integrals, and estimates by direct integration",
     "table3": "Table 3: estimates of the harmonic approaches with common phi and t_s",
     "statistics": "Statistics of the text: least squares, and mean and standard deviation of the pairs",
+}
+
+SECTIONS = {
+    "match": "Match",
+    "numbers": "Every number",
+    "tables": "Tables",
+    "figure3": "Figure 3",
+    "errors": "Off resonance",
+    "studies": "Studies",
+    "provenance": "Sources",
 }
 
 
@@ -70,48 +80,14 @@ class PageContent:
     studies: Sequence[tuple[Study, Path]] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class ClaimLine:
-    """One printed number as the page shows it."""
-
-    id: str
-    part: str
-    where: str
-    quantity: str
-    unit: str
-    printed: str
-    routes: tuple[tuple[str, str], ...]
-    verdict: Verdict
-    explanation: str
-    in_table: bool
-
-
-@dataclass(frozen=True, slots=True)
-class ErrorLine:
-    """One approach in the table of errors: (least squares, largest of the pairs) per frequency and quantity."""
-
-    approach: str
-    phase: str
-    sharing: str
-    errors: tuple[tuple[str, str], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class PaperTable:
-    """A table of the paper."""
-
-    title: str
-    subtables: tuple[Subtable, ...]
-
-
 def report_page(content: PageContent, page: str) -> str:
     """The page as HTML. page : where it will stand, as a path from the repository's root, for its links.
 
     Raises ValueError where it would become larger than LARGEST_PAGE.
     """
     case, frequencies = content.case.name, content.case.frequencies_hz
-    tables = _paper_tables(content, list(frequencies))
-    shown = _numbers(content, tables[next(iter(frequencies))]) | _charts(content, frequencies)
+    tables = _paper_tables(content)
+    shown = _numbers(content, next(iter(tables.values()))) | _charts(content)
     template = _environment(case, page).get_template("report.html.j2")
     html = template.render(
         version=__version__,
@@ -123,7 +99,7 @@ def report_page(content: PageContent, page: str) -> str:
             for name, hz in frequencies.items()
         ],
         terms=list(TERMS),
-        error_table=list(_error_lines(content.approaches, list(frequencies))),
+        error_table=list(_error_lines(content.approaches, frequencies)),
         **shown,
         **_provenance(content),
         style=_style(),
@@ -139,38 +115,38 @@ def report_page(content: PageContent, page: str) -> str:
     return html
 
 
-def _paper_tables(content: PageContent, frequencies: Sequence[str]) -> dict[str, list[PaperTable]]:
+def _paper_tables(content: PageContent) -> dict[str, list[dict[str, Any]]]:
     """The paper's tables at each frequency; those of the first have the digits and the verdicts of the claims."""
-    claims: dict[str, dict[str, str]] = {}
+    claims: dict[Any, Any] = {}
     if content.claims is not None:
-        claims = {
-            str(row["id"]): {str(k): str(v) for k, v in row.items()}
-            for row in content.claims.to_dict("records")
-        }
+        claims = content.claims.set_index("id").to_dict("index")
     return {
         frequency: [
-            PaperTable(TABLE_TITLES[name], subtables(table, name, {} if n else claims))
+            {"title": TABLE_TITLES[name], "subtables": subtables(table, name, {} if n else claims)}
             for name, table in content.tables[frequency].items()
         ]
-        for n, frequency in enumerate(frequencies)
+        for n, frequency in enumerate(content.case.frequencies_hz)
     }
 
 
-def _numbers(content: PageContent, tables: Sequence[PaperTable]) -> dict[str, Any]:
+def _numbers(content: PageContent, tables: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """The printed numbers, counted and one by one, and the title above them. tables : those with verdicts."""
     if content.claims is None:
         return {"title": TITLE_OF_CASE, "headline": HEADLINE_OF_CASE, "counts": [], "claims": []}
     counted = counts(content.claims)
-    in_tables = {claim for table in tables for part in table.subtables for claim in part.claims}
-    lines = list(_claim_lines(content.claims, in_tables))
-    return {"title": TITLE, "headline": _headline(counted[-1]), "counts": counted, "claims": lines}
+    in_tables = {claim for table in tables for part in table["subtables"] for claim in part.claims}
+    claims = [
+        _claim(row) | {"in_table": row["id"] in in_tables}
+        for row in content.claims.to_dict("records")
+    ]
+    return {"title": TITLE, "headline": _headline(counted[-1]), "counts": counted, "claims": claims}
 
 
-def _charts(content: PageContent, frequencies: Mapping[str, float]) -> dict[str, Any]:
+def _charts(content: PageContent) -> dict[str, Any]:
     """Figure 3, the errors of the approaches and the studies, with what their charts need."""
     figure3 = figure3_charts(content.orbits)
     case = content.case
-    errors = error_charts(content.estimates, case.oscillator, frequencies, case.levels_m)
+    errors = error_charts(content.estimates, case.oscillator, case.frequencies_hz, case.levels_m)
     studies: list[dict[str, Any]] = [
         {
             "name": study.name.replace("_", "-"),
@@ -181,7 +157,7 @@ def _charts(content: PageContent, frequencies: Mapping[str, float]) -> dict[str,
         }
         for study, cases in content.studies
     ]
-    charts: list[Chart] = [*figure3, *errors.charts]
+    charts = [*figure3, *errors.charts]
     charts += [chart for study in studies for chart in study["figure"].charts]
     return {
         "figure3": figure3,
@@ -196,10 +172,11 @@ def _charts(content: PageContent, frequencies: Mapping[str, float]) -> dict[str,
 
 def _provenance(content: PageContent) -> dict[str, Any]:
     """The sections that there are, where each comes from, and the configuration."""
-    printed, studies = content.claims is not None, bool(content.studies)
-    absent = {name for name, there in (("claims", printed), ("studies", studies)) if not there}
+    absent = set() if content.studies else {"studies"}
+    if content.claims is None:
+        absent |= {"claims", "match", "numbers"}
     return {
-        "sections": _sections(printed, studies),
+        "sections": [(name, title) for name, title in SECTIONS.items() if name not in absent],
         "origins": ORIGINS,
         "all_origins": [origin for name, origin in ORIGINS.items() if name not in absent],
         "configuration": list(_flat(content.config)),
@@ -235,23 +212,16 @@ def _quantity(text: str) -> Markup:
     return words.one_letter(symbol) + by + words.rich(approach)
 
 
-def _claim_lines(claims: pd.DataFrame, in_tables: set[str]) -> Iterator[ClaimLine]:
-    """The printed numbers in the paper's order."""
-    for row in claims.to_dict("records"):
-        yield ClaimLine(
-            id=row["id"],
-            part=PARTS[part_of(row["id"])],
-            where=row["where"],
-            quantity=row["quantity"],
-            unit=unit_of(row["unit"]),
-            printed=minus(row["printed"]),
-            routes=tuple(
-                (route.capitalize(), minus(row[name])) for name, route in ROUTE_NAMES.items()
-            ),
-            verdict=VERDICTS[row["verdict"]],
-            explanation=minus(row["explanation"]),
-            in_table=row["id"] in in_tables,
-        )
+def _claim(row: Mapping[Any, str]) -> dict[str, Any]:
+    """One printed number as the page shows it, from its row of the table of claims."""
+    return {
+        **{name: row[name] for name in ("id", "where", "quantity")},
+        **{name: minus(row[name]) for name in ("printed", "explanation")},
+        "part": PARTS[part_of(row["id"])],
+        "unit": unit_of(row["unit"]),
+        "routes": [(route.capitalize(), minus(row[name])) for name, route in ROUTE_NAMES.items()],
+        "verdict": VERDICTS[row["verdict"]],
+    }
 
 
 def _headline(total: Count) -> str:
@@ -265,20 +235,21 @@ def _headline(total: Count) -> str:
     )
 
 
-def _error_lines(approaches: pd.DataFrame, frequencies: Sequence[str]) -> Iterator[ErrorLine]:
-    """The table of errors with the frequencies side by side."""
+def _error_lines(approaches: pd.DataFrame, frequencies: Iterable[str]) -> Iterator[dict[str, Any]]:
+    """The table of errors: (least squares, largest of the pairs) per frequency and quantity, side by side."""
     for key, rows in approaches.groupby(["approach", "phase", "sharing"], sort=False):
         approach, phase, sharing = (str(word) for word in key)
         at = rows.set_index("frequency")
-        errors = tuple(
+        errors = [
             (
                 _signed(float(at[f"{unknown}_error_percent"][frequency])),
                 _size(float(at[f"{unknown}_largest_pair_error_percent"][frequency])),
             )
             for frequency in frequencies
             for unknown in TERMS
-        )
-        yield ErrorLine(approach, phase.replace("_", " ") or NONE, sharing or NONE, errors)
+        ]
+        phase = phase.replace("_", " ") or NONE
+        yield {"approach": approach, "phase": phase, "sharing": sharing or NONE, "errors": errors}
 
 
 def _size(error: float) -> str:
@@ -303,41 +274,22 @@ def _flat(settings: Any, above: str = "") -> Iterator[tuple[str, str]]:
         yield above, _value(settings)
 
 
-def _value(value: Any) -> str:
+def _value(value: Any, inner: bool = False) -> str:
     if isinstance(value, Mapping):
         return ", ".join(f"{key}: {_value(part)}" for key, part in value.items())
     if isinstance(value, Sequence) and not isinstance(value, str):
         mapped = any(isinstance(part, Mapping) for part in value)
-        return ("; " if mapped else ", ").join(
-            f"({_value(part)})"
-            if isinstance(part, Sequence) and not isinstance(part, str)
-            else _value(part)
-            for part in value
-        )
+        text = ("; " if mapped else ", ").join(_value(part, inner=True) for part in value)
+        return f"({text})" if inner else text
     return "none" if value is None else str(value)
-
-
-def _sections(printed: bool, studies: bool) -> list[tuple[str, str]]:
-    """Id and name of the sections that there are."""
-    return [
-        *([("match", "Match"), ("numbers", "Every number")] if printed else []),
-        ("tables", "Tables"),
-        ("figure3", "Figure 3"),
-        ("errors", "Off resonance"),
-        *([("studies", "Studies")] if studies else []),
-        ("provenance", "Sources"),
-    ]
 
 
 def _style() -> str:
     """The style sheet, with the colours of both modes; print is always light."""
-    light, dark = css_variables("light"), css_variables("dark")
-    return "\n".join(
-        [
-            f":root {{ color-scheme: light dark; {light} }}",
-            f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}",
-            _text("static/style.css"),
-        ]
+    return (
+        f":root {{ color-scheme: light dark; {css_variables('light')} }}\n"
+        f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {css_variables('dark')} }} }}\n"
+        + _text("static/style.css")
     )
 
 
