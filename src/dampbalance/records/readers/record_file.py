@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ..errors import RecordError
@@ -61,28 +62,32 @@ class RecordFile(ABC):
 
 
 class Sliced(RecordFile):
-    """A source whose channels are read from any sample to any other."""
+    """A file whose channels are read from any sample to any other: read(channel, begin, end).
+
+    what : the format, for messages.
+    """
 
     def __init__(
         self,
         path: Path,
         channels: Sequence[RawChannel],
-        read: Callable[[int, int, int], Array],
+        read: Callable[[int, int, int], ArrayLike],
+        what: str,
         close: Callable[[], None] = lambda: None,
     ) -> None:
-        self.path, self.channels, self._read, self._close = path, tuple(channels), read, close
+        self.path, self.channels, self._read = path, tuple(channels), read
+        self._what, self._close = what, close
 
     def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
         """The wanted channels, `size` samples of each at a time."""
-        sizes = [self.channels[i].size or 0 for i in wanted]
-        if size is None:
-            yield [self._read(i, 0, n) for i, n in zip(wanted, sizes, strict=True)]
-            return
-        for start in range(0, max(sizes), size):
-            yield [
-                self._read(i, min(start, n), min(start + size, n))
-                for i, n in zip(wanted, sizes, strict=True)
-            ]
+        longest = max(self.channels[i].size or 0 for i in wanted)
+        for start in range(0, longest, size or max(1, longest)):
+            with intact(self.path, self._what):
+                yield [self._part(i, start, start + (size or longest)) for i in wanted]
+
+    def _part(self, i: int, begin: int, end: int) -> Array:
+        n = self.channels[i].size or 0
+        return np.asarray(self._read(i, min(begin, n), min(end, n)), dtype=np.float64)
 
     def close(self) -> None:
         """Let go of the file."""
@@ -124,28 +129,24 @@ def timing(path: Path, name: str, attributes: dict[str, object]) -> tuple[float 
     Raises RecordError when a rate or a step is not a positive number.
     """
     values = {str(key).lower(): value for key, value in attributes.items()}
-    start = next(
-        (_number(path, name, key, values[key]) for key in START_NAMES if key in values), 0.0
-    )
-    for names, inverse in ((RATE_NAMES, False), (STEP_NAMES, True)):
-        for key in names:
-            if key in values:
-                value = _number(path, name, key, values[key])
-                if not (np.isfinite(value) and value > 0.0):
-                    raise RecordError(
-                        f"{path}: {key} of channel {name!r} is {value:g}; give sample_rate_hz in a mapping"
-                    )
-                return (1.0 / value if inverse else value), start
+    remedy = "give sample_rate_hz in a mapping"
+
+    def number(key: str) -> float:
+        try:
+            return float(np.asarray(values[key], dtype=np.float64).reshape(-1)[0])
+        except (TypeError, ValueError, IndexError):
+            raise RecordError(
+                f"{path}: {key} of channel {name!r} is {values[key]!r}, not a number; {remedy}"
+            ) from None
+
+    start = next((number(key) for key in START_NAMES if key in values), 0.0)
+    for key in (*RATE_NAMES, *STEP_NAMES):
+        if key in values:
+            value = number(key)
+            if not (np.isfinite(value) and value > 0.0):
+                raise RecordError(f"{path}: {key} of channel {name!r} is {value:g}; {remedy}")
+            return (1.0 / value if key in STEP_NAMES else value), start
     return None, start
-
-
-def _number(path: Path, name: str, key: str, value: object) -> float:
-    try:
-        return float(np.asarray(value, dtype=np.float64).reshape(-1)[0])
-    except (TypeError, ValueError, IndexError):
-        raise RecordError(
-            f"{path}: {key} of channel {name!r} is {value!r}, not a number; give sample_rate_hz in a mapping"
-        ) from None
 
 
 def unit_among(attributes: dict[str, object]) -> str | None:
