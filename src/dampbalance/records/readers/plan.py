@@ -165,8 +165,8 @@ class _Plan:
             ("base_displacement", "displacement"), [*signals, *self.channels], strict=False
         )
         lines = [
-            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)} and at least one of {', '.join(RESPONSES)}. "
-            f"Its channels are {self.overview}. Say which is which in {self.where}, for example",
+            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)} and at least one of {', '.join(RESPONSES)}."
+            f" Its channels are {self.overview}. Say which is which in {self.where}, for example",
             "  channels:",
             *(f"    {q}: {{channel: {_yaml(c.name)}, unit: {c.unit or '…'}}}" for q, c in examples),
         ]
