@@ -16,19 +16,14 @@ from ...arrays import Array
 from ..errors import RecordError, RecordWarning
 from ..mapping import RecordMapping, mapping_for
 from ..measurement import Measurement
+from . import named_arrays, streams
 from .assemble import in_blocks, whole
 from .formats import FORMATS, checked_format
 from .plan import Pick, picks_of
 from .record_file import RawChannel, RecordFile
+from .text import TextFile
 
-__all__ = [
-    "FORMATS",
-    "RecordError",
-    "RecordWarning",
-    "channels",
-    "open_channels",
-    "read",
-]
+__all__ = ["FORMATS", "RecordError", "RecordWarning", "channels", "open_channels", "read"]
 
 MappingLike = RecordMapping | Mapping[str, Any] | str | Path | None
 """A mapping, as an object, a document or a file; None for the one beside the record, if any."""
@@ -82,21 +77,16 @@ def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel,
 
 
 def _open(path: Path, rules: RecordMapping) -> RecordFile:
-    name, content = checked_format(path)
-    # Each imports its library when it opens a file.
-    if name == "text":
-        from .text import TextFile
+    content = checked_format(path)
+    return TextFile(path, rules) if content == "text" else _OPENERS[content](path)
 
-        return TextFile(path, rules)
-    from . import named_arrays, streams
 
-    openers: dict[str, Callable[[Path], RecordFile]] = {
-        "parquet": named_arrays.ParquetFile,
-        "hdf5": named_arrays.hdf5_file,
-        "matlab73": named_arrays.hdf5_file,
-        "matlab": named_arrays.matlab_file,
-        "uff": streams.uff_file,
-        "tdms": streams.tdms_file,
-        "wav": streams.wav_file,
-    }
-    return openers[content](path)
+_OPENERS: dict[str, Callable[[Path], RecordFile]] = {  # each imports its library
+    "parquet": named_arrays.ParquetFile,
+    "hdf5": named_arrays.hdf5_file,
+    "matlab73": named_arrays.hdf5_file,
+    "matlab": named_arrays.matlab_file,
+    "uff": streams.uff_file,
+    "tdms": streams.tdms_file,
+    "wav": streams.wav_file,
+}
