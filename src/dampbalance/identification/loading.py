@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from ..reading.conditioning import condition_blocks
 from ..reading.noisy import Reading, read_features, read_steady
-from ..records.mapping import mapping_for
+from ..records.mapping import MappingLike, mapping_for
 from ..records.measurement import Measurement
-from ..records.readers import MappingLike, RecordWarning, open_channels, read
+from ..records.readers import RecordWarning, open_channels, read
 
 Array = NDArray[np.float64]
 

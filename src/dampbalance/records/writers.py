@@ -64,9 +64,8 @@ def _columns_of(measurement: Measurement) -> dict[str, Array]:
     if all(np.array_equal(channel.t, channels[0].t) for channel in channels):
         return {"time_s": channels[0].t} | {_label(c.quantity): c.values for c in channels}
     columns: dict[str, Array] = {}
-    for channel in channels:
-        columns[f"{channel.quantity}_time_s"] = channel.t
-        columns[_label(channel.quantity)] = channel.values
+    for c in channels:
+        columns |= {f"{c.quantity}_time_s": c.t, _label(c.quantity): c.values}
     return columns
 
 
@@ -79,11 +78,8 @@ def _write_parquet(path: Path, measurement: Measurement) -> None:
     arrow = library("pyarrow", "Parquet")
     parquet = library("pyarrow.parquet", "Parquet")
     # A missing row of a shorter channel is a null, as it is an empty cell in text.
-    columns = {
-        name: arrow.array(series.to_numpy(), from_pandas=True)
-        for name, series in _frame(measurement).items()
-    }
-    parquet.write_table(arrow.table(columns), path, compression="zstd")
+    table = arrow.Table.from_pandas(_frame(measurement), preserve_index=False)
+    parquet.write_table(table.replace_schema_metadata(), path, compression="zstd")
 
 
 def _write_matlab(path: Path, measurement: Measurement) -> None:
@@ -153,16 +149,17 @@ def _write_tdms(path: Path, measurement: Measurement) -> None:
         columns = {name: values for name, values in columns.items() if name in waveform}
     with nptdms.TdmsWriter(str(path)) as file:
         for begin in range(0, max(values.size for values in columns.values()), _TDMS_SEGMENT):
+            parts = {name: v[begin : begin + _TDMS_SEGMENT] for name, v in columns.items()}
             file.write_segment(
                 [
                     nptdms.ChannelObject(
                         "record",
                         name,
-                        values[begin : begin + _TDMS_SEGMENT],
-                        {"unit_string": _unit_of(name), **waveform.get(name, {})},
+                        part,
+                        {"unit_string": _unit_of(name)} | waveform.get(name, {}),
                     )
-                    for name, values in columns.items()
-                    if values.size > begin
+                    for name, part in parts.items()
+                    if part.size
                 ]
             )
 
@@ -201,9 +198,8 @@ def _channels(measurement: Measurement) -> list[Channel]:
 
 def _frame(measurement: Measurement) -> pd.DataFrame:
     """The columns side by side; the shorter ones are empty at the end."""
-    return pd.DataFrame(
-        {name: pd.Series(values) for name, values in _columns_of(measurement).items()}
-    )
+    columns = _columns_of(measurement)
+    return pd.DataFrame({name: pd.Series(values) for name, values in columns.items()})
 
 
 def _label(quantity: str) -> str:

@@ -6,15 +6,14 @@ for t, values in open_channels("long.tdms")["force"](): ...  # in bounded memory
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from ...arrays import Array
 from ..errors import RecordError, RecordWarning
-from ..mapping import RecordMapping, mapping_for
+from ..mapping import MappingLike, RecordMapping, mapping_for
 from ..measurement import Measurement
 from . import named_arrays, streams
 from .assemble import in_blocks, whole
@@ -24,9 +23,6 @@ from .record_file import RawChannel, RecordFile
 from .text import TextFile
 
 __all__ = ["FORMATS", "RecordError", "RecordWarning", "channels", "open_channels", "read"]
-
-MappingLike = RecordMapping | Mapping[str, Any] | str | Path | None
-"""A mapping, as an object, a document or a file; None for the one beside the record, if any."""
 
 
 def read(path: str | Path, mapping: MappingLike = None) -> Measurement:
@@ -73,7 +69,7 @@ def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel,
     """The channels of a file, with names, units and sampling rates as it has them. Raises RecordError."""
     path, rules = Path(path), mapping_for(path, mapping)
     with closing(_open(path, rules)) as file:
-        return file.channels
+        return tuple(file.channels)
 
 
 def _open(path: Path, rules: RecordMapping) -> RecordFile:

@@ -124,29 +124,31 @@ class Stretch:
     def _require_uniform(self, index: int, t: Array) -> None:
         where = f"{self.file.path}: time channel {self.file.channels[index].name!r}"
         line = t if self.last is None else np.concatenate([[self.last], t])
-        first = self.count - (line.size - t.size)  # sample number of line[0]
+
+        def place(i: int) -> str:
+            return self.file.place(index, self.count - (line.size - t.size) + i)
+
         steps = np.diff(line)
         if self.step is None:
             self.step = float(np.median(steps))
         i = int(np.argmin(steps))
         if steps[i] <= 0.0:
             raise RecordError(
-                f"{where} does not increase: {line[i]:.12g} s, then {line[i + 1]:.12g} s "
-                f"({self.file.place(index, first + i + 1)}); give sample_rate_hz instead if it has too few digits"
+                f"{where} does not increase: {line[i]:.12g} s, then {line[i + 1]:.12g} s ({place(i + 1)}); give "
+                "sample_rate_hz instead if it has too few digits"
             )
         i = int(np.argmax(steps))
         if steps[i] > _GAP * self.step:
             raise RecordError(
-                f"{where} has a gap of {steps[i]:g} s after {line[i]:.12g} s ({self.file.place(index, first + i)}), "
-                f"its step is {self.step:g} s; use the part before or after it"
+                f"{where} has a gap of {steps[i]:g} s after {line[i]:.12g} s ({place(i)}), its step is {self.step:g} s;"
+                " use the part before or after it"
             )
-        grid = np.linspace(line[0], line[-1], line.size)
-        i = int(np.argmax(np.abs(line - grid)))
-        if abs(line[i] - grid[i]) > GRID_TOLERANCE * self.step:
+        off = np.abs(line - np.linspace(line[0], line[-1], line.size))
+        i = int(np.argmax(off))
+        if off[i] > GRID_TOLERANCE * self.step:
             raise RecordError(
-                f"{where} is not in equal steps: {line[i]:.12g} s ({self.file.place(index, first + i)}) is "
-                f"{abs(line[i] - grid[i]):.2g} s off the grid of {self.step:g} s; resample the record, or give "
-                "sample_rate_hz instead if only the digits are too few"
+                f"{where} is not in equal steps: {line[i]:.12g} s ({place(i)}) is {off[i]:.2g} s off the grid of "
+                f"{self.step:g} s; resample the record, or give sample_rate_hz instead if only the digits are too few"
             )
 
 

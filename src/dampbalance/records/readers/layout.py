@@ -33,10 +33,7 @@ _NUMBER = {
 
 # Tried in this order: what fits as many rows as another and comes first wins. "1,5;2,5" is two numbers and "1,5" in one
 # column would be none, so a semicolon or tab comes before the comma, and a comma before blanks.
-_MARKS = (
-    ("\t", "."), ("\t", ","), (";", "."), (";", ","), ("|", "."), ("|", ","), (",", "."),
-    (WHITESPACE, "."), (WHITESPACE, ","),
-)  # fmt: skip
+_DELIMITERS = ("\t", ";", "|", ",", WHITESPACE)
 
 
 @dataclass(frozen=True)
@@ -58,11 +55,10 @@ class Layout:
     def rows(self, path: Path) -> Iterator[tuple[int, list[str]]]:
         """Line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
         with open(path, encoding=self.encoding, errors="replace", newline=None) as stream:
-            for number, line in enumerate(stream, start=1):
-                if number > self.header_lines:
-                    cells = cells_of(line, self.delimiter, self.comment)
-                    if cells:
-                        yield number, cells
+            numbered = enumerate(stream, start=1)
+            for number, line in itertools.islice(numbered, self.header_lines, None):
+                if cells := cells_of(line, self.delimiter, self.comment):
+                    yield number, cells
 
     def is_readable(self, cell: str) -> bool:
         """Whether a cell is a number, or NaN or an infinity, which the check for finite values names."""
@@ -76,17 +72,15 @@ def layout_of(path: Path, mapping: RecordMapping) -> Layout:
     """
     encoding = _encoding(path)
     with open(path, encoding=encoding, errors="replace", newline=None) as stream:
-        lines = list(
-            itertools.islice(iter(lambda: stream.readline(_SAMPLE_CHARACTERS), ""), _SAMPLE_LINES)
-        )
-    first_marks = [line.lstrip()[:1] for line in lines if line.strip()]
-    comment = next((mark for mark in first_marks if mark and mark in _COMMENTS), "#")
-
-    marks = _MARKS if mapping.delimiter is None else [(mapping.delimiter, mark) for mark in ".,"]
+        every = iter(lambda: stream.readline(_SAMPLE_CHARACTERS), "")
+        lines = list(itertools.islice(every, _SAMPLE_LINES))
+    first_marks = "".join(line.lstrip()[:1] for line in lines)
+    comment = next((mark for mark in first_marks if mark in _COMMENTS), "#")
     fits = [
         (fit, delimiter, decimal)
-        for delimiter, decimal in marks
-        if mapping.decimal in (None, decimal) and decimal != delimiter
+        for delimiter in ([mapping.delimiter] if mapping.delimiter else _DELIMITERS)
+        for decimal in (mapping.decimal or ".,")
+        if decimal != delimiter
         if (fit := _first_row(lines, delimiter, decimal, comment, mapping.header_lines))
     ]
     if not fits:

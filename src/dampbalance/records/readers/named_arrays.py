@@ -55,13 +55,12 @@ def hdf5_file(path: Path) -> RecordFile:
     h5py = library("h5py", "HDF5")
     with intact(path, "HDF5"):
         file = h5py.File(path, "r")
-    datasets: dict[str, Any] = {}
     with intact(path, "HDF5", file.close):
-        _collect(h5py, file, "", {}, datasets)
-    scalars = {n.rpartition("/")[2]: d[()].item() for n, (d, _) in datasets.items() if d.size == 1}
+        datasets = list(_datasets(h5py, file, "", {}))
+    scalars = {n.rpartition("/")[2]: d[()].item() for n, d, _ in datasets if d.size == 1}
     arrays = [
         (name, data, scalars | inherited | dict(data.attrs), unit_among(dict(data.attrs)))
-        for name, (data, inherited) in datasets.items()
+        for name, data, inherited in datasets
     ]
     return _signals(path, "HDF5", arrays, file.close)
 
@@ -113,21 +112,24 @@ def _floats(path: Path, name: str, column: Any) -> Array:
         raise RecordError(f"{path}: column {name!r} holds {column.type}, not numbers") from None
 
 
-def _collect(
-    h5py: Any, group: Any, prefix: str, inherited: dict[str, object], datasets: dict[str, Any]
-) -> None:
-    """Every array of real numbers below a group, by its path, with the attributes of the groups that hold it."""
+def _datasets(
+    h5py: Any, group: Any, prefix: str, inherited: dict[str, object]
+) -> Iterator[tuple[str, Any, dict[str, object]]]:
+    """Every array of real numbers below a group: its path, itself and the attributes of the groups that hold it."""
     here = inherited | dict(group.attrs)
     for name in group:
         if name.startswith("#"):  # MATLAB's own: #refs#, #subsystem#
             continue
         item = group[name]
         if isinstance(item, h5py.Group):
-            _collect(h5py, item, f"{prefix}{name}/", here, datasets)
-        elif isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu":
-            text = item.attrs.get("MATLAB_class") in (b"char", b"logical", "char", "logical")
-            if not text and item.size and (item.ndim <= 2):
-                datasets[f"{prefix}{name}"] = (item, here)
+            yield from _datasets(h5py, item, f"{prefix}{name}/", here)
+        elif (
+            isinstance(item, h5py.Dataset)
+            and item.dtype.kind in "fiu"
+            and item.size
+            and item.attrs.get("MATLAB_class") not in (b"char", b"logical", "char", "logical")
+        ):
+            yield f"{prefix}{name}", item, here
 
 
 def _flat(values: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:

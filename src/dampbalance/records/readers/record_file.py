@@ -47,7 +47,7 @@ class RecordFile(ABC):
     """An open file of channels."""
 
     path: Path
-    channels: tuple[RawChannel, ...]
+    channels: Sequence[RawChannel]
 
     @abstractmethod
     def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
@@ -61,37 +61,34 @@ class RecordFile(ABC):
         """Let go of the file."""
 
 
+@dataclass(frozen=True, eq=False)
 class Sliced(RecordFile):
     """A file whose channels are read from any sample to any other: read(channel, begin, end).
 
-    what : the format, for messages.
+    what : the format, for messages.   release : lets go of the file.
     """
 
-    def __init__(
-        self,
-        path: Path,
-        channels: Sequence[RawChannel],
-        read: Callable[[int, int, int], ArrayLike],
-        what: str,
-        close: Callable[[], None] = lambda: None,
-    ) -> None:
-        self.path, self.channels, self._read = path, tuple(channels), read
-        self._what, self._close = what, close
+    path: Path
+    channels: Sequence[RawChannel]
+    read: Callable[[int, int, int], ArrayLike]
+    what: str
+    release: Callable[[], None] = lambda: None
 
     def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
         """The wanted channels, `size` samples of each at a time."""
-        longest = max(self.channels[i].size or 0 for i in wanted)
-        for start in range(0, longest, size or max(1, longest)):
-            with intact(self.path, self._what):
-                yield [self._part(i, start, start + (size or longest)) for i in wanted]
-
-    def _part(self, i: int, begin: int, end: int) -> Array:
-        n = self.channels[i].size or 0
-        return np.asarray(self._read(i, min(begin, n), min(end, n)), dtype=np.float64)
+        lengths = [self.channels[i].size or 0 for i in wanted]
+        step = size or max(1, *lengths)
+        for start in range(0, max(lengths), step):
+            with intact(self.path, self.what):
+                parts = [
+                    self.read(i, min(start, n), min(start + step, n))
+                    for i, n in zip(wanted, lengths, strict=True)
+                ]
+                yield [np.asarray(part, dtype=np.float64) for part in parts]
 
     def close(self) -> None:
         """Let go of the file."""
-        self._close()
+        self.release()
 
 
 @contextmanager

@@ -108,11 +108,9 @@ def wav_file(path: Path) -> RecordFile:
         except ValueError:  # 24-bit samples cannot be mapped
             rate, data = wavfile.read(path)
     table = data.reshape(len(data), -1)
-    zero, full = 0.0, 1.0
-    if data.dtype.kind == "u":
-        zero, full = 128.0, 128.0
-    elif data.dtype.kind == "i":
-        full = -float(np.iinfo(data.dtype).min)
+    kind = data.dtype.kind
+    full = 2.0 ** (8 * data.dtype.itemsize - 1) if kind in "iu" else 1.0
+    zero = full if kind == "u" else 0.0
     channels = [
         RawChannel(f"channel {i + 1}", None, len(table), float(rate)) for i in range(table.shape[1])
     ]

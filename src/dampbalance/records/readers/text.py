@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
@@ -60,10 +61,8 @@ class TextFile(RecordFile):
 
     def place(self, channel: int, sample: int) -> str:
         """The line of a row, counted from 1."""
-        for row, (number, _) in enumerate(self.layout.rows(self.path)):
-            if row == sample:
-                return f"line {number}"
-        return f"row {sample + 1}"
+        row = next(itertools.islice(self.layout.rows(self.path), sample, None), None)
+        return f"line {row[0]}" if row else f"row {sample + 1}"
 
     def _complaint(self, wanted: Sequence[int], fallback: str) -> str:
         """What is wrong with the first row that cannot be read."""
