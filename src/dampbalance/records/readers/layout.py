@@ -95,9 +95,7 @@ def cells_of(line: str, delimiter: str, comment: str) -> list[str]:
     line = line.split(comment, 1)[0].rstrip("\r\n")
     if not line.strip():
         return []
-    if delimiter == WHITESPACE:
-        return line.split()
-    return _split(line, delimiter)
+    return line.split() if delimiter == WHITESPACE else _split(line, delimiter)
 
 
 def _split(line: str, delimiter: str) -> list[str]:

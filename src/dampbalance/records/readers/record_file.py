@@ -109,22 +109,11 @@ def intact(path: Path, what: str, close: Callable[[], None] = lambda: None) -> I
 def described(
     path: Path, label: str, size: int, attributes: dict[str, object], unit: str | None = None
 ) -> RawChannel:
-    """The channel of `size` samples with that label, its timing among the attributes; unit : instead of the label's."""
-    name, own = split_label(label)
-    rate, start = timing(path, label, attributes)
-    return RawChannel(name, unit or own, size, rate, start, label)
+    """The channel of `size` samples with that label, its timing among the attributes, whatever they are called.
 
-
-def times(rate_hz: float, start: float, first: int, count: int) -> Array:
-    """Times, s, of `count` samples from number `first` on."""
-    return start + np.arange(first, first + count) / rate_hz
-
-
-def timing(path: Path, name: str, attributes: dict[str, object]) -> tuple[float | None, float]:
-    """Sampling rate, Hz, and time of the first sample, s, among attributes of a channel, whatever they are called.
-
-    Raises RecordError when a rate or a step is not a positive number.
+    unit : instead of the label's.   Raises RecordError when a rate or a step is not a positive number.
     """
+    name, own = split_label(label)
     values = {str(key).lower(): value for key, value in attributes.items()}
     remedy = "give sample_rate_hz in a mapping"
 
@@ -133,7 +122,7 @@ def timing(path: Path, name: str, attributes: dict[str, object]) -> tuple[float 
             return float(np.asarray(values[key], dtype=np.float64).reshape(-1)[0])
         except (TypeError, ValueError, IndexError):
             raise RecordError(
-                f"{path}: {key} of channel {name!r} is {values[key]!r}, not a number; {remedy}"
+                f"{path}: {key} of channel {label!r} is {values[key]!r}, not a number; {remedy}"
             ) from None
 
     start = next((number(key) for key in START_NAMES if key in values), 0.0)
@@ -141,9 +130,15 @@ def timing(path: Path, name: str, attributes: dict[str, object]) -> tuple[float 
         if key in values:
             value = number(key)
             if not (np.isfinite(value) and value > 0.0):
-                raise RecordError(f"{path}: {key} of channel {name!r} is {value:g}; {remedy}")
-            return (1.0 / value if key in STEP_NAMES else value), start
-    return None, start
+                raise RecordError(f"{path}: {key} of channel {label!r} is {value:g}; {remedy}")
+            rate = 1.0 / value if key in STEP_NAMES else value
+            return RawChannel(name, unit or own, size, rate, start, label)
+    return RawChannel(name, unit or own, size, None, start, label)
+
+
+def times(rate_hz: float, start: float, first: int, count: int) -> Array:
+    """Times, s, of `count` samples from number `first` on."""
+    return start + np.arange(first, first + count) / rate_hz
 
 
 def unit_among(attributes: dict[str, object]) -> str | None:

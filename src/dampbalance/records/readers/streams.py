@@ -61,10 +61,8 @@ def tdms_file(path: Path) -> RecordFile:
     with intact(path, "TDMS"):
         file = nptdms.TdmsFile.open(path)
     with intact(path, "TDMS", file.close):
-        groups = file.groups()
-        signals = [
-            c for group in groups for c in group.channels() if c.dtype.kind in "fiu" and len(c)
-        ]
+        every = (channel for group in file.groups() for channel in group.channels())
+        signals = [c for c in every if c.dtype.kind in "fiu" and len(c)]
         if not signals:
             raise RecordError(
                 f"{path}: holds no channel of numbers; it was cut short, or the recording was not closed"
@@ -74,15 +72,10 @@ def tdms_file(path: Path) -> RecordFile:
                 f"{path}: its last segment is incomplete: the file was cut short, or the recording was not closed"
             )
         several = len({c.group_name for c in signals}) > 1
+        labels = [f"{c.group_name}/{c.name}" if several else c.name for c in signals]
         channels = [
-            described(
-                path,
-                f"{c.group_name}/{c.name}" if several else c.name,
-                len(c),
-                dict(c.properties),
-                unit_among(c.properties),
-            )
-            for c in signals
+            described(path, label, len(c), dict(c.properties), unit_among(c.properties))
+            for label, c in zip(labels, signals, strict=True)
         ]
     return Sliced(path, channels, lambda i, a, b: signals[i][a:b], "TDMS", file.close)
 

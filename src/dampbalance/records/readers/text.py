@@ -22,8 +22,7 @@ class TextFile(RecordFile):
     """A delimited text file; `layout.py` finds out its delimiter, decimal mark, header and columns."""
 
     def __init__(self, path: Path, mapping: RecordMapping) -> None:
-        self.path = path
-        self.layout = layout_of(path, mapping)
+        self.path, self.layout = path, layout_of(path, mapping)
         self.channels = self.layout.columns
 
     def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
