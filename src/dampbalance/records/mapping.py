@@ -123,20 +123,15 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
 def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | int, ...], str]]:
     """What no schema can say: units that do not fit, keys that exclude each other."""
     channels = document.get("channels", {})
-    time = document.get("time", {})
-    timed = [
-        ("channels", quantity, "time") for quantity, rule in channels.items() if "time" in rule
-    ]
+    rules: dict[tuple[str | int, ...], Any] = {("channels", q): channels[q] for q in channels}
     if "sample_rate_hz" in document:
-        for key in [*timed, *([("time",)] if "time" in document else [])]:
+        timed = [(*key, "time") for key, rule in rules.items() if "time" in rule]
+        for key in [*timed, ("time",)] if "time" in document else timed:
             yield key, "not together with sample_rate_hz; keep one"
-    for key, rule in [
-        *((("channels", q), rule) for q, rule in channels.items()),
-        (("time",), time),
-    ]:
+    for key, rule in {**rules, ("time",): document.get("time", {})}.items():
         if "unit" in rule:
             try:
-                unit_for(rule["unit"], key[-1])
+                unit_for(rule["unit"], str(key[-1]))
             except UnitError as error:
                 yield (*key, "unit"), str(error)
     holder: dict[str | int, str] = {}

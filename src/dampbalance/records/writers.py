@@ -10,6 +10,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -140,24 +141,21 @@ def _write_tdms(path: Path, measurement: Measurement) -> None:
     nptdms = library("nptdms", "TDMS")
     columns = _columns_of(measurement)
     channels = _channels(measurement)
-    waveform: dict[str, dict[str, float]] = {}
+    properties: dict[str, dict[str, Any]] = {n: {"unit_string": _unit_of(n)} for n in columns}
+    even = []
     for channel in channels:
         start, step = float(channel.t[0]), float(channel.t[1] - channel.t[0])
         if _is_even(channel, start, step):
-            waveform[_label(channel.quantity)] = {"wf_increment": step, "wf_start_offset": start}
-    if len(waveform) == len(channels):
-        columns = {name: values for name, values in columns.items() if name in waveform}
+            even.append(_label(channel.quantity))
+            properties[even[-1]] |= {"wf_increment": step, "wf_start_offset": start}
+    if len(even) == len(channels):
+        columns = {name: columns[name] for name in even}
     with nptdms.TdmsWriter(str(path)) as file:
         for begin in range(0, max(values.size for values in columns.values()), _TDMS_SEGMENT):
             parts = {name: v[begin : begin + _TDMS_SEGMENT] for name, v in columns.items()}
             file.write_segment(
                 [
-                    nptdms.ChannelObject(
-                        "record",
-                        name,
-                        part,
-                        {"unit_string": _unit_of(name)} | waveform.get(name, {}),
-                    )
+                    nptdms.ChannelObject("record", name, part, properties[name])
                     for name, part in parts.items()
                     if part.size
                 ]
