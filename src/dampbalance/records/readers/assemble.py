@@ -55,13 +55,13 @@ def in_blocks(file: RecordFile, pick: Pick, size: int) -> Iterator[Channel]:
         )
     stretch = Stretch(file, pick)
     # One block is kept back, so that a last one of a single sample can join it.
-    waiting: list[Array] | None = None
+    waiting: list[Array] = []
     raw = file.blocks(wanted, size)
     for block in raw if pick.time is None else _without_empty_end(raw):
-        if waiting is not None and block[0].size < 2:
+        if waiting and block[0].size < 2:
             waiting = [np.concatenate(pair) for pair in zip(waiting, block, strict=True)]
             continue
-        if waiting is not None:
+        if waiting:
             yield stretch.channel(dict(zip(wanted, waiting, strict=True)))
         waiting = block
     yield stretch.channel(dict(zip(wanted, waiting or [np.empty(0)] * len(wanted), strict=True)))
