@@ -10,9 +10,9 @@ from pathlib import Path
 from ..arrays import Array
 from ..reading.conditioning import condition_blocks
 from ..reading.noisy import Reading, read_features, read_steady
-from ..records.mapping import mapping_for
+from ..records.mapping import MappingLike, mapping_for
 from ..records.measurement import Measurement
-from ..records.readers import MappingLike, RecordWarning, open_channels, read
+from ..records.readers import RecordWarning, open_channels, read
 
 LARGE = 256_000_000
 """Size of a file, bytes, from which it is not taken into memory as a whole."""

@@ -17,7 +17,7 @@ from ..likelihood.information import NotIdentifiable
 from ..likelihood.result import ReferenceFit
 from ..project.files import write_csv, write_json, write_text
 from ..record import Record
-from ..records.readers import MappingLike
+from ..records.mapping import MappingLike
 from . import reporting
 from .identify import REPLICATES, SEED, identify
 from .loading import Loaded, load

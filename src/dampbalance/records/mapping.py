@@ -62,6 +62,10 @@ class RecordMapping:
     notes: str = ""
 
 
+MappingLike = RecordMapping | Mapping[str, Any] | str | Path | None
+"""A mapping, as an object, a document or a file; None for the one beside the record, if any."""
+
+
 def find_mapping(record: str | Path) -> Path | None:
     """The mapping that stands beside a record: run1.csv.yaml, run1.yaml or channels.yaml, the first that exists."""
     record = Path(record)
@@ -69,9 +73,7 @@ def find_mapping(record: str | Path) -> Path | None:
     return next((file for name in names if (file := record.with_name(name)).is_file()), None)
 
 
-def mapping_for(
-    record: str | Path, mapping: RecordMapping | Mapping[str, Any] | str | Path | None = None
-) -> RecordMapping:
+def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMapping:
     """The mapping given (itself, as a document or as a file), else the one beside the record, else an empty one.
 
     Raises RecordError naming file, key and remedy.
@@ -106,54 +108,37 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
     problems = against_schema(document, read_yaml(SCHEMA)) or list(_contradictions(document))
     if problems:
         raise RecordError(in_lines(problems, {source: document}))
-    time = document.get("time", {})
-    level = document.get("level")
+    keys = dict(document)
+    channels, time = keys.pop("channels", {}), keys.pop("time", {})
+    if "delimiter" in keys:
+        keys["delimiter"] = keys["delimiter"].replace("\\t", "\t")
+    if "level" in keys:
+        keys["level"] = str(keys["level"])
+    rules = {quantity: ChannelRule(**rule) for quantity, rule in channels.items()}
     return RecordMapping(
-        source=source,
-        channels=MappingProxyType(
-            {
-                quantity: ChannelRule(**rule)
-                for quantity, rule in document.get("channels", {}).items()
-            }
-        ),
-        time=time.get("channel"),
-        time_unit=time.get("unit"),
-        sample_rate_hz=document.get("sample_rate_hz"),
-        delimiter=document.get("delimiter", "").replace("\\t", "\t") or None,
-        decimal=document.get("decimal"),
-        header_lines=document.get("header_lines"),
-        frequency_hz=document.get("frequency_hz"),
-        level=None if level is None else str(level),
-        notes=document.get("notes", ""),
+        source, MappingProxyType(rules), time.get("channel"), time.get("unit"), **keys
     )
 
 
 def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | int, ...], str]]:
     """What no schema can say: units that do not fit, keys that exclude each other."""
     channels = document.get("channels", {})
-    for quantity, rule in channels.items():
+    rules: dict[tuple[str | int, ...], Any] = {("channels", q): channels[q] for q in channels}
+    if "sample_rate_hz" in document:
+        timed = [(*key, "time") for key, rule in rules.items() if "time" in rule]
+        for key in [*timed, ("time",)] if "time" in document else timed:
+            yield key, "not together with sample_rate_hz; keep one"
+    for key, rule in {**rules, ("time",): document.get("time", {})}.items():
         if "unit" in rule:
             try:
-                unit_for(rule["unit"], quantity)
+                unit_for(rule["unit"], str(key[-1]))
             except UnitError as error:
-                yield ("channels", quantity, "unit"), str(error)
-        if "time" in rule and "sample_rate_hz" in document:
-            yield ("channels", quantity, "time"), "not together with sample_rate_hz; keep one"
-        for other in channels:
-            if other == quantity:
-                break
-            if channels[other]["channel"] == rule["channel"]:
-                yield (
-                    ("channels", quantity, "channel"),
-                    f"{rule['channel']!r} is {other} already; a channel holds one quantity",
-                )
-    if "time" in document:
-        if "sample_rate_hz" in document:
-            yield ("time",), "not together with sample_rate_hz; keep one"
-        if "unit" in document["time"]:
-            try:
-                unit_for(document["time"]["unit"], "time")
-            except UnitError as error:
-                yield ("time", "unit"), str(error)
+                yield (*key, "unit"), str(error)
+    holder: dict[str | int, str] = {}
+    for quantity, rule in channels.items():
+        other = holder.setdefault(rule["channel"], quantity)
+        if other != quantity:
+            problem = f"{rule['channel']!r} is {other} already; a channel holds one quantity"
+            yield ("channels", quantity, "channel"), problem
     if document.get("delimiter") == "," == document.get("decimal"):
         yield ("decimal",), "the same as the delimiter; a file has two different marks"

@@ -14,18 +14,10 @@ import numpy as np
 
 from ..arrays import Array
 
-EXCITATIONS = {
-    "base_displacement": "m",
-    "base_acceleration": "m/s²",
-    "force": "N",
-}
+EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
 """What drives the oscillator, one of these; a force f stands for the base motion y = f/k."""
 
-RESPONSES = {
-    "displacement": "m",
-    "velocity": "m/s",
-    "acceleration": "m/s²",
-}
+RESPONSES = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}
 """What the mass does, at least one of these; absolute, not relative to the base."""
 
 QUANTITIES = EXCITATIONS | RESPONSES

@@ -10,7 +10,9 @@ import difflib
 import re
 from dataclasses import dataclass
 
-_INCH = 0.0254  # m, exactly
+from .measurement import QUANTITIES
+
+_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9, "in": 0.0254}  # m, exactly
 _STANDARD_GRAVITY = 9.80665  # m/s², exactly
 _POUND_FORCE = 4.4482216152605  # N, exactly
 
@@ -30,23 +32,10 @@ class Unit:
 UNITS = tuple(
     Unit(name, dimension, factor)
     for dimension, units in {
-        "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9, "in": _INCH},
-        "velocity": {
-            "m/s": 1.0,
-            "cm/s": 1e-2,
-            "mm/s": 1e-3,
-            "µm/s": 1e-6,
-            "nm/s": 1e-9,
-            "in/s": _INCH,
-        },
-        "acceleration": {
-            "m/s²": 1.0,
-            "cm/s²": 1e-2,
-            "mm/s²": 1e-3,
-            "in/s²": _INCH,
-            "g": _STANDARD_GRAVITY,
-            "mg": 1e-3 * _STANDARD_GRAVITY,
-        },
+        "length": _LENGTHS,
+        "velocity": {f"{name}/s": factor for name, factor in _LENGTHS.items()},
+        "acceleration": {f"{name}/s²": _LENGTHS[name] for name in ("m", "cm", "mm", "in")}
+        | {"g": _STANDARD_GRAVITY, "mg": 1e-3 * _STANDARD_GRAVITY},
         "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": _POUND_FORCE},
         "time": {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
         "frequency": {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6},
@@ -54,18 +43,6 @@ UNITS = tuple(
     for name, factor in units.items()
 )
 """All units. `g` is the standard gravity, 9.80665 m/s²: the gram is no unit of a channel."""
-
-DIMENSIONS = {
-    "base_displacement": "length",
-    "base_acceleration": "acceleration",
-    "force": "force",
-    "displacement": "length",
-    "velocity": "velocity",
-    "acceleration": "acceleration",
-    "time": "time",
-    "sample rate": "frequency",
-}
-"""Dimension of what a channel may hold."""
 
 _OTHER_SPELLINGS = {
     "µm": ["micron", "microns", "micrometer", "micrometre"],
@@ -143,12 +120,8 @@ def _plain(text: str) -> str:
     text = text.replace("_per_", "/").replace(" per ", "/").replace("⁻¹", "-1").replace("⁻2", "-2")
     text = re.sub(r"[ ·*._]?(s|sec)-([12])$", r"/s\2", text)
     text = re.sub(r"^u(?=(m|s)\b)", "µ", text)
-    return (
-        re.sub(r"/(s|sec)1$", r"/s", text)
-        .replace("/sec", "/s")
-        .replace("/s/s", "/s2")
-        .replace(" ", "")
-    )
+    text = re.sub(r"/(s|sec)1$", r"/s", text).replace("/sec", "/s")
+    return text.replace("/s/s", "/s2").replace(" ", "")
 
 
 _EXACT = {_plain(unit.name): unit for unit in UNITS} | {
@@ -162,3 +135,6 @@ _FOLDED = {
     if sum(key.casefold() == other.casefold() for other in _EXACT) == 1
     and unit.name not in ("mN", "MHz", "mg")
 }
+
+DIMENSIONS = {q: _EXACT[_plain(unit)].dimension for q, unit in (QUANTITIES | {"time": "s"}).items()}
+"""Dimension of what a channel may hold."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,7 +18,7 @@ import pandas as pd
 from ..arrays import Array
 from ..project.files import replacing, write_text
 from .errors import RecordError, library
-from .measurement import QUANTITIES, Measurement
+from .measurement import QUANTITIES, Channel, Measurement
 from .readers.formats import FORMATS, format_by_suffix
 from .readers.record_file import times
 from .units import DIMENSIONS, header_suffix
@@ -48,85 +49,76 @@ def write(
         raise RecordError(f"{path}: unknown format {name!r}; known are {', '.join(_WRITERS)}")
     if path.suffix.lower() not in FORMATS["matlab" if name == MATLAB_73 else name].suffixes:
         raise RecordError(f"{path}: its suffix does not fit the format {name}")
-    return _WRITERS[name](path, measurement)
+    mapping = _wav_mapping(path, measurement) if name == "wav" else None
+    with replacing(path) as temporary:
+        _WRITERS[name](temporary, measurement)
+    if mapping is None:
+        return (path,)
+    beside = path.with_name(f"{path.name}.yaml")
+    write_text(beside, mapping)
+    return path, beside
 
 
-def columns_of(measurement: Measurement) -> dict[str, Array]:
+def _columns_of(measurement: Measurement) -> dict[str, Array]:
     """The signals by column name, times first: time_s for all channels, or displacement_time_s before each."""
-    channels = [measurement[q] for q in QUANTITIES if q in measurement]
+    channels = _channels(measurement)
     if all(np.array_equal(channel.t, channels[0].t) for channel in channels):
         return {"time_s": channels[0].t} | {_label(c.quantity): c.values for c in channels}
     columns: dict[str, Array] = {}
-    for channel in channels:
-        columns[f"{channel.quantity}_time_s"] = channel.t
-        columns[_label(channel.quantity)] = channel.values
+    for c in channels:
+        columns |= {f"{c.quantity}_time_s": c.t, _label(c.quantity): c.values}
     return columns
 
 
-def _write_text(path: Path, measurement: Measurement) -> tuple[Path, ...]:
+def _write_text(path: Path, measurement: Measurement) -> None:
     delimiter = "," if path.suffix.lower() == ".csv" else "\t"
-    with replacing(path) as temporary:
-        _frame(measurement).to_csv(temporary, sep=delimiter, index=False, lineterminator="\n")
-    return (path,)
+    _frame(measurement).to_csv(path, sep=delimiter, index=False, lineterminator="\n")
 
 
-def _write_parquet(path: Path, measurement: Measurement) -> tuple[Path, ...]:
+def _write_parquet(path: Path, measurement: Measurement) -> None:
     arrow = library("pyarrow", "Parquet")
     parquet = library("pyarrow.parquet", "Parquet")
     # A missing row of a shorter channel is a null, as it is an empty cell in text.
-    columns = {
-        name: arrow.array(series.to_numpy(), from_pandas=True)
-        for name, series in _frame(measurement).items()
-    }
-    with replacing(path) as temporary:
-        parquet.write_table(arrow.table(columns), temporary, compression="zstd")
-    return (path,)
+    table = arrow.Table.from_pandas(_frame(measurement), preserve_index=False)
+    parquet.write_table(table.replace_schema_metadata(), path, compression="zstd")
 
 
-def _write_matlab(path: Path, measurement: Measurement) -> tuple[Path, ...]:
+def _write_matlab(path: Path, measurement: Measurement) -> None:
     from scipy.io import savemat
 
-    with replacing(path) as temporary:
-        savemat(temporary, columns_of(measurement), appendmat=False, oned_as="column")
-        with open(temporary, "r+b") as stream:  # the library puts the time of day here
-            stream.write(_matlab_text("MATLAB 5.0 MAT-file, written by dampbalance"))
-    return (path,)
+    savemat(path, _columns_of(measurement), appendmat=False, oned_as="column")
+    _describe(path, "MATLAB 5.0")  # the library puts the time of day here
 
 
-def _write_matlab73(path: Path, measurement: Measurement) -> tuple[Path, ...]:
+def _write_matlab73(path: Path, measurement: Measurement) -> None:
     h5py = library("h5py", "MATLAB 7.3")
-    with replacing(path) as temporary:
-        with h5py.File(temporary, "w", userblock_size=512) as file:
-            for name, values in columns_of(measurement).items():
-                # A column of MATLAB, n × 1, is stored 1 × n.
-                data = file.create_dataset(name, data=values[np.newaxis, :], track_times=False)
-                data.attrs["MATLAB_class"] = np.bytes_("double")
-        with open(temporary, "r+b") as stream:
-            text = _matlab_text("MATLAB 7.3 MAT-file, written by dampbalance")
-            stream.write(text + bytes(8) + struct.pack("<H", 0x0200) + b"IM")
-    return (path,)
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in _columns_of(measurement).items():
+            # A column of MATLAB, n × 1, is stored 1 × n.
+            data = file.create_dataset(name, data=values[np.newaxis, :], track_times=False)
+            data.attrs["MATLAB_class"] = np.bytes_("double")
+    _describe(path, "MATLAB 7.3", bytes(8) + struct.pack("<H", 0x0200) + b"IM")
 
 
-def _write_hdf5(path: Path, measurement: Measurement) -> tuple[Path, ...]:
+def _write_hdf5(path: Path, measurement: Measurement) -> None:
     h5py = library("h5py", "HDF5")
-    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
-        for name, values in columns_of(measurement).items():
+    with h5py.File(path, "w") as file:
+        for name, values in _columns_of(measurement).items():
             data = file.create_dataset(name, data=values, track_times=False)
             data.attrs["unit"] = _unit_of(name)
-    return (path,)
 
 
-def _write_uff(path: Path, measurement: Measurement) -> tuple[Path, ...]:
+def _write_uff(path: Path, measurement: Measurement) -> None:
     """Binary data sets 58. The header has five decimals for the step: where these are too few, every time is stored.
 
     Put together here: pyuff, which reads them, overwrites the header of a binary set in a new file.
     """
     sets = []
-    for number, quantity in enumerate((q for q in QUANTITIES if q in measurement), start=1):
-        channel = measurement[quantity]
+    for number, channel in enumerate(_channels(measurement), start=1):
+        quantity = channel.quantity
         start = float(f"{channel.t[0]:.5e}")
         step = float(f"{channel.t[1] - channel.t[0]:.5e}")
-        even = np.array_equal(times(1.0 / step, start, 0, len(channel)), channel.t)
+        even = _is_even(channel, start, step)
         data = channel.values if even else np.stack([channel.t, channel.values], axis=1)
         unit = header_suffix(channel.unit).replace("_per_", "/")
         header = [
@@ -142,69 +134,70 @@ def _write_uff(path: Path, measurement: Measurement) -> tuple[Path, ...]:
         ]
         text = "".join(f"{line}\n" for line in header).encode("ascii")
         sets.append(text + data.astype("<f8").tobytes() + f"\n{-1:6}\n".encode("ascii"))
-    with replacing(path) as temporary:
-        temporary.write_bytes(b"".join(sets))
-    return (path,)
+    path.write_bytes(b"".join(sets))
 
 
-def _write_tdms(path: Path, measurement: Measurement) -> tuple[Path, ...]:
+def _write_tdms(path: Path, measurement: Measurement) -> None:
     nptdms = library("nptdms", "TDMS")
-    columns = columns_of(measurement)
-    channels = [measurement[q] for q in QUANTITIES if q in measurement]
-    waveform: dict[str, dict[str, float]] = {}
+    columns = _columns_of(measurement)
+    channels = _channels(measurement)
+    properties: dict[str, dict[str, Any]] = {n: {"unit_string": _unit_of(n)} for n in columns}
+    even = []
     for channel in channels:
         start, step = float(channel.t[0]), float(channel.t[1] - channel.t[0])
-        if np.array_equal(times(1.0 / step, start, 0, len(channel)), channel.t):
-            waveform[_label(channel.quantity)] = {"wf_increment": step, "wf_start_offset": start}
-    if len(waveform) == len(channels):
-        columns = {name: values for name, values in columns.items() if name in waveform}
-    with replacing(path) as temporary, nptdms.TdmsWriter(str(temporary)) as file:
+        if _is_even(channel, start, step):
+            even.append(_label(channel.quantity))
+            properties[even[-1]] |= {"wf_increment": step, "wf_start_offset": start}
+    if len(even) == len(channels):
+        columns = {name: columns[name] for name in even}
+    with nptdms.TdmsWriter(str(path)) as file:
         for begin in range(0, max(values.size for values in columns.values()), _TDMS_SEGMENT):
+            parts = {name: v[begin : begin + _TDMS_SEGMENT] for name, v in columns.items()}
             file.write_segment(
                 [
-                    nptdms.ChannelObject(
-                        "record",
-                        name,
-                        values[begin : begin + _TDMS_SEGMENT],
-                        {"unit_string": _unit_of(name), **waveform.get(name, {})},
-                    )
-                    for name, values in columns.items()
-                    if values.size > begin
+                    nptdms.ChannelObject("record", name, part, properties[name])
+                    for name, part in parts.items()
+                    if part.size
                 ]
             )
-    return (path,)
 
 
-def _write_wav(path: Path, measurement: Measurement) -> tuple[Path, ...]:
+def _write_wav(path: Path, measurement: Measurement) -> None:
     from scipy.io import wavfile
 
-    channels = [measurement[q] for q in QUANTITIES if q in measurement]
+    channels = _channels(measurement)
+    samples = np.stack([channel.values for channel in channels], axis=1)
+    wavfile.write(path, round(_rate(channels[0].t)), samples)
+
+
+def _wav_mapping(path: Path, measurement: Measurement) -> str:
+    """What stands beside a WAV. Raises RecordError when a WAV cannot hold the times."""
+    channels = _channels(measurement)
     t = channels[0].t
-    rate = round((t.size - 1) / float(t[-1] - t[0]))
+    rate = round(_rate(t))
     if not all(np.array_equal(channel.t, t) for channel in channels):
         raise RecordError(
             f"{path}: a WAV has one time base for all channels, the record has several"
         )
-    if rate < 1 or not np.allclose(t, np.arange(t.size) / rate, rtol=0.0, atol=1e-6 / max(rate, 1)):
+    if rate < 1 or not np.allclose(t, np.arange(t.size) / rate, rtol=0.0, atol=1e-6 / rate):
         raise RecordError(
-            f"{path}: a WAV begins at time 0 and has a whole number of samples per second, not {_rate_text(t)}; "
-            "use another format"
+            f"{path}: a WAV begins at time 0 and has a whole number of samples per second, not {t[0]:g} s and "
+            f"{_rate(t):.9g} Hz; use another format"
         )
-    beside = path.with_name(f"{path.name}.yaml")
     rules = [
         f"  {c.quantity}: {{channel: {i}, unit: {c.unit}}}" for i, c in enumerate(channels, start=1)
     ]
-    with replacing(path) as temporary:
-        wavfile.write(temporary, rate, np.stack([c.values for c in channels], axis=1))
-    write_text(beside, "\n".join(["channels:", *rules, f"notes: {_WAV_NOTE}", ""]))
-    return path, beside
+    return "\n".join(["channels:", *rules, f"notes: {_WAV_NOTE}", ""])
+
+
+def _channels(measurement: Measurement) -> list[Channel]:
+    return [measurement.excitation, *measurement.responses]
 
 
 def _frame(measurement: Measurement) -> pd.DataFrame:
     """The columns side by side; the shorter ones are empty at the end."""
-    return pd.DataFrame(
-        {name: pd.Series(values) for name, values in columns_of(measurement).items()}
-    )
+    columns = _columns_of(measurement)
+    return pd.DataFrame({name: pd.Series(values) for name, values in columns.items()})
 
 
 def _label(quantity: str) -> str:
@@ -215,15 +208,23 @@ def _unit_of(column: str) -> str:
     return next((unit for q, unit in QUANTITIES.items() if column == _label(q)), "s")
 
 
-def _matlab_text(text: str) -> bytes:
-    return text.encode("ascii").ljust(_MATLAB_TEXT)
+def _is_even(channel: Channel, start: float, step: float) -> bool:
+    """Whether first time and step give every time to the last bit."""
+    return np.array_equal(times(1.0 / step, start, 0, len(channel)), channel.t)
 
 
-def _rate_text(t: Array) -> str:
-    return f"{t[0]:g} s and {(t.size - 1) / float(t[-1] - t[0]):.9g} Hz"
+def _rate(t: Array) -> float:
+    return (t.size - 1) / float(t[-1] - t[0])
 
 
-_WRITERS: dict[str, Callable[[Path, Measurement], tuple[Path, ...]]] = {
+def _describe(path: Path, version: str, rest: bytes = b"") -> None:
+    """Put the description that opens a MATLAB file over what is there, and the rest behind it."""
+    text = f"{version} MAT-file, written by dampbalance".encode("ascii")
+    with open(path, "r+b") as stream:
+        stream.write(text.ljust(_MATLAB_TEXT) + rest)
+
+
+_WRITERS: dict[str, Callable[[Path, Measurement], None]] = {
     "text": _write_text,
     "parquet": _write_parquet,
     "matlab": _write_matlab,

@@ -6,32 +6,23 @@ for t, values in open_channels("long.tdms")["force"](): ...  # in bounded memory
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from ...arrays import Array
 from ..errors import RecordError, RecordWarning
-from ..mapping import RecordMapping, mapping_for
+from ..mapping import MappingLike, RecordMapping, mapping_for
 from ..measurement import Measurement
+from . import named_arrays, streams
 from .assemble import in_blocks, whole
 from .formats import FORMATS, checked_format
 from .plan import Pick, picks_of
 from .record_file import RawChannel, RecordFile
+from .text import TextFile
 
-__all__ = [
-    "FORMATS",
-    "RecordError",
-    "RecordWarning",
-    "channels",
-    "open_channels",
-    "read",
-]
-
-MappingLike = RecordMapping | Mapping[str, Any] | str | Path | None
-"""A mapping, as an object, a document or a file; None for the one beside the record, if any."""
+__all__ = ["FORMATS", "RecordError", "RecordWarning", "channels", "open_channels", "read"]
 
 
 def read(path: str | Path, mapping: MappingLike = None) -> Measurement:
@@ -78,25 +69,20 @@ def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel,
     """The channels of a file, with names, units and sampling rates as it has them. Raises RecordError."""
     path, rules = Path(path), mapping_for(path, mapping)
     with closing(_open(path, rules)) as file:
-        return file.channels
+        return tuple(file.channels)
 
 
 def _open(path: Path, rules: RecordMapping) -> RecordFile:
-    name, content = checked_format(path)
-    # Each imports its library when it opens a file.
-    if name == "text":
-        from .text import TextFile
+    content = checked_format(path)
+    return TextFile(path, rules) if content == "text" else _OPENERS[content](path)
 
-        return TextFile(path, rules)
-    from . import named_arrays, streams
 
-    openers: dict[str, Callable[[Path], RecordFile]] = {
-        "parquet": named_arrays.ParquetFile,
-        "hdf5": named_arrays.hdf5_file,
-        "matlab73": named_arrays.hdf5_file,
-        "matlab": named_arrays.matlab_file,
-        "uff": streams.uff_file,
-        "tdms": streams.tdms_file,
-        "wav": streams.wav_file,
-    }
-    return openers[content](path)
+_OPENERS: dict[str, Callable[[Path], RecordFile]] = {  # each imports its library
+    "parquet": named_arrays.ParquetFile,
+    "hdf5": named_arrays.hdf5_file,
+    "matlab73": named_arrays.hdf5_file,
+    "matlab": named_arrays.matlab_file,
+    "uff": streams.uff_file,
+    "tdms": streams.tdms_file,
+    "wav": streams.wav_file,
+}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,17 +29,15 @@ def whole(file: RecordFile, picks: Sequence[Pick]) -> Measurement:
     first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
     channels = []
     for pick in picks:
-        values = columns[pick.index]
-        time = None if pick.time is None else columns[pick.time]
-        values, time = _without_padding(file, pick, values, time)
+        samples = _without_padding(file, pick, columns)
         first = first_of.setdefault((pick.time, pick.rate_hz, pick.start), pick)
-        if first is not pick and columns[first.index].size != columns[pick.index].size:
+        if columns[first.index].size != columns[pick.index].size:
             raise RecordError(
                 f"{file.path}: channel {first.name!r} has {columns[first.index].size} samples, {pick.name!r} has "
                 f"{columns[pick.index].size}; channels that share their times have equal lengths"
             )
         stretch = Stretch(file, pick)
-        channels.append(stretch.channel(values, time))
+        channels.append(stretch.channel(samples))
         stretch.finish()
     return Measurement.of(str(file.path), channels)
 
@@ -56,23 +54,17 @@ def in_blocks(file: RecordFile, pick: Pick, size: int) -> Iterator[Channel]:
             f"{file.path}: its channels have unequal lengths ({named}); such a file is read only as a whole"
         )
     stretch = Stretch(file, pick)
-
-    def channel(columns: list[Array]) -> Channel:
-        by_index = dict(zip(wanted, columns, strict=True))
-        time = None if pick.time is None else by_index[pick.time]
-        return stretch.channel(by_index[pick.index], time)
-
     # One block is kept back, so that a last one of a single sample can join it.
-    waiting: list[Array] | None = None
+    waiting: list[Array] = []
     raw = file.blocks(wanted, size)
     for block in raw if pick.time is None else _without_empty_end(raw):
-        if waiting is not None and block[0].size < 2:
+        if waiting and block[0].size < 2:
             waiting = [np.concatenate(pair) for pair in zip(waiting, block, strict=True)]
             continue
-        if waiting is not None:
-            yield channel(waiting)
+        if waiting:
+            yield stretch.channel(dict(zip(wanted, waiting, strict=True)))
         waiting = block
-    yield channel(waiting or [np.empty(0)] * len(wanted))
+    yield stretch.channel(dict(zip(wanted, waiting or [np.empty(0)] * len(wanted), strict=True)))
     stretch.finish()
 
 
@@ -88,19 +80,20 @@ class Stretch:
     low: float = np.inf
     high: float = -np.inf
 
-    def channel(self, values: Array, time: Array | None) -> Channel:
+    def channel(self, columns: Mapping[int, Array]) -> Channel:
         """The next block of the channel, checked on its own and against what came before."""
         pick = self.pick
+        values = columns[pick.index]
         if self.count + values.size < 3:
             raise RecordError(
                 f"{self.file.path}: channel {pick.name!r} has {self.count + values.size} samples; that is no record"
             )
         self._require_finite(pick.index, values)
-        if pick.time is None or time is None:
+        if pick.time is None:
             t = times(pick.rate_hz, pick.start, self.count, values.size)
         else:
-            self._require_finite(pick.time, time)
-            t = time * pick.time_factor
+            self._require_finite(pick.time, columns[pick.time])
+            t = columns[pick.time] * pick.time_factor
             self._require_uniform(pick.time, t)
         self.count += values.size
         self.last = float(t[-1])
@@ -131,29 +124,31 @@ class Stretch:
     def _require_uniform(self, index: int, t: Array) -> None:
         where = f"{self.file.path}: time channel {self.file.channels[index].name!r}"
         line = t if self.last is None else np.concatenate([[self.last], t])
-        first = self.count - (line.size - t.size)  # sample number of line[0]
+
+        def place(i: int) -> str:
+            return self.file.place(index, self.count - (line.size - t.size) + i)
+
         steps = np.diff(line)
         if self.step is None:
             self.step = float(np.median(steps))
         i = int(np.argmin(steps))
         if steps[i] <= 0.0:
             raise RecordError(
-                f"{where} does not increase: {line[i]:.12g} s, then {line[i + 1]:.12g} s "
-                f"({self.file.place(index, first + i + 1)}); give sample_rate_hz instead if it has too few digits"
+                f"{where} does not increase: {line[i]:.12g} s, then {line[i + 1]:.12g} s ({place(i + 1)}); give "
+                "sample_rate_hz instead if it has too few digits"
             )
         i = int(np.argmax(steps))
         if steps[i] > _GAP * self.step:
             raise RecordError(
-                f"{where} has a gap of {steps[i]:g} s after {line[i]:.12g} s ({self.file.place(index, first + i)}), "
-                f"its step is {self.step:g} s; use the part before or after it"
+                f"{where} has a gap of {steps[i]:g} s after {line[i]:.12g} s ({place(i)}), its step is {self.step:g} s;"
+                " use the part before or after it"
             )
-        grid = np.linspace(line[0], line[-1], line.size)
-        i = int(np.argmax(np.abs(line - grid)))
-        if abs(line[i] - grid[i]) > GRID_TOLERANCE * self.step:
+        off = np.abs(line - np.linspace(line[0], line[-1], line.size))
+        i = int(np.argmax(off))
+        if off[i] > GRID_TOLERANCE * self.step:
             raise RecordError(
-                f"{where} is not in equal steps: {line[i]:.12g} s ({self.file.place(index, first + i)}) is "
-                f"{abs(line[i] - grid[i]):.2g} s off the grid of {self.step:g} s; resample the record, or give "
-                "sample_rate_hz instead if only the digits are too few"
+                f"{where} is not in equal steps: {line[i]:.12g} s ({place(i)}) is {off[i]:.2g} s off the grid of "
+                f"{self.step:g} s; resample the record, or give sample_rate_hz instead if only the digits are too few"
             )
 
 
@@ -162,30 +157,35 @@ def _wanted(picks: Sequence[Pick]) -> list[int]:
 
 
 def _without_padding(
-    file: RecordFile, pick: Pick, values: Array, time: Array | None
-) -> tuple[Array, Array | None]:
-    """The channel without the empty cells at its end that a shorter time base leaves in a table."""
-    if pick.time is None or time is None:
-        return values, None
+    file: RecordFile, pick: Pick, columns: Mapping[int, Array]
+) -> Mapping[int, Array]:
+    """The columns of a channel without the empty cells at its end that a shorter time base leaves in a table."""
+    if pick.time is None:
+        return columns
+    values, time = columns[pick.index], columns[pick.time]
     if time.size != values.size:
         raise RecordError(
             f"{file.path}: channel {pick.name!r} has {values.size} samples, its time "
             f"{file.channels[pick.time].name!r} has {time.size}; each sample needs its time"
         )
-    present = np.flatnonzero(~(np.isnan(values) & np.isnan(time)))
-    end = int(present[-1]) + 1 if present.size else 0
-    return values[:end], time[:end]
+    end = _end([values, time])
+    return {pick.index: values[:end], pick.time: time[:end]}
 
 
 def _without_empty_end(blocks: Iterator[list[Array]]) -> Iterator[list[Array]]:
     """The blocks without the rows at the end of the table that are empty in every column."""
     empty = 0  # rows that are, so far, the end
     for block in blocks:
-        present = np.flatnonzero(~np.logical_and.reduce([np.isnan(column) for column in block]))
-        end = int(present[-1]) + 1 if present.size else 0
+        end = _end(block)
         if end:
             if empty:  # they were not the end: an error, which the checks will find
                 yield [np.full(empty, np.nan) for _ in block]
             empty = 0
             yield [column[:end] for column in block]
         empty += block[0].size - end
+
+
+def _end(columns: Sequence[Array]) -> int:
+    """The number of rows up to the last that is not empty in every column."""
+    present = np.flatnonzero(~np.all([np.isnan(column) for column in columns], axis=0))
+    return int(present[-1]) + 1 if present.size else 0

@@ -8,6 +8,12 @@ from pathlib import Path
 from ..errors import RecordError
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
+_BEGINNINGS: dict[str, bytes | tuple[bytes, ...]] = {
+    "matlab": b"MATLAB 5.0",
+    "matlab73": b"MATLAB 7.3",
+    "parquet": b"PAR1",
+    "tdms": (b"TDSm", b"TDSh"),
+}
 _BYTE_ORDER_MARKS = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")
 _HEAD = 4096  # bytes that tell: a user block of a few kB may precede HDF5
 
@@ -52,27 +58,21 @@ def content_of(path: Path) -> str | None:
     """What the first bytes of a file say it is: a key of _TITLES, or None for another format."""
     with open(path, "rb") as stream:
         head = stream.read(_HEAD)
-    if head.startswith(b"MATLAB 5.0"):
-        return "matlab"
-    if head.startswith(b"MATLAB 7.3"):
-        return "matlab73"
+    for content, beginnings in _BEGINNINGS.items():
+        if head.startswith(beginnings):
+            return content
     if any(head[at:].startswith(_HDF5) for at in (0, 512, 1024, 2048)):
         return "hdf5"
-    if head.startswith(b"PAR1"):
-        return "parquet"
-    if head.startswith((b"TDSm", b"TDSh")):
-        return "tdms"
     if head[:4] in (b"RIFF", b"RIFX", b"RF64") and head[8:12] == b"WAVE":
         return "wav"
     if head.lstrip(b"\r\n").startswith(b"    -1"):
         return "uff"
-    if head.startswith(_BYTE_ORDER_MARKS) or not _binary(head):
-        return "text"
-    return None
+    control = any(byte < 9 or 13 < byte < 27 or 27 < byte < 32 for byte in head)
+    return None if control and not head.startswith(_BYTE_ORDER_MARKS) else "text"
 
 
-def checked_format(path: Path) -> tuple[str, str]:
-    """Format by suffix and by content of a file that is there, not empty, and what its name says.
+def checked_format(path: Path) -> str:
+    """The kind of content of a file that is there, not empty, and what its name says: a key of _TITLES.
 
     Raises RecordError otherwise.
     """
@@ -80,7 +80,7 @@ def checked_format(path: Path) -> tuple[str, str]:
         raise RecordError(f"{path}: is a folder; give the files in it")
     if not path.exists():
         raise RecordError(f"{path}: no such file")
-    name = format_by_suffix(path)
+    kind = FORMATS[format_by_suffix(path)]
     try:
         content = content_of(path)
         size = path.stat().st_size
@@ -88,22 +88,15 @@ def checked_format(path: Path) -> tuple[str, str]:
         raise RecordError(f"{path}: cannot be opened: {error.strerror}") from None
     if size == 0:
         raise RecordError(f"{path}: is empty")
-    if content not in FORMATS[name].contents:
-        wanted = FORMATS[name].title
-        if content is None:
-            raise RecordError(
-                f"{path}: is not {wanted}, as its name says; its first bytes are of no format known here, "
-                "perhaps it is damaged"
-            )
-        family = "matlab" if content == "matlab73" else content
-        suffix = FORMATS[family].suffixes[0]
+    if content is None:
         raise RecordError(
-            f"{path}: is not {wanted}, as its name says, but {_TITLES[content]}; rename it to "
+            f"{path}: is not {kind.title}, as its name says; its first bytes are of no format known here, "
+            "perhaps it is damaged"
+        )
+    if content not in kind.contents:
+        suffix = FORMATS["matlab" if content == "matlab73" else content].suffixes[0]
+        raise RecordError(
+            f"{path}: is not {kind.title}, as its name says, but {_TITLES[content]}; rename it to "
             f"{path.with_suffix(suffix).name}"
         )
-    return name, content
-
-
-def _binary(head: bytes) -> bool:
-    """Whether the bytes hold control characters that no text has."""
-    return any(byte < 9 or 13 < byte < 27 or 27 < byte < 32 for byte in head)
+    return content

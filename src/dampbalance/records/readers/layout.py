@@ -22,7 +22,10 @@ _SAMPLE_LINES = 400  # enough for any header and some rows
 _SAMPLE_CHARACTERS = 4_000_000
 _ROWS_TO_AGREE = 20
 _COMMENTS = "#%"
-_MISSING = {"", "nan", "na", "n/a", "null", "none", "inf", "-inf", "+inf", "infinity", "-infinity"}
+_BRACKETS = "[](){} "
+_MISSING = {"", "na", "n/a", "null", "none"} | {
+    sign + word for sign in ("", "+", "-") for word in ("nan", "inf", "infinity")
+}
 _NUMBER = {
     mark: re.compile(rf"[+-]?(\d+({re.escape(mark)}\d*)?|{re.escape(mark)}\d+)([eE][+-]?\d+)?")
     for mark in ".,"
@@ -30,10 +33,7 @@ _NUMBER = {
 
 # Tried in this order: what fits as many rows as another and comes first wins. "1,5;2,5" is two numbers and "1,5" in one
 # column would be none, so a semicolon or tab comes before the comma, and a comma before blanks.
-_MARKS = (
-    ("\t", "."), ("\t", ","), (";", "."), (";", ","), ("|", "."), ("|", ","), (",", "."),
-    (WHITESPACE, "."), (WHITESPACE, ","),
-)  # fmt: skip
+_DELIMITERS = ("\t", ";", "|", ",", WHITESPACE)
 
 
 @dataclass(frozen=True)
@@ -55,15 +55,14 @@ class Layout:
     def rows(self, path: Path) -> Iterator[tuple[int, list[str]]]:
         """Line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
         with open(path, encoding=self.encoding, errors="replace", newline=None) as stream:
-            for number, line in enumerate(stream, start=1):
-                if number > self.header_lines:
-                    cells = cells_of(line, self.delimiter, self.comment)
-                    if cells:
-                        yield number, cells
+            numbered = enumerate(stream, start=1)
+            for number, line in itertools.islice(numbered, self.header_lines, None):
+                if cells := cells_of(line, self.delimiter, self.comment):
+                    yield number, cells
 
-    def is_number(self, cell: str) -> bool:
-        """Whether a cell is a finite number."""
-        return _NUMBER[self.decimal].fullmatch(cell.strip()) is not None
+    def is_readable(self, cell: str) -> bool:
+        """Whether a cell is a number, or NaN or an infinity, which the check for finite values names."""
+        return bool(_NUMBER[self.decimal].fullmatch(cell)) or cell.lower() in _MISSING
 
 
 def layout_of(path: Path, mapping: RecordMapping) -> Layout:
@@ -73,35 +72,22 @@ def layout_of(path: Path, mapping: RecordMapping) -> Layout:
     """
     encoding = _encoding(path)
     with open(path, encoding=encoding, errors="replace", newline=None) as stream:
-        lines = list(
-            itertools.islice(iter(lambda: stream.readline(_SAMPLE_CHARACTERS), ""), _SAMPLE_LINES)
-        )
-    first_marks = [line.lstrip()[:1] for line in lines if line.strip()]
-    comment = next((mark for mark in first_marks if mark and mark in _COMMENTS), "#")
-
-    candidates = [
-        (delimiter, decimal)
-        for delimiter, decimal in _MARKS
-        if mapping.delimiter in (None, delimiter) and mapping.decimal in (None, decimal)
+        every = iter(lambda: stream.readline(_SAMPLE_CHARACTERS), "")
+        lines = list(itertools.islice(every, _SAMPLE_LINES))
+    first_marks = "".join(line.lstrip()[:1] for line in lines)
+    comment = next((mark for mark in first_marks if mark in _COMMENTS), "#")
+    fits = [
+        (fit, delimiter, decimal)
+        for delimiter in ([mapping.delimiter] if mapping.delimiter else _DELIMITERS)
+        for decimal in (mapping.decimal or ".,")
+        if decimal != delimiter
+        if (fit := _first_row(lines, delimiter, decimal, comment, mapping.header_lines))
     ]
-    if mapping.delimiter is not None:
-        candidates = [
-            (mapping.delimiter, decimal)
-            for decimal in ([mapping.decimal] if mapping.decimal else ".,")
-            if decimal != mapping.delimiter
-        ]
-    best: tuple[int, str, str, int, int] | None = None
-    for delimiter, decimal in candidates:
-        fit = _first_row(lines, delimiter, decimal, comment, mapping.header_lines)
-        if fit and (best is None or fit[0] > best[0]):
-            best = (fit[0], delimiter, decimal, fit[1], fit[2])
-    if best is None:
+    if not fits:
         raise RecordError(_no_rows(path, lines, comment, mapping))
-    _, delimiter, decimal, header, width = best
+    (_, header, width), delimiter, decimal = max(fits, key=lambda fit: fit[0][0])
     columns = _columns(path, lines[:header], delimiter, comment, width)
-    return Layout(
-        encoding, delimiter, decimal, comment, header, columns, _ends_in_line_end(path, encoding)
-    )
+    return Layout(encoding, delimiter, decimal, comment, header, columns, _ends_in_line_end(path))
 
 
 def cells_of(line: str, delimiter: str, comment: str) -> list[str]:
@@ -109,9 +95,11 @@ def cells_of(line: str, delimiter: str, comment: str) -> list[str]:
     line = line.split(comment, 1)[0].rstrip("\r\n")
     if not line.strip():
         return []
-    if delimiter == WHITESPACE:
-        return line.split()
-    return [cell.strip() for cell in next(csv.reader(io.StringIO(line), delimiter=delimiter))]
+    return line.split() if delimiter == WHITESPACE else _split(line, delimiter)
+
+
+def _split(line: str, delimiter: str) -> list[str]:
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
 
 
 def _first_row(
@@ -127,12 +115,10 @@ def _first_row(
     def row(line: str) -> tuple[int, int]:
         """Number of cells, and of those up to the last that is not empty; (0, 0) for no row."""
         cells = cells_of(line, delimiter, comment)
-        good = [number.fullmatch(cell) is not None for cell in cells]
-        missing = [cell.lower() in _MISSING for cell in cells]
-        if not any(good) or not all(g or m for g, m in zip(good, missing, strict=True)):
+        others = [cell for cell in cells if not number.fullmatch(cell)]
+        if not 2 <= len(cells) > len(others) or {cell.lower() for cell in others} - _MISSING:
             return 0, 0
-        filled = max(i for i, cell in enumerate(cells, start=1) if cell)
-        return (len(cells), filled) if len(cells) >= 2 else (0, 0)
+        return len(cells), max(i for i, cell in enumerate(cells, start=1) if cell)
 
     start = header
     if start is None:
@@ -170,8 +156,7 @@ def _columns(
         return tuple(RawChannel(f"column {i + 1}") for i in range(width))
     units: list[str | None] = [None] * width
     if len(fitting) > 1 and _are_units(fitting[-1]):
-        units = [cell.strip("[](){} ") or None for cell in fitting[-1]]
-        fitting.pop()
+        units = [cell.strip(_BRACKETS) or None for cell in fitting.pop()]
     columns = []
     for i, (label, unit) in enumerate(zip(fitting[-1], units, strict=True)):
         name, own = split_label(label)
@@ -181,9 +166,7 @@ def _columns(
 
 def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
     if delimiter != WHITESPACE:
-        return [
-            cell.strip() for cell in next(csv.reader(io.StringIO(line), delimiter=delimiter), [])
-        ]
+        return _split(line, delimiter)
     # "x [mm]" is one name, where the number of cells allows
     for pattern in (r"\s{2,}|\t", r"\s+(?![\[(])", r"\s+"):
         cells = re.split(pattern, line.strip())
@@ -194,12 +177,10 @@ def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
 
 def _are_units(cells: Sequence[str]) -> bool:
     """Whether a line gives units: each cell is one, or empty, "-" or in brackets, and at least one is known."""
-    bare = [cell.strip("[](){} ") for cell in cells]
-    units = [find_unit(cell) is not None for cell in bare]
-    bracketed = [cell != plain for cell, plain in zip(cells, bare, strict=True)]
-    return any(units) and all(
-        u or b or plain in ("", "-", "1", "V", "mV")
-        for u, b, plain in zip(units, bracketed, bare, strict=True)
+    bare = [cell.strip(_BRACKETS) for cell in cells]
+    return any(find_unit(text) for text in bare) and all(
+        text in ("", "-", "1", "V", "mV") or text != cell or find_unit(text)
+        for text, cell in zip(bare, cells, strict=True)
     )
 
 
@@ -210,9 +191,8 @@ def _no_rows(path: Path, lines: Sequence[str], comment: str, mapping: RecordMapp
         cells = [line.split(comment, 1)[0].strip() for line in lines]
         if sum(_NUMBER[decimal].fullmatch(cell) is not None for cell in cells) > 1:
             return f"{path}: has one column only; a record needs an excitation and a response"
-    where = (
-        f" after {mapping.header_lines} header lines" if mapping.header_lines is not None else ""
-    )
+    skipped = mapping.header_lines
+    where = "" if skipped is None else f" after {skipped} header lines"
     return (
         f"{path}: holds no rows of at least two numbers{where}; dates and other texts are not read: export the "
         "times in seconds, or say delimiter, decimal and header_lines in a mapping"
@@ -228,14 +208,13 @@ def _encoding(path: Path) -> str:
     try:
         head.decode("utf-8")
     except UnicodeDecodeError as error:
-        if (
-            error.start < len(head) - 4
-        ):  # not only a character that the end of the sample cuts in two
+        # not only a character that the end of the sample cuts in two
+        if error.start < len(head) - 4:
             return "cp1252"
     return "utf-8-sig"
 
 
-def _ends_in_line_end(path: Path, encoding: str) -> bool:
+def _ends_in_line_end(path: Path) -> bool:
     with open(path, "rb") as stream:
         stream.seek(0, io.SEEK_END)
         stream.seek(max(0, stream.tell() - 4))

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 from ..errors import RecordError
 from ..mapping import ChannelRule, RecordMapping, Which
@@ -23,6 +22,7 @@ NAMES = {
 }
 """Names by which a channel is recognised without a mapping, in lower case; blanks and hyphens count as "_"."""
 
+_QUANTITIES = {name: quantity for quantity, names in NAMES.items() for name in names}
 _TIME = re.compile(r"(time|zeit|t)(_?\d+)?")
 
 
@@ -38,7 +38,7 @@ class Pick:
     index: int
     name: str
     factor: float
-    time: int | None
+    time: int | None = None
     time_factor: float = 1.0
     rate_hz: float = 0.0
     start: float = 0.0
@@ -50,172 +50,129 @@ def picks_of(file: RecordFile, mapping: RecordMapping) -> tuple[Pick, ...]:
     Raises RecordError naming the channel and the remedy: one that is not there, is there twice or has no unit or no
     time, a unit that does not fit; channels that cannot be told apart, with the mapping to write.
     """
-    path, channels = file.path, file.channels
-    if mapping.channels:
-        rules = dict(mapping.channels)
-        chosen = {
-            quantity: _find(path, channels, rule.channel, mapping, f"channels.{quantity}.channel")
-            for quantity, rule in rules.items()
-        }
+    plan = _Plan(file, mapping)
+    rules: Mapping[str, ChannelRule] = mapping.channels
+    if rules:
+        chosen = {q: plan.find(rule.channel, f"channels.{q}.channel") for q, rule in rules.items()}
     else:
-        chosen = _recognised(path, channels)
+        chosen = plan.recognised()
         rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
     driving = [q for q in EXCITATIONS if q in chosen]
-    if len(driving) != 1 or not any(q in chosen for q in RESPONSES):
-        what = (
-            f"finds {' and '.join(driving) if driving else 'no excitation'}"
-            if len(driving) != 1
-            else "finds no response"
-        )
-        raise RecordError(_ask(path, channels, what, mapping))
-    picks = []
-    for quantity in (q for q in QUANTITIES if q in chosen):
-        index, rule = chosen[quantity], rules[quantity]
-        raw = channels[index]
-        factor = rule.sign * rule.scale * _unit(path, raw, rule.unit, quantity, mapping)
-        picks.append(_timed(path, channels, quantity, index, factor, rule, mapping))
-    return tuple(picks)
+    if len(driving) != 1:
+        raise plan.unclear(f"finds {' and '.join(driving) or 'no excitation'}")
+    if not any(q in chosen for q in RESPONSES):
+        raise plan.unclear("finds no response")
+    return tuple(plan.pick(q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
 
 
-def _timed(
-    path: Path,
-    channels: Sequence[RawChannel],
-    quantity: str,
-    index: int,
-    factor: float,
-    rule: ChannelRule,
-    mapping: RecordMapping,
-) -> Pick:
-    """The pick of a channel with the times that the mapping or the file gives it."""
-    raw = channels[index]
-    if mapping.sample_rate_hz is not None:
-        return Pick(quantity, index, raw.name, factor, None, rate_hz=mapping.sample_rate_hz)
-    if rule.time is not None:
-        time = _find(path, channels, rule.time, mapping, f"channels.{quantity}.time")
-    elif mapping.time is not None:
-        time = _find(path, channels, mapping.time, mapping, "time.channel")
-    else:
-        nearest = _time_of(channels, index)
-        if nearest is None:
-            if raw.rate_hz is None:
-                raise RecordError(
-                    f"{path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives no "
-                    f"sampling rate; write sample_rate_hz, or time, into {_where(path, mapping)}"
-                )
-            return Pick(
-                quantity, index, raw.name, factor, None, rate_hz=raw.rate_hz, start=raw.start
-            )
-        time = nearest
-    if time == index:
-        raise RecordError(f"{path}: channel {raw.name!r} cannot be its own time")
-    seconds = _unit(path, channels[time], mapping.time_unit, "time", mapping)
-    return Pick(quantity, index, raw.name, factor, time, time_factor=seconds)
+class _Plan:
+    """The channels of a file, as its mapping and their names tell them apart."""
 
+    def __init__(self, file: RecordFile, mapping: RecordMapping) -> None:
+        self.path, self.channels, self.mapping = file.path, file.channels, mapping
+        self.where = mapping.source or f"{file.path}.yaml"
+        named = (f"{i} {_full(raw)!r}" for i, raw in enumerate(file.channels, start=1))
+        self.overview = ", ".join(named) or "none"
 
-def _recognised(path: Path, channels: Sequence[RawChannel]) -> dict[str, int]:
-    """Quantity → channel, by the names."""
-    chosen: dict[str, int] = {}
-    for i, raw in enumerate(channels):
-        for quantity, names in NAMES.items():
-            if _key(raw.name) in names:
-                if quantity in chosen:
-                    first = channels[chosen[quantity]].name
-                    raise RecordError(
-                        _ask(
-                            path, channels, f"takes both {first!r} and {raw.name!r} for {quantity}"
-                        )
-                    )
-                chosen[quantity] = i
-    return chosen
-
-
-def _time_of(channels: Sequence[RawChannel], index: int) -> int | None:
-    """The time channel of another: the one named after it, else the nearest before it, else the first."""
-    key = _key(channels[index].name)
-    own = {f"{key}_time", f"time_{key}", f"time_of_{key}", f"t_{key}", f"{key}_t"}
-    times = []
-    for i, raw in enumerate(channels):
-        name = _key(raw.name)
-        if name in own:
-            return i
-        if _TIME.fullmatch(name):
-            times.append(i)
-    before = [i for i in times if i < index]
-    return before[-1] if before else (times[0] if times else None)
-
-
-def _find(
-    path: Path, channels: Sequence[RawChannel], which: Which, mapping: RecordMapping, key: str
-) -> int:
-    """The channel of that name or number."""
-    if isinstance(which, int):
-        if 1 <= which <= len(channels):
-            return which - 1
-        raise RecordError(
-            f"{mapping.source}: {key}: there is no channel {which}; {path} has {len(channels)}: {_list(channels)}"
-        )
-    for spelt in (str, _key):  # as it stands, else without regard to case, blanks and path
-        matches = [
-            i
-            for i, raw in enumerate(channels)
-            if spelt(which) in (spelt(raw.name), spelt(_full(raw)), spelt(raw.label or raw.name))
-        ]
-        if len(matches) == 1:
-            return matches[0]
-        if matches:
-            numbers = " and ".join(str(i + 1) for i in matches)
+    def pick(self, quantity: str, index: int, rule: ChannelRule) -> Pick:
+        """The pick of a channel with the times that the mapping or the file gives it."""
+        raw = self.channels[index]
+        factor = rule.sign * rule.scale * self.unit(raw, rule.unit, quantity)
+        pick = Pick(quantity, index, raw.name, factor)
+        if self.mapping.sample_rate_hz is not None:
+            return replace(pick, rate_hz=self.mapping.sample_rate_hz)
+        if rule.time is not None:
+            time = self.find(rule.time, f"channels.{quantity}.time")
+        elif self.mapping.time is not None:
+            time = self.find(self.mapping.time, "time.channel")
+        elif (nearest := self.time_of(index)) is not None:
+            time = nearest
+        elif raw.rate_hz is not None:
+            return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
+        else:
             raise RecordError(
-                f"{mapping.source}: {key}: {path} has {len(matches)} channels {which!r}, numbers {numbers}; give one"
+                f"{self.path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives "
+                f"no sampling rate; write sample_rate_hz, or time, into {self.where}"
             )
-    raise RecordError(
-        f"{mapping.source}: {key}: {path} has no channel {which!r}; it has {_list(channels)}"
-    )
+        if time == index:
+            raise RecordError(f"{self.path}: channel {raw.name!r} cannot be its own time")
+        seconds = self.unit(self.channels[time], self.mapping.time_unit, "time")
+        return replace(pick, time=time, time_factor=seconds)
 
+    def recognised(self) -> dict[str, int]:
+        """Quantity → channel, by the names."""
+        chosen: dict[str, int] = {}
+        for i, raw in enumerate(self.channels):
+            quantity = _QUANTITIES.get(_key(raw.name))
+            if quantity in chosen:
+                first = self.channels[chosen[quantity]].name
+                raise self.unclear(f"takes both {first!r} and {raw.name!r} for {quantity}")
+            if quantity:
+                chosen[quantity] = i
+        return chosen
 
-def _unit(
-    path: Path, raw: RawChannel, given: str | None, quantity: str, mapping: RecordMapping
-) -> float:
-    """SI units per unit of the channel."""
-    text = given or raw.unit
-    if text is None:
-        key = "time: {channel: …, unit: …}" if quantity == "time" else f"channels.{quantity}.unit"
-        raise RecordError(
-            f"{path}: channel {raw.name!r} has no unit; write {key} into {_where(path, mapping)}"
+    def time_of(self, index: int) -> int | None:
+        """The time channel of another: the one named after it, else the nearest before it, else the first."""
+        names = [_key(raw.name) for raw in self.channels]
+        key = names[index]
+        own = {f"{key}_time", f"time_{key}", f"time_of_{key}", f"t_{key}", f"{key}_t"}
+        named = [i for i, name in enumerate(names) if name in own]
+        times = [i for i, name in enumerate(names) if _TIME.fullmatch(name)]
+        before = [i for i in times if i < index]
+        return next(iter(named or before[-1:] or times), None)
+
+    def find(self, which: Which, key: str) -> int:
+        """The channel of that name or number."""
+        said, path, channels = f"{self.mapping.source}: {key}:", self.path, self.channels
+        if isinstance(which, int):
+            if 1 <= which <= len(channels):
+                return which - 1
+            raise RecordError(
+                f"{said} there is no channel {which}; {path} has {len(channels)}: {self.overview}"
+            )
+        for spelt in (str, _key):  # as it stands, else without regard to case, blanks and path
+            matches = [
+                i
+                for i, raw in enumerate(channels)
+                if spelt(which) in map(spelt, (raw.name, _full(raw), raw.label or raw.name))
+            ]
+            if len(matches) == 1:
+                return matches[0]
+            if matches:
+                numbers = " and ".join(str(i + 1) for i in matches)
+                raise RecordError(
+                    f"{said} {path} has {len(matches)} channels {which!r}, numbers {numbers}; give one"
+                )
+        raise RecordError(f"{said} {path} has no channel {which!r}; it has {self.overview}")
+
+    def unit(self, raw: RawChannel, given: str | None, quantity: str) -> float:
+        """SI units per unit of the channel."""
+        text = given or raw.unit
+        channel = f"{self.path}: channel {raw.name!r}"
+        if text is None:
+            timed = quantity == "time"
+            key = "time: {channel: …, unit: …}" if timed else f"channels.{quantity}.unit"
+            raise RecordError(f"{channel} has no unit; write {key} into {self.where}")
+        try:
+            return unit_for(text, quantity).factor
+        except UnitError as error:
+            raise RecordError(f"{channel}: {error}") from None
+
+    def unclear(self, what: str) -> RecordError:
+        """The error for channels that cannot be told apart, with what to write."""
+        signals = [raw for raw in self.channels if not _TIME.fullmatch(_key(raw.name))]
+        examples = zip(
+            ("base_displacement", "displacement"), [*signals, *self.channels], strict=False
         )
-    try:
-        return unit_for(text, quantity).factor
-    except UnitError as error:
-        raise RecordError(f"{path}: channel {raw.name!r}: {error}") from None
-
-
-def _ask(
-    path: Path, channels: Sequence[RawChannel], what: str, mapping: RecordMapping | None = None
-) -> str:
-    """The error for channels that cannot be told apart, with what to write."""
-    names = [raw for raw in channels if not _TIME.fullmatch(_key(raw.name))]
-    examples = zip(("base_displacement", "displacement"), [*names, *channels], strict=False)
-    lines = [
-        f"    {quantity}: {{channel: {_yaml(raw.name)}, unit: {raw.unit or '…'}}}"
-        for quantity, raw in examples
-    ]
-    timed = any(raw.rate_hz for raw in channels) or len(names) < len(channels)
-    return "\n".join(
-        [
-            f"{path}: {what}; it needs one of {', '.join(EXCITATIONS)} and at least one of {', '.join(RESPONSES)}. "
-            f"Its channels are {_list(channels)}. Say which is which in {_where(path, mapping)}, for example",
+        lines = [
+            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)} and at least one of {', '.join(RESPONSES)}."
+            f" Its channels are {self.overview}. Say which is which in {self.where}, for example",
             "  channels:",
-            *lines,
-            *([] if timed else ["  sample_rate_hz: …"]),
+            *(f"    {q}: {{channel: {_yaml(c.name)}, unit: {c.unit or '…'}}}" for q, c in examples),
         ]
-    )
-
-
-def _where(path: Path, mapping: RecordMapping | None) -> str:
-    return (mapping and mapping.source) or str(path.with_name(f"{path.name}.yaml"))
-
-
-def _list(channels: Iterable[RawChannel]) -> str:
-    return ", ".join(f"{i} {_full(raw)!r}" for i, raw in enumerate(channels, start=1)) or "none"
+        if len(signals) == len(self.channels) and not any(raw.rate_hz for raw in signals):
+            lines.append("  sample_rate_hz: …")
+        return RecordError("\n".join(lines))
 
 
 def _full(raw: RawChannel) -> str:
@@ -223,9 +180,8 @@ def _full(raw: RawChannel) -> str:
 
 
 def _yaml(name: str) -> str:
-    return (
-        name if re.fullmatch(r"[A-Za-z]\w*( \w+)*", name) else '"' + name.replace('"', '\\"') + '"'
-    )
+    plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name)
+    return name if plain else '"' + name.replace('"', '\\"') + '"'
 
 
 def _key(name: str) -> str:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ..errors import RecordError
@@ -46,7 +47,7 @@ class RecordFile(ABC):
     """An open file of channels."""
 
     path: Path
-    channels: tuple[RawChannel, ...]
+    channels: Sequence[RawChannel]
 
     @abstractmethod
     def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
@@ -60,33 +61,34 @@ class RecordFile(ABC):
         """Let go of the file."""
 
 
+@dataclass(frozen=True, eq=False)
 class Sliced(RecordFile):
-    """A source whose channels are read from any sample to any other."""
+    """A file whose channels are read from any sample to any other: read(channel, begin, end).
 
-    def __init__(
-        self,
-        path: Path,
-        channels: Sequence[RawChannel],
-        read: Callable[[int, int, int], Array],
-        close: Callable[[], None] = lambda: None,
-    ) -> None:
-        self.path, self.channels, self._read, self._close = path, tuple(channels), read, close
+    what : the format, for messages.   release : lets go of the file.
+    """
+
+    path: Path
+    channels: Sequence[RawChannel]
+    read: Callable[[int, int, int], ArrayLike]
+    what: str
+    release: Callable[[], None] = lambda: None
 
     def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
         """The wanted channels, `size` samples of each at a time."""
-        sizes = [self.channels[i].size or 0 for i in wanted]
-        if size is None:
-            yield [self._read(i, 0, n) for i, n in zip(wanted, sizes, strict=True)]
-            return
-        for start in range(0, max(sizes), size):
-            yield [
-                self._read(i, min(start, n), min(start + size, n))
-                for i, n in zip(wanted, sizes, strict=True)
-            ]
+        lengths = [self.channels[i].size or 0 for i in wanted]
+        step = size or max(1, *lengths)
+        for start in range(0, max(lengths), step):
+            with intact(self.path, self.what):
+                parts = [
+                    self.read(i, min(start, n), min(start + step, n))
+                    for i, n in zip(wanted, lengths, strict=True)
+                ]
+                yield [np.asarray(part, dtype=np.float64) for part in parts]
 
     def close(self) -> None:
         """Let go of the file."""
-        self._close()
+        self.release()
 
 
 @contextmanager
@@ -107,45 +109,36 @@ def intact(path: Path, what: str, close: Callable[[], None] = lambda: None) -> I
 def described(
     path: Path, label: str, size: int, attributes: dict[str, object], unit: str | None = None
 ) -> RawChannel:
-    """The channel of `size` samples with that label, its timing among the attributes; unit : instead of the label's."""
+    """The channel of `size` samples with that label, its timing among the attributes, whatever they are called.
+
+    unit : instead of the label's.   Raises RecordError when a rate or a step is not a positive number.
+    """
     name, own = split_label(label)
-    rate, start = timing(path, label, attributes)
-    return RawChannel(name, unit or own, size, rate, start, label)
+    values = {str(key).lower(): value for key, value in attributes.items()}
+    remedy = "give sample_rate_hz in a mapping"
+
+    def number(key: str) -> float:
+        try:
+            return float(np.asarray(values[key], dtype=np.float64).reshape(-1)[0])
+        except (TypeError, ValueError, IndexError):
+            raise RecordError(
+                f"{path}: {key} of channel {label!r} is {values[key]!r}, not a number; {remedy}"
+            ) from None
+
+    start = next((number(key) for key in START_NAMES if key in values), 0.0)
+    for key in (*RATE_NAMES, *STEP_NAMES):
+        if key in values:
+            value = number(key)
+            if not (np.isfinite(value) and value > 0.0):
+                raise RecordError(f"{path}: {key} of channel {label!r} is {value:g}; {remedy}")
+            rate = 1.0 / value if key in STEP_NAMES else value
+            return RawChannel(name, unit or own, size, rate, start, label)
+    return RawChannel(name, unit or own, size, None, start, label)
 
 
 def times(rate_hz: float, start: float, first: int, count: int) -> Array:
     """Times, s, of `count` samples from number `first` on."""
     return start + np.arange(first, first + count) / rate_hz
-
-
-def timing(path: Path, name: str, attributes: dict[str, object]) -> tuple[float | None, float]:
-    """Sampling rate, Hz, and time of the first sample, s, among attributes of a channel, whatever they are called.
-
-    Raises RecordError when a rate or a step is not a positive number.
-    """
-    values = {str(key).lower(): value for key, value in attributes.items()}
-    start = next(
-        (_number(path, name, key, values[key]) for key in START_NAMES if key in values), 0.0
-    )
-    for names, inverse in ((RATE_NAMES, False), (STEP_NAMES, True)):
-        for key in names:
-            if key in values:
-                value = _number(path, name, key, values[key])
-                if not (np.isfinite(value) and value > 0.0):
-                    raise RecordError(
-                        f"{path}: {key} of channel {name!r} is {value:g}; give sample_rate_hz in a mapping"
-                    )
-                return (1.0 / value if inverse else value), start
-    return None, start
-
-
-def _number(path: Path, name: str, key: str, value: object) -> float:
-    try:
-        return float(np.asarray(value, dtype=np.float64).reshape(-1)[0])
-    except (TypeError, ValueError, IndexError):
-        raise RecordError(
-            f"{path}: {key} of channel {name!r} is {value!r}, not a number; give sample_rate_hz in a mapping"
-        ) from None
 
 
 def unit_among(attributes: dict[str, object]) -> str | None:

@@ -10,8 +10,7 @@ import numpy as np
 
 from ...arrays import Array
 from ..errors import RecordError, library
-from ..units import split_label
-from .record_file import RawChannel, RecordFile, Sliced, described, intact, timing, unit_among
+from .record_file import RawChannel, RecordFile, Sliced, described, intact, unit_among
 
 _TIME_RESPONSE = 1  # function type of a data set 58
 _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
@@ -32,34 +31,28 @@ def uff_file(path: Path) -> RecordFile:
     channels, arrays = [], []
     for item in sets:
         n = int(item["num_pts"])
-        label = _uff_label(item)
+        label = _stated(item, "ordinate_axis_lab", "id1") or _SPECIFIC_TYPES.get(
+            int(item["ordinate_spec_data_type"]), "data"
+        )
         values = np.asarray(item["data"])
         if values.size != n or np.iscomplexobj(values):
             raise RecordError(
                 f"{path}: data set {label!r} has {values.size} of its {n} values; it was cut short or is no real signal"
             )
-        name, unit = split_label(label)
-        given = item["ordinate_axis_units_lab"].strip()
-        unit = given if given.upper() not in ("", "NONE") else unit
-        if item["abscissa_spacing"] == 1:
-            rate, start = timing(
-                path, name, {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]}
-            )
-            channels.append(RawChannel(name, unit, n, rate, start, label))
-            arrays.append(values)
-        else:  # its times stand in it, in front of it here
-            channels.append(RawChannel(f"{name} time", _uff_time_unit(item), n))
+        even = item["abscissa_spacing"] == 1
+        timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]} if even else {}
+        channel = described(path, label, n, timing, _stated(item, "ordinate_axis_units_lab"))
+        if not even:  # its times stand in it, in front of it here
+            seconds = _stated(item, "abscissa_axis_units_lab") or "s"
+            channels.append(RawChannel(f"{channel.name} time", seconds, n))
             arrays.append(np.asarray(item["x"]))
-            channels.append(RawChannel(name, unit, n, label=label))
-            arrays.append(values)
-    if marks % 2 or not sets:
-        what = (
-            "its last data set has no end; it was cut short"
-            if marks % 2
-            else "holds no time response (data set 58)"
-        )
-        raise RecordError(f"{path}: {what}")
-    return Sliced(path, channels, lambda i, a, b: np.asarray(arrays[i][a:b], dtype=np.float64))
+        channels.append(channel)
+        arrays.append(values)
+    if marks % 2:
+        raise RecordError(f"{path}: its last data set has no end; it was cut short")
+    if not sets:
+        raise RecordError(f"{path}: holds no time response (data set 58)")
+    return Sliced(path, channels, lambda i, a, b: arrays[i][a:b], "a universal file")
 
 
 def tdms_file(path: Path) -> RecordFile:
@@ -68,10 +61,8 @@ def tdms_file(path: Path) -> RecordFile:
     with intact(path, "TDMS"):
         file = nptdms.TdmsFile.open(path)
     with intact(path, "TDMS", file.close):
-        groups = file.groups()
-        signals = [
-            c for group in groups for c in group.channels() if c.dtype.kind in "fiu" and len(c)
-        ]
+        every = (channel for group in file.groups() for channel in group.channels())
+        signals = [c for c in every if c.dtype.kind in "fiu" and len(c)]
         if not signals:
             raise RecordError(
                 f"{path}: holds no channel of numbers; it was cut short, or the recording was not closed"
@@ -81,20 +72,12 @@ def tdms_file(path: Path) -> RecordFile:
                 f"{path}: its last segment is incomplete: the file was cut short, or the recording was not closed"
             )
         several = len({c.group_name for c in signals}) > 1
-        channels = []
-        for c in signals:
-            label, attributes = (
-                f"{c.group_name}/{c.name}" if several else c.name,
-                dict(c.properties),
-            )
-            channels.append(described(path, label, len(c), attributes, unit_among(attributes)))
-
-    def read(i: int, begin: int, end: int) -> Array:
-        with intact(path, "TDMS"):
-            values: Array = np.asarray(signals[i].read_data(begin, end - begin), dtype=np.float64)
-        return values
-
-    return Sliced(path, channels, read, file.close)
+        labels = [f"{c.group_name}/{c.name}" if several else c.name for c in signals]
+        channels = [
+            described(path, label, len(c), dict(c.properties), unit_among(c.properties))
+            for label, c in zip(labels, signals, strict=True)
+        ]
+    return Sliced(path, channels, lambda i, a, b: signals[i][a:b], "TDMS", file.close)
 
 
 def wav_file(path: Path) -> RecordFile:
@@ -118,29 +101,20 @@ def wav_file(path: Path) -> RecordFile:
         except ValueError:  # 24-bit samples cannot be mapped
             rate, data = wavfile.read(path)
     table = data.reshape(len(data), -1)
-    zero, full = 0.0, 1.0
-    if data.dtype.kind == "u":
-        zero, full = 128.0, 128.0
-    elif data.dtype.kind == "i":
-        full = -float(np.iinfo(data.dtype).min)
+    kind = data.dtype.kind
+    full = 2.0 ** (8 * data.dtype.itemsize - 1) if kind in "iu" else 1.0
+    zero = full if kind == "u" else 0.0
     channels = [
         RawChannel(f"channel {i + 1}", None, len(table), float(rate)) for i in range(table.shape[1])
     ]
-    return Sliced(
-        path,
-        channels,
-        lambda i, a, b: (np.asarray(table[a:b, i], dtype=np.float64) - zero) / full,
-    )
+
+    def read(i: int, begin: int, end: int) -> Array:
+        return (np.asarray(table[begin:end, i], dtype=np.float64) - zero) / full
+
+    return Sliced(path, channels, read, "WAV")
 
 
-def _uff_label(item: dict[str, str]) -> str:
-    for key in ("ordinate_axis_lab", "id1"):
-        text = item[key].strip()
-        if text.upper() not in ("", "NONE"):
-            return text
-    return _SPECIFIC_TYPES.get(int(item["ordinate_spec_data_type"]), "data")
-
-
-def _uff_time_unit(item: dict[str, str]) -> str:
-    unit = item["abscissa_axis_units_lab"].strip()
-    return "s" if unit.upper() in ("", "NONE") else unit
+def _stated(item: dict[str, str], *keys: str) -> str | None:
+    """The first text under these keys; a universal file says NONE for nothing."""
+    texts = (item[key].strip() for key in keys)
+    return next((text for text in texts if text.upper() not in ("", "NONE")), None)

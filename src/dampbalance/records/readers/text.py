@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -22,8 +22,7 @@ class TextFile(RecordFile):
     """A delimited text file; `layout.py` finds out its delimiter, decimal mark, header and columns."""
 
     def __init__(self, path: Path, mapping: RecordMapping) -> None:
-        self.path = path
-        self.layout = layout_of(path, mapping)
+        self.path, self.layout = path, layout_of(path, mapping)
         self.channels = self.layout.columns
 
     def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
@@ -38,20 +37,22 @@ class TextFile(RecordFile):
                 stacklevel=2,
             )
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
-        options: dict[str, Any] = {
-            "header": None,
-            "dtype": dict.fromkeys(wanted, np.float64),
-            "low_memory": False,
-            "skiprows": self.layout.header_lines,
-            "comment": self.layout.comment,
-            "decimal": self.layout.decimal,
-            "encoding": self.layout.encoding,
-            "encoding_errors": "replace",
-            "skipinitialspace": True,
-            "sep": r"\s+" if self.layout.delimiter == WHITESPACE else self.layout.delimiter,
-        }
+        layout = self.layout
         try:
-            with pd.read_csv(self.path, chunksize=size or sys.maxsize, **options) as chunks:
+            with pd.read_csv(
+                self.path,
+                chunksize=size or sys.maxsize,
+                header=None,
+                dtype=dict.fromkeys(wanted, np.float64),
+                low_memory=False,
+                skiprows=layout.header_lines,
+                comment=layout.comment,
+                decimal=layout.decimal,
+                encoding=layout.encoding,
+                encoding_errors="replace",
+                skipinitialspace=True,
+                sep=r"\s+" if layout.delimiter == WHITESPACE else layout.delimiter,
+            ) as chunks:
                 for chunk in chunks:
                     yield [chunk[i].to_numpy(dtype=np.float64) for i in wanted]
         except (ValueError, OverflowError) as error:  # pandas' own errors are ValueErrors
@@ -59,10 +60,8 @@ class TextFile(RecordFile):
 
     def place(self, channel: int, sample: int) -> str:
         """The line of a row, counted from 1."""
-        for row, (number, _) in enumerate(self.layout.rows(self.path)):
-            if row == sample:
-                return f"line {number}"
-        return f"row {sample + 1}"
+        row = next(itertools.islice(self.layout.rows(self.path), sample, None), None)
+        return f"line {row[0]}" if row else f"row {sample + 1}"
 
     def _complaint(self, wanted: Sequence[int], fallback: str) -> str:
         """What is wrong with the first row that cannot be read."""
@@ -75,14 +74,6 @@ class TextFile(RecordFile):
                 )
             for i in wanted:
                 cell = cells[i]
-                if not self.layout.is_number(cell) and not _is_missing(cell):
+                if not self.layout.is_readable(cell):
                     return f"{self.path}: line {number}, column {self.channels[i].name!r}: {cell!r} is not a number"
         return f"{self.path}: cannot be read: {fallback}"
-
-
-def _is_missing(cell: str) -> bool:
-    """Whether pandas reads the cell as NaN or an infinity; the finiteness check names it."""
-    try:
-        return not np.isfinite(float(cell or "nan"))
-    except ValueError:
-        return cell.lower() in ("na", "n/a", "null", "none")
