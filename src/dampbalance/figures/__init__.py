@@ -33,11 +33,4 @@ ALT = {
 }
 """Alternative text of each figure in the paper's case, by the name of its file."""
 
-__all__ = [
-    "ALT",
-    "estimation_error",
-    "figure3",
-    "friction_velocity_loop",
-    "save",
-    "schematic",
-]
+__all__ = ["ALT", "estimation_error", "figure3", "friction_velocity_loop", "save", "schematic"]

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from ...arrays import Array
 from ..errors import RecordError, RecordWarning
@@ -36,6 +35,8 @@ class TextFile(RecordFile):
                 RecordWarning,
                 stacklevel=2,
             )
+        import pandas as pd  # slow to import, and needed for text only
+
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
         layout = self.layout
         try:

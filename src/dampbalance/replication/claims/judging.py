@@ -11,15 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..printed import Printed
-from ..verdicts import (
-    DIFFERS,
-    LAST_DIGIT,
-    READING,
-    RECONSTRUCTED,
-    REPRODUCED,
-    ROUTE_NAMES,
-    Verdict,
-)
+from ..verdicts import DIFFERS, LAST_DIGIT, READING, RECONSTRUCTED, REPRODUCED, ROUTE_NAMES, Verdict
 
 # A printed number and a computed one meet at half a unit only up to the rounding of binary fractions.
 HALF = 0.5 * (1.0 + 1e-9)
