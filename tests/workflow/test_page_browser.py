@@ -254,7 +254,7 @@ def test_all_text_can_be_read_light_and_dark_in_charts_too(opened, dark):
     assert len(found) > 1500
     assert sum(kind == "text" for _, _, kind, _ in found) > 100  # of charts
     assert [one for one in found if one[0] < 4.5] == []
-    palette = colours.DARK if dark else colours.LIGHT
+    palette = colours.palette("dark" if dark else "light")
     paper = "rgb({}, {}, {})".format(*(int(palette["paper"][i : i + 2], 16) for i in (1, 3, 5)))
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == paper
 

@@ -7,6 +7,7 @@ from snakemake.logging import logger
 ROOT = Path(workflow.current_basedir).parent.parent
 
 try:
+    from dampbalance.balance import APPROACHES
     from dampbalance.project.case import Case, check, excerpt
     from dampbalance.project.documents import ConfigurationError
     from dampbalance.project.dependencies import package_modules
@@ -29,6 +30,7 @@ if workflow.is_main_process:
             config,
             ROOT / "workflow/schemas/config.schema.yaml",
             CONFIG_FILES,
+            APPROACHES,
         )
         for notice in check_feasible(Case.from_config(config), CONFIG_FILES):
             logger.warning(notice)

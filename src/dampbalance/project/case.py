@@ -122,15 +122,22 @@ _FIELDS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
 }
 
 
-def check(config: Mapping[str, Any], schema_file: str | Path, files: Iterable[str | Path]) -> None:
+def check(
+    config: Mapping[str, Any],
+    schema_file: str | Path,
+    files: Iterable[str | Path],
+    approaches: Iterable[str],
+) -> None:
     """Check a configuration against its schema and for sense.
 
     files : the YAML files it was merged from, the last one winning; they serve to say where a key stands.
+    approaches : names of those that can be asked for.
 
     Raises ConfigurationError listing every problem, a line each.
     """
     documents = {str(file): read_yaml(file) for file in files}
-    problems = against_schema(config, read_yaml(schema_file)) or list(_contradictions(config))
+    problems = against_schema(config, read_yaml(schema_file), approaches)
+    problems = problems or list(_contradictions(config))
     if problems:
         raise ConfigurationError(in_lines(problems, documents))
 

@@ -12,8 +12,6 @@ import jsonschema
 import yaml
 from jsonschema import ValidationError
 
-from ..balance import APPROACHES
-
 Key = tuple[str | int, ...]
 Problem = tuple[Key, str]
 """A key, and what is wrong with it and what would be right."""
@@ -44,12 +42,16 @@ def read_yaml(file: str | Path) -> Any:
             raise ConfigurationError(f"{file}: not readable as YAML: {error}") from None
 
 
-def against_schema(document: Any, schema: Mapping[str, Any]) -> list[Problem]:
+def against_schema(
+    document: Any, schema: Mapping[str, Any], approaches: Iterable[str] = ()
+) -> list[Problem]:
     """What is wrong with a document by its JSON schema, or because a number is not finite; in a fixed order.
+
+    approaches : names that the schema's `registered: approach` allows.
 
     The texts say what is wrong and, from the `description` of the key in the schema, what would be right.
     """
-    validator = _Validator(schema)
+    validator = _validator(schema, list(approaches))
     errors = sorted(validator.iter_errors(document), key=lambda error: list(map(str, error.path)))
     problems = [problem for error in errors for problem in _explain(error)]
     return problems + [
@@ -57,15 +59,16 @@ def against_schema(document: Any, schema: Mapping[str, Any]) -> list[Problem]:
     ]
 
 
-def _approach(_: Any, wanted: bool, value: Any, schema: Any) -> Iterable[ValidationError]:
-    """The keyword `approach` of our schemas: the value is the name of an approach, whichever are registered."""
-    if wanted and value not in APPROACHES:
-        yield ValidationError("not an approach")
+def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
+    """A validator that knows our keyword `registered: approach`: the value is the name of an approach."""
 
+    def check(_: Any, kind: str, value: Any, __: Any) -> Iterable[ValidationError]:
+        if value not in approaches:
+            near, known = _nearest(value, approaches), ", ".join(approaches)
+            yield ValidationError(f"{value!r} is not an {kind}{near}; known: {known}")
 
-_Validator: Any = jsonschema.validators.extend(  # type: ignore[no-untyped-call]
-    jsonschema.Draft202012Validator, {"approach": _approach}
-)
+    extend: Any = jsonschema.validators.extend
+    return extend(jsonschema.Draft202012Validator, {"registered": check})(schema)
 
 
 def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:
@@ -100,12 +103,8 @@ def _explain(error: ValidationError) -> Iterable[Problem]:
             f"write {_yaml_number(value)}" if "e" in value.lower() else "write it without quotes"
         )
         yield key, f"{value!r} is text to YAML; {remedy}. {meaning}"
-    elif error.validator == "approach":
-        known = list(APPROACHES)
-        yield (
-            key,
-            f"{value!r} is not an approach{_nearest(value, known)}; known: {', '.join(known)}",
-        )
+    elif error.validator == "registered":
+        yield key, error.message
     elif error.validator == "pattern":
         yield key, f"{value!r} cannot be a name. {meaning or _NAMES}"
     else:

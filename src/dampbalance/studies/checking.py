@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..balance import APPROACHES
 from ..project.documents import (
     ConfigurationError,
     Key,
@@ -43,7 +44,7 @@ def problems(
 ) -> Sequence[Problem]:
     """Everything that is wrong with a study's document, (key, text) each; nothing if it can be run."""
     return (
-        against_schema(document, schema)
+        against_schema(document, schema, APPROACHES)
         or [*_wrong_axes(document["axes"]), *_wrong_values(document)]
         or list(_contradictions(document, Study.of("", document, paper)))
         or list(_wrong_words(Study.of("", document, paper)))

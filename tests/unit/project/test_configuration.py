@@ -8,6 +8,7 @@ import math
 import pytest
 import yaml
 
+from dampbalance.balance import APPROACHES
 from dampbalance.model import Oscillator
 from dampbalance.project.case import NOT_GIVEN, Case, check, excerpt
 from dampbalance.project.documents import ConfigurationError
@@ -24,7 +25,7 @@ def config():
 
 def problem(config, files=(FILE,)):
     with pytest.raises(ConfigurationError) as caught:
-        check(config, SCHEMA, files)
+        check(config, SCHEMA, files, APPROACHES)
     return str(caught.value)
 
 
@@ -38,7 +39,7 @@ def edited(config, key, value):
 
 
 def test_the_shipped_configuration_passes(config):
-    check(config, SCHEMA, [FILE])
+    check(config, SCHEMA, [FILE], APPROACHES)
 
 
 @pytest.mark.parametrize(
