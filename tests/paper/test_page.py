@@ -145,6 +145,7 @@ def test_the_errors_are_those_of_the_table(tree, made):
     assert text.count("(") == 6 * len(rows) // 3 + 0  # two quantities at three frequencies a line
 
 
+@pytest.mark.slow
 def test_a_case_without_a_paper_has_a_page_without_verdicts(made):
     blank = {
         frequency: {name: table.assign(printed="", verdict="") for name, table in of.items()}
@@ -162,11 +163,13 @@ def test_a_case_without_a_paper_has_a_page_without_verdicts(made):
 # --- it stands alone -------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_same_results_give_the_same_bytes(made, html):
     charts._drawn.cache_clear()  # drawn afresh, later in the life of the process
     assert page_of(made) == html
 
 
+@pytest.mark.slow
 def test_it_is_small_enough_and_says_when_it_is_not(made, html, monkeypatch):
     assert len(html.encode()) < LARGEST_PAGE == 3_000_000
     monkeypatch.setattr("dampbalance.publishing.page.report.LARGEST_PAGE", 1000)
@@ -328,6 +331,7 @@ def test_every_chart_is_described_and_drawn_without_a_script(tree):
 # --- charts ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_specifications_are_valid_vega_lite(tree):
     sent = json.loads(next(e["text"] for e in tree.named("script") if e.get("id") == "charts"))
     assert len(sent["charts"]) == 17

@@ -14,7 +14,7 @@ from paper.chromium import CHROMIUM, REASON
 from paper.page_case import page_of, results
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=REASON)
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason=REASON)]
 
 DESK, PHONE = {"width": 1280, "height": 900}, {"width": 360, "height": 740}
 

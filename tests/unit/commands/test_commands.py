@@ -90,6 +90,7 @@ def test_figures_are_pictures_with_a_description(output):
         assert "<dc:description>" in text
 
 
+@pytest.mark.slow
 def test_the_same_records_give_the_same_bytes(output, tmp_path):
     assert main(["identify", *RECORDS, *COMMON, *WHOLE, "--output", str(tmp_path)]) == 0
     for name in OUTPUTS:
@@ -336,6 +337,7 @@ def test_responses_that_do_not_slip_are_said_to_be_so(friction, tmp_path, capsys
     assert high > -0.02
 
 
+@pytest.mark.slow
 def test_a_wrong_mass_costs_the_fit_and_nothing_else(capsys):
     assert main(["identify", *RECORDS, *COMMON, "--mass", "24", "--approach", "direct"]) == 0
     said = capsys.readouterr().out

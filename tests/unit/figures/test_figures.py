@@ -83,6 +83,7 @@ def line(axes, label: str):
 # --- files ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_same_figure_gives_the_same_bytes(make, saved, name, tmp_path):
     first = tuple((saved(name) / file).read_bytes() for file in ("figure.svg", "figure.png"))

@@ -70,6 +70,7 @@ def edit(path, old, new):
     path.write_text(text.replace(old, new), encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_an_edit_of_a_called_kernel_takes_effect(package):
     (package / "motion/called.py").write_text(CALLED, encoding="utf-8")
     (package / "motion/calling.py").write_text(CALLING, encoding="utf-8")
