@@ -5,7 +5,7 @@ Over one period of a steady response the work put in through the base is lost to
     a F_k + b c = W                                                                            (6)
 
 Every approach of Liang & Feeny (2010) is this one equation; they differ only in how a, b and W are obtained. Each
-function below takes the features of n responses at one frequency and returns the n rows. The harmonic approaches
+function below takes the features of responses, of any shape, and returns a row for each. The harmonic approaches
 put x = X cos(ωt − φ) into the integrals and so share b and W; they differ in how they see the onset of slip, which
 limits the friction travel a: by its displacement X_s, by its time t_s or by its velocity V_s. A rigid contact is the
 limit X_s → −X, t_s → 0, V_s → 0 of each: a = 4X.

@@ -58,7 +58,7 @@ def estimate_table(
     common : the same responses with one φ and one t_s; default: the means over the responses that slip.
     common_approaches : the row functions to use with `common`, by name.
 
-    Approaches that know no choice of φ and t_s (`balance.takes_phase`) appear as "individual" only. What cannot be
+    Approaches that take no choice of φ and t_s (`balance.takes_phase`) appear as "individual" only. What cannot be
     estimated, because a level lacks a feature, stays in the table with NaN and the reason as its note: one level
     without slip stops nothing.
     Columns: `estimate_columns()`; the order of the rows is fixed.
