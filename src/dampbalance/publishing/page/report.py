@@ -30,7 +30,7 @@ from ...studies.shown.facts import paragraph
 from . import words
 from .cells import subtables
 from .charts import CONFIG, as_json, runtime
-from .colours import css_variables, series_colour, shape
+from .colours import css_variables, series_colour, shape, verdict_styles
 from .curves import study_charts
 from .error_levels import error_charts
 from .loops import figure3_charts
@@ -289,6 +289,7 @@ def _style() -> str:
     return (
         f":root {{ color-scheme: light dark; {css_variables('light')} }}\n"
         f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {css_variables('dark')} }} }}\n"
+        f"{verdict_styles()}\n"
         + _text("static/style.css")
     )
 
