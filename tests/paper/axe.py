@@ -33,6 +33,16 @@ _EVERYTHING = """async () => {
 }"""
 
 
+def found(browser: Any, file: Path) -> list[str]:
+    """What axe-core finds on a page with everything unfolded, at desktop and phone width, light and dark."""
+    places = [(size, scheme) for size in SIZES for scheme in ("light", "dark")]
+    return [
+        f"{size}, {scheme}: {one}"
+        for size, scheme in places
+        for one in violations(opened(browser, file, size, scheme))
+    ]
+
+
 def violations(view: Any) -> list[str]:
     """What axe-core finds on a page of playwright as it stands: rule, place, element and what is wrong with it."""
     from axe_playwright_python.sync_playwright import Axe

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array, Mask
 from .colours import variable
+from .words import titled
 
 Spec = dict[str, Any]
 Scale = Literal["linear", "log"]
@@ -38,10 +39,7 @@ CONFIG: Spec = {
     "view": {"stroke": variable("edge"), "strokeWidth": 0.8},
     "axis": {
         "labelColor": variable("muted"),
-        "titleColor": variable("ink"),
-        "titleFontWeight": "normal",
         "labelFontSize": 11.5,
-        "titleFontSize": 12.5,
         "tickColor": variable("edge"),
         "domain": False,
         "gridColor": variable("rule"),
@@ -55,7 +53,7 @@ CONFIG: Spec = {
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """One value that a chart says of a row: the column it stands in, its name and unit."""
+    """One value that a chart says of a row: the column it stands in, its name as for `words.titled`, and its unit."""
 
     column: str
     name: str
@@ -83,7 +81,7 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """One axis: the column drawn along it, its title, scale and limits."""
+    """One axis: the column drawn along it, its title as for `words.titled`, scale and limits."""
 
     column: str
     title: str
@@ -98,7 +96,7 @@ class Axis:
             scale["zero"] = False
         if self.limits:
             scale["domain"] = [float(f"{limit:.9g}") for limit in self.limits]
-        axis: Spec = {"title": self.title, "tickCount": 6}
+        axis: Spec = {"title": None, "tickCount": 6}  # the page writes it, where symbols can be set
         if self.labels is not None:
             names = json.dumps(list(self.labels), ensure_ascii=False)
             axis |= {"values": list(range(len(self.labels)))}
@@ -138,7 +136,7 @@ def _named_ticks(low: float, high: float) -> list[float]:
 class Chart:
     """One panel.
 
-    title : what it shows, as its heading.   says : the values told of a row.   nearest : which row is meant by a
+    title : what it shows, as its heading, as for `words.titled`.   says : the values told of a row.   nearest : which row is meant by a
     place of the pointer: the one nearest along x, or nearest on the picture.   layers : without the cursor.
     """
 
@@ -168,7 +166,7 @@ class Chart:
                 "x": self.x.column,
                 "y": self.y.column,
                 "nearest": self.nearest,
-                "says": [[value.column, value.name, value.unit] for value in self.says],
+                "says": [[value.column, titled(value.name), value.unit] for value in self.says],
             },
         }
 

@@ -9,14 +9,19 @@ import numpy as np
 
 from ...figures.looks import SCHEME_LOOKS, label_of, look_of
 from ...figures.series import decades
-from ...project.wording import frequency_name, plain, power_of_ten
+from ...project.wording import frequency_name, power_of_ten
 from ...studies.parameters import PARAMETERS
 from ...studies.settings import Study
 from ...studies.shown import series
 from .charts import Axis, Chart, ChartSet, Scale, Spec, Table, Value, curve, mark_at
 from .colours import series_colour, variable
+from .words import italic
 
-_SHARINGS = {"individual": ", individual φ, tₛ", "common": ", common φ, tₛ", "": ""}
+_SHARINGS = {"individual": ", individual phi, t_s", "common": ", common phi, t_s", "": ""}
+
+
+LAW = "*m*ω²*h*"
+"""The damping that backward Euler adds, as a legend names it."""
 
 
 def study_charts(study: Study, cases: str | Path) -> ChartSet:
@@ -48,7 +53,7 @@ def error_of_steps(study: Study, cases: str | Path) -> ChartSet:
     shown = series.error_of_steps(study, cases)
     steps = shown.steps
     columns: dict[str, Any] = {"step_s": steps, "line": shown.line(steps)}
-    says = [Value("step_s", "step h", "s"), Value("line", "m ω² h", "N s/m")]
+    says = [Value("step_s", "step *h*", "s"), Value("line", LAW, "N s/m")]
     layers = [curve("line", variable("edge"), 5.0)]
     for name, (of_scheme, errors) in shown.errors.items():
         label, look = SCHEME_LOOKS[name]
@@ -61,11 +66,11 @@ def error_of_steps(study: Study, cases: str | Path) -> ChartSet:
     span = (float(steps[0]) / 1.15, float(steps[-1]) * 1.15)
     chart = Chart(
         id="study-step-size-c",
-        title="error of c by direct integration",
+        title="error of *c* by direct integration",
         description="Error of c against the step, for each scheme, beside the line mω²h.",
         table=Table("study-step-size-c", columns),
-        x=Axis("step_s", "step h (s)", "log", span),
-        y=Axis("line", "error of c (N s/m)", "log", decades(sizes, 1e-12, 1e3, cut=0.02)),
+        x=Axis("step_s", "step *h* (s)", "log", span),
+        y=Axis("line", "error of *c* (N s/m)", "log", decades(sizes, 1e-12, 1e3, cut=0.02)),
         layers=(*layers, *_marks(study, span, "log")),
         says=tuple(says),
     )
@@ -80,19 +85,19 @@ def _chart(study: Study, shown: series.ErrorCurves, symbol: str, number: int) ->
         column = f"{one.approach}_{one.sharing}".strip("_")
         colour, width = series_colour(one.approach), look_of(one.approach).page_width
         layers.append(curve(column, colour, width, dashed=one.sharing == "common"))
-        says.append(Value(column, plain(label_of(one.approach)) + _SHARINGS[one.sharing], "%"))
+        says.append(Value(column, label_of(one.approach) + _SHARINGS[one.sharing], "%"))
         errors[column] = one.error
     name, unit = shown.name, series.unit_of(shown.name)
     parameter = PARAMETERS[name]
-    meaning = plain(_short(parameter.meaning))
+    meaning = _short(parameter.meaning)
     scale: Scale = "log" if shown.is_logarithmic else "linear"
     margin = 0.3 if parameter.whole else 0.0
     span = (float(shown.places[0]) - margin, float(shown.places[-1]) + margin)
     key = f"study-{study.name}-{symbol}-{number}".replace("_", "-")
-    title = f"error of {plain(symbol)} (%)"
+    title = f"error of {italic(symbol)} (%)"
     return Chart(
         id=key,
-        title=", ".join(part for part in (plain(symbol), _title(panel)) if part),
+        title=", ".join(part for part in (italic(symbol), _title(panel)) if part),
         description=f"Error of {plain(symbol)} in % over {parameter.meaning}, a curve per approach.",
         table=Table(key, {name: panel.x, **errors}),
         x=Axis(name, meaning + (f" ({unit})" if unit else ""), scale, span),

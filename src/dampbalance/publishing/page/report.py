@@ -289,8 +289,7 @@ def _style() -> str:
     return (
         f":root {{ color-scheme: light dark; {css_variables('light')} }}\n"
         f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {css_variables('dark')} }} }}\n"
-        f"{verdict_styles()}\n"
-        + _text("static/style.css")
+        f"{verdict_styles()}\n" + _text("static/style.css")
     )
 
 

@@ -25,3 +25,13 @@ def rich(text: str) -> Markup:
 def one_letter(text: str) -> Markup:
     """`rich`, and a single letter is a symbol too: c, a, X."""
     return Markup(f"<i>{escape(text)}</i>") if len(text) == 1 else rich(text)
+
+
+def italic(symbol: str) -> str:
+    """A symbol as `titled` wants it in its text: *c*, and F_k as it is."""
+    return f"*{symbol}*" if len(symbol) == 1 else symbol
+
+
+def titled(text: str) -> Markup:
+    """`rich`, and what stands between asterisks is a symbol, too: error of *c*, displacement *x*."""
+    return Markup(re.sub(r"\*(.+?)\*", r"<i>\1</i>", str(rich(text))))
