@@ -12,7 +12,7 @@ from typing import Literal
 from markupsafe import Markup
 
 from ...balance import APPROACHES
-from ...figures.looks import SPARE, look_of
+from ...figures.looks import SPARE, Look, look_of
 from ...replication.verdicts import VERDICTS
 
 Mode = Literal["light", "dark"]
@@ -100,9 +100,15 @@ def series_colour(approach: str) -> str:
     return variable(look_of(approach).series)
 
 
-def shape(approach: str) -> Markup:
-    """The mark of an approach in a legend, as an element of SVG."""
-    return Markup(_SHAPES[look_of(approach).shape].format(f'fill="{series_colour(approach)}"'))
+def shape(look: Look) -> Markup:
+    """The mark of a look in a legend, as an element of SVG."""
+    return Markup(_SHAPES[look.shape].format(f'fill="{variable(look.series)}"'))
+
+
+def outlined(look: Look) -> Markup:
+    """The same mark, open."""
+    outline = f'fill="{variable("paper")}" stroke="{variable(look.series)}" stroke-width="1.6"'
+    return Markup(_SHAPES[look.shape].format(outline))
 
 
 def _rgb(lightness: float, chroma: float, hue: float) -> str:

@@ -9,12 +9,24 @@ import numpy as np
 
 from ...figures.looks import SCHEME_LOOKS, label_of, look_of
 from ...figures.series import decades
-from ...project.wording import frequency_name, power_of_ten
+from ...project.wording import frequency_name, plain, power_of_ten
 from ...studies.parameters import PARAMETERS
 from ...studies.settings import Study
 from ...studies.shown import series
-from .charts import Axis, Chart, ChartSet, Scale, Spec, Table, Value, curve, mark_at
+from .charts import (
+    Axis,
+    Chart,
+    ChartSet,
+    Scale,
+    Spec,
+    Table,
+    Value,
+    curve,
+    mark_at,
+    with_points,
+)
 from .colours import series_colour, variable
+from .legend import line, of_approaches
 from .words import italic
 
 _SHARINGS = {"individual": ", individual phi, t_s", "common": ", common phi, t_s", "": ""}
@@ -42,8 +54,13 @@ def error_curves(study: Study, cases: str | Path) -> ChartSet:
     drawn = [one for curves in shown.curves.values() for one in curves]
     return ChartSet(
         tuple(_chart(study, shown, *place) for place in shown.curves),
-        tuple(dict.fromkeys(one.approach for one in drawn)),
-        tuple(n for n in series.SHARINGS if any(one.sharing == n for one in drawn)),
+        tuple(
+            of_approaches(
+                dict.fromkeys(one.approach for one in drawn),
+                dict.fromkeys(one.sharing for one in drawn if one.sharing),
+                marks=False,
+            )
+        ),
         {key: power_of_ten(bound) for key, bound in shown.exact.items()},
     )
 
@@ -54,14 +71,16 @@ def error_of_steps(study: Study, cases: str | Path) -> ChartSet:
     steps = shown.steps
     columns: dict[str, Any] = {"step_s": steps, "line": shown.line(steps)}
     says = [Value("step_s", "step *h*", "s"), Value("line", LAW, "N s/m")]
-    layers = [curve("line", variable("edge"), 5.0)]
+    layers = [curve("line", variable("edge"), 6.0)]
+    legend = [line(LAW, variable("edge"), 6.0)]
     for name, (of_scheme, errors) in shown.errors.items():
         label, look = SCHEME_LOOKS[name]
         column = name.replace("-", "_")
         at = dict(zip(of_scheme.tolist(), errors.tolist(), strict=True))
         columns[column] = np.array([at.get(step, np.nan) for step in steps.tolist()])
         says.append(Value(column, label, "N s/m"))
-        layers.append(_with_points(curve(column, variable(look.series))))
+        layers.append(with_points(curve(column, variable(look.series), look.page_width)))
+        legend.append(line(label, variable(look.series), look.page_width))
     sizes = [values for name, values in columns.items() if name != "step_s"]
     span = (float(steps[0]) / 1.15, float(steps[-1]) * 1.15)
     chart = Chart(
@@ -74,7 +93,7 @@ def error_of_steps(study: Study, cases: str | Path) -> ChartSet:
         layers=(*layers, *_marks(study, span, "log")),
         says=tuple(says),
     )
-    return ChartSet((chart,))
+    return ChartSet((chart,), tuple(legend))
 
 
 def _chart(study: Study, shown: series.ErrorCurves, symbol: str, number: int) -> Chart:
@@ -102,7 +121,7 @@ def _chart(study: Study, shown: series.ErrorCurves, symbol: str, number: int) ->
         table=Table(key, {name: panel.x, **errors}),
         x=Axis(name, meaning + (f" ({unit})" if unit else ""), scale, span),
         y=Axis(next(iter(errors), name), title, "log", shown.limits(symbol)),
-        layers=(*(map(_with_points, layers) if panel.few else layers), *_marks(study, span, scale)),
+        layers=(*(map(with_points, layers) if panel.few else layers), *_marks(study, span, scale)),
         says=(Value(name, meaning, unit), *says),
     )
 
@@ -118,13 +137,6 @@ def _title(panel: series.Panel) -> str:
 def _short(meaning: str) -> str:
     """What a parameter means, without what follows a comma."""
     return meaning.split(", ")[0]
-
-
-def _with_points(layer: Spec) -> Spec:
-    """The curve with a mark at each value."""
-    mark = layer["mark"]
-    point = {"filled": True, "size": 34, "fill": variable("paper"), "stroke": mark["color"]}
-    return {**layer, "mark": {**mark, "point": point | {"strokeWidth": 1.4, "opacity": 1}}}
 
 
 def _marks(study: Study, span: tuple[float, float], scale: Scale) -> list[Spec]:

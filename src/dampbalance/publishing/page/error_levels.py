@@ -14,6 +14,7 @@ from ...model import Oscillator
 from ...project.wording import frequency_name, plain, power_of_ten
 from .charts import Axis, Chart, ChartSet, Spec, Table, Value, coded
 from .colours import series_colour, variable
+from .legend import of_approaches
 from .words import italic
 
 FLOOR, CEILING = 1e-4, 1e3  # %, the least and the largest error an axis reaches to
@@ -37,11 +38,11 @@ def error_charts(
         for key in shown.approaches
         if all(key in of_term.exact for of_term in shown.terms)
     }
+    drawn = [key for key in shown.approaches if key not in exact]
     places = itertools.product(shown.terms, frequencies_hz.items())
     return ChartSet(
         tuple(_chart(of_term, name, hz, shown) for of_term, (name, hz) in places),
-        tuple(key for key in shown.approaches if key not in exact),
-        (INDIVIDUAL, COMMON),
+        tuple(of_approaches(drawn, (INDIVIDUAL, COMMON), marks=True)),
         {key: power_of_ten(bound) for key, bound in exact.items()},
     )
 

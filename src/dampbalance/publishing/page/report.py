@@ -19,7 +19,8 @@ from markupsafe import Markup
 from ... import __version__
 from ...balance import TERMS
 from ...figures.cycle import POINTS
-from ...figures.looks import label_of, look_of
+from ...figures.looks import label_of
+from ...figures.numerics import Evidence
 from ...motion.orbit import Orbit
 from ...project.case import Case
 from ...project.wording import MINUS, NONE, frequency_name, minus, percent, unit_of
@@ -30,8 +31,9 @@ from ...studies.shown.facts import paragraph
 from . import words
 from .cells import subtables
 from .charts import CONFIG, as_json, runtime
-from .colours import css_variables, series_colour, shape, verdict_styles
+from .colours import css_variables, verdict_styles
 from .curves import study_charts
+from .digits import digit_charts
 from .error_levels import error_charts
 from .loops import figure3_charts
 from .origins import ORIGINS, link, study_origin
@@ -53,6 +55,7 @@ SECTIONS = {
     "match": "Match",
     "numbers": "Every number",
     "tables": "Tables",
+    "digits": "Digits",
     "figure3": "Figure 3",
     "errors": "Off resonance",
     "studies": "Studies",
@@ -67,7 +70,8 @@ class PageContent:
     case : as configured.   config : the merged configuration, to be listed.
     claims : `claims.csv` as text, or None for a case with nothing printed.
     tables : frequency → name → frame of `tables.COLUMNS`.   approaches : tables/approaches.csv.
-    orbits : of the first frequency.   estimates : the exact ones by frequency.   studies : (study, its table of cases).
+    orbits : of the first frequency.   estimates : the exact ones by frequency.   evidence : what the printed digits are
+    told from, or None.   studies : (study, its table of cases).
     """
 
     case: Case
@@ -77,6 +81,7 @@ class PageContent:
     approaches: pd.DataFrame
     orbits: Sequence[Orbit]
     estimates: Mapping[str, pd.DataFrame]
+    evidence: Evidence | None = None
     studies: Sequence[tuple[Study, Path]] = ()
 
 
@@ -157,9 +162,15 @@ def _charts(content: PageContent) -> dict[str, Any]:
         }
         for study, cases in content.studies
     ]
-    charts = [*figure3, *errors.charts]
+    digits = []
+    if content.evidence is not None:
+        numerics = case.numerics
+        unit = numerics.tabulated["t_s_unit_s"]
+        digits = digit_charts(content.evidence, case.oscillator, numerics.step_s, unit)
+    charts = [*digits, *figure3, *errors.charts]
     charts += [chart for study in studies for chart in study["figure"].charts]
     return {
+        "digits": digits,
         "figure3": figure3,
         "points_slip": POINTS[False],
         "points_stick": POINTS[True],
@@ -175,6 +186,8 @@ def _provenance(content: PageContent) -> dict[str, Any]:
     absent = set() if content.studies else {"studies"}
     if content.claims is None:
         absent |= {"claims", "match", "numbers"}
+    if content.evidence is None:
+        absent |= {"digits"}
     return {
         "sections": [(name, title) for name, title in SECTIONS.items() if name not in absent],
         "origins": ORIGINS,
@@ -195,13 +208,11 @@ def _environment(case: str, page: str) -> jinja2.Environment:
     )
     environment.filters |= {
         "rich": words.rich,
+        "titled": words.titled,
         "symbol": _quantity,
         "here": lambda path: link(path.format(case=case), page),
         "at_case": lambda path: path.format(case=case),
-        "colour": series_colour,
         "approach": lambda key: words.rich(label_of(key)),
-        "shape": shape,
-        "width": lambda key: look_of(key).page_width,
     }
     return environment
 
