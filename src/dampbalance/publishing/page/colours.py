@@ -36,7 +36,7 @@ _OF_VERDICT = {
     "-tint": ((0.95, 0.035), (0.30, 0.055)),
     "-text": ((0.40, 0.11), (0.87, 0.08)),
 }
-_BEST, _WORST = 155.0, 27.0  # hues of the first and the last verdict, degrees: green and red
+_BEST, _WORST = 138.0, 27.0  # hues of the first and the last verdict, degrees: green and red
 _MOTION = {"slip": ("#2c5a8a", "#8fbcec"), "stick": ("#c75000", "#ff9a4d")}
 
 _SHAPES = {

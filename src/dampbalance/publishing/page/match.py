@@ -24,7 +24,8 @@ def match_picture(counts: Sequence[Count]) -> str:
 
     counts : `replication.verdicts.counts`, the last one of all parts.
     """
-    legend = TOP + STEP * len(counts) + BELOW
+    shown = [count for count in counts if count.printed]
+    legend = TOP + STEP * len(shown) + BELOW
     height = legend + LEGEND_STEP * math.ceil(len(VERDICTS) / LEGEND_COLUMNS)
     total = counts[-1]
     some = ", ".join(f"{n} {name}" for name, n in total.of_verdict.items() if n)
@@ -33,7 +34,7 @@ def match_picture(counts: Sequence[Count]) -> str:
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}" '
         'role="img" aria-labelledby="title description">',
         '<title id="title">How the printed numbers fare</title>',
-        f'<desc id="description">Of {total.printed} printed numbers: {escape(some + none)}.</desc>',
+        f'<desc id="description">Of {total.printed} computed numbers: {escape(some + none)}.</desc>',
         "<style>",
         f":root {{ {css_variables('light')} }}",
         f"@media (prefers-color-scheme: dark) {{ :root {{ {css_variables('dark')} }} }}",
@@ -42,9 +43,9 @@ def match_picture(counts: Sequence[Count]) -> str:
         ".part { text-anchor: end; } .total { fill: var(--muted); } .all { font-weight: 600; }",
         "</style>",
         f'<rect width="{WIDTH}" height="{height}" fill="{variable("paper")}"/>',
-        f'<text class="all" x="{LEFT}" y="22">{total.printed} printed numbers, and how a rebuild meets them</text>',
+        f'<text class="all" x="{LEFT}" y="22">{total.printed} computed numbers, and how a rebuild meets them</text>',
     ]
-    for row, count in enumerate(counts):
+    for row, count in enumerate(shown):
         lines += _bar(count, TOP + STEP * row + (6 if count is total else 0), last=count is total)
     lines += _legend(legend + 15)
     return "\n".join([*lines, "</svg>", ""])

@@ -25,7 +25,17 @@ from ...motion.orbit import Orbit
 from ...project.case import Case
 from ...project.wording import MINUS, NONE, frequency_name, minus, percent, unit_of
 from ...replication.claim_ids import PARTS, part_of
-from ...replication.verdicts import ROUTE_NAMES, VERDICTS, Count, counts
+from ...replication.verdicts import (
+    DIFFERS,
+    HOLDING,
+    KINDS,
+    RECONSTRUCTED,
+    REPRODUCED,
+    ROUTE_NAMES,
+    VERDICTS,
+    Count,
+    counts,
+)
 from ...studies.settings import Study
 from ...studies.shown.facts import paragraph
 from . import words
@@ -99,6 +109,7 @@ def report_page(content: PageContent, page: str) -> str:
         case=case,
         page=page,
         verdicts=VERDICTS.values(),
+        kinds=KINDS,
         frequencies=[
             {"name": frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
             for name, hz in frequencies.items()
@@ -137,14 +148,22 @@ def _paper_tables(content: PageContent) -> dict[str, list[dict[str, Any]]]:
 def _numbers(content: PageContent, tables: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """The printed numbers, counted and one by one, and the title above them. tables : those with verdicts."""
     if content.claims is None:
-        return {"title": TITLE_OF_CASE, "headline": HEADLINE_OF_CASE, "counts": [], "claims": []}
+        nothing: dict[str, Any] = {"counts": [], "claims": [], "total": None}
+        return {"title": TITLE_OF_CASE, "headline": HEADLINE_OF_CASE, **nothing}
     counted = counts(content.claims)
     in_tables = {claim for table in tables for part in table["subtables"] for claim in part.claims}
     claims = [
         _claim(row) | {"in_table": row["id"] in in_tables}
         for row in content.claims.to_dict("records")
     ]
-    return {"title": TITLE, "headline": _headline(counted[-1]), "counts": counted, "claims": claims}
+    total = counted[-1]
+    return {
+        "title": TITLE,
+        "headline": _headline(total),
+        "counts": counted,
+        "total": total,
+        "claims": claims,
+    }
 
 
 def _charts(content: PageContent) -> dict[str, Any]:
@@ -226,23 +245,27 @@ def _quantity(text: str) -> Markup:
 def _claim(row: Mapping[Any, str]) -> dict[str, Any]:
     """One printed number as the page shows it, from its row of the table of claims."""
     return {
-        **{name: row[name] for name in ("id", "where", "quantity")},
+        **{name: row[name] for name in ("id", "where", "quantity", "kind")},
         **{name: minus(row[name]) for name in ("printed", "explanation")},
         "part": PARTS[part_of(row["id"])],
         "unit": unit_of(row["unit"]),
         "routes": [(route.capitalize(), minus(row[name])) for name, route in ROUTE_NAMES.items()],
         "verdict": VERDICTS[row["verdict"]],
+        "holds": row["verdict"] in HOLDING,
     }
 
 
 def _headline(total: Count) -> str:
-    """The whole match in a sentence."""
-    n = total.of_verdict
-    differs = "none differs" if not n["differs"] else f"{n['differs']} differ"
+    """The whole match in two sentences: the computed numbers, and how those fare that neither route gives."""
+    n = dict(total.of_verdict)
+    reproduced, reconstructed, differs = (
+        n.pop(verdict.name) for verdict in (REPRODUCED, RECONSTRUCTED, DIFFERS)
+    )
+    others = ", ".join(f"{count} {name}" for name, count in n.items() if count) or "none"
     return (
-        f"Of {total.printed} printed numbers, {n['reproduced']} are reproduced by the exact solution and "
-        f"{n['reconstructed']} by reconstructing how they were computed; {n['last digit']} are one unit off in the "
-        f"last digit, {n['reading']} lie within what can be read off, and {differs}."
+        f"Of the {total.printed} computed numbers that the paper prints, {reproduced} are reproduced by the exact "
+        f"solution and {reconstructed} by reconstructing how they were computed. The others: {others}; "
+        f"{'none differs' if not differs else f'{differs} differ'}."
     )
 
 
