@@ -429,6 +429,9 @@ def test_a_table_keeps_its_heads_and_loses_its_own_look():
 def test_heads_above_several_columns_say_so_and_an_empty_corner_is_no_head():
     columns = pd.MultiIndex.from_tuples([("3.5 Hz", "F_k"), ("3.5 Hz", "c")])
     text = table_of(pd.DataFrame([[1, 2]], columns=columns, index=["direct"]))
-    assert '<td rowspan="2"></td><th scope="colgroup" colspan="2">3.5\N{NO-BREAK SPACE}Hz</th></tr>' in text
+    assert (
+        '<td rowspan="2"></td><th scope="colgroup" colspan="2">3.5\N{NO-BREAK SPACE}Hz</th></tr>'
+        in text
+    )
     assert '<tr><th scope="col"><i>F</i><sub>k</sub></th><th scope="col">c</th></tr>' in text
     assert "<th></th>" not in text
