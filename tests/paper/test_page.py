@@ -22,7 +22,7 @@ import pytest
 from dampbalance import balance
 from dampbalance.figures import looks
 from dampbalance.project import wording
-from dampbalance.publishing.page import charts, colours, curves, digits, match, words
+from dampbalance.publishing.page import charts, colours, curves, digits, match, resonance, words
 from dampbalance.publishing.page.match import match_picture
 from dampbalance.publishing.page.origins import ORIGINS, link, study_origin
 from dampbalance.publishing.page.report import LARGEST_PAGE
@@ -176,13 +176,30 @@ def test_the_errors_are_those_of_the_table(tree, made):
     assert text.count("(") == 6 * len(rows) // 3 + 0  # two quantities at three frequencies a line
 
 
+def test_off_resonance_the_page_tells_both_causes_and_what_each_costs(tree, made):
+    text = " ".join(
+        next(e["text"] for e in tree.named("section") if e.get("id") == "errors").split()
+    )
+    assert "Which phase:" in text
+    assert "One phase for all levels:" in text
+    # findings: 16.2 % by the phase alone and 19.5 % by both at 3.5 Hz, 11.8 and 65.8 % at 11.1 Hz
+    for sentence in (
+        "At 3.5 Hz the first alone costs 16.2 % of Fk, the second alone 17.6 %, and both together 19.5 %",
+        "At 11.1 Hz the first alone costs 11.8 % of Fk, the second alone 66.6 %, and both together 65.8 %",
+    ):
+        assert sentence in text
+    shown = resonance.mends(made.approaches, CASE.frequencies_hz)
+    assert [round(abs(row[2]), 1) for row in shown.values()] == [65.8, 11.8, 2.8, 66.6, 0.4, 0.0]
+    assert "as in the paper +1.37 −19.5 −65.8" in text
+
+
 @pytest.mark.slow
 def test_a_case_without_a_paper_has_a_page_without_verdicts(made):
     blank = {
         frequency: {name: table.assign(printed="", verdict="") for name, table in of.items()}
         for frequency, of in made.tables.items()
     }
-    own = dataclasses.replace(made, claims=None, tables=blank, studies=[])
+    own = dataclasses.replace(made, claims=None, tables=blank, evidence=None, studies=[])
     tree = Tree(page_of(own))
     text = next(e["text"] for e in tree.named("main"))
     assert not [e for e in tree.all if "data-verdict" in e]
@@ -500,6 +517,9 @@ def test_symbols_are_set(text, html):
 def test_titles_set_single_letters_between_asterisks():
     assert str(words.titled("error of *c* by X_s < 1")) == (
         "error of <i>c</i> by <i>X</i><sub>s</sub> &lt; 1"
+    )
+    assert (
+        str(words.titled("at ω₁, 4.92 Hz")) == "at <i>ω</i><sub>1</sub>, 4.92\N{NO-BREAK SPACE}Hz"
     )
     assert [words.italic(symbol) for symbol in ("c", "F_k")] == ["*c*", "F_k"]
 

@@ -47,6 +47,7 @@ from .digits import digit_charts
 from .error_levels import error_charts
 from .loops import figure3_charts
 from .origins import ORIGINS, link, study_origin
+from .resonance import mends, off_resonance
 
 TITLE = "How the printed numbers of an energy balance fare"
 LARGEST_PAGE = 3_000_000  # bytes: a page that a phone loads
@@ -116,6 +117,11 @@ def report_page(content: PageContent, page: str) -> str:
         ],
         terms=list(TERMS),
         error_table=list(_error_lines(content.approaches, frequencies)),
+        costs=off_resonance(content.approaches, frequencies),
+        mends={
+            recipe: [_signed(error) for error in errors]
+            for recipe, errors in mends(content.approaches, frequencies).items()
+        },
         **shown,
         **_provenance(content),
         style=_style(),

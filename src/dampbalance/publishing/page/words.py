@@ -8,6 +8,8 @@ from markupsafe import Markup, escape
 
 from ...project.wording import GREEK, SYMBOL
 
+_INDEXED = re.compile(r"(\w)([₀-₉]+)")
+_RAISED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|N|Hz|mm|µm|m|ms|µs|s|rad)(?:\W|$))")  # the space before a unit
 
 
@@ -33,5 +35,8 @@ def italic(symbol: str) -> str:
 
 
 def titled(text: str) -> Markup:
-    """`rich`, and what stands between asterisks is a symbol, too: error of *c*, displacement *x*."""
-    return Markup(re.sub(r"\*(.+?)\*", r"<i>\1</i>", str(rich(text))))
+    """`rich`; what stands between asterisks is a symbol, too: *c*, *x*; and an index in plain characters sinks: ω₁."""
+    html = re.sub(r"\*(.+?)\*", r"<i>\1</i>", str(rich(text)))
+    return Markup(
+        _INDEXED.sub(lambda m: f"<i>{m[1]}</i><sub>{m[2].translate(_RAISED)}</sub>", html)
+    )
