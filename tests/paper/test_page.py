@@ -190,7 +190,7 @@ def test_off_resonance_the_page_tells_both_causes_and_what_each_costs(tree, made
         assert sentence in text
     shown = resonance.mends(made.approaches, CASE.frequencies_hz)
     assert [round(abs(row[2]), 1) for row in shown.values()] == [65.8, 11.8, 2.8, 66.6, 0.4, 0.0]
-    assert "as in the paper +1.37 −19.5 −65.8" in text
+    assert "as in the paper+1.37−19.5−65.8" in text
 
 
 @pytest.mark.slow

@@ -42,7 +42,7 @@ rule page:
             f"{RESULTS}/report.html",
             caption="../report/page.rst",
             category="Reading",
-            labels={"result": "page"},
+            labels={"result": "The page of the case"},
         ),
     params:
         config=config,
@@ -62,7 +62,7 @@ rule match:
             f"{RESULTS}/figures/match.svg",
             caption="../report/match.rst",
             category="Verdicts",
-            labels={"result": "match"},
+            labels={"result": "The match at a glance"},
         ),
     message:
         "The picture of the match"

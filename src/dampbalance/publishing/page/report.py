@@ -25,6 +25,7 @@ from ...motion.orbit import Orbit
 from ...project.case import Case
 from ...project.wording import MINUS, NONE, frequency_name, minus, percent, unit_of
 from ...replication.claim_ids import PARTS, part_of
+from ...replication.tables import TITLES
 from ...replication.verdicts import (
     DIFFERS,
     HOLDING,
@@ -55,13 +56,6 @@ TITLE_OF_CASE = "Friction and damping from an energy balance"
 HEADLINE_OF_CASE = (
     "Friction and viscous damping of a driven oscillator from the balance of energy over a period."
 )
-TABLE_TITLES = {
-    "table1": "Table 1: amplitudes, slip onset and phase",
-    "table2": "Table 2: energy integrals, and estimates by direct integration",
-    "table3": "Table 3: estimates of the harmonic approaches with common phi and t_s",
-    "statistics": "Statistics of the text: least squares, and mean and standard deviation of the pairs",
-}
-
 SECTIONS = {
     "match": "Match",
     "numbers": "Every number",
@@ -144,7 +138,7 @@ def _paper_tables(content: PageContent) -> dict[str, list[dict[str, Any]]]:
         claims = content.claims.set_index("id").to_dict("index")
     return {
         frequency: [
-            {"title": TABLE_TITLES[name], "subtables": subtables(table, name, {} if n else claims)}
+            {"title": TITLES[name], "subtables": subtables(table, name, {} if n else claims)}
             for name, table in content.tables[frequency].items()
         ]
         for n, frequency in enumerate(content.case.frequencies_hz)
