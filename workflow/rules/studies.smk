@@ -77,7 +77,9 @@ def chunk_memory_mb(wildcards, attempt):
 
 def study_title(wildcards):
     """What the report calls a study."""
-    return {"result": study_plan(wildcards.study)[0].title}
+    from dampbalance.project.wording import plain  # needed for a report only
+
+    return {"result": plain(study_plan(wildcards.study)[0].title)}
 
 
 def study_figure_files(wildcards):
