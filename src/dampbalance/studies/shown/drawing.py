@@ -122,7 +122,9 @@ def _curve(axes: Axes, panel: series.Panel, curve: series.Curve, number: int) ->
     style: dict[str, Any] = {"ls": "-", "mfc": look.colour, "ms": 3.2, "mew": 0.7, "lw": look.width}
     style |= {"ls": DASHED, "mfc": "white"} if curve.sharing == "common" else {}
     style |= {"color": look.colour, "marker": look.marker}
-    style |= {} if panel.few else {"markevery": (0.03 + 0.04 * number, 0.2)}
+    if not panel.few:  # with an edge, lest they vanish in curves that lie on each other
+        edge = look.colour if curve.sharing == "common" else "white"
+        style |= {"markevery": (0.03 + 0.04 * number, 0.2), "ms": 4.0, "mec": edge}
     axes.plot(panel.x, np.maximum(curve.error, 1e-2 * series.FLOOR), **style)
 
 
