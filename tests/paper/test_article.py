@@ -163,7 +163,6 @@ BY_HAND = {
     "case.step_size.coarsest": "80",
     "author.0": "the dampbalance authors",
     # known from an earlier computation with other code
-    "direct.F_k": "10⁻¹⁰",
     "spread.omega2.reversal": "0.48",
     "error.omega2.reversal.least_squares.F_k": "16",
     "error.omega3.reversal.least_squares.F_k": "12",
@@ -210,6 +209,18 @@ OF_BOTH = (
 def test_the_readme_has_the_numbers_of_the_article(values, words, key):
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
     assert words.format(values[key]["text"]) in readme
+
+
+@pytest.mark.parametrize("quantity", ["F_k", "c"])
+def test_one_bound_holds_for_all_errors_of_direct_integration(values, quantity):
+    """What the text states is the largest of those in the table, over frequencies, pairs and fits."""
+    in_table = [
+        number(value["text"])[0]
+        for key, value in values.items()
+        if re.fullmatch(rf"error\.\w+\.direct\.\w+\.{quantity}", key)
+    ]
+    assert len(in_table) == 6
+    assert number(values[f"direct.{quantity}"]["text"])[0] == max(in_table)
 
 
 def test_the_slip_that_ends_a_is_detected_within_a_sample(values):

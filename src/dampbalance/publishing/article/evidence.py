@@ -149,7 +149,7 @@ def direct_largest(approaches: pd.DataFrame) -> Json:
     rows = approaches[approaches["approach"] == "direct"]
     columns = ("{}_error_percent", "{}_largest_pair_error_percent")
     return {
-        term: float(rows[[column.format(term) for column in columns]].abs().max(axis=None))
+        term: float(rows[[column.format(term) for column in columns]].abs().to_numpy().max())
         for term in TERMS
     }
 
