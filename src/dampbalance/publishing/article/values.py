@@ -78,6 +78,7 @@ def article_values(
     lists = {
         **tabulated.tables(book),
         "claims": tabulated.claims(book),
+        "verdicts": [{"name": v.name, "meaning": v.meaning} for v in VERDICTS.values()],
         "frequencies": frequencies,
         "packages": _environment(book),
         **_software(book),
@@ -108,8 +109,8 @@ def _setting(book: Book, frequencies: list[str]) -> None:
 
 def _verdicts(book: Book) -> None:
     for part in (*PARTS, "all"):
-        for verdict in ("printed", *VERDICTS):
-            book.item(f"verdicts.{part}.{verdict}", EVIDENCE, f"/verdicts/{part}/{verdict}", COUNT)
+        for name in ("printed", *VERDICTS, "given", "statement", "statements_held"):
+            book.item(f"verdicts.{part}.{name}", EVIDENCE, f"/verdicts/{part}/{name}", COUNT)
 
 
 def _numerics(book: Book, frequencies: list[str]) -> None:
