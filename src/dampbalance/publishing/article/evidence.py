@@ -20,9 +20,9 @@ from ...model import Oscillator
 from ...project.case import Case
 from ...replication import comparison
 from ...replication.as_published import added_damping, coefficients
-from ...replication.claim_ids import PARTS, of_cell, part_of
+from ...replication.claim_ids import of_cell
 from ...replication.tables import TABLE_2
-from ...replication.verdicts import RECONSTRUCTED, REPRODUCED, VERDICTS, counts
+from ...replication.verdicts import counts
 from ...solver import Pair
 
 Json = dict[str, Any]
@@ -69,22 +69,19 @@ def evidence(
 
 
 def verdict_counts(claims: pd.DataFrame) -> Json:
-    """part or "all" → how many numbers it computes (printed), by verdict, and how many are given or stated.
-
-    statements_held : the statements that are reproduced or reconstructed.   claims : columns id, kind and verdict.
+    """part or "all" → how many numbers it computes (printed), how many of these by verdict, and how many are given
+    or stated; statements_held : the statements that hold.   claims : columns id, kind and verdict.
     """
-    of_part: Json = {key: {**dict.fromkeys(VERDICTS, 0), "printed": 0} for key in (*PARTS, "all")}
-    of_part |= {c.key: {**c.of_verdict, "printed": c.printed} for c in counts(claims)}
-    held = claims["verdict"].isin([REPRODUCED.name, RECONSTRUCTED.name])
-    for key, numbers in of_part.items():
-        rows = (claims["id"].map(part_of) == key) | (key == "all")
-        given, statement = (rows & (claims["kind"] == kind) for kind in ("given", "statement"))
-        numbers |= {
-            "given": int(given.sum()),
-            "statement": int(statement.sum()),
-            "statements_held": int((statement & held).sum()),
+    return {
+        count.key: {
+            **count.of_verdict,
+            "printed": count.printed,
+            "given": count.given,
+            "statement": count.statements,
+            "statements_held": count.statements_held,
         }
-    return of_part
+        for count in counts(claims)
+    }
 
 
 def setting(case: Case, first: Features) -> Json:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 from ...balance import TERMS
@@ -78,7 +78,7 @@ def article_values(
     lists = {
         **tabulated.tables(book),
         "claims": tabulated.claims(book),
-        "verdicts": [{"name": v.name, "meaning": v.meaning} for v in VERDICTS.values()],
+        "verdicts": [asdict(verdict) for verdict in VERDICTS.values()],
         "frequencies": frequencies,
         "packages": _environment(book),
         **_software(book),
