@@ -95,7 +95,7 @@ def build(folder: Path) -> Project:
 def _routes(folder: Path) -> None:
     """features, estimates, claims and tables."""
     routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
-    claims = claims_table(read_published(PUBLISHED), CASE, *routes.values(), unrounded(PAPER))
+    claims = claims_table(read_published(PUBLISHED), CASE, *routes.values(), unrounded())
     frames: dict[str, Any] = {"claims": claims}
     for route, of in routes.items():
         for name in CASE.frequencies_hz:
