@@ -78,7 +78,7 @@ def number(text: str) -> tuple[float, float]:
     return float(mantissa) * power, 10.0 ** Decimal(mantissa).as_tuple().exponent * power
 
 
-WORDS = {"three": 3, "four": 4, "five": 5, "six": 6}
+WORDS = {"two": 2, "three": 3, "four": 4, "five": 5, "six": 6}
 
 
 def agrees(value: dict, found: object) -> bool:
