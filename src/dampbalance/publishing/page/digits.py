@@ -44,7 +44,10 @@ def digit_charts(
 
 @dataclass(frozen=True)
 class _Panel:
-    """What one panel shows, gathered: what it tells in words, columns of its table, layers, values, legend."""
+    """What one panel shows, gathered: what it tells in words, columns of its table, layers, values, legend.
+
+    The first layer must be a curve or marks: the zoom is bound to its fields.
+    """
 
     remark: str
     columns: dict[str, Any] = field(default_factory=dict)
@@ -162,7 +165,6 @@ def _coefficients(e: Evidence) -> Chart:
     """What is left of the printed W beside the simulation, with rounded and with exact coefficients."""
     panel = _Panel(
         "The simulation meets the printed *W* more closely with its coefficients rounded, after division by *m*.",
-        layers=[at_height(0.0, PRINTED)],
         legend=[line("printed", PRINTED, dash="2 3")],
     )
     euler = e.schemes[e.schemes["scheme"] == "backward-euler"]
@@ -171,6 +173,7 @@ def _coefficients(e: Evidence) -> Chart:
         value = Value(name, f"{name} *c*/*m* and *k*/*m*", "·10⁻⁶")
         off = 1e6 * (e.printed("table2.W.") / W - 1.0)
         panel.add_curve(value, off, look)
+    panel.layers.append(at_height(0.0, PRINTED))
     y = "*W* printed over rebuilt, less 1 (10⁻⁶)"
     return panel.over_levels("coefficients", "(c) the coefficients", y, e)
 
@@ -211,7 +214,6 @@ def _signs(e: Evidence) -> Chart:
     panel = _Panel(
         "Table 3 by V_s comes out with a plus under the root of Eq. (19), and misses by many units with the minus "
         "that the paper defines.",
-        layers=[at_height(0.5, PRINTED)],
         legend=[half],
     )
     pairs = e.estimates[(e.estimates["kind"] == "pair") & (e.estimates["phase"] == "common")]
@@ -226,6 +228,7 @@ def _signs(e: Evidence) -> Chart:
             layer = dots(value.column, variable(look.series), look.shape, filled=n == 0)
             off = (rows[term.column].to_numpy() - e.printed(printed)) / e.last_digit(printed)
             panel.add(value, np.abs(off), layer, mark(words, look, filled=n == 0))
+    panel.layers.append(at_height(0.5, PRINTED))
     labels = [str(label).replace("-", "–") for label in pairs["pair"].drop_duplicates()]
     return panel.over_pairs("(f) the sign in Eq. (19)", "off by units of the last digit", labels)
 
