@@ -97,13 +97,17 @@ class Features:
             values = np.asarray(
                 getattr(self, name), dtype=object if name == _REGIME else np.float64
             )
-            try:
-                broadcast = np.broadcast_to(values, shape)  # read-only
-            except ValueError:
-                raise ValueError(
-                    f"Features.{name} has shape {values.shape}, Y has {shape}"
-                ) from None
-            object.__setattr__(self, name, broadcast)
+            if values.shape == shape:  # faster than broadcasting, of which many are made
+                values = values.view()
+                values.flags.writeable = False
+            else:
+                try:
+                    values = np.broadcast_to(values, shape)  # read-only
+                except ValueError:
+                    raise ValueError(
+                        f"Features.{name} has shape {values.shape}, Y has {shape}"
+                    ) from None
+            object.__setattr__(self, name, values)
 
     def __len__(self) -> int:
         return len(self.Y)
