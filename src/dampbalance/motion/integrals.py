@@ -113,8 +113,8 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
 def harmonics(phases: Array, theta: float, par: Parameters, count: int) -> Complexes:
     """x_n of x = Re Σ x_n e^{inωt}, y = Y cos ωt, for n = 1, 3 … 2 count − 1, m, shape (count,).
 
-    phases, theta : all phases of the half cycle, as in `measure`.   The contact force K_z z changes in stick alone, where
-    ż = ẋ, and the equation of motion does the rest:
+    phases, theta : all phases of the half cycle, as in `measure`.   The contact force K_z z changes in stick alone,
+    where ż = ẋ, and the equation of motion does the rest:
 
         (k − n²ω²m + inωc) x_n = kY δ_n1 − f_n,      f_n = 2K_z/(iπn) ∫ ẋ e^{−inωt} dt over stick in half a cycle
 
