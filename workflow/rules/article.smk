@@ -2,7 +2,10 @@
 # are printed numbers to compare with.
 
 ARTICLE = f"{RESULTS}/article"
-ARTICLE_STUDIES = ["frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"]
+ARTICLE_STUDIES = [
+    *("frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"),
+    *("noise", "rigid_contact"),
+]
 ARTICLE_PACKAGES = [
     "dampbalance",
     "numpy",
@@ -110,6 +113,9 @@ if config["published"]:
         for maker in ARTICLE_MAKERS
         for file in map(str, getattr(rules, maker).output)
         if Path(file).name in ARTICLE_READS
+    } | {
+        f"{STUDY_RESULTS}/noise/summary.csv": "study_summary",
+        f"{STUDY_RESULTS}/noise/manifest.json": "study_cases",
     }
 
     rule article_values:

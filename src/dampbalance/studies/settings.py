@@ -17,7 +17,8 @@ from .routes import REPLICATES, ROUTES
 COMPLIANT, RIGID = "compliant", "rigid"
 """Models of the contact: with the slip onset as it was read, or without one (`Features.rigid`)."""
 
-SPREADS = ("bias", "rms", "standard_error", "coverage")
+OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high")
+SPREADS = ("bias", "rms", *OF_INTERVALS)
 """Facts about a whole set of runs, each by one fit: see `groups.Spread`."""
 
 BANDS = ("band", "from")

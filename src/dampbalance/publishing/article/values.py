@@ -11,6 +11,7 @@ from ...replication.claim_ids import PARTS
 from ...replication.verdicts import VERDICTS
 from . import tabulated
 from .book import Book
+from .noise import noise
 from .places import ResultFiles
 from .style import Style
 
@@ -40,6 +41,12 @@ STUDY_FACTS = {
     "damping": "light_off light_common fourier fourier_c",
     "read_out": "five six exact five_individual nine_individual fourier_five fourier_six",
     "step_size": "euler_paper euler_coarse explicit_paper rk4_coarse",
+    "noise": "all_covered all_low all_high all_c_covered all_c_low all_c_high",
+    "rigid_contact": (
+        "F_1 F_2 F_3 c_1 c_2 c_3 pair_F_1 pair_F_2 pair_F_3 fourier_1 fourier_2 fourier_3 fourier_own_1 "
+        "fourier_own_2 fourier_own_3 X_s_1 X_s_2 X_s_3 X_s_own_1 X_s_own_2 X_s_own_3 from_1 from_2 from_3 "
+        "c_from soft_1 soft_3"
+    ),
 }
 FITS = {"pair": "{}_largest_pair_error_percent", "least_squares": "{}_error_percent"}
 
@@ -57,12 +64,14 @@ def article_values(
     _numerics(book, frequencies)
     _off_resonance(book, frequencies)
     _studies(book)
+    experiments = noise(book)
     packages = _environment(book)
     lists = {
         **tabulated.tables(book),
         "claims": tabulated.claims(book),
         "frequencies": frequencies,
         "packages": packages,
+        "noise": experiments,
     }
     return book.as_json() | {"lists": lists}
 
