@@ -68,7 +68,7 @@ def spread(errors: Array, standard_errors: Array | None, covered: Array | None) 
 def share_interval(count: int, runs: int) -> tuple[float, float]:
     """The 95 % interval of a probability that showed in `count` of `runs` (Wilson's score interval); NaN of no run.
 
-        (p + z²/2n ± z √(p(1 − p)/n + z²/4n²)) / (1 + z²/n),   p = count/n, n = runs, z = 1.96
+    (p + z²/2n ± z √(p(1 − p)/n + z²/4n²)) / (1 + z²/n),   p = count/n, n = runs, z = 1.96
     """
     if runs == 0:
         return np.nan, np.nan
