@@ -1,7 +1,7 @@
 """The article of the paper's case, built in a folder of its own by the scripts of the workflow.
 
-The routes are computed in memory, the studies are those of `config/studies`, except the step: its two coarsest only, and
-noise: two runs of each set.
+The routes are computed in memory, the studies are those of `config/studies`, except the step (its two coarsest only)
+and the noise (two runs of each set).
 """
 
 from __future__ import annotations

@@ -42,10 +42,13 @@ STUDY_FACTS = {
     "read_out": "five six exact five_individual nine_individual fourier_five fourier_six",
     "step_size": "euler_paper euler_coarse explicit_paper rk4_coarse",
     "noise": "all_covered all_low all_high all_c_covered all_c_low all_c_high",
-    "rigid_contact": (
-        "F_1 F_2 F_3 c_1 c_2 c_3 pair_F_1 pair_F_2 pair_F_3 fourier_1 fourier_2 fourier_3 fourier_own_1 "
-        "fourier_own_2 fourier_own_3 X_s_1 X_s_2 X_s_3 X_s_own_1 X_s_own_2 X_s_own_3 from_1 from_2 from_3 "
-        "c_from soft_1 soft_3"
+    "rigid_contact": " ".join(
+        ["c_from", "soft_omega1", "soft_omega3"]
+        + [
+            f"{fact}_{frequency}"
+            for fact in ("F", "c", "pair_F", "fourier", "fourier_own", "X_s", "X_s_own", "from")
+            for frequency in ("omega1", "omega2", "omega3")
+        ]
     ),
 }
 FITS = {"pair": "{}_largest_pair_error_percent", "least_squares": "{}_error_percent"}
