@@ -76,6 +76,8 @@ class Reading:
     @one_thread
     def with_onset(self, onset: bool) -> Features:
         """The features with the slip onset of the waveform, resolved or not, or without: the rigid limit."""
+        if onset == self.onset_resolved:
+            return self.features
         return _features(self.steady, self.waveform, onset)
 
     @one_thread
