@@ -26,7 +26,7 @@ from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
 from dampbalance.studies.shown import drawing
 from dampbalance.studies.shown.summary import summary_of
-from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact
+from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact, unrounded
 
 RESULTS, STUDIES = "results/paper", "results/studies"
 INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}"}
@@ -105,7 +105,7 @@ def build(folder: Path) -> Project:
 def _routes(folder: Path) -> None:
     """features, estimates, claims and tables."""
     routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
-    claims = claims_table(read_published(PUBLISHED), CASE, *routes.values())
+    claims = claims_table(read_published(PUBLISHED), CASE, *routes.values(), unrounded())
     frames: dict[str, Any] = {"claims": claims}
     for route, of in routes.items():
         for name in CASE.frequencies_hz:

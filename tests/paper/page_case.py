@@ -17,7 +17,7 @@ from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
 from dampbalance.studies.settings import Study
-from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact
+from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact, unrounded
 
 PAGE = "results/paper/report.html"
 # The frequency coarser than in config/studies; of the schemes those without the slowest steps.
@@ -84,7 +84,9 @@ def study(name: str, folder: Path) -> tuple[Study, Path]:
 @lru_cache
 def claims_of_paper() -> pd.DataFrame:
     """The table of claims."""
-    return claims_table(read_published(PUBLISHED), CASE, exact(PAPER), as_published(PAPER))
+    return claims_table(
+        read_published(PUBLISHED), CASE, exact(PAPER), as_published(PAPER), unrounded()
+    )
 
 
 def page_of(made: PageContent) -> str:

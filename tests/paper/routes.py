@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
+import pandas as pd
 import yaml
 
 from dampbalance.estimates import estimate_table
@@ -42,14 +43,24 @@ def exact(oscillator: Oscillator = PAPER) -> RouteTables:
 
 
 @lru_cache
-def as_published(oscillator: Oscillator = PAPER) -> RouteTables:
-    """The as-published route at the three frequencies."""
+def as_read(oscillator: Oscillator = PAPER) -> dict[str, authors.ReadFeatures]:
+    """What the as-published route reads at the three frequencies."""
     case = case_of(oscillator)
-    read = {
+    return {
         name: authors.read_levels(authors.simulate_levels(case, name), case, name)
         for name in case.frequencies_hz
     }
+
+
+def as_published(oscillator: Oscillator = PAPER) -> RouteTables:
+    """The as-published route at the three frequencies."""
+    read, case = as_read(oscillator), case_of(oscillator)
     return RouteTables(
         {name: of.tabulated.to_frame() for name, of in read.items()},
-        {name: authors.estimates(of, case) for name, of in read.items()},
+        {name: authors.estimates(of.tabulated, of.two_point, case) for name, of in read.items()},
     )
+
+
+def unrounded(oscillator: Oscillator = PAPER) -> pd.DataFrame:
+    """What the as-published simulation gives at the first frequency, before it is read."""
+    return as_read(oscillator)["omega1"].unrounded.to_frame()

@@ -25,6 +25,7 @@ rule claims:
     input:
         features=of_routes("features"),
         estimates=of_routes("estimates"),
+        unrounded=expand(rules.features_as_published.output.unrounded, frequency=FREQUENCIES[:1]),
         published=published_files,
         modules=script_modules("claims/claims.py"),
     output:

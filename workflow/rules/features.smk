@@ -22,6 +22,7 @@ rule features_as_published:
     output:
         tabulated=f"{RESULTS}/features/as_published/{{frequency}}.csv",
         two_point=f"{RESULTS}/features/as_published/two_point/{{frequency}}.csv",
+        unrounded=f"{RESULTS}/features/as_published/unrounded/{{frequency}}.csv",
     params:
         case=at_frequency("oscillator", "phase", "numerics"),
     message:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
@@ -20,6 +20,7 @@ class Numerics:
 
     scheme : a key of `fixed_step.SCHEMES`.   step_s : s.   cycles : simulated from rest.
     c_over_m_decimals, k_over_m_decimals : kept of c/m (1/s) and k/m (1/s²).
+    slip_samples : how many samples after slip is seen a begins, for each level.
     tabulated, two_point : rules of reading as configured, for `ReadOut.from_config`.
     """
 
@@ -28,8 +29,13 @@ class Numerics:
     cycles: int
     c_over_m_decimals: int | None
     k_over_m_decimals: int | None
+    slip_samples: Sequence[int]
     tabulated: Mapping[str, Any]
     two_point: Mapping[str, Any]
+
+    def after_slip(self, level: int) -> int:
+        """Samples after slip is seen at which a begins; 1 at a level without an entry.   level : counted from 0."""
+        return self.slip_samples[level] if level < len(self.slip_samples) else 1
 
 
 @dataclass(frozen=True)

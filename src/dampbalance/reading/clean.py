@@ -46,7 +46,13 @@ _SIDE = 4  # samples of one phase through which its acceleration is continued
 _FEWEST = 3  # stick samples below which there is no line to meet the corner
 
 
-def of_record(record: Record, omega: float, k: float, reading: ReadAt = "interpolated") -> Features:
+def of_record(
+    record: Record,
+    omega: float,
+    k: float,
+    reading: ReadAt = "interpolated",
+    slip_samples: int = 1,
+) -> Features:
     """Features of one steady response, read off a clean record of y, x, v and acceleration.
 
     The cycle read is the first whole one that begins with a forward reversal (v from − to +, at x = −X).
@@ -58,9 +64,9 @@ def of_record(record: Record, omega: float, k: float, reading: ReadAt = "interpo
         a, b, W    by Simpson's rule: 2∫|ẋ| from t_s to t_2 (7a); ∫ẋ² (7b) and ∫k y ẋ (5) over the cycle
 
     In the "sample" reading b and W run over round(T/dt) whole steps from the first sample after the reversal, and a
-    starts one sample after the break, "right after the abrupt jump".
+    starts `slip_samples` samples after the break: "right after the abrupt jump".
 
-    omega : drive frequency, rad/s.   k : stiffness, N/m, for W.
+    omega : drive frequency, rad/s.   k : stiffness, N/m, for W.   slip_samples : of the "sample" reading only.
 
     Without a slip onset (nothing slips, nothing sticks, or the velocity reverses more often than twice a cycle)
     X_s … t_r and a are NaN and the regime says why. Raises ValueError for a record without v or acceleration, without a
@@ -94,7 +100,7 @@ def of_record(record: Record, omega: float, k: float, reading: ReadAt = "interpo
         forward, reverse = _onset(s, n_1, n_2), _onset(s, n_2, n_1 + round(s.per_cycle))
     except _NoOnset as reason:
         return of_numbers(omega, str(reason), **numbers)
-    begin = forward.place if s.between_samples else forward.place + 1.0
+    begin = forward.place + (0 if s.between_samples else slip_samples)
     numbers |= {
         "X_s": forward.x,
         "V_s": forward.v,

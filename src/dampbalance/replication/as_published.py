@@ -4,7 +4,8 @@
     read_levels       a, b and W at the samples, all else between them, then as it was written down
     estimates         Table 3 with the slip of sign in its V_s columns
 
-Scheme, step, decimals and rules of reading come from the configuration; no printed number does.
+Scheme, step, cycle, decimals and rules of reading come from the configuration. They were chosen with the printed digits
+in view (`config/README.md` says which by which); no printed number itself is read here.
 """
 
 from __future__ import annotations
@@ -37,10 +38,12 @@ class ReadFeatures(NamedTuple):
     """Features as the authors wrote them down.
 
     tabulated : for Table 1 and the least squares.   two_point : with one φ and one t_s, for the formulas of Table 3.
+    unrounded : what both were read from, in full digits.
     """
 
     tabulated: Features
     two_point: Features
+    unrounded: Features
 
 
 def coefficients(case: Case) -> dict[str, float]:
@@ -76,7 +79,12 @@ def simulate_levels(case: Case, frequency: str) -> list[Record]:
 def features_of(records: Sequence[Record], case: Case, frequency: str, reading: ReadAt) -> Features:
     """Features read off the records of all levels, in full digits."""
     omega, k = case.omega(frequency), case.oscillator.k
-    return stack([of_record(record, omega, k, reading) for record in records])
+    return stack(
+        [
+            of_record(record, omega, k, reading, case.numerics.after_slip(level))
+            for level, record in enumerate(records)
+        ]
+    )
 
 
 def read_levels(records: Sequence[Record], case: Case, frequency: str) -> ReadFeatures:
@@ -88,16 +96,16 @@ def read_levels(records: Sequence[Record], case: Case, frequency: str) -> ReadFe
     tabulated, two_point = (
         ReadOut.from_config(rules) for rules in (case.numerics.tabulated, case.numerics.two_point)
     )
-    return ReadFeatures(tabulated.apply(between), two_point.common(between))
+    return ReadFeatures(tabulated.apply(between), two_point.common(between), between)
 
 
-def estimates(features: ReadFeatures, case: Case) -> pd.DataFrame:
+def estimates(tabulated: Features, two_point: Features, case: Case) -> pd.DataFrame:
     """The table of estimates: `tabulated` by every approach, `two_point` by those of Table 3."""
     return estimate_table(
-        features.tabulated,
+        tabulated,
         case.oscillator.k,
         case.pairs,
-        common=features.two_point,
+        common=two_point,
         common_approaches=APPROACHES_OF_TABLE_3,
     )
 

@@ -57,6 +57,15 @@ class Printed:
         """Power of ten of the last printed digit: −4 for "90.0402"."""
         return int(self.decimal.as_tuple().exponent)
 
+    def moved(self, units: int) -> str:
+        """The text with its last digit moved by so many units, written alike: 90.0402 by 1 → 90.0403."""
+        value = self.decimal + units * Decimal(1).scaleb(self.exponent)
+        split = self.text.lower().find("e")
+        if split < 0:
+            return f"{value:.{self.decimals}f}"
+        mantissa, power = Printed(self.text[:split]), self.text[split + 1 :]
+        return f"{value.scaleb(-int(power)):.{mantissa.decimals}f}{self.text[split:]}"
+
     def show(self, value: float, extra: int = 4) -> str:
         """`value` written as the printed number is, with `extra` more digits; "" for NaN."""
         if math.isnan(value):

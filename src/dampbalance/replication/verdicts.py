@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import pandas as pd
 
@@ -33,7 +34,7 @@ class Verdict:
         return self.name.replace(" ", "-")
 
 
-REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, DIFFERS = (
+REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, SCATTER, DIFFERS = (
     Verdict("reproduced", "✓", "The equations, solved exactly, give the printed digits."),
     Verdict(
         "reconstructed",
@@ -41,22 +42,54 @@ REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, DIFFERS = (
         "The paper’s own numerics or printed inputs give the printed digits, by a named deviation.",
     ),
     Verdict("last digit", "±1", "One unit off in the last printed digit."),
-    Verdict("reading", "r", "Within the resolution with which the number can have been read off."),
-    Verdict("differs", "✗", "None of these; the evidence stands beside it."),
+    Verdict("reading", "r", "Within the resolution with which the number was read off a plot."),
+    Verdict(
+        "propagated",
+        "u",
+        "Within what the digits that are not printed, or the choice of the cycle, leave open.",
+    ),
+    Verdict(
+        "scatter",
+        "s",
+        "No further off than the same quantity at the other levels; no tolerance from outside explains it.",
+    ),
+    Verdict("differs", "✗", "None of these, or against the paper’s own numbers; see the evidence."),
 )
-VERDICTS = {v.name: v for v in (REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, DIFFERS)}
+VERDICTS = {
+    v.name: v
+    for v in (REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, SCATTER, DIFFERS)
+}
 """Every verdict by its name, best first."""
+
+
+HOLDING = (REPRODUCED.name, RECONSTRUCTED.name)
+"""The verdicts with which an input or a statement holds."""
+
+Kind = Literal["given", "computed", "statement"]
+KINDS: dict[Kind, str] = {
+    "given": "An input, which the configuration holds. It is listed and checked, and does not count.",
+    "computed": "A number that follows from the inputs: these are counted.",
+    "statement": "A bound or a word, judged by a rule of its own.",
+}
+"""The kinds of claims and what they are."""
 
 
 @dataclass(frozen=True, slots=True)
 class Count:
-    """How many printed numbers a part of the paper has, and how many of them earn each verdict.
+    """How many claims of each kind a part of the paper has, and how its computed numbers fare.
 
-    key : of the part, as the ids of its claims begin, or "all".   of_verdict : name of the verdict → number.
+    key : of the part, as the ids of its claims begin, or "all".
+    of_verdict : name of the verdict → how many computed numbers earn it.
+    given, given_held : inputs, and those that the configuration holds.
+    statements, statements_held : bounds and words, and those that hold by one of the routes.
     """
 
     key: str
     of_verdict: Mapping[str, int]
+    given: int
+    given_held: int
+    statements: int
+    statements_held: int
 
     @property
     def part(self) -> str:
@@ -65,18 +98,28 @@ class Count:
 
     @property
     def printed(self) -> int:
-        """All printed numbers of the part."""
+        """The computed numbers of the part."""
         return sum(self.of_verdict.values())
 
 
 def counts(claims: pd.DataFrame) -> list[Count]:
-    """A count per part, in the paper's order, and one of all. claims : columns id and verdict.
+    """A count per part, in the paper's order, and one of all. claims : columns id, kind and verdict.
 
     Raises KeyError for an id that belongs to no part.
     """
     keys = claims["id"].map(part_of)
     groups = [*((key, claims[keys == key]) for key in keys.unique()), ("all", claims)]
-    return [
-        Count(key, {name: int((rows["verdict"] == name).sum()) for name in VERDICTS})
-        for key, rows in groups
-    ]
+    return [_count(key, rows) for key, rows in groups]
+
+
+def _count(key: str, rows: pd.DataFrame) -> Count:
+    verdicts = {kind: rows.loc[rows["kind"] == kind, "verdict"] for kind in KINDS}
+    held = {kind: int(of_kind.isin(HOLDING).sum()) for kind, of_kind in verdicts.items()}
+    return Count(
+        key,
+        {name: int((verdicts["computed"] == name).sum()) for name in VERDICTS},
+        len(verdicts["given"]),
+        held["given"],
+        len(verdicts["statement"]),
+        held["statement"],
+    )

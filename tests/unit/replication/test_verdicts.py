@@ -11,8 +11,15 @@ from dampbalance.replication.verdicts import VERDICTS, counts
 
 def test_counts_per_part_and_of_all():
     claims = pd.DataFrame(
-        [("text.a", "reading"), ("table1.X.1", "differs"), ("text.b", "reading")],
-        columns=["id", "verdict"],
+        [
+            ("text.a", "computed", "reading"),
+            ("table1.X.1", "computed", "differs"),
+            ("text.b", "computed", "reading"),
+            ("text.c", "statement", "reconstructed"),
+            ("text.d", "statement", "differs"),
+            ("table1.Y.1", "given", "reproduced"),
+        ],
+        columns=["id", "kind", "verdict"],
     )
     found = counts(claims)
     assert [(count.part, count.printed) for count in found] == [
@@ -22,6 +29,9 @@ def test_counts_per_part_and_of_all():
     ]
     assert list(found[0].of_verdict) == list(VERDICTS)
     assert found[-1].of_verdict["reading"] == 2
+    assert found[-1].of_verdict["reconstructed"] == 0  # a statement is not a computed number
+    assert (found[0].statements, found[0].statements_held) == (2, 1)
+    assert (found[1].given, found[1].given_held) == (1, 1)
 
 
 def test_ids():

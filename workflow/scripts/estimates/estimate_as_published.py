@@ -7,8 +7,7 @@ from dampbalance.replication import as_published
 
 if __name__ == "__main__":
     case, files = Case.from_config(snakemake.params.case), snakemake.input
-    read = as_published.ReadFeatures(
-        tabulated=Features.from_frame(read_csv(files.tabulated)),
-        two_point=Features.from_frame(read_csv(files.two_point)),
+    tabulated, two_point = (
+        Features.from_frame(read_csv(file)) for file in (files.tabulated, files.two_point)
     )
-    write_csv(snakemake.output.estimates, as_published.estimates(read, case))
+    write_csv(snakemake.output.estimates, as_published.estimates(tabulated, two_point, case))

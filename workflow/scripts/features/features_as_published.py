@@ -1,4 +1,4 @@
-"""Features read off fixed-step records: as tabulated, and as they entered the two-point formulas."""
+"""Features read off fixed-step records: as tabulated, as they entered the two-point formulas, and in full digits."""
 
 import pandas as pd
 
@@ -14,3 +14,4 @@ if __name__ == "__main__":
     read = as_published.read_levels(records, case, snakemake.wildcards.frequency)
     write_csv(snakemake.output.tabulated, read.tabulated.to_frame())
     write_csv(snakemake.output.two_point, read.two_point.to_frame())
+    write_csv(snakemake.output.unrounded, read.unrounded.to_frame())

@@ -24,6 +24,7 @@ from ...replication.claim_ids import of_cell
 from ...replication.tables import TABLE_2
 from ...replication.verdicts import counts
 from ...solver import Pair
+from . import recipe
 
 Json = dict[str, Any]
 
@@ -55,6 +56,7 @@ def evidence(
                 count.key: {**count.of_verdict, "printed": count.printed}
                 for count in counts(claims)
             },
+            "recipe": recipe.evidence(case, exact[first]),
             "dissipation": dissipation(case, float(exact[first].omega[0])),
             "integrals": integral_deviations(features, claims, schemes, first),
             "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},

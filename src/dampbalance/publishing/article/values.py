@@ -9,7 +9,7 @@ from typing import Any
 from ...balance import TERMS
 from ...replication.claim_ids import PARTS
 from ...replication.verdicts import VERDICTS
-from . import tabulated
+from . import recipe, tabulated
 from .book import Book
 from .noise import noise
 from .places import ResultFiles
@@ -65,6 +65,7 @@ def article_values(
     _setting(book, frequencies)
     _verdicts(book)
     _numerics(book, frequencies)
+    recipe.enter(book, EVIDENCE)
     _off_resonance(book, frequencies)
     _studies(book)
     experiments = noise(book)

@@ -8,11 +8,19 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
+from ...balance import Rows
 from ...project.case import Case
+from ...solver import pair
 from ..as_published import added_damping
 from ..printed import Printed
+from ..tables import TABLE_2
+from .checksums import agrees
+from .inputs import PAIR_LABELS, PAIRS, Sources
+from .judging import Tolerance
 from .published import Published, row
-from .resolutions import TIME_UNIT_S, VELOCITY_MARK
+from .tolerances import TIME_UNIT_S, VELOCITY_MARK
 
 
 def same(value: float, printed: str) -> bool:
@@ -85,8 +93,10 @@ def _range(implied: list[tuple[float, float]], b: Printed) -> str:
 
 
 def printed_inputs_differ(values: Mapping[str, float], printed: str) -> str:
-    """The paper's own inputs in its own equations against what it prints."""
+    """The paper's own inputs in its own equations against what it prints, should that be another number."""
     value = values["from_print"]
+    if agrees(value, printed):
+        return ""
     return f"It contradicts the paper's own inputs, which give {Printed(printed).show(value)}."
 
 
@@ -126,27 +136,71 @@ def phase(reversal: float, zero_crossing: float, printed: str) -> str:
     )
 
 
-def two_point_readings(values: Mapping[str, float], correct: float, unit: str) -> str:
-    """Table 3: what the simulation and its read-outs do, and the slip of sign in the V_s columns.
+def sign(values: Mapping[str, float], correct: float, unit: str) -> str:
+    """Table 3: the slip of sign in the V_s columns, "" elsewhere.
 
     correct : the as-published pair by the row that (19) states; in the V_s columns values["as_published"] has the slip.
     """
-    if math.isnan(correct):
+    if math.isnan(correct) or values["as_published"] == correct:
         return ""
     digits = 4 if unit == "N" else 3
-    stated = f"{correct:.{digits}f} {unit}"
-    shift = f"{correct - values['exact']:+.{digits}f} {unit}"
-    if values["as_published"] == correct:
-        return f"The simulation and the digits read off it move it by {shift} from exact."
     return (
-        f"Slip of sign: alpha with a plus under the root. With the minus of (19) it would be {stated}, "
-        f"{shift} from exact by the simulation and the digits read off it."
+        "Slip of sign: alpha with a plus under the root. "
+        f"With the minus of (19) it would be {correct:.{digits}f} {unit}."
     )
 
 
-def natural_frequency(hertz: float) -> str:
-    """The natural frequency as the parameters give it."""
-    return f"sqrt(k/m)/2π = {hertz:.4f} Hz: the drive frequency to the digits printed, not beyond."
+def starting_sample(case: Case, place: int) -> str:
+    """Where the integral a begins.   place : of the level, counted from 0."""
+    count = case.numerics.after_slip(place)
+    samples = "a sample" if count == 1 else f"{count} samples"
+    return f"Begun {samples} after slip is seen, in the cycle that starts in period {case.numerics.cycles - 2}."
+
+
+def other_b(
+    sources: Sources,
+    of_print: Mapping[int, tuple[float, float] | None],
+    label: str,
+    symbol: str,
+    printed: str,
+) -> str:
+    """A pair of which a printed b is not the simulated one: the pair with the b that print needs, if that explains it.
+
+    of_print : the range of b that the printed Table 2 allows, by level.   symbol : of the estimate, F_k or c.
+    """
+    i, j = PAIRS[PAIR_LABELS.index(label)]
+    a, b, W = (
+        np.array([sources.as_published.feature(q.column, level + 1) for level in (i, j)])
+        for q in TABLE_2
+    )
+    if not np.all(np.isfinite([a, b, W])):
+        return ""
+    notes = []
+    for place, level in enumerate((i, j)):
+        used = of_print.get(level + 1)
+        text = Printed(sources.published.table2_integrals["b_m2_per_s"][str(level + 1)])
+        if used is None or abs(b[place] / text.unit - text.value / text.unit) <= 0.5:
+            continue
+        simulated, b[place] = float(b[place]), 0.5 * (used[0] + used[1])
+        notes.append(
+            f"b_{level + 1} = {text.show(float(b[place]), 2)}, which the printed pairs need "
+            f"(simulated: {text.show(simulated, 2)})"
+        )
+    if not notes:
+        return ""
+    value = float(pair(Rows({"F_k": a, "c": b}, W), 0, 1)[symbol])
+    return (
+        f"With {' and '.join(notes)}, the as-published pair is {Printed(printed).show(value, 2)}."
+    )
+
+
+def outside(tolerances: tuple[Tolerance, ...], printed: str) -> str:
+    """A number of Table 2 that the rest of the table does not allow."""
+    value = Printed(printed).value
+    if not tolerances or any(tolerance.holds(value) for tolerance in tolerances):
+        return ""
+    reason = tolerances[0].reason
+    return f"{reason[0].upper()}{reason[1:]} only."
 
 
 def printed_inputs(values: Mapping[str, float], inputs: str, printed: str) -> str:

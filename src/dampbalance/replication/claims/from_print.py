@@ -68,17 +68,3 @@ def printed_estimates(published: Published) -> RouteTables:
                 {"approach": approach, "kind": "pair", "phase": phase, "pair": label} | estimate
             )
     return RouteTables({}, {"omega1": pd.DataFrame.from_records(records)})
-
-
-def printed_as_table1(features: Features, published: Published) -> Features:
-    """Features with as many decimals as Table 1 prints of each, as if its authors had tabulated them."""
-    table1 = published.table1
-    columns = {name: column for name, column in COLUMNS.items() if column in table1.columns}
-    return features.replaced(
-        **{
-            name: np.round(
-                getattr(features, name), max(-Printed(text).exponent for text in table1[column])
-            )
-            for name, column in columns.items()
-        }
-    )

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -37,7 +39,7 @@ def require_paper(case: Case) -> None:
         raise ValueError(f"claims need the five levels of the paper, got {len(case.levels_m)}")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RouteTables:
     """The result tables of one route, by frequency name.
 
@@ -71,13 +73,17 @@ class RouteTables:
         frequency: str = "omega1",
     ) -> float:
         """One number of the estimates."""
-        frame = self.estimates.get(frequency)
-        if frame is None:
-            return math.nan
-        wanted = {"approach": approach, "kind": kind, "phase": phase, "pair": pair}
-        chosen = np.logical_and.reduce([frame[key] == value for key, value in wanted.items()])
-        values = frame.loc[chosen, column]
-        return float(values.iloc[0]) if len(values) else math.nan
+        line = self._lines.get((frequency, approach, kind, phase, pair))
+        return math.nan if line is None else float(line[column])
+
+    @cached_property
+    def _lines(self) -> dict[tuple[str, ...], dict[Hashable, Any]]:
+        """The lines of the estimates by frequency, approach, kind, phase and pair."""
+        return {
+            (frequency, *(line[key] for key in ("approach", "kind", "phase", "pair"))): line
+            for frequency, frame in self.estimates.items()
+            for line in frame.to_dict("records")
+        }
 
     def largest_errors(
         self,
@@ -100,13 +106,17 @@ class RouteTables:
 
 @dataclass(frozen=True, slots=True)
 class Sources:
-    """All that claims are judged from: the printed numbers, the case and the three routes."""
+    """All that claims are judged from: the printed numbers, the case and the three routes.
+
+    unrounded : features of the as-published simulation at ω1 in full digits, one row per level.
+    """
 
     published: Published
     case: Case
     exact: RouteTables
     as_published: RouteTables
     from_print: RouteTables
+    unrounded: pd.DataFrame
 
     @property
     def routes(self) -> dict[str, RouteTables]:

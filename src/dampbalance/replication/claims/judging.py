@@ -1,7 +1,7 @@
 """From a printed number and what the routes give for it to the best verdict of `verdicts.VERDICTS` that it earns.
 
-A route gives the printed digits when it lies within half a unit of the last of them; statements ("less than 1.5 %")
-are given when they hold. Nothing here is typed in: the verdict follows from the row, and so does the sentence for it.
+A route gives the printed digits when it lies within half a unit of the last of them; an input or a statement ("less
+than 1.5 %") is given when it holds. Nothing here is typed in: the verdict follows from the row, and so does its reason.
 """
 
 from __future__ import annotations
@@ -11,19 +11,33 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..printed import Printed
-from ..verdicts import DIFFERS, LAST_DIGIT, READING, RECONSTRUCTED, REPRODUCED, ROUTE_NAMES, Verdict
+from ..verdicts import (
+    DIFFERS,
+    LAST_DIGIT,
+    READING,
+    RECONSTRUCTED,
+    REPRODUCED,
+    ROUTE_NAMES,
+    Kind,
+    Verdict,
+)
 
 # A printed number and a computed one meet at half a unit only up to the rounding of binary fractions.
 HALF = 0.5 * (1.0 + 1e-9)
 
 
 @dataclass(frozen=True, slots=True)
-class Resolution:
-    """How finely a quantity can have been read: numbers from `low` to `high` are one reading, for `reason`."""
+class Tolerance:
+    """A range that the printed number may lie in, from `low` to `high`, why, and the verdict that this earns it."""
 
     low: float
     high: float
     reason: str
+    verdict: Verdict = READING
+
+    def holds(self, printed: float) -> bool:
+        """Whether the printed number lies in the range."""
+        return self.low <= printed <= self.high
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,8 +45,12 @@ class Claim:
     """One printed number, what the routes give for it, and why they differ.
 
     values : a number per route of ROUTE_NAMES, NaN or absent where the route has nothing to say.
-    holds : for a statement, whether it holds by each route; None for a number, which is compared by its digits.
+    kind : of verdicts.KINDS.
+    holds : for an input or a statement, whether it holds by each route; None for a number, compared by its digits.
+    compared : the routes that can give the printed digits; the others are shown only.
+    tolerances : ranges that a number may lie in, the best verdict first.
     cause : the deviation behind the digits, one sentence computed from the same run; "" without one.
+    contradiction : which of the paper's own numbers refute this one, whatever any route gives; "" if none does.
     evidence : what in the paper's own numbers contradicts the printed one, should it differ.
     """
 
@@ -42,9 +60,12 @@ class Claim:
     unit: str
     printed: str
     values: Mapping[str, float]
+    kind: Kind = "computed"
     holds: Mapping[str, bool] | None = None
-    resolution: Resolution | None = None
+    compared: tuple[str, ...] = tuple(ROUTE_NAMES)
+    tolerances: tuple[Tolerance, ...] = ()
     cause: str = ""
+    contradiction: str = ""
     evidence: str = ""
 
     @property
@@ -65,27 +86,33 @@ class Claim:
         printed = Printed(self.printed)
         return (self.values[route] - printed.value) / printed.unit
 
+    @property
+    def giving(self) -> list[str]:
+        """The routes that give the printed digits, or by which an input or a statement holds."""
+        compared = [route for route in self.routes if route in self.compared]
+        if self.holds is not None:
+            return [route for route in compared if self.holds[route]]
+        return [route for route in compared if abs(self.off(route)) <= HALF]
+
+    @property
+    def tolerance(self) -> Tolerance | None:
+        """The best tolerance that holds the printed number."""
+        printed = Printed(self.printed).value
+        return next((one for one in self.tolerances if one.holds(printed)), None)
+
 
 def verdict(claim: Claim) -> Verdict:
     """The best verdict that the claim earns."""
+    if claim.contradiction:
+        return DIFFERS
+    if claim.giving:
+        return REPRODUCED if "exact" in claim.giving else RECONSTRUCTED
     if claim.holds is not None:
-        agreeing = [route for route in claim.routes if claim.holds[route]]
-        within_one = False
-    else:
-        agreeing = [route for route in claim.routes if abs(claim.off(route)) <= HALF]
-        within_one = any(abs(claim.off(route)) <= 1.0 + HALF for route in claim.routes)
-    if "exact" in agreeing:
-        return REPRODUCED
-    if agreeing:
-        return RECONSTRUCTED
-    if within_one:
+        return DIFFERS
+    compared = [route for route in claim.routes if route in claim.compared]
+    if any(abs(claim.off(route)) <= 1.0 + HALF for route in compared):
         return LAST_DIGIT
-    if (
-        claim.resolution
-        and claim.resolution.low <= Printed(claim.printed).value <= claim.resolution.high
-    ):
-        return READING
-    return DIFFERS
+    return claim.tolerance.verdict if claim.tolerance else DIFFERS
 
 
 def explanation(claim: Claim) -> str:
@@ -96,21 +123,20 @@ def explanation(claim: Claim) -> str:
     if decided is REPRODUCED:
         return f"Exactly {claim.show('exact')}, which rounds to {claim.printed}."
     if decided is RECONSTRUCTED:
-        giving = " and ".join(
-            ROUTE_NAMES[route] for route in claim.routes if abs(claim.off(route)) <= HALF
-        )
+        giving = " and ".join(ROUTE_NAMES[route] for route in claim.giving)
         exact = f" (exact: {_distance(claim, 'exact')})" if "exact" in claim.routes else ""
         return f"Obtained {giving}{exact}. {claim.cause}".strip()
     if not claim.routes:
         return "No route gives a value."
     nearest = min(claim.routes, key=lambda route: abs(claim.off(route)))
     distance = f"{ROUTE_NAMES[nearest].capitalize()}: {_distance(claim, nearest)}"
-    if decided is READING and claim.resolution:
-        printed = Printed(claim.printed)
-        low, high = printed.show(claim.resolution.low, 0), printed.show(claim.resolution.high, 0)
-        return f"{distance}; {low} to {high} is one reading: {claim.resolution.reason}. {claim.cause}".strip()
     if decided is DIFFERS:
-        return f"{distance}. {claim.evidence or 'Unexplained: no other number of the paper contradicts it.'}"
+        evidence = claim.contradiction or claim.evidence
+        return (
+            f"{distance}. {evidence or 'Unexplained: no other number of the paper contradicts it.'}"
+        )
+    if decided is not LAST_DIGIT and claim.tolerance:
+        return f"{distance}; {claim.tolerance.reason}. {claim.cause}".strip()
     return f"{distance}. {claim.cause}".strip()
 
 

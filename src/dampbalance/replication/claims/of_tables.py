@@ -5,18 +5,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 
-import numpy as np
-
-from ...balance import Rows
-from ...solver import pair
 from ..claim_ids import of_cell
-from ..printed import Printed
 from ..tables import PRINTED_APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
 from . import causes
-from .inputs import CORRECTED, PAIR_LABELS, PAIRS, Sources
-from .judging import Claim, Resolution
-from .published import Published, numbers
-from .resolutions import integral_resolution, phase_resolution, time_resolution
+from .allowed import allowed
+from .checksums import refuted
+from .inputs import CORRECTED, PAIR_LABELS, Sources
+from .judging import Claim, Tolerance
+from .reading_rules import rules_at_work
+from .tolerances import cycle_chosen, of_the_others, phase_read, propagated, time_read
 
 
 def levels(sources: Sources) -> Iterator[Claim]:
@@ -32,6 +29,7 @@ def levels(sources: Sources) -> Iterator[Claim]:
                 unit="m",
                 printed=printed,
                 values={"exact": held[level]},
+                kind="given",
                 holds={"exact": causes.same(held[level], printed)},
                 cause=causes.held(held[level], printed),
             )
@@ -40,16 +38,23 @@ def levels(sources: Sources) -> Iterator[Claim]:
 def table1(sources: Sources) -> Iterator[Claim]:
     """Table 1: the read-outs X, X_s, V_s, φ and t_s of the five levels."""
     printed_table = sources.published.table1
-    for level, q in itertools.product(printed_table.index, TABLE_1):
+    refutations = refuted(sources.published, sources.case, "table1")
+    phases = [sources.exact.feature("phi_rad", int(level)) for level in printed_table.index]
+    for (place, level), q in itertools.product(enumerate(printed_table.index), TABLE_1):
         printed = printed_table[q.column][level]
         values = sources.features(q.column, int(level))
-        resolution, cause = None, ""
+        tolerances: tuple[Tolerance, ...] = ()
+        cause = ""
         if q.symbol == "phi":
-            resolution = phase_resolution(values["exact"], sources.case.omega("omega1"))
+            column = [str(text) for text in printed_table[q.column]]
+            tolerances = (
+                phase_read(values["exact"], sources.case.omega("omega1")),
+                *of_the_others(phases, column, place, relative=False),
+            )
             crossing = sources.exact.feature("phi_zero_crossing_rad", int(level))
             cause = causes.phase(values["exact"], crossing, printed)
         elif q.symbol == "t_s":
-            resolution = time_resolution(values["exact"], sources.case.numerics.step_s)
+            tolerances = (time_read(values["exact"], sources.case.numerics.step_s),)
             cause = causes.slip_time(values["exact"], sources.case.numerics.step_s, printed)
         elif q.symbol == "V_s":
             cause = causes.slip_velocity(values["exact"], printed)
@@ -60,20 +65,37 @@ def table1(sources: Sources) -> Iterator[Claim]:
             unit=q.unit,
             printed=printed,
             values=values,
-            resolution=resolution,
+            tolerances=tolerances,
             cause=cause,
+            contradiction=refutations.get((q.column, level), ""),
         )
 
 
 def table2_integrals(sources: Sources) -> Iterator[Claim]:
     """Table 2, upper part: the integrals a, b and W of the five levels."""
     printed_table = sources.published.table2_integrals
-    for level, q in itertools.product(printed_table.index, TABLE_2):
+    refutations = refuted(sources.published, sources.case, "table2_integrals")
+    for (place, level), q in itertools.product(enumerate(printed_table.index), TABLE_2):
         values = sources.features(q.column, int(level))
-        V_s = sources.as_published.feature("V_s_m_per_s", int(level))
-        note, contradiction = "", ""
+        note, evidence = "", ""
+        tolerances: tuple[Tolerance, ...] = ()
         if q.symbol == "b":
-            note, contradiction = causes.implied_b(sources.published, level)
+            note, evidence = causes.implied_b(sources.published, level)
+        elif q.symbol == "a":
+            note = causes.starting_sample(sources.case, place)
+            tolerances = cycle_chosen(
+                values["as_published"],
+                sources.as_published.feature("V_s_m_per_s", int(level)),
+                sources.case.omega("omega1"),
+                sources.case.numerics,
+                printed_table[q.column][level],
+            )
+        else:
+            simulated = [
+                sources.as_published.feature(q.column, int(each)) for each in printed_table.index
+            ]
+            column = [str(text) for text in printed_table[q.column]]
+            tolerances = of_the_others(simulated, column, place, relative=True)
         yield Claim(
             id=of_cell("table2", q.symbol, level),
             where=f"Table 2, level {level}",
@@ -81,35 +103,37 @@ def table2_integrals(sources: Sources) -> Iterator[Claim]:
             unit=q.unit,
             printed=printed_table[q.column][level],
             values=values,
-            resolution=integral_resolution(q.symbol, values["as_published"], V_s, sources.case),
+            tolerances=tolerances,
             cause=f"{causes.backward_euler(sources.case, values)} {note}".strip(),
-            evidence=contradiction,
+            contradiction=refutations.get((q.column, level), ""),
+            evidence=evidence,
         )
 
 
 def table2_pairs(sources: Sources) -> Iterator[Claim]:
     """Table 2, lower part: the pair-wise estimates by direct integration."""
-    ranges = rounding_ranges(sources.published)
+    of_print = allowed(sources.published)
     for label, q in itertools.product(PAIR_LABELS, UNKNOWNS):
         values = sources.estimates(q.column, "direct", pair=label)
-        low, high = ranges[label, q.column]
+        printed = sources.published.table2_pairs[f"direct_{q.column}"][label]
+        tolerances = propagated(of_print.pairs[label, q.symbol], printed)
+        damped = causes.backward_euler(sources.case, values) if q.symbol == "c" else ""
         yield Claim(
             id=of_cell("table2", q.symbol, label),
             where=f"Table 2, pair {label}",
             quantity=f"{q.symbol} by direct integration",
             unit=q.unit,
-            printed=sources.published.table2_pairs[f"direct_{q.column}"][label],
+            printed=printed,
             values=values,
-            resolution=Resolution(
-                low, high, "the printed a, b and W give it, within their rounding"
-            ),
-            cause=causes.backward_euler(sources.case, values) if q.symbol == "c" else "",
-            evidence=f"The printed a, b and W allow {low:.6f} to {high:.6f} only.",
+            tolerances=tolerances,
+            cause=f"{damped} {causes.other_b(sources, of_print.b, label, q.symbol, printed)}".strip(),
+            contradiction=causes.outside(tolerances, printed),
         )
 
 
 def table3(sources: Sources) -> Iterator[Claim]:
     """Table 3: the pair-wise estimates of the three harmonic approaches with common φ and t_s."""
+    at_work = rules_at_work(sources)
     for approach, label, q in itertools.product(PRINTED_APPROACHES[1:], PAIR_LABELS, UNKNOWNS):
         values = sources.estimates(q.column, approach, phase="common", pair=label)
         correct = sources.as_published.estimate(
@@ -122,31 +146,7 @@ def table3(sources: Sources) -> Iterator[Claim]:
             unit=q.unit,
             printed=sources.published.table3[f"{approach}_{q.column}"][label],
             values=values,
-            cause=causes.two_point_readings(values, correct, q.unit),
+            # With Table 1 as printed the columns come out otherwise: where one number does not, it is by chance.
+            compared=("exact", "as_published"),
+            cause=f"{causes.sign(values, correct, q.unit)} {at_work(approach, label, q)}".strip(),
         )
-
-
-def rounding_ranges(published: Published) -> dict[tuple[str, str], tuple[float, float]]:
-    """Lowest and highest F_k and c of each pair that the printed a, b, W allow, each within half a unit.
-
-    The solution of two rows is a ratio of functions linear in each single input, hence monotone in each: the extremes
-    lie at the corners.
-    """
-    frame = published.table2_integrals
-    columns = [numbers(frame, q.column) for q in TABLE_2]
-    halves = [0.5 * np.array([Printed(text).unit for text in frame[q.column]]) for q in TABLE_2]
-    ranges = {}
-    for (i, j), label in zip(PAIRS, PAIR_LABELS, strict=True):
-        corners = []
-        for signs in itertools.product((-1.0, 1.0), repeat=6):
-            steps = np.reshape(signs, (3, 2))
-            rows = [
-                column[[i, j]] + half[[i, j]] * step
-                for column, half, step in zip(columns, halves, steps, strict=True)
-            ]
-            a, b, W = rows
-            estimate = pair(Rows({"F_k": a, "c": b}, W), 0, 1)
-            corners.append([estimate[q.symbol] for q in UNKNOWNS])
-        for q, ends in zip(UNKNOWNS, np.transpose(corners), strict=True):
-            ranges[label, q.column] = (float(ends.min()), float(ends.max()))
-    return ranges

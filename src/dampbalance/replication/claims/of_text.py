@@ -10,11 +10,10 @@ from ...estimates import estimate_table
 from ...features import Features
 from ...model import Oscillator
 from ..claim_ids import of_parameter, of_text, statistic
-from ..printed import Printed
 from ..tables import RESIDUAL, UNKNOWNS
-from ..verdicts import ROUTE_NAMES
-from . import causes
-from .from_print import printed_as_table1, printed_estimates, printed_pair_statistics
+from ..verdicts import ROUTE_NAMES, Kind
+from . import causes, statements
+from .from_print import printed_estimates, printed_pair_statistics
 from .inputs import HARMONIC, PAIRS, RouteTables, Sources
 from .judging import Claim
 from .published import row
@@ -42,19 +41,17 @@ def parameters(sources: Sources) -> Iterator[Claim]:
         "F_k": osc.F_k,
         **sources.case.frequencies_hz,
     }
-    natural_hz = osc.omega_n / (2.0 * math.pi)
+    computed = {"zeta": osc.zeta, "omega_n": osc.omega_n / (2.0 * math.pi)}
     for name in sources.published.parameters.index:
         stated = row(sources.published.parameters, name)
         symbol, printed = stated["symbol"], stated["printed"]
-        holds = None
-        if symbol == "zeta":
-            value, cause = osc.zeta, ""
-        elif symbol == "omega_n":  # a statement: equal to ω_1, to its digits
-            value, cause = natural_hz, causes.natural_frequency(natural_hz)
-            holds = {"exact": abs(value - Printed(printed).value) <= 0.5 * Printed(printed).unit}
+        kind: Kind = "computed"
+        holds, cause = None, ""
+        if symbol in computed:
+            value = computed[symbol]
         else:
-            value, cause = held[symbol], causes.held(held[symbol], printed)
-            holds = {"exact": causes.same(value, printed)}
+            kind, value = "given", held[symbol]
+            holds, cause = {"exact": causes.same(value, printed)}, causes.held(value, printed)
         yield Claim(
             id=of_parameter(name),
             where=stated["where"],
@@ -62,6 +59,7 @@ def parameters(sources: Sources) -> Iterator[Claim]:
             unit=stated["unit"],
             printed=printed,
             values={"exact": value},
+            kind=kind,
             holds=holds,
             cause=cause,
         )
@@ -98,25 +96,19 @@ def error_bounds(sources: Sources) -> Iterator[Claim]:
     tables = sources.routes | {"from_print": printed_estimates(sources.published)}
     errors = {route: table.largest_errors(osc) for route, table in tables.items()}
     for symbol in TERMS:
-        name = f"max_error_{symbol}"
-        bound = Printed(sources.published.text_values["printed"][name]).value
         values = {route: largest[symbol] for route, largest in errors.items()}
-        holds = {route: value < bound for route, value in values.items()}
         cause = f"Largest error in the fifteen pairs: {_each(values, '%')}."
-        yield _claim(sources, name, values, cause, holds)
+        yield _bound(sources, f"max_error_{symbol}", values, cause)
 
-    name = "max_error_omega3"
-    bound = Printed(sources.published.text_values["printed"][name]).value
-    tables = sources.routes | {"from_print": _tabulated(sources, "omega3")}
+    tables = {"exact": sources.exact, "as_published": _tabulated(sources, "omega3")}
     values = _worst(tables, osc, frequency="omega3")
-    holds = {route: value > bound for route, value in values.items()}
+    added = values["as_published"] - values["exact"]
     cause = (
-        f"Exact features give {values['exact']:.1f} %, the same features with the decimals of Table 1 "
-        f"{values['from_print']:.1f} %: the figure owes as much to rounding as to the method."
+        f"Exact features give {values['exact']:.1f} %; the simulated read-outs with the decimals of Table 1 "
+        f"{values['as_published']:.1f} %: the method errs by the first figure, the decimals change it by "
+        f"{added:+.1f} points."
     )
-    if not holds["from_print"] or holds["exact"]:
-        cause = ""
-    yield _claim(sources, name, values, cause, holds)
+    yield _bound(sources, "max_error_omega3", values, cause)
 
 
 def comparisons(sources: Sources) -> Iterator[Claim]:
@@ -128,16 +120,28 @@ def comparisons(sources: Sources) -> Iterator[Claim]:
         here = f"{values['exact']:.1f} % at {hz[frequency]:g} Hz"
         there = f"{near['exact']:.1f} % at {hz['omega1']:g} Hz"
         cause = f"Largest error of the two-point formulas with exact features: {here}, {there}."
-        holds = {route: values[route] > near[route] for route in values}
-        yield _claim(sources, f"accuracy_{frequency}", values, cause, holds)
+        name = f"accuracy_{frequency}"
+        judged = statements.change(
+            name, sources.published.text_values["printed"][name], values, near
+        )
+        yield _claim(sources, name, values, cause, judged)
 
     tables = sources.routes | {"from_print": printed_estimates(sources.published)}
     direct = _worst(tables, osc, ("direct",))
     each = [_worst(tables, osc, (approach,)) for approach in HARMONIC]
     harmonic = {route: min(errors[route] for errors in each) for route in tables}
     cause = f"Largest error in the pairs, direct: {_each(direct, '%')}; best harmonic approach: {_each(harmonic, '%')}."
-    holds = {route: direct[route] < harmonic[route] for route in direct}
-    yield _claim(sources, "direct_best", direct, cause, holds)
+    facts = {route: direct[route] < harmonic[route] for route in direct}
+    judged = statements.truth(
+        "direct_best", sources.published.text_values["printed"]["direct_best"], facts
+    )
+    yield _claim(sources, "direct_best", direct, cause, judged)
+
+
+def _bound(sources: Sources, name: str, values: Mapping[str, float], cause: str) -> Claim:
+    stated = row(sources.published.text_values, name)
+    judged = statements.bound(name, stated["quantity"], stated["printed"], values)
+    return _claim(sources, name, values, cause, judged)
 
 
 def _worst(
@@ -158,10 +162,10 @@ def _claim(
     name: str,
     values: Mapping[str, float],
     cause: str,
-    holds: Mapping[str, bool] | None = None,
+    judged: statements.Judged | None = None,
 ) -> Claim:
     stated = row(sources.published.text_values, name)
-    comparable = holds is None and not math.isnan(values["from_print"])
+    comparable = judged is None and not math.isnan(values["from_print"])
     return Claim(
         id=of_text(name),
         where=stated["where"],
@@ -169,18 +173,19 @@ def _claim(
         unit=stated["unit"],
         printed=stated["printed"],
         values=values,
-        holds=holds,
-        cause=cause,
-        evidence=causes.printed_inputs_differ(values, stated["printed"]) if comparable else "",
+        kind="statement" if judged else "computed",
+        holds=judged.holds if judged else None,
+        cause=f"{judged.how} {cause}" if judged else cause,
+        contradiction=causes.printed_inputs_differ(values, stated["printed"]) if comparable else "",
     )
 
 
 def _tabulated(sources: Sources, frequency: str) -> RouteTables:
-    """Pairs from the exact features of a frequency, had they been tabulated like Table 1; nothing if there are none."""
-    frame = sources.exact.features.get(frequency)
+    """Pairs from the read-outs of a frequency as Table 1 would hold them; nothing if there are none."""
+    frame = sources.as_published.features.get(frequency)
     if frame is None:
         return RouteTables({}, {})
-    features = printed_as_table1(Features.from_frame(frame), sources.published)
+    features = Features.from_frame(frame)
     return RouteTables({}, {frequency: estimate_table(features, sources.case.oscillator.k, PAIRS)})
 
 

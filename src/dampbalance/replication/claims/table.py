@@ -10,7 +10,7 @@ import pandas as pd
 from ...project.case import Case
 from ..claim_ids import PARTS, part_of
 from ..printed import Printed
-from ..verdicts import RECONSTRUCTED, REPRODUCED, ROUTE_NAMES, VERDICTS, counts
+from ..verdicts import HOLDING, KINDS, ROUTE_NAMES, VERDICTS, counts
 from . import of_tables, of_text
 from .from_print import from_print
 from .inputs import RouteTables, Sources, require_paper
@@ -18,7 +18,7 @@ from .judging import Claim, explanation, verdict
 from .published import Published, read_texts
 
 STATED = ("id", "where", "quantity", "unit", "printed")  # columns that are fields of a claim
-COLUMNS = (*STATED, *ROUTE_NAMES, "verdict", "explanation")
+COLUMNS = (*STATED, *ROUTE_NAMES, "verdict", "explanation", "kind")
 RECORD = ("id", "printed", "verdict")
 
 
@@ -37,12 +37,17 @@ def claims(sources: Sources) -> Iterator[Claim]:
 
 
 def claims_table(
-    published: Published, case: Case, exact: RouteTables, as_published: RouteTables
+    published: Published,
+    case: Case,
+    exact: RouteTables,
+    as_published: RouteTables,
+    unrounded: pd.DataFrame,
 ) -> pd.DataFrame:
     """A row per printed number: what each route gives for it, the verdict, and why. Columns: COLUMNS.
 
     published : `read_published(folder)`.   case : as configured.
     exact, as_published : feature and estimate tables of the two routes; the from-print route is computed here.
+    unrounded : features of the as-published simulation at ω1 before they were read, `Features.to_frame()`.
 
     The numbers of the routes are text, written as the printed number is with four more digits; verdicts are judged on
     all digits. Raises ValueError when the printed ids and the claims do not match one to one, or the case is not the
@@ -55,13 +60,14 @@ def claims_table(
             f"text_values.csv and the claims of the text do not match: {', '.join(sorted(odd))}; "
             "each printed value needs its claim"
         )
-    sources = Sources(published, case, exact, as_published, from_print(published, case))
+    sources = Sources(published, case, exact, as_published, from_print(published, case), unrounded)
     records = [
         {
             **{name: getattr(claim, name) for name in STATED},
             **{route: claim.show(route) for route in ROUTE_NAMES},
             "verdict": verdict(claim).name,
             "explanation": explanation(claim),
+            "kind": claim.kind,
         }
         for claim in claims(sources)
     ]
@@ -75,8 +81,8 @@ def claims_markdown(frame: pd.DataFrame) -> str:
         lines += [
             f"## {PARTS[str(part)]}",
             "",
-            "| where | quantity | printed | exact | as published | from print | verdict | why |",
-            "|---|---|--:|--:|--:|--:|---|---|",
+            "| where | quantity | printed | exact | as published | from print | verdict | why | kind |",
+            "|---|---|--:|--:|--:|--:|---|---|---|",
         ]
         for row in rows.to_dict("records"):
             unit = "" if row["unit"] in ("", "1") else f" ({row['unit']})"
@@ -88,11 +94,30 @@ def claims_markdown(frame: pd.DataFrame) -> str:
 
 
 def summary(frame: pd.DataFrame) -> str:
-    """What a person reads at the end of a run: counts per verdict and part, then a line for each number that is neither
-    reproduced nor reconstructed, with the nearest value; the reasons stand in the table of claims."""
-    table = {count.part: {"printed": count.printed, **count.of_verdict} for count in counts(frame)}
-    lines = ["Verdicts on the printed numbers", "", pd.DataFrame(table).T.to_string(), ""]
-    rest = frame[~frame["verdict"].isin((REPRODUCED.name, RECONSTRUCTED.name))]
+    """What a person reads at the end of a run: computed numbers by verdict and part, with inputs and statements beside
+    them, then a line for each claim that is neither reproduced nor reconstructed, with the nearest value; the reasons
+    stand in the table of claims."""
+    counted = counts(frame)
+    table = {
+        count.part: {
+            "computed": count.printed,
+            **count.of_verdict,
+            "given": count.given,
+            "statements": count.statements,
+        }
+        for count in counted
+    }
+    total = counted[-1]
+    lines = [
+        "Verdicts on the printed numbers that are computed",
+        "",
+        pd.DataFrame(table).T.to_string(),
+        "",
+        f"Of {total.given} given inputs the configuration holds {total.given_held}; "
+        f"of {total.statements} statements {total.statements_held} hold.",
+        "",
+    ]
+    rest = frame[~frame["verdict"].isin(HOLDING)]
     if len(rest):
         shown = [
             {
@@ -186,5 +211,12 @@ def _offence(name: str, now: pd.DataFrame, was: pd.DataFrame) -> str:
 
 
 def _meanings(frame: pd.DataFrame) -> list[str]:
-    total = counts(frame)[-1].of_verdict
-    return [f"- **{name}** {total[name]}: {v.meaning}" for name, v in VERDICTS.items()]
+    total = counts(frame)[-1]
+    kinds = frame["kind"].value_counts()
+    return [
+        *(f"- {kinds.get(kind, 0)} {kind}: {meaning}" for kind, meaning in KINDS.items()),
+        "",
+        f"Of the {total.printed} computed numbers:",
+        "",
+        *(f"- **{name}** {total.of_verdict[name]}: {v.meaning}" for name, v in VERDICTS.items()),
+    ]

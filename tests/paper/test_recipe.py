@@ -1,0 +1,170 @@
+"""Table 3 of the paper from the article's recipe alone: its steps, its numbers, and no code of the package.
+
+Every number comes from the text of the recipe as it is set; a number that the recipe did not state could not be used.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from dampbalance.features import Features
+from dampbalance.project.files import write_csv
+from dampbalance.publishing.article import evidence, recipe
+from dampbalance.publishing.article.book import Book
+from dampbalance.publishing.article.places import ResultFiles
+from dampbalance.publishing.article.style import Style
+from paper.routes import CASE, PUBLISHED, ROOT, exact
+from paper_case import LEVELS, PAIRS, PAPER
+
+pytestmark = pytest.mark.slow
+
+TEXT = (ROOT / "paper/article/sections/recipe.typ").read_text(encoding="utf-8")
+WORDS = ["no", "one", "two", "three", "four", "five", "six"]
+TABLE_3 = pd.read_csv(PUBLISHED / "table3.csv", dtype=str)
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory):
+    """A function from the key of a value to its number as the recipe prints it; fails for one that it does not."""
+    folder = tmp_path_factory.mktemp("recipe")
+    first = Features.from_frame(exact().features["omega1"])
+    numbers = {"setting": evidence.setting(CASE, first), "recipe": recipe.evidence(CASE, first)}
+    (folder / "evidence.json").write_text(json.dumps(numbers), encoding="utf-8")
+    claim = {"id": ["table3.t_s.F_k.1-2"], "from_print": ["1.2904861"]}
+    write_csv(folder / "claims.csv", pd.DataFrame(claim))
+    book = Book(ResultFiles(folder), {"./evidence.json": "-", "./claims.csv": "-"}, ".")
+    recipe.enter(book, "evidence.json")
+    for name, pointer in (("step", "step_us"), ("c_over_m", "c_over_m"), ("k_over_m", "k_over_m")):
+        book.item(name, "evidence.json", f"/setting/{pointer}", Style("plain"))
+    book.item("f.omega1", "evidence.json", "/setting/frequency_hz/omega1", Style("plain"))
+    book.item("scheme", "evidence.json", "/setting/scheme", Style("text"))
+    values = book.as_json()["values"]
+
+    def number(key):
+        assert f'"{key}"' in TEXT, f"the recipe does not state {key}"
+        text = values[key]["text"]
+        return float(WORDS.index(text) if text in WORDS else text)
+
+    assert values["scheme"]["text"] == "backward Euler"
+    assert '#words("scheme")' in TEXT
+    return number
+
+
+def steps(Y, told):
+    """Steps 1 to 4: the last samples n, x, ẋ and whether the contact sticks, of the equation divided by m."""
+    C, K = told("c_over_m"), told("k_over_m")
+    F, K_z, Z_m = PAPER.F_k / PAPER.m, PAPER.K_z / PAPER.m, PAPER.F_k / PAPER.K_z
+    omega, h = 2.0 * math.pi * told("f.omega1"), 1e-6 * told("step")
+    per_period = 2.0 * math.pi / omega / h
+    first, last = (math.floor((told("recipe.periods") + more) * per_period) for more in (0, 1.9))
+    x = v = z = 0.0
+    sticks, direction = True, 0.0
+    samples = []
+    for n in range(1, last):
+        drive = K * Y * math.cos(omega * n * h)
+        stiffness = K + K_z if sticks else K
+        other = -K_z * (z - x) if sticks else -direction * F
+        # ẋ' = ẋ + h (drive + other − C ẋ' − stiffness x'), x' = x + h ẋ'
+        new_v = (v + h * (drive + other - stiffness * x)) / (1.0 + h * C + h * h * stiffness)
+        new_x = x + h * new_v
+        if sticks:
+            z += new_x - x
+            if abs(z) > Z_m:
+                sticks, direction = False, math.copysign(1.0, z)
+        elif new_v * direction < 0.0:
+            sticks, z = True, direction * Z_m
+        x, v = new_x, new_v
+        if n >= first:
+            samples.append((n, x, v, sticks))
+    return np.array(samples)
+
+
+def read(Y, told):
+    """Steps 4 to 9, each level by itself: X and the way to slip as read (m), V_s (m/s), t_s (s), φ (rad); X in full."""
+    n, x, v, sticks = steps(Y, told).T
+    h, omega = 1e-6 * told("step"), 2.0 * math.pi * told("f.omega1")
+    i = int(np.flatnonzero((v[:-1] < 0.0) & (v[1:] >= 0.0))[0])
+    j = i + 1 + int(np.flatnonzero((v[i + 1 : -1] >= 0.0) & (v[i + 2 :] < 0.0))[0])
+    slips = i + 1 + int(np.argmax(sticks[i + 1 :] == 0.0))
+    X_unit, mark, unit = (
+        1e-6 * told("recipe.X_um"),
+        1e-6 * told("recipe.mark_um"),
+        1e-3 * told("recipe.t_s_unit_ms"),
+    )
+    distance = 0.5 * (x[j] - x[i + 1])
+    X = round(distance / X_unit) * X_unit
+    way = math.ceil((x[slips] - x[i + 1]) / mark) * mark
+    reached = (2.0 * PAPER.Z_m - (x[slips - 1] - x[i + 1])) / (x[slips] - x[slips - 1])
+    V_s = v[slips - 1] + reached * (v[slips] - v[slips - 1])
+    t_s = math.floor((n[slips] - n[i + 1] - told("recipe.steps")) * h / unit + 1e-9) * unit
+    t_1 = (n[i] + v[i] / (v[i] - v[i + 1])) * h
+    return X, way, V_s, t_s, (omega * t_1 - math.pi) % (2.0 * math.pi), distance
+
+
+@pytest.fixture(scope="module")
+def table(told):
+    """What is read at every level, one row each."""
+    return np.array([read(Y, told) for Y in LEVELS])
+
+
+def pairs(table, told, *, t_s=None, X=None, way=None):
+    """Step 10, as the printed columns: (column, printed, computed) for every number of Table 3."""
+    omega, k = 2.0 * math.pi * told("f.omega1"), PAPER.k
+    X = table[:, 0] if X is None else X
+    t_s, way = t_s or 1e-3 * told("recipe.t_s_ms"), way or 1e-6 * told("recipe.swing_um")
+    X_s, phi, V_s = -(X - way), told("recipe.phi"), table[:, 2]
+    b, W = math.pi * omega * X**2, math.pi * k * np.array(LEVELS) * X * math.sin(phi)
+    travels = {
+        "t_s": 2.0 * X * (1.0 + math.cos(omega * t_s)),
+        "X_s": 2.0 * (X - X_s),
+        "V_s": 2.0 * X * (1.0 + np.sqrt(1.0 + (V_s / (omega * X)) ** 2)),
+    }
+    for (i, j), line in zip(PAIRS, TABLE_3.to_dict("records"), strict=True):
+        for name, a in travels.items():
+            matrix = np.array([[a[i], b[i]], [a[j], b[j]]])
+            F_k, c = np.linalg.solve(matrix, [W[i], W[j]])
+            for column, value in ((f"{name}_F_k_N", F_k), (f"{name}_c_N_s_per_m", c)):
+                printed = line[column]
+                yield (
+                    f"{column} {i + 1}-{j + 1}",
+                    printed,
+                    f"{value:.{len(printed.partition('.')[2])}f}",
+                )
+
+
+def misses(cells):
+    return [name for name, printed, computed in cells if printed != computed]
+
+
+def test_the_recipe_gives_all_thirty_numbers(table, told):
+    cells = list(pairs(table, told))
+    assert len(cells) == 30
+    assert misses(cells) == []
+
+
+def test_what_the_recipe_says_of_its_readings_is_so(table, told):
+    assert table[:, 1] == pytest.approx(1e-6 * told("recipe.swing_um"), abs=1e-12)
+    assert np.mean(table[:, 3]) == pytest.approx(1e-3 * told("recipe.t_s_ms"), abs=1e-12)
+    decimals = int(told("recipe.phi_decimals"))
+    assert round(float(np.mean(table[:, 4])), decimals) == told("recipe.phi")
+
+
+def test_the_digits_that_chose_the_rules(table, told):
+    """What the table beside the recipe names: each rule changed by itself."""
+    one_more, one_less = (np.round(table[:, 5], decimals) for decimals in (7, 5))
+    assert len(misses(pairs(table, told, X=one_more))) >= 15
+    assert len(misses(pairs(table, told, X=one_less))) >= 15
+    for way in (12e-6, 2.0 * PAPER.Z_m):
+        assert misses(pairs(table, told, way=way)) == ["X_s_F_k_N 1-5"]
+    for t_s in (2.0e-3, 2.2e-3):
+        assert misses(pairs(table, told, t_s=t_s)) == []
+
+
+def test_the_steps_are_numbered_and_all_there():
+    assert len(re.findall(r"^\+ ", TEXT, flags=re.MULTILINE)) == 10
