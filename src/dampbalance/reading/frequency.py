@@ -48,7 +48,8 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
             )
         )
         omega += correction
-        if abs(correction) <= 1e-3 * error or abs(correction) < 1e-13 * omega:
+        # each correction is thousands of times smaller than the one before
+        if abs(correction) <= 0.1 * error or abs(correction) < 1e-13 * omega:
             break
     return omega, error
 
