@@ -122,7 +122,8 @@ def finite_number(name: str, value: object, remedy: str = "") -> float:
 
 
 def _require_numbers(model: Oscillator | BaseMotion) -> None:
-    for field in model.__match_args__:  # its fields; `dataclasses.fields` costs more than the checks
+    # __match_args__ names the fields, and `dataclasses.fields` costs more than the checks
+    for field in model.__match_args__:
         name = f"{type(model).__name__}.{field}"
         remedy = "; use a large finite K_z for a rigid contact" if field == "K_z" else ""
         value = finite_number(name, getattr(model, field), remedy)
