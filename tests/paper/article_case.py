@@ -92,7 +92,7 @@ def build(folder: Path) -> Project:
     """All that the article needs, and the article."""
     project = Project(folder)
     shutil.copytree(ROOT / "paper/article", folder / "paper/article")
-    for name in ("config", "workflow"):
+    for name in ("config", "workflow", "CITATION.cff"):
         (folder / name).symlink_to(ROOT / name)
     _routes(folder)
     cases, files = _studies(folder)
@@ -182,7 +182,7 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
     packages = ["dampbalance", "numpy", "typst"]
     project.run(
         "article_environment",
-        None,
+        SimpleNamespace(citation="CITATION.cff"),
         SimpleNamespace(packages=packages),
         {"json": f"{article}/environment.json"},
     )

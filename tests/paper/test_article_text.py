@@ -7,8 +7,10 @@ import re
 import pytest
 import yaml
 
+import dampbalance
 from dampbalance.publishing.article.book import Book
 from dampbalance.publishing.article.places import MissingValue, Place, ResultFiles
+from dampbalance.publishing.article.software import software
 from dampbalance.publishing.article.style import Style
 from paper.routes import ROOT
 from paper.typed import not_excused, typed_numbers
@@ -100,6 +102,64 @@ def test_no_semicolon_is_lost():
         for match in re.finditer(r"#\w+(?:\((?:\"[^\"]*\"|\$[^$]*\$)\))?;(?!;).{0,20}", text)
     ]
     assert lost == []
+
+
+# --- references and names -------------------------------------------------------------------------
+
+
+def test_every_reference_is_cited():
+    """That every citation has its reference typst sees to."""
+    references = yaml.safe_load((ARTICLE / "references.yml").read_text(encoding="utf-8"))
+    cited = set(re.findall(r"@([a-z]+\d{4})\b", "\n".join(sources().values())))
+    assert cited == references.keys()
+
+
+def test_the_tables_figures_and_equations_of_the_paper_are_called_lf():
+    """Those of the article are referred to by label: a number in the text would be one of the paper's."""
+    bare = [
+        f"{file}: {match[0]}"
+        for file, text in sources().items()
+        for match in re.finditer(r"(?:[Tt]able|[Ff]igure|[Ee]quation|Eq\.)s?\s+\(?\d\w*", text)
+    ]
+    assert bare == []
+
+
+@pytest.mark.parametrize("folder", ["src/dampbalance", "paper/article"])
+def test_there_is_one_shape_of_phi(folder):
+    """The one of the text, φ: matplotlib's \\phi and typst's phi.alt look like ϕ."""
+    files = [p for p in (ROOT / folder).rglob("*") if p.suffix in (".py", ".typ", ".j2")]
+    assert len(files) > 10
+    other = re.compile(r"\\phi\b|phi\.alt|\u03d5")
+    assert [p.name for p in files if other.search(p.read_text(encoding="utf-8"))] == []
+
+
+# --- what CITATION.cff states ---------------------------------------------------------------------
+
+
+def test_authors_and_addresses_are_those_of_the_citation():
+    stated = {
+        "version": "1.2.0",
+        "license": "BSD-3-Clause",
+        "authors": [
+            {"given-names": "Ada", "name-particle": "de", "family-names": "Vries"},
+            {"name": "a group"},
+        ],
+        "repository-code": "a place",
+        "commit": "0123abc",
+    }
+    assert software(stated) == {
+        "version": "1.2.0",
+        "licence": "BSD-3-Clause",
+        "authors": ["Ada de Vries", "a group"],
+        "addresses": {"repository": "a place", "commit": "0123abc"},
+    }
+
+
+def test_nothing_is_stated_that_the_citation_lacks():
+    own = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert software(own)["version"] == dampbalance.__version__
+    known = {"repository-code", "repository", "url", "repository-artifact", "doi", "commit"}
+    assert len(software(own)["addresses"]) == len(known & own.keys())
 
 
 # --- a number as it is printed -------------------------------------------------------------------

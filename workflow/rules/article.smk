@@ -72,6 +72,7 @@ if config["published"]:
     rule article_environment:
         input:
             lock="requirements.lock",
+            citation="CITATION.cff",
             modules=script_modules("article/article_environment.py"),
         output:
             json=f"{ARTICLE}/environment.json",

@@ -31,7 +31,6 @@ from .style import (
     DASHED,
     DOUBLE_COLUMN,
     FAINT,
-    HALO,
     INK,
     SLIP,
     STICK,
@@ -69,7 +68,6 @@ def figure3(orbits: Sequence[Orbit]) -> Figure:
         cycle = branches(orbit)
         _draw(a, c, cycle)
         _name_loop(a, c, orbit, cycle, first=orbit is orbits[0])
-    c.text(0.0, 0.0, "$Y$ in mm:", ha="center", va="center", size=8)
     if onset is None:
         for axes in (b, d):
             axes.set(xticks=[], yticks=[])
@@ -103,7 +101,7 @@ def _draw(over_x: Axes, over_v: Axes, cycle: Sequence[Branch], **style: Any) -> 
 
 
 def _microstick_line(axes: Axes, onset: Onset) -> None:
-    """Marks of panel (b): the line from −X_i to X_is, of length 2 Z_m."""
+    """Marks of panel (b): the line from −X_i to X_is and its length, which with one slip onset is 2 Z_m."""
     (x_reversal, x_slip), (top, bottom), i = onset.x, onset.acceleration, onset.level + 1
     drop = top - bottom
     _mark(axes, x_reversal, top, f"$-X_{{{i}}}$", "-X", "right")
@@ -111,7 +109,8 @@ def _microstick_line(axes: Axes, onset: Onset) -> None:
 
     span = bottom - 0.2 * drop
     arrow(axes, (x_reversal, span), (x_slip, span), INK, "<->,head_length=0.2,head_width=0.12")
-    note(axes, f"$2Z_m$ = {onset.length * 1e3:.4g} µm", (x_slip, span), (4, 0), va="center")
+    length = f"$X_{{{i}}} + X_{{{i}s}}$ = {onset.length * 1e3:.4g} µm"
+    note(axes, length, (x_slip, span), (4, 0), va="center")
     x, words = x_reversal + 0.8 * onset.length, "microstick,\n" r"slope $\approx {-}(k + K_z)/m$"
     axes.text(x, bottom + 0.5 * drop, words, color=STICK, va="center", linespacing=1.3)
 
@@ -132,14 +131,17 @@ def _mark(axes: Axes, x: float, y: float, text: str, label: str, side: str) -> N
 
 
 def _name_loop(a: Axes, c: Axes, orbit: Orbit, cycle: Sequence[Branch], first: bool) -> None:
-    """Which level a loop belongs to: in (a) above its right end, in (c) on it where ẍ = 0."""
+    """Which level a loop belongs to: in (a) above its right end, in (c) inside it where ẍ = 0."""
     level = f"{orbit.motion.Y * 1e3:g}"
     text, x, ha = (f"$Y$ = {level} mm", -6, "left") if first else (level, 0, "center")
     note(a, text, right_end(orbit), (x, 2), ha=ha, size=8)
     states = whole(cycle)
     forward = np.flatnonzero(states.v > 0.5 * np.max(states.v))
     crossing = forward[np.argmin(np.abs(states.acceleration[forward]))]
-    c.text(float(states.v[crossing]), 0.0, level, ha="center", va="center", size=8, bbox=HALO)
+    if first:
+        c.text(0.0, 0.0, text, ha="center", va="center", size=8)
+    else:
+        note(c, level, (float(states.v[crossing]), 0.0), (-3, 0), ha="right", va="center", size=8)
 
 
 def _show_where(axes: Axes, zoomed: Axes, letter: str, **place: Any) -> None:

@@ -54,7 +54,7 @@ class Onset(NamedTuple):
 
     @property
     def length(self) -> float:
-        """Length of the microstick line, 2 Z_m, mm."""
+        """Length X + X_s of the microstick line, mm."""
         return (self.orbit.X_s + self.orbit.X) * 1e3
 
     @property

@@ -158,7 +158,7 @@ def _legend(panels: Grid, approaches: Sequence[str]) -> None:
     labels = [in_maths(label_of(key)) for key in approaches]
     panels.legend_below(
         handles,
-        labels=[*labels, r"common $\phi$, $t_s$", r"individual $\phi_i$, $t_{is}$"],
+        labels=[*labels, r"common $\varphi$, $t_s$", r"individual $\varphi_i$, $t_{is}$"],
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0.2)},
         columnspacing=1.1,
         handlelength=2.2,

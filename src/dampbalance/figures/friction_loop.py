@@ -16,7 +16,6 @@ from .cycle import LEFT, RIGHT, RING, WIDTH, Branch, arrow_along, branches, name
 from .style import (
     DOUBLE_COLUMN,
     FAINT,
-    HALO,
     SLIP,
     STICK,
     arrow,
@@ -101,5 +100,5 @@ def _microstick_branches(axes: Axes, orbit: Orbit, cycle: Sequence[Branch]) -> N
     ):
         arrow_along(axes, state.v, orbit.oscillator.K_z * state.z, 0.55, STICK)
         words = f"{name}\nmicrostick\n{orbit.t_s * 1e3:.3g} ms"
-        look: dict[str, Any] = {"color": STICK, "linespacing": 1.3, "bbox": HALO}
-        axes.text(1.2 * sign * V_s, 0.0, words, ha=side, va="center", **look)
+        look: dict[str, Any] = {"color": STICK, "linespacing": 1.3}
+        axes.text(1.2 * sign * V_s, -0.55 * sign * F_k, words, ha=side, va="center", **look)

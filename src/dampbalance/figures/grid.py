@@ -13,7 +13,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from .style import DOUBLE_COLUMN, MM, page, place
 
-RIGHT, TOP, ROW_GAP, COLUMN_GAP = 3.0, 7.0, 4.0, 3.5  # mm
+RIGHT, TOP, ROW_GAP, COLUMN_GAP = 3.0, 8.0, 4.0, 3.5  # mm
 ENTRIES = 7  # of a legend that fit into a line
 TEXT_LEVEL, LEGEND_LEVEL = 11.0, 4.0  # mm above the lower edge of the page
 

@@ -99,7 +99,7 @@ def _integrals(axes: Axes, e: Evidence) -> None:
         deviation = _deviation(e.printed(f"table2.{name}."), e.exact[column])
         axes.plot(Y, deviation, **(PRINTED | {"marker": marker, "label": f"${name}$ printed"}))
     # Named beside the level where the lines of W and b are clear of each other.
-    for text, at in (("backward Euler", -1.9), ("explicit Euler", 1.9), ("the others", 0.35)):
+    for text, at in (("backward Euler", -1.9), ("explicit Euler", 1.95), ("the others", 0.6)):
         axes.text(8.0, at, text, ha="center", va="center", size=7.5, color=INK)
     axes.set_ylim(-4.6, 3.2)
     axes.legend(loc="lower center", ncols=2, fontsize=7.5, handletextpad=0.1, columnspacing=0.8)
@@ -118,6 +118,8 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
         colour, marker = _OF_SCHEME.get(str(scheme), (FAINT, "x"))
         look: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 3.4, "color": colour}
         look |= {"mew": 0.8} | ({"zorder": 4} if marker == "o" else {"zorder": 3, "mfc": "none"})
+        if marker == "D":  # as large as backward Euler: around its mark, not behind it
+            look["ms"] = 6.0
         name, _ = SCHEME_LOOKS[str(scheme)]
         axes.plot(h[rows.index], error[rows.index], label=name, **look)
     line = np.array([h.min(), h.max()])
@@ -127,10 +129,10 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
     star = {"marker": "*", "ms": 8.0, "label": "printed"}
     axes.plot([1e6 * step_s], [printed], **(PRINTED | star))
     axes.axhline(printed, color=PRINTED["color"], lw=0.6, ls=":")
-    axes.text(h.max(), 1.25 * printed, "$c$ printed", ha="right", va="bottom", size=7.5)
-    axes.text(11.0, 0.06, r"$m\omega^2h$", ha="right", va="bottom", size=8.0, color=REBUILT)
+    axes.text(h.max(), 0.5 * printed, "$c$ printed", ha="right", va="top", size=7.5)
+    axes.text(18.0, 0.2, r"$m\omega^2h$", ha="right", va="bottom", size=8.0, color=REBUILT)
     axes.set(xscale="log", yscale="log")
-    axes.set_ylim(1e-13, 1.0)  # the legend below the smallest error
+    axes.set_ylim(1e-13, 10.0)  # the legend below the smallest error
     axes.set_xticks([2, 5, 10, 20, 40, 80], ["2", "5", "10", "20", "40", "80"])
     axes.minorticks_off()
     axes.yaxis.set_major_formatter(LogFormatterMathtext())
@@ -165,7 +167,7 @@ def _phase(axes: Axes, e: Evidence) -> None:
     axes.plot(Y, e.printed("table1.phi."), **(PRINTED | {"label": "printed"}))
     axes.legend(loc="lower right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
     axes.yaxis.set_major_locator(MaxNLocator(5))
-    axes.set(xlabel="$Y$ (mm)", ylabel=r"$\phi$ (rad)")
+    axes.set(xlabel="$Y$ (mm)", ylabel=r"$\varphi$ (rad)")
 
 
 def _slip_time(axes: Axes, e: Evidence, step_s: float, unit_s: float) -> None:
@@ -207,7 +209,7 @@ def _sign(axes: Axes, e: Evidence) -> None:
     axes.set_xlim(-0.6, len(labels) - 0.4)
     tight = {"columnspacing": 0.6, "handletextpad": 0.1, "labelspacing": 0.15}
     axes.legend(loc="upper right", ncols=2, fontsize=7.0, **tight)
-    axes.set_xlabel("pair of levels, Table 3, $V_s$")
+    axes.set_xlabel("pair of levels, columns by $V_s$")
     axes.set_ylabel("off by units of last digit", labelpad=1.0)
 
 

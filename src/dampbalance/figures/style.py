@@ -25,7 +25,6 @@ DPI = 300
 
 SLIP, STICK = "#16324F", "#D55E00"  # the two phases of the motion
 INK, FAINT = "#000000", "#6E6E6E"  # text and axes; what only guides the eye
-HALO = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}  # behind a label on a line
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))
 
 STYLE: dict[str, Any] = {

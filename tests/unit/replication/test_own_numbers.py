@@ -9,14 +9,15 @@ import pandas as pd
 import pytest
 
 from dampbalance.balance import Rows
+from dampbalance.replication import as_published as authors
 from dampbalance.replication.claims import read_published
-from dampbalance.replication.claims.allowed import allowed
+from dampbalance.replication.claims.allowed import by_table_2, by_table_3
 from dampbalance.replication.claims.checksums import agrees, refuted
 from dampbalance.replication.claims.inputs import PAIR_LABELS, PAIRS
 from dampbalance.replication.claims.published import numbers
 from dampbalance.replication.printed import Printed
 from dampbalance.solver import pair
-from paper.routes import CASE, PUBLISHED
+from paper.routes import CASE, PAPER, PUBLISHED, as_read
 
 PRINT = read_published(PUBLISHED)
 
@@ -29,7 +30,7 @@ def with_cell(table, line, column, text):
 
 @pytest.fixture(scope="module")
 def of_print():
-    return allowed(PRINT)
+    return by_table_2(PRINT)
 
 
 def test_a_table_made_from_more_digits_is_allowed():
@@ -49,19 +50,19 @@ def test_a_table_made_from_more_digits_is_allowed():
         pairs.loc[label, "direct_c_N_s_per_m"] = f"{true[label, 'c']:.4f}"
     for column, values, decimals in (("a_m", a, 9), ("b_m2_per_s", b, 8), ("W_J", W, 8)):
         integrals[column] = [f"{value:.{decimals}f}" for value in values]
-    found = allowed(replace(PRINT, table2_integrals=integrals, table2_pairs=pairs))
+    of_pairs, of_b = by_table_2(replace(PRINT, table2_integrals=integrals, table2_pairs=pairs))
     for name, value in true.items():
-        low, high = found.pairs[name]
+        low, high = of_pairs[name]
         assert low - 1e-9 <= value <= high + 1e-9, name
         assert high - low < (1e-3 if name[1] == "c" else 1e-4)
     for level, value in enumerate(b, 1):
-        low, high = found.b[level]
+        low, high = of_b[level]
         assert low - 1e-14 <= value <= high + 1e-14
 
 
 def test_the_printed_table_2_agrees_with_itself(of_print):
-    assert None not in of_print.pairs.values()
-    for (label, symbol), (low, high) in of_print.pairs.items():
+    assert None not in of_print[0].values()
+    for (label, symbol), (low, high) in of_print[0].items():
         column = {"F_k": "direct_F_k_N", "c": "direct_c_N_s_per_m"}[symbol]
         printed = Printed(PRINT.table2_pairs[column][label])
         assert low <= printed.value + 0.5 * printed.unit
@@ -69,16 +70,64 @@ def test_the_printed_table_2_agrees_with_itself(of_print):
 
 
 def test_a_range_leaves_its_own_print_out(of_print):
-    other = allowed(with_cell("table2_pairs", "1-5", "direct_F_k_N", "1.279990"))
-    assert other.pairs["1-5", "F_k"] == pytest.approx(of_print.pairs["1-5", "F_k"])
-    assert other.pairs["1-2", "F_k"] is None  # nothing fits the changed one
+    other, _ = by_table_2(with_cell("table2_pairs", "1-5", "direct_F_k_N", "1.279990"))
+    assert other["1-5", "F_k"] == pytest.approx(of_print[0]["1-5", "F_k"], abs=1e-9)
+    assert other["1-2", "F_k"] is None  # nothing fits the changed one
 
 
 def test_the_pairs_with_level_1_need_one_b_1_that_the_simulation_does_not_have(of_print):
-    low, high = of_print.b[1]
+    low, high = of_print[1][1]
     assert low == pytest.approx(7.2728872e-4, abs=1e-11)  # print: 7.2729e-4
     assert low > 1.00001 * 7.27278636e-4  # the simulated one
     assert high - low < 5e-10  # twenty times finer than it is printed
+
+
+def test_the_printed_table_3_agrees_with_itself_and_with_table_1():
+    """Thirty numbers of seventeen inputs, all within their rounding, with the plus in the V_s columns."""
+    assert by_table_3(PRINT, CASE) == {}
+
+
+@pytest.mark.parametrize(
+    ("approach", "label", "symbol", "step"),
+    [("t_s", "2-3", "F_k", -1), ("X_s", "1-5", "F_k", +1), ("t_s", "1-2", "c", +1)],
+)
+def test_a_changed_digit_of_table_3_is_not_allowed(approach, label, symbol, step):
+    """The range of the changed number itself does not reach it; of the others some have none left."""
+    column = f"{approach}_{'F_k_N' if symbol == 'F_k' else 'c_N_s_per_m'}"
+    wrong = Printed(Printed(PRINT.table3[column][label]).moved(step))
+    found = by_table_3(with_cell("table3", label, column, wrong.text), CASE)
+    low, high = found[approach, label, symbol]
+    nearest = low if step < 0 else high
+    assert step * (wrong.value - nearest) > 0.5 * wrong.unit
+    assert None in found.values()
+
+
+def test_with_the_minus_that_19_states_nothing_agrees_with_table_3(monkeypatch):
+    """The slip of sign follows from print alone: no inputs that round to Table 1 give the V_s columns without it."""
+    stated = authors.APPROACHES_OF_TABLE_3["V_s with minus"]
+    monkeypatch.setitem(authors.APPROACHES_OF_TABLE_3, "V_s", stated)
+    assert set(by_table_3(PRINT, CASE).values()) == {None}
+
+
+def test_ranges_made_linear_are_those_of_the_equations():
+    """Table 3 of known inputs, one digit of it wrong: the range of that number holds what was rounded."""
+    features = as_read()["omega1"].two_point
+    made = PRINT.table3.copy()
+    for approach in ("t_s", "X_s", "V_s"):
+        rows = authors.APPROACHES_OF_TABLE_3[approach](features, PAPER.k)
+        for (i, j), label in zip(PAIRS, PAIR_LABELS, strict=True):
+            for symbol, column in (("F_k", "F_k_N"), ("c", "c_N_s_per_m")):
+                value = float(pair(rows, i, j)[symbol])
+                text = made.loc[label, f"{approach}_{column}"]
+                made.loc[label, f"{approach}_{column}"] = f"{value:.{Printed(text).decimals}f}"
+    assert by_table_3(replace(PRINT, table3=made), CASE) == {}
+    for label, (i, j) in zip(PAIR_LABELS, PAIRS, strict=True):
+        wrong = made.copy()
+        wrong.loc[label, "t_s_F_k_N"] = Printed(wrong.loc[label, "t_s_F_k_N"]).moved(3)
+        low, high = by_table_3(replace(PRINT, table3=wrong), CASE)["t_s", label, "F_k"]
+        true = float(pair(authors.APPROACHES_OF_TABLE_3["t_s"](features, PAPER.k), i, j)["F_k"])
+        slack = 0.01 * (high - low)  # what is left of the curvature
+        assert low - slack <= true <= high + slack, label
 
 
 def test_the_printed_tables_give_the_printed_least_squares():

@@ -37,12 +37,12 @@ def test_a_time_is_cut_to_a_tenth_of_a_millisecond_a_step_in_from_either_end():
 
 
 def test_a_range_that_print_allows_is_rounded_like_print():
-    (tolerance,) = propagated((1.2798, 1.2802), "1.280")
+    (tolerance,) = propagated((1.2798, 1.2802), "1.280", "Table 3")
     assert tolerance.verdict is PROPAGATED
     assert tolerance.holds(1.280)
     assert tolerance.holds(1.2797)  # half a unit further
     assert not tolerance.holds(1.281)
-    assert propagated(None, "1.280") == ()
+    assert propagated(None, "1.280", "Table 3") == ()
 
 
 def test_the_scatter_of_the_others_is_a_prediction_interval():

@@ -1,10 +1,22 @@
-"""The versions with which the results were made."""
+"""The versions with which the results were made, and what CITATION.cff states of the software."""
 
 import platform
 from importlib.metadata import version
+from pathlib import Path
+
+import yaml
 
 from dampbalance.project.files import write_json
+from dampbalance.publishing.article import compiling
+from dampbalance.publishing.article.software import software
 
 if __name__ == "__main__":
     packages = {name: version(name) for name in snakemake.params.packages}
-    write_json(snakemake.output.json, {"python": platform.python_version(), "packages": packages})
+    citation = yaml.safe_load(Path(snakemake.input.citation).read_text(encoding="utf-8"))
+    environment = {
+        "python": platform.python_version(),
+        "packages": packages,
+        "typesetter": compiling.version(),
+        "software": software(citation),
+    }
+    write_json(snakemake.output.json, environment)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Literal
@@ -25,6 +26,12 @@ def compiler(source: str | Path, root: str | Path, inputs: Mapping[str, str]) ->
     return typst.Compiler(
         str(source), root=str(root), ignore_system_fonts=True, sys_inputs=dict(inputs)
     )
+
+
+def version() -> str:
+    """The version of typst itself, as a PDF names its creator; that of the Python package may differ."""
+    told = typst.Compiler(b'#metadata(array(sys.version).map(str).join("."))<version>')
+    return str(json.loads(told.query("<version>", field="value", one=True, format="json")))
 
 
 def pdf(source: str | Path, root: str | Path, inputs: Mapping[str, str]) -> bytes:

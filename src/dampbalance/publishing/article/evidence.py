@@ -52,10 +52,7 @@ def evidence(
     numbers: Json = _without_nan(
         {
             "setting": setting(case, exact[first]),
-            "verdicts": {
-                count.key: {**count.of_verdict, "printed": count.printed}
-                for count in counts(claims)
-            },
+            "verdicts": verdict_counts(claims),
             "recipe": recipe.evidence(case, exact[first]),
             "dissipation": dissipation(case, float(exact[first].omega[0])),
             "integrals": integral_deviations(features, claims, schemes, first),
@@ -65,10 +62,28 @@ def evidence(
             },
             "balance": terms,
             "fundamental_work_largest": max(of["W_fundamental"]["max"] for of in terms.values()),
-            "largest": largest_errors(estimates, oscillator),
+            "two_point_largest": largest_errors(estimates, oscillator),
+            "direct_largest": direct_largest(approaches),
+            "slip_detected": samples_off(features["as_published"][first], claims, case),
         }
     )
     return numbers
+
+
+def verdict_counts(claims: pd.DataFrame) -> Json:
+    """part or "all" → how many numbers it computes (printed), how many of these by verdict, and how many are given
+    or stated; statements_held : the statements that hold.   claims : columns id, kind and verdict.
+    """
+    return {
+        count.key: {
+            **count.of_verdict,
+            "printed": count.printed,
+            "given": count.given,
+            "statement": count.statements,
+            "statements_held": count.statements_held,
+        }
+        for count in counts(claims)
+    }
 
 
 def setting(case: Case, first: Features) -> Json:
@@ -118,8 +133,7 @@ def integral_deviations(
     deviations: Json = {}
     for name, _, _, column, _ in TABLE_2:
         exact, rebuilt = (features[route][frequency][column] for route in ("exact", "as_published"))
-        in_column = claims["id"].str.startswith(of_cell("table2", name))
-        printed = claims.loc[in_column, "printed"].astype(float).to_numpy()
+        printed = _printed(claims, name)
         from_rebuilt = np.abs(printed / rebuilt.to_numpy() - 1.0)
         deviations[name] = {
             "printed": _range(printed / exact.to_numpy() - 1.0),
@@ -130,6 +144,29 @@ def integral_deviations(
             "printed_from_rebuilt_at_first": float(from_rebuilt[0]),
         }
     return deviations
+
+
+def samples_off(rebuilt: pd.DataFrame, claims: pd.DataFrame, case: Case) -> Json:
+    """How far each printed a lies from the rebuilt one, in samples of the instant at which slip is detected.
+
+    A sample more or less changes a by 2 V_s h.   rebuilt : as-published features of the levels of Table 2.
+    """
+    printed = _printed(claims, "a")
+    per_sample = 2.0 * rebuilt["V_s_m_per_s"] * case.numerics.step_s
+    return _range(((printed - rebuilt["a_m"]) / per_sample).to_numpy())
+
+
+def direct_largest(approaches: pd.DataFrame) -> Json:
+    """Size of the largest error of F_k and c, %, that direct integration makes with exact features at any frequency.
+
+    approaches : of `comparison.approaches_table`.
+    """
+    rows = approaches[approaches["approach"] == "direct"]
+    columns = ("{}_error_percent", "{}_largest_pair_error_percent")
+    return {
+        term: float(rows[[column.format(term) for column in columns]].abs().to_numpy().max())
+        for term in TERMS
+    }
 
 
 def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[Pair]) -> Json:
@@ -148,7 +185,8 @@ def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[P
 def balance_terms(features: Features, oscillator: Oscillator) -> Json:
     """How the terms of the balance compare, per level and as ranges over the levels, in %.
 
-    friction_share : a F_k / W.   phase_spread : (largest − smallest sin φ)/mean, φ of the reversal.
+    friction_share : a F_k / W.   sine : sin φ, φ of the reversal, no percentage.   phase_spread : (largest − smallest
+    sin φ)/mean, φ of the reversal and of the fundamental.
     W_common, W_individual : error of W = πkYX sin φ with the mean and with the own φ of the reversal.
     W_fundamental : error of πkYX_1 sin φ_1, which is rounding.   b_harmonic : error of πωX².   b_first, b_fifth :
     error of πωΣn²X_n² up to n = 1, 5.   third : X_3/X_1.
@@ -156,13 +194,15 @@ def balance_terms(features: Features, oscillator: Oscillator) -> Json:
     k, Y, X = oscillator.k, features.Y, features.X
     work = np.pi * k * Y * X
     fundamental = np.pi * k * Y * features.X_1 * np.sin(features.phi_fundamental)
-    sines = np.sin(features.phi_reversal)
+    sines = {
+        phase: np.sin(getattr(features, f"phi_{phase}")) for phase in ("reversal", "fundamental")
+    }
     common = np.sin(np.mean(features.phi_reversal))
     harmonics = {1: features.X_1, 3: features.X_3, 5: features.X_5}
     terms = {
         "friction_share": features.a * oscillator.F_k / features.W,
         "W_common": work * common / features.W - 1.0,
-        "W_individual": work * sines / features.W - 1.0,
+        "W_individual": work * sines["reversal"] / features.W - 1.0,
         "W_fundamental": np.abs(fundamental / features.W - 1.0),
         "b_harmonic": np.pi * features.omega * X**2 / features.b - 1.0,
         "b_first": viscous_integral(features.omega, {1: features.X_1}) / features.b - 1.0,
@@ -170,29 +210,33 @@ def balance_terms(features: Features, oscillator: Oscillator) -> Json:
         "third": features.X_3 / features.X_1,
     }
     ranges: Json = {name: _range(100.0 * values) for name, values in terms.items()}
-    ranges["sine"] = {"first": float(sines[0]), "last": float(sines[-1])}
-    ranges["phase_spread"] = 100.0 * float(np.ptp(sines) / np.mean(sines))
+    ranges["sine"] = _range(sines["reversal"])
+    ranges["phase_spread"] = {
+        name: 100.0 * float(np.ptp(of) / np.mean(of)) for name, of in sines.items()
+    }
     return ranges
 
 
 def largest_errors(
     estimates: Mapping[str, Mapping[str, pd.DataFrame]], oscillator: Oscillator
 ) -> Json:
-    """route → frequency → largest error of F_k and c, %, of direct integration and of Table 3's two-point formulas."""
+    """route → frequency → largest error of F_k and c, %, of the pairs by Table 3's two-point formulas."""
 
     def of_table(table: pd.DataFrame) -> Json:
-        pairs = table[table["kind"] == "pair"]
-        harmonic = pairs["approach"].map(takes_phase)
-        sets = {
-            "direct": pairs[pairs["approach"] == "direct"],
-            "common": pairs[(pairs["phase"] == "common") & harmonic],
-        }
-        return {name: comparison.largest_errors(rows, oscillator) for name, rows in sets.items()}
+        harmonic = table["approach"].map(takes_phase)
+        pairs = (table["kind"] == "pair") & (table["phase"] == "common")
+        return comparison.largest_errors(table[pairs & harmonic], oscillator)
 
     return {
         route: {frequency: of_table(table) for frequency, table in tables.items()}
         for route, tables in estimates.items()
     }
+
+
+def _printed(claims: pd.DataFrame, name: str) -> np.ndarray:
+    """The printed a, b or W of Table 2, level by level."""
+    in_column = claims["id"].str.startswith(of_cell("table2", name))
+    return claims.loc[in_column, "printed"].astype(float).to_numpy()
 
 
 def _range(values: np.ndarray) -> Json:

@@ -85,7 +85,7 @@ def claims(book: Book) -> dict[str, list[str]]:
     for row in book.rows("claims.csv"):
         name = row["id"]
         parts.setdefault(part_of(name), []).append(name)
-        for column in ("where", "quantity", "unit", "verdict", "explanation"):
+        for column in ("where", "quantity", "unit", "kind", "verdict", "explanation"):
             book.cell(f"claim.{name}.{column}", "claims.csv", {"id": name}, column, TEXT)
         for column in ("printed", "exact", "as_published", "from_print"):
             style = VERBATIM if Printed(row[column]).is_number else TEXT

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 from ...balance import TERMS
@@ -28,6 +28,7 @@ WAY = ("approach", "phase", "sharing")
 WAYS = {
     "mean": ("X_s", "reversal", "common"),
     "reversal": ("X_s", "reversal", "individual"),
+    "shared": ("X_s", "fundamental", "common"),
     "crossing": ("X_s", "zero_crossing", "individual"),
     "fundamental": ("X_s", "fundamental", "individual"),
     "fourier": ("fourier", "", ""),
@@ -39,7 +40,8 @@ STUDY_FACTS = {
     "level": "c_low c_high low high off_low off_high fourier",
     "contact_stiffness": "soft paper rigid off_soft off_rigid soft_t fourier fourier_c",
     "damping": "light_off light_common fourier fourier_c",
-    "read_out": "five six exact five_individual nine_individual fourier_five fourier_six",
+    "read_out": "five exact fourier_five fourier_six X_s_five X_s_six X_s_nine X_s_five_individual "
+    "X_s_nine_individual",
     "step_size": "euler_paper euler_coarse explicit_paper rk4_coarse",
     "noise": "all_covered all_low all_high all_c_covered all_c_low all_c_high",
     "rigid_contact": " ".join(
@@ -50,6 +52,22 @@ STUDY_FACTS = {
             for frequency in ("omega1", "omega2", "omega3")
         ]
     ),
+}
+# Study → the cases that the article puts into numbers: key → (fact, axis, power of ten, unit)
+STUDY_CASES = {
+    "level": {"lowest": ("c_low", "Y_m", "1e3", "mm"), "highest": ("c_high", "Y_m", "1e3", "mm")},
+    "contact_stiffness": {
+        "softest": ("soft", "K_z_over_k", "1", ""),
+        "stiffest": ("rigid", "K_z_over_k", "1", ""),
+    },
+    "damping": {
+        "lightest": ("light_off", "zeta", "1", ""),
+        "above": ("light_off", "omega_over_omega_n", "1", ""),
+    },
+    "step_size": {
+        "as_published": ("euler_paper", "step_s", "1e6", "µs"),
+        "coarsest": ("euler_coarse", "step_s", "1e6", "µs"),
+    },
 }
 FITS = {"pair": "{}_largest_pair_error_percent", "least_squares": "{}_error_percent"}
 
@@ -68,14 +86,14 @@ def article_values(
     recipe.enter(book, EVIDENCE)
     _off_resonance(book, frequencies)
     _studies(book)
-    experiments = noise(book)
-    packages = _environment(book)
     lists = {
         **tabulated.tables(book),
         "claims": tabulated.claims(book),
+        "verdicts": [asdict(verdict) for verdict in VERDICTS.values()],
         "frequencies": frequencies,
-        "packages": packages,
-        "noise": experiments,
+        "packages": _environment(book),
+        **_software(book),
+        "noise": noise(book),
     }
     return book.as_json() | {"lists": lists}
 
@@ -103,8 +121,8 @@ def _setting(book: Book, frequencies: list[str]) -> None:
 
 def _verdicts(book: Book) -> None:
     for part in (*PARTS, "all"):
-        for verdict in ("printed", *VERDICTS):
-            book.item(f"verdicts.{part}.{verdict}", EVIDENCE, f"/verdicts/{part}/{verdict}", COUNT)
+        for name in ("printed", *VERDICTS, "given", "statement", "statements_held"):
+            book.item(f"verdicts.{part}.{name}", EVIDENCE, f"/verdicts/{part}/{name}", COUNT)
 
 
 def _numerics(book: Book, frequencies: list[str]) -> None:
@@ -125,11 +143,11 @@ def _numerics(book: Book, frequencies: list[str]) -> None:
     for scheme in ("backward-euler", "explicit-euler", "trapezoidal", "rk4", "semi-implicit-euler"):
         row = {"scheme": scheme, "coefficients": "rounded", "level": "1"}
         book.cell(f"c.{scheme}", SCHEMES, row, "c_N_s_per_m", Style("fixed", 4), "N s/m")
-    for name in ("direct", "common"):
-        style = BOUND if name == "direct" else PERCENT
-        for quantity in TERMS:
-            pointer = f"/largest/exact/{first}/{name}/{quantity}"
-            book.item(f"worst.{name}.{quantity}", EVIDENCE, pointer, style, "%")
+    for quantity in TERMS:
+        pointer = f"/two_point_largest/exact/{first}/{quantity}"
+        book.item(f"worst.common.{quantity}", EVIDENCE, pointer, PERCENT, "%")
+        book.item(f"direct.{quantity}", EVIDENCE, f"/direct_largest/{quantity}", BOUND, "%")
+    book.item("rebuilt.a.samples", EVIDENCE, "/slip_detected/size", PERCENT)
     book.item("t_s_mean", EVIDENCE, "/setting/t_s_mean_ms", Style("fixed", 2), "ms")
 
 
@@ -144,9 +162,11 @@ def _off_resonance(book: Book, frequencies: list[str]) -> None:
         for end in ("first", "last"):
             book.item(f"share.{frequency}.{end}", EVIDENCE, f"{at}/friction_share/{end}", PERCENT)
             book.item(f"sine.{frequency}.{end}", EVIDENCE, f"{at}/sine/{end}", Style("fixed", 4))
-            pointer = f"{at}/W_common/{end}"
-            book.item(f"W_common.{frequency}.{end}", EVIDENCE, pointer, SIGNED)
-        book.item(f"spread.{frequency}", EVIDENCE, f"{at}/phase_spread", PERCENT)
+            for name in ("W_individual", "W_common"):
+                book.item(f"{name}.{frequency}.{end}", EVIDENCE, f"{at}/{name}/{end}", SIGNED)
+        for phase in ("reversal", "fundamental"):
+            pointer = f"{at}/phase_spread/{phase}"
+            book.item(f"spread.{frequency}.{phase}", EVIDENCE, pointer, PERCENT)
         book.item(f"third.{frequency}", EVIDENCE, f"{at}/third/max", PERCENT)
         book.item(f"b_fifth.{frequency}", EVIDENCE, f"{at}/b_fifth/size", Style("significant", 1))
 
@@ -172,12 +192,28 @@ def _studies(book: Book) -> None:
         book.item(f"cases.{study}", STUDIES, f"/{study}/cases", COUNT)
         for fact in facts.split():
             book.item(f"study.{study}.{fact}", STUDIES, f"/{study}/facts/{fact}", TEXT)
+        for name, (fact, axis, scale, unit) in STUDY_CASES.get(study, {}).items():
+            pointer = f"/{study}/specs/{fact}/at/{axis}"
+            book.item(f"case.{study}.{name}", STUDIES, pointer, Style("plain", scale=scale), unit)
 
 
 def _environment(book: Book) -> list[str]:
-    """Versions of Python and of the packages that matter."""
+    """Versions of Python, of typst itself, and of the packages that matter."""
     packages = list(book.results.document(book.path(ENVIRONMENT))["packages"])
     book.item("python", ENVIRONMENT, "/python", TEXT)
+    book.item("typesetter", ENVIRONMENT, "/typesetter", TEXT)
     for name in packages:
         book.item(f"package.{name}", ENVIRONMENT, f"/packages/{name}", TEXT)
     return packages
+
+
+def _software(book: Book) -> dict[str, list[str]]:
+    """Version, licence, authors and addresses as CITATION.cff states them; return which authors and addresses."""
+    stated = book.results.document(book.path(ENVIRONMENT))["software"]
+    for name in ("version", "licence"):
+        book.item(f"software.{name}", ENVIRONMENT, f"/software/{name}", TEXT)
+    for n in range(len(stated["authors"])):
+        book.item(f"author.{n}", ENVIRONMENT, f"/software/authors/{n}", TEXT)
+    for name in stated["addresses"]:
+        book.item(f"software.{name}", ENVIRONMENT, f"/software/addresses/{name}", TEXT)
+    return {"authors": stated["authors"], "addresses": list(stated["addresses"])}

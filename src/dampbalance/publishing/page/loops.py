@@ -56,7 +56,7 @@ def figure3_charts(orbits: Sequence[Orbit]) -> list[Chart]:
         one,
         Axis("x", DISPLACEMENT, limits=onset.x_limits),
         onset.acceleration_limits,
-        (_loops(2.2), *_rings("x", ends, f"2 Zₘ = {length}")),
+        (_loops(2.2), *_rings("x", ends, f"X + Xₛ = {length}")),
     )
     d = _panel(
         f"(d) the corner at slip onset, Y = {level}",

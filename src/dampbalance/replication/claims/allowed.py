@@ -1,121 +1,199 @@
-"""What Table 2 allows: each of its numbers from all the others, every one within half a unit of its last digit.
+"""What the paper's tables allow: an estimate of Table 2 or 3 from all the other printed numbers that bear on it.
 
-The printed pairs were computed from a, b, W with more digits than are printed. For a pair of levels i, j
+The estimates were computed from inputs with more digits than are printed. Every printed number, input or estimate,
+stands for a range one unit of its last digit wide, and through (8), (16), (18), (19) the estimates are functions of the
+inputs:
 
-    a_i F_k + b_i c = W_i,   a_j F_k + b_j c = W_j,                                                          (6), (8)
+    Table 2    F_k and c of the five pairs, and a, b, W themselves                     of the 15 inputs a, b, W
+    Table 3    F_k and c of the five pairs by three approaches, the read-outs          of the 17 inputs X, X_s, V_s,
+               of Table 1, and the φ and t_s that the text states                      one φ and one t_s
 
-so the ten pair-wise numbers and the fifteen integrals are tied by ten equations. Each printed number stands for a range
-one unit wide; within it the equations are linear up to 1e-16 J (a unit of a times a unit of F_k), against a unit of
-1e-8 J in W. Linear programs then give the least and the greatest value of any one number, its own print left out.
+Linear programs give the least and the greatest value of a number over all inputs that keep every other one within its
+range. The functions are made linear where they come closest to print; over a unit of print what is left is below a
+hundredth of a unit. Table 3 is taken as computed, with the slip of sign in its V_s columns.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import linprog
 
 from ...arrays import Array
+from ...balance import Rows
+from ...features import of_numbers
+from ...project.case import Case
+from ...solver import solve
+from ..as_published import APPROACHES_OF_TABLE_3
 from ..printed import Printed
-from ..tables import TABLE_2, UNKNOWNS
+from ..tables import PRINTED_APPROACHES, TABLE_2, UNKNOWNS
 from .inputs import PAIR_LABELS, PAIRS
-from .published import Published
+from .published import Published, numbers
 
-_FAR = 1e4  # units that the number asked for may move: further than the others ever let it
+Range = tuple[float, float]
 
 
-@dataclass(frozen=True, slots=True)
-class Allowed:
-    """Ranges (low, high) in SI units; None where no value agrees with all other printed numbers.
+class _Table(NamedTuple):
+    """Printed numbers, the inputs first; how many inputs; and the function from sets of these, (inputs, m), to all."""
 
-    pairs : by label and symbol, F_k and c.   b : of the viscous integrals, by level counted from 1.
+    printed: list[Printed]
+    inputs: int
+    of_inputs: Callable[[Array], Array]
+
+    @property
+    def print_(self) -> Array:
+        """The printed numbers."""
+        return np.array([number.value for number in self.printed])
+
+    @property
+    def unit(self) -> Array:
+        """A unit of the last digit of each."""
+        return np.array([number.unit for number in self.printed])
+
+
+def by_table_2(
+    published: Published,
+) -> tuple[dict[tuple[str, str], Range | None], dict[int, Range | None]]:
+    """What Table 2 allows: F_k and c by label and symbol, N, N s/m, and b by level counted from 1, m²/s.
+
+    None: no value agrees with all other printed numbers.
     """
-
-    pairs: Mapping[tuple[str, str], tuple[float, float] | None]
-    b: Mapping[int, tuple[float, float] | None]
-
-
-def allowed(published: Published) -> Allowed:
-    """What the printed Table 2 allows for the estimates of its pairs, and for its viscous integrals b."""
-    numbers, columns = _numbers(published)
-    place = {name: i for i, name in enumerate(columns)}
-    matrix, right = _balances(numbers, place)
-    scaled = matrix * np.array([number.unit for number in numbers])
-
-    def within(name: tuple[str, str]) -> tuple[float, float] | None:
-        ends = _ends(scaled, right, place[name])
-        number = numbers[place[name]]
-        return ends and (
-            number.value + ends[0] * number.unit,
-            number.value + ends[1] * number.unit,
-        )
-
-    symbols = [q.symbol for q in UNKNOWNS]
-    return Allowed(
-        pairs={(label, s): within((s, label)) for label in PAIR_LABELS for s in symbols},
-        b={int(level): within(("b", level)) for level in published.table2_integrals.index},
-    )
+    table, levels = _table_2(published), len(published.table2_integrals)
+    pairs = [(label, q.symbol) for q in UNKNOWNS for label in PAIR_LABELS]
+    of_b = range(levels, 2 * levels)
+    ranges = _ranges(table, [*of_b, *range(table.inputs, len(table.printed))])
+    return dict(zip(pairs, ranges[levels:], strict=True)), dict(enumerate(ranges[:levels], 1))
 
 
-def _numbers(published: Published) -> tuple[list[Printed], list[tuple[str, str]]]:
-    """Every number of Table 2, and its name: symbol, then level or pair."""
-    integrals, pairs = published.table2_integrals, published.table2_pairs
-    cells = {
-        (q.symbol, level): integrals[q.column][level] for q in TABLE_2 for level in integrals.index
-    } | {
-        (q.symbol, label): pairs[f"direct_{q.column}"][label]
+def by_table_3(published: Published, case: Case) -> dict[tuple[str, str, str], Range | None]:
+    """What Table 3 allows, with Table 1: F_k and c by approach, label and symbol, N, N s/m; None as in `by_table_2`.
+
+    Empty where every number agrees with all others, which is seen at once.   case : for ω1 and k.
+    """
+    table = _table_3(published, case)
+    if _agrees(table):
+        return {}
+    pairs = [
+        (approach, label, q.symbol)
+        for approach in PRINTED_APPROACHES[1:]
         for q in UNKNOWNS
-        for label in pairs.index
-    }
-    return [Printed(text) for text in cells.values()], list(cells)
+        for label in PAIR_LABELS
+    ]
+    ranges = _ranges(table, range(table.inputs, len(table.printed)))
+    return dict(zip(pairs, ranges, strict=True))
 
 
-def _balances(numbers: list[Printed], place: Mapping[tuple[str, str], int]) -> tuple[Array, Array]:
-    """The balances of all pairs, linear about print: matrix · (deviations from print) = right, J."""
-    value = {name: numbers[i].value for name, i in place.items()}
-    matrix, right = np.zeros((2 * len(PAIRS), len(numbers))), np.zeros(2 * len(PAIRS))
-    lines = (
-        (str(level + 1), label)
-        for pair, label in zip(PAIRS, PAIR_LABELS, strict=True)
-        for level in pair
-    )
-    for line, (level, label) in enumerate(lines):
-        a, b, F_k, c = (
-            value[name] for name in (("a", level), ("b", level), ("F_k", label), ("c", label))
+def _table_2(published: Published) -> _Table:
+    frame, pairs = published.table2_integrals, published.table2_pairs
+    inputs = [str(text) for q in TABLE_2 for text in frame[q.column]]
+    estimates = [str(pairs[f"direct_{q.column}"][label]) for q in UNKNOWNS for label in PAIR_LABELS]
+
+    def of_inputs(values: Array) -> Array:
+        a, b, W = values.reshape(3, -1, values.shape[1])
+        return np.vstack([values, _estimates(Rows({"F_k": a, "c": b}, W))])
+
+    return _Table([Printed(text) for text in [*inputs, *estimates]], len(inputs), of_inputs)
+
+
+def _table_3(published: Published, case: Case) -> _Table:
+    frame, text, pairs = published.table1, published.text_values["printed"], published.table3
+    columns = [str(cell) for name in ("X_m", "X_s_m", "V_s_m_per_s") for cell in frame[name]]
+    estimates = [
+        str(pairs[f"{approach}_{q.column}"][label])
+        for approach in PRINTED_APPROACHES[1:]
+        for q in UNKNOWNS
+        for label in PAIR_LABELS
+    ]
+    Y = numbers(frame, "Y_m")[:, None]
+
+    def of_inputs(values: Array) -> Array:
+        X, X_s, V_s = values[:-2].reshape(3, len(Y), -1)
+        phi, t_s = (np.broadcast_to(row, X.shape) for row in values[-2:])
+        features = of_numbers(
+            case.omega("omega1"),
+            "",
+            Y=np.broadcast_to(Y, X.shape),
+            X=X,
+            X_s=X_s,
+            V_s=V_s,
+            phi=phi,
+            t_s=t_s,
         )
-        slopes = {
-            ("a", level): F_k,
-            ("b", level): c,
-            ("W", level): -1.0,
-            ("F_k", label): a,
-            ("c", label): b,
-        }
-        for name, slope in slopes.items():
-            matrix[line, place[name]] = slope
-        right[line] = value["W", level] - a * F_k - b * c
-    return matrix, right
+        rows = [
+            APPROACHES_OF_TABLE_3[name](features, case.oscillator.k)
+            for name in PRINTED_APPROACHES[1:]
+        ]
+        return np.vstack([values, *map(_estimates, rows)])
+
+    inputs = [*columns, str(text["phi_mean"]), str(text["t_s_mean"])]
+    return _Table([Printed(cell) for cell in [*inputs, *estimates]], len(inputs), of_inputs)
 
 
-def _ends(scaled: Array, right: Array, wanted: int) -> tuple[float, float] | None:
-    """Least and greatest deviation of one number from its print, in units of its last digit; None if there is none.
+def _estimates(rows: Rows) -> Array:
+    """F_k of all pairs, then c of all pairs, a column per set of inputs.   rows : shape (levels, sets)."""
+    estimate = solve(rows[np.transpose(PAIRS)])
+    return np.vstack([estimate[q.symbol] for q in UNKNOWNS])
 
-    scaled : the balances, J per unit of the last digit of each number.
-    """
-    size = scaled.shape[1]
-    bounds = [(-_FAR, _FAR) if i == wanted else (-0.5, 0.5) for i in range(size)]
-    rows = np.max(np.abs(scaled), axis=1)
+
+def _ranges(table: _Table, wanted: Sequence[int]) -> list[Range | None]:
+    """What all other printed numbers allow for each one wanted, by its place."""
+    print_, unit = table.print_, table.unit
+    off, slopes = _linear(table, _closest(table))
+    ends = [_ends(off, slopes, place) for place in wanted]
+    return [
+        one and (print_[place] + unit[place] * one[0], print_[place] + unit[place] * one[1])
+        for place, one in zip(wanted, ends, strict=True)
+    ]
+
+
+def _agrees(table: _Table) -> bool:
+    """Whether some inputs give every printed number."""
+    off, _ = _linear(table, _closest(table))
+    return bool(np.max(np.abs(off)) <= 0.5)
+
+
+def _linear(table: _Table, inputs: Array) -> tuple[Array, Array]:
+    """How far every number is off print, and its slopes, in units of its last digit per unit of each input."""
+    n, print_, unit = table.inputs, table.print_, table.unit
+    steps = 0.1 * np.diag(unit[:n])
+    sets = np.hstack([inputs[:, None], inputs[:, None] + steps, inputs[:, None] - steps])
+    values = table.of_inputs(sets) / unit[:, None]
+    return values[:, 0] - print_ / unit, (values[:, 1 : n + 1] - values[:, n + 1 :]) / 0.2
+
+
+def _closest(table: _Table) -> Array:
+    """The inputs at which the number furthest off print is the fewest units off; twice, since the first is far off."""
+    inputs = table.print_[: table.inputs]
+    for _ in range(2):
+        off, slopes = _linear(table, inputs)
+        ones = np.ones((len(off), 1))  # the last unknown: by how many units the furthest is off
+        found = linprog(
+            np.append(np.zeros(table.inputs), 1.0),
+            A_ub=np.vstack([np.hstack([slopes, -ones]), np.hstack([-slopes, -ones])]),
+            b_ub=np.concatenate([-off, off]),
+            bounds=(None, None),
+            method="highs",
+        )
+        if found.x is not None:
+            inputs = inputs + table.unit[: table.inputs] * found.x[:-1]
+    return inputs
+
+
+def _ends(off: Array, slopes: Array, place: int) -> Range | None:
+    """Least and greatest of one number, in units off print, with all others within half a unit of it; None for none."""
+    others, room = np.delete(slopes, place, axis=0), np.delete(off, place)
     ends = []
     for sign in (1.0, -1.0):
         found = linprog(
-            sign * np.eye(size)[wanted],
-            A_eq=scaled / rows[:, None],
-            b_eq=right / rows,
-            bounds=bounds,
+            sign * slopes[place],
+            A_ub=np.vstack([others, -others]),
+            b_ub=np.concatenate([0.5 - room, 0.5 + room]),
+            bounds=(None, None),
             method="highs",
         )
         if found.status != 0 or found.x is None:
             return None
-        ends.append(float(found.x[wanted]))
+        ends.append(float(off[place] + slopes[place] @ found.x))
     return ends[0], ends[1]

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ..claim_ids import of_cell
 from ..tables import PRINTED_APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
 from . import causes
-from .allowed import allowed
+from .allowed import by_table_2, by_table_3
 from .checksums import refuted
 from .inputs import CORRECTED, PAIR_LABELS, Sources
 from .judging import Claim, Tolerance
@@ -112,11 +112,11 @@ def table2_integrals(sources: Sources) -> Iterator[Claim]:
 
 def table2_pairs(sources: Sources) -> Iterator[Claim]:
     """Table 2, lower part: the pair-wise estimates by direct integration."""
-    of_print = allowed(sources.published)
+    pairs, viscous = by_table_2(sources.published)
     for label, q in itertools.product(PAIR_LABELS, UNKNOWNS):
         values = sources.estimates(q.column, "direct", pair=label)
         printed = sources.published.table2_pairs[f"direct_{q.column}"][label]
-        tolerances = propagated(of_print.pairs[label, q.symbol], printed)
+        tolerances = propagated(pairs[label, q.symbol], printed, "Table 2")
         damped = causes.backward_euler(sources.case, values) if q.symbol == "c" else ""
         yield Claim(
             id=of_cell("table2", q.symbol, label),
@@ -126,7 +126,7 @@ def table2_pairs(sources: Sources) -> Iterator[Claim]:
             printed=printed,
             values=values,
             tolerances=tolerances,
-            cause=f"{damped} {causes.other_b(sources, of_print.b, label, q.symbol, printed)}".strip(),
+            cause=f"{damped} {causes.other_b(sources, viscous, label, q.symbol, printed)}".strip(),
             contradiction=causes.outside(tolerances, printed),
         )
 
@@ -134,8 +134,11 @@ def table2_pairs(sources: Sources) -> Iterator[Claim]:
 def table3(sources: Sources) -> Iterator[Claim]:
     """Table 3: the pair-wise estimates of the three harmonic approaches with common φ and t_s."""
     at_work = rules_at_work(sources)
+    allowed = by_table_3(sources.published, sources.case)
     for approach, label, q in itertools.product(PRINTED_APPROACHES[1:], PAIR_LABELS, UNKNOWNS):
         values = sources.estimates(q.column, approach, phase="common", pair=label)
+        printed = sources.published.table3[f"{approach}_{q.column}"][label]
+        rest = propagated(allowed.get((approach, label, q.symbol)), printed, "Table 3")
         correct = sources.as_published.estimate(
             q.column, CORRECTED if approach == "V_s" else approach, phase="common", pair=label
         )
@@ -144,9 +147,10 @@ def table3(sources: Sources) -> Iterator[Claim]:
             where=f"Table 3, pair {label}",
             quantity=f"{q.symbol} by {approach}, common phi and t_s",
             unit=q.unit,
-            printed=sources.published.table3[f"{approach}_{q.column}"][label],
+            printed=printed,
             values=values,
             # With Table 1 as printed the columns come out otherwise: where one number does not, it is by chance.
             compared=("exact", "as_published"),
             cause=f"{causes.sign(values, correct, q.unit)} {at_work(approach, label, q)}".strip(),
+            contradiction=causes.outside(rest, printed),
         )

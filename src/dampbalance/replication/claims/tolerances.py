@@ -5,8 +5,8 @@
                                                 tenth of a millisecond, the unit of the printed t_s
     t_s         0.1 ms and two steps below      whole tenths between the first and the last sample in the  reading
                                                 microstick phase
-    F_k, c of   what the rest of Table 2 allows computed from a, b, W with digits that are not printed     propagated
-    a pair                                      (`allowed.py`)
+    F_k, c of   what the rest of its table      computed from inputs with digits that are not printed        propagated
+    a pair      allows (`allowed.py`)
     a           the next best cycle, δ of a     a begins at a sample, and where the samples fall depends   propagated
                 step aside                      on the cycle
     φ, W        the scatter of the other four   nothing outside the five values bounds them                scatter
@@ -58,13 +58,15 @@ def time_read(t_s: float, step: float) -> Tolerance:
     )
 
 
-def propagated(allowed: tuple[float, float] | None, printed: str) -> tuple[Tolerance, ...]:
-    """F_k or c of a pair: the values that the other printed numbers allow, if any, rounded as the printed one is."""
+def propagated(
+    allowed: tuple[float, float] | None, printed: str, table: str
+) -> tuple[Tolerance, ...]:
+    """F_k or c of a pair: the values that the rest of its table allows, if any, rounded as the printed one is."""
     if allowed is None:
         return ()
     number = Printed(printed)
     low, high = allowed
-    reason = f"the rest of Table 2, within its rounding, allows {number.show(low, 2)} to {number.show(high, 2)}"
+    reason = f"the rest of {table}, within its rounding, allows {number.show(low, 2)} to {number.show(high, 2)}"
     half = 0.5 * number.unit
     return (Tolerance(low - half, high + half, reason, PROPAGATED),)
 

@@ -19,7 +19,6 @@ from ...figures.style import (
     DASHED,
     DOTTED,
     FAINT,
-    HALO,
     SINGLE_COLUMN,
     note,
     omega_of,
@@ -69,12 +68,12 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
         for column, panel in enumerate(shown.panels):
             axes = panels.panel(row, column)
             for curve in shown.curves[symbol, column]:
-                _curve(axes, panel, curve)
+                _curve(axes, panel, curve, shown.approaches.index(curve.approach))
             _x_axis(axes, shown, last=column == len(shown.panels) - 1)
             decades_axis(axes, limits)
             axes.tick_params(labelbottom=row == len(shown.symbols) - 1, labelleft=column == 0)
             if row == 0 and panel.value:
-                axes.set_title(_title(panel), pad=4.0)
+                axes.set_title(_title(panel), pad=12.0 if study.figure.get("marks") else 4.0)
             if column == 0:
                 panels.name_row(axes, f"error of ${symbol}$ (%)")
             _marks(axes, study, label=row == 0)
@@ -88,7 +87,7 @@ def error_of_steps(study: Study, cases: str | Path) -> Figure:
     """Size of the error of c, N s/m, by direct integration against the step of each scheme, with the line m ω² h."""
     shown = series.error_of_steps(study, cases)
     first, last = shown.steps[[0, -1]]
-    figure = page(SINGLE_COLUMN + 35.0, 74.0)
+    figure = page(SINGLE_COLUMN + 35.0, 76.0)
     axes = place(figure, 16.0, 12.0, SINGLE_COLUMN - 20.0, 60.0)
     h = np.geomspace(first, last, 50)
     bias: dict[str, Any] = {"color": FAINT, "lw": 2.5, "alpha": 0.45}
@@ -117,11 +116,15 @@ def _title(panel: series.Panel) -> str:
     return f"${symbol}$ = {panel.value}" if symbol else f"{panel.axis.meaning}: {panel.value}"
 
 
-def _curve(axes: Axes, panel: series.Panel, curve: series.Curve) -> None:
+def _curve(axes: Axes, panel: series.Panel, curve: series.Curve, number: int) -> None:
+    """A curve with the marks of its approach: at every case, or at places apart from those of the other approaches."""
     look = look_of(curve.approach)
     style: dict[str, Any] = {"ls": "-", "mfc": look.colour, "ms": 3.2, "mew": 0.7, "lw": look.width}
     style |= {"ls": DASHED, "mfc": "white"} if curve.sharing == "common" else {}
-    style |= {"color": look.colour, "marker": look.marker if panel.few else None}
+    style |= {"color": look.colour, "marker": look.marker}
+    if not panel.few:  # with an edge, lest they vanish in curves that lie on each other
+        edge = look.colour if curve.sharing == "common" else "white"
+        style |= {"markevery": (0.03 + 0.04 * number, 0.2), "ms": 4.0, "mec": edge}
     axes.plot(panel.x, np.maximum(curve.error, 1e-2 * series.FLOOR), **style)
 
 
@@ -138,17 +141,13 @@ def _x_axis(axes: Axes, shown: series.ErrorCurves, last: bool) -> None:
 
 
 def _marks(axes: Axes, study: Study, label: bool) -> None:
-    """The places on x that the study's figure names."""
+    """The places on x that the study's figure names, above the frame."""
     for name, value in study.figure.get("marks", {}).items():
         axes.axvline(value, color=FAINT, lw=0.6, ls=DOTTED, zorder=0)
         if label:
             omega = omega_of(name)
-            to_share = axes.transScale + axes.transLimits  # of the axis, where the mark stands
-            at_end = to_share.transform((value, axes.get_ylim()[0]))[0] > 0.85
-            shift, side = (-1.5, "right") if at_end else (1.5, "left")
             text, at = f"${omega}$" if omega else name, ("data", "axes fraction")
-            look = {"size": 7.5, "color": FAINT, "bbox": HALO}
-            note(axes, text, (value, 1.0), (shift, -2.5), side, "top", xycoords=at, **look)
+            note(axes, text, (value, 1.0), (0.0, 1.5), "center", size=7.5, color=FAINT, xycoords=at)
 
 
 def _axis_label(name: str) -> str:
@@ -163,7 +162,7 @@ def _legend(panels: Grid, shown: series.ErrorCurves) -> None:
     handles = [_handle(key, shown.exact) for key in shown.approaches]
     if len(shown.sharings) > 1:
         for name, style in zip(series.SHARINGS, ("-", DASHED), strict=True):
-            label = rf"{name} $\phi$, $t_s$"
+            label = rf"{name} $\varphi$, $t_s$"
             handles.append(Line2D([], [], color=FAINT, lw=0.9, ls=style, label=label))
     panels.legend_below(handles, columnspacing=1.2, handlelength=1.8, handletextpad=0.5)
 
@@ -171,6 +170,6 @@ def _legend(panels: Grid, shown: series.ErrorCurves) -> None:
 def _handle(key: str, exact: Mapping[str, float]) -> Line2D:
     label, colour = in_maths(label_of(key)), look_of(key).colour
     if key not in exact:
-        return Line2D([], [], color=colour, lw=1.2, label=label)
+        return Line2D([], [], color=colour, lw=1.2, marker=look_of(key).marker, ms=3.2, label=label)
     power = math.ceil(math.log10(max(exact[key], 1e-14)))
     return Line2D([], [], color=colour, lw=0.0, label=rf"{label} (below $10^{{{power}}}$ %)")
