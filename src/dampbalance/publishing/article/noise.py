@@ -8,7 +8,6 @@ from .style import Style
 
 SUMMARY = "results/studies/noise/summary.csv"
 MANIFEST = "results/studies/noise/manifest.json"
-FACTS = "article/studies.json"
 
 # Line of the article's tables → the fit of the study, and the model of the contact.
 FITS = {
@@ -46,9 +45,6 @@ def noise(book: Book) -> dict[str, list[str]]:
     book.cell("noise.runs", SUMMARY, at, "runs", COUNT)
     for name, unit in {"sampling_hz": "Hz", "cycles": "", "replicates": "", "seed": ""}.items():
         book.item(f"noise.{name}", MANIFEST, f"/settings/route/{name}", PLAIN, unit)
-    for name, fact in {"soft": "soft_omega1", "paper": "F_omega1"}.items():
-        pointer = f"/rigid_contact/specs/{fact}/at/K_z_over_k"
-        book.item(f"rigid.{name}", FACTS, pointer, PLAIN)
     for hz in frequencies:
         for level in levels:
             for line in FITS:

@@ -68,6 +68,10 @@ STUDY_CASES = {
         "as_published": ("euler_paper", "step_s", "1e6", "µs"),
         "coarsest": ("euler_coarse", "step_s", "1e6", "µs"),
     },
+    "rigid_contact": {
+        "soft": ("soft_omega1", "K_z_over_k", "1", ""),
+        "paper": ("F_omega1", "K_z_over_k", "1", ""),
+    },
 }
 FITS = {"pair": "{}_largest_pair_error_percent", "least_squares": "{}_error_percent"}
 
