@@ -67,6 +67,17 @@ def test_every_approach_has_the_same_limit():
     np.testing.assert_allclose(rigid.a - features.a, 4.0 * PAPER.Z_m, rtol=1e-9)
 
 
+def test_the_model_does_not_know_that_nothing_slips():
+    """Of a response below the slip limit, whose true a is 0, the rigid model takes a = 4X as of any other."""
+    stuck = features_at(levels=(1e-5,))
+    assert stuck.a.tolist() == [0.0]
+    assert np.isnan(stuck.X_s).all()
+    rigid = stuck.rigid()
+    assert rigid.a == pytest.approx(4.0 * stuck.X)
+    assert not rigid.a.flags.writeable
+    assert rigid.regime.tolist() == stuck.regime.tolist()
+
+
 @pytest.mark.parametrize("number", range(3))
 @pytest.mark.parametrize("pair", [(1, 2), (2, 5)])
 def test_two_levels_in_closed_form(table, number, pair):
