@@ -143,7 +143,7 @@ def _studies(folder: Path) -> tuple[list[str], list[str]]:
         )
         table = folder / f"{STUDIES}/{name}/cases.parquet"
         outputs.write_chunk(table, evaluate.evaluate(study, 0, study.cases, threads=1), study, "0")
-        if name == "frequency":
+        if name in ("frequency", "rigid_contact"):
             figure = drawing.study_figure(study, table)
             _save(figure, table.with_name("figure.svg"), drawing.alternative_text(study))
         if name == "noise":

@@ -140,7 +140,9 @@ if config["published"]:
             references="paper/article/references.yml",
             values=rules.article_values.output.json,
             figures=list(ARTICLE_FIGURES.values()),
-            study_figure=f"{STUDY_RESULTS}/frequency/figure.svg",
+            study_figures=expand(
+                f"{STUDY_RESULTS}/{{study}}/figure.svg", study=("frequency", "rigid_contact")
+            ),
             claims=rules.claims.output.csv,
             modules=script_modules("article/article.py"),
         output:

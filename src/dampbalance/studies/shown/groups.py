@@ -56,8 +56,8 @@ def spread(errors: Array, standard_errors: Array | None, covered: Array | None) 
         bias_error=scatter / np.sqrt(n) if n else np.nan,
         scatter=scatter,
         rms=_rms(known),
-        median=float(np.median(np.abs(known))) if n else np.nan,
-        p95=float(np.quantile(np.abs(known), 0.95)) if n else np.nan,
+        median=_reached(known, 0.5),
+        p95=_reached(known, 0.95),
         standard_error=_rms(standard_errors),
         coverage=_mean(covered),
         coverage_low=low,
@@ -192,6 +192,13 @@ def _line(row: Mapping[Any, Any]) -> str:
 
 def _percent(row: Mapping[Any, Any], name: str) -> str:
     return percent(0.01 * row[f"{name}_percent"])
+
+
+def _reached(errors: Array, share: float) -> float:
+    """The smallest size among the errors that this share of them does not exceed, as `Sizes.quantile` has it."""
+    if not len(errors):
+        return np.nan
+    return float(np.quantile(np.abs(errors), share, method="inverted_cdf"))
 
 
 def _rms(values: Array | None) -> float:
