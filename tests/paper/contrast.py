@@ -13,9 +13,7 @@ TEXT_ON = [
     *(("on-verdict", verdict) for verdict in VERDICTS),
     *((f"{verdict}-text", f"{verdict}-tint") for verdict in VERDICTS),
     *((f"{verdict}-text", "paper") for verdict in VERDICTS),
-    ("ink", "reconstructed-tint"),  # the row that a link leads to
-    ("muted", "reconstructed-tint"),
-    ("link", "reconstructed-tint"),
+    *((text, "target") for text in ("ink", "muted", "link")),
     *((series, "paper") for series in ("slip", "stick")),  # names of branches stand in their colour
 ]
 """(text, ground) of everything that is read."""

@@ -10,10 +10,12 @@ import pandas as pd
 
 from dampbalance import steady_orbit
 from dampbalance.features import Features
+from dampbalance.figures.numerics import Evidence
 from dampbalance.project.files import read_csv, write_csv
 from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.replication import comparison, tables
 from dampbalance.replication.claims import claims_table, read_published
+from dampbalance.replication.schemes import scheme_table
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
 from dampbalance.studies.settings import Study
@@ -51,6 +53,14 @@ def results(folder: Path) -> PageContent:
             for table, frame in of_frequency.items()
         }
     features = {n: Features.from_frame(f) for n, f in routes["exact"].features.items()}
+    studies = [study(name, folder) for name in COARSER]
+    evidence = Evidence(
+        claims=claims,
+        exact=routes["exact"].features["omega1"],
+        estimates=routes["as_published"].estimates["omega1"],
+        schemes=scheme_table(CASE, "omega1"),
+        steps=pd.read_parquet(dict(zip(COARSER, studies, strict=True))["step_size"][1]),
+    )
     return PageContent(
         case=CASE,
         config=copy.deepcopy(CONFIG),
@@ -62,7 +72,8 @@ def results(folder: Path) -> PageContent:
         ),
         orbits=[steady_orbit(PAPER, motion) for motion in CASE.motions("omega1")],
         estimates=routes["exact"].estimates,
-        studies=[study(name, folder) for name in COARSER],
+        evidence=evidence,
+        studies=studies,
     )
 
 

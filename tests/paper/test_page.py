@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import colorsys
 import dataclasses
 import itertools
 import json
@@ -21,16 +22,15 @@ import pytest
 from dampbalance import balance
 from dampbalance.figures import looks
 from dampbalance.project import wording
-from dampbalance.publishing.page import charts, colours, words
+from dampbalance.publishing.page import charts, colours, curves, digits, match, resonance, words
 from dampbalance.publishing.page.match import match_picture
 from dampbalance.publishing.page.origins import ORIGINS, link, study_origin
 from dampbalance.publishing.page.report import LARGEST_PAGE
-from dampbalance.replication.claims import read_record
 from dampbalance.replication.tables import claim_of
-from dampbalance.replication.verdicts import VERDICTS, counts
+from dampbalance.replication.verdicts import KINDS, VERDICTS, counts
 from paper.contrast import GRAPHICS_ON, TEXT_ON, contrast
 from paper.page_case import PAGE, claims_of_paper, page_of, results
-from paper.routes import PUBLISHED, ROOT
+from paper.routes import CASE, ROOT
 
 VOID = {"meta", "link", "input", "br", "col", "hr", "img"}
 
@@ -92,17 +92,48 @@ def tree(html):
 
 
 def test_every_claim_has_its_row_and_its_reason(tree, made):
-    rows = {e["id"]: e for e in tree.named("tr") if "data-verdict" in e}
+    rows = {e["id"]: e for e in tree.named("tr", "li") if "data-kind" in e}
     claims = made.claims.set_index("id")
-    assert list(rows) == list(claims.index)
+    for kind in KINDS:
+        of_kind = [name for name, row in rows.items() if row["data-kind"] == kind]
+        assert of_kind == list(claims.index[claims["kind"] == kind])
+    assert len(rows) == len(claims)
     for name, row in rows.items():
         claim = claims.loc[name]
+        if claim["kind"] == "given":  # no verdict to filter by, and nothing to open
+            assert row["tag"] == "li"
+            assert row["data-verdict"] == ""
+            assert wording.minus(claim["printed"]) in row["text"]
+            continue
         assert row["data-verdict"] == claim["verdict"]
         text = " ".join(row["text"].split())
         assert wording.minus(claim["printed"]) in text
         # Symbols are set in HTML: compare what is not one.
         reason = words.rich(wording.minus(claim["explanation"])).striptags()
         assert " ".join(reason.split()) in text
+
+
+def test_the_headline_counts_what_is_computed(tree, made):
+    computed = made.claims[made.claims["kind"] == "computed"]
+    lead = next(e["text"] for e in tree.named("p") if e.get("class") == "lead")
+    assert f"Of the {len(computed)} computed numbers" in lead
+    for verdict, n in computed["verdict"].value_counts().items():
+        assert re.search(rf"\b{n} (are )?(by )?{verdict}|\b{n} by reconstructing", lead), verdict
+    besides = next(e["text"] for e in tree.named("p") if e.get("class") == "besides")
+    of_kind = made.claims["kind"].value_counts()
+    assert f"{of_kind['given']} given values" in besides
+    assert f"{of_kind['statement']} statements" in besides
+
+
+def test_a_given_value_that_the_configuration_does_not_hold_says_so(made):
+    claims = made.claims.copy()
+    claims.loc[claims["id"] == "parameter.m", "verdict"] = "differs"
+    tree = Tree(page_of(dataclasses.replace(made, claims=claims, evidence=None, studies=[])))
+    (mass,) = (e["text"] for e in tree.named("li") if e.get("id") == "parameter.m")
+    assert "differs" in mass
+    held = int((claims["kind"] == "given").sum()) - 1
+    (fold,) = (e["text"] for e in tree.named("summary") if "given values" in e["text"])
+    assert f"holds {held} of them" in fold
 
 
 def test_every_printed_cell_of_a_table_leads_to_its_claim(tree, made):
@@ -145,13 +176,30 @@ def test_the_errors_are_those_of_the_table(tree, made):
     assert text.count("(") == 6 * len(rows) // 3 + 0  # two quantities at three frequencies a line
 
 
+def test_off_resonance_the_page_tells_both_causes_and_what_each_costs(tree, made):
+    text = " ".join(
+        next(e["text"] for e in tree.named("section") if e.get("id") == "errors").split()
+    )
+    assert "Which phase:" in text
+    assert "One phase for all levels:" in text
+    # findings: 16.2 % by the phase alone and 19.5 % by both at 3.5 Hz, 11.8 and 65.8 % at 11.1 Hz
+    for sentence in (
+        "At 3.5 Hz the first alone costs 16.2 % of Fk, the second alone 17.6 %, and both together 19.5 %",
+        "At 11.1 Hz the first alone costs 11.8 % of Fk, the second alone 66.6 %, and both together 65.8 %",
+    ):
+        assert sentence in text
+    shown = resonance.mends(made.approaches, CASE.frequencies_hz)
+    assert [round(abs(row[2]), 1) for row in shown.values()] == [65.8, 11.8, 2.8, 66.6, 0.4, 0.0]
+    assert "as in the paper+1.37−19.5−65.8" in text
+
+
 @pytest.mark.slow
 def test_a_case_without_a_paper_has_a_page_without_verdicts(made):
     blank = {
         frequency: {name: table.assign(printed="", verdict="") for name, table in of.items()}
         for frequency, of in made.tables.items()
     }
-    own = dataclasses.replace(made, claims=None, tables=blank, studies=[])
+    own = dataclasses.replace(made, claims=None, tables=blank, evidence=None, studies=[])
     tree = Tree(page_of(own))
     text = next(e["text"] for e in tree.named("main"))
     assert not [e for e in tree.all if "data-verdict" in e]
@@ -206,7 +254,7 @@ def test_every_link_leads_somewhere(tree):
 )
 def test_a_source_is_where_it_says(source):
     rules = (ROOT / source.rules).read_text(encoding="utf-8")
-    assert re.search(rf"^rule {source.rule}:", rules, re.MULTILINE)
+    assert re.search(rf"^ *rule {source.rule}:", rules, re.MULTILINE)
     for path in source.code:
         assert (ROOT / path).is_file()
 
@@ -264,7 +312,18 @@ def test_an_approach_without_a_look_of_its_own_has_a_colour_and_a_mark(monkeypat
         monkeypatch.setitem(balance.APPROACHES, name, balance.Approach(balance.direct, name))
     assert colours.series_colour("newer") == "var(--other-2)"
     assert "--other-2: #7a4a21;" in colours.css_variables("light")
-    assert 'fill="var(--other-2)"' in colours.shape("newer")
+    assert 'fill="var(--other-2)"' in colours.shape(looks.look_of("newer"))
+
+
+def test_every_verdict_has_a_rule_of_style_and_a_hue_of_its_own(html):
+    for verdict in VERDICTS.values():
+        assert f".v-{verdict.css} {{ --fill: var(--{verdict.css});" in html
+    hues = sorted(
+        360.0 * colorsys.rgb_to_hsv(*(int(fill[i : i + 2], 16) for i in (1, 3, 5)))[0]
+        for fill in (colours.palette("dark")[verdict.css] for verdict in VERDICTS.values())
+    )
+    apart = [b - a for a, b in itertools.pairwise([*hues, hues[0] + 360.0])]
+    assert min(apart) > 15.0  # degrees; symbol and word tell verdicts apart in any case
 
 
 def test_contrast_is_that_of_wcag():
@@ -317,7 +376,7 @@ def test_the_first_thing_to_reach_skips_to_the_content(tree):
 
 def test_every_chart_is_described_and_drawn_without_a_script(tree):
     plots = [e for e in tree.named("div") if e.get("class") == "plot"]
-    assert len(plots) == 4 + 6 + 6 + 1  # Figure 3, errors, and two studies
+    assert len(plots) == 6 + 4 + 6 + 6 + 1  # digits, Figure 3, errors, and two studies
     for plot in plots:
         assert len(plot["aria-label"]) > 20
     drawn = [
@@ -334,7 +393,7 @@ def test_every_chart_is_described_and_drawn_without_a_script(tree):
 @pytest.mark.slow
 def test_specifications_are_valid_vega_lite(tree):
     sent = json.loads(next(e["text"] for e in tree.named("script") if e.get("id") == "charts"))
-    assert len(sent["charts"]) == 17
+    assert len(sent["charts"]) == 23
     for spec in sent["charts"].values():
         altair.Chart.from_dict({**spec, "config": sent["config"]}, validate=True)
 
@@ -368,6 +427,40 @@ def test_the_loops_tell_x_and_its_derivatives(tree, made):
     np.testing.assert_allclose(1e-3 * x, at.x, rtol=1e-6)
     np.testing.assert_allclose(stick["v"].astype(float), at.v, rtol=6e-5, atol=1e-8)
     np.testing.assert_allclose(stick["acc"].astype(float), at.acceleration, rtol=6e-5)
+
+
+def test_every_line_of_the_step_is_in_its_legend(made):
+    (study,) = (study for study in made.studies if study[0].name == "step_size")
+    (figure,) = (curves.study_charts(*study),)
+    (chart,) = figure.charts
+    named = {str(entry.words) for entry in figure.legend}
+    drawn = [value for value in chart.says if value.column != "step_s"]
+    assert named == {str(words.titled(value.name)) for value in drawn}
+    assert len(drawn) == len(looks.SCHEME_LOOKS) + 1  # and the law mω²h
+
+
+def test_the_story_of_the_digits_is_that_of_the_article(made):
+    evidence, unit = made.evidence, CASE.numerics.tabulated["t_s_unit_s"]
+    panels = digits.digit_charts(evidence, CASE.oscillator, CASE.numerics.step_s, unit)
+    assert [chart.title[:3] for chart in panels] == ["(a)", "(b)", "(c)", "(d)", "(e)", "(f)"]
+    assert all(chart.legend and chart.remark for chart in panels)
+    scheme, _, coefficients, phase, slip_time, sign = (chart.table.columns for chart in panels)
+    # findings: W lies 1.3e-4 and b 2.5e-4 below exact, as backward Euler has it and no other scheme does
+    np.testing.assert_allclose(scheme["W_printed"], -1.3, atol=0.05)
+    assert np.abs(scheme["W_printed"] - scheme["W_backward_euler"]).max() < 0.01
+    others = [key for key in scheme if key.startswith("W_") and "printed" not in key]
+    assert len(others) == len(looks.SCHEME_LOOKS)
+    for key in set(others) - {"W_backward_euler"}:
+        assert np.abs(scheme["W_printed"] - scheme[key]).min() > 1.0
+    assert np.abs(coefficients["rounded"]).max() < np.abs(coefficients["exact"]).min()
+    assert np.all(np.diff(phase["reversal"]) > 0)
+    assert np.all(np.diff(phase["zero_crossing"]) < 0)
+    # findings: the printed phase is that of the reversal within 0.004 rad
+    assert np.abs(phase["printed"] - phase["reversal"]).max() < 0.004
+    np.testing.assert_allclose(slip_time["printed"], slip_time["whole"], rtol=1e-12)
+    for symbol in ("F_k", "c"):
+        plus, minus = sign[f"{symbol}_X_s"], sign[f"{symbol}_V_s"]
+        assert plus.max() < 0.5 < 3.0 < minus.min()
 
 
 def test_a_thinned_curve_stays_where_it_was():
@@ -421,6 +514,16 @@ def test_symbols_are_set(text, html):
     assert str(words.rich(text)) == html
 
 
+def test_titles_set_single_letters_between_asterisks():
+    assert str(words.titled("error of *c* by X_s < 1")) == (
+        "error of <i>c</i> by <i>X</i><sub>s</sub> &lt; 1"
+    )
+    assert (
+        str(words.titled("at ω₁, 4.92 Hz")) == "at <i>ω</i><sub>1</sub>, 4.92\N{NO-BREAK SPACE}Hz"
+    )
+    assert [words.italic(symbol) for symbol in ("c", "F_k")] == ["*c*", "F_k"]
+
+
 def test_plain_symbols_unit_and_signs():
     assert wording.plain("F_k by X_s, K_z") == "Fₖ by Xₛ, K_z"
     assert wording.unit_of("m^2/s") == "m²/s"
@@ -452,9 +555,8 @@ def test_a_bound_is_not_below_what_it_bounds():
 
 
 def test_the_picture_of_the_match_is_up_to_date():
-    recorded = read_record(PUBLISHED / "verdicts.csv")
     shown = (ROOT / "paper/figures/match.svg").read_text(encoding="utf-8")
-    assert match_picture(counts(recorded)) == shown
+    assert match_picture(counts(claims_of_paper())) == shown
 
 
 def test_the_picture_says_its_numbers():
@@ -464,7 +566,7 @@ def test_the_picture_says_its_numbers():
     total = found[-1]
     description = root.find(f"{space}desc").text
     assert description.startswith(
-        f"Of {total.printed} printed numbers: {total.of_verdict['reproduced']} reproduced"
+        f"Of {total.printed} computed numbers: {total.of_verdict['reproduced']} reproduced"
     )
     titles = [title.text for title in root.iter(f"{space}title")][1:]
     expected = [
@@ -479,9 +581,22 @@ def test_the_picture_says_its_numbers():
         for rect in root.iter(f"{space}rect")
         if rect.find(f"{space}title") is not None
     ]
-    first = next(n for n in total.of_verdict.values() if n)
-    full = bars[0] + 2  # Parameters are all reproduced
-    # the last row: its first stretch is the share of the reproduced, to a tenth of a pixel
-    assert bars[len(bars) - sum(map(bool, total.of_verdict.values()))] + 2 == pytest.approx(
-        full * first / total.printed, abs=0.1
-    )
+    room = match.WIDTH - match.LEFT - match.RIGHT
+    ends = itertools.accumulate(sum(map(bool, count.of_verdict.values())) for count in found)
+    for count, end in zip(found, ends, strict=True):
+        shares = [n / count.printed for n in count.of_verdict.values() if n]
+        widths = bars[end - len(shares) : end]
+        # to a tenth of a pixel
+        assert [width + match.GAP for width in widths] == pytest.approx(
+            [room * share for share in shares], abs=0.06
+        )
+
+
+def test_the_legend_of_the_picture_holds_every_verdict_inside_it():
+    root = ElementTree.fromstring(match_picture(counts(claims_of_paper())))
+    space = "{http://www.w3.org/2000/svg}"
+    words = {text.text: text for text in root.iter(f"{space}text")}
+    for name in VERDICTS:
+        # 8 px a letter at 14 px, and some room
+        assert float(words[name].get("x")) + 8 * len(name) < match.WIDTH
+        assert float(words[name].get("y")) < float(root.get("height"))

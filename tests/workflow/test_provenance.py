@@ -223,6 +223,8 @@ def test_the_report_of_snakemake_has_captions_and_needs_no_network(built):
     for name in ("page", "manifest", "crate"):
         caption = (ROOT / f"workflow/report/{name}.rst").read_text(encoding="utf-8")
         assert " ".join(caption.split()[:4]) in html, name
+    for title in ("The page of the case", "Table 1: amplitudes, slip onset and phase, at 9 Hz"):
+        assert title in html
     assert re.findall(r"<(?:script|link|img)[^>]* (?:src|href)=[\"']https?:", html) == []
 
 
@@ -232,6 +234,18 @@ def test_the_report_of_snakemake_has_captions_and_needs_no_network(built):
 def test_every_caption_is_there(rules):
     for name in re.findall(r'caption=f?"([^"]+)"', rules.read_text(encoding="utf-8")):
         assert list(rules.parent.glob(re.sub(r"{.*?}", "*", name))), name
+
+
+@pytest.mark.parametrize(
+    "rules", sorted((ROOT / "workflow/rules").glob("*.smk")), ids=lambda p: p.stem
+)
+def test_every_entry_of_the_report_has_a_title_in_words(rules):
+    text = rules.read_text(encoding="utf-8")
+    assert len(re.findall(r"\breport\(", text)) == len(re.findall(r"\blabels=", text))
+    for title in re.findall(r'labels={"result": "([^"]*)"}', text):
+        assert " " in title, title
+    for title in re.findall(r'figure_files\("\w+"(?:, "([^"]*)")?\)', text):
+        assert " " in title, title
 
 
 # --- the archive ---------------------------------------------------------------------------------

@@ -92,7 +92,7 @@ if config["published"]:
             steps=f"{STUDY_RESULTS}/step_size/cases.parquet",
             modules=script_modules("article/article_figure.py"),
         output:
-            **figure_files("numerics"),
+            **figure_files("numerics", "How the printed digits arose"),
         params:
             case=of_case("oscillator", "numerics"),
         message:
@@ -150,7 +150,7 @@ if config["published"]:
                 f"{RESULTS}/article.pdf",
                 caption="../report/article.rst",
                 category="Reading",
-                labels={"result": "article"},
+                labels={"result": "The article"},
             ),
         params:
             source="paper/article/article.typ",

@@ -33,7 +33,7 @@ rule claims:
             f"{RESULTS}/claims.csv",
             caption="../report/claims.rst",
             category="Verdicts",
-            labels={"result": "claims"},
+            labels={"result": "Every printed number, its verdict and the reason"},
         ),
         md=f"{RESULTS}/claims.md",
     params:
@@ -56,7 +56,7 @@ rule check:
             f"{RESULTS}/summary.txt",
             caption="../report/summary.rst",
             category="Verdicts",
-            labels={"result": "summary"},
+            labels={"result": "How many numbers earn which verdict"},
         ),
     message:
         "Comparison with the verdicts on record"

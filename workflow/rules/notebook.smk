@@ -16,7 +16,7 @@ rule notebook:
             f"{RESULTS}/notebook/tour.html",
             caption="../report/notebook.rst",
             category="Reading",
-            labels={"result": "notebook"},
+            labels={"result": "The guided tour"},
         ),
     message:
         "Notebook: the guided tour"

@@ -10,6 +10,16 @@ PAGE_PARTS = sorted(
     for path in (ROOT / "src/dampbalance/publishing/page" / folder).iterdir()
 )
 
+# What tells how the printed digits arose.
+PAGE_EVIDENCE = {}
+if config["published"]:
+    PAGE_EVIDENCE = {
+        "exact": f"{RESULTS}/features/exact/{FREQUENCIES[0]}.csv",
+        "as_published": f"{RESULTS}/estimates/as_published/{FREQUENCIES[0]}.csv",
+        "schemes": rules.article_schemes.output.csv,
+        "steps": f"{STUDY_RESULTS}/step_size/cases.parquet",
+    }
+
 
 def page_studies(pattern):
     """A file of each study on the page."""
@@ -18,6 +28,7 @@ def page_studies(pattern):
 
 rule page:
     input:
+        **PAGE_EVIDENCE,
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
         tables=rules.tables.output.csv,
         orbits=f"{RESULTS}/orbits/{FREQUENCIES[0]}.json",
@@ -31,7 +42,7 @@ rule page:
             f"{RESULTS}/report.html",
             caption="../report/page.rst",
             category="Reading",
-            labels={"result": "page"},
+            labels={"result": "The page of the case"},
         ),
     params:
         config=config,
@@ -51,7 +62,7 @@ rule match:
             f"{RESULTS}/figures/match.svg",
             caption="../report/match.rst",
             category="Verdicts",
-            labels={"result": "match"},
+            labels={"result": "The match at a glance"},
         ),
     message:
         "The picture of the match"

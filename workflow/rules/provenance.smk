@@ -69,7 +69,7 @@ rule manifest:
             f"{RESULTS}/manifest.json",
             caption="../report/manifest.rst",
             category="Provenance",
-            labels={"result": "manifest"},
+            labels={"result": "What made the results: configuration, code, packages"},
         ),
     params:
         case=CASE.name,
@@ -95,7 +95,7 @@ rule crate:
             f"{RESULTS}/ro-crate-metadata.json",
             caption="../report/crate.rst",
             category="Provenance",
-            labels={"result": "crate"},
+            labels={"result": "The same as an RO-Crate, for repositories of data"},
         ),
     params:
         root=RESULTS,

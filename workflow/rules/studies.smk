@@ -75,6 +75,13 @@ def chunk_memory_mb(wildcards, attempt):
     return round(1.5 * attempt * (1000 + 0.0008 * min(study.chunk_cases, study.cases)))
 
 
+def study_title(wildcards):
+    """What the report calls a study."""
+    from dampbalance.project.wording import plain  # needed for a report only
+
+    return {"result": plain(study_plan(wildcards.study)[0].title)}
+
+
 def study_figure_files(wildcards):
     """The figure of a study, if its file asks for one."""
     study, _ = study_plan(wildcards.study)
@@ -135,7 +142,7 @@ rule study_figure:
             f"{STUDY_RESULTS}/{{study}}/figure.svg",
             caption="../report/study.rst",
             category="Studies",
-            labels={"result": "{study}"},
+            labels=study_title,
         ),
         png=f"{STUDY_RESULTS}/{{study}}/figure.png",
     resources:

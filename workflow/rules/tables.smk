@@ -5,11 +5,25 @@ TABLES = ["table1", "table2", "table3", "statistics"]
 
 
 def table_files(extension):
-    """results/<case>/tables/table1.csv … for the first frequency, table1_<frequency>.csv … for the others."""
-    suffixes = [CASE.suffix(frequency) for frequency in FREQUENCIES]
-    return [
-        f"{RESULTS}/tables/{name}{suffix}.{extension}" for suffix in suffixes for name in TABLES
-    ]
+    """results/<case>/tables/table1.csv … for the first frequency, table1_<frequency>.csv … for the others; approaches.csv."""
+    names = [f"{name}{CASE.suffix(hz)}" for hz in FREQUENCIES for name in TABLES]
+    return [f"{RESULTS}/tables/{name}.{extension}" for name in [*names, "approaches"]]
+
+
+def reported_table(file):
+    """A table with what the report calls it."""
+
+    def title(wildcards):
+        # Needed for a report only.
+        from dampbalance.project.wording import plain
+        from dampbalance.replication.tables import TITLES
+
+        name, _, frequency = Path(file).stem.partition("_")
+        hz = CASE.frequencies_hz[frequency or FREQUENCIES[0]]
+        where = "" if name == "approaches" else f", at {hz:g} Hz"
+        return {"result": plain(TITLES[name]) + where}
+
+    return report(file, caption="../report/table.rst", category="Tables", labels=title)
 
 
 rule tables:
@@ -19,12 +33,8 @@ rule tables:
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
         modules=script_modules("tables/tables.py"),
     output:
-        csv=report(
-            [*table_files("csv"), f"{RESULTS}/tables/approaches.csv"],
-            caption="../report/table.rst",
-            category="Tables",
-        ),
-        md=[*table_files("md"), f"{RESULTS}/tables/approaches.md"],
+        csv=[reported_table(file) for file in table_files("csv")],
+        md=table_files("md"),
     params:
         folder=RESULTS,
         case=of_case("oscillator", "frequencies_hz", "pairs"),

@@ -46,13 +46,13 @@ SPARE = (
 )
 
 SCHEME_LOOKS = {
-    "backward-euler": ("backward Euler", LOOKS["t_s"]),
-    "explicit-euler": ("explicit Euler", LOOKS["X_s"]),
+    "backward-euler": ("backward Euler", LOOKS["X_s"]),
+    "explicit-euler": ("explicit Euler", LOOKS["V_s"]),
     "semi-implicit-euler": ("semi-implicit Euler", SPARE[0]),
-    "trapezoidal": ("trapezoidal rule", LOOKS["V_s"]),
+    "trapezoidal": ("trapezoidal rule", LOOKS["fourier"]),
     "rk4": ("Runge–Kutta 4", LOOKS["direct"]),
 }
-"""Name and look of each fixed-step scheme; no chart shows schemes beside approaches."""
+"""Name and look of each fixed-step scheme; no chart shows schemes beside approaches. Orange is for print."""
 
 
 def look_of(approach: str) -> Look:

@@ -53,8 +53,20 @@ class Evidence(NamedTuple):
 
     def printed(self, prefix: str) -> np.ndarray:
         """The printed numbers whose identifier begins so, in order."""
-        claims = self.claims[self.claims["id"].str.startswith(prefix)]
-        return claims["printed"].astype(float).to_numpy()
+        return self._texts(prefix).astype(float).to_numpy()
+
+    def last_digit(self, prefix: str) -> float:
+        """One unit in the last digit of the printed numbers whose identifier begins so."""
+        places = max(len(text.partition(".")[2]) for text in self._texts(prefix))
+        return math.pow(10.0, -places)
+
+    def slip_times(self, step_s: float, unit_s: float) -> np.ndarray:
+        """The exact t_s, without a step at each end, in whole units, s."""
+        inside = self.exact["t_s_s"].to_numpy() - 2.0 * step_s
+        return np.asarray(np.floor(inside / unit_s + 1e-9) * unit_s)
+
+    def _texts(self, prefix: str) -> pd.Series:
+        return self.claims.loc[self.claims["id"].str.startswith(prefix), "printed"]
 
 
 @styled()
@@ -94,10 +106,10 @@ def _integrals(axes: Axes, e: Evidence) -> None:
         for column, style in (("W_J", "-"), ("b_m2_per_s", "--")):
             look: dict[str, Any] = {"color": REBUILT, "lw": 1.0, "zorder": 3}
             look = look if chosen else {"color": FAINT, "lw": 0.6, "zorder": 2}
-            axes.plot(Y, _deviation(rows[column], e.exact[column]), style, **look)
+            axes.plot(Y, deviation(rows[column], e.exact[column]), style, **look)
     for name, column, marker in (("W", "W_J", "o"), ("b", "b_m2_per_s", "s")):
-        deviation = _deviation(e.printed(f"table2.{name}."), e.exact[column])
-        axes.plot(Y, deviation, **(PRINTED | {"marker": marker, "label": f"${name}$ printed"}))
+        off = deviation(e.printed(f"table2.{name}."), e.exact[column])
+        axes.plot(Y, off, **(PRINTED | {"marker": marker, "label": f"${name}$ printed"}))
     # Named beside the level where the lines of W and b are clear of each other.
     for text, at in (("backward Euler", -1.9), ("explicit Euler", 1.95), ("the others", 0.6)):
         axes.text(8.0, at, text, ha="center", va="center", size=7.5, color=INK)
@@ -106,7 +118,8 @@ def _integrals(axes: Axes, e: Evidence) -> None:
     axes.set(xlabel="$Y$ (mm)", ylabel="deviation from exact ($10^{-4}$)")
 
 
-def _deviation(values: pd.Series | np.ndarray, exact: pd.Series) -> np.ndarray:
+def deviation(values: pd.Series | np.ndarray, exact: pd.Series) -> np.ndarray:
+    """How far values lie from the exact ones, in 1e-4 of these."""
     return np.asarray(1e4 * (np.asarray(values) / exact.to_numpy() - 1.0))
 
 
@@ -174,7 +187,7 @@ def _slip_time(axes: Axes, e: Evidence, step_s: float, unit_s: float) -> None:
     """(e) t_s exact, without a step at each end, in whole units; and as printed."""
     Y = 1e3 * e.exact["Y_m"].to_numpy()
     t = e.exact["t_s_s"].to_numpy()
-    whole = np.floor((t - 2.0 * step_s) / unit_s + 1e-9) * unit_s
+    whole = e.slip_times(step_s, unit_s)
     axes.plot(Y, 1e3 * t, color=OTHER, ls="--", label="exact")
     for y, value in zip(Y, whole, strict=True):
         axes.plot([y - 0.55, y + 0.55], [1e3 * value] * 2, color=REBUILT, lw=1.4)
@@ -196,7 +209,7 @@ def _sign(axes: Axes, e: Evidence) -> None:
         labels = list(rows["pair"])
         for n, term in enumerate(terms):
             printed = f"table3.V_s.{term.symbol}."
-            off = (rows[term.column].to_numpy() - e.printed(printed)) / _unit(e, printed)
+            off = (rows[term.column].to_numpy() - e.printed(printed)) / e.last_digit(printed)
             places = np.arange(len(labels)) + 0.28 * (n - 0.5 * (len(terms) - 1))
             look: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 4.0, "color": colour}
             look |= {"mfc": "none"} if n else {}
@@ -211,10 +224,3 @@ def _sign(axes: Axes, e: Evidence) -> None:
     axes.legend(loc="upper right", ncols=2, fontsize=7.0, **tight)
     axes.set_xlabel("pair of levels, columns by $V_s$")
     axes.set_ylabel("off by units of last digit", labelpad=1.0)
-
-
-def _unit(e: Evidence, prefix: str) -> float:
-    """One unit in the last digit of the printed numbers."""
-    texts = e.claims.loc[e.claims["id"].str.startswith(prefix), "printed"]
-    places = max(len(text.partition(".")[2]) for text in texts)
-    return math.pow(10.0, -places)

@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import base64
 import html
+import itertools
 import os
 import re
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from itertools import groupby
 from pathlib import Path
 
 import jupytext  # type: ignore[import-untyped]
@@ -28,6 +28,9 @@ from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError
 from nbformat import NotebookNode
 
+from ..project.wording import minus
+from .page import words
+
 KERNEL_SETTINGS = """\
 c.HistoryManager.enabled = False
 c.InlineBackend.figure_formats = {"svg"}
@@ -36,6 +39,9 @@ c.InlineBackend.print_figure_kwargs = {"bbox_inches": "tight", "metadata": {"Dat
 _MATH_AND_STOP = re.compile(
     r'(<math display="inline"(?:(?!</math>).)*</math>)([,.;:)]+)', re.DOTALL
 )
+# What is pushed sideways on a narrow screen must be within reach of the keyboard.
+_DISPLAYED = re.compile(r'<math display="block".*?</math>', re.DOTALL)
+_EQUATION = r'<span class="equation" role="group" tabindex="0" aria-label="Equation">\g<0></span>'
 _REMOTE = re.compile(
     r"""<[^>]*\s(?:src|srcset|data|poster)\s*=\s*["']?(?:https?:)?//[^>]*"""
     r"""|<link\s[^>]*href\s*=\s*["']?(?:https?:)?//[^>]*"""
@@ -108,13 +114,24 @@ def page(notebook: NotebookNode, style: str, template: str | Path) -> str:
     text = str(pypandoc.convert_text(content, "html5", format="markdown", extra_args=options))
     _refuse_remote(text)
     # A browser may break the line between a formula and the comma after it.
-    return _MATH_AND_STOP.sub(r'<span class="together">\1\2</span>', text)
+    text = _MATH_AND_STOP.sub(r'<span class="together">\1\2</span>', text)
+    return _numbered(_DISPLAYED.sub(_EQUATION, text))
+
+
+def _numbered(text: str) -> str:
+    """The page with a number in the name of every table, picture and equation: no two are called alike."""
+    numbers = {kind: itertools.count(1) for kind in ("Table", "Picture", "Equation")}
+    return re.sub(
+        rf'aria-label="({"|".join(numbers)})"',
+        lambda match: f'aria-label="{match[1]} {next(numbers[match[1]])}"',
+        text,
+    )
 
 
 def markdown(notebook: NotebookNode) -> str:
     """The notebook as pandoc's Markdown: text as it is, code and its outputs as blocks, outcomes folded."""
     parts: list[str] = []
-    for folded, cells in groupby(
+    for folded, cells in itertools.groupby(
         notebook.cells, key=lambda cell: "outcome" in cell.metadata.get("tags", [])
     ):
         blocks = [block for cell in cells for block in _blocks(cell)]
@@ -149,19 +166,72 @@ def _shown(output: NotebookNode, cell: NotebookNode) -> str:
             raise NotebookError(f'{cell.id} shows a picture: say what is on it, # %% alt="…"')
         encoded = base64.b64encode(data["image/svg+xml"].encode()).decode()
         source = f"data:image/svg+xml;base64,{encoded}"
-        return f'<figure><img alt="{html.escape(alt)}" src="{source}"></figure>'
+        image = f'<img alt="{html.escape(alt)}" src="{source}">'
+        return f'<figure tabindex="0" aria-label="Picture">{image}</figure>'
     if "text/html" in data:
         table = _plain_table(data["text/html"])
-        return f'<div class="table" tabindex="0" role="region" aria-label="Table">{table}</div>'
+        region = (
+            f'<div class="table" tabindex="0" role="region" aria-label="Table">\n{table}\n</div>'
+        )
+        return f"```{{=html}}\n{region}\n```"  # as it is: pandoc would read Markdown into its cells
     return f"```{{.output}}\n{data['text/plain'].rstrip()}\n```"
 
 
 def _plain_table(table: str) -> str:
-    """A data frame's table without the styles and attributes that belong to its own look."""
-    table = re.sub(r"<style.*?</style>", "", table, flags=re.DOTALL)
-    table = re.sub(r'\s(?:border|style)="[^"]*"', "", table)
-    # a blank line would end the block, an indented one after it would become code
-    return re.sub(r"\n\s*", "\n", table).strip()
+    """A data frame's table as the page shows it: symbols set, every head in one place and with its scope.
+
+    pandas gives the name of the index a row of its own below the heads, in which all other cells are empty. Here it
+    stands beside them, and what is still empty is no head.
+    """
+    head, _, body = table.partition("</thead>")
+    heads, rows = _cells(head), _cells(body)
+    name = ""
+    if len(heads) > 1 and not any(text for _, text in heads[-1][1:]):
+        name = heads.pop()[0][1]
+    lines = ["<table>", "<thead>"]
+    for n, cells in enumerate(heads):
+        corner, *others = cells
+        first = [_corner(name or corner[1], len(heads))] if n == 0 else []
+        lines.append(_row([*first, *(_head(*cell) for cell in others)]))
+    lines += ["</thead>", "<tbody>"]
+    for (_, label), *values in rows:
+        of_row = f'<th scope="row">{_set(label)}</th>'
+        lines.append(_row([of_row, *(f"<td>{_set(value)}</td>" for _, value in values)]))
+    return "\n".join([*lines, "</tbody>", "</table>"])
+
+
+def _cells(rows: str) -> list[list[tuple[int, str]]]:
+    """Every row of a part of a table: its cells, each with the columns that it spans and its text."""
+    return [
+        [
+            (int(span[1]) if (span := re.search(r'colspan="(\d+)"', attributes)) else 1, text)
+            for attributes, text in re.findall(
+                r"<t[hd]\b([^>]*)>\s*(.*?)\s*</t[hd]>", row, re.DOTALL
+            )
+        ]
+        for row in re.findall(r"<tr\b.*?</tr>", rows, re.DOTALL)
+    ]
+
+
+def _corner(name: str, rows: int) -> str:
+    """The cell above the names of the rows."""
+    span = f' rowspan="{rows}"' if rows > 1 else ""
+    return f'<th scope="col"{span}>{_set(name)}</th>' if name else f"<td{span}></td>"
+
+
+def _head(columns: int, text: str) -> str:
+    """A cell above one column or several."""
+    scope = f'scope="colgroup" colspan="{columns}"' if columns > 1 else 'scope="col"'
+    return f"<th {scope}>{_set(text)}</th>"
+
+
+def _row(cells: Iterable[str]) -> str:
+    return f"<tr>{''.join(cells)}</tr>"
+
+
+def _set(text: str) -> str:
+    """A cell's text with its symbols set and true minus signs."""
+    return str(words.rich(minus(html.unescape(text))))
 
 
 def _settled(notebook: NotebookNode) -> NotebookNode:

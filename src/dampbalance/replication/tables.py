@@ -22,6 +22,16 @@ SHOWN_ROUTES = ("as_published", "exact")
 Frames = Mapping[str, pd.DataFrame]
 
 
+TITLES = {
+    "table1": "Table 1: amplitudes, slip onset and phase",
+    "table2": "Table 2: energy integrals, and estimates by direct integration",
+    "table3": "Table 3: estimates of the harmonic approaches with common phi and t_s",
+    "statistics": "Statistics of the text: least squares, and mean and standard deviation of the pairs",
+    "approaches": "Error of every approach, phase and sharing, at every frequency",
+}
+"""What each table holds, in words."""
+
+
 class Quantity(NamedTuple):
     """A column of a printed table: symbol, what it is, unit, column in the result file and the digits to show of it."""
 

@@ -2,6 +2,9 @@
 
 from pathlib import Path
 
+import pandas as pd
+
+from dampbalance.figures.numerics import Evidence
 from dampbalance.motion.orbit import read_orbits
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, read_routes, write_text
@@ -25,6 +28,19 @@ def read_tables(folder, case):
     }
 
 
+def read_evidence(inputs):
+    """What the printed digits are told from; None where there are none."""
+    if not inputs.claims:
+        return None
+    return Evidence(
+        claims=read_csv(inputs.claims, dtype=str),
+        exact=read_csv(inputs.exact),
+        estimates=read_csv(inputs.as_published),
+        schemes=read_csv(inputs.schemes),
+        steps=pd.read_parquet(inputs.steps),
+    )
+
+
 def main(config, folder, inputs):
     case = Case.from_config(config)
     studies = [
@@ -39,6 +55,7 @@ def main(config, folder, inputs):
         approaches=read_csv(f"{folder}/tables/approaches.csv"),
         orbits=read_orbits(inputs.orbits),
         estimates=read_routes(folder, "estimates", case.frequencies_hz, ["exact"])["exact"],
+        evidence=read_evidence(inputs),
         studies=list(zip(studies, map(Path, inputs.study_cases), strict=True)),
     )
 

@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 
 from ...arrays import Array, Mask
 from .colours import variable
+from .legend import Entry
+from .words import titled
 
 Spec = dict[str, Any]
 Scale = Literal["linear", "log"]
@@ -38,10 +40,7 @@ CONFIG: Spec = {
     "view": {"stroke": variable("edge"), "strokeWidth": 0.8},
     "axis": {
         "labelColor": variable("muted"),
-        "titleColor": variable("ink"),
-        "titleFontWeight": "normal",
         "labelFontSize": 11.5,
-        "titleFontSize": 12.5,
         "tickColor": variable("edge"),
         "domain": False,
         "gridColor": variable("rule"),
@@ -55,7 +54,7 @@ CONFIG: Spec = {
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """One value that a chart says of a row: the column it stands in, its name and unit."""
+    """One value that a chart says of a row: the column it stands in, its name as for `words.titled`, and its unit."""
 
     column: str
     name: str
@@ -83,7 +82,7 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """One axis: the column drawn along it, its title, scale and limits."""
+    """One axis: the column drawn along it, its title as for `words.titled`, scale and limits."""
 
     column: str
     title: str
@@ -98,7 +97,7 @@ class Axis:
             scale["zero"] = False
         if self.limits:
             scale["domain"] = [float(f"{limit:.9g}") for limit in self.limits]
-        axis: Spec = {"title": self.title, "tickCount": 6}
+        axis: Spec = {"title": None, "tickCount": 6}  # the page writes it, where symbols can be set
         if self.labels is not None:
             names = json.dumps(list(self.labels), ensure_ascii=False)
             axis |= {"values": list(range(len(self.labels)))}
@@ -138,8 +137,9 @@ def _named_ticks(low: float, high: float) -> list[float]:
 class Chart:
     """One panel.
 
-    title : what it shows, as its heading.   says : the values told of a row.   nearest : which row is meant by a
-    place of the pointer: the one nearest along x, or nearest on the picture.   layers : without the cursor.
+    title : what it shows, as its heading, as for `words.titled`.   says : the values told of a row.
+    nearest : which row is meant by a place of the pointer: the one nearest along x, or nearest on the picture.
+    layers : without the cursor.   legend : of this chart alone.   remark : what it tells, as for `words.titled`.
     """
 
     id: str
@@ -151,6 +151,8 @@ class Chart:
     layers: tuple[Spec, ...]
     says: tuple[Value, ...]
     nearest: Literal["x", "xy"] = "x"
+    legend: tuple[Entry, ...] = ()
+    remark: str = ""
 
     @property
     def spec(self) -> Spec:
@@ -168,7 +170,7 @@ class Chart:
                 "x": self.x.column,
                 "y": self.y.column,
                 "nearest": self.nearest,
-                "says": [[value.column, value.name, value.unit] for value in self.says],
+                "says": [[value.column, titled(value.name), value.unit] for value in self.says],
             },
         }
 
@@ -215,12 +217,11 @@ class Chart:
 class ChartSet:
     """Charts that share a legend and a remark.
 
-    approaches, sharings : of the legend.   exact : approach → bound of its error, %, of those not drawn.
+    legend : what their lines and marks stand for.   exact : approach → bound of its error, %, of those not drawn.
     """
 
     charts: tuple[Chart, ...]
-    approaches: tuple[str, ...] = ()
-    sharings: tuple[str, ...] = ()
+    legend: tuple[Entry, ...] = ()
     exact: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -258,6 +259,27 @@ def curve(column: str, colour: str, width: float = 1.4, dashed: bool = False) ->
     if dashed:
         mark["strokeDash"] = [5, 3]
     return {"mark": mark, "encoding": {"y": quantitative(column)}}
+
+
+def with_points(layer: Spec) -> Spec:
+    """The curve with a mark at each value."""
+    mark = layer["mark"]
+    point = {"filled": True, "size": 34, "fill": variable("paper"), "stroke": mark["color"]}
+    return {**layer, "mark": {**mark, "point": point | {"strokeWidth": 1.4, "opacity": 1}}}
+
+
+def dots(column: str, colour: str, shape: str, size: int = 52, filled: bool = True) -> Spec:
+    """A layer: a mark at each value, none where it is missing."""
+    mark: Spec = {"type": "point", "shape": shape, "size": size, "opacity": 1, "clip": True}
+    mark |= {"stroke": colour, "strokeWidth": 1.6, "fill": colour if filled else variable("paper")}
+    return {"mark": mark, "encoding": {"y": quantitative(column)}}
+
+
+def at_height(value: float, colour: str) -> Spec:
+    """A layer: a dotted line across the panel at a value of y."""
+    line = {"type": "rule", "color": colour, "strokeDash": [2, 3], "strokeWidth": 1.4, "clip": True}
+    place = {"y": quantitative("at"), "x": {"value": 0}, "x2": {"value": "width"}}
+    return {"data": {"values": [{"at": value}]}, "mark": line, "encoding": place}
 
 
 def mark_at(value: float, name: str, at_end: bool) -> list[Spec]:

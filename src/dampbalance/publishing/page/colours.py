@@ -6,12 +6,14 @@ and 1.4.11). Colour never stands alone: verdicts have a symbol and a word, appro
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 from markupsafe import Markup
 
 from ...balance import APPROACHES
-from ...figures.looks import SPARE, look_of
+from ...figures.looks import SPARE, Look, look_of
+from ...replication.verdicts import VERDICTS
 
 Mode = Literal["light", "dark"]
 
@@ -24,23 +26,17 @@ _GENERAL = {
     "edge": ("#7b8694", "#7c8896"),  # outlines of inputs and buttons
     "link": ("#0b4f8a", "#86bdf5"),
     "focus": ("#b3450a", "#ffb066"),
-    "reproduced": ("#1d7546", "#5ec892"),
-    "reconstructed": ("#2166ac", "#72b2f0"),
-    "last-digit": ("#8f5f00", "#dcae4c"),
-    "reading": ("#8243a6", "#c894e6"),
-    "differs": ("#b42318", "#ff9084"),
-    "on-verdict": ("#ffffff", "#0f1317"),  # text on the five above
-    "reproduced-tint": ("#e0f3e7", "#123524"),
-    "reconstructed-tint": ("#e2eefa", "#132f4b"),
-    "last-digit-tint": ("#fbf0d4", "#3a2d0d"),
-    "reading-tint": ("#f3e7f9", "#362143"),
-    "differs-tint": ("#fde6e3", "#4a1a16"),
-    "reproduced-text": ("#0f5531", "#93e2b5"),
-    "reconstructed-text": ("#0d4a85", "#a6d0fb"),
-    "last-digit-text": ("#664300", "#f2d386"),
-    "reading-text": ("#652c86", "#dfbcf3"),
-    "differs-text": ("#8f1a12", "#ffb7af"),
+    "target": ("#e2eefa", "#132f4b"),  # the row that a link leads to
+    "on-verdict": ("#ffffff", "#0f1317"),  # text on the colour of a verdict
 }
+# Lightness and chroma (OKLCH) of the three colours of a verdict, light and dark: their contrasts follow from the
+# lightness alone, so that any hue will do.
+_OF_VERDICT = {
+    "": ((0.49, 0.14), (0.76, 0.12)),
+    "-tint": ((0.95, 0.035), (0.30, 0.055)),
+    "-text": ((0.40, 0.11), (0.87, 0.08)),
+}
+_BEST, _WORST = 138.0, 27.0  # hues of the first and the last verdict, degrees: green and red
 _MOTION = {"slip": ("#2c5a8a", "#8fbcec"), "stick": ("#c75000", "#ff9a4d")}
 
 _SHAPES = {
@@ -61,10 +57,32 @@ def series() -> dict[str, tuple[str, str]]:
     return {look.series: (look.light, look.dark) for look in looks} | _MOTION
 
 
+def verdicts() -> dict[str, tuple[str, str]]:
+    """The colours of every verdict of `VERDICTS`, (light, dark) each: as a surface, as a tint under text, as text.
+
+    The first is green, the last red; between them the hue goes once and a half around, so that neighbours differ.
+    """
+    step = (720.0 + _WORST - _BEST) / max(1, len(VERDICTS) - 1)
+    return {
+        f"{verdict.css}{use}": (_rgb(*light, _BEST + n * step), _rgb(*dark, _BEST + n * step))
+        for n, verdict in enumerate(VERDICTS.values())
+        for use, (light, dark) in _OF_VERDICT.items()
+    }
+
+
+def verdict_styles() -> str:
+    """A rule of CSS per verdict: `.v-reproduced` has --fill, --tint and --text in its colours."""
+    return "\n".join(
+        f".v-{v.css} {{ --fill: {variable(v.css)}; --tint: {variable(f'{v.css}-tint')}; "
+        f"--text: {variable(f'{v.css}-text')}; }}"
+        for v in VERDICTS.values()
+    )
+
+
 def palette(mode: Mode) -> dict[str, str]:
     """All colours of the page by name, as #rrggbb."""
     which = ("light", "dark").index(mode)
-    return {name: colours[which] for name, colours in (_GENERAL | series()).items()}
+    return {name: colours[which] for name, colours in (_GENERAL | verdicts() | series()).items()}
 
 
 def css_variables(mode: Mode) -> str:
@@ -82,6 +100,33 @@ def series_colour(approach: str) -> str:
     return variable(look_of(approach).series)
 
 
-def shape(approach: str) -> Markup:
-    """The mark of an approach in a legend, as an element of SVG."""
-    return Markup(_SHAPES[look_of(approach).shape].format(f'fill="{series_colour(approach)}"'))
+def shape(look: Look) -> Markup:
+    """The mark of a look in a legend, as an element of SVG."""
+    return Markup(_SHAPES[look.shape].format(f'fill="{variable(look.series)}"'))
+
+
+def outlined(look: Look) -> Markup:
+    """The same mark, open."""
+    outline = f'fill="{variable("paper")}" stroke="{variable(look.series)}" stroke-width="1.6"'
+    return Markup(_SHAPES[look.shape].format(outline))
+
+
+def _rgb(lightness: float, chroma: float, hue: float) -> str:
+    """A colour of OKLCH as #rrggbb; one outside sRGB loses chroma until it fits. hue : degrees."""
+    while min(linear := _linear_rgb(lightness, chroma, hue)) < 0.0 or max(linear) > 1.0:
+        chroma -= 0.002
+    coded = (12.92 * c if c <= 0.0031308 else 1.055 * c ** (1 / 2.4) - 0.055 for c in linear)
+    return "#" + "".join(f"{round(255.0 * c):02x}" for c in coded)
+
+
+def _linear_rgb(lightness: float, chroma: float, hue: float) -> tuple[float, float, float]:
+    """Linear red, green, blue of a colour of OKLCH, by Ottosson's matrices (2020)."""
+    a, b = chroma * math.cos(math.radians(hue)), chroma * math.sin(math.radians(hue))
+    long = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3
+    medium = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3
+    short = (lightness - 0.0894841775 * a - 1.2914855480 * b) ** 3
+    return (
+        4.0767416621 * long - 3.3077115913 * medium + 0.2309699292 * short,
+        -1.2684380046 * long + 2.6097574011 * medium - 0.3413193965 * short,
+        -0.0041960863 * long - 0.7034186147 * medium + 1.7076147010 * short,
+    )

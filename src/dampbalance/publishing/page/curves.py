@@ -13,10 +13,27 @@ from ...project.wording import frequency_name, plain, power_of_ten
 from ...studies.parameters import PARAMETERS
 from ...studies.settings import Study
 from ...studies.shown import series
-from .charts import Axis, Chart, ChartSet, Scale, Spec, Table, Value, curve, mark_at
+from .charts import (
+    Axis,
+    Chart,
+    ChartSet,
+    Scale,
+    Spec,
+    Table,
+    Value,
+    curve,
+    mark_at,
+    with_points,
+)
 from .colours import series_colour, variable
+from .legend import line, of_approaches
+from .words import italic
 
-_SHARINGS = {"individual": ", individual φ, tₛ", "common": ", common φ, tₛ", "": ""}
+_SHARINGS = {"individual": ", individual phi, t_s", "common": ", common phi, t_s", "": ""}
+
+
+LAW = "*m*ω²*h*"
+"""The damping that backward Euler adds, as a legend names it."""
 
 
 def study_charts(study: Study, cases: str | Path) -> ChartSet:
@@ -37,8 +54,13 @@ def error_curves(study: Study, cases: str | Path) -> ChartSet:
     drawn = [one for curves in shown.curves.values() for one in curves]
     return ChartSet(
         tuple(_chart(study, shown, *place) for place in shown.curves),
-        tuple(dict.fromkeys(one.approach for one in drawn)),
-        tuple(n for n in series.SHARINGS if any(one.sharing == n for one in drawn)),
+        tuple(
+            of_approaches(
+                dict.fromkeys(one.approach for one in drawn),
+                dict.fromkeys(one.sharing for one in drawn if one.sharing),
+                marks=False,
+            )
+        ),
         {key: power_of_ten(bound) for key, bound in shown.exact.items()},
     )
 
@@ -48,28 +70,30 @@ def error_of_steps(study: Study, cases: str | Path) -> ChartSet:
     shown = series.error_of_steps(study, cases)
     steps = shown.steps
     columns: dict[str, Any] = {"step_s": steps, "line": shown.line(steps)}
-    says = [Value("step_s", "step h", "s"), Value("line", "m ω² h", "N s/m")]
-    layers = [curve("line", variable("edge"), 5.0)]
+    says = [Value("step_s", "step *h*", "s"), Value("line", LAW, "N s/m")]
+    layers = [curve("line", variable("edge"), 6.0)]
+    legend = [line(LAW, variable("edge"), 6.0)]
     for name, (of_scheme, errors) in shown.errors.items():
         label, look = SCHEME_LOOKS[name]
         column = name.replace("-", "_")
         at = dict(zip(of_scheme.tolist(), errors.tolist(), strict=True))
         columns[column] = np.array([at.get(step, np.nan) for step in steps.tolist()])
         says.append(Value(column, label, "N s/m"))
-        layers.append(_with_points(curve(column, variable(look.series))))
+        layers.append(with_points(curve(column, variable(look.series), look.page_width)))
+        legend.append(line(label, variable(look.series), look.page_width))
     sizes = [values for name, values in columns.items() if name != "step_s"]
     span = (float(steps[0]) / 1.15, float(steps[-1]) * 1.15)
     chart = Chart(
         id="study-step-size-c",
-        title="error of c by direct integration",
+        title="error of *c* by direct integration",
         description="Error of c against the step, for each scheme, beside the line mω²h.",
         table=Table("study-step-size-c", columns),
-        x=Axis("step_s", "step h (s)", "log", span),
-        y=Axis("line", "error of c (N s/m)", "log", decades(sizes, 1e-12, 1e3, cut=0.02)),
+        x=Axis("step_s", "step *h* (s)", "log", span),
+        y=Axis("line", "error of *c* (N s/m)", "log", decades(sizes, 1e-12, 1e3, cut=0.02)),
         layers=(*layers, *_marks(study, span, "log")),
         says=tuple(says),
     )
-    return ChartSet((chart,))
+    return ChartSet((chart,), tuple(legend))
 
 
 def _chart(study: Study, shown: series.ErrorCurves, symbol: str, number: int) -> Chart:
@@ -80,24 +104,24 @@ def _chart(study: Study, shown: series.ErrorCurves, symbol: str, number: int) ->
         column = f"{one.approach}_{one.sharing}".strip("_")
         colour, width = series_colour(one.approach), look_of(one.approach).page_width
         layers.append(curve(column, colour, width, dashed=one.sharing == "common"))
-        says.append(Value(column, plain(label_of(one.approach)) + _SHARINGS[one.sharing], "%"))
+        says.append(Value(column, label_of(one.approach) + _SHARINGS[one.sharing], "%"))
         errors[column] = one.error
     name, unit = shown.name, series.unit_of(shown.name)
     parameter = PARAMETERS[name]
-    meaning = plain(_short(parameter.meaning))
+    meaning = _short(parameter.meaning)
     scale: Scale = "log" if shown.is_logarithmic else "linear"
     margin = 0.3 if parameter.whole else 0.0
     span = (float(shown.places[0]) - margin, float(shown.places[-1]) + margin)
     key = f"study-{study.name}-{symbol}-{number}".replace("_", "-")
-    title = f"error of {plain(symbol)} (%)"
+    title = f"error of {italic(symbol)} (%)"
     return Chart(
         id=key,
-        title=", ".join(part for part in (plain(symbol), _title(panel)) if part),
+        title=", ".join(part for part in (italic(symbol), _title(panel)) if part),
         description=f"Error of {plain(symbol)} in % over {parameter.meaning}, a curve per approach.",
         table=Table(key, {name: panel.x, **errors}),
         x=Axis(name, meaning + (f" ({unit})" if unit else ""), scale, span),
         y=Axis(next(iter(errors), name), title, "log", shown.limits(symbol)),
-        layers=(*(map(_with_points, layers) if panel.few else layers), *_marks(study, span, scale)),
+        layers=(*(map(with_points, layers) if panel.few else layers), *_marks(study, span, scale)),
         says=(Value(name, meaning, unit), *says),
     )
 
@@ -113,13 +137,6 @@ def _title(panel: series.Panel) -> str:
 def _short(meaning: str) -> str:
     """What a parameter means, without what follows a comma."""
     return meaning.split(", ")[0]
-
-
-def _with_points(layer: Spec) -> Spec:
-    """The curve with a mark at each value."""
-    mark = layer["mark"]
-    point = {"filled": True, "size": 34, "fill": variable("paper"), "stroke": mark["color"]}
-    return {**layer, "mark": {**mark, "point": point | {"strokeWidth": 1.4, "opacity": 1}}}
 
 
 def _marks(study: Study, span: tuple[float, float], scale: Scale) -> list[Spec]:

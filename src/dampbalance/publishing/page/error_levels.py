@@ -14,6 +14,8 @@ from ...model import Oscillator
 from ...project.wording import frequency_name, plain, power_of_ten
 from .charts import Axis, Chart, ChartSet, Spec, Table, Value, coded
 from .colours import series_colour, variable
+from .legend import of_approaches
+from .words import italic
 
 FLOOR, CEILING = 1e-4, 1e3  # %, the least and the largest error an axis reaches to
 _SHARINGS = {COMMON: "common to all levels", INDIVIDUAL: "of each level"}
@@ -36,11 +38,11 @@ def error_charts(
         for key in shown.approaches
         if all(key in of_term.exact for of_term in shown.terms)
     }
+    drawn = [key for key in shown.approaches if key not in exact]
     places = itertools.product(shown.terms, frequencies_hz.items())
     return ChartSet(
         tuple(_chart(of_term, name, hz, shown) for of_term, (name, hz) in places),
-        tuple(key for key in shown.approaches if key not in exact),
-        (INDIVIDUAL, COMMON),
+        tuple(of_approaches(drawn, (INDIVIDUAL, COMMON), marks=True)),
         {key: power_of_ten(bound) for key, bound in exact.items()},
     )
 
@@ -49,23 +51,24 @@ def _chart(
     of_term: series.ErrorsOfTerm, name: str, hz: float, shown: series.ErrorsByLevel
 ) -> Chart:
     """The errors of one coefficient at one frequency."""
-    symbol, where = plain(of_term.term.symbol), f"{frequency_name(name)}, {hz:g} Hz"
+    symbol, where = of_term.term.symbol, f"{frequency_name(name)}, {hz:g} Hz"
+    named = italic(symbol)
     drawn = [key for key in shown.approaches if key not in of_term.exact]
     rows = _rows(of_term.errors[name], drawn, shown)
-    table = Table(f"error-{of_term.term.symbol}-{name}".replace("_", ""), rows)
+    table = Table(f"error-{symbol}-{name}".replace("_", ""), rows)
     limits = (-0.6, len(shown.names) - 0.4)
     sizes = decades([of_term.sizes], FLOOR, CEILING, cut=0.02)
     return Chart(
         id=table.id,
-        title=f"{symbol} at {where}",
+        title=f"{named} at {where}",
         description=f"Error of {symbol} at {hz:g} Hz by approach and pair of excitation levels.",
         table=table,
         x=Axis("at", "levels of the pair (mm)", limits=limits, labels=shown.names),
-        y=Axis("error", f"error of {symbol} (%)", "log", sizes),
+        y=Axis("error", f"error of {named} (%)", "log", sizes),
         layers=tuple(_points(drawn, filled) for filled in (True, False)),
         says=(
             Value("name", "approach"),
-            Value("sharing", "φ and tₛ"),
+            Value("sharing", "phi and t_s"),
             Value("pair", "levels", "mm"),
             Value("error", "error", "%"),
         ),

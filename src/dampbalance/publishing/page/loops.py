@@ -11,15 +11,15 @@ from ...motion.orbit import Orbit
 from .charts import NAMED, Axis, Chart, Spec, Table, Value, coded, nominal, quantitative
 from .colours import variable
 
-ACCELERATION = "acceleration ẍ (m/s²)"
-DISPLACEMENT, VELOCITY = "displacement x (mm)", "velocity ẋ (m/s)"
+ACCELERATION = "acceleration *ẍ* (m/s²)"
+DISPLACEMENT, VELOCITY = "displacement *x* (mm)", "velocity *ẋ* (m/s)"
 _SAYS = (
-    Value("level", "base amplitude Y", "mm"),
+    Value("level", "base amplitude *Y*", "mm"),
     Value("phase", "phase"),
-    Value("t", "time since −X", "ms"),
-    Value("x", "x", "mm"),
-    Value("v", "ẋ", "m/s"),
-    Value("acc", "ẍ", "m/s²"),
+    Value("t", "time since −*X*", "ms"),
+    Value("x", "*x*", "mm"),
+    Value("v", "*ẋ*", "m/s"),
+    Value("acc", "*ẍ*", "m/s²"),
 )
 
 
@@ -51,7 +51,7 @@ def figure3_charts(orbits: Sequence[Orbit]) -> list[Chart]:
     level, length = f"{1e3 * onset.orbit.motion.Y:g} mm", f"{1e3 * onset.length:.4g} µm"
     ends = list(zip(("−X", "Xₛ"), onset.x, onset.acceleration, strict=True))
     b = _panel(
-        f"(b) the microsticking line at Y = {level}",
+        f"(b) the microsticking line at *Y* = {level}",
         f"The steep line from −X to X_s at Y = {level}, {length} long.",
         one,
         Axis("x", DISPLACEMENT, limits=onset.x_limits),
@@ -59,7 +59,7 @@ def figure3_charts(orbits: Sequence[Orbit]) -> list[Chart]:
         (_loops(2.2), *_rings("x", ends, f"X + Xₛ = {length}")),
     )
     d = _panel(
-        f"(d) the corner at slip onset, Y = {level}",
+        f"(d) the corner at slip onset, *Y* = {level}",
         f"The corner at the velocity V_s = {onset.V_s:.4g} m/s of slip onset at Y = {level}.",
         one,
         Axis("v", VELOCITY, limits=onset.v_limits),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from xml.sax.saxutils import escape
 
@@ -10,12 +11,12 @@ from .colours import css_variables, variable
 
 # px: the picture, room for the parts' names, room for their totals
 WIDTH, LEFT, RIGHT = 760, 100, 60
-# px: a bar, from bar to bar, above the first, below the last
-BAR, STEP, TOP, LEGEND = 26, 36, 44, 46
+# px: a bar, from bar to bar, above the first, from the last to the legend
+BAR, STEP, TOP, BELOW = 26, 36, 44, 20
 GAP = 2  # px between two verdicts: they keep apart without colour
 SYMBOL_FITS = 44  # px: a narrower stretch holds its count only
 NARROW = 9  # px: a stretch that is narrower still holds nothing
-LEGEND_PLACES = (100, 231, 378, 492, 588)  # px, left ends of its entries
+LEGEND_COLUMNS, LEGEND_STEP = 4, 28  # entries in a row; px from row to row
 
 
 def match_picture(counts: Sequence[Count]) -> str:
@@ -23,7 +24,9 @@ def match_picture(counts: Sequence[Count]) -> str:
 
     counts : `replication.verdicts.counts`, the last one of all parts.
     """
-    height = TOP + STEP * len(counts) + LEGEND
+    shown = [count for count in counts if count.printed]
+    legend = TOP + STEP * len(shown) + BELOW
+    height = legend + LEGEND_STEP * math.ceil(len(VERDICTS) / LEGEND_COLUMNS)
     total = counts[-1]
     some = ", ".join(f"{n} {name}" for name, n in total.of_verdict.items() if n)
     none = "".join(f"; none {name}" for name, n in total.of_verdict.items() if not n)
@@ -31,7 +34,7 @@ def match_picture(counts: Sequence[Count]) -> str:
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}" '
         'role="img" aria-labelledby="title description">',
         '<title id="title">How the printed numbers fare</title>',
-        f'<desc id="description">Of {total.printed} printed numbers: {escape(some + none)}.</desc>',
+        f'<desc id="description">Of {total.printed} computed numbers: {escape(some + none)}.</desc>',
         "<style>",
         f":root {{ {css_variables('light')} }}",
         f"@media (prefers-color-scheme: dark) {{ :root {{ {css_variables('dark')} }} }}",
@@ -40,11 +43,11 @@ def match_picture(counts: Sequence[Count]) -> str:
         ".part { text-anchor: end; } .total { fill: var(--muted); } .all { font-weight: 600; }",
         "</style>",
         f'<rect width="{WIDTH}" height="{height}" fill="{variable("paper")}"/>',
-        f'<text class="all" x="{LEFT}" y="22">{total.printed} printed numbers, and how a rebuild meets them</text>',
+        f'<text class="all" x="{LEFT}" y="22">{total.printed} computed numbers, and how a rebuild meets them</text>',
     ]
-    for row, count in enumerate(counts):
+    for row, count in enumerate(shown):
         lines += _bar(count, TOP + STEP * row + (6 if count is total else 0), last=count is total)
-    lines += _legend(height - 14)
+    lines += _legend(legend + 15)
     return "\n".join([*lines, "</svg>", ""])
 
 
@@ -77,13 +80,16 @@ def _bar(count: Count, top: int, last: bool) -> list[str]:
     return lines
 
 
-def _legend(base: int) -> list[str]:
-    """What symbol and colour stand for."""
+def _legend(first: int) -> list[str]:
+    """What symbol and colour stand for. first : px, base line of its first row."""
     lines = []
-    for place, verdict in zip(LEGEND_PLACES, VERDICTS.values(), strict=True):
+    width = (WIDTH - LEFT) // LEGEND_COLUMNS
+    for number, verdict in enumerate(VERDICTS.values()):
+        row, column = divmod(number, LEGEND_COLUMNS)
+        left, base = LEFT + width * column, first + LEGEND_STEP * row
         lines += [
-            f'<rect x="{place}" y="{base - 15}" width="24" height="20" rx="2" fill="{variable(verdict.css)}"/>',
-            f'<text class="in" x="{place + 12}" y="{base}">{verdict.mark}</text>',
-            f'<text x="{place + 31}" y="{base}">{verdict.name}</text>',
+            f'<rect x="{left}" y="{base - 15}" width="24" height="20" rx="2" fill="{variable(verdict.css)}"/>',
+            f'<text class="in" x="{left + 12}" y="{base}">{verdict.mark}</text>',
+            f'<text x="{left + 31}" y="{base}">{verdict.name}</text>',
         ]
     return lines

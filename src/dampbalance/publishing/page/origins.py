@@ -51,6 +51,10 @@ ORIGINS = {
         "{case}/estimates ← estimates/estimate_exact ← balance.py solver.py",
     ),
     "tables": _origin("Tables", "{case}/tables ← tables/tables ← replication/tables.py"),
+    "digits": _origin(
+        "How the printed digits arose",
+        "{case}/figures/numerics.svg ← article/article_figure ← figures/numerics.py motion/fixed_step.py",
+    ),
     "figure3": _origin(
         "Figure 3",
         "{case}/figures/figure3.svg ← figures/figure3 ← figures/acceleration.py motion/orbit.py",

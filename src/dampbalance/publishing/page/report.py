@@ -19,22 +19,36 @@ from markupsafe import Markup
 from ... import __version__
 from ...balance import TERMS
 from ...figures.cycle import POINTS
-from ...figures.looks import label_of, look_of
+from ...figures.looks import label_of
+from ...figures.numerics import Evidence
 from ...motion.orbit import Orbit
 from ...project.case import Case
 from ...project.wording import MINUS, NONE, frequency_name, minus, percent, unit_of
 from ...replication.claim_ids import PARTS, part_of
-from ...replication.verdicts import ROUTE_NAMES, VERDICTS, Count, counts
+from ...replication.tables import TITLES
+from ...replication.verdicts import (
+    DIFFERS,
+    HOLDING,
+    KINDS,
+    RECONSTRUCTED,
+    REPRODUCED,
+    ROUTE_NAMES,
+    VERDICTS,
+    Count,
+    counts,
+)
 from ...studies.settings import Study
 from ...studies.shown.facts import paragraph
 from . import words
 from .cells import subtables
 from .charts import CONFIG, as_json, runtime
-from .colours import css_variables, series_colour, shape
+from .colours import css_variables, verdict_styles
 from .curves import study_charts
+from .digits import digit_charts
 from .error_levels import error_charts
 from .loops import figure3_charts
 from .origins import ORIGINS, link, study_origin
+from .resonance import mends, off_resonance
 
 TITLE = "How the printed numbers of an energy balance fare"
 LARGEST_PAGE = 3_000_000  # bytes: a page that a phone loads
@@ -42,17 +56,11 @@ TITLE_OF_CASE = "Friction and damping from an energy balance"
 HEADLINE_OF_CASE = (
     "Friction and viscous damping of a driven oscillator from the balance of energy over a period."
 )
-TABLE_TITLES = {
-    "table1": "Table 1: amplitudes, slip onset and phase",
-    "table2": "Table 2: energy integrals, and estimates by direct integration",
-    "table3": "Table 3: estimates of the harmonic approaches with common phi and t_s",
-    "statistics": "Statistics of the text: least squares, and mean and standard deviation of the pairs",
-}
-
 SECTIONS = {
     "match": "Match",
     "numbers": "Every number",
     "tables": "Tables",
+    "digits": "Digits",
     "figure3": "Figure 3",
     "errors": "Off resonance",
     "studies": "Studies",
@@ -67,7 +75,8 @@ class PageContent:
     case : as configured.   config : the merged configuration, to be listed.
     claims : `claims.csv` as text, or None for a case with nothing printed.
     tables : frequency → name → frame of `tables.COLUMNS`.   approaches : tables/approaches.csv.
-    orbits : of the first frequency.   estimates : the exact ones by frequency.   studies : (study, its table of cases).
+    orbits : of the first frequency.   estimates : the exact ones by frequency.   evidence : what the printed digits are
+    told from, or None.   studies : (study, its table of cases).
     """
 
     case: Case
@@ -77,6 +86,7 @@ class PageContent:
     approaches: pd.DataFrame
     orbits: Sequence[Orbit]
     estimates: Mapping[str, pd.DataFrame]
+    evidence: Evidence | None = None
     studies: Sequence[tuple[Study, Path]] = ()
 
 
@@ -94,12 +104,18 @@ def report_page(content: PageContent, page: str) -> str:
         case=case,
         page=page,
         verdicts=VERDICTS.values(),
+        kinds=KINDS,
         frequencies=[
             {"name": frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
             for name, hz in frequencies.items()
         ],
         terms=list(TERMS),
         error_table=list(_error_lines(content.approaches, frequencies)),
+        costs=off_resonance(content.approaches, frequencies),
+        mends={
+            recipe: [_signed(error) for error in errors]
+            for recipe, errors in mends(content.approaches, frequencies).items()
+        },
         **shown,
         **_provenance(content),
         style=_style(),
@@ -122,7 +138,7 @@ def _paper_tables(content: PageContent) -> dict[str, list[dict[str, Any]]]:
         claims = content.claims.set_index("id").to_dict("index")
     return {
         frequency: [
-            {"title": TABLE_TITLES[name], "subtables": subtables(table, name, {} if n else claims)}
+            {"title": TITLES[name], "subtables": subtables(table, name, {} if n else claims)}
             for name, table in content.tables[frequency].items()
         ]
         for n, frequency in enumerate(content.case.frequencies_hz)
@@ -132,14 +148,22 @@ def _paper_tables(content: PageContent) -> dict[str, list[dict[str, Any]]]:
 def _numbers(content: PageContent, tables: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """The printed numbers, counted and one by one, and the title above them. tables : those with verdicts."""
     if content.claims is None:
-        return {"title": TITLE_OF_CASE, "headline": HEADLINE_OF_CASE, "counts": [], "claims": []}
+        nothing: dict[str, Any] = {"counts": [], "claims": [], "total": None}
+        return {"title": TITLE_OF_CASE, "headline": HEADLINE_OF_CASE, **nothing}
     counted = counts(content.claims)
     in_tables = {claim for table in tables for part in table["subtables"] for claim in part.claims}
     claims = [
         _claim(row) | {"in_table": row["id"] in in_tables}
         for row in content.claims.to_dict("records")
     ]
-    return {"title": TITLE, "headline": _headline(counted[-1]), "counts": counted, "claims": claims}
+    total = counted[-1]
+    return {
+        "title": TITLE,
+        "headline": _headline(total),
+        "counts": counted,
+        "total": total,
+        "claims": claims,
+    }
 
 
 def _charts(content: PageContent) -> dict[str, Any]:
@@ -157,9 +181,15 @@ def _charts(content: PageContent) -> dict[str, Any]:
         }
         for study, cases in content.studies
     ]
-    charts = [*figure3, *errors.charts]
+    digits = []
+    if content.evidence is not None:
+        numerics = case.numerics
+        unit = numerics.tabulated["t_s_unit_s"]
+        digits = digit_charts(content.evidence, case.oscillator, numerics.step_s, unit)
+    charts = [*digits, *figure3, *errors.charts]
     charts += [chart for study in studies for chart in study["figure"].charts]
     return {
+        "digits": digits,
         "figure3": figure3,
         "points_slip": POINTS[False],
         "points_stick": POINTS[True],
@@ -175,6 +205,8 @@ def _provenance(content: PageContent) -> dict[str, Any]:
     absent = set() if content.studies else {"studies"}
     if content.claims is None:
         absent |= {"claims", "match", "numbers"}
+    if content.evidence is None:
+        absent |= {"digits"}
     return {
         "sections": [(name, title) for name, title in SECTIONS.items() if name not in absent],
         "origins": ORIGINS,
@@ -195,13 +227,11 @@ def _environment(case: str, page: str) -> jinja2.Environment:
     )
     environment.filters |= {
         "rich": words.rich,
+        "titled": words.titled,
         "symbol": _quantity,
         "here": lambda path: link(path.format(case=case), page),
         "at_case": lambda path: path.format(case=case),
-        "colour": series_colour,
         "approach": lambda key: words.rich(label_of(key)),
-        "shape": shape,
-        "width": lambda key: look_of(key).page_width,
     }
     return environment
 
@@ -215,23 +245,27 @@ def _quantity(text: str) -> Markup:
 def _claim(row: Mapping[Any, str]) -> dict[str, Any]:
     """One printed number as the page shows it, from its row of the table of claims."""
     return {
-        **{name: row[name] for name in ("id", "where", "quantity")},
+        **{name: row[name] for name in ("id", "where", "quantity", "kind")},
         **{name: minus(row[name]) for name in ("printed", "explanation")},
         "part": PARTS[part_of(row["id"])],
         "unit": unit_of(row["unit"]),
         "routes": [(route.capitalize(), minus(row[name])) for name, route in ROUTE_NAMES.items()],
         "verdict": VERDICTS[row["verdict"]],
+        "holds": row["verdict"] in HOLDING,
     }
 
 
 def _headline(total: Count) -> str:
-    """The whole match in a sentence."""
-    n = total.of_verdict
-    differs = "none differs" if not n["differs"] else f"{n['differs']} differ"
+    """The whole match in two sentences: the computed numbers, and how those fare that neither route gives."""
+    n = dict(total.of_verdict)
+    reproduced, reconstructed, differs = (
+        n.pop(verdict.name) for verdict in (REPRODUCED, RECONSTRUCTED, DIFFERS)
+    )
+    others = ", ".join(f"{count} {name}" for name, count in n.items() if count) or "none"
     return (
-        f"Of {total.printed} printed numbers, {n['reproduced']} are reproduced by the exact solution and "
-        f"{n['reconstructed']} by reconstructing how they were computed; {n['last digit']} are one unit off in the "
-        f"last digit, {n['reading']} lie within what can be read off, and {differs}."
+        f"Of the {total.printed} computed numbers that the paper prints, {reproduced} are reproduced by the exact "
+        f"solution and {reconstructed} by reconstructing how they were computed. The others: {others}; "
+        f"{'none differs' if not differs else f'{differs} differ'}."
     )
 
 
@@ -289,7 +323,7 @@ def _style() -> str:
     return (
         f":root {{ color-scheme: light dark; {css_variables('light')} }}\n"
         f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {css_variables('dark')} }} }}\n"
-        + _text("static/style.css")
+        f"{verdict_styles()}\n" + _text("static/style.css")
     )
 
 

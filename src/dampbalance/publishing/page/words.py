@@ -8,6 +8,8 @@ from markupsafe import Markup, escape
 
 from ...project.wording import GREEK, SYMBOL
 
+_INDEXED = re.compile(r"(\w)([₀-₉]+)")
+_RAISED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|N|Hz|mm|µm|m|ms|µs|s|rad)(?:\W|$))")  # the space before a unit
 
 
@@ -25,3 +27,16 @@ def rich(text: str) -> Markup:
 def one_letter(text: str) -> Markup:
     """`rich`, and a single letter is a symbol too: c, a, X."""
     return Markup(f"<i>{escape(text)}</i>") if len(text) == 1 else rich(text)
+
+
+def italic(symbol: str) -> str:
+    """A symbol as `titled` wants it in its text: *c*, and F_k as it is."""
+    return f"*{symbol}*" if len(symbol) == 1 else symbol
+
+
+def titled(text: str) -> Markup:
+    """`rich`; what stands between asterisks is a symbol, too: *c*, *x*; and an index in plain characters sinks: ω₁."""
+    html = re.sub(r"\*(.+?)\*", r"<i>\1</i>", str(rich(text)))
+    return Markup(
+        _INDEXED.sub(lambda m: f"<i>{m[1]}</i><sub>{m[2].translate(_RAISED)}</sub>", html)
+    )

@@ -55,6 +55,7 @@
       this.rows = rowsOf(this.about.table);
       const drawn = document.createElement('div');
       drawn.className = 'drawn';
+      drawn.setAttribute('aria-hidden', 'true'); // named and told by the chart around it
       drawn.style.visibility = 'hidden';
       drawn.style.position = 'absolute';
       this.element.append(drawn);
@@ -112,7 +113,7 @@
       this.tip.replaceChildren(...said.map(([name, value]) => {
         const line = document.createElement('div');
         const label = document.createElement('span');
-        label.textContent = name;
+        label.innerHTML = name; // symbols, set by words.py
         line.append(label, value);
         return line;
       }));
@@ -121,7 +122,7 @@
       const beside = x + 14 <= room ? x + 14 : x - 14 - this.tip.offsetWidth;
       this.tip.style.left = `${Math.max(0, Math.min(room, beside))}px`;
       this.tip.style.top = `${Math.max(0, y + 14)}px`;
-      this.spoken.textContent = said.map((pair) => pair.join(': ')).join(', ');
+      this.spoken.innerHTML = said.map((pair) => pair.join(': ')).join(', ');
     }
 
     /* Show a stretch of both axes: `share` of what is seen now, moved by shares of it; null for everything. */

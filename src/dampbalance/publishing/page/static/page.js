@@ -4,28 +4,45 @@
   const $ = (id) => document.getElementById(id);
   document.documentElement.classList.add('scripted');
 
+  // However a symbol is typed, it is found: φ or phi, b₁ or b_1.
+  const GREEK = { φ: 'phi', ϕ: 'phi', ω: 'omega', ζ: 'zeta' };
+  const LOWERED = Object.fromEntries([...'₀₁₂₃₄₅₆₇₈₉ₖₛₘₙ'].map((sign, i) => [sign, '0123456789ksmn'[i]]));
+  const plain = (s) => s.toLowerCase()
+    .replace(/[φϕωζ]/g, (letter) => GREEK[letter])
+    .replace(/[₀-₉ₖₛₘₙ]+/g, (run) => `_${[...run].map((sign) => LOWERED[sign]).join('')}`)
+    .replace(/[−–]/g, '-').replace(/\s+/g, ' ');
+  const wordsOf = (row) => {
+    const copy = row.cloneNode(true);
+    for (const index of copy.querySelectorAll('sub')) index.prepend('_');
+    const symbol = row.id.replace(/\.([^.]+)$/, '_$1'); // table2.b.1 is found as b_1
+    return plain([row.id, symbol, row.textContent, copy.textContent].join(' '));
+  };
+
   const table = $('claims');
   if (table) {
     const form = document.querySelector('.filter');
     const [part, verdict, text] = ['filter-part', 'filter-verdict', 'filter-text'].map($);
-    const plain = (s) => s.toLowerCase().replaceAll('−', '-').replace(/\s+/g, ' ');
-    const rows = [...table.tBodies[0].rows].map((row) => ({ row, words: plain(`${row.id} ${row.textContent}`) }));
+    const rows = [...document.querySelectorAll('[data-kind]')].map((row) => ({ row, words: wordsOf(row) }));
+    const KINDS = { computed: 'computed numbers', statement: 'statements', given: 'given values' };
+    const given = $('given');
     form.hidden = false;
 
     const apply = () => {
       const wanted = plain(text.value.trim()).split(' ').filter(Boolean);
-      let found = 0;
+      const [found, all] = [{}, {}];
       for (const { row, words } of rows) {
         const fits = (!part.value || row.dataset.part === part.value)
           && (!verdict.value || row.dataset.verdict === verdict.value)
           && wanted.every((word) => words.includes(word));
         row.classList.toggle('filtered', !fits);
-        found += fits;
+        const { kind } = row.dataset;
+        [found[kind], all[kind]] = [(found[kind] ?? 0) + fits, (all[kind] ?? 0) + 1];
       }
-      $('found').textContent = `${found} of ${rows.length} numbers`;
-      $('none').hidden = found > 0;
+      $('found').textContent = Object.keys(all).map((kind) => `${found[kind]} of ${all[kind]} ${KINDS[kind]}`).join(', ');
+      $('none').hidden = Object.values(found).some(Boolean);
+      if (given && wanted.length) given.open = found.given > 0;
     };
-    const clear = () => { part.value = verdict.value = text.value = ''; apply(); };
+    const clear = () => { part.value = verdict.value = text.value = ''; if (given) given.open = false; apply(); };
 
     form.addEventListener('submit', (event) => event.preventDefault());
     form.addEventListener('input', apply);
@@ -33,7 +50,7 @@
     $('clear').addEventListener('click', () => { clear(); text.focus(); });
 
     const reasons = $('reasons');
-    const all = [...table.querySelectorAll('details')];
+    const all = [...document.querySelectorAll('.claims details')];
     reasons.addEventListener('click', () => {
       const open = reasons.getAttribute('aria-pressed') !== 'true';
       reasons.setAttribute('aria-pressed', open);
@@ -52,11 +69,12 @@
 
     const lead = () => {
       const row = location.hash && $(decodeURIComponent(location.hash.slice(1)));
-      if (!row || !table.contains(row)) return;
+      if (!row || !(row.dataset.kind || row === given)) return;
       if (row.classList.contains('filtered')) clear();
-      row.querySelector('details').open = true;
+      const fold = row.querySelector('details') ?? row.closest('details');
+      fold.open = true;
       row.scrollIntoView({ block: 'center' });
-      row.querySelector('summary').focus({ preventScroll: true });
+      fold.querySelector('summary').focus({ preventScroll: true });
     };
     addEventListener('hashchange', lead);
     lead();
