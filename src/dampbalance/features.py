@@ -46,6 +46,7 @@ COLUMNS = {
 """Column of a data frame that holds each feature, named with its unit."""
 
 _OMEGA, _REGIME = "omega_rad_per_s", "regime"
+_AT_ONSET = ("V_s", "t_s", "V_r", "t_r")  # zero where the contact is rigid
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,13 +98,17 @@ class Features:
             values = np.asarray(
                 getattr(self, name), dtype=object if name == _REGIME else np.float64
             )
-            try:
-                broadcast = np.broadcast_to(values, shape)  # read-only
-            except ValueError:
-                raise ValueError(
-                    f"Features.{name} has shape {values.shape}, Y has {shape}"
-                ) from None
-            object.__setattr__(self, name, broadcast)
+            if values.shape == shape:  # faster than broadcasting, of which many are made
+                values = values.view()
+                values.flags.writeable = False
+            else:
+                try:
+                    values = np.broadcast_to(values, shape)  # read-only
+                except ValueError:
+                    raise ValueError(
+                        f"Features.{name} has shape {values.shape}, Y has {shape}"
+                    ) from None
+            object.__setattr__(self, name, values)
 
     def __len__(self) -> int:
         return len(self.Y)
@@ -138,6 +143,15 @@ class Features:
                 mean = np.sum(np.where(exists, values, 0.0), axis=0) / np.sum(exists, axis=0)
             common[name] = np.where(exists, mean, np.nan)
         return self.replaced(**common)
+
+    def rigid(self) -> Self:
+        """These features as a model of a rigid contact takes them: X_s = −X, V_s = 0, t_s = 0, and so a = 4X.
+
+        The limit of every approach, and no other approach: what is known of the motion itself (X, φ, b, W) stays.
+        Where the contact is compliant, a = 4X − 4Z_m, and the model takes 4Z_m too much.
+        """
+        X, none = self.X, 0.0 * self.X
+        return self.replaced(X_s=-X, X_r=X, a=4.0 * X, **dict.fromkeys(_AT_ONSET, none))
 
     def __getitem__(self, index: Any) -> Self:
         """The responses at `index`, an index of arrays: [[1, 0]] is two levels in that order, [:, i] a case."""

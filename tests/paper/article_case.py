@@ -1,6 +1,7 @@
 """The article of the paper's case, built in a folder of its own by the scripts of the workflow.
 
-The routes are computed in memory, the studies are those of `config/studies`, but for the step: its two coarsest only.
+The routes are computed in memory, the studies are those of `config/studies`, except the step (its two coarsest only)
+and the noise (two runs of each set).
 """
 
 from __future__ import annotations
@@ -24,12 +25,19 @@ from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
 from dampbalance.studies.shown import drawing
+from dampbalance.studies.shown.summary import summary_of
 from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact, unrounded
 
 RESULTS, STUDIES = "results/paper", "results/studies"
 INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}"}
-OF_ARTICLE = ["frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"]
-COARSER = {"step_size": ("[2.0e-6, 5.0e-6, 1.0e-5, 2.0e-5, 4.0e-5, 8.0e-5]", "[4.0e-5, 8.0e-5]")}
+OF_ARTICLE = [
+    *("frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"),
+    *("noise", "rigid_contact"),
+]
+COARSER = {
+    "step_size": ("[2.0e-6, 5.0e-6, 1.0e-5, 2.0e-5, 4.0e-5, 8.0e-5]", "[4.0e-5, 8.0e-5]"),
+    "noise": ("run: {from: 1, to: 50, count: 50}", "run: {from: 1, to: 2, count: 2}"),
+}
 FIRST = next(iter(CASE.frequencies_hz))
 RULES = {
     f"{RESULTS}/tables/table1.csv": "tables",
@@ -41,6 +49,8 @@ RULES = {
     f"{RESULTS}/article/evidence.json": "article_evidence",
     f"{RESULTS}/article/studies.json": "article_studies",
     f"{RESULTS}/article/environment.json": "article_environment",
+    f"{STUDIES}/noise/summary.csv": "study_summary",
+    f"{STUDIES}/noise/manifest.json": "study_cases",
 }
 
 
@@ -133,9 +143,12 @@ def _studies(folder: Path) -> tuple[list[str], list[str]]:
         )
         table = folder / f"{STUDIES}/{name}/cases.parquet"
         outputs.write_chunk(table, evaluate.evaluate(study, 0, study.cases, threads=1), study, "0")
-        if name == "frequency":
+        if name in ("frequency", "rigid_contact"):
             figure = drawing.study_figure(study, table)
             _save(figure, table.with_name("figure.svg"), drawing.alternative_text(study))
+        if name == "noise":
+            write_csv(table.with_name("summary.csv"), summary_of(table, study))
+            outputs.write_manifest(table.with_name("manifest.json"), table, study, "0")
         cases.append(f"{STUDIES}/{name}/cases.parquet")
         files.append(f"{STUDIES}/{name}.yaml")
     return cases, files

@@ -155,6 +155,10 @@ BY_HAND = {
     "c.trapezoidal": "89.9998",  # 37.19 · 2.42: no damping of its own
     "c.backward-euler": "90.0114",  # 37.19 · 2.42 + 0.01156, as the paper prints it
     "c.explicit-euler": "89.9883",  # with the other sign
+    # a_1 b_2 − a_2 b_1 = 7.6911e-6, beside 4 Z_m (b_2 − b_1) = 2.46154e-5 · 1.15010e-3 = 2.8310e-8
+    "study.rigid_contact.pair_F_omega1": "0.367 %",
+    "case.rigid_contact.paper": "90.04",  # 208 000/2310
+    "noise.sampling_hz": "1000",
     # of the studies' files and of CITATION.cff
     "case.contact_stiffness.softest": "2",
     "case.contact_stiffness.stiffest": "1\u2009000\u2009000",

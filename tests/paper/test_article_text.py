@@ -174,6 +174,8 @@ def test_nothing_is_stated_that_the_citation_lacks():
         (Style("fixed", 2), "-0.125", "−0.12"),  # half to even, in decimal
         (Style("fixed", 2, scale="1e3"), "0.00273", "2.73"),
         (Style("fixed", 1, signed=True), "0.25", "+0.2"),
+        (Style("fixed", 1), "-0.04", "0.0"),
+        (Style("fixed", 1, signed=True), "0.04", "0.0"),
         (Style("fixed", 1), "nan", "–"),
         (Style("fixed", 1), "", "–"),
         (Style("fixed", 1), None, "–"),

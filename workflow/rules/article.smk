@@ -2,7 +2,10 @@
 # are printed numbers to compare with.
 
 ARTICLE = f"{RESULTS}/article"
-ARTICLE_STUDIES = ["frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"]
+ARTICLE_STUDIES = [
+    *("frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"),
+    *("noise", "rigid_contact"),
+]
 ARTICLE_PACKAGES = [
     "dampbalance",
     "numpy",
@@ -111,6 +114,9 @@ if config["published"]:
         for maker in ARTICLE_MAKERS
         for file in map(str, getattr(rules, maker).output)
         if Path(file).name in ARTICLE_READS
+    } | {
+        f"{STUDY_RESULTS}/noise/summary.csv": "study_summary",
+        f"{STUDY_RESULTS}/noise/manifest.json": "study_cases",
     }
 
     rule article_values:
@@ -134,7 +140,9 @@ if config["published"]:
             references="paper/article/references.yml",
             values=rules.article_values.output.json,
             figures=list(ARTICLE_FIGURES.values()),
-            study_figure=f"{STUDY_RESULTS}/frequency/figure.svg",
+            study_figures=expand(
+                f"{STUDY_RESULTS}/{{study}}/figure.svg", study=("frequency", "rigid_contact")
+            ),
             claims=rules.claims.output.csv,
             modules=script_modules("article/article.py"),
         output:

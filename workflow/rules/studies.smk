@@ -1,5 +1,5 @@
-# Parameter studies: one file of config/studies, one study. Not part of the default target: they take a minute or two, and
-# the paper does not need them.
+# Parameter studies: one file of config/studies, one study. The default target builds those that the article and the page
+# cite, and no others.
 #
 # snakemake --cores all studies                                 all studies
 # snakemake --cores all results/studies/frequency/summary.md    one

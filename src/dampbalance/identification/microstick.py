@@ -82,9 +82,11 @@ def with_length(features: Features, length: float | Array, fitted: Mask) -> Feat
     length : m; 0 for a rigid contact.   fitted : whether V_s and t_s were read; a contact that is not rigid has others
     than 0, which are then unknown.
     """
+    if not np.any(length):
+        return features.rigid()
     X_s = length - features.X
     onset = {
-        name: np.where(fitted, getattr(features, name), np.nan) if np.any(length) else 0.0 * X_s
+        name: np.where(fitted, getattr(features, name), np.nan)
         for name in ("V_s", "t_s", "V_r", "t_r")
     }
     return features.replaced(X_s=X_s, X_r=-X_s, a=2.0 * (features.X - X_s), **onset)

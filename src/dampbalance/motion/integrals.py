@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Complexes
 from ..model import Parameters
-from .events import PHASE_V, PHASE_X, PHASE_Z, read_phase
+from .events import PHASE_T, PHASE_V, PHASE_X, PHASE_Z, read_phase
 from .flow import Phase, inverse, move, phase_start, unit
 from .jit import jit
 
@@ -107,6 +107,48 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
     phi, W = wrapped(theta + math.pi), 2.0 * par.k * par.Y * first.real
     crossing = wrapped(theta + omega * t_zero + 0.5 * math.pi)
     return Measures(X, X_s, V_s, t_s, phi, crossing, a, b, W, X_1, phi_1, X_3, phi_3, X_5, phi_5)
+
+
+@jit
+def harmonics(phases: Array, theta: float, par: Parameters, count: int) -> Complexes:
+    """x_n of x = Re Σ x_n e^{inωt}, y = Y cos ωt, for n = 1, 3 … 2 count − 1, m, shape (count,).
+
+    phases, theta : all phases of the half cycle, as in `measure`.   The contact force K_z z changes in stick alone,
+    where ż = ẋ, and the equation of motion does the rest:
+
+        (k − n²ω²m + inωc) x_n = kY δ_n1 − f_n,      f_n = 2K_z/(iπn) ∫ ẋ e^{−inωt} dt over stick in half a cycle
+
+    by Gauss's rule, exact to rounding whatever the damping.
+    """
+    omega = par.omega
+    integrals = np.zeros(count, dtype=np.complex128)
+    fastest = 2.0 * math.sqrt((par.k + par.K_z) / par.m) + 2.0 * count * omega
+    for i in range(len(phases)):
+        t, s, x, v, z = read_phase(phases, i)
+        if s != 0.0:
+            continue
+        end = phases[i + 1, PHASE_T] if i + 1 < len(phases) else math.pi / omega
+        start = unit(-theta - omega * t)
+        phase = phase_start(s, x, v, z, start.conjugate(), par)
+        panels = 1 + int((end - t) * fastest / _PANEL)
+        h = (end - t) / panels
+        for panel in range(panels):
+            for node, weight in zip(_GAUSS_NODES, _GAUSS_WEIGHTS):  # noqa: B905 (compiled)
+                since = h * (panel + 0.5 + 0.5 * node)
+                turn = start * unit(-omega * since)
+                step = turn * turn
+                term = 0.5 * h * weight * move(since, phase)[1] * turn
+                for j in range(count):
+                    integrals[j] += term
+                    term *= step
+    for j in range(count):
+        n = 2 * j + 1
+        force = complex(0.0, 2.0 * par.K_z / (math.pi * n)) * integrals[j]  # −f_n
+        if n == 1:
+            force += par.k * par.Y
+        impedance = inverse(par.k - n * n * omega * omega * par.m, n * omega * par.c)
+        integrals[j] = force * impedance
+    return integrals
 
 
 @jit

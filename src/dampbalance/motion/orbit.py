@@ -12,9 +12,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array
+from ..arrays import Array, Complexes
 from ..model import BaseMotion, Oscillator, Parameters, parameters
-from .integrals import Measures, measure
+from .integrals import Measures, harmonics, measure
 from .regime import Regime
 from .states import State, states_in_phases
 from .steady import MAX_PHASES, solve_steady
@@ -116,15 +116,21 @@ class Orbit:
             raise ValueError(f"harmonic n must be 1, 3 or 5, got {n!r}")
         return getattr(self._measures, f"X_{int(n)}"), getattr(self._measures, f"phi_{int(n)}")
 
+    def harmonics(self, count: int) -> Complexes:
+        """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); x_n = X_n e^{−iφ_n}."""
+        series: Complexes = harmonics(self.phases, self.theta, self._parameters, count)
+        return series
+
     def state(self, t: ArrayLike) -> State:
         """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
         times = np.asarray(t, dtype=float)
         period = self.motion.period
         since = np.mod(times.ravel() - self.theta / self.motion.omega, period)
         mirrored = since >= 0.5 * period
-        within = np.where(mirrored, since - 0.5 * period, since)
-        rows = states_in_phases(within, self.phases, self.theta, self._parameters)
-        return State(*(row.reshape(times.shape) for row in np.where(mirrored, -rows, rows)))
+        since[mirrored] -= 0.5 * period
+        rows = states_in_phases(since, self.phases, self.theta, self._parameters)
+        np.negative(rows, out=rows, where=mirrored)
+        return State(*(row.reshape(times.shape) for row in rows))
 
     def to_dict(self) -> dict[str, Any]:
         """The orbit as plain numbers and lists, from which `from_dict` makes it again, bit for bit."""

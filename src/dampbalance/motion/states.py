@@ -35,11 +35,18 @@ def states_in_phases(times: Array, phases: Array, theta: float, par: Parameters)
     """
     Z_m = par.F_k / par.K_z
     out = np.empty((4, times.size))
+    i = 0
+    start, s, x0, v0, z0 = read_phase(phases, i)
+    phase = phase_start(s, x0, v0, z0, unit(theta + par.omega * start), par)
     for j in range(times.size):
         t = times[j]
-        i = max(0, np.searchsorted(phases[:, PHASE_T], t, side="right") - 1)
-        start, s, x0, v0, z0 = read_phase(phases, i)
-        phase = phase_start(s, x0, v0, z0, unit(theta + par.omega * start), par)
+        here = max(0, np.searchsorted(phases[:, PHASE_T], t, side="right") - 1)
+        if (
+            here != i
+        ):  # successive times mostly lie in one phase, whose start costs more than the move
+            i = here
+            start, s, x0, v0, z0 = read_phase(phases, i)
+            phase = phase_start(s, x0, v0, z0, unit(theta + par.omega * start), par)
         u, v = move(t - start, phase)
         x = x0 + u
         z = z0 + u if s == 0.0 else s * Z_m

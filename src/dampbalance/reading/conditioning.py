@@ -339,7 +339,9 @@ def _error(rows: Complexes, weights: Array) -> Array:
     """
     smooth = _scatter(rows, weights) / weights.sum()
     higher = np.pad(smooth[2:], 2, constant_values=np.nan)
-    smooth[2:] = np.nanmedian(np.lib.stride_tricks.sliding_window_view(higher, 5), axis=1)
+    ordered = np.sort(np.lib.stride_tricks.sliding_window_view(higher, 5), axis=1)  # NaN last
+    known, place = np.isfinite(ordered).sum(axis=1), np.arange(len(ordered))
+    smooth[2:] = 0.5 * (ordered[place, (known - 1) // 2] + ordered[place, known // 2])
     floor = (_RELATIVE_FLOOR * abs(weighted_mean(rows, weights)[1])) ** 2
     errors: Array = np.sqrt(np.maximum(smooth, floor))
     return errors

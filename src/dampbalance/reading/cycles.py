@@ -246,13 +246,15 @@ class _Accumulator:
         for sign in (1.0, -1.0):
             high = np.where(inside, sign * s, -np.inf)
             top = high.max(axis=1)
-            at_top = high == top[:, None]
+            highest = np.flatnonzero(top == top.max())
+            high = high[highest]
+            at_top = high == top[highest, None]
             count = at_top.sum(axis=1)
             # A sinusoid in steps of a converter dwells at its top level at most 1/(√2 − 1) = 2.4 times as long as at
             # the next; noise shortens that. A clipped one dwells there alone.
             below = np.where(at_top, -np.inf, high)
             next_count = (below == below.max(axis=1)[:, None]).sum(axis=1)
-            clipped |= _three_in_a_row(at_top) & (count > 4 * next_count) & (top == top.max())
+            clipped[highest] |= _three_in_a_row(at_top) & (count > 4 * next_count)
         self.held_at_extreme += int(clipped.sum())
 
     def _gather(self, harmonics: Complexes, whole: Mask) -> None:

@@ -38,6 +38,7 @@ _EXTRA = 4  # odd harmonics beyond the bandwidth that the waveform is fitted to:
 _JACKKNIFE_GROUPS = 400
 _OF_ONSET = ("V_s", "t_s", "V_r", "t_r")
 _MISFIT = 5.0  # standard deviations of χ²
+_REACHED = 1e-9  # rad: the next of Newton's steps would be about its square
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +76,8 @@ class Reading:
     @one_thread
     def with_onset(self, onset: bool) -> Features:
         """The features with the slip onset of the waveform, resolved or not, or without: the rigid limit."""
+        if onset == self.onset_resolved:
+            return self.features
         return _features(self.steady, self.waveform, onset)
 
     @one_thread
@@ -306,6 +309,8 @@ def _peak(parts: _Parts) -> tuple[Array, Array]:
         _, rate, bend = _motion(parts, at)
         step = np.where(bend < 0.0, -rate / np.where(bend < 0.0, bend, -1.0), 0.0)
         at = at + np.clip(step, -limit, limit)
+        if np.all(np.abs(step) < _REACHED):
+            break
     return at, _motion(parts, at)[0]
 
 
@@ -314,12 +319,19 @@ def _upward_zero(parts: _Parts, lag: Array) -> Array:
     at = lag - 0.5 * math.pi
     for _ in range(5):
         x, rate, _ = _motion(parts, at)
-        at = at - np.clip(x / np.where(rate > 0.0, rate, np.inf), -0.5, 0.5)
+        step = x / np.where(rate > 0.0, rate, np.inf)
+        at = at - np.clip(step, -0.5, 0.5)
+        if np.all(np.abs(step) < _REACHED):
+            break
     return at
 
 
 def _motion(parts: _Parts, theta: Array) -> tuple[Array, Array, Array]:
     """x, dx/dωt, d²x/dωt² at one phase for each mean, (r,)."""
     n = parts.n
-    turn = np.exp(1j * theta[:, None] * n) * parts.x
+    turn = np.empty(
+        parts.x.shape, dtype=np.complex128
+    )  # e^{inθ}: products cost less than exponentials
+    turn[:, 0], turn[:, 1:] = np.exp(1j * theta), np.exp(2j * theta)[:, None]
+    turn = np.multiply.accumulate(turn, axis=1) * parts.x
     return turn.real.sum(axis=1), -(turn.imag @ n), -(turn.real @ n**2)

@@ -23,7 +23,7 @@ from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
 from .climb import Evaluation, NoConvergence, NoStart, climb
 
-_HALF = 1024  # points of half a cycle: harmonics alias below 1e-9 of X
+_HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
 _SMALLEST_U, _LARGEST_U = 1e-3, 1.9
 _STARTS = (0.06, 0.18, 0.5)
 _GAIN = 5e-8  # of half the sum of squares, where the climb ends
@@ -90,7 +90,7 @@ def fit_waveform(
         sensitivity=sensitivity,
         misfit=float(residual @ residual) / max(1, freedom),
         freedom=freedom,
-        tail=_harmonics(orbit),
+        tail=orbit.harmonics(_HARMONICS),
     )
 
 
@@ -147,7 +147,7 @@ class _Fit:
         orbit = self.orbit(p) if within else None
         if orbit is None:
             return None
-        model = _harmonics(orbit)[self.n // 2] * np.exp(1j * self.n * p[5])
+        model = orbit.harmonics(self.n.size) * np.exp(1j * self.n * p[5])
         off = (model - self.x) / self.x_error
         Y_off = (math.exp(p[4]) - self.Y) / self.Y_error
         return np.concatenate([[Y_off, p[5] * self.Y / self.Y_error], off.real, off.imag])
@@ -188,12 +188,3 @@ class _Fit:
         if len(slopes) < p.size:
             return None
         return Evaluation.of_residuals(residual, np.column_stack(slopes))
-
-
-def _harmonics(orbit: Orbit) -> Complexes:
-    """x_n, n = 1, 3, 5 … of x = Re Σ x_n e^{inωt}, m, shape (_HALF // 8,): by symmetry from half a cycle."""
-    steps = np.arange(_HALF)
-    x = orbit.state(steps * (0.5 * orbit.motion.period / _HALF)).x
-    turned = x * np.exp(-1j * math.pi / _HALF * steps)
-    harmonics: Complexes = 2.0 / _HALF * np.fft.fft(turned)[: _HALF // 8]
-    return harmonics

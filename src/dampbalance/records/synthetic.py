@@ -7,7 +7,7 @@ noise on each, independent of the others.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -58,17 +58,17 @@ def measured_orbit(
     t = start + np.arange(count) / rate_hz
     state = orbit.state(t)
     y = np.asarray(motion.y(t), dtype=np.float64)
-    clean: dict[str, Array] = {
-        "base_displacement": y,
-        "base_acceleration": -(motion.omega**2) * y,
-        "force": orbit.oscillator.k * y,
-        "displacement": state.x,
-        "velocity": state.v,
-        "acceleration": state.acceleration,
+    clean: dict[str, Callable[[], Array]] = {
+        "base_displacement": lambda: y,
+        "base_acceleration": lambda: -(motion.omega**2) * y,
+        "force": lambda: orbit.oscillator.k * y,
+        "displacement": lambda: state.x,
+        "velocity": lambda: state.v,
+        "acceleration": lambda: state.acceleration,
     }
     measured = []
     for quantity in channels:
-        values = clean[quantity]
+        values = clean[quantity]()
         part = parts.get(quantity, 0.0)
         if part > 0.0:
             rms = math.sqrt(float(np.mean(values**2)))

@@ -19,7 +19,7 @@ from ..project.documents import (
 from .axes import SOBOL_BITS, Listed
 from .parameters import MECHANICAL, PARAMETERS, objection, synonyms
 from .routes import ROUTES
-from .settings import SPREADS, Study, paper_defaults
+from .settings import BANDS, OF_INTERVALS, SPREADS, Study, paper_defaults
 
 
 def read_study(path: str | Path, schema_file: str | Path, paper_file: str | Path) -> Study:
@@ -199,8 +199,8 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
     if take in SPREADS and len(fits) > 1:
         labels = ", ".join(fit.label for fit in fits)
         yield key, f"{take} is that of one fit, and {labels} are meant"
-    if take in ("standard_error", "coverage") and "intervals" not in study.columns:
+    if take in OF_INTERVALS and "intervals" not in study.columns:
         yield (*key, "take"), "needs the columns of intervals: columns: [errors, intervals]"
     listed = [name for b in study.blocks if isinstance(b, Listed) for name in b.names]
-    if take == "band" and spec.get("along") not in listed:
+    if take in BANDS and spec.get("along") not in listed:
         yield (*key, "along"), "must be an axis of this study whose values are listed"

@@ -17,7 +17,7 @@ from .axes import case_values
 from .parameters import MECHANICAL, PARAMETERS, SI_COLUMNS, in_si
 from .plan import columns_of
 from .responses import NOT_READ, REGIME_NAMES, exact_responses
-from .settings import Fit, Study
+from .settings import RIGID, Fit, Study
 
 READ = ("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi")
 """What rules of reading change; the rows need no other feature that they do."""
@@ -60,9 +60,9 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
     table |= {name: values[name] for name in study.axis_names}
     table |= {name: si[key] for key, (name, _, _) in SI_COLUMNS.items() if name not in table}
     table["regime"] = _regime_names(responses.regime)
-    cached: dict[tuple[str, str, str], Rows] = {}
+    cached: dict[tuple[str, str, str, str], Rows] = {}
     for fit in study.fits:
-        key = (fit.approach, fit.phase, fit.sharing)
+        key = (fit.approach, fit.phase, fit.sharing, fit.contact)
         if key not in cached:
             cached[key] = _rows(fit, responses, si["k"], rules)
         rows = _of_levels(cached[key], fit)
@@ -139,6 +139,8 @@ def _rows(
         seen = _as_read(seen, rules, common=fit.sharing == "common")
     elif fit.sharing == "common":
         seen = seen.with_common("phi", "t_s")
+    if fit.contact == RIGID:
+        seen = seen.rigid()
     return APPROACHES[fit.approach](seen, k)
 
 

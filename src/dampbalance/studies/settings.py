@@ -14,21 +14,30 @@ from .axes import Block, Listed, Range, Sampled, number_of_cases, spread
 from .parameters import PARAMETERS, synonyms
 from .routes import REPLICATES, ROUTES
 
-SPREADS = ("bias", "rms", "standard_error", "coverage")
+COMPLIANT, RIGID = "compliant", "rigid"
+"""Models of the contact: with the slip onset as it was read, or without one (`Features.rigid`)."""
+
+OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high")
+SPREADS = ("bias", "rms", *OF_INTERVALS)
 """Facts about a whole set of runs, each by one fit: see `groups.Spread`."""
+
+BANDS = ("band", "from")
+"""Facts about a stretch of an axis: both its ends, or the lower one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """One way to identify F_k and c in a case: which rows, with which phase, and which of the levels.
+    """One way to identify F_k and c in a case: which rows, with which phase, contact, and which of the levels.
 
     phase : reversal, zero_crossing or fundamental.   sharing : φ and t_s individual or common.   Both are empty for
-    an approach that knows no phase.   levels : positions of two levels counted from 0, None for least squares of all.
+    an approach that knows no phase.   contact : compliant, with the slip onset as it was read, or rigid, a = 4X.
+    levels : positions of two levels counted from 0, None for least squares of all.
     """
 
     approach: str
     phase: str
     sharing: str
+    contact: str
     levels: tuple[int, int] | None
 
     @property
@@ -40,10 +49,11 @@ class Fit:
 
     @property
     def label(self) -> str:
-        """How the columns of this fit are told apart, e.g. X_s__reversal__individual__least_squares."""
-        return "__".join(
-            part for part in (self.approach, self.phase, self.sharing, self.kind) if part
-        )
+        """How the columns of this fit are told apart, e.g. X_s__reversal__individual__least_squares; a rigid contact
+        is named, direct__rigid__least_squares."""
+        contact = "" if self.contact == COMPLIANT else self.contact
+        parts = (self.approach, contact, self.phase, self.sharing, self.kind)
+        return "__".join(part for part in parts if part)
 
 
 @dataclass(frozen=True)
@@ -93,8 +103,10 @@ class Study:
         return [*samples, self.seed] if self.route == "measured" else samples
 
     def fits_of(self, spec: Mapping[str, Any]) -> list[Fit]:
-        """The fits that a fact or a figure selects by approach, phase, sharing and fit, as far as it gives them.
+        """The fits that a fact or a figure selects by approach, phase, sharing, contact and fit, as far as it gives
+        them.
 
+        contact : compliant or rigid; if it is missing, compliant, or else all.
         fit : least_squares, pair_i_j, or pairs for all pairs; if it is missing, least squares, or else all.
         """
         keys, kind = ("approach", "phase", "sharing"), spec.get("fit")
@@ -103,6 +115,9 @@ class Study:
             for fit in self.fits
             if all(getattr(fit, key) in ("", spec.get(key, getattr(fit, key))) for key in keys)
         ]
+        contact = spec.get("contact")
+        those = [fit for fit in fits if fit.contact == (contact or COMPLIANT)]
+        fits = those if contact else those or fits
         if kind is None:
             return [fit for fit in fits if fit.levels is None] or fits
         return [fit for fit in fits if fit.kind == kind or (fit.levels and kind == "pairs")]
@@ -182,7 +197,8 @@ def _fits(estimation: Mapping[str, Any]) -> Iterator[Fit]:
     ]
     phases = estimation.get("phases", ["reversal"])
     sharings = estimation.get("sharing", ["individual"])
+    contacts = estimation.get("contact", [COMPLIANT])
     for approach in estimation.get("approaches", APPROACHES):
         choices = (phases, sharings) if takes_phase(approach) else ([""], [""])
-        for phase, sharing, levels in product(*choices, chosen_levels):
-            yield Fit(approach, phase, sharing, levels)
+        for choice in product(*choices, contacts, chosen_levels):
+            yield Fit(approach, *choice)

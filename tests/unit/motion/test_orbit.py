@@ -194,6 +194,10 @@ def test_harmonics_by_the_discrete_fourier_transform(orbit):
         # aliases: X_n falls as n⁻⁴ (ẍ is continuous, the jerk jumps) from 4096 on
         exact = X_n * np.exp(-1j * phi_n)
         assert abs(spectrum[order] - exact) <= 1e-11 * orbit.X
+    # the phase of a DFT counts from the first sample, t = 0, where y is at its peak
+    series = orbit.harmonics(40)
+    assert np.abs(series - spectrum[1:80:2]).max() <= 1e-11 * orbit.X
+    assert orbit.harmonics(3) == pytest.approx(series[:3], rel=1e-12)
 
 
 def test_state_takes_any_shape():

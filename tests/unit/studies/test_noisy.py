@@ -170,6 +170,10 @@ def test_the_spread_of_known_errors():
     assert found.rms == pytest.approx(math.hypot(bias, scatter), rel=0.03)
     assert found.standard_error == pytest.approx(scatter, rel=1e-12)
     assert found.coverage == pytest.approx(0.95, abs=4.0 * math.sqrt(0.95 * 0.05 / n))
+    assert found.coverage_low < found.coverage < found.coverage_high
+    sizes = np.sort(np.abs(errors[np.isfinite(errors)]))
+    half, most = (math.ceil(share * len(sizes)) - 1 for share in (0.5, 0.95))
+    assert (found.median, found.p95) == (sizes[half], sizes[most])
     nothing = groups.spread(np.full(3, np.nan), None, None)
     assert (nothing.runs, nothing.identified) == (3, 0)
     assert math.isnan(nothing.bias)

@@ -57,6 +57,8 @@ class Style:
         if self.unsigned:
             number = abs(number)
         text = self._digits_of(number, str(raw))
+        if self.form == "fixed" and not text.strip("-0."):  # rounded to zero, which has no sign
+            return text.removeprefix("-")
         if text.startswith("-"):
             return MINUS + text[1:]
         return f"+{text}" if self.signed else text

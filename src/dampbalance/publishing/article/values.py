@@ -11,6 +11,7 @@ from ...replication.claim_ids import PARTS
 from ...replication.verdicts import VERDICTS
 from . import recipe, tabulated
 from .book import Book
+from .noise import noise
 from .places import ResultFiles
 from .style import Style
 
@@ -42,6 +43,15 @@ STUDY_FACTS = {
     "read_out": "five exact fourier_five fourier_six X_s_five X_s_six X_s_nine X_s_five_individual "
     "X_s_nine_individual",
     "step_size": "euler_paper euler_coarse explicit_paper rk4_coarse",
+    "noise": "all_covered all_low all_high all_c_covered all_c_low all_c_high",
+    "rigid_contact": " ".join(
+        ["c_from", "soft_omega1", "soft_omega3"]
+        + [
+            f"{fact}_{frequency}"
+            for fact in ("F", "c", "pair_F", "fourier", "fourier_own", "X_s", "X_s_own", "from")
+            for frequency in ("omega1", "omega2", "omega3")
+        ]
+    ),
 }
 # Study → the cases that the article puts into numbers: key → (fact, axis, power of ten, unit)
 STUDY_CASES = {
@@ -57,6 +67,10 @@ STUDY_CASES = {
     "step_size": {
         "as_published": ("euler_paper", "step_s", "1e6", "µs"),
         "coarsest": ("euler_coarse", "step_s", "1e6", "µs"),
+    },
+    "rigid_contact": {
+        "soft": ("soft_omega1", "K_z_over_k", "1", ""),
+        "paper": ("F_omega1", "K_z_over_k", "1", ""),
     },
 }
 FITS = {"pair": "{}_largest_pair_error_percent", "least_squares": "{}_error_percent"}
@@ -83,6 +97,7 @@ def article_values(
         "frequencies": frequencies,
         "packages": _environment(book),
         **_software(book),
+        "noise": noise(book),
     }
     return book.as_json() | {"lists": lists}
 

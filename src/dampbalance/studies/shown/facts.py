@@ -12,7 +12,7 @@ import pandas as pd
 
 from ...arrays import Array, Words
 from ...project.wording import percent
-from ..settings import SPREADS, Study
+from ..settings import BANDS, SPREADS, Study
 from ..stretches import Sizes, stretches
 from .groups import spread_of
 
@@ -24,15 +24,19 @@ def paragraph(study: Study, cases: str | Path) -> str:
 
 
 def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
-    """One number in words: a percentage, or for a band the values of the axis between which it lies."""
+    """One number in words: a percentage, or for a band the values of the axis between which, or from which on, it
+    lies."""
     take = spec["take"]
     if take in SPREADS:
         (fit,) = study.fits_of(spec)
         kept = np.concatenate([part["case"] for part in _cases_of(cases, spec, ["case"])])
         spread = spread_of(study, cases, spec["of"], fit, kept)
         return _in_words(float(getattr(spread, take)), signed=take == "bias")
-    if take == "band":
-        return _band(study, cases, spec)
+    if take in BANDS:
+        ends = _band(study, cases, spec)
+        if ends is None:
+            return "nowhere"
+        return f"{ends[0]:.3g}" + (f" to {ends[1]:.3g}" if take == "band" else "")
     sizes, first = Sizes(spec.get("within", math.inf)), math.nan
     for part in _cases_of(cases, spec, error_columns(study, spec)):
         errors = worst(study, part, spec)
@@ -101,8 +105,9 @@ def _cases_of(
         yield {name: column[kept] for name, column in part.items()}
 
 
-def _band(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
-    """The stretch of the axis around a place along which the error stays within the bound."""
+def _band(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> tuple[float, float] | None:
+    """The ends of the stretch of an axis, around a place on it, along which the error stays within the bound; None if
+    it does not at that place."""
     parts = []
     for part in _cases_of(cases, spec, [spec["along"], *error_columns(study, spec)]):
         size = np.abs(worst(study, part, spec))
@@ -111,10 +116,10 @@ def _band(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
     largest = pd.concat(parts).groupby(level=0).max()  # place on the axis → error there
     places, bad = largest.index.to_numpy(), np.flatnonzero(largest > spec["within"])
     if not len(places):
-        return "nowhere"
+        return None
     middle = int(np.argmin(np.abs(places - spec.get("around", places[-1]))))
     if middle in bad:
-        return "nowhere"
+        return None
     low = bad[bad < middle].max(initial=-1) + 1
     high = bad[bad > middle].min(initial=len(places)) - 1
-    return f"{places[low]:.3g} to {places[high]:.3g}"
+    return float(places[low]), float(places[high])

@@ -13,7 +13,8 @@ import pyarrow.parquet as pq
 from ...arrays import Array, Mask
 from ...balance import TERMS
 from ...project.wording import percent
-from ..settings import Fit, Study
+from ..evaluate import NORMAL_95
+from ..settings import RIGID, Fit, Study
 from ..stretches import column_of
 from .bounds import bounds_of
 
@@ -22,8 +23,9 @@ class Spread(NamedTuple):
     """What n runs say of an estimator. All but the counts relative to the true value; NaN for what is not known.
 
     bias : mean error.   bias_error : its standard error, scatter/√n.   scatter : standard deviation of the errors.
-    rms : root of their mean square.   p95 : size that 95 % do not exceed.   standard_error : rms of the stated ones.
-    coverage : share of the runs whose 95 % interval holds the true value.
+    rms : root of their mean square.   median, p95 : sizes that half and 95 % do not exceed.
+    standard_error : rms of the stated ones.   coverage : share of the runs whose 95 % interval holds the true value;
+    coverage_low, coverage_high : what so many runs leave open of it, see `share_interval`.
     """
 
     runs: int
@@ -32,9 +34,12 @@ class Spread(NamedTuple):
     bias_error: float
     scatter: float
     rms: float
+    median: float
     p95: float
     standard_error: float
     coverage: float
+    coverage_low: float
+    coverage_high: float
 
 
 def spread(errors: Array, standard_errors: Array | None, covered: Array | None) -> Spread:
@@ -42,6 +47,8 @@ def spread(errors: Array, standard_errors: Array | None, covered: Array | None) 
     known = errors[np.isfinite(errors)]
     n = len(known)
     scatter = float(known.std(ddof=1)) if n > 1 else np.nan
+    judged = np.empty(0) if covered is None else covered[np.isfinite(covered)]
+    low, high = share_interval(int(judged.sum()), len(judged))
     return Spread(
         runs=len(errors),
         identified=n,
@@ -49,10 +56,26 @@ def spread(errors: Array, standard_errors: Array | None, covered: Array | None) 
         bias_error=scatter / np.sqrt(n) if n else np.nan,
         scatter=scatter,
         rms=_rms(known),
-        p95=float(np.quantile(np.abs(known), 0.95)) if n else np.nan,
+        median=_reached(known, 0.5),
+        p95=_reached(known, 0.95),
         standard_error=_rms(standard_errors),
         coverage=_mean(covered),
+        coverage_low=low,
+        coverage_high=high,
     )
+
+
+def share_interval(count: int, runs: int) -> tuple[float, float]:
+    """The 95 % interval of a probability that showed in `count` of `runs` (Wilson's score interval); NaN of no run.
+
+    (p + z²/2n ± z √(p(1 − p)/n + z²/4n²)) / (1 + z²/n),   p = count/n, n = runs, z = 1.96
+    """
+    if runs == 0:
+        return np.nan, np.nan
+    share, z2 = count / runs, NORMAL_95**2 / runs
+    half = np.sqrt(share * (1.0 - share) * z2 + 0.25 * z2 * z2)
+    middle, whole = share + 0.5 * z2, 1.0 + z2
+    return max(0.0, (middle - half) / whole), min(1.0, (middle + half) / whole)
 
 
 def terms_of(cases: str | Path) -> list[str]:
@@ -101,6 +124,7 @@ def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
                 counts = {name: shares.pop(name) for name in ("runs", "identified")}
                 record = {**where, **which(quantity, fit), **counts}
                 record |= {f"{name}_percent": 100.0 * share for name, share in shares.items()}
+                record |= {"bias_over_standard_error": found.bias / found.standard_error}
                 if study.route == "measured":
                     bound = bounds[quantity]
                     used = (bound / found.rms) ** 2 if found.rms > 0.0 else np.nan
@@ -111,8 +135,8 @@ def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
 
 def which(quantity: str, fit: Fit) -> dict[str, str]:
     """The columns of a table that say which quantity and which fit a line is about."""
-    by = {"approach": fit.approach, "phase": fit.phase, "sharing": fit.sharing, "fit": fit.kind}
-    return {"quantity": quantity} | by
+    by = {"approach": fit.approach, "phase": fit.phase, "sharing": fit.sharing}
+    return {"quantity": quantity} | by | {"contact": fit.contact, "fit": fit.kind}
 
 
 def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
@@ -121,7 +145,7 @@ def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
     lines = [
         f"Relative errors of the identified {joined(summary['quantity'].unique())} over the runs. Scatter: their "
         "standard deviation. Standard error: what the bootstrap of each run states, rms. Coverage: share of the 95 % "
-        "intervals that hold the true value."
+        "intervals that hold the true value, and between which bounds the number of runs leaves it (95 %)."
     ]
     if measured:
         lines[0] += (
@@ -149,7 +173,8 @@ _RULE = "|---|---|---|---|---|---:|---:|---:|---:|---:|---:|"
 def fit_cells(row: Mapping[Any, Any]) -> list[str]:
     """The cells of a line that say which quantity and which fit it is about."""
     phase, fit = (row[name].replace("_", " ") for name in ("phase", "fit"))
-    return [row["quantity"], row["approach"], phase, row["sharing"], fit]
+    rigid = ", rigid" if row["contact"] == RIGID else ""
+    return [row["quantity"], f"{row['approach']}{rigid}", phase, row["sharing"], fit]
 
 
 def _line(row: Mapping[Any, Any]) -> str:
@@ -158,7 +183,8 @@ def _line(row: Mapping[Any, Any]) -> str:
         *fit_cells(row),
         f"{row['identified']:,} of {row['runs']:,}",
         f"{sign}{_percent(row, 'bias')} ± {_percent(row, 'bias_error')}",
-        *(_percent(row, name) for name in ("scatter", "standard_error", "p95", "coverage")),
+        *(_percent(row, name) for name in ("scatter", "standard_error", "p95")),
+        f"{_percent(row, 'coverage')} ({_percent(row, 'coverage_low')} to {_percent(row, 'coverage_high')})",
         *(_percent(row, name) for name in ("bound", "information") if f"{name}_percent" in row),
     ]
     return f"| {' | '.join(cells)} |"
@@ -166,6 +192,13 @@ def _line(row: Mapping[Any, Any]) -> str:
 
 def _percent(row: Mapping[Any, Any], name: str) -> str:
     return percent(0.01 * row[f"{name}_percent"])
+
+
+def _reached(errors: Array, share: float) -> float:
+    """The smallest size among the errors that this share of them does not exceed, as `Sizes.quantile` has it."""
+    if not len(errors):
+        return np.nan
+    return float(np.quantile(np.abs(errors), share, method="inverted_cdf"))
 
 
 def _rms(values: Array | None) -> float:
