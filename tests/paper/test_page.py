@@ -109,7 +109,7 @@ def test_every_claim_has_its_row_and_its_reason(tree, made):
         text = " ".join(row["text"].split())
         assert wording.minus(claim["printed"]) in text
         # Symbols are set in HTML: compare what is not one.
-        reason = words.rich(wording.minus(claim["explanation"])).striptags()
+        reason = words.reason(wording.minus(claim["explanation"])).striptags()
         assert " ".join(reason.split()) in text
 
 
@@ -521,6 +521,11 @@ def test_titles_set_single_letters_between_asterisks():
     assert (
         str(words.titled("at ω₁, 4.92 Hz")) == "at <i>ω</i><sub>1</sub>, 4.92\N{NO-BREAK SPACE}Hz"
     )
+    assert str(words.quantity("a: norm of w")) == "<i>a</i>: norm of <i>w</i>"
+    assert str(words.quantity("share of a bound")) == "share of a bound"
+    reason = "c acts as c + mω²h = 90.01 N s/m, not as the author’s c"
+    set_ = "<i>c</i> acts as <i>c</i> + <i>m</i>ω²<i>h</i> = 90.01\N{NO-BREAK SPACE}N s/m, not as the author’s <i>c</i>"
+    assert str(words.reason(reason)) == set_
     assert [words.italic(symbol) for symbol in ("c", "F_k")] == ["*c*", "F_k"]
 
 

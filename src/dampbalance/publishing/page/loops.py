@@ -146,7 +146,8 @@ def _rings(column: str, marks: Sequence[tuple[str, float, float]], below: str) -
     ring = {"type": "point", "size": 60, "filled": True, "fill": variable("paper")}
     ring |= {"stroke": variable("ink"), "strokeWidth": 1.4, "opacity": 1, "clip": True}
     words = {"type": "text", "align": "left", "dx": 9, "dy": 9, "fontSize": 13, "clip": True}
-    layers: list[Spec] = [{**data, "mark": ring}, {**data, "mark": words, **NAMED}]
+    symbols = words | {"fontStyle": "italic"}
+    layers: list[Spec] = [{**data, "mark": ring}, {**data, "mark": symbols, **NAMED}]
     if below:
         remark = {"data": {"values": [values[-1] | {"name": below}]}}
         layers.append({**remark, "mark": words | {"dy": 27, "fontSize": 11.5}, **NAMED})

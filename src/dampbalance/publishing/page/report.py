@@ -228,6 +228,8 @@ def _environment(case: str, page: str) -> jinja2.Environment:
     environment.filters |= {
         "rich": words.rich,
         "titled": words.titled,
+        "quantity": words.quantity,
+        "reason": words.reason,
         "symbol": _quantity,
         "here": lambda path: link(path.format(case=case), page),
         "at_case": lambda path: path.format(case=case),

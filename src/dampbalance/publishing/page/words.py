@@ -10,6 +10,9 @@ from ...project.wording import GREEK, SYMBOL
 
 _INDEXED = re.compile(r"(\w)([₀-₉]+)")
 _RAISED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
+# Single letters that are symbols: in the name of a quantity all but the article, in a reason those that are no unit.
+_OF_QUANTITY = re.compile(r"(?<![\w’'])([b-zB-Z]|a(?=:))(?![\w’'])")
+_OF_REASON = re.compile(r"(?<![\w’'.])([bcWXYk])(?![\w’'])")
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|N|Hz|mm|µm|m|ms|µs|s|rad)(?:\W|$))")  # the space before a unit
 
 
@@ -27,6 +30,16 @@ def rich(text: str) -> Markup:
 def one_letter(text: str) -> Markup:
     """`rich`, and a single letter is a symbol too: c, a, X."""
     return Markup(f"<i>{escape(text)}</i>") if len(text) == 1 else rich(text)
+
+
+def quantity(text: str) -> Markup:
+    """`rich` for what a printed number is: its single letters are symbols, too. a: friction travel, the norm of w."""
+    return titled(_OF_QUANTITY.sub(r"*\1*", text))
+
+
+def reason(text: str) -> Markup:
+    """`rich` for the reason of a verdict, with its symbols of one letter: c acts as c + mω²h."""
+    return titled(_OF_REASON.sub(r"*\1*", text.replace("mω²h", "*m*ω²*h*")))
 
 
 def italic(symbol: str) -> str:
