@@ -64,6 +64,7 @@ def opened(browser: Any, file: Path, size: str, scheme: str) -> Any:
     view.goto(file.as_uri())
     view.evaluate(_EVERYTHING)
     view.wait_for_function(
-        "[...document.querySelectorAll('.plot')].every((plot) => plot.classList.contains('ready'))"
+        # as a function: an expression would be evaluated as a string, which the page's policy forbids
+        "() => [...document.querySelectorAll('.plot')].every((plot) => plot.classList.contains('ready'))"
     )
     return view

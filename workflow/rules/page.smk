@@ -3,7 +3,10 @@
 # The page shows the small studies of the paper's oscillator, seconds each, never the map over a million. A case of one's own,
 # with nothing printed to compare with, gets a page without verdicts and studies: snakemake page --configfile …
 
-PAGE_STUDIES = ["frequency", "level", "damping", "contact_stiffness", "read_out", "step_size"]
+PAGE_STUDIES = [
+    *("frequency", "level", "damping", "contact_stiffness", "rigid_contact"),
+    *("read_out", "step_size"),
+]
 PAGE_PARTS = sorted(
     str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else str(path)
     for folder in ("static", "templates")

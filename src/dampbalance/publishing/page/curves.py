@@ -131,7 +131,7 @@ def _title(panel: series.Panel) -> str:
         return panel.value
     symbol = panel.axis.symbol
     in_tex = not symbol or "\\" in symbol
-    return f"{_short(panel.axis.meaning) if in_tex else symbol} = {panel.value}"
+    return f"{_short(panel.axis.meaning) if in_tex else italic(symbol)} = {panel.value}"
 
 
 def _short(meaning: str) -> str:
