@@ -132,7 +132,7 @@ BY_HAND = {
     "F_k": "1.28",
     "f.omega3": "11.1",
     "level.4": "12",
-    "verdicts.all.printed": "100",
+    "verdicts.all.computed": "100",
     "t1.4 mm.X.printed": "2.73",
     "t1.4 mm.V_s.printed": "7.74",
     "t1.4 mm.t_s.printed": "2.9",

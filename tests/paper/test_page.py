@@ -571,7 +571,7 @@ def test_the_picture_says_its_numbers():
     total = found[-1]
     description = root.find(f"{space}desc").text
     assert description.startswith(
-        f"Of {total.printed} computed numbers: {total.of_verdict['reproduced']} reproduced"
+        f"Of {total.computed} computed numbers: {total.of_verdict['reproduced']} reproduced"
     )
     titles = [title.text for title in root.iter(f"{space}title")][1:]
     expected = [
@@ -589,7 +589,7 @@ def test_the_picture_says_its_numbers():
     room = match.WIDTH - match.LEFT - match.RIGHT
     ends = itertools.accumulate(sum(map(bool, count.of_verdict.values())) for count in found)
     for count, end in zip(found, ends, strict=True):
-        shares = [n / count.printed for n in count.of_verdict.values() if n]
+        shares = [n / count.computed for n in count.of_verdict.values() if n]
         widths = bars[end - len(shares) : end]
         # to a tenth of a pixel
         assert [width + match.GAP for width in widths] == pytest.approx(

@@ -35,7 +35,7 @@ def test_the_verdicts_are_those_on_record():
     }
     assert table == {
         count.part: [
-            count.printed,
+            count.computed,
             *count.of_verdict.values(),
             count.given,
             count.statements,

@@ -97,8 +97,8 @@ class Count:
         return PARTS.get(self.key, self.key)
 
     @property
-    def printed(self) -> int:
-        """The computed numbers of the part."""
+    def computed(self) -> int:
+        """How many computed numbers the part has."""
         return sum(self.of_verdict.values())
 
 

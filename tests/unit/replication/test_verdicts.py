@@ -22,7 +22,7 @@ def test_counts_per_part_and_of_all():
         columns=["id", "kind", "verdict"],
     )
     found = counts(claims)
-    assert [(count.part, count.printed) for count in found] == [
+    assert [(count.part, count.computed) for count in found] == [
         ("Text", 2),
         ("Table 1", 1),
         ("all", 3),

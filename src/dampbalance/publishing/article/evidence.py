@@ -77,7 +77,7 @@ def verdict_counts(claims: pd.DataFrame) -> Json:
     return {
         count.key: {
             **count.of_verdict,
-            "printed": count.printed,
+            "computed": count.computed,
             "given": count.given,
             "statement": count.statements,
             "statements_held": count.statements_held,

@@ -125,7 +125,7 @@ def _setting(book: Book, frequencies: list[str]) -> None:
 
 def _verdicts(book: Book) -> None:
     for part in (*PARTS, "all"):
-        for name in ("printed", *VERDICTS, "given", "statement", "statements_held"):
+        for name in ("computed", *VERDICTS, "given", "statement", "statements_held"):
             book.item(f"verdicts.{part}.{name}", EVIDENCE, f"/verdicts/{part}/{name}", COUNT)
 
 

@@ -24,7 +24,7 @@ def match_picture(counts: Sequence[Count]) -> str:
 
     counts : `replication.verdicts.counts`, the last one of all parts.
     """
-    shown = [count for count in counts if count.printed]
+    shown = [count for count in counts if count.computed]
     legend = TOP + STEP * len(shown) + BELOW
     height = legend + LEGEND_STEP * math.ceil(len(VERDICTS) / LEGEND_COLUMNS)
     total = counts[-1]
@@ -34,7 +34,7 @@ def match_picture(counts: Sequence[Count]) -> str:
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}" '
         'role="img" aria-labelledby="title description">',
         '<title id="title">How the printed numbers fare</title>',
-        f'<desc id="description">Of {total.printed} computed numbers: {escape(some + none)}.</desc>',
+        f'<desc id="description">Of {total.computed} computed numbers: {escape(some + none)}.</desc>',
         "<style>",
         f":root {{ {css_variables('light')} }}",
         f"@media (prefers-color-scheme: dark) {{ :root {{ {css_variables('dark')} }} }}",
@@ -43,7 +43,7 @@ def match_picture(counts: Sequence[Count]) -> str:
         ".part { text-anchor: end; } .total { fill: var(--muted); } .all { font-weight: 600; }",
         "</style>",
         f'<rect width="{WIDTH}" height="{height}" fill="{variable("paper")}"/>',
-        f'<text class="all" x="{LEFT}" y="22">{total.printed} computed numbers, and how a rebuild meets them</text>',
+        f'<text class="all" x="{LEFT}" y="22">{total.computed} computed numbers, and how a rebuild meets them</text>',
     ]
     for row, count in enumerate(shown):
         lines += _bar(count, TOP + STEP * row + (6 if count is total else 0), last=count is total)
@@ -62,8 +62,8 @@ def _bar(count: Count, top: int, last: bool) -> list[str]:
         if not n:
             continue
         verdict = VERDICTS[name]
-        left = LEFT + room * before / count.printed
-        width = room * n / count.printed - GAP
+        left = LEFT + room * before / count.computed
+        width = room * n / count.computed - GAP
         before += n
         lines.append(
             f'<rect x="{left:.1f}" y="{top}" width="{width:.1f}" height="{BAR}" rx="2" '
@@ -75,7 +75,7 @@ def _bar(count: Count, top: int, last: bool) -> list[str]:
                 f'<text class="in" x="{left + 0.5 * width:.1f}" y="{middle}">{text}</text>'
             )
     lines.append(
-        f'<text class="total{weight}" x="{WIDTH - RIGHT + 10}" y="{middle}">{count.printed}</text>'
+        f'<text class="total{weight}" x="{WIDTH - RIGHT + 10}" y="{middle}">{count.computed}</text>'
     )
     return lines
 

@@ -265,7 +265,7 @@ def _headline(total: Count) -> str:
     )
     others = ", ".join(f"{count} {name}" for name, count in n.items() if count) or "none"
     return (
-        f"Of the {total.printed} computed numbers that the paper prints, {reproduced} are reproduced by the exact "
+        f"Of the {total.computed} computed numbers that the paper prints, {reproduced} are reproduced by the exact "
         f"solution and {reconstructed} by reconstructing how they were computed. The others: {others}; "
         f"{'none differs' if not differs else f'{differs} differ'}."
     )

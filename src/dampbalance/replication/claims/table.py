@@ -100,7 +100,7 @@ def summary(frame: pd.DataFrame) -> str:
     counted = counts(frame)
     table = {
         count.part: {
-            "computed": count.printed,
+            "computed": count.computed,
             **count.of_verdict,
             "given": count.given,
             "statements": count.statements,
@@ -216,7 +216,7 @@ def _meanings(frame: pd.DataFrame) -> list[str]:
     return [
         *(f"- {kinds.get(kind, 0)} {kind}: {meaning}" for kind, meaning in KINDS.items()),
         "",
-        f"Of the {total.printed} computed numbers:",
+        f"Of the {total.computed} computed numbers:",
         "",
         *(f"- **{name}** {total.of_verdict[name]}: {v.meaning}" for name, v in VERDICTS.items()),
     ]
