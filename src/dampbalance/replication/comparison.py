@@ -23,6 +23,18 @@ if TYPE_CHECKING:
 PHASES: tuple[Phase, ...] = get_args(Phase)
 """The lags of x behind y that the harmonic approaches can use."""
 
+WAY = ("approach", "phase", "sharing")
+WAYS = {
+    "mean": ("X_s", "reversal", "common"),
+    "reversal": ("X_s", "reversal", "individual"),
+    "shared": ("X_s", "fundamental", "common"),
+    "crossing": ("X_s", "zero_crossing", "individual"),
+    "fundamental": ("X_s", "fundamental", "individual"),
+    "fourier": ("fourier", "", ""),
+    "direct": ("direct", "", ""),
+}
+"""Ways to identify F_k and c, compared off resonance, the paper's pairs first: name → columns WAY of the table."""
+
 
 def approaches_table(features: Mapping[str, Features], case: Case) -> pd.DataFrame:
     """Errors of the coefficients, %, by every approach, definition of the phase, and frequency.

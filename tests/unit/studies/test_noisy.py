@@ -8,7 +8,6 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 
 from dampbalance import BaseMotion, __version__, steady_orbit
 from dampbalance.identification.identify import identify
@@ -17,14 +16,10 @@ from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.wording import percent
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.synthetic import measured_orbit
-from dampbalance.studies import checking, evaluate, outputs
+from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.shown import drawing, facts, groups, summary
 from dampbalance.studies.shown.bounds import bounds_of
-from folders import ROOT
 from paper_case import FREQUENCIES_HZ, PAPER, motions_at
-
-SCHEMA_FILE = ROOT / "workflow/schemas/study.schema.yaml"
-PAPER_FILE = ROOT / "config/config.yaml"
 
 SMALL = {
     "title": "Small",
@@ -46,18 +41,6 @@ SMALL = {
     "summary_by": ["frequency_hz", "noise"],
     "figure": {"kind": "scatter", "x": "noise", "panels": "frequency_hz"},
 }
-
-
-@pytest.fixture(scope="module")
-def make(tmp_path_factory):
-    """Makes the study of a document: make(document) -> Study."""
-
-    def study(document):
-        path = tmp_path_factory.mktemp("study") / "test.yaml"
-        path.write_text(yaml.safe_dump(document), encoding="utf-8")
-        return checking.read_study(path, SCHEMA_FILE, PAPER_FILE)
-
-    return study
 
 
 @pytest.fixture(scope="module")

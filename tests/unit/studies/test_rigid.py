@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import yaml
 
 from dampbalance import __version__
 from dampbalance.balance import APPROACHES
 from dampbalance.project.documents import ConfigurationError
-from dampbalance.studies import checking, evaluate, outputs
+from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.shown import facts, groups, summary
-from folders import ROOT
-from paper_case import FREQUENCIES_HZ, PAPER, features_at, orbits_at
+from paper_case import FREQUENCIES_HZ, LEVELS, PAPER, features_at, orbits_at
 
-SCHEMA_FILE = ROOT / "workflow/schemas/study.schema.yaml"
-PAPER_FILE = ROOT / "config/config.yaml"
 HERTZ = list(FREQUENCIES_HZ.values())
-LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
 STUDY = {
     "title": "Rigid",
     "axes": [{"frequency_hz": {"values": HERTZ}}],
@@ -28,18 +23,6 @@ STUDY = {
         "fits": ["least_squares", [1, 2], [2, 5]],
     },
 }
-
-
-@pytest.fixture(scope="module")
-def make(tmp_path_factory):
-    """Makes the study of a document: make(document) -> Study."""
-
-    def study(document):
-        path = tmp_path_factory.mktemp("study") / "test.yaml"
-        path.write_text(yaml.safe_dump(document), encoding="utf-8")
-        return checking.read_study(path, SCHEMA_FILE, PAPER_FILE)
-
-    return study
 
 
 @pytest.fixture(scope="module")

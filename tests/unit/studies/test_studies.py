@@ -28,12 +28,10 @@ from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.logarithmic import is_logarithmic
 from dampbalance.studies.stretches import Sizes
-from folders import ROOT
+from folders import PAPER_FILE, ROOT, STUDY_SCHEMA
 from paper_case import PAPER
 
-SCHEMA_FILE = ROOT / "workflow/schemas/study.schema.yaml"
-PAPER_FILE = ROOT / "config/config.yaml"
-SCHEMA = yaml.safe_load(SCHEMA_FILE.read_text(encoding="utf-8"))
+SCHEMA = yaml.safe_load(STUDY_SCHEMA.read_text(encoding="utf-8"))
 SHIPPED = sorted((ROOT / "config/studies").glob("*.yaml"))
 
 # The estimates come from the same rows by the same solver, but sin and cos of longer arrays may round otherwise: a
@@ -42,14 +40,8 @@ SOLVER = 1e-12
 
 
 @pytest.fixture
-def study(tmp_path):
+def study(make):
     """Makes the study of a document: study({"axes": …}) -> Study."""
-
-    def make(document, name="test"):
-        path = tmp_path / f"{name}.yaml"
-        path.write_text(yaml.safe_dump({"title": "Test"} | document), encoding="utf-8")
-        return checking.read_study(path, SCHEMA_FILE, PAPER_FILE)
-
     return make
 
 
@@ -298,7 +290,7 @@ def test_dimensionless_groups_are_what_they_say():
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_shipped_studies_are_in_order(path):
-    made = checking.read_study(path, SCHEMA_FILE, PAPER_FILE)
+    made = checking.read_study(path, STUDY_SCHEMA, PAPER_FILE)
     assert made.figure
     assert made.shows
     assert set(made.fixed) | set(made.axis_names) >= {"m_kg", "k_N_per_m"}

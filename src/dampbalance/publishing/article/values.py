@@ -8,6 +8,7 @@ from typing import Any
 
 from ...balance import TERMS
 from ...replication.claim_ids import PARTS
+from ...replication.comparison import WAY, WAYS
 from ...replication.verdicts import VERDICTS
 from . import recipe, tabulated
 from .book import Book
@@ -23,17 +24,6 @@ PLAIN, COUNT, WORD, TEXT = Style("plain"), Style("fixed"), Style("word"), Style(
 PERCENT, DEVIATION, BOUND = Style("significant", 2), Style("power", 1), Style("bound")
 SHIFT, SIGNED = Style("power", 2, signed=True), Style("significant", 2, signed=True)
 
-# Ways to identify F_k and c: name in the article → row of approaches.csv
-WAY = ("approach", "phase", "sharing")
-WAYS = {
-    "mean": ("X_s", "reversal", "common"),
-    "reversal": ("X_s", "reversal", "individual"),
-    "shared": ("X_s", "fundamental", "common"),
-    "crossing": ("X_s", "zero_crossing", "individual"),
-    "fundamental": ("X_s", "fundamental", "individual"),
-    "fourier": ("fourier", "", ""),
-    "direct": ("direct", "", ""),
-}
 # Study → the facts of its file that the article states
 STUDY_FACTS = {
     "frequency": "band_common band_individual fourier fourier_c",

@@ -8,16 +8,17 @@ from typing import NamedTuple
 import pandas as pd
 
 from ...project.wording import percent
+from ...replication.comparison import WAY, WAYS
 
 RECIPES = {
-    "one phase of the reversal for all levels, as in the paper": ("X_s", "reversal", "common"),
-    "each level’s phase of the reversal": ("X_s", "reversal", "individual"),
-    "each level’s phase of the zero crossing": ("X_s", "zero_crossing", "individual"),
-    "one phase of the fundamental for all levels": ("X_s", "fundamental", "common"),
-    "each level’s phase of the fundamental": ("X_s", "fundamental", "individual"),
-    "Fourier balance": ("fourier", "", ""),
+    "mean": "one phase of the reversal for all levels, as in the paper",
+    "reversal": "each level’s phase of the reversal",
+    "crossing": "each level’s phase of the zero crossing",
+    "shared": "one phase of the fundamental for all levels",
+    "fundamental": "each level’s phase of the fundamental",
+    "fourier": "Fourier balance",
 }
-"""A recipe in words → approach, phase and sharing, as in `comparison.approaches_table`: the paper's, then each mend."""
+"""A way of comparison.WAYS → in words: the paper's, then each mend."""
 
 
 class Costs(NamedTuple):
@@ -37,31 +38,31 @@ def off_resonance(approaches: pd.DataFrame, frequencies_hz: Mapping[str, float])
     """
     errors = _errors(approaches)
 
-    def size(phase: str, sharing: str, frequency: str) -> str:
-        return percent(0.01 * errors["X_s", phase, sharing, frequency])
+    def size(way: str, frequency: str) -> str:
+        return percent(0.01 * errors[*WAYS[way], frequency])
 
     return [
         Costs(
             f"{hz:g} Hz",
-            which=size("reversal", "individual", name),
-            shared=size("fundamental", "common", name),
-            both=size("reversal", "common", name),
-            neither=size("fundamental", "individual", name),
+            which=size("reversal", name),
+            shared=size("shared", name),
+            both=size("mean", name),
+            neither=size("fundamental", name),
         )
         for name, hz in list(frequencies_hz.items())[1:]
     ]
 
 
 def mends(approaches: pd.DataFrame, frequencies_hz: Mapping[str, float]) -> dict[str, list[float]]:
-    """Error of F_k, %, by least squares: every recipe of RECIPES in words → one for each frequency."""
+    """Error of F_k, %, by least squares: every way of RECIPES in words → one for each frequency."""
     errors = _errors(approaches)
     return {
-        words: [errors[*recipe, name] for name in frequencies_hz]
-        for words, recipe in RECIPES.items()
+        words: [errors[*WAYS[way], name] for name in frequencies_hz]
+        for way, words in RECIPES.items()
     }
 
 
 def _errors(approaches: pd.DataFrame) -> dict[tuple[str, str, str, str], float]:
     """Error of F_k by least squares, %, by approach, phase, sharing and frequency."""
-    keys = zip(*(approaches[n] for n in ("approach", "phase", "sharing", "frequency")), strict=True)
+    keys = zip(*(approaches[name] for name in (*WAY, "frequency")), strict=True)
     return dict(zip(keys, approaches["F_k_error_percent"], strict=True))
