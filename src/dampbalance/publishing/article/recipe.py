@@ -6,7 +6,6 @@ from typing import Any
 
 from ...features import Features
 from ...project.case import Case
-from ...reading.clean import CYCLES_TO_READ
 from ...replication.readout import ReadOut
 from .book import Book
 from .style import Style
@@ -22,6 +21,8 @@ def evidence(case: Case, exact: Features) -> dict[str, Any]:
 
     exact : features of the exact responses; what is read to so coarse a unit is the same off the simulation.
     """
+    from ...reading.clean import CYCLES_TO_READ  # slow to import, and of no use to `enter`
+
     numerics = case.numerics
     rules = ReadOut.from_config(numerics.two_point)
     common = rules.common(exact)

@@ -21,7 +21,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from ...project.case import Numerics
 from ...reading.clean import CYCLES_TO_READ
@@ -118,7 +118,7 @@ def of_the_others(
     others = np.delete(deviations, level)
     if others.size < 2 or not np.all(np.isfinite(deviations)):
         return ()
-    reach = student.ppf(0.5 + 0.5 * CONFIDENCE, others.size - 1) * np.std(others, ddof=1)
+    reach = stdtrit(others.size - 1, 0.5 + 0.5 * CONFIDENCE) * np.std(others, ddof=1)
     reach *= math.sqrt(1.0 + 1.0 / others.size)
     value, far = float(values[level]), float(abs(reach * scale[level]))
     of = " of itself" if relative else ""
