@@ -430,8 +430,8 @@ mended = {
     for hertz in FREQUENCIES
 }
 pd.DataFrame(
-    {f"error of F_k, {at}": [f"{error:+.2%}" for error in errors] for at, errors in mended.items()},
-    index=pd.Index(MENDS, name="recipe"),
+    {f"F_k, {at}": [f"{error:+.2%}" for error in errors] for at, errors in mended.items()},
+    index=pd.Index(MENDS, name="error of"),
 )
 
 # %% [markdown]
@@ -559,8 +559,8 @@ for hertz in FREQUENCIES:
         errors.append(least_squares(stage)["F_k"] / oscillator.F_k - 1)
 pd.DataFrame(
     [[f"{error:+.2%}" for error in errors] for errors in steps.values()],
-    columns=[f"error of F_k, {f} Hz" for f in FREQUENCIES],
-    index=pd.Index(steps, name="recipe"),
+    columns=[f"F_k, {f} Hz" for f in FREQUENCIES],
+    index=pd.Index(steps, name="error of"),
 )
 
 # %% [markdown] tags=["outcome"]
