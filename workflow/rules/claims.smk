@@ -1,7 +1,12 @@
 # A verdict on every printed number, and the comparison with the verdicts on record.
 
 if config["published"] and workflow.is_main_process:
-    from dampbalance.replication.claims import PRINTED_FREQUENCIES, PRINTED_LEVELS
+    from dampbalance.replication.claims import (
+        PRINTED_FREQUENCIES,
+        PRINTED_LEVELS,
+        check_text,
+        read_published,
+    )
 
     where = f"{CONFIG_FILES[-1]}: published: {config['published']}"
     other = "use null for a case of your own, with nothing printed to compare with"
@@ -13,6 +18,10 @@ if config["published"] and workflow.is_main_process:
         raise WorkflowError(
             f"{where} has numbers for {PRINTED_LEVELS} levels at {', '.join(PRINTED_FREQUENCIES)}; {other}."
         )
+    try:
+        check_text(read_published(Path(config["published"])))
+    except ValueError as error:
+        raise WorkflowError(f"{where}: {error}.") from None
 
 
 def published_files(wildcards):

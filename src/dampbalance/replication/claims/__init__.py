@@ -6,6 +6,7 @@
 from .inputs import FREQUENCIES as PRINTED_FREQUENCIES
 from .inputs import LEVELS as PRINTED_LEVELS
 from .inputs import RouteTables
+from .of_text import check as check_text
 from .published import Published, read_published
 from .table import check, claims_markdown, claims_table, read_claims, read_record, summary
 
@@ -15,6 +16,7 @@ __all__ = [
     "Published",
     "RouteTables",
     "check",
+    "check_text",
     "claims_markdown",
     "claims_table",
     "read_claims",

@@ -16,7 +16,7 @@ from . import causes, statements
 from .from_print import printed_estimates, printed_pair_statistics
 from .inputs import HARMONIC, PAIRS, RouteTables, Sources
 from .judging import Claim
-from .published import row
+from .published import Published, row
 
 # What the least squares of each approach start from.
 LEAST_SQUARES = {"direct": "Table 2's integrals"} | dict.fromkeys(HARMONIC, "Table 1's read-outs")
@@ -28,6 +28,24 @@ TEXT_IDS = frozenset(
     | {"t_s_mean", "phi_mean", "max_error_F_k", "max_error_c", "max_error_omega3"}
     | {"accuracy_omega2", "accuracy_omega3", "direct_best"}
 )
+
+
+def check(published: Published) -> None:
+    """Raise ValueError for values of the text that have no claim, or that its rule cannot judge."""
+    odd = TEXT_IDS ^ set(published.text_values.index)
+    if odd:
+        raise ValueError(
+            f"text_values.csv and the claims of the text do not match: {', '.join(sorted(odd))}; "
+            "each printed value needs its claim"
+        )
+    for name in published.text_values.index:
+        stated = row(published.text_values, name)
+        if name.startswith("max_error_"):
+            statements.bound(name, stated["quantity"], stated["printed"], {})
+        elif name.startswith("accuracy_"):
+            statements.change(name, stated["printed"], {}, {})
+        elif name == "direct_best":
+            statements.truth(name, stated["printed"], {})
 
 
 def parameters(sources: Sources) -> Iterator[Claim]:

@@ -54,12 +54,7 @@ def claims_table(
     paper's.
     """
     require_paper(case)
-    odd = of_text.TEXT_IDS ^ set(published.text_values.index)
-    if odd:
-        raise ValueError(
-            f"text_values.csv and the claims of the text do not match: {', '.join(sorted(odd))}; "
-            "each printed value needs its claim"
-        )
+    of_text.check(published)
     sources = Sources(published, case, exact, as_published, from_print(published, case), unrounded)
     records = [
         {
