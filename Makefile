@@ -27,7 +27,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check archive bench format lock clean distclean help stale
+.PHONY: all setup test lint unit check archive bench mutants format lock clean distclean help stale
 
 all: setup ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(RUN) snakemake --cores $(CORES)
@@ -54,6 +54,9 @@ archive: setup ## Pack sources, results and digests for keeping, into results/ar
 
 bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and scipy (choose with BENCH_ARGS="peers")
 	@cd tests && $(BENCH_RUN) benchmarks --output ../results/benchmarks $(BENCH_ARGS)
+
+mutants: setup ## Put errors into the method and see whether its tests notice (choose with MUTANTS_ARGS="motion/flow.py --seed 2")
+	@cd tests && $(RUN) mutation $(MUTANTS_ARGS)
 
 format: setup ## Format the sources
 	@$(RUN) ruff check --fix .

@@ -1,0 +1,105 @@
+"""A process of its own that runs tests in a copy of the project.
+
+Nothing of the project is imported here: the process must find the package and the helpers of the tests in its copy.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numba
+import pytest
+
+Config: Any = numba.config
+
+LONGEST_INTERPRETED = 2.5
+"""Seconds that a test may take where kernels are interpreted; a longer one is left to compiled kernels."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """Tests to run in the copy `folder`.
+
+    files : of tests, below tests/.   chosen : ids of those to run, in this order; all if None.
+    interpreted : kernels are not compiled.   stop : at the first failure.   report : file that receives the outcome.
+    """
+
+    folder: Path
+    files: tuple[str, ...]
+    chosen: tuple[str, ...] | None
+    interpreted: bool
+    stop: bool
+    report: Path
+
+
+class Watch:
+    """Chooses the tests, limits their time, and writes down how each of them ended."""
+
+    def __init__(self, run: Run) -> None:
+        self.run = run
+        self.tests: dict[str, dict[str, Any]] = {}
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_collection_modifyitems(self, config, items):
+        if self.run.chosen is not None:
+            place = {name: i for i, name in enumerate(self.run.chosen)}
+            config.hook.pytest_deselected(items=[i for i in items if i.nodeid not in place])
+            items[:] = sorted(
+                (item for item in items if item.nodeid in place),
+                key=lambda item: place[item.nodeid],
+            )
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_call(self):
+        if not self.run.interpreted:
+            return (yield)
+        signal.signal(signal.SIGALRM, _too_long)
+        signal.setitimer(signal.ITIMER_REAL, 2.0 * LONGEST_INTERPRETED)
+        try:
+            return (yield)
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+    def pytest_runtest_logreport(self, report):
+        test = self.tests.setdefault(report.nodeid, {"passed": True, "seconds": 0.0})
+        test["seconds"] += report.duration
+        if not report.passed:
+            test["passed"] = False
+
+    def pytest_sessionfinish(self):
+        self.run.report.write_text(json.dumps(self.tests), encoding="utf-8")
+
+
+def _too_long(*_: object) -> None:
+    raise TimeoutError("too long for interpreted kernels")
+
+
+def run_tests(run: Run) -> None:
+    """Run the tests and leave with pytest's exit status."""
+    os.setsid()  # whatever the tests start ends with this process
+    with run.report.with_suffix(".log").open("w") as log:
+        for stream in (1, 2):
+            os.dup2(log.fileno(), stream)
+    os.chdir(run.folder)
+    sys.path[:0] = [str(run.folder / "src"), str(run.folder / "tests")]
+    os.environ["PYTHONPATH"] = os.pathsep.join(sys.path[:2])
+    if run.stop:  # a mutant: its bytes must never be taken for those of the original
+        sys.dont_write_bytecode = True
+        os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
+    arguments = ["-q", "--no-header", "--tb=line", "-p", "no:cacheprovider", "-p", "no:xdist"]
+    if run.interpreted:
+        os.environ["NUMBA_DISABLE_JIT"] = "1"
+        Config.DISABLE_JIT = True
+        # compiled code divides and overflows without a word
+        arguments += ["-W", "ignore::RuntimeWarning"]
+    if run.stop:
+        arguments.append("-x")
+    status = pytest.main([*arguments, *(f"tests/{file}" for file in run.files)], plugins=[Watch(run)])
+    sys.stdout.flush()
+    os._exit(int(status))
