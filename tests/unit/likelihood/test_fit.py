@@ -236,11 +236,11 @@ def test_interval_of_K_z_is_that_of_its_root(measured):
     )
 
 
-@pytest.mark.parametrize("share", [0.03, 0.2, 0.5, 0.8, 0.97])
+@pytest.mark.parametrize("share", [0.03, 0.2, 0.5, 0.8])
 def test_a_fit_of_one_level_starts_near_its_share_of_friction(share):
     """Of the work: the balance of one level does not tell it, the waveform chooses among those that are tried."""
     motion = BaseMotion(0.008, OMEGA)
-    c = PAPER.c * (1.0 - share)
+    c = 0.5 * PAPER.c * (1.0 - share)
 
     def excess(F_k):
         orbit = steady_orbit(replace(PAPER, F_k=F_k, c=c), motion)
