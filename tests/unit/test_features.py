@@ -106,8 +106,11 @@ def test_what_does_not_fit_together_is_refused():
         of_orbit(orbit()).replaced(X=[1.0, 2.0])
     with pytest.raises(ValueError, match=r"unknown features \['Z'\]"):
         of_orbit(orbit()).replaced(Z=1.0)
-    with pytest.raises(ValueError, match="X_m"):
-        Features.from_frame(of_orbit(orbit()).to_frame().drop(columns="X_m"))
+    for column in ("X_m", "omega_rad_per_s", "regime"):
+        with pytest.raises(ValueError, match=rf"needs the columns \['{column}'\]"):
+            Features.from_frame(of_orbit(orbit()).to_frame().drop(columns=column))
+    with pytest.raises(ValueError, match="at least one"):
+        Features.from_frame(of_orbit(orbit()).to_frame().iloc[:0])
 
 
 def test_responses_of_different_frequencies_go_together():
