@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import signal
 import sys
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,8 +20,11 @@ import pytest
 
 Config: Any = numba.config
 
-LONGEST_INTERPRETED = 2.5
-"""Seconds that a test may take where kernels are interpreted; a longer one is left to compiled kernels."""
+LONGEST_INTERPRETED = 1.0
+"""Seconds of processor time that a test may take where kernels are interpreted; a longer one meets compiled kernels."""
+
+MEMORY = 6 << 30
+"""Bytes that the tests of a mutant may ask for."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +32,8 @@ class Run:
     """Tests to run in the copy `folder`.
 
     files : of tests, below tests/.   chosen : ids of those to run, in this order; all if None.
-    interpreted : kernels are not compiled.   stop : at the first failure.   report : file that receives the outcome.
+    interpreted : kernels are not compiled.   stop : at the first failure.   seconds : of processor time at the most.
+    report : file that receives the outcome.
     """
 
     folder: Path
@@ -35,6 +41,7 @@ class Run:
     chosen: tuple[str, ...] | None
     interpreted: bool
     stop: bool
+    seconds: int
     report: Path
 
 
@@ -56,33 +63,43 @@ class Watch:
             )
 
     @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_call(self):
-        if not self.run.interpreted:
-            return (yield)
-        signal.signal(signal.SIGALRM, _too_long)
-        signal.setitimer(signal.ITIMER_REAL, 2.0 * LONGEST_INTERPRETED)
+    def pytest_runtest_protocol(self, item):
+        self.tests[item.nodeid] = {"passed": True, "seconds": 0.0}
+        start = time.process_time()
         try:
             return (yield)
         finally:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            self.tests[item.nodeid]["seconds"] = time.process_time() - start
+            # after each test: the process may be ended amid the next
+            self.run.report.write_text(json.dumps(self.tests), encoding="utf-8")
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_call(self):
+        if not (self.run.interpreted or self.run.stop):
+            return (yield)
+        signal.signal(signal.SIGPROF, _too_long)
+        # a mutant that runs on for ever fails its first test; one that is slow only has time enough
+        limit = 20.0 if self.run.stop else 2.0
+        signal.setitimer(signal.ITIMER_PROF, limit * (LONGEST_INTERPRETED if self.run.interpreted else 5.0))
+        try:
+            return (yield)
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0.0)
 
     def pytest_runtest_logreport(self, report):
-        test = self.tests.setdefault(report.nodeid, {"passed": True, "seconds": 0.0})
-        test["seconds"] += report.duration
         if not report.passed:
-            test["passed"] = False
-
-    def pytest_sessionfinish(self):
-        self.run.report.write_text(json.dumps(self.tests), encoding="utf-8")
+            self.tests[report.nodeid]["passed"] = False
 
 
 def _too_long(*_: object) -> None:
-    raise TimeoutError("too long for interpreted kernels")
+    raise TimeoutError("too long")
 
 
 def run_tests(run: Run) -> None:
     """Run the tests and leave with pytest's exit status."""
     os.setsid()  # whatever the tests start ends with this process
+    resource.setrlimit(resource.RLIMIT_CPU, (run.seconds, run.seconds + 5))
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     with run.report.with_suffix(".log").open("w") as log:
         for stream in (1, 2):
             os.dup2(log.fileno(), stream)
