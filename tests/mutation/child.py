@@ -23,6 +23,7 @@ Config: Any = numba.config
 LONGEST_INTERPRETED = 1.0
 """Seconds of processor time that a test may take where kernels are interpreted; a longer one meets compiled kernels."""
 
+ENDED = 100
 MEMORY = 6 << 30
 """Bytes that the tests of a mutant may ask for."""
 
@@ -96,7 +97,7 @@ def _too_long(*_: object) -> None:
 
 
 def run_tests(run: Run) -> None:
-    """Run the tests and leave with pytest's exit status."""
+    """Run the tests and leave with `ENDED` more than pytest's exit status: any other status is an error of ours."""
     os.setsid()  # whatever the tests start ends with this process
     resource.setrlimit(resource.RLIMIT_CPU, (run.seconds, run.seconds + 5))
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
@@ -119,4 +120,4 @@ def run_tests(run: Run) -> None:
         arguments.append("-x")
     status = pytest.main([*arguments, *(f"tests/{file}" for file in run.files)], plugins=[Watch(run)])
     sys.stdout.flush()
-    os._exit(int(status))
+    os._exit(ENDED + int(status))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import math
@@ -14,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from .child import LONGEST_INTERPRETED, Run, run_tests
+from .child import ENDED, LONGEST_INTERPRETED, Run, run_tests
 from .mutants import Mutant
 
 ROOT = Path(__file__).parents[2]
@@ -23,7 +24,7 @@ NOT_COPIED = (".*", "results", "__pycache__", "build", "dist")
 HEAVY = ["jsonschema", "matplotlib.pyplot", "numba", "pandas", "pytest", "scipy.optimize"]
 
 _MOTION = ("unit/motion", "unit/test_features.py", "analytic")
-_CLAIMS = ("unit/replication", "paper/test_claims.py", "paper/test_from_print.py", "paper/test_mutations.py")
+_CLAIMS = ("unit/replication", "paper/test_claims.py", "paper/test_explanations.py", "paper/test_from_print.py")
 TESTS: dict[str, tuple[str, ...]] = {
     "model.py": ("unit/test_model.py", "unit/motion", "paper/test_equation_by_equation.py"),
     "record.py": ("unit/test_record.py", "unit/test_features.py"),
@@ -129,14 +130,16 @@ class Bench:
         process.start()
         process.join(10.0 * seconds)
         ended = process.exitcode
-        if ended == -signal.SIGXCPU:
-            ended = None
         if process.pid is not None:
-            try:
+            with contextlib.suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
         process.join()
+        if ended is not None and ended >= ENDED:
+            ended -= ENDED
+        elif ended is not None and ended >= 0:
+            raise RuntimeError("the tests of a mutant could not be started: see above")
+        elif ended == -signal.SIGXCPU:
+            ended = None
         return ended, json.loads(report.read_text(encoding="utf-8")) if report.exists() else {}
 
     def _baseline(self, file: str, interpreted: bool) -> dict[str, Any]:
