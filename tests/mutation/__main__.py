@@ -6,8 +6,11 @@ A sample of all mutants of each module of the method (`trials.METHOD`), drawn by
 project. One that no test notices has survived. It shows that a statement about behaviour is missing from the tests,
 or it is equivalent: nothing that anyone could observe differs, and `equivalent.yaml` says why.
 
-Results go to results/mutation: `trials.jsonl`, a line for each trial, and `table.md`. A run that was interrupted goes on
-where it stopped. Killed mutants of an unchanged module are not tried again, survivors are.
+Results go to results/mutation: `trials.jsonl`, a line for each trial, and `table.md`. An interrupted run goes on where
+it stopped: killed mutants of an unchanged module are not tried again, survivors are.
+
+A copy holds the project as it stands. Kernels of `motion/` and the solver take half a minute to compile after each
+error; such mutants therefore meet, first, the tests that bear it without compiling (`trials.KERNELS`).
 
 Why no tool from the shelf: mutmut lets all mutants of a function live in one module and switches between them when
 the function is called, which compiled kernels cannot do; cosmic-ray has one test command for all modules, and neither
@@ -117,7 +120,11 @@ def main(arguments: list[str] | None = None) -> int:
         lines = journal.read_text(encoding="utf-8").splitlines()
         earlier = {trial["key"]: trial for trial in map(json.loads, lines)}
     reasons = equivalents()
-    drawn = [m for module in options.modules or modules() for m in sample(module, options.share, options.seed)]
+    drawn = [
+        m
+        for module in options.modules or modules()
+        for m in sample(module, options.share, options.seed)
+    ]
 
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(options.jobs) as pool:
         benches: Queue[Bench] = Queue()
@@ -143,7 +150,10 @@ def main(arguments: list[str] | None = None) -> int:
             with journal.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(trial, ensure_ascii=False) + "\n")
             place = f"{mutant.module}:{mutant.number}"
-            print(f"{verdict:9} {seconds:5.0f} s  {place}  {mutant.before} → {mutant.after}  {by}", flush=True)
+            print(
+                f"{verdict:9} {seconds:5.0f} s  {place}  {mutant.before} → {mutant.after}  {by}",
+                flush=True,
+            )
             return trial
 
         trials = list(pool.map(tried, drawn))
@@ -153,10 +163,14 @@ def main(arguments: list[str] | None = None) -> int:
     print(f"\n{text}")
     survivors = [trial for trial in trials if trial["verdict"] == "survived"]
     for trial in survivors:
-        print(f"{trial['module']}:{trial['number']}  {trial['before']} → {trial['after']}\n    {trial['line']}")
+        print(
+            f"{trial['module']}:{trial['number']}  {trial['before']} → {trial['after']}\n    {trial['line']}"
+        )
     telling = sum(trial["verdict"] != "equivalent" for trial in trials)
     share = 1.0 - len(survivors) / max(telling, 1)
-    print(f"Killed: {share:.1%} of {telling} that are not equivalent (seed {options.seed}); the goal is {GOAL:.0%}.")
+    print(
+        f"Killed: {share:.1%} of {telling} that are not equivalent (seed {options.seed}); the goal is {GOAL:.0%}."
+    )
     return int(share < GOAL)
 
 

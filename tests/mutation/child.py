@@ -81,7 +81,9 @@ class Watch:
         signal.signal(signal.SIGPROF, _too_long)
         # a mutant that runs on for ever fails its first test; one that is slow only has time enough
         limit = 20.0 if self.run.stop else 2.0
-        signal.setitimer(signal.ITIMER_PROF, limit * (LONGEST_INTERPRETED if self.run.interpreted else 5.0))
+        signal.setitimer(
+            signal.ITIMER_PROF, limit * (LONGEST_INTERPRETED if self.run.interpreted else 5.0)
+        )
         try:
             return (yield)
         finally:
@@ -118,6 +120,8 @@ def run_tests(run: Run) -> None:
         arguments += ["-W", "ignore::RuntimeWarning"]
     if run.stop:
         arguments.append("-x")
-    status = pytest.main([*arguments, *(f"tests/{file}" for file in run.files)], plugins=[Watch(run)])
+    status = pytest.main(
+        [*arguments, *(f"tests/{file}" for file in run.files)], plugins=[Watch(run)]
+    )
     sys.stdout.flush()
     os._exit(ENDED + int(status))

@@ -150,7 +150,10 @@ def _of_node(node: ast.AST) -> Iterator[tuple[ast.expr | ast.stmt, ast.AST]]:
                 changed.ops[i] = COMPARISONS[type(operator)]()
                 yield node, changed
         case ast.BoolOp():
-            yield node, ast.BoolOp(ast.Or() if isinstance(node.op, ast.And) else ast.And(), node.values)
+            yield (
+                node,
+                ast.BoolOp(ast.Or() if isinstance(node.op, ast.And) else ast.And(), node.values),
+            )
         case ast.BinOp() if type(node.op) in OPERATORS:
             yield node, ast.BinOp(node.left, OPERATORS[type(node.op)](), node.right)
         case ast.AugAssign() if type(node.op) in OPERATORS:

@@ -24,7 +24,12 @@ NOT_COPIED = (".*", "results", "__pycache__", "build", "dist")
 HEAVY = ["jsonschema", "matplotlib.pyplot", "numba", "pandas", "pytest", "scipy.optimize"]
 
 _MOTION = ("unit/motion", "unit/test_features.py", "analytic")
-_CLAIMS = ("unit/replication", "paper/test_claims.py", "paper/test_explanations.py", "paper/test_from_print.py")
+_CLAIMS = (
+    "unit/replication",
+    "paper/test_claims.py",
+    "paper/test_explanations.py",
+    "paper/test_from_print.py",
+)
 TESTS: dict[str, tuple[str, ...]] = {
     "model.py": ("unit/test_model.py", "unit/motion", "paper/test_equation_by_equation.py"),
     "record.py": ("unit/test_record.py", "unit/test_features.py"),
@@ -160,7 +165,9 @@ class Bench:
             self.known.write_text(json.dumps(self.tests), encoding="utf-8")
         return self.tests[key]
 
-    def _stages(self, module: str, quick: bool) -> Iterable[tuple[bool, list[str], list[str], float]]:
+    def _stages(
+        self, module: str, quick: bool
+    ) -> Iterable[tuple[bool, list[str], list[str], float]]:
         """(interpreted, files, tests in order of their time, seconds they take) for each stage of a trial."""
         files = files_in(self.project, answering(module))
         borne: set[str] = set()
@@ -178,8 +185,12 @@ class Bench:
                 }
                 for file, outcome in outcomes.items()
             }
-            order = sorted((file for file in files if kept[file]), key=lambda f: sum(kept[f].values()))
-            chosen = [name for file in order for name in sorted(kept[file], key=kept[file].__getitem__)]
+            order = sorted(
+                (file for file in files if kept[file]), key=lambda f: sum(kept[f].values())
+            )
+            chosen = [
+                name for file in order for name in sorted(kept[file], key=kept[file].__getitem__)
+            ]
             if interpreted:
                 borne = set(chosen)
             yield interpreted, order, chosen, sum(sum(of.values()) for of in kept.values())
@@ -188,7 +199,6 @@ class Bench:
         """("killed", the test that failed), ("timed out", "") or ("survived", "")."""
         path = self.project / PACKAGE / mutant.module
         original = path.read_bytes()
-        kernels = set(path.parents[0].rglob("kernels-*"))
         stages = self._stages(mutant.module, quick)
         for interpreted, files, chosen, seconds in stages:
             if not chosen:

@@ -1,4 +1,4 @@
-"""The explanations of the claims against the numbers of their own rows, and each quantity with the cause that it has."""
+"""The explanations of the claims against the numbers of their rows, and each quantity with the cause that it has."""
 
 from __future__ import annotations
 
@@ -57,7 +57,10 @@ def test_phases_are_those_of_the_reversal_and_not_of_the_zero_crossing(claims, o
         orbit, printed = orbits[int(name[-1]) - 1], float(row["printed"])
         reversal, crossing = (printed - phi for phi in (orbit.phi, orbit.phi_zero_crossing))
         assert f"phase of the velocity reversal ({reversal:+.4f} rad)" in row["explanation"]
-        assert f"not of the zero crossing that the text names ({crossing:+.4f} rad)" in row["explanation"]
+        assert (
+            f"not of the zero crossing that the text names ({crossing:+.4f} rad)"
+            in row["explanation"]
+        )
 
 
 def test_times_lose_a_step_at_each_end(claims, orbits):
@@ -71,8 +74,9 @@ def test_times_lose_a_step_at_each_end(claims, orbits):
 def test_velocities_are_read_at_a_corner(claims, orbits):
     for name, row in not_exact(claims, "table1.V_s").iterrows():
         off = float(row["printed"]) / orbits[int(name[-1]) - 1].V_s - 1.0
-        assert f"corner of the acceleration-velocity plot, {100.0 * off:+.2f} % from exact" in (
-            row["explanation"]
+        assert (
+            f"corner of the acceleration-velocity plot, {100.0 * off:+.2f} % from exact"
+            in (row["explanation"])
         )
 
 

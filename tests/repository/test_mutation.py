@@ -1,4 +1,4 @@
-"""The mutation tester: it puts in the errors it says, kills a planted one, and its list of equivalents is up to date."""
+"""Mutation testing: it puts in the errors it says, kills a planted one, and its list of equivalents is up to date."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 
 from mutation import __main__ as command
 from mutation.mutants import mutants
-from mutation.trials import PACKAGE, ROOT, Bench, files_in, modules, answering
+from mutation.trials import PACKAGE, ROOT, Bench, answering, files_in, modules
 
 SOURCE = '''\
 """A module of 1 + 1 lines."""
@@ -78,7 +78,9 @@ def test_a_sample_stays_the_same_while_other_lines_are_edited():
         every = sorted(mutants("toy.py", source), key=lambda mutant: mutant.rank(5))
         return [(mutant.line, mutant.before, mutant.after) for mutant in every[:6]]
 
-    edited = SOURCE.replace("    values.sort()\n", "    # sorted, from low to high\n\n    values.sort()\n")
+    edited = SOURCE.replace(
+        "    values.sort()\n", "    # sorted, from low to high\n\n    values.sort()\n"
+    )
     assert drawn(edited) == drawn(SOURCE)
     other = sorted(mutants("toy.py", SOURCE), key=lambda mutant: mutant.rank(6))
     assert [(m.line, m.before, m.after) for m in other[:6]] != drawn(SOURCE)
@@ -108,7 +110,9 @@ def bench(tmp_path, monkeypatch):
     package.mkdir(parents=True)
     tests.mkdir(parents=True)
     (package / "__init__.py").touch()
-    (package / "model.py").write_text("def half(x):\n    return 0.5 * x\n\n\ndef same(x):\n    return x * 1.0\n")
+    (package / "model.py").write_text(
+        "def half(x):\n    return 0.5 * x\n\n\ndef same(x):\n    return x * 1.0\n"
+    )
     (tests / "test_model.py").write_text(
         "import os\n\nfrom dampbalance.model import half, same\n\n\n"
         "def test_half():\n    assert 'NUMBA_DISABLE_JIT' not in os.environ\n    assert half(4.0) == 2.0\n\n\n"
@@ -125,6 +129,9 @@ def test_a_planted_error_is_killed_and_a_harmless_one_survives(bench):
     every = {mutant.after: mutant for mutant in mutants("model.py", source)}
     assert set(every) == {"0.5 / x", "1.5", "x / 1.0", "2.0"}
     assert bench.trial(every["1.5"], quick=True) == ("survived", "")
-    assert bench.trial(every["1.5"], quick=False) == ("killed", "tests/unit/test_model.py::test_half")
+    assert bench.trial(every["1.5"], quick=False) == (
+        "killed",
+        "tests/unit/test_model.py::test_half",
+    )
     assert bench.trial(every["x / 1.0"], quick=False) == ("survived", "")
     assert (bench.project / PACKAGE / "model.py").read_text(encoding="utf-8") == source

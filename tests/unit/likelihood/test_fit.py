@@ -259,7 +259,7 @@ def test_one_whole_cycle_is_enough_to_start():
     t = np.arange(128) / 128.0
     exact = Record(t=t, y=0.3 * np.cos(2.0 * math.pi * t), x=0.2 * np.sin(2.0 * math.pi * t))
     lines = lines_of([exact], [t], [2.0 * math.pi])
-    assert lines.Y == pytest.approx([0.3], rel=1e-13)
+    assert pytest.approx([0.3], rel=1e-13) == lines.Y
     assert lines.X[0] == pytest.approx([-0.2j, 0.0, 0.0], abs=1e-14)
     with pytest.raises(ValueError, match="a fit needs a whole cycle"):
         lines_of([exact.samples(0, 127)], [t[:127]], [2.0 * math.pi])

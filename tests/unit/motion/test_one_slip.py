@@ -1,4 +1,4 @@
-"""The closed form of the orbit with one slip: where it is valid it serves, so that no fall-back hides an error in it."""
+"""The closed form of the orbit with one slip: where it is valid it serves, and no fall-back hides an error in it."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_it_serves_wherever_the_velocity_keeps_its_sign_and_nowhere_else():
     served = 0
     for i in range(n):
         par = of_case(zeta[i], r[i], K[i], F[i])
-        found, tau, X, theta, V_s = solve_one_slip(par)
+        found = solve_one_slip(par)[0]
         if orbits.regime[i] != Regime.ONE_SLIP:
             assert not found
             continue

@@ -89,7 +89,10 @@ def test_clipping_in_half_of_the_cycles(part, warned):
 TURNS = np.array([1.0, -1.0, 1.0, -1.0, 0.0, 1.0, -1.0, 1.0, -1.0])
 
 
-def pair_of_responses(gain, phase, d=0.004 * math.sqrt(9.0 / 8.0)):
+SCATTERED = 0.004 * math.sqrt(9.0 / 8.0)
+
+
+def pair_of_responses(gain, phase, d=SCATTERED):
     """x, harmonics 0 … 3, and v as a displacement that is larger and later, scattering about that."""
     x = np.tile([0.0, 2.0, 0.3j, 0.1], (9, 1)).astype(np.complex128)
     n = np.arange(4)
@@ -127,7 +130,9 @@ def test_a_gain_counts_from_five_standard_errors_on(gain, scaled):
 
 def test_differences_too_small_to_matter_do_not_count_however_significant():
     for gain, phase, count in ((1.00009, 1.8e-5, 0), (1.00011, 0.0, 1), (1.0, 2.2e-5, 1)):
-        assert len(checks.consistency(pair_of_responses(gain, phase, 0.0), EQUAL, OMEGA)[1]) == count
+        assert (
+            len(checks.consistency(pair_of_responses(gain, phase, 0.0), EQUAL, OMEGA)[1]) == count
+        )
 
 
 @pytest.mark.parametrize(
@@ -225,7 +230,9 @@ def test_distortion_is_that_of_the_harmonics_that_count():
     assert len(words) == 1
     assert "5 % distortion, most of it harmonic 4 (4 %)" in words[0]
     assert list(checks.harmonic_base(mean[:3], np.full(3, 2e-3))) == []  # four errors
-    assert list(checks.harmonic_base(mean * [1, 10, 1, 0, 0], error)) == []  # 0.04 % does not matter
+    assert (
+        list(checks.harmonic_base(mean * [1, 10, 1, 0, 0], error)) == []
+    )  # 0.04 % does not matter
 
 
 def test_even_harmonics_are_asymmetry_and_odd_ones_are_not():
@@ -237,7 +244,13 @@ def test_even_harmonics_are_asymmetry_and_odd_ones_are_not():
 
 def test_the_base_puts_work_in_where_the_response_lags():
     error = 0.003 * math.sqrt(0.5)
-    for lag, warned in ((0.5, False), (0.0, False), (-0.0149, False), (-0.0151, True), (-2.0, True)):
+    for lag, warned in (
+        (0.5, False),
+        (0.0, False),
+        (-0.0149, False),
+        (-0.0151, True),
+        (-2.0, True),
+    ):
         X = 3.0 * np.exp(-1j * (lag + 0.4))
         words = list(checks.work(np.exp(-0.4j), complex(X), error, 3.0 * error))
         assert len(words) == warned, lag

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -39,7 +40,7 @@ def test_no_step_is_longer_than_the_longest():
     seen: list[np.ndarray] = []
     found = climb(parabola(np.array([3.0, -2.0]), seen), np.zeros(2), FREE, ONES, longest=0.25)
     assert found.point == pytest.approx([3.0, -2.0], abs=1e-4)
-    lengths = [np.abs(b - a).max() for a, b in zip(seen[:-1], seen[1:], strict=True)]
+    lengths = [np.abs(b - a).max() for a, b in itertools.pairwise(seen)]
     assert max(lengths) == pytest.approx(0.25, rel=1e-12)
     assert len(seen) >= 3.0 / 0.25
 

@@ -147,9 +147,7 @@ def test_a_gap_is_counted_in_samples():
         dt=1.0 / CYCLE,
         harmonics=5,
     )
-    assert found.bad_cycles == (
-        (5, 5.0, "a gap: 170 samples where there should be 200.0"),
-    )
+    assert found.bad_cycles == ((5, 5.0, "a gap: 170 samples where there should be 200.0"),)
 
 
 def test_a_drifting_offset_adds_what_the_drift_says():
