@@ -210,6 +210,18 @@ def test_units_do_not_matter(measured):
     assert scaled.standard_errors[0] == pytest.approx(found.standard_errors[0], rel=1e-3)
 
 
+def test_what_counts_as_zero_grows_with_the_forces(measured):
+    """All but the lengths 10⁴ times as large: F_k, c, K_z = ρ⁻² and m, and so what is as good as none of each."""
+    tau, omegas = [r.t - r.t.mean() for r in measured], [OMEGA] * 5
+    lines = lines_of(measured, tau, omegas)
+    small, large = (
+        _Problem(measured, tau, omegas, f * PAPER.m, f * PAPER.k, None, ("m",)).limits(lines)[1]
+        for f in (1.0, 1e4)
+    )
+    assert large[:4] / small[:4] == pytest.approx([1e4, 1e4, 1e-2, 1e4])
+    assert large[4:].tolist() == small[4:].tolist()
+
+
 def test_a_contact_too_stiff_to_resolve_has_no_upper_limit():
     osc = replace(PAPER, K_z=1e11)
     fits = [fit(noisy(seed=SEED + i, osc=osc)) for i in range(4)]
