@@ -131,3 +131,19 @@ def test_what_moves_an_estimate_of_table_3_adds_up(claims):
         assert abs(off - sum(moves)) < 0.5 * max(abs(off), Printed(row["printed"]).unit), name
         checked += 1
     assert checked >= 15
+
+
+def test_what_is_read_is_close_to_what_there_is_to_read(claims, orbits):
+    """X to the nearest micrometre below, and the microstick line, 2Z_m long, a micrometre off at most."""
+    lengths, peaks = 0, 0
+    for name, row in not_exact(claims, "table3.").iterrows():
+        levels = [int(level) - 1 for level in name.split(".")[-1].split("-")]
+        for length in re.findall(r"X \+ X_s read as (\d+) µm", row["explanation"]):
+            assert abs(float(length) - 2e6 * PAPER.Z_m) < 1.0
+            lengths += 1
+        for both in re.findall(r"X read as ([\d.]+) mm and ([\d.]+) mm", row["explanation"]):
+            for level, read in zip(levels, both, strict=True):
+                assert abs(1e-3 * float(read) - orbits[level].X) < 2e-6
+                peaks += 1
+    assert lengths > 0
+    assert peaks > 20

@@ -54,7 +54,9 @@ def test_the_b_that_a_pair_implies_is_as_sharp_as_what_is_printed(level):
         assert slack == pytest.approx(furthest, rel=1e-3)
 
 
-@pytest.mark.parametrize(("units", "said"), [(0, ""), (3, "It contradicts Table 2 itself: "), (-3, "It ")])
+@pytest.mark.parametrize(
+    ("units", "said"), [(0, ""), (3, "It contradicts Table 2 itself: "), (-3, "It ")]
+)
 def test_a_printed_b_that_its_own_pairs_refute_is_a_contradiction(units, said):
     frame = PRINT.table2_integrals.copy()
     frame.loc["3", "b_m2_per_s"] = Printed(frame.loc["3", "b_m2_per_s"]).moved(units)
