@@ -75,15 +75,21 @@ class Watch:
             self.run.report.write_text(json.dumps(self.tests), encoding="utf-8")
 
     @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_setup(self):
+        return (yield from self._limited())
+
+    @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self):
+        return (yield from self._limited())
+
+    def _limited(self):
         if not (self.run.interpreted or self.run.stop):
             return (yield)
         signal.signal(signal.SIGPROF, self._too_long)
         # a mutant that runs on for ever fails its first test; one that is slow only has time enough
-        limit = 40.0 if self.run.stop else 4.0
-        signal.setitimer(
-            signal.ITIMER_PROF, limit * (LONGEST_INTERPRETED if self.run.interpreted else 2.0)
-        )
+        factor = 40.0 if self.run.stop else 4.0
+        longest = LONGEST_INTERPRETED if self.run.interpreted else 2.0
+        signal.setitimer(signal.ITIMER_PROF, factor * longest)
         try:
             return (yield)
         finally:
