@@ -109,6 +109,14 @@ def test_a_spike_is_named_by_its_value_its_time_and_what_is_expected(noise, cycl
     assert found.weights.tolist() == [float(j != cycle) for j in range(12)]
 
 
+@pytest.mark.parametrize(("sigmas", "seen"), [(8.0, False), (30.0, True)])
+def test_a_spike_stands_out_of_the_noise_of_the_other_cycles(sigmas, seen):
+    def spoil(values):
+        values[5 * CYCLE + 33] += 0.01 * sigmas
+
+    assert len(_faulty(spoil, 0.01).bad_cycles) == seen
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.01])
 @pytest.mark.parametrize(("length", "at"), [(12, 30), (40, 120)])
 def test_samples_that_stand_still_are_counted(noise, length, at):
