@@ -20,6 +20,7 @@ from time import time
 import psutil
 
 from dampbalance.project.documents import ConfigurationError, read_yaml
+from dampbalance.project.files import remove_unfinished
 
 RESULTS, STATE = Path("results"), Path(".snakemake")
 SNAKEMAKE = (sys.executable, "-m", "snakemake")
@@ -56,7 +57,9 @@ def other_run() -> psutil.Process | None:
         words = process.info["cmdline"] or []
         if process.pid in own or process.info["cwd"] != str(here) or {"-n", "--dry-run"} & {*words}:
             continue
-        runs = any(Path(word).name == "snakemake" or ".snakemake/scripts/" in word for word in words)
+        runs = any(
+            Path(word).name == "snakemake" or ".snakemake/scripts/" in word for word in words
+        )
         begins = any(word.endswith("workflow/run.py") for word in words)
         if runs or (begins and _age(process) < _age(this)):
             return process
@@ -90,12 +93,17 @@ def main(arguments: list[str]) -> int:
         print(f"error: {problem}", file=sys.stderr)
         return 1
     if (STATE / "locks").exists():
-        print("The last run was interrupted: its lock is lifted, and what it had not finished is made again.")
+        print(
+            "The last run was interrupted: its lock is lifted, and what it had not finished is made again."
+        )
         sys.stdout.flush()
-        done = subprocess.run([*SNAKEMAKE, "--unlock", *arguments], capture_output=True, check=False)
+        done = subprocess.run(
+            [*SNAKEMAKE, "--unlock", *arguments], capture_output=True, check=False
+        )
         if done.returncode:
             print(done.stderr.decode(), file=sys.stderr)
             return done.returncode
+        remove_unfinished(RESULTS)
     os.execv(sys.executable, [*SNAKEMAKE, "--rerun-incomplete", *arguments])
 
 
