@@ -2,9 +2,10 @@
 
     python workflow/run.py --cores all [any argument of Snakemake]
 
-`make` starts its runs through this. What Snakemake answers with a traceback or not at all is told in one sentence, before
-anything is touched: a configuration file that cannot be read, a folder that cannot be written, a full disk, another run in the
-same folder. What an interrupted run left is put right: its lock is lifted, and what it had not finished is made again.
+`make` starts its runs through this. What Snakemake answers with a traceback or not at all is told in one sentence,
+before anything is touched: a configuration file that cannot be read, a folder that cannot be written, a full disk,
+another run in the same folder. What an interrupted run left is put right: its lock is lifted, and what it had not
+finished is made again.
 """
 
 from __future__ import annotations
@@ -87,25 +88,23 @@ def obstacle(arguments: list[str]) -> str:
     return ""
 
 
-def main(arguments: list[str]) -> int:
-    """Look, clear away, and become Snakemake; returns an exit status only where that is not possible."""
+def main(arguments: list[str]) -> None:
+    """Look, clear away, and become Snakemake."""
     if problem := obstacle(arguments):
-        print(f"error: {problem}", file=sys.stderr)
-        return 1
+        sys.exit(f"error: {problem}")
     if (STATE / "locks").exists():
         print(
-            "The last run was interrupted: its lock is lifted, and what it had not finished is made again."
+            "The last run was interrupted: its lock is lifted, and what it had not finished is made again.",
+            flush=True,
         )
-        sys.stdout.flush()
         done = subprocess.run(
-            [*SNAKEMAKE, "--unlock", *arguments], capture_output=True, check=False
+            [*SNAKEMAKE, "--unlock", *arguments], capture_output=True, text=True, check=False
         )
         if done.returncode:
-            print(done.stderr.decode(), file=sys.stderr)
-            return done.returncode
+            sys.exit(done.stderr)
         remove_unfinished(RESULTS)
     os.execv(sys.executable, [*SNAKEMAKE, "--rerun-incomplete", *arguments])
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    main(sys.argv[1:])
