@@ -120,10 +120,11 @@ def jit(function: Function) -> Function:
 
 
 @contextlib.contextmanager
-def interpreted() -> Iterator[None]:
-    """Run kernels in Python: for a few dozen orbits this takes less time than importing Numba. The last bits may differ."""
+def interpreted(on: bool = True) -> Iterator[None]:
+    """Run kernels in Python: for a few dozen orbits this takes less time than importing Numba. The last bits may differ,
+    and Python raises errors where machine code goes on with NaN or ∞."""
     global _interpreting
-    previous, _interpreting = _interpreting, True
+    previous, _interpreting = _interpreting, on
     try:
         yield
     finally:

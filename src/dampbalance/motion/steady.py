@@ -12,7 +12,7 @@ import math
 from ..arrays import Array
 from ..model import Parameters
 from .events import PHASE_T, write_phase
-from .jit import jit
+from .jit import interpreted, jit
 from .one_slip import solve_one_slip
 from .period_map import solve_general
 from .regime import Regime
@@ -34,7 +34,8 @@ def solve_steady(par: Parameters, phases: Array) -> tuple[int, int, float]:
     """
     code, count, theta = solve_closed(par, phases)
     if code == NO_CLOSED_FORM:
-        code, count, theta = solve_otherwise(par, phases)
+        with interpreted(False):  # it may take thousands of steps
+            code, count, theta = solve_otherwise(par, phases)
     return code, count, theta
 
 
