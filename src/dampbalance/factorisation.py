@@ -87,9 +87,7 @@ def solve_cases(
 
 
 @jit
-def _factorise(
-    A: Array, Q: Array, R: Array, scale: Array, along: Array, smallest: Array
-) -> None:
+def _factorise(A: Array, Q: Array, R: Array, scale: Array, along: Array, smallest: Array) -> None:
     """Write Q, R and the reciprocal lengths of the columns of A (p, L, cases), and the smallest sine of the angle that
     a column makes with those before it, NaN for a column of zeros; `along` (cases,) is scratch."""
     p, levels, cases = A.shape

@@ -41,7 +41,10 @@ records         a file, one per level; two or more
 
 def run(options: argparse.Namespace) -> None:
     """Identify, show the table, write the results."""
-    from ..identification.run import identify_files, write_results  # slow to import, not needed for help
+    from ..identification.run import (
+        identify_files,
+        write_results,
+    )  # slow to import, not needed for help
 
     folder: Path | None = options.output
     if folder is not None and not options.overwrite:

@@ -121,8 +121,10 @@ def jit(function: Function) -> Function:
 
 @contextlib.contextmanager
 def interpreted(on: bool = True) -> Iterator[None]:
-    """Run kernels in Python: for a few dozen orbits this takes less time than importing Numba. The last bits may differ,
-    and Python raises errors where machine code goes on with NaN or ∞."""
+    """Run kernels in Python, which for a few dozen orbits takes less time than importing Numba.
+
+    The last bits may differ, and Python raises errors where machine code goes on with NaN or ∞.
+    """
     global _interpreting
     previous, _interpreting = _interpreting, on
     try:
