@@ -5,7 +5,7 @@
 # snakemake --cores all results/studies/frequency/summary.md    one
 # … --dry-run                                                   what it would take: cases, chunks, bytes
 #
-# A study is computed in chunks, a job each. An interrupted one goes on with the chunks that are missing.
+# A large study is computed in chunks, a job each. An interrupted one goes on with the chunks that are missing.
 import functools
 import os
 import sys
@@ -60,8 +60,10 @@ def study_settings(wildcards):
 
 
 def study_chunks(wildcards):
-    """The chunks of a study, in their order."""
+    """The chunks of a study, in their order; none of a study that one job computes as a whole."""
     _, sizes = study_plan(wildcards.study)
+    if sizes.chunks == 1:
+        return []
     return [
         f"{STUDY_RESULTS}/{wildcards.study}/chunks/{chunk:05d}.parquet"
         for chunk in range(sizes.chunks)
@@ -120,14 +122,15 @@ rule study_cases:
     output:
         cases=f"{STUDY_RESULTS}/{{study}}/cases.parquet",
         manifest=f"{STUDY_RESULTS}/{{study}}/manifest.json",
+    threads: 1
     resources:
-        mem_mb=600,
+        mem_mb=chunk_memory_mb,
         runtime=60,
     params:
         file=str(STUDY_FOLDER / "{study}.yaml"),
         computed_from=study_settings,
     message:
-        "Study {wildcards.study}: chunks joined"
+        "Study {wildcards.study}: all cases in one file"
     script:
         "../scripts/studies/study_cases.py"
 

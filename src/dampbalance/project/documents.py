@@ -6,6 +6,7 @@ Every error is one line: file, line, key, what is wrong, and what would be right
 from __future__ import annotations
 
 import difflib
+import functools
 import json
 import math
 import re
@@ -62,6 +63,13 @@ def read_yaml(file: str | Path) -> Any:
     Raises ConfigurationError naming file, line, what is wrong and what would be right.
     """
     return _parsed(file)[0]
+
+
+@functools.cache
+def read_schema(file: str | Path) -> Any:
+    """A schema of this project, which needs no bounds: read once, by the parser in C where there is one."""
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    return yaml.load(Path(file).read_bytes(), loader)
 
 
 def _parsed(file: str | Path) -> tuple[Any, yaml.Node | None]:

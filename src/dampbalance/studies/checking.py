@@ -14,6 +14,7 @@ from ..project.documents import (
     Problem,
     against_schema,
     in_lines,
+    read_schema,
     read_yaml,
 )
 from .axes import SOBOL_BITS, Listed
@@ -33,7 +34,7 @@ def read_study(path: str | Path, schema_file: str | Path, paper_file: str | Path
     path = Path(path)
     document = read_yaml(path)
     paper = paper_defaults(read_yaml(paper_file))
-    wrong = problems(document, read_yaml(schema_file), paper)
+    wrong = problems(document, read_schema(schema_file), paper)
     if wrong:
         raise ConfigurationError(in_lines(wrong, {str(path): document}))
     return Study.of(path.stem, document, paper)
