@@ -137,10 +137,10 @@ def against_schema(
     """
     validator = _validator(schema, list(approaches))
     errors = sorted(validator.iter_errors(document), key=lambda error: list(map(str, error.path)))
+    endless = [(key, f"{value!r} is not a finite number") for key, value in _not_finite(document)]
+    keys = {key for key, _ in endless}
     problems = [problem for error in errors for problem in _explain(error)]
-    return problems + [
-        (key, f"{shortened(value)} is not a finite number") for key, value in _not_finite(document)
-    ]
+    return [problem for problem in problems if problem[0] not in keys] + endless
 
 
 def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
