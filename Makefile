@@ -3,9 +3,12 @@
 
 PYTHON ?= python3
 CORES ?= all
+# A configuration that overrides config/config.yaml: make CONFIG=config/measured.yaml
+CONFIG ?=
 VENV := .venv
 # As in an activated environment: what is started from here finds the same Python.
 RUN := PATH="$(CURDIR)/$(VENV)/bin:$$PATH" python -m
+SNAKEMAKE := PATH="$(CURDIR)/$(VENV)/bin:$$PATH" exec python workflow/run.py --cores $(CORES) $(addprefix --configfile=,$(CONFIG))
 PIP_INSTALL := $(RUN) pip install --disable-pip-version-check --no-compile
 
 # Two marks: the locked packages are in; the package itself is in. A virtual environment holds absolute
@@ -27,10 +30,10 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check archive bench mutants format lock clean distclean help stale
+.PHONY: all setup test lint unit check archive bench peers mutants format lock clean distclean help stale
 
 all: setup ## Set up the environment, then rebuild tables, figures and claims (the default)
-	@$(RUN) snakemake --cores $(CORES)
+	@$(SNAKEMAKE)
 	@echo "Everything is up to date. Start with results/README.md."
 
 setup: $(READY) ## Create or refresh the environment in .venv from the hash-pinned lock
@@ -47,13 +50,16 @@ unit: setup ## Run the tests: unit, analytic, paper, workflow (choose with PYTES
 	@$(RUN) pytest --numprocesses auto --dist loadscope --no-loadscope-reorder $(PYTEST_ARGS)
 
 check: setup ## Rebuild what is out of date and compare each verdict with the recorded one
-	@$(RUN) snakemake --cores $(CORES) check
+	@$(SNAKEMAKE) check
 
 archive: setup ## Pack sources, results and digests for keeping, into results/archive/
-	@$(RUN) snakemake --cores $(CORES) archive
+	@$(SNAKEMAKE) archive
 
 bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and scipy (choose with BENCH_ARGS="peers")
 	@cd tests && $(BENCH_RUN) benchmarks --output ../results/benchmarks $(BENCH_ARGS)
+
+peers: $(BENCH)/ready ## Test the benchmarks with heyoka and diffrax, which `make test` leaves out
+	@$(BENCH_RUN) pytest tests/repository/test_benchmarks.py -k "heyoka or diffrax" $(PYTEST_ARGS)
 
 mutants: setup ## Put errors into the method and see whether its tests notice (choose with MUTANTS_ARGS="motion/flow.py --seed 2")
 	@cd tests && $(RUN) mutation $(MUTANTS_ARGS)
@@ -101,12 +107,12 @@ $(LOCKED): requirements.lock requirements-build.lock $(STALE)
 	@$(PIP_INSTALL) --no-build-isolation --require-hashes --requirement requirements.lock
 	@printf '%s' "$(CURDIR)" > $(LOCKED)
 
-# The peers are not in the lock: an environment of their own, the locked packages and on top of them what the group asks for.
-$(BENCH)/ready: $(LOCKED) pyproject.toml
-	@echo "Setting up $(BENCH) from requirements.lock and the group bench; this takes a minute or two."
-	@"$(PYTHON)" -m venv --clear $(BENCH)
-	@$(BENCH_RUN) pip install --disable-pip-version-check --no-compile --quiet --require-hashes --requirement requirements-build.lock
-	@$(BENCH_RUN) pip install --disable-pip-version-check --no-compile --quiet --no-build-isolation --require-hashes --requirement requirements.lock
-	@$(BENCH_RUN) pip install --disable-pip-version-check --no-compile --quiet --group bench
-	@$(BENCH_RUN) pip install --disable-pip-version-check --no-compile --quiet --no-build-isolation --no-deps --editable .
+# The peers are not in the lock: an environment of their own, which sees the packages of the first one.
+SITE := -c 'import sysconfig; print(sysconfig.get_path("purelib"))'
+$(BENCH)/ready: $(READY)
+	@echo "Setting up $(BENCH) with the group bench."
+	@rm -rf $(BENCH)
+	@$(VENV)/bin/python -m venv --without-pip $(BENCH)
+	@echo "import site; site.addsitedir('$$($(VENV)/bin/python $(SITE))')" > "$$($(BENCH)/bin/python $(SITE))/locked.pth"
+	@$(RUN) pip --python $(BENCH)/bin/python install --disable-pip-version-check --no-compile --quiet --group bench
 	@touch $@

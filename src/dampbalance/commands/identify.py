@@ -12,9 +12,7 @@ from ..balance import APPROACHES
 from ..features import Phase
 from ..identification.identify import REPLICATES, SEED
 from ..identification.outputs import OUTPUTS
-from ..identification.run import identify_files, write_results
 
-SUMMARY = "identify F_k, c and K_z from records"
 EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
 at least one of the mass (displacement, velocity, acceleration). Formats: CSV, TSV, Parquet, MATLAB, HDF5, universal
@@ -43,6 +41,11 @@ records         a file, one per level; two or more
 
 def run(options: argparse.Namespace) -> None:
     """Identify, show the table, write the results."""
+    from ..identification.run import (
+        identify_files,
+        write_results,
+    )  # slow to import, not needed for help
+
     folder: Path | None = options.output
     if folder is not None and not options.overwrite:
         there = [name for name in OUTPUTS if (folder / name).exists()]

@@ -16,7 +16,6 @@ from ..records.measurement import QUANTITIES, Channel, Measurement
 from ..records.synthetic import measured_orbit
 from ..records.writers import write
 
-SUMMARY = "write a record with known truth"
 EPILOG = """\
 Each record is exact except for its noise, which is white, of every channel by itself. The oscillator is that of the
 paper unless told otherwise.

@@ -1,9 +1,16 @@
-"""A configuration, checked before anything is computed: one error, naming file, key and remedy."""
+"""YAML files of a user, read within bounds and checked before anything is computed.
+
+Every error is one line: file, line, key, what is wrong, and what would be right.
+"""
 
 from __future__ import annotations
 
 import difflib
+import functools
+import json
 import math
+import re
+import stat
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
@@ -16,11 +23,29 @@ Key = tuple[str | int, ...]
 Problem = tuple[Key, str]
 """A key, and what is wrong with it and what would be right."""
 
+MOST_BYTES = 1_000_000
+"""Size of the largest file that is read; the longest one of the project has 20 kB."""
+
+MOST_VALUES = 20_000
+"""Keys and values in a file, those that aliases repeat counted as often as they stand for them."""
+
+DEEPEST = 20
+"""Lists and mappings inside each other; the schemas go down to seven."""
+
+_LARGEST = 2**63 - 1  # what an integer of the arrays holds
+_LINE = 300  # characters of a message
+_MESSAGES = 20  # of a file that is wrong all over
 _NAMES = 'Use letters, digits, "-" and "_".'
 
 
 class ConfigurationError(ValueError):
     """A configuration that cannot be used; the message names the file, the key and the remedy."""
+
+
+def shortened(value: object, most: int = 60) -> str:
+    """A value as Python writes it, cut to this many characters: for messages, which are one line each."""
+    text = repr(value)
+    return text if len(text) <= most else f"{text[: most - 1]}…"
 
 
 def refuse(key: Key, text: str, files: Iterable[str | Path]) -> NoReturn:
@@ -31,15 +56,82 @@ def refuse(key: Key, text: str, files: Iterable[str | Path]) -> NoReturn:
 
 
 def read_yaml(file: str | Path) -> Any:
-    """The document of a YAML file in which every key stands once; {} for an empty one.
+    """The document of a YAML file, {} for an empty one: text keys that stand once, plain values, 64-bit integers.
 
-    Raises ConfigurationError naming the file and what is wrong.
+    A file is read within bounds (MOST_BYTES, MOST_VALUES, DEEPEST): none takes long, or much memory.
+
+    Raises ConfigurationError naming file, line, what is wrong and what would be right.
     """
-    with open(file, encoding="utf-8") as stream:
-        try:
-            return yaml.load(stream, _StrictLoader) or {}
-        except yaml.YAMLError as error:
-            raise ConfigurationError(f"{file}: not readable as YAML: {error}") from None
+    return _parsed(file)[0]
+
+
+@functools.cache
+def read_schema(file: str | Path) -> Any:
+    """A schema of this project, which needs no bounds: read once, by the parser in C where there is one."""
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    return yaml.load(Path(file).read_bytes(), loader)
+
+
+def _parsed(file: str | Path) -> tuple[Any, yaml.Node | None]:
+    """The document of a file, and its tree of nodes, which knows the lines."""
+    text = _text(file)
+    try:
+        loader = _BoundedLoader(text, str(file))
+        root = loader.get_single_node()
+        document = loader.construct_document(root) if root is not None else None
+        return {} if document is None else document, root
+    except yaml.reader.ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        what = f"the character U+{error.character:04X} cannot stand in YAML; remove it"
+    except yaml.MarkedYAMLError as error:
+        mark, begun = error.problem_mark or error.context_mark, error.context_mark
+        line = mark.line + 1 if mark else 1
+        since = f" that begins in line {begun.line + 1}" if begun and begun.line + 1 != line else ""
+        context = f", {error.context}{since}" if error.context else ""
+        what = f"not readable as YAML{context}: {error.problem}"
+        if "'\\t'" in str(error.problem):
+            what += "; indent with spaces, not with tabs"
+    raise ConfigurationError(_one_line(f"{_file_name(file)}: line {line}: {what}"))
+
+
+def _text(file: str | Path) -> str:
+    """The text of a regular file of bounded size."""
+    try:
+        mode = Path(file).stat().st_mode
+        if not stat.S_ISREG(mode):
+            kind = "a folder" if stat.S_ISDIR(mode) else "a pipe or a device"
+            raise ConfigurationError(_one_line(f"{_file_name(file)}: is {kind}; name a YAML file"))
+        with open(file, "rb") as stream:
+            data = stream.read(MOST_BYTES + 1)
+    except OSError as error:
+        reason = error.strerror or "unreadable"
+        raise ConfigurationError(
+            _one_line(f"{_file_name(file)}: cannot be read ({reason}); name a YAML file")
+        ) from None
+    if len(data) > MOST_BYTES:
+        raise ConfigurationError(
+            _one_line(
+                f"{_file_name(file)}: has more than {MOST_BYTES:,} bytes; give ranges instead of lists"
+            )
+        )
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        text = f"{_file_name(file)}: line {line}: the byte 0x{data[error.start]:02X} is not UTF-8; save it as UTF-8"
+        raise ConfigurationError(_one_line(text)) from None
+
+
+def _file_name(file: str | Path, most: int = 160) -> str:
+    """A file as it was named, without the middle of a name that is too long to be one."""
+    name, half = str(file), most // 2
+    return name if len(name) <= most else f"{name[:half]}…{name[-half:]}"
+
+
+def _one_line(text: str) -> str:
+    """Text in a line that fits a screen."""
+    line = " ".join(text.split())
+    return line if len(line) <= _LINE else f"{line[: _LINE - 1]}…"
 
 
 def against_schema(
@@ -53,30 +145,58 @@ def against_schema(
     """
     validator = _validator(schema, list(approaches))
     errors = sorted(validator.iter_errors(document), key=lambda error: list(map(str, error.path)))
+    endless = [(key, f"{value!r} is not a finite number") for key, value in _not_finite(document)]
+    keys = {key for key, _ in endless}
     problems = [problem for error in errors for problem in _explain(error)]
-    return problems + [
-        (key, f"{value!r} is not a finite number") for key, value in _not_finite(document)
-    ]
+    return [problem for problem in problems if problem[0] not in keys] + endless
 
 
 def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
-    """A validator that knows our keyword `registered: approach`: the value is the name of an approach."""
+    """A validator that knows our keyword `registered: approach`: the value is the name of an approach.
+
+    An integer is one to Python (2.0 is none), a pattern holds for the whole text, its last line end too, and items are
+    compared in a time that grows with their number only.
+    """
 
     def check(_: Any, kind: str, value: Any, __: Any) -> Iterable[ValidationError]:
         if value not in approaches:
             near, known = _nearest(value, approaches), ", ".join(approaches)
-            yield ValidationError(f"{value!r} is not an {kind}{near}; known: {known}")
+            yield ValidationError(f"{shortened(value)} is not an {kind}{near}; known: {known}")
 
+    def unique(_: Any, wanted: bool, value: Any, __: Any) -> Iterable[ValidationError]:
+        if wanted and isinstance(value, list):
+            words = [json.dumps(_as_float(item), sort_keys=True, default=str) for item in value]
+            if len(set(words)) < len(words):
+                yield ValidationError("")
+
+    def pattern(_: Any, wanted: str, value: Any, __: Any) -> Iterable[ValidationError]:
+        if isinstance(value, str) and not re.fullmatch(wanted.removesuffix("$"), value):
+            yield ValidationError("")
+
+    base: Any = jsonschema.Draft202012Validator
+    types = base.TYPE_CHECKER.redefine("integer", lambda _, value: type(value) is int)
     extend: Any = jsonschema.validators.extend
-    return extend(jsonschema.Draft202012Validator, {"registered": check})(schema)
+    ours = {"registered": check, "uniqueItems": unique, "pattern": pattern}
+    return extend(base, ours, type_checker=types)(schema)
 
 
 def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:
-    """A line for each problem, "file: key: what is wrong, what would be right".
+    """A line for each problem, "file: line N: key: what is wrong, what would be right", and no more than fit a screen.
 
     documents : file → what it says, merged in this order, the last one winning: they show where a key is set.
     """
-    return "\n".join(f"{_origin(key, documents)}: {_dotted(key)}: {text}" for key, text in problems)
+    listed = list(problems)
+    trees: dict[str, yaml.Node | None] = {}
+    lines = []
+    for key, text in listed[:_MESSAGES]:
+        file, depth = _origin(key, documents)
+        if file not in trees:
+            trees[file] = _parsed(file)[1] if Path(file).is_file() else None
+        place = f"{_file_name(file)}: {_line_of(key[:depth], trees[file])}{_dotted(key)}"
+        lines.append(_one_line(f"{place}: {text}"))
+    if len(listed) > _MESSAGES:
+        lines.append(f"… and {len(listed) - _MESSAGES} more")
+    return "\n".join(lines)
 
 
 def _explain(error: ValidationError) -> Iterable[Problem]:
@@ -98,30 +218,43 @@ def _explain(error: ValidationError) -> Iterable[Problem]:
             if name not in value:
                 described = schema["properties"][name].get("description", "").strip()
                 yield (*key, name), f"missing; {described}"
-    elif error.validator == "type" and isinstance(value, str) and _reads_as_number(value):
+    elif error.validator == "type" and _reads_as_number(value) and _of_numbers(wanted):
         remedy = (
             f"write {_yaml_number(value)}" if "e" in value.lower() else "write it without quotes"
         )
-        yield key, f"{value!r} is text to YAML; {remedy}. {meaning}"
+        yield key, f"{shortened(value)} is text to YAML; {remedy}. {meaning}"
     elif error.validator == "registered":
         yield key, error.message
     elif error.validator == "pattern":
-        yield key, f"{value!r} cannot be a name. {meaning or _NAMES}"
+        yield key, f"{shortened(value)} cannot be a name. {meaning or _NAMES}"
     else:
-        yield key, f"{value!r} is not allowed. {meaning}"
+        yield key, f"{shortened(value)} is not allowed. {meaning}"
 
 
 def _nearest(name: object, keys: list[str]) -> str:
-    matches = difflib.get_close_matches(str(name), keys, n=1)
+    matches = difflib.get_close_matches(_part(name), keys, n=1)
     return f" (did you mean {matches[0]}?)" if matches else ""
 
 
-def _reads_as_number(text: str) -> bool:
+def _reads_as_number(text: object) -> bool:
+    if not isinstance(text, str):
+        return False
     try:
         float(text)
     except ValueError:
         return False
     return True
+
+
+def _of_numbers(wanted: str | list[str]) -> bool:
+    return not {"number", "integer"}.isdisjoint([wanted] if isinstance(wanted, str) else wanted)
+
+
+def _as_float(value: Any) -> Any:
+    """A value in which 1 and 1.0 are the same."""
+    if isinstance(value, list):
+        return [_as_float(item) for item in value]
+    return float(value) if type(value) is int else value
 
 
 def _yaml_number(text: str) -> str:
@@ -146,12 +279,18 @@ def _dotted(key: Key) -> str:
     """The key as a person writes it, list positions counted from 1."""
     text = ""
     for part in key:
-        text += f"[{part + 1}]" if isinstance(part, int) else f".{part}"
+        text += f"[{part + 1}]" if isinstance(part, int) else f".{_part(part)}"
     return text.removeprefix(".") or "(top level)"
 
 
-def _origin(key: Key, documents: Mapping[str, Any]) -> str:
-    """The last file that sets the key, or the longest part of it that any file sets."""
+def _part(name: object, most: int = 40) -> str:
+    """A key, cut to this many characters."""
+    text = str(name)
+    return text if len(text) <= most else f"{text[: most - 1]}…"
+
+
+def _origin(key: Key, documents: Mapping[str, Any]) -> tuple[str, int]:
+    """The last file that sets the key, or the longest part of it that any file sets, and the length of that part."""
     best, depth = "configuration", 0
     for file, document in documents.items():
         length = 0
@@ -163,20 +302,100 @@ def _origin(key: Key, documents: Mapping[str, Any]) -> str:
             length += 1
         if length >= depth:
             best, depth = file, length
-    return best
+    return best, depth
 
 
-class _StrictLoader(yaml.SafeLoader):
-    """YAML in which a key stands once."""
+def _line_of(key: Key, node: yaml.Node | None) -> str:
+    """Where a key stands in a tree of nodes, "line 3: "; nothing for the top level, or a document without a file."""
+    line = 0
+    for part in key:
+        if isinstance(node, yaml.MappingNode):
+            marks = {name.value: (name.start_mark, value) for name, value in node.value}
+            mark, node = marks[part]
+        elif isinstance(node, yaml.SequenceNode):
+            node = node.value[part]
+            mark = node.start_mark
+        else:
+            break
+        line = mark.line + 1
+    return f"line {line}: " if line else ""
+
+
+class _BoundedLoader(yaml.SafeLoader):
+    """YAML whose size is counted while its tree is built, before any value is made."""
+
+    def __init__(self, text: str, name: str) -> None:
+        super().__init__(text)
+        self.name = _file_name(name)
+        self._depth = self._count = 0
+        self._sizes: dict[str, int] = {}  # of the anchored nodes that are complete
+
+    def refuse(self, mark: Any, what: str) -> NoReturn:
+        """Raise the ConfigurationError for a place in the file."""
+        raise ConfigurationError(_one_line(f"{self.name}: line {mark.line + 1}: {what}"))
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        event: Any = self.peek_event()  # type: ignore[no-untyped-call]
+        mark, before = event.start_mark, self._count
+        if isinstance(event, yaml.AliasEvent):
+            if event.anchor in self.anchors and event.anchor not in self._sizes:
+                self.refuse(mark, f"*{event.anchor} stands inside what it repeats; write it out")
+            self._count += self._sizes.get(str(event.anchor), 0)
+        else:
+            if event.tag is not None:
+                self.refuse(mark, f"the tag {event.tag} is not known here; leave it out")
+            self._count += 1
+        if self._count > MOST_VALUES:
+            self.refuse(mark, f"more than {MOST_VALUES:,} values; give ranges instead of lists")
+        if self._depth == DEEPEST:
+            self.refuse(mark, f"more than {DEEPEST} lists and mappings inside each other")
+        self._depth += 1
+        node = super().compose_node(parent, index)
+        self._depth -= 1
+        if event.anchor is not None and not isinstance(event, yaml.AliasEvent):
+            self._sizes[event.anchor] = self._count - before
+        return node
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        seen = set()
+        seen: dict[str, int] = {}
         for key_node, _ in node.value:
-            key = self.construct_object(key_node, deep=True)
+            mark = key_node.start_mark
+            key = key_node.value
+            if key_node.tag not in (_TAG.format("str"), _TAG.format("merge")):
+                shown = shortened(key) if isinstance(key, str) else "a list or a mapping"
+                self.refuse(mark, f"{shown} cannot be a key, which is text; put it in quotes")
             if key in seen:
-                line = key_node.start_mark.line + 1
-                raise ConfigurationError(
-                    f"{key_node.start_mark.name}: {key}: stands twice (again in line {line}); keep one of them"
+                self.refuse(
+                    mark, f"{_part(key)}: stands twice, first in line {seen[key]}; keep one of them"
                 )
-            seen.add(key)
+            seen[key] = mark.line + 1
         return super().construct_mapping(node, deep)
+
+
+_TAG = "tag:yaml.org,2002:{}"
+_UNSEEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+"""Control characters, halves of characters, and what is no character, as escapes such as "\\0" write them."""
+
+
+def _number(loader: _BoundedLoader, node: yaml.ScalarNode) -> Any:
+    """An integer, number or date of a file, or the error of one that does not exist or is too large."""
+    try:
+        value = yaml.SafeLoader.yaml_constructors[node.tag](loader, node)
+    except ValueError:  # no such date, or digits without end
+        value = None
+    if value is None or (isinstance(value, int) and abs(value) > _LARGEST):
+        text = shortened(node.value, 40)
+        loader.refuse(node.start_mark, f"{text} is no date or number that can be used; correct it")
+    return value
+
+
+def _words(loader: _BoundedLoader, node: yaml.ScalarNode) -> str:
+    """Text of a file without what no page or table can show."""
+    if unseen := _UNSEEN.search(node.value):
+        what = f"the character U+{ord(unseen[0]):04X} cannot be shown as text; remove it"
+        loader.refuse(node.start_mark, what)
+    return str(node.value)
+
+
+for _kind, _make in {"int": _number, "float": _number, "timestamp": _number, "str": _words}.items():
+    _BoundedLoader.add_constructor(_TAG.format(_kind), _make)

@@ -103,9 +103,9 @@ def test_the_file_that_sets_the_key_is_named_when_several_are_merged(config, tmp
     override = tmp_path / "mine.yaml"
     override.write_text("oscillator: {m_kg: -1}\n", encoding="utf-8")
     message = problem(edited(config, ("oscillator", "m_kg"), -1), [FILE, override])
-    assert message.startswith(f"{override}: oscillator.m_kg")
+    assert message.startswith(f"{override}: line 1: oscillator.m_kg")
     message = problem(edited(config, ("oscillator", "c_N_s_per_m"), -1), [FILE, override])
-    assert message.startswith(f"{FILE}: oscillator.c_N_s_per_m")
+    assert message.startswith(f"{FILE}: line 7: oscillator.c_N_s_per_m")
 
 
 def test_a_key_that_stands_twice_is_refused(config, tmp_path):
@@ -113,7 +113,7 @@ def test_a_key_that_stands_twice_is_refused(config, tmp_path):
     file.write_text("case: a\noscillator: {}\ncase: b\n", encoding="utf-8")
     message = problem(config, [file])
     assert str(file) in message
-    assert "case: stands twice (again in line 3)" in message
+    assert "line 3: case: stands twice, first in line 1" in message
 
 
 def test_broken_yaml_is_reported_with_its_file(config, tmp_path):
