@@ -257,6 +257,7 @@ def test_words_of_every_regime():
     words = {str(regime) for regime in Regime}
     assert len(words) == len(Regime)
     assert all(re.fullmatch("[a-z: ]+", word) for word in words)
+    assert list(Regime) == list(range(len(Regime)))  # arrays of codes pick words by place
 
 
 def test_no_steady_orbit_is_an_error_that_names_the_case():
