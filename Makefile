@@ -27,7 +27,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check archive bench format lock clean distclean help stale
+.PHONY: all setup test lint unit check archive bench peers format lock clean distclean help stale
 
 all: setup ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(RUN) snakemake --cores $(CORES)
@@ -54,6 +54,9 @@ archive: setup ## Pack sources, results and digests for keeping, into results/ar
 
 bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and scipy (choose with BENCH_ARGS="peers")
 	@cd tests && $(BENCH_RUN) benchmarks --output ../results/benchmarks $(BENCH_ARGS)
+
+peers: $(BENCH)/ready ## Test the benchmarks with heyoka and diffrax, which `make test` leaves out
+	@$(BENCH_RUN) pytest tests/repository/test_benchmarks.py -k "heyoka or diffrax" $(PYTEST_ARGS)
 
 format: setup ## Format the sources
 	@$(RUN) ruff check --fix .
@@ -98,12 +101,12 @@ $(LOCKED): requirements.lock requirements-build.lock $(STALE)
 	@$(PIP_INSTALL) --no-build-isolation --require-hashes --requirement requirements.lock
 	@printf '%s' "$(CURDIR)" > $(LOCKED)
 
-# The peers are not in the lock: an environment of their own, the locked packages and on top of them what the group asks for.
-$(BENCH)/ready: $(LOCKED) pyproject.toml
-	@echo "Setting up $(BENCH) from requirements.lock and the group bench; this takes a minute or two."
-	@"$(PYTHON)" -m venv --clear $(BENCH)
-	@$(BENCH_RUN) pip install --disable-pip-version-check --no-compile --quiet --require-hashes --requirement requirements-build.lock
-	@$(BENCH_RUN) pip install --disable-pip-version-check --no-compile --quiet --no-build-isolation --require-hashes --requirement requirements.lock
-	@$(BENCH_RUN) pip install --disable-pip-version-check --no-compile --quiet --group bench
-	@$(BENCH_RUN) pip install --disable-pip-version-check --no-compile --quiet --no-build-isolation --no-deps --editable .
+# The peers are not in the lock: an environment of their own, which sees the packages of the first one.
+SITE := -c 'import sysconfig; print(sysconfig.get_path("purelib"))'
+$(BENCH)/ready: $(READY)
+	@echo "Setting up $(BENCH) with the group bench."
+	@rm -rf $(BENCH)
+	@$(VENV)/bin/python -m venv --without-pip $(BENCH)
+	@echo "import site; site.addsitedir('$$($(VENV)/bin/python $(SITE))')" > "$$($(BENCH)/bin/python $(SITE))/locked.pth"
+	@$(RUN) pip --python $(BENCH)/bin/python install --disable-pip-version-check --no-compile --quiet --group bench
 	@touch $@

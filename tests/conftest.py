@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 
 import hypothesis
+import pytest
 
 # No test opens a window. Set before matplotlib is imported; pipelines that tests start inherit it.
 os.environ["MPLBACKEND"] = "Agg"
@@ -27,3 +29,22 @@ def pytest_collection_modifyitems(items):
             item.path.parent.name != "workflow",
         )
     )
+
+
+SKIPPED = pytest.StashKey[Counter[str]]()
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    """Count the skipped tests by their reason, which says what to install."""
+    reports = terminalreporter.stats.get("skipped", [])
+    config.stash[SKIPPED] = Counter(
+        report.longrepr[2].removeprefix("Skipped: ") for report in reports
+    )
+
+
+def pytest_unconfigure(config):
+    """The last line of a run: what was not checked on this machine, and what would let it be."""
+    skipped = config.stash.get(SKIPPED, None)
+    if skipped:
+        reasons = "; ".join(f"{count} ({why})" for why, count in sorted(skipped.items()))
+        print(f"Skipped here, and run in CI or where it can be: {reasons}")

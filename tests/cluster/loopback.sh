@@ -18,9 +18,10 @@ if [ "${1:-}" != --inside ]; then
     [ $# -gt 0 ] || { echo "usage: $0 COMMAND [ARGUMENT …]" >&2; exit 64; }
     PATH="$PATH:/usr/sbin:/sbin"
     for program in slurmctld slurmd sinfo srun sbatch munged unshare ip; do
-        command -v "$program" >/dev/null || unavailable "$program is not installed"
+        command -v "$program" >/dev/null \
+            || unavailable "$program is missing: apt-get install slurmctld slurmd slurm-client munge iproute2"
     done
-    [ "$(id -u)" -eq 0 ] || unavailable "only root may start slurmd"
+    [ "$(id -u)" -eq 0 ] || unavailable "only root may start slurmd: sudo make test"
     [ -d /etc/slurm ] || unavailable "there is no /etc/slurm to cover"
     own=(unshare --mount --uts --ipc --net --pid --fork --kill-child --mount-proc)
     "${own[@]}" true 2>/dev/null || unavailable "no namespaces of one's own are allowed here"

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Compute a study on this machine alone and through SLURM, in a copy of the sources each, and compare every byte.
 
-    tests/cluster/loopback.sh .venv/bin/python tests/cluster/same_bytes.py map
+    cd tests && cluster/loopback.sh ../.venv/bin/python -m cluster.same_bytes map
 
-On a cluster, from a folder that its nodes see: python tests/cluster/same_bytes.py --folder SHARED/FOLDER map
+On a cluster, with a folder that its nodes see: cd tests && python -m cluster.same_bytes --folder SHARED/FOLDER map
 
 Exit status: 0 if all files are the same, 1 if not or if a run fails.
 """
@@ -21,18 +21,11 @@ from pathlib import Path
 
 import yaml
 
-ROOT = Path(__file__).parents[2]
-COPIED = ("Snakefile", "config", "workflow", "src", "paper/published")
+from folders import ROOT
+from workflow.copies import copied
+
 LOCAL = ("--cores", "all")
 SLURM = ("--profile", "workflow/profiles/slurm", "--slurm-init-seconds-before-status-checks", "2")
-
-
-def copy_sources(folder: Path) -> None:
-    """What a study needs, with the compiled kernels."""
-    for name in COPIED:
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy2
-        copy(ROOT / name, folder / name)
 
 
 def make_smaller(folder: Path, study: str, changes: Path) -> None:
@@ -80,7 +73,7 @@ def main(study: str, parent: Path | None, changes: Path | None) -> int:
     try:
         results = []
         for name, how in (("local", LOCAL), ("slurm", SLURM)):
-            copy_sources(top / name)
+            copied(ROOT, top / name)
             if changes:
                 make_smaller(top / name, study, changes)
             print(f"{name}: {compute(top / name, study, how):.1f} s", flush=True)

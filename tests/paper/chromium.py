@@ -24,4 +24,4 @@ def executable() -> str | None:
 
 
 CHROMIUM = executable()
-REASON = "no Chromium: install it, or name one in the variable CHROMIUM"
+REASON = "no Chromium: apt-get install chromium, or name one in the variable CHROMIUM"

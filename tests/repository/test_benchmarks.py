@@ -25,7 +25,7 @@ def exact():
     return forty_digits(CASES)
 
 
-def test_ours_has_the_digits_that_the_issue_asks_for(exact):
+def test_ours_has_eleven_digits(exact):
     assert worst_error(peers.ours(1)(CASES), exact) < 1e-11
 
 
@@ -35,7 +35,7 @@ def test_scipy_solves_the_same_problem(solve, exact):
     assert worst_error(solve(CASES), exact) < 1e-8
 
 
-@pytest.mark.skipif(not find_spec("heyoka"), reason="heyoka is not installed (make bench)")
+@pytest.mark.skipif(not find_spec("heyoka"), reason="heyoka is not installed: make peers")
 @pytest.mark.parametrize("kind", ["Settling", "SettlingBatch", "Shooting", "ShootingBatch"])
 def test_heyoka_solves_the_same_problem(kind, exact):
     from benchmarks import peer_heyoka
@@ -45,7 +45,7 @@ def test_heyoka_solves_the_same_problem(kind, exact):
     assert worst_error(solve(CASES), exact) < 1e-10  # stops at 1e-12 between half cycles
 
 
-@pytest.mark.skipif(not find_spec("diffrax"), reason="diffrax is not installed (make bench)")
+@pytest.mark.skipif(not find_spec("diffrax"), reason="diffrax is not installed: make peers")
 @pytest.mark.parametrize("method", ["from_guess", "shooting"])
 def test_diffrax_solves_the_same_problem(method, exact):
     from benchmarks import peer_diffrax

@@ -17,6 +17,7 @@ UNAVAILABLE = 69  # loopback.sh: SLURM cannot be started here, with the reason o
 def loopback(*command: str, timeout: float) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [str(CLUSTER / "loopback.sh"), *command],
+        cwd=ROOT / "tests",
         capture_output=True,
         text=True,
         check=False,
@@ -54,10 +55,11 @@ def test_a_job_that_takes_more_memory_than_it_asked_for_is_ended(slurm):
 
 @pytest.mark.slow
 def test_slurm_gives_the_bytes_of_the_local_run(slurm):
-    """A study of four chunks; a million cases the same way: tests/cluster/same_bytes.py map."""
+    """A study of four chunks; a million cases the same way: config/studies/CLUSTER.md."""
     done = loopback(
         sys.executable,
-        str(CLUSTER / "same_bytes.py"),
+        "-m",
+        "cluster.same_bytes",
         "--config-of",
         str(ROOT / "tests/workflow/studies"),
         "map",

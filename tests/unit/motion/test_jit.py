@@ -167,7 +167,8 @@ def test_without_any_place_to_write_kernels_still_compile(
 
 
 @pytest.mark.skipif(
-    not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write to read-only folders"
+    not hasattr(os, "geteuid") or os.geteuid() == 0,
+    reason="root may write to read-only folders: run the tests as another user",
 )
 def test_a_read_only_package(package, chosen_folder, tmp_path):
     package.chmod(0o555)
