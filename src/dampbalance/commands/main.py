@@ -5,14 +5,26 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from .. import __version__
+from ..project.wording import cut, visible
 from . import identify, simulate
+
+_LONGEST = 400  # characters of a line that quotes what was typed
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors fit a screen, whatever was typed."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and leave."""
+        super().error(cut(visible(message), _LONGEST))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code: 0, or 2 for what could not be done, with one line that says why."""
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="dampbalance",
         description="Friction and viscous damping of a vibrating system from the balance of energy over one period.",
         epilog="dampbalance COMMAND --help tells more.",
@@ -33,7 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     try:
         options.run(options)
-    except (ValueError, OSError) as error:  # RecordError is a ValueError
-        print(f"dampbalance {options.command}: error: {error}", file=sys.stderr)
+    except (ValueError, ArithmeticError, OSError) as error:  # RecordError is a ValueError
+        shown = "\n".join(map(visible, str(error).split("\n")))
+        print(f"dampbalance {options.command}: error: {shown}", file=sys.stderr)
         return 2
     return 0

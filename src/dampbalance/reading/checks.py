@@ -7,7 +7,7 @@ numbers. Differences count when they stand out of the scatter between cycles and
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,8 @@ _LARGEST_AMPLITUDE = 0.5  # m
 _LARGEST_ACCELERATION = 1000.0  # m/s²: a hundred times gravity
 _LARGEST_GAIN = 100.0
 
+_EQUAL = 1e-9  # of the largest harmonic: what rounding leaves between two copies of a signal
+
 _UNCONNECTED = "the transducer was not connected, or the wrong column was read"
 
 
@@ -57,6 +59,23 @@ def require_level(quantity: str, harmonics: CycleHarmonics) -> None:
             f"{quantity} does not oscillate at the drive frequency of {harmonics.omega / (2.0 * math.pi):.5g} Hz: "
             f"amplitude {abs(mean):.3g} ± {scatter:.2g}"
         )
+
+
+def require_distinct(harmonics: Mapping[str, CycleHarmonics], driving: str) -> None:
+    """ValueError when a response is the excitation itself, scaled or with another offset: no rig moves like that."""
+    for quantity, response in harmonics.items():
+        if quantity == driving:
+            continue
+        rows = min(len(h.weights) for h in (response, harmonics[driving]))
+        count = min(h.coefficients.shape[1] for h in (response, harmonics[driving]))
+        usable = (response.weights[:rows] > 0.0) & (harmonics[driving].weights[:rows] > 0.0)
+        x, y = (h.coefficients[:rows, 1:count][usable] for h in (response, harmonics[driving]))
+        factor = float(np.vdot(y, x).real) / float(np.vdot(y, y).real)
+        if np.abs(x - factor * y).max() < _EQUAL * np.abs(x).max():
+            raise ValueError(
+                f"{quantity} is {driving} itself, times {factor:.6g}: the same channel was read twice; say which channel "
+                "holds which in the mapping"
+            )
 
 
 def require_cycles(cycles: int, rows: int, omega: float, fewest: int) -> None:

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Array, Complexes, Mask
+from ..project.wording import visible
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from . import checks
 from .checks import weighted_mean
@@ -143,6 +144,7 @@ def _condition(
     base = harmonics[driving]
     weights = _common_weights(harmonics)
     warnings += _checked_cycles(harmonics, weights, base.omega)
+    checks.require_distinct(harmonics, driving)
 
     # a longer look corrects the frequency of the leading part
     offset, omega_error = frequency_offset(base)
@@ -255,12 +257,13 @@ def _evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Chann
         return channel
     from scipy.interpolate import CubicSpline  # rarely needed, slow to import
 
+    name = visible(channel.name)
     if channel.t.size < 8:
-        raise ValueError(f"{source}: {channel.name} has only {channel.t.size} samples")
+        raise ValueError(f"{source}: {name} has only {channel.t.size} samples")
     gap = float(steps.max())
     if gap > 20.0 * dt:
         raise ValueError(
-            f"{source}: {channel.name} is unevenly sampled and has a gap of {gap:.3g} s after "
+            f"{source}: {name} is unevenly sampled and has a gap of {gap:.3g} s after "
             f"{channel.t[int(np.argmax(steps))]:.6g} s; cut the record there"
         )
     spline = CubicSpline(channel.t, channel.values)
@@ -268,7 +271,7 @@ def _evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Chann
     coarse = CubicSpline(channel.t[::2], channel.values[::2])(channel.t[1:-1:2])
     error = float(np.sqrt(np.mean((coarse - channel.values[1:-1:2]) ** 2))) / 16.0
     warnings.append(
-        f"{channel.name}: unevenly sampled (steps of {steps.min():.3g} to {gap:.3g} s), resampled every {dt:.3g} s by "
+        f"{name}: unevenly sampled (steps of {steps.min():.3g} to {gap:.3g} s), resampled every {dt:.3g} s by "
         f"a cubic spline; error about {error:.2g} {channel.unit} beside the noise"
     )
     return Channel(channel.quantity, t, spline(t), channel.name)

@@ -17,12 +17,17 @@ _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "accelerat
 _NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long a WAV will become
 
 
-def uff_file(path: Path) -> RecordFile:
+def uff_file(path: Path, largest: int) -> RecordFile:
     """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary.
 
     A channel is called by its ordinate's label, else by its first ID line, else by what the data type says.
     """
     pyuff = library("pyuff", "a universal file")
+    if path.stat().st_size > largest:
+        raise RecordError(
+            f"{path}: has more than {largest:,} bytes, and a universal file is read whole; give a part of the record, or "
+            f"raise the limit (--largest {path.stat().st_size})"
+        )
     with intact(path, "a universal file"):
         file = pyuff.UFF(str(path))
         marks = path.read_bytes().count(b"    -1\n") + path.read_bytes().count(b"    -1\r")
@@ -55,7 +60,7 @@ def uff_file(path: Path) -> RecordFile:
     return Sliced(path, channels, lambda i, a, b: arrays[i][a:b], "a universal file")
 
 
-def tdms_file(path: Path) -> RecordFile:
+def tdms_file(path: Path, largest: int) -> RecordFile:
     """A TDMS file: its channels, "group/channel" if there are several groups; step and unit are properties."""
     nptdms = library("nptdms", "TDMS")
     with intact(path, "TDMS"):
@@ -80,7 +85,7 @@ def tdms_file(path: Path) -> RecordFile:
     return Sliced(path, channels, lambda i, a, b: signals[i][a:b], "TDMS", file.close)
 
 
-def wav_file(path: Path) -> RecordFile:
+def wav_file(path: Path, largest: int) -> RecordFile:
     """A WAV file: its channels are "channel 1", …, without unit; integers become parts of full scale, −1 to 1."""
     from scipy.io import wavfile
 
