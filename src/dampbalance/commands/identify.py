@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 from typing import Any, get_args
 
@@ -12,7 +13,8 @@ from ..identification.identify import MOST_REPLICATES, REPLICATES, SEED
 from ..identification.outputs import OUTPUTS
 from ..identification.run import identify_files, write_results
 from ..records.limits import LARGEST
-from .options import number, whole
+from ..records.readers.formats import require_showable
+from .options import count, number, whole
 
 SUMMARY = "identify F_k, c and K_z from records"
 EPILOG = """\
@@ -45,12 +47,8 @@ records         a file, one per level; two or more
 def run(options: argparse.Namespace) -> None:
     """Identify, show the table, write the results."""
     folder: Path | None = options.output
-    if folder is not None and not options.overwrite:
-        there = [name for name in OUTPUTS if (folder / name).exists()]
-        if there:
-            raise ValueError(
-                f"{folder} holds {there[0]} already: choose another folder, or add --overwrite"
-            )
+    if folder is not None:
+        _require_room(folder, options.overwrite)
     result = identify_files(
         options.records,
         options.stiffness,
@@ -70,9 +68,19 @@ def run(options: argparse.Namespace) -> None:
         print(f"\nWritten to {folder}: {', '.join(OUTPUTS)}.")
 
 
-def _size(text: str) -> int:
-    """A whole number that may be written as 5e8."""
-    return int(number(1.0, 1e12)(text))
+def _require_room(folder: Path, overwrite: bool) -> None:
+    """ValueError, before anything is computed, where the results could not be written."""
+    require_showable(folder)
+    there = next(path for path in (folder, *folder.parents) if path.exists())
+    if not there.is_dir():
+        raise ValueError(f"{there} is a file: choose a folder for the results")
+    if not os.access(there, os.W_OK):
+        raise ValueError(f"{there} cannot be written to: choose another folder for the results")
+    found = [name for name in OUTPUTS if (folder / name).exists()]
+    if found and not overwrite:
+        raise ValueError(
+            f"{folder} holds {found[0]} already: choose another folder, or add --overwrite"
+        )
 
 
 _OPTIONS: dict[str, dict[str, Any]] = {
@@ -86,7 +94,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--skip-cycles": {"type": whole(), "default": 0, "metavar": "N"},
     "--replicates": {"type": whole(2, MOST_REPLICATES), "default": REPLICATES},
     "--seed": {"type": whole(), "default": SEED},
-    "--largest": {"type": _size, "default": LARGEST, "metavar": "N"},
+    "--largest": {"type": count, "default": LARGEST, "metavar": "N"},
     "--output": {"type": Path, "metavar": "DIR"},
     "--overwrite": {"action": "store_true"},
 }

@@ -11,7 +11,7 @@ from .. import __version__
 from ..project.wording import cut, visible
 from . import identify, simulate
 
-_LONGEST = 400  # characters of a line that quotes what was typed
+_LONGEST = 1000  # characters of a line
 
 
 class _Parser(argparse.ArgumentParser):
@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         options.run(options)
     except (ValueError, ArithmeticError, OSError) as error:  # RecordError is a ValueError
-        shown = "\n".join(map(visible, str(error).split("\n")))
+        shown = "\n".join(cut(visible(line), _LONGEST) for line in str(error).split("\n"))
         print(f"dampbalance {options.command}: error: {shown}", file=sys.stderr)
         return 2
     return 0

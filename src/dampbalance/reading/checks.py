@@ -7,7 +7,7 @@ numbers. Differences count when they stand out of the scatter between cycles and
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,7 +35,7 @@ _LARGEST_AMPLITUDE = 0.5  # m
 _LARGEST_ACCELERATION = 1000.0  # m/s²: a hundred times gravity
 _LARGEST_GAIN = 100.0
 
-_EQUAL = 1e-9  # of the largest harmonic: what rounding leaves between two copies of a signal
+_EQUAL = 1e-9  # of the largest value: what rounding leaves between two copies of a signal
 
 _UNCONNECTED = "the transducer was not connected, or the wrong column was read"
 
@@ -61,21 +61,17 @@ def require_level(quantity: str, harmonics: CycleHarmonics) -> None:
         )
 
 
-def require_distinct(harmonics: Mapping[str, CycleHarmonics], driving: str) -> None:
+def require_distinct(quantity: str, values: Array, driving: str, drive: Array) -> None:
     """ValueError when a response is the excitation itself, scaled or with another offset: no rig moves like that."""
-    for quantity, response in harmonics.items():
-        if quantity == driving:
-            continue
-        rows = min(len(h.weights) for h in (response, harmonics[driving]))
-        count = min(h.coefficients.shape[1] for h in (response, harmonics[driving]))
-        usable = (response.weights[:rows] > 0.0) & (harmonics[driving].weights[:rows] > 0.0)
-        x, y = (h.coefficients[:rows, 1:count][usable] for h in (response, harmonics[driving]))
-        factor = float(np.vdot(y, x).real) / float(np.vdot(y, y).real)
-        if np.abs(x - factor * y).max() < _EQUAL * np.abs(x).max():
-            raise ValueError(
-                f"{quantity} is {driving} itself, times {factor:.6g}: the same channel was read twice; say which channel "
-                "holds which in the mapping"
-            )
+    count = min(values.size, drive.size)
+    x, y = values[:count] - values[:count].mean(), drive[:count] - drive[:count].mean()
+    square = float(y @ y)
+    factor = float(x @ y) / square if square > 0.0 else 0.0
+    if np.abs(x - factor * y).max() < _EQUAL * np.abs(x).max():
+        raise ValueError(
+            f"{quantity} is {driving} itself, times {factor:.6g}: one channel was read as both; say in the mapping which "
+            "holds which"
+        )
 
 
 def require_cycles(cycles: int, rows: int, omega: float, fewest: int) -> None:

@@ -34,6 +34,7 @@ MOST_HARMONICS = {"displacement": 31, "velocity": 61, "acceleration": 91}
 
 _HARMONICS_OF_BASE = 9
 _LEADING = 1 << 18  # samples from which the drive frequency is first estimated
+_COMPARED = 1 << 12  # samples in which a copy of another channel shows
 _JITTER = 0.05  # of a step: times closer to an even grid than that are on it
 _RELATIVE_FLOOR = 1e-9  # of the fundamental: rounding, below which noise cannot be told from it
 
@@ -144,7 +145,6 @@ def _condition(
     base = harmonics[driving]
     weights = _common_weights(harmonics)
     warnings += _checked_cycles(harmonics, weights, base.omega)
-    checks.require_distinct(harmonics, driving)
 
     # a longer look corrects the frequency of the leading part
     offset, omega_error = frequency_offset(base)
@@ -190,10 +190,14 @@ def _harmonics(
 ) -> tuple[dict[str, CycleHarmonics], list[str]]:
     """The harmonics of every channel at the drive frequency of the leading part; warnings about that frequency."""
     leading = {
-        q: _leading(blocks(), _LEADING if q == driving else 64) for q, blocks in channels.items()
+        q: _leading(blocks(), _LEADING if q == driving else _COMPARED)
+        for q, blocks in channels.items()
     }
-    steps = {q: _step(t, q) for q, (t, _) in leading.items()}
+    steps = {q: _step(t if q == driving else t[:64], q) for q, (t, _) in leading.items()}
     omega, error = _drive_frequency(driving, leading[driving], steps[driving])
+    for q, (_, values) in leading.items():
+        if q != driving:
+            checks.require_distinct(q, values, driving, leading[driving][1])
     warnings = list(checks.frequency(omega, error, frequency_hz))
     period = 2.0 * math.pi / omega
     start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period

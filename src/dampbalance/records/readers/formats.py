@@ -75,15 +75,20 @@ def content_of(path: Path) -> str | None:
     return None if control and not head.startswith(_BYTE_ORDER_MARKS) else "text"
 
 
+def require_showable(path: Path) -> None:
+    """RecordError for a name with control characters: it would stand in every report and figure."""
+    if visible(str(path)) != str(path):
+        raise RecordError(
+            f"{shortened(str(path), 200)}: its name has characters that cannot be shown; choose another"
+        )
+
+
 def checked_format(path: Path) -> str:
     """The kind of content of a regular file that is there, not empty, and what its name says: a key of _TITLES.
 
     Raises RecordError otherwise.
     """
-    if visible(str(path)) != str(path):  # it would stand in every report and figure
-        raise RecordError(
-            f"{shortened(str(path), 200)}: its name has characters that cannot be shown; rename it"
-        )
+    require_showable(path)
     try:
         found = path.stat()
         if stat.S_ISDIR(found.st_mode):

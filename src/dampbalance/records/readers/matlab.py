@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import RecordError, library
 from .named_arrays import signals_in
-from .record_file import RecordFile, intact
+from .record_file import RecordFile, intact, require_channels
 
 _HEADER = 128  # bytes
 _PACKED = 15  # type of an element: a compressed one
@@ -39,9 +39,12 @@ def _require_unpackable(path: Path, largest: int) -> None:
     total = 0
     with open(path, "rb") as stream:
         order = ">" if stream.read(_HEADER).endswith(b"MI") else "<"
+        elements = 0
         while len(tag := stream.read(8)) == 8:
             kind, size = struct.unpack(f"{order}II", tag)
             end = stream.tell() + size
+            elements += 1
+            require_channels(path, elements)
             for piece in _unpacked(stream, size) if kind == _PACKED else [size]:
                 total += piece
                 if total > largest:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from pathlib import Path
 from typing import Literal
@@ -63,9 +64,11 @@ def uff_file(path: Path, largest: int) -> RecordFile:
 def tdms_file(path: Path, largest: int) -> RecordFile:
     """A TDMS file: its channels, "group/channel" if there are several groups; step and unit are properties."""
     nptdms = library("nptdms", "TDMS")
-    with intact(path, "TDMS"):
-        file = nptdms.TdmsFile.open(path)
-    with intact(path, "TDMS", file.close):
+    log = library("nptdms.log", "TDMS").log_manager
+    log.set_level(logging.ERROR)  # what is wrong with a file is told below
+    stream = open(path, "rb")  # the file alone, not an index that may lie beside it
+    with intact(path, "TDMS", stream.close):
+        file = nptdms.TdmsFile.open(stream)
         every = (channel for group in file.groups() for channel in group.channels())
         signals = [c for c in every if c.dtype.kind in "fiu" and len(c)]
         if not signals:
@@ -82,7 +85,7 @@ def tdms_file(path: Path, largest: int) -> RecordFile:
             described(path, label, len(c), dict(c.properties), unit_among(c.properties))
             for label, c in zip(labels, signals, strict=True)
         ]
-    return Sliced(path, channels, lambda i, a, b: signals[i][a:b], "TDMS", file.close)
+    return Sliced(path, channels, lambda i, a, b: signals[i][a:b], "TDMS", stream.close)
 
 
 def wav_file(path: Path, largest: int) -> RecordFile:
