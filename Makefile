@@ -3,9 +3,12 @@
 
 PYTHON ?= python3
 CORES ?= all
+# A configuration that overrides config/config.yaml: make CONFIG=config/measured.yaml
+CONFIG ?=
 VENV := .venv
 # As in an activated environment: what is started from here finds the same Python.
 RUN := PATH="$(CURDIR)/$(VENV)/bin:$$PATH" python -m
+SNAKEMAKE := PATH="$(CURDIR)/$(VENV)/bin:$$PATH" exec python workflow/run.py --cores $(CORES) $(addprefix --configfile=,$(CONFIG))
 PIP_INSTALL := $(RUN) pip install --disable-pip-version-check --no-compile
 
 # Two marks: the locked packages are in; the package itself is in. A virtual environment holds absolute
@@ -30,7 +33,7 @@ export PYTHONNOUSERSITE = 1
 .PHONY: all setup test lint unit check archive bench peers format lock clean distclean help stale
 
 all: setup ## Set up the environment, then rebuild tables, figures and claims (the default)
-	@$(RUN) snakemake --cores $(CORES)
+	@$(SNAKEMAKE)
 	@echo "Everything is up to date. Start with results/README.md."
 
 setup: $(READY) ## Create or refresh the environment in .venv from the hash-pinned lock
@@ -47,10 +50,10 @@ unit: setup ## Run the tests: unit, analytic, paper, workflow (choose with PYTES
 	@$(RUN) pytest --numprocesses auto --dist loadscope --no-loadscope-reorder $(PYTEST_ARGS)
 
 check: setup ## Rebuild what is out of date and compare each verdict with the recorded one
-	@$(RUN) snakemake --cores $(CORES) check
+	@$(SNAKEMAKE) check
 
 archive: setup ## Pack sources, results and digests for keeping, into results/archive/
-	@$(RUN) snakemake --cores $(CORES) archive
+	@$(SNAKEMAKE) archive
 
 bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and scipy (choose with BENCH_ARGS="peers")
 	@cd tests && $(BENCH_RUN) benchmarks --output ../results/benchmarks $(BENCH_ARGS)

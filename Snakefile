@@ -6,6 +6,8 @@ snakemake --cores all --configfile config/measured.yaml     identification from 
 snakemake --cores all tables     one kind of result: orbits, records, features, estimates, tables, figures, claims
 """
 
+import sys
+
 from snakemake.utils import min_version
 
 min_version("9.0")
@@ -39,7 +41,22 @@ onsuccess:
         if f"records of {name}" in done:
             print(Path(f"{MEASURED_FILES}/{name}/summary.txt").read_text(encoding="utf-8"))
     if config["published"] and "Comparison with the verdicts on record" in done:
-        print(Path(f"{RESULTS}/summary.txt").read_text(encoding="utf-8"))
+        summary = Path(f"{RESULTS}/summary.txt").read_text(encoding="utf-8")
+        print(summary, end="")
+        if WORSE in summary:
+            sys.exit(1)
+
+
+onerror:
+    said = "".join(Path(file).read_text(encoding="utf-8") for file in log)
+    if "SIGKILL" in said or "exit status 137" in said:
+        print(
+            "A job was killed, as a rule because memory ran out: use fewer cores, or smaller chunks of a study."
+        )
+    print(
+        "What was complete is kept. When the cause is mended, the same command goes on from there."
+    )
+    sys.exit(1)
 
 
 rule all:

@@ -258,8 +258,8 @@ def test_markdown_has_a_line_per_claim(claims):
     assert all(line.count(" | ") == 8 for line in body)
 
 
-def test_summary_counts_and_lists_what_is_left_open(claims):
-    text = summary(claims)
+def test_summary_counts_and_lists_what_is_left_open(claims, recorded):
+    text = summary(claims, check(claims, recorded))
     total = next(line for line in text.splitlines() if line.startswith("all"))
     computed = claims[claims["kind"] == "computed"]
     counts = [int((computed["verdict"] == name).sum()) for name in VERDICTS]
@@ -445,7 +445,7 @@ def test_claims_survive_their_file(claims, tmp_path):
     write_csv(tmp_path / "claims.csv", claims)
     again = read_claims(tmp_path / "claims.csv")
     assert (again == claims).all(axis=None)
-    assert summary(again) == summary(claims)
+    assert summary(again, check(again, claims)) == summary(claims, check(claims, claims))
 
 
 def test_unknown_verdict_in_the_record_is_refused(tmp_path):

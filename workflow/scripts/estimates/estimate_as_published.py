@@ -3,9 +3,11 @@
 from dampbalance.features import Features
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_csv
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication import as_published
 
 if __name__ == "__main__":
+    brief_troubles()
     case, files = Case.from_config(snakemake.params.case), snakemake.input
     tabulated, two_point = (
         Features.from_frame(read_csv(file)) for file in (files.tabulated, files.two_point)

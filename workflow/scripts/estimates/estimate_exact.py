@@ -4,8 +4,10 @@ from dampbalance.estimates import estimate_table
 from dampbalance.features import Features
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_csv
+from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
+    brief_troubles()
     case = Case.from_config(snakemake.params.case)
     features = Features.from_frame(read_csv(snakemake.input.features))
     write_csv(snakemake.output.estimates, estimate_table(features, case.oscillator.k, case.pairs))

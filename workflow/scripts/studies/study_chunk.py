@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 from dampbalance import __version__
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.studies import checking, evaluate, outputs, plan
 
 
@@ -15,6 +16,7 @@ def main(file, chunk, threads):
 
 
 if __name__ == "__main__":
+    brief_troubles()
     path = Path(snakemake.output.chunk)
     study, cases = main(snakemake.params.file, int(snakemake.wildcards.chunk), snakemake.threads)
     outputs.write_chunk(path, cases, study, __version__)

@@ -8,11 +8,12 @@ from .inputs import LEVELS as PRINTED_LEVELS
 from .inputs import RouteTables
 from .of_text import check as check_text
 from .published import Published, read_published
-from .table import check, claims_markdown, claims_table, read_claims, read_record, summary
+from .table import WORSE, check, claims_markdown, claims_table, read_claims, read_record, summary
 
 __all__ = [
     "PRINTED_FREQUENCIES",
     "PRINTED_LEVELS",
+    "WORSE",
     "Published",
     "RouteTables",
     "check",

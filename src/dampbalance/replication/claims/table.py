@@ -88,10 +88,14 @@ def claims_markdown(frame: pd.DataFrame) -> str:
     return "\n".join(lines)
 
 
-def summary(frame: pd.DataFrame) -> str:
+WORSE = "printed numbers are worse off than on record"
+"""What only a summary with offences says."""
+
+
+def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
     """What a person reads at the end of a run: computed numbers by verdict and part, with inputs and statements beside
     them, then a line for each claim that is neither reproduced nor reconstructed, with the nearest value; the reasons
-    stand in the table of claims."""
+    stand in the table of claims. Last, a line for each offence that `check` found, after WORSE."""
     counted = counts(frame)
     table = {
         count.part: {
@@ -125,6 +129,8 @@ def summary(frame: pd.DataFrame) -> str:
         ]
         lines.append("Neither reproduced nor reconstructed (why: claims.md)")
         lines.append(_aligned(pd.DataFrame.from_records(shown)))
+    if len(offences):
+        lines += ["", f"{len(offences)} {WORSE}:", *("  " + offences["message"])]
     return "\n".join(lines) + "\n"
 
 

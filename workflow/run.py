@@ -1,0 +1,110 @@
+"""Start Snakemake in this folder, once it is clear that it can run there.
+
+    python workflow/run.py --cores all [any argument of Snakemake]
+
+`make` starts its runs through this. What Snakemake answers with a traceback or not at all is told in one sentence,
+before anything is touched: a configuration file that cannot be read, a folder that cannot be written, a full disk,
+another run in the same folder. What an interrupted run left is put right: its lock is lifted, and what it had not
+finished is made again.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from time import time
+
+import psutil
+
+from dampbalance.project.documents import ConfigurationError, read_yaml
+from dampbalance.project.files import remove_unfinished
+
+RESULTS, STATE = Path("results"), Path(".snakemake")
+SNAKEMAKE = (sys.executable, "-m", "snakemake")
+LEAST_FREE = 100e6  # bytes: the results of the paper's case and of the noise study take 70 MB
+
+
+def configuration_files(arguments: list[str]) -> list[str]:
+    """The file that every run reads, and those that the arguments name."""
+    files, named = ["config/config.yaml"], False
+    for argument in arguments:
+        option, _, value = argument.partition("=")
+        if option in ("--configfile", "--configfiles"):
+            named = not value
+            files += [value] if value else []
+        elif argument.startswith("-"):
+            named = False
+        elif named:
+            files.append(argument)
+    return files
+
+
+def unwritable() -> Iterator[Path]:
+    """Folders that a run writes into and may not."""
+    for top in (RESULTS, STATE):
+        folders = (Path(folder) for folder, _, _ in os.walk(top)) if top.exists() else [Path()]
+        yield from (folder for folder in folders if not os.access(folder, os.W_OK | os.X_OK))
+
+
+def other_run() -> psutil.Process | None:
+    """A run in this folder that is alive: Snakemake, a job that outlived it, or one that began before this."""
+    here, this = Path.cwd(), psutil.Process()
+    own = {this.pid, *(parent.pid for parent in this.parents())}
+    for process in psutil.process_iter(["cmdline", "cwd"]):
+        words = process.info["cmdline"] or []
+        if process.pid in own or process.info["cwd"] != str(here) or {"-n", "--dry-run"} & {*words}:
+            continue
+        runs = any(
+            Path(word).name == "snakemake" or ".snakemake/scripts/" in word for word in words
+        )
+        begins = any(word.endswith("workflow/run.py") for word in words)
+        if runs or (begins and _age(process) < _age(this)):
+            return process
+    return None
+
+
+def _age(process: psutil.Process) -> tuple[float, int]:
+    return process.create_time(), process.pid
+
+
+def obstacle(arguments: list[str]) -> str:
+    """Why Snakemake cannot run here, and what to do; "" if it can."""
+    try:
+        for file in configuration_files(arguments):
+            read_yaml(file)
+    except ConfigurationError as error:
+        return str(error)
+    for folder in unwritable():
+        return f"{folder.resolve()} cannot be written: give yourself the right to, or build in a copy of the project"
+    if (free := shutil.disk_usage(Path()).free) < LEAST_FREE:
+        return f"{free / 1e6:.0f} MB are free on this disk and {LEAST_FREE / 1e6:.0f} are needed: make room first"
+    if other := other_run():
+        since = f"process {other.pid}, for {(time() - other.create_time()) / 60:.0f} minutes"
+        return f"another run is at work in this folder ({since}): wait for it, or end it with kill {other.pid}"
+    return ""
+
+
+def main(arguments: list[str]) -> None:
+    """Look, clear away, and become Snakemake."""
+    if problem := obstacle(arguments):
+        sys.exit(f"error: {problem}")
+    if (STATE / "locks").exists():
+        print(
+            "The last run was interrupted: its lock is lifted, and what it had not finished is made again.",
+            flush=True,
+        )
+        done = subprocess.run(
+            [*SNAKEMAKE, "--unlock", *arguments], capture_output=True, text=True, check=False
+        )
+        if done.returncode:
+            sys.exit(done.stderr)
+        remove_unfinished(RESULTS)
+    os.execv(sys.executable, [*SNAKEMAKE, "--rerun-incomplete", *arguments])
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
