@@ -25,10 +25,14 @@ def matlab_file(path: Path, largest: int) -> RecordFile:
     Raises RecordError when it unpacks to more than `largest` bytes, each of which may stand for a number.
     """
     reader = library("pymatreader", "MATLAB")
+    from scipy.io import whosmat
+
     with intact(path, "MATLAB"):
         _require_unpackable(path, largest)
+        truths = {name for name, _, kind in whosmat(path) if kind == "logical"}
         document = reader.read_mat(str(path))
-    fields = dict(_flat({k: v for k, v in document.items() if not k.startswith("__")}, ""))
+    found = {k: v for k, v in document.items() if not k.startswith("__") and k not in truths}
+    fields = dict(_flat(found, ""))
     scalars = {n.rpartition(".")[2]: value for n, value in fields.items() if np.size(value) == 1}
     arrays = [(n, v, scalars, None) for n, v in fields.items() if isinstance(v, np.ndarray)]
     return signals_in(path, "MATLAB", arrays)
