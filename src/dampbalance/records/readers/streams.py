@@ -29,31 +29,31 @@ def uff_file(path: Path, largest: int) -> RecordFile:
             f"{path}: has more than {largest:,} bytes, and a universal file is read whole; give a part of the record, or "
             f"raise the limit (--largest {path.stat().st_size})"
         )
+    channels, arrays = [], []
     with intact(path, "a universal file"):
         file = pyuff.UFF(str(path))
         marks = path.read_bytes().count(b"    -1\n") + path.read_bytes().count(b"    -1\r")
         sets = [file.read_sets(i) for i, kind in enumerate(file.get_set_types()) if int(kind) == 58]
-    sets = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
-    channels, arrays = [], []
-    for item in sets:
-        n = int(item["num_pts"])
-        label = _stated(item, "ordinate_axis_lab", "id1") or _SPECIFIC_TYPES.get(
-            int(item["ordinate_spec_data_type"]), "data"
-        )
-        values = np.asarray(item["data"])
-        if values.size != n or np.iscomplexobj(values):
-            raise RecordError(
-                f"{path}: data set {label!r} has {values.size} of its {n} values; it was cut short or is no real signal"
+        sets = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
+        for item in sets:
+            n = int(item["num_pts"])
+            label = _stated(item, "ordinate_axis_lab", "id1") or _SPECIFIC_TYPES.get(
+                int(item["ordinate_spec_data_type"]), "data"
             )
-        even = item["abscissa_spacing"] == 1
-        timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]} if even else {}
-        channel = described(path, label, n, timing, _stated(item, "ordinate_axis_units_lab"))
-        if not even:  # its times stand in it, in front of it here
-            seconds = _stated(item, "abscissa_axis_units_lab") or "s"
-            channels.append(RawChannel(f"{channel.name} time", seconds, n))
-            arrays.append(np.asarray(item["x"]))
-        channels.append(channel)
-        arrays.append(values)
+            values = np.asarray(item["data"])
+            if values.size != n or np.iscomplexobj(values):
+                raise RecordError(
+                    f"{path}: data set {label!r} has {values.size} of its {n} values; it was cut short or is no real signal"
+                )
+            even = item["abscissa_spacing"] == 1
+            timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]} if even else {}
+            channel = described(path, label, n, timing, _stated(item, "ordinate_axis_units_lab"))
+            if not even:  # its times stand in it, in front of it here
+                seconds = _stated(item, "abscissa_axis_units_lab") or "s"
+                channels.append(RawChannel(f"{channel.name} time", seconds, n))
+                arrays.append(np.asarray(item["x"]))
+            channels.append(channel)
+            arrays.append(values)
     if marks % 2:
         raise RecordError(f"{path}: its last data set has no end; it was cut short")
     if not sets:
@@ -64,10 +64,9 @@ def uff_file(path: Path, largest: int) -> RecordFile:
 def tdms_file(path: Path, largest: int) -> RecordFile:
     """A TDMS file: its channels, "group/channel" if there are several groups; step and unit are properties."""
     nptdms = library("nptdms", "TDMS")
-    log = library("nptdms.log", "TDMS").log_manager
-    log.set_level(logging.ERROR)  # what is wrong with a file is told below
+    complaints = _Complaints()
     stream = open(path, "rb")  # the file alone, not an index that may lie beside it
-    with intact(path, "TDMS", stream.close):
+    with intact(path, "TDMS", stream.close), complaints:
         file = nptdms.TdmsFile.open(stream)
         every = (channel for group in file.groups() for channel in group.channels())
         signals = [c for c in every if c.dtype.kind in "fiu" and len(c)]
@@ -79,6 +78,8 @@ def tdms_file(path: Path, largest: int) -> RecordFile:
             raise RecordError(
                 f"{path}: its last segment is incomplete: the file was cut short, or the recording was not closed"
             )
+        if complaints.first:
+            raise RecordError(f"{path}: is damaged or was cut short ({complaints.first})")
         several = len({c.group_name for c in signals}) > 1
         labels = [f"{c.group_name}/{c.name}" if several else c.name for c in signals]
         channels = [
@@ -120,6 +121,26 @@ def wav_file(path: Path, largest: int) -> RecordFile:
         return (np.asarray(table[begin:end, i], dtype=np.float64) - zero) / full
 
     return Sliced(path, channels, read, "WAV")
+
+
+class _Complaints(logging.Handler):
+    """What the library for TDMS logs about a file, and would read nevertheless; nothing of it reaches the screen."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.first = ""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep the first."""
+        self.first = self.first or record.getMessage()
+
+    def __enter__(self) -> None:
+        manager = library("nptdms.log", "TDMS").log_manager
+        manager.console_handler.setLevel(logging.CRITICAL)
+        logging.getLogger("nptdms").addHandler(self)
+
+    def __exit__(self, *_: object) -> None:
+        logging.getLogger("nptdms").removeHandler(self)
 
 
 def _stated(item: dict[str, str], *keys: str) -> str | None:
