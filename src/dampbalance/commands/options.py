@@ -27,7 +27,9 @@ def count(text: str) -> int:
     return int(number(1.0, 1e12)(text))
 
 
-def _within(kind: Callable[[str], Any], low: float, high: float, wanted: str) -> Callable[[str], Any]:
+def _within(
+    kind: Callable[[str], Any], low: float, high: float, wanted: str
+) -> Callable[[str], Any]:
     def read(text: str) -> Any:
         try:
             value = kind(text)

@@ -38,7 +38,12 @@ def _quantity(
 
 ARGUMENTS: dict[str, dict[str, Any]] = {
     "record": {"type": Path, "metavar": "FILE", "help": "its suffix names the format"},
-    "--frequency": {"type": number(1e-9, 1e9), "required": True, "metavar": "HZ", "help": "of the drive, Hz"},
+    "--frequency": {
+        "type": number(1e-9, 1e9),
+        "required": True,
+        "metavar": "HZ",
+        "help": "of the drive, Hz",
+    },
     "--amplitude": {"type": number(), "required": True, "metavar": "Y", "help": "of the base, m"},
     "--mass": _quantity(2.42, "m, kg"),
     "--damping": _quantity(90.0, "c, N s/m", 0.0),

@@ -112,7 +112,9 @@ def _require_different(paths: Sequence[Path]) -> None:
             continue
         other = known.setdefault((found.st_dev, found.st_ino), path)
         if other is not path:
-            named = f"{path} is named twice" if other == path else f"{path} and {other} are one file"
+            named = (
+                f"{path} is named twice" if other == path else f"{path} and {other} are one file"
+            )
             raise ValueError(f"{visible(named)}: each record is one level")
 
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Mask
 from ..project.wording import visible
+from ..records.errors import RecordError
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from . import checks
 from .checks import weighted_mean
@@ -127,6 +128,8 @@ def condition_blocks(
     """
     try:
         return _condition(source, channels, k, frequency_hz, skip_cycles)
+    except RecordError:  # names the file itself
+        raise
     except ValueError as error:
         raise ValueError(f"{source}: {error}") from error
 

@@ -48,7 +48,9 @@ def write(
     by_suffix = format_by_suffix(path)
     name = format or by_suffix
     if name not in _WRITERS:
-        raise RecordError(f"{path}: unknown format {shortened(name)}; known are {', '.join(_WRITERS)}")
+        raise RecordError(
+            f"{path}: unknown format {shortened(name)}; known are {', '.join(_WRITERS)}"
+        )
     if path.suffix.lower() not in FORMATS["matlab" if name == MATLAB_73 else name].suffixes:
         raise RecordError(f"{path}: its suffix does not fit the format {name}")
     mapping = _wav_mapping(path, measurement) if name == "wav" else None

@@ -324,14 +324,59 @@ def test_a_record_that_unpacks_to_much_comes_in_blocks(tmp_path, monkeypatch):
     assert loading.load(path, 2310.0).measurement is None
 
 
+MATLAB = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
+
+
+def packed_matlab(path, content):
+    packed = zlib.compress(content)
+    path.write_bytes(MATLAB + struct.pack("<II", 15, len(packed)) + packed)
+
+
+def matlab_array(kind, *parts):
+    """An array of MATLAB 5 of a class, 1 × 1, without a name."""
+    head = struct.pack("<IIII", 6, 8, kind, 0) + struct.pack("<IIii", 5, 8, 1, 1)
+    content = head + struct.pack("<II", 1, 0) + b"".join(parts)
+    return struct.pack("<II", 14, len(content)) + content
+
+
 def test_an_element_of_matlab_that_lies_about_its_size(tmp_path):
     path = tmp_path / "bad.mat"
-    head = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
-    packed = zlib.compress(struct.pack("<II", 14, 80) + bytes(50_000_000))
-    path.write_bytes(head + struct.pack("<II", 15, len(packed)) + packed)
-    peak, said = peak_of(read, path, largest=5_000_000)
+    numbers = struct.pack("<II", 9, 50_000_000) + bytes(50_000_000)
+    packed_matlab(path, struct.pack("<II", 14, 80) + matlab_array(6, numbers)[8:])
+    peak, said = peak_of(read, path, largest=400_000_000)
     assert peak < 10.0
-    assert "unpacks to more than 5,000,000 bytes" in said
+    assert "a part is larger than what holds it" in said
+    packed_matlab(path, matlab_array(1, matlab_array(6, numbers)))  # in a cell
+    peak, said = peak_of(read, path, largest=20_000_000)
+    assert peak < 10.0
+    assert "holds more than 5,000,000 numbers" in said
+
+
+def test_cells_of_matlab_inside_each_other(tmp_path):
+    path = tmp_path / "bad.mat"
+    cell = matlab_array(6)
+    for _ in range(100):
+        cell = matlab_array(1, cell)
+    packed_matlab(path, cell)
+    refused(path, "arrays more than 64 deep")
+
+
+def test_structures_of_matlab_are_counted_right(tmp_path):
+    path = tmp_path / "run.mat"
+    t, y, x = signals()
+    whole = np.round(1e6 * x)  # stored as smaller integers
+    inner = {
+        "base_displacement_m": y,
+        "displacement_um": whole,
+        "note": "text",
+        "odd": np.arange(3.0),
+    }
+    scipy.io.savemat(path, {"time_s": t, "run": {"inner": inner, "cell": np.array([1.0, "a"], object)}}, do_compression=True)  # fmt: skip
+    found = read(path)
+    np.testing.assert_array_equal(found["displacement"].values, whole * 1e-6)
+    count = t.size + y.size + x.size
+    assert read(path, largest=4 * (count + 1000))
+    refused(path, "MATLAB 5 is read whole", largest=4 * (count - 1))
 
 
 # HDF5
@@ -464,8 +509,7 @@ def test_a_name_is_quoted_in_part(end, tmp_path, capsys, sound):
 
 
 BOMB = "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
-    f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n"
-    for a, b in zip("abcdefgh", "bcdefghi", strict=True)
+    f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefgh", "bcdefghi", strict=True)
 )
 MAPPINGS = [
     "? [1, 2]\n: 3\n", "? {a: 1}\n: 3\n", "- a\n", "5\n", "text\n", "a: b: c\n", "\ta\n", "!!python/name:os.system ''\n",

@@ -17,7 +17,7 @@ from ..limits import LARGEST
 from ..mapping import MappingLike, RecordMapping, mapping_for
 from ..measurement import Measurement
 from . import streams
-from .assemble import in_blocks, stated_size, whole
+from .assemble import in_blocks, stated_size, wanted_of, whole
 from .formats import FORMATS, checked_format
 from .hdf5 import hdf5_file
 from .matlab import matlab_file
@@ -53,15 +53,18 @@ def read(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) 
 
 
 def stated_numbers(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) -> int:
-    """How many numbers (samples × channels) a file says its measurement has; 0 where only reading tells.
+    """How many numbers (samples × channels) a file says its measurement has: about, for text.
 
-    Raises RecordError as `read`.
+    0 for what is read whole when it is opened. Raises RecordError as `read`.
     """
     path, rules = Path(path), mapping_for(path, mapping)
     if checked_format(path) in _READ_WHOLE:
         return 0
     with closing(_open(path, rules, largest)) as file:
-        return stated_size(file, picks_of(file, rules), largest)
+        picks = picks_of(file, rules)
+        if isinstance(file, TextFile):
+            return len(wanted_of(picks)) * file.layout.rows_stated
+        return stated_size(file, picks, largest)
 
 
 def open_channels(
@@ -114,8 +117,7 @@ def _open(path: Path, rules: RecordMapping, largest: int) -> RecordFile:
     return file
 
 
-_READ_WHOLE = ("text", "matlab", "uff")
-"""What says only when it is read how much it holds, or is read whole when it is opened."""
+_READ_WHOLE = ("matlab", "uff")
 
 _OPENERS: dict[str, Callable[[Path, int], RecordFile]] = {  # each imports its library
     "parquet": ParquetFile,

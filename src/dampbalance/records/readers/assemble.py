@@ -27,7 +27,9 @@ from .record_file import RecordFile, times
 
 _GAP = 1.5  # steps
 _BITS = (8, 16, 24, 32, 64)  # of the integers that converters and files have
-_WRAPPED = 0.9  # of their range: no oscillation passes through so much of it from one sample to the next
+_WRAPPED = (
+    0.9  # of their range: no oscillation passes through so much of it from one sample to the next
+)
 
 
 def stated_size(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST) -> int:
@@ -35,7 +37,7 @@ def stated_size(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST)
 
     Raises RecordError when they are more than `largest`.
     """
-    numbers = sum(file.channels[i].size or 0 for i in _wanted(picks))
+    numbers = sum(file.channels[i].size or 0 for i in wanted_of(picks))
     require_size(file.path, numbers, largest)
     return numbers
 
@@ -47,7 +49,7 @@ def whole(file: RecordFile, picks: Sequence[Pick]) -> Measurement:
     times that do not increase, have a gap or unequal steps, a constant channel, an integer that ran over, channels of
     unequal lengths.
     """
-    wanted = _wanted(picks)
+    wanted = wanted_of(picks)
     arrays = next(file.blocks(wanted, None), [np.empty(0)] * len(wanted))
     columns = dict(zip(wanted, arrays, strict=True))
     first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
@@ -66,15 +68,13 @@ def whole(file: RecordFile, picks: Sequence[Pick]) -> Measurement:
     return Measurement.of(str(file.path), channels)
 
 
-def in_blocks(
-    file: RecordFile, pick: Pick, size: int, largest: int = LARGEST
-) -> Iterator[Channel]:
+def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int = LARGEST) -> Iterator[Channel]:
     """One channel, `size` samples at a time; the last block may be shorter, but has at least 2.
 
     Raises RecordError as `whole`, when the block that is wrong comes up, a constant channel after the last; and when
     there are more than `largest` samples, which not every file tells beforehand.
     """
-    wanted = _wanted([pick])
+    wanted = wanted_of([pick])
     if len({file.channels[i].size for i in wanted}) > 1:
         named = ", ".join(f"{file.channels[i].name!r} {file.channels[i].size}" for i in wanted)
         raise RecordError(
@@ -116,7 +116,9 @@ class Stretch:
             raise RecordError(
                 f"{self.file.path}: channel {pick.name!r} has {self.count + values.size} samples; that is no record"
             )
-        signal = self._in_si(pick.index, values, pick.factor, LARGEST_VALUE, QUANTITIES[pick.quantity])
+        signal = self._in_si(
+            pick.index, values, pick.factor, LARGEST_VALUE, QUANTITIES[pick.quantity]
+        )
         self._require_no_overflow(values)
         if pick.time is None:
             t = times(pick.rate_hz, pick.start, self.count, values.size)
@@ -222,7 +224,8 @@ class Stretch:
             )
 
 
-def _wanted(picks: Sequence[Pick]) -> list[int]:
+def wanted_of(picks: Sequence[Pick]) -> list[int]:
+    """The channels to read, signals and times."""
     return sorted({i for pick in picks for i in (pick.index, pick.time) if i is not None})
 
 

@@ -53,9 +53,7 @@ def format_by_suffix(path: Path) -> str:
         if path.suffix.lower() in kind.suffixes:
             return name
     every = ", ".join(suffix for kind in FORMATS.values() for suffix in kind.suffixes)
-    raise RecordError(
-        f"{path}: unknown suffix {shortened(path.suffix)}; records end in {every}"
-    )
+    raise RecordError(f"{path}: unknown suffix {shortened(path.suffix)}; records end in {every}")
 
 
 def content_of(path: Path) -> str | None:

@@ -109,7 +109,11 @@ class _Contents:
         """RecordError for an array that lies in other files, or in pieces too large to unpack."""
         what = f"{self.path}: {shortened(where)}"
         if data.is_virtual or data.external:
-            kind = "is put together from other data sets" if data.is_virtual else "lies in another file"
+            kind = (
+                "is put together from other data sets"
+                if data.is_virtual
+                else "lies in another file"
+            )
             raise RecordError(f"{what} {kind}; copy its values into the record")
         if data.chunks and math.prod(data.chunks) * data.dtype.itemsize > _LARGEST_CHUNK:
             raise RecordError(

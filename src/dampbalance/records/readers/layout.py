@@ -45,6 +45,7 @@ class Layout:
 
     header_lines : lines before the first row.   comment : character that opens a comment.   columns : left to right.
     ends_in_line_end : whether the last line does; otherwise it may have been cut.
+    rows_stated : about how many rows the file has, from its size and the length of its first lines.
     """
 
     encoding: str
@@ -54,6 +55,7 @@ class Layout:
     header_lines: int
     columns: tuple[RawChannel, ...]
     ends_in_line_end: bool
+    rows_stated: int
 
     def rows(self, path: Path) -> Iterator[tuple[int, list[str]]]:
         """Line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
@@ -92,7 +94,10 @@ def layout_of(path: Path, mapping: RecordMapping) -> Layout:
         raise RecordError(_no_rows(path, lines, comment, mapping))
     (_, header, width), delimiter, decimal = max(fits, key=lambda fit: fit[0][0])
     columns = _columns(path, lines[:header], delimiter, comment, width)
-    return Layout(encoding, delimiter, decimal, comment, header, columns, _ends_in_line_end(path))
+    length = sum(map(len, lines[header:])) / max(1, len(lines) - header)
+    rows = round(path.stat().st_size / max(1.0, length))
+    ended = _ends_in_line_end(path)
+    return Layout(encoding, delimiter, decimal, comment, header, columns, ended, rows)
 
 
 def lines_of(path: Path, encoding: str) -> Iterator[str]:

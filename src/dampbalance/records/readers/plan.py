@@ -111,7 +111,9 @@ class _Plan:
             quantity = _QUANTITIES.get(_key(raw.name))
             if quantity in chosen:
                 first = self.channels[chosen[quantity]].name
-                raise self.unclear(f"takes both {shortened(first)} and {shortened(raw.name)} for {quantity}")
+                raise self.unclear(
+                    f"takes both {shortened(first)} and {shortened(raw.name)} for {quantity}"
+                )
             if quantity:
                 chosen[quantity] = i
         return chosen
@@ -148,7 +150,9 @@ class _Plan:
                 raise RecordError(
                     f"{said} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
                 )
-        raise RecordError(f"{said} {path} has no channel {shortened(which)}; it has {self.overview}")
+        raise RecordError(
+            f"{said} {path} has no channel {shortened(which)}; it has {self.overview}"
+        )
 
     def unit(self, raw: RawChannel, given: str | None, quantity: str) -> float:
         """SI units per unit of the channel."""
@@ -177,7 +181,10 @@ class _Plan:
             f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)} and at least one of {', '.join(RESPONSES)}."
             f" Its channels are {self.overview}. Say which is which in {self.where}, for example",
             "  channels:",
-            *(f"    {q}: {{channel: {self.which(c)}, unit: {_known(c.unit)}}}" for q, c in examples),
+            *(
+                f"    {q}: {{channel: {self.which(c)}, unit: {_known(c.unit)}}}"
+                for q, c in examples
+            ),
         ]
         if len(signals) == len(self.channels) and not any(raw.rate_hz for raw in signals):
             lines.append("  sample_rate_hz: …")

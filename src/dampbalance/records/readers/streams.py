@@ -24,10 +24,11 @@ def uff_file(path: Path, largest: int) -> RecordFile:
     A channel is called by its ordinate's label, else by its first ID line, else by what the data type says.
     """
     pyuff = library("pyuff", "a universal file")
-    if path.stat().st_size > largest:
+    size = path.stat().st_size
+    if size > 2 * largest:  # of text or binary, four bytes a number at least
         raise RecordError(
-            f"{path}: has more than {largest:,} bytes, and a universal file is read whole; give a part of the record, or "
-            f"raise the limit (--largest {path.stat().st_size})"
+            f"{path}: has more than {2 * largest:,} bytes, and a universal file is read whole; give a part of the record,"
+            f" or raise the limit (--largest {size})"
         )
     channels, arrays = [], []
     with intact(path, "a universal file"):

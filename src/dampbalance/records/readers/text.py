@@ -48,18 +48,21 @@ class TextFile(RecordFile):
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
         layout = self.layout
         try:
-            with _bounded(self.path, layout.encoding) as stream, pd.read_csv(
-                stream,
-                chunksize=min(size, max(1, _AT_ONCE // len(self.channels))),
-                header=None,
-                dtype=dict.fromkeys(wanted, np.float64),
-                low_memory=False,
-                skiprows=layout.header_lines,
-                comment=layout.comment,
-                decimal=layout.decimal,
-                skipinitialspace=True,
-                sep=r"\s+" if layout.delimiter == WHITESPACE else layout.delimiter,
-            ) as chunks:
+            with (
+                _bounded(self.path, layout.encoding) as stream,
+                pd.read_csv(
+                    stream,
+                    chunksize=min(size, max(1, _AT_ONCE // len(self.channels))),
+                    header=None,
+                    dtype=dict.fromkeys(wanted, np.float64),
+                    low_memory=False,
+                    skiprows=layout.header_lines,
+                    comment=layout.comment,
+                    decimal=layout.decimal,
+                    skipinitialspace=True,
+                    sep=r"\s+" if layout.delimiter == WHITESPACE else layout.delimiter,
+                ) as chunks,
+            ):
                 for chunk in chunks:
                     yield [chunk[i].to_numpy(dtype=np.float64) for i in wanted]
         except _LongLine:
