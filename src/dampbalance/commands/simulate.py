@@ -86,8 +86,8 @@ def run(options: argparse.Namespace) -> None:
     swings = math.sqrt((osc.k + osc.K_z) / osc.m) / motion.omega
     if swings > _MOST_SWINGS:
         raise ValueError(
-            f"the oscillator swings {swings:.2g} times in a cycle of {options.frequency:g} Hz, more than {_MOST_SWINGS:,} "
-            "can be followed; ask for a higher --frequency, or more --mass"
+            f"the oscillator swings {swings:.2g} times in a cycle of {options.frequency:g} Hz, and no more than "
+            f"{_MOST_SWINGS:,} can be followed; ask for a higher --frequency, or more --mass"
         )
     measurement = measured_orbit(
         steady_orbit(osc, motion),

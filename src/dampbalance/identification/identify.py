@@ -55,8 +55,8 @@ def identify(
     replicates : of the bootstrap.   seed : of its drawings.
 
     Raises ValueError for fewer than two readings, two of the same signals, a stiffness that is not positive or not that
-    of the readings, and too few or too many replicates. An approach whose rows cannot be solved stays in the result with
-    NaN and its reason.
+    of the readings, and too few or too many replicates. An approach whose rows cannot be solved stays in the result
+    with NaN and its reason.
     """
     _require(readings, k, approaches, replicates)
     random = np.random.default_rng(seed)

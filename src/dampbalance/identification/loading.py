@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..arrays import Array
+from ..project.wording import visible
 from ..reading.conditioning import condition_blocks
 from ..reading.noisy import Reading, read_features, read_steady
-from ..project.wording import visible
 from ..records.limits import LARGEST
 from ..records.mapping import MappingLike, mapping_for
 from ..records.measurement import Measurement

@@ -1,4 +1,4 @@
-"""Numbers, symbols, units and names as people read them, in plain characters: the one place for superscripts and signs."""
+"""Numbers, symbols, units and names as people read them, in plain characters: the only place for them."""
 
 from __future__ import annotations
 

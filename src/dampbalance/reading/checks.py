@@ -69,8 +69,8 @@ def require_distinct(quantity: str, values: Array, driving: str, drive: Array) -
     factor = float(x @ y) / square if square > 0.0 else 0.0
     if np.abs(x - factor * y).max() < _EQUAL * np.abs(x).max():
         raise ValueError(
-            f"{quantity} is {driving} itself, times {factor:.6g}: one channel was read as both; say in the mapping which "
-            "holds which"
+            f"{quantity} is {driving} itself, times {factor:.6g}: one channel was read as both; say in the mapping "
+            "which holds which"
         )
 
 

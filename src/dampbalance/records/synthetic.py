@@ -43,8 +43,8 @@ def measured_orbit(
     samples = cycles * motion.period * rate_hz
     if not samples * (1 + len(channels)) <= LARGEST:
         raise ValueError(
-            f"{cycles:g} cycles at {rate_hz:g} samples per second are {samples:.2g} samples of {len(channels)} channels, "
-            f"more than {LARGEST:,} numbers with their times; ask for fewer"
+            f"{cycles:g} cycles at {rate_hz:g} samples per second are {samples:.2g} samples of {len(channels)} "
+            f"channels, more than {LARGEST:,} numbers with their times; ask for fewer"
         )
     count = round(samples)
     if count < 2:

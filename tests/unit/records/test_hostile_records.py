@@ -25,8 +25,8 @@ from scipy.io import wavfile
 
 from dampbalance.commands.main import main
 from dampbalance.identification import loading
-from dampbalance.motion.orbit import steady_orbit
 from dampbalance.model import BaseMotion
+from dampbalance.motion.orbit import steady_orbit
 from dampbalance.records.errors import RecordError
 from dampbalance.records.limits import LARGEST
 from dampbalance.records.mapping import read_mapping
@@ -62,7 +62,8 @@ def signals(Y=0.004, seed=1):
     """Times, base and mass of a sound record."""
     orbit = steady_orbit(PAPER, BaseMotion(Y=Y, omega=2.0 * np.pi * 3.5))
     found = measured_orbit(orbit, rate_hz=RATE, cycles=14, noise=0.005, seed=seed)
-    return tuple(np.array(a) for a in (found.excitation.t, found.excitation.values, found["displacement"].values))  # fmt: skip
+    base, mass = found.excitation, found["displacement"]
+    return tuple(np.array(a) for a in (base.t, base.values, mass.values))
 
 
 @pytest.fixture(scope="module")
@@ -158,7 +159,7 @@ VALUES = {
     "huge": (lambda y, x: (1e150 * y, 1e150 * x), r"beyond 1e\+15 m, and so are"),
     "huge in all formats": (lambda y, x: (y, 1e300 * x), r"beyond 1e\+15 m"),
     "the largest": (lambda y, x: (y, alternating(x)), r"1e\+308, beyond 1e\+15 m"),
-    "one huge value": (lambda y, x: (y, np.where(np.arange(x.size) == 77, 1e160, x)), r"(line 79|sample 78): .*1e\+160"),
+    "one value": (lambda y, x: (y, np.where(np.arange(x.size) == 77, 1e160, x)), r"(line 79|sample 78): .*1e\+160"),
     "tiny": (lambda y, x: (1e-150 * y, 1e-150 * x), "too little to mean anything"),
     "a drive of next to nothing": (lambda y, x: (1e-300 * y, x), "'base_displacement|'channel 1"),
     "subnormal": (lambda y, x: (y, 5e-322 * x), "constant|too little"),
@@ -176,9 +177,7 @@ def test_values_that_no_rig_gives(name, suffix, tmp_path):
     FORMATS[suffix](path, t, *change(y, x))
     refused(path, message)
     with pytest.raises(RecordError, match=message):
-        for blocks in open_channels(path, block=500).values():
-            for _ in blocks():
-                pass
+        [list(blocks()) for blocks in open_channels(path, block=500).values()]
 
 
 @pytest.mark.parametrize("change", [lambda y: y, lambda y: -y, lambda y: 3.0 * y + 0.01])
@@ -371,7 +370,8 @@ def test_structures_of_matlab_are_counted_right(tmp_path):
         "note": "text",
         "odd": np.arange(3.0),
     }
-    scipy.io.savemat(path, {"time_s": t, "run": {"inner": inner, "cell": np.array([1.0, "a"], object)}}, do_compression=True)  # fmt: skip
+    run = {"inner": inner, "cell": np.array([1.0, "a"], object)}
+    scipy.io.savemat(path, {"time_s": t, "run": run}, do_compression=True)
     found = read(path)
     np.testing.assert_array_equal(found["displacement"].values, whole * 1e-6)
     count = t.size + y.size + x.size
@@ -481,7 +481,7 @@ TEXTS = {
     "a million columns": (",".join(["1"] * 10**6) + "\n") * 3,
     "a long cell": "time_s,y_m,x_m\n0,1,2\n" + "9" * 140_000 + ",1,2\n",
     "a long name": "time_s,y_m," + "x" * 140_000 + "\n0,1,2\n1,2,3\n",
-    "a long line at the end": "time_s,y_m,x_m\n" + "".join(f"{i},{i % 3},{i % 5}\n" for i in range(999)) + "1" * 600_000 + "\n",
+    "a long line at the end": "time_s,y_m,x_m\n" + "0,1,2\n1,2,3\n" * 500 + "1" * 600_000 + "\n",
     "no line ends": "1," * 10**6,
     "a quote that stays open": 'time_s,y_m,x_m\n0,1,2\n"1,2,3\n' + "4,5,6\n" * 1000,
     "NUL": "time_s,y_m,x_m\n0,1,2\n1,\x002,3\n",
@@ -512,16 +512,20 @@ BOMB = "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
     f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefgh", "bcdefghi", strict=True)
 )
 MAPPINGS = [
-    "? [1, 2]\n: 3\n", "? {a: 1}\n: 3\n", "- a\n", "5\n", "text\n", "a: b: c\n", "\ta\n", "!!python/name:os.system ''\n",
+    "? [1, 2]\n: 3\n", "? {a: 1}\n: 3\n", "- a\n", "5\n", "text\n", "a: b: c\n", "\ta\n",
+    "!!python/name:os.system ''\n",
     "&a {level: *a}\n", "channels: &a {force: *a}\n", BOMB, "a: " + "[" * 2000 + "]" * 2000, "level: 2020-13-45\n",
     "level: " + "9" * 5000, "level: .nan\n", "level: [1]\n", "level: " + "L" * 201, "level: " + "L" * 2_000_000,
-    "level: a\nlevel: b\n", "k: 1\n" * 3, "".join(f"k{i}: 1\n" for i in range(1000)), "x" * 5000 + ": 1\n",
-    "channels: {force: {channel: 2.0}, velocity: {channel: 3}}\n", "channels: {force: {channel: true}, velocity: {channel: 3}}\n",
-    "channels: {force: {channel: 1, scale: 1.0e+16}, velocity: {channel: 3}}\n", "channels: {force: {channel: 1, scale: 0.0}, velocity: {channel: 3}}\n",
-    "channels: {force: {channel: 1, unit: " + "m" * 5000 + "}, velocity: {channel: 3}}\n",
-    "channels: {force: {channel: 1, unit: '" + "[" * 5000 + "'}, velocity: {channel: 3}}\n",
+    "level: a\nlevel: b\n", "k: 1\n", "".join(f"k{i}: 1\n" for i in range(1000)), "x" * 5000 + ": 1\n",
+    *(
+        f"channels: {{force: {{{rule}}}, velocity: {{channel: 3}}}}\n"
+        for rule in (
+            "channel: 2.0", "channel: true", "channel: [1]", "channel: " + "c" * 1001, "channel: 1, scale: 1.0e+16",
+            "channel: 1, scale: 0.0", "channel: 1, unit: " + "m" * 5000, f"channel: 1, unit: '{'[' * 5000}'",
+        )
+    ),
     *(f"delimiter: {one}\n" for one in (r'"\n"', r'"\""', '""', "';;'", r'"\0"', "'#'", "e", "5", '"-"', r'";\n"')),
-    *(f"sample_rate_hz: {one}\n" for one in ("1.0e-300", "1.0e+300", "0", "-1", "true", ".inf", "'5'", "1e400")),
+    *(f"sample_rate_hz: {r}\n" for r in ("1.0e-300", "1.0e+300", "0", "-1", "true", ".inf", "'5'", "1e400")),
     *(f"header_lines: {one}\n" for one in ("-1", "1.0", "1000000000000", "9" * 400)),
     *(f"frequency_hz: {one}\n" for one in ("1.0e+308", "5.0e-324", "9" * 400)),
 ]  # fmt: skip
@@ -564,7 +568,7 @@ def test_only_regular_files_are_opened(make, message, suffix, tmp_path):
     refused(path, message)
 
 
-@pytest.mark.parametrize("content", [b"", b"    -1\n    58\n", b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM", b"PAR1", b"TDSm"])  # fmt: skip
+@pytest.mark.parametrize("content", [b"", b"    -1\n    58\n", MATLAB, b"PAR1", b"TDSm"])
 @pytest.mark.parametrize("suffix", ["csv", "uff", "mat", "parquet", "tdms", "h5", "wav"])
 def test_a_sparse_file_is_no_record(content, suffix, tmp_path):
     path = tmp_path / f"bad.{suffix}"

@@ -185,8 +185,9 @@ class Stretch:
         if not bits or jumps[i] <= _WRAPPED * 2.0**bits or np.any(values != np.round(values)):
             return
         raise RecordError(
-            f"{self.file.path}: {self.file.place(self.pick.index, self.count + i + 1)}: channel {self.pick.name!r} jumps "
-            f"from {values[i]:g} to {values[i + 1]:g}: an integer of {bits} bits ran over; record with a larger range"
+            f"{self.file.path}: {self.file.place(self.pick.index, self.count + i + 1)}: channel {self.pick.name!r} "
+            f"goes from {values[i]:g} to {values[i + 1]:g}: an integer of {bits} bits ran over; record "
+            "with a wider range"
         )
 
     def _require_uniform(self, index: int, t: Array) -> None:

@@ -84,14 +84,14 @@ class _Contents:
             return group[name]
         if isinstance(link, self.h5py.ExternalLink):
             raise RecordError(
-                f"{self.path}: {shortened(where)} is a link into another file, {shortened(link.filename)}; copy what it "
-                "leads to into the record"
+                f"{self.path}: {shortened(where)} is a link into another file, {shortened(link.filename)}; copy what "
+                "it leads to into the record"
             )
         target = self.file if link.path.startswith("/") else group
         for part in filter(None, link.path.split("/")[:_DEEPEST]):
-            if not isinstance(target, self.h5py.Group) or part not in target.keys():
+            if not isinstance(target, self.h5py.Group):
                 return None
-            if not isinstance(target.get(part, getlink=True), self.h5py.HardLink):
+            if not isinstance(target.get(part, None, getlink=True), self.h5py.HardLink):
                 return None
             target = target[part]
         return target if isinstance(target, self.h5py.Dataset) else None

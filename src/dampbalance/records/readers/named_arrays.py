@@ -11,7 +11,15 @@ import numpy as np
 from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
-from .record_file import RecordFile, Sliced, described, intact, require_channels, unit_among
+from .record_file import (
+    RawChannel,
+    RecordFile,
+    Sliced,
+    described,
+    intact,
+    require_channels,
+    unit_among,
+)
 
 
 class ParquetFile(RecordFile):
@@ -58,7 +66,8 @@ def signals_in(
 
     A signal runs along the longer side.
     """
-    channels, signals = [], []
+    channels: list[RawChannel] = []
+    signals = []
     for name, data, attributes, unit in arrays:
         if data.size < 2 or data.ndim > 2:
             continue

@@ -27,8 +27,8 @@ def uff_file(path: Path, largest: int) -> RecordFile:
     size = path.stat().st_size
     if size > 2 * largest:  # of text or binary, four bytes a number at least
         raise RecordError(
-            f"{path}: has more than {2 * largest:,} bytes, and a universal file is read whole; give a part of the record,"
-            f" or raise the limit (--largest {size})"
+            f"{path}: has more than {2 * largest:,} bytes, and a universal file is read whole; give a part of the "
+            f"record, or raise the limit (--largest {size})"
         )
     channels, arrays = [], []
     with intact(path, "a universal file"):
@@ -44,7 +44,8 @@ def uff_file(path: Path, largest: int) -> RecordFile:
             values = np.asarray(item["data"])
             if values.size != n or np.iscomplexobj(values):
                 raise RecordError(
-                    f"{path}: data set {label!r} has {values.size} of its {n} values; it was cut short or is no real signal"
+                    f"{path}: data set {label!r} has {values.size} of its {n} values; it was cut short or is no real "
+                    "signal"
                 )
             even = item["abscissa_spacing"] == 1
             timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]} if even else {}
@@ -66,7 +67,8 @@ def tdms_file(path: Path, largest: int) -> RecordFile:
     """A TDMS file: its channels, "group/channel" if there are several groups; step and unit are properties."""
     nptdms = library("nptdms", "TDMS")
     complaints = _Complaints()
-    stream = open(path, "rb")  # the file alone, not an index that may lie beside it
+    # the file alone, not an index that may lie beside it; the reader closes it
+    stream = open(path, "rb")  # noqa: SIM115
     with intact(path, "TDMS", stream.close), complaints:
         file = nptdms.TdmsFile.open(stream)
         every = (channel for group in file.groups() for channel in group.channels())

@@ -102,7 +102,7 @@ class _bounded(io.TextIOWrapper):
     """The text of a file, up to a line that is too long."""
 
     def __init__(self, path: Path, encoding: str) -> None:
-        super().__init__(open(path, "rb"), encoding, errors="replace", newline="")
+        super().__init__(path.open("rb"), encoding, errors="replace", newline="")
         self.without_end = 0
 
     def read(self, size: int | None = -1, /) -> str:
