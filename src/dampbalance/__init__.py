@@ -4,12 +4,16 @@ After Liang & Feeny, *Balancing energy to estimate damping in a forced oscillato
 DETC2010-28049.
 """
 
-from .model import BaseMotion, Oscillator
-from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
-from .motion.orbits import Orbits, steady_orbits
-from .motion.regime import Regime
-from .motion.states import State
-from .motion.transient import Trajectory, transient
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .model import BaseMotion, Oscillator
+    from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
+    from .motion.orbits import Orbits, steady_orbits
+    from .motion.regime import Regime
+    from .motion.states import State
+    from .motion.transient import Trajectory, transient
 
 __version__ = "0.1.0"
 
@@ -26,3 +30,26 @@ __all__ = [
     "steady_orbits",
     "transient",
 ]
+
+# Loaded when they are asked for: the command line starts without NumPy.
+_MODULES = {
+    "model": ("BaseMotion", "Oscillator"),
+    "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
+    "motion.orbits": ("Orbits", "steady_orbits"),
+    "motion.regime": ("Regime",),
+    "motion.states": ("State",),
+    "motion.transient": ("Trajectory", "transient"),
+}
+
+
+def __getattr__(name: str) -> object:
+    for module, names in _MODULES.items():
+        if name in names:
+            found: object = getattr(import_module(f".{module}", __name__), name)
+            globals()[name] = found
+            return found
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

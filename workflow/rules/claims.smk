@@ -37,7 +37,7 @@ rule claims:
     input:
         features=of_routes("features"),
         estimates=of_routes("estimates"),
-        unrounded=expand(rules.features_as_published.output.unrounded, frequency=FREQUENCIES[:1]),
+        unrounded=f"{RESULTS}/features/as_published/unrounded/{FREQUENCIES[0]}.csv",
         published=published_files,
         modules=script_modules("claims/claims.py"),
     output:

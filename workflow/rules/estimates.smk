@@ -1,4 +1,4 @@
-# F_k and c by the four approaches, pair by pair and by least squares.
+# F_k and c by every approach, pair by pair and by least squares. One job estimates at all frequencies of a route.
 
 
 rule estimate_exact:
@@ -6,11 +6,11 @@ rule estimate_exact:
         features=rules.features_exact.output.features,
         modules=script_modules("estimates/estimate_exact.py"),
     output:
-        estimates=f"{RESULTS}/estimates/exact/{{frequency}}.csv",
+        estimates=expand(f"{RESULTS}/estimates/exact/{{frequency}}.csv", frequency=FREQUENCIES),
     params:
         case=of_case("oscillator", "pairs"),
     message:
-        "Estimates from the exact features at {wildcards.frequency}"
+        "Estimates from the exact features"
     script:
         "../scripts/estimates/estimate_exact.py"
 
@@ -21,16 +21,18 @@ rule estimate_as_published:
         two_point=rules.features_as_published.output.two_point,
         modules=script_modules("estimates/estimate_as_published.py"),
     output:
-        estimates=f"{RESULTS}/estimates/as_published/{{frequency}}.csv",
+        estimates=expand(
+            f"{RESULTS}/estimates/as_published/{{frequency}}.csv", frequency=FREQUENCIES
+        ),
     params:
         case=of_case("oscillator", "pairs"),
     message:
-        "Estimates from the as-published features at {wildcards.frequency}"
+        "Estimates from the as-published features"
     script:
         "../scripts/estimates/estimate_as_published.py"
 
 
 rule estimates:
     input:
-        expand(rules.estimate_exact.output.estimates, frequency=FREQUENCIES),
-        expand(rules.estimate_as_published.output.estimates, frequency=FREQUENCIES),
+        rules.estimate_exact.output.estimates,
+        rules.estimate_as_published.output.estimates,

@@ -1,37 +1,43 @@
-# What is read off the responses: X, X_s, V_s, t_s, phases, harmonics and the integrals a, b, W.
+# What is read off the responses: X, X_s, V_s, t_s, phases, harmonics and the integrals a, b, W. One job reads all frequencies of a
+# route: what comes after needs them all, and reading takes less time than starting.
 
 
 rule features_exact:
     input:
-        orbits=rules.simulate_exact.output.orbits,
+        orbits=expand(rules.simulate_exact.output.orbits, frequency=FREQUENCIES),
         modules=script_modules("features/features_exact.py"),
     output:
-        features=f"{RESULTS}/features/exact/{{frequency}}.csv",
+        features=expand(f"{RESULTS}/features/exact/{{frequency}}.csv", frequency=FREQUENCIES),
     params:
         case=of_case("phase"),
     message:
-        "Exact features at {wildcards.frequency}"
+        "Exact features"
     script:
         "../scripts/features/features_exact.py"
 
 
 rule features_as_published:
     input:
-        records=rules.simulate_as_published.output.records,
+        records=expand(rules.simulate_as_published.output.records, frequency=FREQUENCIES),
         modules=script_modules("features/features_as_published.py"),
     output:
-        tabulated=f"{RESULTS}/features/as_published/{{frequency}}.csv",
-        two_point=f"{RESULTS}/features/as_published/two_point/{{frequency}}.csv",
-        unrounded=f"{RESULTS}/features/as_published/unrounded/{{frequency}}.csv",
+        **{
+            name: expand(f"{RESULTS}/features/{folder}/{{frequency}}.csv", frequency=FREQUENCIES)
+            for name, folder in {
+                "tabulated": "as_published",
+                "two_point": "as_published/two_point",
+                "unrounded": "as_published/unrounded",
+            }.items()
+        },
     params:
-        case=at_frequency("oscillator", "phase", "numerics"),
+        case=of_case("oscillator", "frequencies_hz", "phase", "numerics"),
     message:
-        "Features read off the fixed-step records at {wildcards.frequency}"
+        "Features read off the fixed-step records"
     script:
         "../scripts/features/features_as_published.py"
 
 
 rule features:
     input:
-        expand(rules.features_exact.output, frequency=FREQUENCIES),
-        expand(rules.features_as_published.output, frequency=FREQUENCIES),
+        rules.features_exact.output,
+        rules.features_as_published.output,

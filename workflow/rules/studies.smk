@@ -5,9 +5,10 @@
 # snakemake --cores all results/studies/frequency/summary.md    one
 # … --dry-run                                                   what it would take: cases, chunks, bytes
 #
-# A study is computed in chunks, a job each. An interrupted one goes on with the chunks that are missing.
+# A large study is computed in chunks, a job each. An interrupted one goes on with the chunks that are missing.
 import functools
 import os
+import re
 import sys
 import time
 
@@ -23,6 +24,10 @@ def study_plan(name):
     from dampbalance.studies.checking import read_study
 
     file = STUDY_FOLDER / f"{name}.yaml"
+    if not re.fullmatch("[A-Za-z0-9][A-Za-z0-9_-]{0,59}", name):
+        raise WorkflowError(
+            f"{file}: the name of a study is letters, digits, '-' and '_', 60 at most; rename the file"
+        )
     if not file.exists():
         known = ", ".join(STUDIES)
         raise WorkflowError(f"{file}: there is no such study; known are {known}")
@@ -60,8 +65,10 @@ def study_settings(wildcards):
 
 
 def study_chunks(wildcards):
-    """The chunks of a study, in their order."""
+    """The chunks of a study, in their order; none of a study that one job computes as a whole."""
     _, sizes = study_plan(wildcards.study)
+    if sizes.chunks == 1:
+        return []
     return [
         f"{STUDY_RESULTS}/{wildcards.study}/chunks/{chunk:05d}.parquet"
         for chunk in range(sizes.chunks)
@@ -120,14 +127,15 @@ rule study_cases:
     output:
         cases=f"{STUDY_RESULTS}/{{study}}/cases.parquet",
         manifest=f"{STUDY_RESULTS}/{{study}}/manifest.json",
+    threads: 1
     resources:
-        mem_mb=600,
+        mem_mb=chunk_memory_mb,
         runtime=60,
     params:
         file=str(STUDY_FOLDER / "{study}.yaml"),
         computed_from=study_settings,
     message:
-        "Study {wildcards.study}: chunks joined"
+        "Study {wildcards.study}: all cases in one file"
     script:
         "../scripts/studies/study_cases.py"
 

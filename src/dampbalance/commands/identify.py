@@ -11,12 +11,9 @@ from ..balance import APPROACHES
 from ..features import Phase
 from ..identification.identify import MOST_REPLICATES, REPLICATES, SEED
 from ..identification.outputs import OUTPUTS
-from ..identification.run import identify_files, write_results
 from ..records.limits import LARGEST
-from ..records.readers.formats import require_showable
 from .options import count, number, whole
 
-SUMMARY = "identify F_k, c and K_z from records"
 EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
 at least one of the mass (displacement, velocity, acceleration). Formats: CSV, TSV, Parquet, MATLAB, HDF5, universal
@@ -46,6 +43,11 @@ records         a file, one per level; two or more
 
 def run(options: argparse.Namespace) -> None:
     """Identify, show the table, write the results."""
+    from ..identification.run import (
+        identify_files,
+        write_results,
+    )  # slow to import, not needed for help
+
     folder: Path | None = options.output
     if folder is not None:
         _require_room(folder, options.overwrite)
@@ -70,6 +72,8 @@ def run(options: argparse.Namespace) -> None:
 
 def _require_room(folder: Path, overwrite: bool) -> None:
     """ValueError, before anything is computed, where the results could not be written."""
+    from ..records.readers.formats import require_showable  # slow to import, too
+
     require_showable(folder)
     there = next(path for path in (folder, *folder.parents) if path.exists())
     if not there.is_dir():

@@ -5,13 +5,21 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from typing import NoReturn
 
 from .. import __version__
+from ..project.troubles import trouble
 from ..project.wording import cut, visible
-from . import identify, simulate
+
+COMMANDS = {
+    "identify": "identify F_k, c and K_z from records",
+    "simulate": "write a record with known truth",
+}
+"""Each is a module of this room, loaded when it is called: what it needs takes longer to load than help to show."""
 
 _LONGEST = 1000  # characters of a line
+_NO_MEMORY = "the memory does not suffice: ask for less, or give shorter records"
 
 
 class _Parser(argparse.ArgumentParser):
@@ -24,6 +32,7 @@ class _Parser(argparse.ArgumentParser):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code: 0, or 2 for what could not be done, with one line that says why."""
+    arguments = sys.argv[1:] if arguments is None else arguments
     parser = _Parser(
         prog="dampbalance",
         description="Friction and viscous damping of a vibrating system from the balance of energy over one period.",
@@ -31,22 +40,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--version", action="version", version=f"dampbalance {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name, command in {"identify": identify, "simulate": simulate}.items():
+    for name, summary in COMMANDS.items():
         command_parser = commands.add_parser(
-            name,
-            help=command.SUMMARY,
-            description=command.__doc__,
-            epilog=command.EPILOG,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            name, help=summary, formatter_class=argparse.RawDescriptionHelpFormatter
         )
-        for argument, options_of in command.ARGUMENTS.items():
-            command_parser.add_argument(argument, **options_of)
-        command_parser.set_defaults(run=command.run)
+        if name in arguments:
+            command = import_module(f".{name}", __package__)
+            command_parser.description, command_parser.epilog = command.__doc__, command.EPILOG
+            for argument, options_of in command.ARGUMENTS.items():
+                command_parser.add_argument(argument, **options_of)
+            command_parser.set_defaults(run=command.run)
     options = parser.parse_args(arguments)
     try:
         options.run(options)
-    except (ValueError, ArithmeticError, OSError) as error:  # RecordError is a ValueError
-        shown = "\n".join(cut(visible(line), _LONGEST) for line in str(error).split("\n"))
+    except (
+        ValueError,
+        ArithmeticError,
+        OSError,
+        MemoryError,
+    ) as error:  # RecordError is a ValueError
+        text = _NO_MEMORY if isinstance(error, MemoryError) else trouble(error) or str(error)
+        shown = "\n".join(cut(visible(line), _LONGEST) for line in text.split("\n"))
         print(f"dampbalance {options.command}: error: {shown}", file=sys.stderr)
         return 2
     return 0

@@ -18,7 +18,6 @@ from ..records.synthetic import measured_orbit
 from ..records.writers import write
 from .options import LARGEST, SMALLEST, number, whole
 
-SUMMARY = "write a record with known truth"
 EPILOG = """\
 Each record is exact except for its noise, which is white, of every channel by itself. The oscillator is that of the
 paper unless told otherwise.

@@ -17,7 +17,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import special  # scipy.stats has the same functions, and takes seconds to import
 
 from ..arrays import Array
 from ..balance import APPROACHES, Approach, Rows
@@ -218,6 +217,8 @@ def _parameter(value: float, drawn: Array, left: Sequence[Array]) -> ParameterEs
     The variances that the records contribute, v_i of g_i groups, give the degrees of freedom of their sum,
     (Σ v_i)²/Σ v_i²/(g_i − 1) (Welch–Satterthwaite), and those the quantile of Student's t.
     """
+    from scipy import special  # slow to import, as scipy.stats with the same functions is
+
     error = float(drawn.std(ddof=1))
     parts = np.array([(len(p) - 1) / len(p) * np.sum((p - p.mean()) ** 2) for p in left])
     groups = np.array([len(p) for p in left])

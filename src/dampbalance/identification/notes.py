@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import special  # scipy.stats has the same functions, and takes seconds to import
 
 from ..balance import TERMS, Rows
 
@@ -54,6 +53,8 @@ def _notes(estimated: ApproachResult, yardstick: ApproachResult | None) -> list[
 
 def _improbable(misfit: float, rows: Rows, parameters: int) -> bool:
     """Whether noise makes a χ² per degree of freedom as large as this hardly ever; False where it is not known."""
+    from scipy import special  # slow to import, as scipy.stats with the same functions is
+
     freedom = int(rows.usable.sum()) - parameters
     if freedom < 1 or not math.isfinite(misfit):
         return False

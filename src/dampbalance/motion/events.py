@@ -165,8 +165,13 @@ def write_phase(phases: Array, i: int, t: float, s: float, x: float, v: float, z
 @jit
 def read_phase(phases: Array, i: int) -> tuple[float, float, float, float, float]:
     """(t, s, x, ẋ, z) of row i of `phases`."""
-    row = phases[i]
-    return row[PHASE_T], row[PHASE_S], row[PHASE_X], row[PHASE_V], row[PHASE_Z]
+    return (
+        phases[i, PHASE_T],
+        phases[i, PHASE_S],
+        phases[i, PHASE_X],
+        phases[i, PHASE_V],
+        phases[i, PHASE_Z],
+    )
 
 
 @jit

@@ -1,27 +1,29 @@
-"""Compile numerical kernels with Numba, once per version of their source.
+"""Compile numerical kernels with Numba, when they are first called and once per version of their source.
 
 Numba's own disk cache looks only at the file of the compiled function: a kernel goes on being served from the cache
 after a kernel that it calls, in another file, was edited. Here the cache folder carries a digest of every module that
 kernels are made of: an edit of any of them means a fresh compilation, and two versions of the package never share one.
+
+Numba itself is imported by the first call: what asks for no response does not wait for it.
 """
 
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import os
-from collections.abc import Callable
+import sys
+import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar, cast
-
-import numba
-from numba.core import config
-
-numba_config: Any = config
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
 _PACKAGE = Path(__file__).parents[1]
+_LOCK = threading.RLock()
+_interpreting = False
 
 
 def _sources() -> list[Path]:
@@ -31,7 +33,9 @@ def _sources() -> list[Path]:
 
 
 def _source_digest() -> str:
-    digest = hashlib.sha256(numba.__version__.encode())
+    from importlib.metadata import version
+
+    digest = hashlib.sha256(version("numba").encode())
     for path in _sources():
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:16]
@@ -54,16 +58,76 @@ def _cache_folder() -> Path | None:
     return None
 
 
-_FOLDER = _cache_folder()
+@functools.cache
+def _folder() -> Path | None:
+    """The cache folder of this process; while there is nothing in it yet, a word on why the first call takes long."""
+    folder = _cache_folder()
+    if folder is None:
+        kept = "again in every process, as no folder for them can be written"
+    else:
+        kept = "" if any(folder.iterdir()) else "once, and keeping them"
+    if kept:
+        print(f"dampbalance: compiling its kernels ({kept}) …", file=sys.stderr)
+    return folder
+
+
+def _compiled(function: Callable[..., object]) -> Any:
+    """The dispatcher of Numba: no global lock held, strict IEEE arithmetic, cached on disk."""
+    import numba
+    from numba.core import config
+
+    folder = _folder()
+    if folder is None:
+        return numba.njit(nogil=True)(function)
+    numba_config: Any = config
+    previous = numba_config.CACHE_DIR
+    numba_config.CACHE_DIR = str(folder)  # read by Numba while it decorates, and only then
+    try:
+        return numba.njit(nogil=True, cache=True)(function)
+    finally:
+        numba_config.CACHE_DIR = previous
+
+
+class _Kernel:
+    """A function that is compiled when it is first called, from Python or from another kernel."""
+
+    def __init__(self, function: Callable[..., object]) -> None:
+        functools.update_wrapper(self, function)
+        self.py_func = function
+        self._dispatcher: Any = None
+
+    @property
+    def dispatcher(self) -> Any:
+        """Numba's, made when it is first asked for, by one of the threads that ask."""
+        if self._dispatcher is None:
+            with _LOCK:
+                if self._dispatcher is None:
+                    self._dispatcher = _compiled(self.py_func)
+        return self._dispatcher
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What Numba asks of a name that a kernel uses."""
+        return self.dispatcher._numba_type_
+
+    def __call__(self, *arguments: Any) -> Any:
+        return (self.py_func if _interpreting else self.dispatcher)(*arguments)
 
 
 def jit(function: Function) -> Function:
-    """Compile `function` to machine code: no global lock held, strict IEEE arithmetic, cached on disk."""
-    if _FOLDER is None:
-        return cast(Function, numba.njit(nogil=True)(function))
-    previous = numba_config.CACHE_DIR
-    numba_config.CACHE_DIR = str(_FOLDER)  # read by Numba while it decorates, and only then
+    """Compile `function` to machine code when it is first called; see `_compiled`."""
+    return cast(Function, _Kernel(function))
+
+
+@contextlib.contextmanager
+def interpreted(on: bool = True) -> Iterator[None]:
+    """Run kernels in Python, which for a few dozen orbits takes less time than importing Numba.
+
+    The last bits may differ, and Python raises errors where machine code goes on with NaN or ∞.
+    """
+    global _interpreting
+    previous, _interpreting = _interpreting, on
     try:
-        return cast(Function, numba.njit(nogil=True, cache=True)(function))
+        yield
     finally:
-        numba_config.CACHE_DIR = previous
+        _interpreting = previous

@@ -13,7 +13,7 @@ from ..arrays import Array, Codes
 from ..model import Parameters
 from .integrals import Measures, measure
 from .jit import jit
-from .steady import MAX_PHASES, solve_steady
+from .steady import MAX_PHASES, NO_CLOSED_FORM, solve_closed, solve_otherwise
 
 _BLOCK = 4096  # cases handed to a thread at a time: the scratch memory stays below a megabyte
 _POSITIVE = ("m", "k", "K_z", "Y", "omega")
@@ -73,7 +73,9 @@ def steady_orbits(
 
     def solve(start: int) -> None:
         block = slice(start, start + _BLOCK)
-        _solve_block(tuple(view.flat[block] for view in views), out[:, block], regime[block])
+        inputs = tuple(view.flat[block] for view in views)
+        if _solve_closed_forms(inputs, out[:, block], regime[block]):
+            _solve_others(inputs, out[:, block], regime[block])
 
     if threads is None:
         threads = (
@@ -112,14 +114,43 @@ def _checked(arguments: dict[str, ArrayLike]) -> list[Array]:
 
 
 @jit
-def _solve_block(inputs: tuple[Array, ...], out: Array, regime: Codes) -> None:
-    """inputs : the arrays (n,) of `Parameters`.   Rows of `out` (15, n) receive the fields of `Measures`."""
-    phases = np.empty((MAX_PHASES, 5))
+def _solve_closed_forms(inputs: tuple[Array, ...], out: Array, regime: Codes) -> int:
+    """How many cases are left to `_solve_others`: those whose regime is NO_CLOSED_FORM then.
+
+    inputs : the arrays (n,) of `Parameters`.   Rows of `out` (15, n) receive the fields of `Measures`.
+    """
+    phases, left = np.empty((2, 5)), 0
     for i, numbers in enumerate(zip(*inputs)):  # noqa: B905 (no strict= in compiled code)
         par = Parameters(*numbers)
-        code, count, theta = solve_steady(par, phases)
+        code, count, theta = solve_closed(par, phases)
         regime[i] = code
-        if count == 0:
-            out[:, i] = np.nan
+        if code == NO_CLOSED_FORM:
+            left += 1
         else:
-            out[:, i] = measure(phases, count, theta, par)
+            _write_measures(out, i, phases, count, theta, par)
+    return left
+
+
+@jit
+def _solve_others(inputs: tuple[Array, ...], out: Array, regime: Codes) -> None:
+    """The cases that `_solve_closed_forms` left; arguments as there."""
+    phases = np.empty((MAX_PHASES, 5))
+    for i, numbers in enumerate(zip(*inputs)):  # noqa: B905 (no strict= in compiled code)
+        if regime[i] == NO_CLOSED_FORM:
+            par = Parameters(*numbers)
+            code, count, theta = solve_otherwise(par, phases)
+            regime[i] = code
+            _write_measures(out, i, phases, count, theta, par)
+
+
+@jit
+def _write_measures(
+    out: Array, i: int, phases: Array, count: int, theta: float, par: Parameters
+) -> None:
+    """Column i of `out`: the measures of an orbit with `count` phases in its half cycle, NaN where there is none."""
+    if count == 0:
+        for row in range(len(out)):
+            out[row, i] = np.nan
+    else:
+        for row, value in enumerate(measure(phases, count, theta, par)):
+            out[row, i] = value

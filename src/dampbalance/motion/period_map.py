@@ -45,7 +45,9 @@ def half_period_map(
     if t < half:
         return 0, x, v, z
     delta = par.c / (2.0 * par.m)
-    jacobian[:] = np.eye(3)
+    for i in range(3):
+        for j in range(3):
+            jacobian[i, j] = 1.0 if i == j else 0.0
     for i in range(count):
         duration = (phases[i + 1, PHASE_T] if i + 1 < count else half) - phases[i, PHASE_T]
         sticks = phases[i, PHASE_S] == 0.0

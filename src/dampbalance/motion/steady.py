@@ -1,4 +1,4 @@
-"""The steady orbit of one oscillator, whatever its regime: the kernel behind `steady_orbit` and `steady_orbits`.
+"""The steady orbit of one oscillator, whatever its regime: the kernels behind `steady_orbit` and `steady_orbits`.
 
 Tried in this order: no friction and no slip, where the oscillator is linear; one slip onset per half cycle, from
 its scalar equation; anything else by Newton's method on the event-located half-period map. With c > 0 the steady
@@ -12,24 +12,37 @@ import math
 from ..arrays import Array
 from ..model import Parameters
 from .events import PHASE_T, write_phase
-from .jit import jit
+from .jit import interpreted, jit
 from .one_slip import solve_one_slip
 from .period_map import solve_general
 from .regime import Regime
 
 MAX_PHASES = 16384  # of a period; an orbit with more events is reported as not found
+NO_CLOSED_FORM = 255
+"""What `solve_closed` returns as the regime of an orbit that `solve_otherwise` must find."""
+
 _NOT_FOUND, _ONE_SLIP, _SEVERAL_SLIPS, _NO_SLIP, _NO_FRICTION = map(int, Regime)
 # Of half a period: a last phase shorter than this is the rounding of the half period.
 _SHORTEST = 1e-12
 
 
-@jit
 def solve_steady(par: Parameters, phases: Array) -> tuple[int, int, float]:
     """(regime, number of phases, θ) of the steady orbit; `phases` (MAX_PHASES, 5) receives its half cycle from the
     reversal at −X.
 
     θ : phase of the base at that reversal, rad. Rows of `phases`: (t, s, x, ẋ, z), see `dampbalance.motion.events.run`.
     """
+    code, count, theta = solve_closed(par, phases)
+    if code == NO_CLOSED_FORM:
+        with interpreted(False):  # it may take thousands of steps
+            code, count, theta = solve_otherwise(par, phases)
+    return code, count, theta
+
+
+@jit
+def solve_closed(par: Parameters, phases: Array) -> tuple[int, int, float]:
+    """As `solve_steady`, of an orbit without slip, without friction or with one slip onset per half cycle; the regime
+    is NO_CLOSED_FORM for any other. A kernel of its own: few need the other, which takes as long to compile."""
     Z_m = par.F_k / par.K_z
     if Z_m == 0.0:
         X, theta = _linear(par, par.k, 1.0, phases)
@@ -43,7 +56,12 @@ def solve_steady(par: Parameters, phases: Array) -> tuple[int, int, float]:
         write_phase(phases, 0, 0.0, 0.0, -X, 0.0, -Z_m)
         write_phase(phases, 1, tau, 1.0, -X + 2.0 * Z_m, V_s, Z_m)
         return _ONE_SLIP, 2, theta
+    return NO_CLOSED_FORM, 0, 0.0
 
+
+@jit
+def solve_otherwise(par: Parameters, phases: Array) -> tuple[int, int, float]:
+    """As `solve_steady`, of an orbit that slips, by its events."""
     found, count, theta = solve_general(par, phases)
     if not found:
         return _NOT_FOUND, 0, 0.0

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from ..model import BaseMotion, Oscillator
-from .documents import ConfigurationError, Problem, against_schema, in_lines, read_yaml
+from .documents import ConfigurationError, Problem, against_schema, in_lines, read_schema, read_yaml
 
 NOT_GIVEN: Any = None
 
@@ -142,7 +142,7 @@ def check(
     Raises ConfigurationError listing every problem, a line each.
     """
     documents = {str(file): read_yaml(file) for file in files}
-    problems = against_schema(config, read_yaml(schema_file), approaches)
+    problems = against_schema(config, read_schema(schema_file), approaches)
     problems = problems or list(_contradictions(config))
     if problems:
         raise ConfigurationError(in_lines(problems, documents))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import os
+from collections.abc import Iterator
 from functools import cache
 from importlib.util import resolve_name
 from pathlib import Path
@@ -38,7 +39,7 @@ def package_modules(
 def _imported_files(file: Path, changed: int, source: Path) -> frozenset[Path]:
     tree = ast.parse(file.read_text(encoding="utf-8"), filename=str(file))
     names: set[str] = set()
-    for node in ast.walk(tree):
+    for node in _statements(tree):
         if isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -53,6 +54,14 @@ def _imported_files(file: Path, changed: int, source: Path) -> frozenset[Path]:
         elif "." in name and (path / "__init__.py").is_file():  # a subpackage is its __init__
             files.add(path / "__init__.py")
     return frozenset(files)
+
+
+def _statements(node: ast.AST) -> Iterator[ast.AST]:
+    """The statements below a node, at any depth; expressions, which hold no imports, are most of a tree."""
+    for field in ("body", "orelse", "finalbody", "handlers", "cases"):
+        for child in getattr(node, field, ()):
+            yield child
+            yield from _statements(child)
 
 
 def _base(node: ast.ImportFrom, file: Path, source: Path) -> str:

@@ -6,6 +6,7 @@ Every error is one line: file, line, key, what is wrong, and what would be right
 from __future__ import annotations
 
 import difflib
+import functools
 import json
 import math
 import re
@@ -58,6 +59,13 @@ def read_yaml(file: str | Path) -> Any:
     Raises ConfigurationError naming file, line, what is wrong and what would be right.
     """
     return _parsed(file)[0]
+
+
+@functools.cache
+def read_schema(file: str | Path) -> Any:
+    """A schema of this project, which needs no bounds: read once, by the parser in C where there is one."""
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    return yaml.load(Path(file).read_bytes(), loader)
 
 
 def _parsed(file: str | Path) -> tuple[Any, yaml.Node | None]:
@@ -133,10 +141,10 @@ def against_schema(
     """
     validator = _validator(schema, list(approaches))
     errors = sorted(validator.iter_errors(document), key=lambda error: list(map(str, error.path)))
+    endless = [(key, f"{value!r} is not a finite number") for key, value in _not_finite(document)]
+    keys = {key for key, _ in endless}
     problems = [problem for error in errors for problem in _explain(error)]
-    return problems + [
-        (key, f"{shortened(value)} is not a finite number") for key, value in _not_finite(document)
-    ]
+    return [problem for problem in problems if problem[0] not in keys] + endless
 
 
 def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:

@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from scipy import special  # scipy.stats has the same functions, and takes seconds to import
 
 from ..arrays import Array, Complexes
 from .cycles import CycleHarmonics
@@ -178,6 +177,8 @@ def steadiness(
 
     ValueError when the amplitude changes by more than a tenth.
     """
+    from scipy import special  # slow to import, as scipy.stats with the same functions is
+
     size = len(Y)
     if size < 4:
         return

@@ -103,9 +103,9 @@ def read_mapping(file: str | Path) -> RecordMapping:
 
 def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
     """The mapping that a document describes. Raises RecordError with a line for each problem: source, key, remedy."""
-    from ..project.documents import against_schema, in_lines, read_yaml
+    from ..project.documents import against_schema, in_lines, read_schema
 
-    problems = against_schema(document, read_yaml(SCHEMA)) or list(_contradictions(document))
+    problems = against_schema(document, read_schema(SCHEMA)) or list(_contradictions(document))
     if problems:
         raise RecordError(in_lines(problems, {source: document}))
     keys = dict(document)

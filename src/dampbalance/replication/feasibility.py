@@ -6,7 +6,9 @@ import math
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import MIN_STICK_SAMPLES, largest_growth
+from ..motion.jit import interpreted
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..project.case import Case
 from ..project.documents import Problem, refuse
@@ -61,7 +63,7 @@ def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
         for motion in case.motions(frequency):
             place = f"{frequency} ({hz:g} Hz), Y = {motion.Y:g} m"
             try:
-                orbit = steady_orbit(case.oscillator, motion)
+                orbit = _orbit(case.oscillator, motion)
             except NoSteadyOrbit as error:
                 refuse(("excitation", "frequencies", i, "hz"), f"{place}: {error}", files)
             if math.isnan(orbit.t_s):
@@ -82,6 +84,18 @@ def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
             files,
         )
     return notices
+
+
+def _orbit(osc: Oscillator, motion: BaseMotion) -> Orbit:
+    """The exact orbit, by Python as far as that goes: a handful takes less time than loading what is compiled."""
+    try:
+        with interpreted():
+            orbit = steady_orbit(osc, motion)
+            if math.isfinite(orbit.X):  # the features are computed with it
+                return orbit
+    except (ArithmeticError, ValueError):  # an overflow, say, where machine code goes on with ∞
+        pass
+    return steady_orbit(osc, motion)
 
 
 def _balanced(orbit: Orbit) -> bool:

@@ -20,7 +20,7 @@ if __name__ == "__main__":
         read_routes(p.folder, kind, case.frequencies_hz) for kind in ("features", "estimates")
     )
     exact, as_published = (RouteTables(features[route], estimates[route]) for route in ROUTES)
-    (unrounded,) = map(read_csv, snakemake.input.unrounded)
+    unrounded = read_csv(snakemake.input.unrounded)
     table = claims_table(read_published(Path(p.published)), case, exact, as_published, unrounded)
     write_csv(snakemake.output.csv, table)
     write_text(snakemake.output.md, claims_markdown(table))

@@ -9,7 +9,8 @@ from dampbalance.replication import as_published
 if __name__ == "__main__":
     brief_troubles()
     case, files = Case.from_config(snakemake.params.case), snakemake.input
-    tabulated, two_point = (
-        Features.from_frame(read_csv(file)) for file in (files.tabulated, files.two_point)
-    )
-    write_csv(snakemake.output.estimates, as_published.estimates(tabulated, two_point, case))
+    for *read, output in zip(
+        files.tabulated, files.two_point, snakemake.output.estimates, strict=True
+    ):
+        tabulated, two_point = (Features.from_frame(read_csv(file)) for file in read)
+        write_csv(output, as_published.estimates(tabulated, two_point, case))

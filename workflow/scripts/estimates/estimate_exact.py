@@ -8,6 +8,7 @@ from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
     brief_troubles()
-    case = Case.from_config(snakemake.params.case)
-    features = Features.from_frame(read_csv(snakemake.input.features))
-    write_csv(snakemake.output.estimates, estimate_table(features, case.oscillator.k, case.pairs))
+    case, files = Case.from_config(snakemake.params.case), snakemake.input.features
+    for file, output in zip(files, snakemake.output.estimates, strict=True):
+        features = Features.from_frame(read_csv(file))
+        write_csv(output, estimate_table(features, case.oscillator.k, case.pairs))

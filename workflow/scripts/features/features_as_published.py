@@ -10,10 +10,13 @@ from dampbalance.replication import as_published
 
 if __name__ == "__main__":
     brief_troubles()
-    case = Case.from_config(snakemake.params.case)
-    levels = pd.read_parquet(snakemake.input.records).groupby("level")
-    records = [Record.from_frame(frame.drop(columns="level")) for _, frame in levels]
-    read = as_published.read_levels(records, case, snakemake.wildcards.frequency)
-    write_csv(snakemake.output.tabulated, read.tabulated.to_frame())
-    write_csv(snakemake.output.two_point, read.two_point.to_frame())
-    write_csv(snakemake.output.unrounded, read.unrounded.to_frame())
+    case, output = Case.from_config(snakemake.params.case), snakemake.output
+    for i, (frequency, file) in enumerate(
+        zip(case.frequencies_hz, snakemake.input.records, strict=True)
+    ):
+        levels = pd.read_parquet(file).groupby("level")
+        records = [Record.from_frame(frame.drop(columns="level")) for _, frame in levels]
+        read = as_published.read_levels(records, case, frequency)
+        write_csv(output.tabulated[i], read.tabulated.to_frame())
+        write_csv(output.two_point[i], read.two_point.to_frame())
+        write_csv(output.unrounded[i], read.unrounded.to_frame())

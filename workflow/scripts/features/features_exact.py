@@ -1,4 +1,4 @@
-"""Features of exact orbits, as a table with a row per level."""
+"""Features of exact orbits: a table for each frequency, with a row per level."""
 
 from dampbalance.features import of_orbit, stack
 from dampbalance.motion.orbit import read_orbits
@@ -8,6 +8,7 @@ from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
     brief_troubles()
-    case = Case.from_config(snakemake.params.case)
-    features = stack([of_orbit(orbit) for orbit in read_orbits(snakemake.input.orbits)])
-    write_csv(snakemake.output.features, features.with_phase(case.phase).to_frame())
+    case, files = Case.from_config(snakemake.params.case), snakemake.input.orbits
+    for orbits, output in zip(files, snakemake.output.features, strict=True):
+        features = stack([of_orbit(orbit) for orbit in read_orbits(orbits)])
+        write_csv(output, features.with_phase(case.phase).to_frame())

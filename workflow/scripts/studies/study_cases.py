@@ -1,4 +1,4 @@
-"""All cases of a study in one Parquet file, and what it is."""
+"""All cases of a study in one Parquet file, from its chunks if it has any, and what it is."""
 
 from dampbalance import __version__
 from dampbalance.project.troubles import brief_troubles
@@ -9,5 +9,12 @@ if __name__ == "__main__":
     study = checking.read_study(
         snakemake.params.file, "workflow/schemas/study.schema.yaml", "config/config.yaml"
     )
-    outputs.join_chunks(snakemake.output.cases, snakemake.input.chunks)
-    outputs.write_manifest(snakemake.output.manifest, snakemake.output.cases, study, __version__)
+    cases = snakemake.output.cases
+    if snakemake.input.chunks:
+        outputs.join_chunks(cases, snakemake.input.chunks)
+    else:
+        from dampbalance.studies.evaluate import evaluate  # not needed to join
+
+        table = evaluate(study, 0, study.cases, threads=snakemake.threads)
+        outputs.write_chunk(cases, table, study, __version__)
+    outputs.write_manifest(snakemake.output.manifest, cases, study, __version__)

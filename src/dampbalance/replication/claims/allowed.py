@@ -19,7 +19,6 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import linprog
 
 from ...arrays import Array
 from ...balance import Rows
@@ -165,6 +164,8 @@ def _linear(table: _Table, inputs: Array) -> tuple[Array, Array]:
 
 def _closest(table: _Table) -> Array:
     """The inputs at which the number furthest off print is the fewest units off; twice, since the first is far off."""
+    from scipy.optimize import linprog  # slow to import, and not needed to read or to check claims
+
     inputs = table.print_[: table.inputs]
     for _ in range(2):
         off, slopes = _linear(table, inputs)
@@ -183,6 +184,8 @@ def _closest(table: _Table) -> Array:
 
 def _ends(off: Array, slopes: Array, place: int) -> Range | None:
     """Least and greatest of one number, in units off print, with all others within half a unit of it; None for none."""
+    from scipy.optimize import linprog
+
     others, room = np.delete(slopes, place, axis=0), np.delete(off, place)
     ends = []
     for sign in (1.0, -1.0):

@@ -21,7 +21,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import stdtrit
 
 from ...project.case import Numerics
 from ...reading.clean import CYCLES_TO_READ
@@ -112,6 +111,8 @@ def of_the_others(
 
     Nothing where a value is NaN or there are fewer than three levels.
     """
+    from scipy.special import stdtrit  # slow to import, and not needed to read or to check claims
+
     values = np.asarray(computed)
     scale = values if relative else np.ones_like(values)
     deviations = (np.array([Printed(text).value for text in printed]) - values) / scale
