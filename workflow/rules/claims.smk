@@ -23,6 +23,10 @@ if config["published"] and workflow.is_main_process:
         raise WorkflowError(
             f"{where} has numbers for {PRINTED_LEVELS} levels at {', '.join(PRINTED_FREQUENCIES)}, in this order; {other}."
         )
+    if CASE.numerics.tabulated.get("t_s_unit_s") is None:
+        raise WorkflowError(
+            f"{where} is compared with t_s as it was cut: as_published.tabulated.t_s_unit_s is needed; {other}."
+        )
     try:
         check_cells(read_published(Path(config["published"])))
         read_record(Path(config["published"], "verdicts.csv"))
