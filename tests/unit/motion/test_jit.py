@@ -33,7 +33,7 @@ def doubled_and_one(x):
 PROGRAM = """
 import json
 from dampbalance.motion import calling, jit
-kernel = calling.doubled_and_one
+kernel = calling.doubled_and_one.dispatcher
 print(json.dumps({
     "value": kernel(3.0), "hits": sum(kernel.stats.cache_hits.values()),
     "folder": str(jit._FOLDER), "module": calling.__file__,
