@@ -47,6 +47,18 @@ onsuccess:
             sys.exit(1)
 
 
+onerror:
+    said = "".join(Path(file).read_text(encoding="utf-8") for file in log)
+    if "SIGKILL" in said or "exit status 137" in said:
+        print(
+            "A job was killed, as a rule because memory ran out: use fewer cores, or smaller chunks of a study."
+        )
+    print(
+        "What was complete is kept. When the cause is mended, the same command goes on from there."
+    )
+    sys.exit(1)
+
+
 rule all:
     default_target: True
     input:

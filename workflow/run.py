@@ -2,9 +2,10 @@
 
     python workflow/run.py --cores all [any argument of Snakemake]
 
-`make` starts its runs through this. What Snakemake answers with a traceback or not at all is told in one sentence, before
-anything is touched: a configuration file that cannot be read, a folder that cannot be written, a full disk, another run in the
-same folder. What an interrupted run left is put right: its lock is lifted, and what it had not finished is made again.
+`make` starts its runs through this. What Snakemake answers with a traceback or not at all is told in one sentence,
+before anything is touched: a configuration file that cannot be read, a folder that cannot be written, a full disk,
+another run in the same folder. What an interrupted run left is put right: its lock is lifted, and what it had not
+finished is made again.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from time import time
 import psutil
 
 from dampbalance.project.documents import ConfigurationError, read_yaml
+from dampbalance.project.files import remove_unfinished
 
 RESULTS, STATE = Path("results"), Path(".snakemake")
 SNAKEMAKE = (sys.executable, "-m", "snakemake")
@@ -56,7 +58,9 @@ def other_run() -> psutil.Process | None:
         words = process.info["cmdline"] or []
         if process.pid in own or process.info["cwd"] != str(here) or {"-n", "--dry-run"} & {*words}:
             continue
-        runs = any(Path(word).name == "snakemake" or ".snakemake/scripts/" in word for word in words)
+        runs = any(
+            Path(word).name == "snakemake" or ".snakemake/scripts/" in word for word in words
+        )
         begins = any(word.endswith("workflow/run.py") for word in words)
         if runs or (begins and _age(process) < _age(this)):
             return process
@@ -84,20 +88,23 @@ def obstacle(arguments: list[str]) -> str:
     return ""
 
 
-def main(arguments: list[str]) -> int:
-    """Look, clear away, and become Snakemake; returns an exit status only where that is not possible."""
+def main(arguments: list[str]) -> None:
+    """Look, clear away, and become Snakemake."""
     if problem := obstacle(arguments):
-        print(f"error: {problem}", file=sys.stderr)
-        return 1
+        sys.exit(f"error: {problem}")
     if (STATE / "locks").exists():
-        print("The last run was interrupted: its lock is lifted, and what it had not finished is made again.")
-        sys.stdout.flush()
-        done = subprocess.run([*SNAKEMAKE, "--unlock", *arguments], capture_output=True, check=False)
+        print(
+            "The last run was interrupted: its lock is lifted, and what it had not finished is made again.",
+            flush=True,
+        )
+        done = subprocess.run(
+            [*SNAKEMAKE, "--unlock", *arguments], capture_output=True, text=True, check=False
+        )
         if done.returncode:
-            print(done.stderr.decode(), file=sys.stderr)
-            return done.returncode
+            sys.exit(done.stderr)
+        remove_unfinished(RESULTS)
     os.execv(sys.executable, [*SNAKEMAKE, "--rerun-incomplete", *arguments])
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    main(sys.argv[1:])

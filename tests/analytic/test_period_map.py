@@ -8,7 +8,12 @@ import pytest
 from analytic.cases import SEVERAL_SLIPS, case
 from dampbalance import State, steady_orbit, transient
 from dampbalance.model import parameters
-from dampbalance.motion.period_map import half_period_map, solve_period_map
+from dampbalance.motion.period_map import (
+    _energy_norm,
+    _newton_step,
+    half_period_map,
+    solve_period_map,
+)
 from dampbalance.motion.steady import MAX_PHASES
 
 CASES = [(0.6, 1.0, 90.0, 0.14), (0.1, 0.8, 2.0, 0.6), (2.0, 0.7, 30.0, 0.1), *SEVERAL_SLIPS]
@@ -89,3 +94,38 @@ def test_newton_needs_a_dozen_maps(numbers):
     assert x == pytest.approx(-orbit.X, rel=1e-12)
     assert v == pytest.approx(0.0, abs=1e-12 * motion.omega * orbit.X)
     assert z == pytest.approx(-oscillator.Z_m, rel=1e-9)
+
+
+def test_a_newton_step_solves_its_equations():
+    rng = np.random.default_rng(8)
+    for _ in range(50):
+        D, r = rng.normal(size=(3, 3)), rng.normal(size=3)
+        step = np.array(_newton_step(D, *r))
+        # Cramer's rule loses as many digits as 1 + D has condition: a hundred or so in these draws
+        np.testing.assert_allclose((np.eye(3) + D) @ step, -r, atol=1e-11)
+
+
+def test_the_size_of_a_state_is_the_root_of_twice_its_energy():
+    par = parameters(*case(*CASES[0]))
+    x, v, z = 0.003, -0.2, 1e-4
+    energy = 0.5 * (par.k * x * x + par.m * v * v + par.K_z * z * z)
+    assert _energy_norm(x, v, z, par) == pytest.approx(np.sqrt(2.0 * energy), rel=1e-15)
+
+
+@pytest.mark.parametrize("numbers", CASES, ids=str)
+def test_newton_takes_a_nearby_state_to_the_orbit(numbers):
+    """From 1e-4 off, wherever on the orbit: its own state is found to rounding, mirrored half a period later."""
+    oscillator, motion = case(*numbers)
+    orbit = steady_orbit(oscillator, motion)
+    par = parameters(oscillator, motion)
+    for part in (0.03, 0.31, 0.77):
+        t = orbit.t_1 + part * motion.period
+        state = orbit.state(t)
+        exact = np.array([float(state.x), float(state.v), float(state.z)])
+        off = np.array([1.0001, 0.9999, 0.9999]) * exact
+        theta = motion.omega * t
+        found, *reached = solve_period_map(*off, theta, par, PHASES)
+        assert found
+        scale = np.array([orbit.X, motion.omega * orbit.X, oscillator.Z_m])
+        # 1e-9: rounding of ωt, which the rates of the stiffest contact magnify
+        np.testing.assert_allclose(reached / scale, exact / scale, atol=1e-9)

@@ -20,6 +20,7 @@ from dampbalance.balance import (
     slip_time,
     slip_velocity,
     slip_velocity_as_printed,
+    takes_phase,
     viscous_integral,
 )
 from dampbalance.features import of_numbers, of_orbit, stack
@@ -30,6 +31,13 @@ from paper_case import FREQUENCIES_HZ, PAPER, features_at
 
 K = PAPER.k
 HARMONIC = ("X_s", "t_s", "V_s")
+
+
+@pytest.mark.parametrize("name", APPROACHES)
+def test_an_approach_takes_a_phase_where_its_rows_follow_it(name):
+    seen = features_at()
+    rows, moved = (APPROACHES[name](f, K) for f in (seen, seen.replaced(phi=seen.phi + 0.01)))
+    assert takes_phase(name) == bool(np.any(moved.W != rows.W))
 
 
 def harmonic(X, psi, omega=30.0, Y=0.006, phi=1.3):

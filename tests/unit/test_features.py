@@ -12,7 +12,7 @@ from dampbalance.features import COLUMNS, Features, beside, of_numbers, of_orbit
 from dampbalance.model import BaseMotion, Oscillator
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.motion.orbits import steady_orbits
-from dampbalance.reading.clean import of_record
+from dampbalance.reading.clean import _first_reversal, _signals, of_record
 from dampbalance.reading.quadrature import integral
 from dampbalance.record import Record
 from dampbalance.replication.readout import ReadOut
@@ -106,8 +106,11 @@ def test_what_does_not_fit_together_is_refused():
         of_orbit(orbit()).replaced(X=[1.0, 2.0])
     with pytest.raises(ValueError, match=r"unknown features \['Z'\]"):
         of_orbit(orbit()).replaced(Z=1.0)
-    with pytest.raises(ValueError, match="X_m"):
-        Features.from_frame(of_orbit(orbit()).to_frame().drop(columns="X_m"))
+    for column in ("X_m", "omega_rad_per_s", "regime"):
+        with pytest.raises(ValueError, match=rf"needs the columns \['{column}'\]"):
+            Features.from_frame(of_orbit(orbit()).to_frame().drop(columns=column))
+    with pytest.raises(ValueError, match="at least one"):
+        Features.from_frame(of_orbit(orbit()).to_frame().iloc[:0])
 
 
 def test_responses_of_different_frequencies_go_together():
@@ -210,6 +213,20 @@ def test_interpolated_reading_of_an_exact_record_is_exact(Y, frequency_hz):
     # Fourth order in the step; the corner is 40 to 150 samples after the reversal and the least well read.
     assert worst(read, of_orbit(motion_orbit)) < 2e-7
     assert read.regime.tolist() == ["one slip onset per half cycle"]
+
+
+def test_a_sample_at_the_reversal_itself_comes_after_it():
+    """So that the interval between two samples that holds a reversal is one and the same for all that follows."""
+    exact = orbit()
+    t = exact.t_1 + np.arange(-7, 2300) * exact.motion.period / 1000
+    state = exact.state(t)
+    v = np.where(np.arange(t.size) % 500 == 7, 0.0, state.v)  # rounding of the exact zeros
+    record = Record(t, exact.motion.y(t), state.x, v, state.acceleration)
+    for reading in ("sample", "interpolated"):
+        assert _first_reversal(_signals(record, OMEGA, reading)) == 6
+    features = of_record(record, OMEGA, PAPER.k)
+    # a thousandth of a cycle between samples, to the fourth power, and t_s is a hundredth of the cycle
+    assert worst(features, of_orbit(exact), "X", "X_s", "t_s", "phi_reversal") < 1e-4
 
 
 def test_interpolated_reading_converges_as_the_fourth_power_of_the_step():

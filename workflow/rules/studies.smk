@@ -8,6 +8,7 @@
 # A large study is computed in chunks, a job each. An interrupted one goes on with the chunks that are missing.
 import functools
 import os
+import re
 import sys
 import time
 
@@ -23,6 +24,10 @@ def study_plan(name):
     from dampbalance.studies.checking import read_study
 
     file = STUDY_FOLDER / f"{name}.yaml"
+    if not re.fullmatch("[A-Za-z0-9][A-Za-z0-9_-]{0,59}", name):
+        raise WorkflowError(
+            f"{file}: the name of a study is letters, digits, '-' and '_', 60 at most; rename the file"
+        )
     if not file.exists():
         known = ", ".join(STUDIES)
         raise WorkflowError(f"{file}: there is no such study; known are {known}")

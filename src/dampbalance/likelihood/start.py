@@ -158,6 +158,5 @@ def _candidates(W: Array, b: Array, X: Array, k: float) -> Array:
                     (F_k, c), _ = nnls(np.column_stack([a, b]) / W[:, None], np.ones(W.size))
                 else:
                     F_k, c = share * float(np.mean(W / a)), (1.0 - share) * float(np.mean(W / b))
-            if F_k > 0.0:
-                rows.append((F_k, max(c, 0.0), K_z))
-    return np.array(rows).reshape(-1, 3)
+            rows.append((F_k, max(c, 0.0), K_z))
+    return np.array(rows)

@@ -130,6 +130,7 @@ def simulate(
     keep_cycles: float,
     c_over_m: float | None = None,
     k_over_m: float | None = None,
+    stick_samples: int = MIN_STICK_SAMPLES,
 ) -> Record:
     """The response from rest, by a fixed-step scheme: t, y, x, v and acceleration of the last `keep_cycles` cycles.
 
@@ -140,9 +141,10 @@ def simulate(
     scheme : a key of SCHEMES.   step : s.   cycles, keep_cycles : periods of the base motion, not necessarily whole.
     c_over_m, k_over_m : coefficients c/m (1/s) and k/m (1/s²) in place of the exact quotients, for an equation of
     motion that was divided by m and rounded; F_k/m, K_z/m and Z_m stay exact.
+    stick_samples : fewest samples that a stick phase must have.
 
     Raises ValueError for an unknown scheme or a number outside its range, StepTooCoarse when the solution grows
-    without bound or a stick phase has fewer than MIN_STICK_SAMPLES samples.
+    without bound or a stick phase has fewer than `stick_samples` samples.
     """
     if scheme not in SCHEMES:
         raise ValueError(f"unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
@@ -161,19 +163,30 @@ def simulate(
     laws = np.stack([_linear_map(SCHEMES[scheme].step, C, k, step) for k in (K, K + K_z)])
     per_cycle = motion.period / step
     first, last = math.floor((cycles - keep_cycles) * per_cycle), math.ceil(cycles * per_cycle)
-    stick_samples, (x, v, acceleration) = _march(laws, unit_mass, step, first, last)
+    shortest, (x, v, acceleration) = _march(laws, unit_mass, step, first, last)
     if not np.all(np.isfinite(x)) or np.max(np.abs(x)) > 1e6 * motion.Y:
         raise StepTooCoarse(
             f"{scheme} with a step of {step:g} s is unstable here: take a smaller step"
         )
-    if stick_samples < MIN_STICK_SAMPLES:
-        wanted = 0.9 * step * max(stick_samples, 1) / MIN_STICK_SAMPLES
+    if shortest < stick_samples:
+        wanted = 0.9 * step * max(shortest, 1) / stick_samples
         raise StepTooCoarse(
-            f"a step of {step:g} s leaves {stick_samples} samples in a stick phase, {MIN_STICK_SAMPLES} are needed: "
+            f"a step of {step:g} s leaves {shortest} samples in a stick phase, {stick_samples} are needed: "
             f"take a step of at most {wanted:.2g} s"
         )
     t: Array = step * np.arange(first, last + 1, dtype=np.float64)
     return Record(t, motion.y(t), x, v, acceleration)
+
+
+def largest_growth(
+    scheme: str, step: float, c_over_m: float, k_over_m: float, contact_over_m: float = 0.0
+) -> float:
+    """By how much a free oscillation grows in a step of a scheme, the spectral radius of its map; 1 if it decays.
+
+    step : s.   c_over_m : 1/s.   k_over_m, contact_over_m : k/m and, in stick, K_z/m, 1/s².
+    """
+    law = _linear_map(SCHEMES[scheme].step, c_over_m, k_over_m + contact_over_m, step)
+    return max(1.0, float(np.max(np.abs(np.linalg.eigvals(law[:, :2])))))
 
 
 def _linear_map(step: Step, C: float, K: float, h: float) -> Array:

@@ -159,6 +159,13 @@ def _contradictions(config: Mapping[str, Any]) -> Iterable[Problem]:
                     f"there is no level {position}: excitation.levels_m has {len(levels)}",
                 )
 
+    shown: dict[str, int] = {}
+    for i, Y in enumerate(levels):
+        first = shown.setdefault(f"{1e3 * Y:g}", i)
+        if first != i:
+            text = f"{Y!r} is the same as level {first + 1} to six digits, which tables show; take levels further apart"
+            yield ("excitation", "levels_m", i), text
+
     names = [frequency["name"] for frequency in config["excitation"]["frequencies"]]
     for i, name in enumerate(names):
         if name in names[:i]:

@@ -145,16 +145,17 @@ def against_schema(
     """
     validator = _validator(schema, list(approaches))
     errors = sorted(validator.iter_errors(document), key=lambda error: list(map(str, error.path)))
+    endless = [(key, f"{value!r} is not a finite number") for key, value in _not_finite(document)]
+    keys = {key for key, _ in endless}
     problems = [problem for error in errors for problem in _explain(error)]
-    return problems + [
-        (key, f"{shortened(value)} is not a finite number") for key, value in _not_finite(document)
-    ]
+    return [problem for problem in problems if problem[0] not in keys] + endless
 
 
 def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
     """A validator that knows our keyword `registered: approach`: the value is the name of an approach.
 
-    An integer is one to Python (2.0 is none), and items are compared in a time that grows with their number only.
+    An integer is one to Python (2.0 is none), a pattern holds for the whole text, its last line end too, and items are
+    compared in a time that grows with their number only.
     """
 
     def check(_: Any, kind: str, value: Any, __: Any) -> Iterable[ValidationError]:
@@ -168,10 +169,15 @@ def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
             if len(set(words)) < len(words):
                 yield ValidationError("")
 
+    def pattern(_: Any, wanted: str, value: Any, __: Any) -> Iterable[ValidationError]:
+        if isinstance(value, str) and not re.fullmatch(wanted.removesuffix("$"), value):
+            yield ValidationError("")
+
     base: Any = jsonschema.Draft202012Validator
     types = base.TYPE_CHECKER.redefine("integer", lambda _, value: type(value) is int)
     extend: Any = jsonschema.validators.extend
-    return extend(base, {"registered": check, "uniqueItems": unique}, type_checker=types)(schema)
+    ours = {"registered": check, "uniqueItems": unique, "pattern": pattern}
+    return extend(base, ours, type_checker=types)(schema)
 
 
 def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:

@@ -101,6 +101,9 @@ def of_record(
     except _NoOnset as reason:
         return of_numbers(omega, str(reason), **numbers)
     begin = forward.place + (0 if s.between_samples else slip_samples)
+    if begin >= turn.place:
+        late = f"no friction travel read: {slip_samples} samples after slip onset x has reversed"
+        return of_numbers(omega, late, **numbers)
     numbers |= {
         "X_s": forward.x,
         "V_s": forward.v,

@@ -13,9 +13,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple, cast
 
+import numpy as np
+
 from ..balance import APPROACHES, Approach, slip_velocity, slip_velocity_as_printed
 from ..estimates import estimate_table
-from ..features import Features, Phase, stack
+from ..features import Features, Phase, of_numbers, stack
 from ..motion.fixed_step import simulate
 from ..project.case import Case
 from ..reading.clean import CYCLES_TO_READ, ReadAt, of_record
@@ -70,6 +72,7 @@ def simulate_levels(case: Case, frequency: str) -> list[Record]:
             step=case.numerics.step_s,
             cycles=case.numerics.cycles,
             keep_cycles=CYCLES_TO_READ,
+            stick_samples=0,  # of the steady stick phases, `check_feasible` has seen to it
             **coefficients(case),
         )
         for motion in case.motions(frequency)
@@ -77,14 +80,16 @@ def simulate_levels(case: Case, frequency: str) -> list[Record]:
 
 
 def features_of(records: Sequence[Record], case: Case, frequency: str, reading: ReadAt) -> Features:
-    """Features read off the records of all levels, in full digits."""
+    """Features read off the records of all levels, in full digits; a record that cannot be read says why."""
     omega, k = case.omega(frequency), case.oscillator.k
-    return stack(
-        [
-            of_record(record, omega, k, reading, case.numerics.after_slip(level))
-            for level, record in enumerate(records)
-        ]
-    )
+    features = []
+    for level, record in enumerate(records):
+        try:
+            features.append(of_record(record, omega, k, reading, case.numerics.after_slip(level)))
+        except ValueError as error:
+            Y = float(np.max(np.abs(record.y)))
+            features.append(of_numbers(omega, f"not read: {error}", Y=Y))
+    return stack(features)
 
 
 def read_levels(records: Sequence[Record], case: Case, frequency: str) -> ReadFeatures:

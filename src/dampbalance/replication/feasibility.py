@@ -3,24 +3,60 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ..model import BaseMotion, Oscillator
-from ..motion.fixed_step import MIN_STICK_SAMPLES
+from ..motion.fixed_step import MIN_STICK_SAMPLES, largest_growth
 from ..motion.jit import interpreted
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..project.case import Case
-from ..project.documents import refuse
+from ..project.documents import Problem, refuse
+from ..reading.clean import CYCLES_TO_READ
+from .as_published import coefficients
+
+MOST_STEPS = 100_000_000
+"""Steps of all levels at one frequency, seconds of computing; the paper's case has 7 million at its lowest one."""
+
+MOST_SAMPLES = 5_000_000
+"""Samples kept of all levels at one frequency, 0.5 GB of memory; the paper's case has 0.9 million at its lowest."""
+
+FEWEST_PER_CYCLE = 100
+"""Steps in a period below which no reversal and no slip onset can be told."""
+
+MOST_GROWTH = 10.0
+"""By how much a scheme may let an oscillation grow that the equations let decay."""
+
+RANGES = {
+    "zeta": (1e-5, 50.0),
+    "omega_over_omega_n": (1e-2, 1e2),
+    "K_z_over_k": (1e-4, 1e8),
+    "F_k_over_kY": (1e-6, 1e6),
+}
+"""Where the exact solution is known to hold: the energy balance of 1,400 orbits drawn from here closes to 1e-6."""
+
+MOST_EVENTS = 2e4
+"""Highest natural frequency on the contact over that of the drive: a stiff contact chatters, event by event."""
+
+_BALANCE = 1e-6  # of the energy put in: what an orbit may miss by rounding
+_KEYS: dict[str, tuple[str | int, ...]] = {
+    "zeta": ("oscillator", "c_N_s_per_m"),
+    "omega_over_omega_n": ("excitation", "frequencies"),
+    "K_z_over_k": ("oscillator", "K_z_N_per_m"),
+    "F_k_over_kY": ("oscillator", "F_k_N"),
+}
 
 
 def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
-    """Look at every exact orbit of a case.   files : the configuration's, to say where a key stands.
+    """Look at what a case asks for, and then at every exact orbit.   files : the configuration's, to say where a key
+    stands.
 
     Returns a notice for each response without slip: it has no slip features, and is left out of the estimates.
-    Raises ConfigurationError for a step that is too coarse for the shortest stick phase, or a response that has no
-    steady orbit.
+    Raises ConfigurationError for numbers outside of RANGES, more steps than can be simulated, a step that is too coarse
+    for its scheme or for the shortest stick phase, or a response that has no steady orbit.
     """
+    for key, text in (*_out_of_range(case), *_wrong_steps(case)):
+        refuse(key, text, files)
     notices = []
     shortest, where = math.inf, ""
     for i, (frequency, hz) in enumerate(case.frequencies_hz.items()):
@@ -34,6 +70,9 @@ def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
                 notices.append(
                     f"{place}: {orbit.regime}. It has no slip features; estimates leave it out."
                 )
+            elif not _balanced(orbit):
+                text = f"{place}: rounding spoils the energy balance; take more damping or friction"
+                refuse(("oscillator",), text, files)
             elif orbit.t_s < shortest:
                 shortest, where = orbit.t_s, place
     step = case.numerics.step_s
@@ -57,3 +96,68 @@ def _orbit(osc: Oscillator, motion: BaseMotion) -> Orbit:
     except (ArithmeticError, ValueError):  # an overflow, say, where machine code goes on with ∞
         pass
     return steady_orbit(osc, motion)
+
+
+def _balanced(orbit: Orbit) -> bool:
+    """Whether a F_k + b c = W."""
+    spent = orbit.a * orbit.oscillator.F_k + orbit.b * orbit.oscillator.c
+    return abs(spent - orbit.W) <= _BALANCE * spent
+
+
+def _out_of_range(case: Case) -> Iterator[Problem]:
+    """Where the numbers leave the space in which the exact solution is known to hold."""
+    osc = case.oscillator
+    groups = {"zeta": [osc.zeta], "K_z_over_k": [osc.K_z / osc.k]}
+    groups["omega_over_omega_n"] = [case.omega(name) / osc.omega_n for name in case.frequencies_hz]
+    groups["F_k_over_kY"] = [osc.F_k / (osc.k * Y) for Y in case.levels_m]
+    for name, values in groups.items():
+        low, high = RANGES[name]
+        for value in values:
+            if not low <= value <= high:
+                text = (
+                    f"makes {name} {value:.3g}; the exact solution holds from {low:g} to {high:g}"
+                )
+                yield _KEYS[name], text
+    events = math.sqrt(1.0 + osc.K_z / osc.k) / min(groups["omega_over_omega_n"])
+    if events > MOST_EVENTS:
+        text = f"sets the natural frequency on the contact at {events:.3g} times that of the drive"
+        yield _KEYS["K_z_over_k"], f"{text}; {MOST_EVENTS:g} at most can be solved"
+
+
+def _wrong_steps(case: Case) -> Iterator[Problem]:
+    """Where the fixed-step simulation would take too long, or be none."""
+    numerics, levels = case.numerics, len(case.levels_m)
+    coarsest = 1.0 / (max(case.frequencies_hz.values()) * FEWEST_PER_CYCLE)
+    if numerics.step_s > coarsest:
+        text = f"{numerics.step_s:g} s leaves fewer than {FEWEST_PER_CYCLE} steps in a period"
+        yield ("as_published", "step_s"), f"{text}; take at most {coarsest:.2g}"
+    per_cycle = 1.0 / (min(case.frequencies_hz.values()) * numerics.step_s)
+    for what, key, cycles, most in (
+        ("samples", "step_s", CYCLES_TO_READ, MOST_SAMPLES),
+        ("steps", "cycles", numerics.cycles, MOST_STEPS),
+    ):
+        if levels * cycles * per_cycle > most:
+            text = f"asks for {levels * cycles * per_cycle:.3g} {what} at the lowest frequency"
+            remedy = f"{most:.0e} at most can be held: fewer cycles or levels, or a longer step"
+            yield ("as_published", key), f"{text}; {remedy}"
+    for name, value in coefficients(case).items():
+        if value <= 0.0:
+            yield (
+                ("as_published", f"{name}_decimals"),
+                f"leaves nothing of {name}; keep more decimals, or all (null)",
+            )
+    yield from _unstable(case)
+
+
+def _unstable(case: Case) -> Iterator[Problem]:
+    """Whether the scheme lets grow what decays: in slip over the whole simulation, in stick over a period at most."""
+    numerics, osc = case.numerics, case.oscillator
+    steps = numerics.cycles / (min(case.frequencies_hz.values()) * numerics.step_s)
+    for phase, K_z, count in (("slip", 0.0, steps), ("stick", osc.K_z, steps / numerics.cycles)):
+        growth = largest_growth(
+            numerics.scheme, numerics.step_s, **coefficients(case), contact_over_m=K_z / osc.m
+        )
+        if count * math.log(growth) > math.log(MOST_GROWTH):
+            text = f"{numerics.step_s:g} s makes {numerics.scheme} unstable in {phase}"
+            yield ("as_published", "step_s"), f"{text}; take a smaller step, or backward-euler"
+            return

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import string
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,10 +16,12 @@ from ..project.documents import (
     read_schema,
     read_yaml,
 )
-from .axes import SOBOL_BITS, Listed
+from .axes import SOBOL_BITS, spread
 from .parameters import MECHANICAL, PARAMETERS, objection, synonyms
+from .references import wrong_references
 from .routes import ROUTES
-from .settings import BANDS, OF_INTERVALS, SPREADS, Study, paper_defaults
+from .settings import Study, paper_defaults
+from .sizes import wrong_sizes
 
 
 def read_study(path: str | Path, schema_file: str | Path, paper_file: str | Path) -> Study:
@@ -48,7 +49,8 @@ def problems(
         against_schema(document, schema, APPROACHES)
         or [*_wrong_axes(document["axes"]), *_wrong_values(document)]
         or list(_contradictions(document, Study.of("", document, paper)))
-        or list(_wrong_words(Study.of("", document, paper)))
+        or list(wrong_sizes(Study.of("", document, paper)))
+        or list(wrong_references(Study.of("", document, paper)))
     )
 
 
@@ -95,15 +97,25 @@ def _wrong_lists(key: Key, block: Mapping[str, Any]) -> Iterator[Problem]:
             yield place, "give values: […], or from, to and count (and spacing: log)"
         else:
             sizes[name] = spec["count"]
-            yield from _wrong_range(place, name, spec)
-            if PARAMETERS[name].unit == "":
-                yield place, "a word has no range; list the values"
+            wrong = list(_wrong_range(place, name, spec))
+            yield from wrong or _wrong_spread(place, name, spec)
     if len(set(sizes.values())) > 1:
         text = ", ".join(f"{name} has {size}" for name, size in sizes.items())
         yield key, f"paired axes need as many values each: {text}"
 
 
+def _wrong_spread(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
+    values = spread(spec["from"], spec["to"], spec["count"], spec.get("spacing", "linear"))
+    if len(set(values)) < len(values):
+        yield key, f"{len(values):,} values do not fit between its ends; take fewer"
+    elif PARAMETERS[name].whole and any(value != int(value) for value in values):
+        yield key, f"{PARAMETERS[name].meaning} must be whole numbers; list the values"
+
+
 def _wrong_range(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
+    if PARAMETERS[name].unit == "":
+        yield key, "a word has no range; list the values"
+        return
     for end in ("from", "to"):
         if wrong := objection(name, spec[end]):
             yield (*key, end), wrong
@@ -168,40 +180,3 @@ def _wrong_route(
         yield ("route", "seed"), "missing; the seed of the noise, an integer of at least 0"
     if "intervals" in columns and kind != "measured":
         yield ("columns",), "intervals are those of noisy records: they need the route measured"
-
-
-def _wrong_words(study: Study) -> Iterator[Problem]:
-    """What the figure, the facts and the text speak of must be there."""
-    axes = study.axis_names
-    for i, axis in enumerate(study.summary_by):
-        if axis not in axes:
-            yield ("summary_by", i), f"{axis!r} is not an axis of this study"
-    for part in ("x", "y", "panels"):
-        name = study.figure.get(part, "phase")
-        if name not in (*axes, "phase"):
-            yield ("figure", part), f"{name!r} is not an axis of this study"
-    if study.figure.get("kind") == "map" and "y" not in study.figure:
-        yield ("figure", "y"), "missing; a map has two axes, x and y"
-    for fact, spec in study.facts.items():
-        yield from _wrong_fact(study, ("facts", fact), spec)
-    for _, name, _, _ in string.Formatter().parse(study.shows):
-        if name is not None and name not in (*study.facts, "cases"):
-            yield ("shows",), f"{{{name}}} is not among the facts: {', '.join(study.facts)}"
-
-
-def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    for where in ("at", "between"):
-        for name in spec.get(where, {}):
-            if name not in study.axis_names:
-                yield (*key, where, name), "not an axis of this study"
-    take, fits = spec["take"], study.fits_of(spec)
-    if not fits:
-        yield key, "no fit of this study is meant: see estimation"
-    if take in SPREADS and len(fits) > 1:
-        labels = ", ".join(fit.label for fit in fits)
-        yield key, f"{take} is that of one fit, and {labels} are meant"
-    if take in OF_INTERVALS and "intervals" not in study.columns:
-        yield (*key, "take"), "needs the columns of intervals: columns: [errors, intervals]"
-    listed = [name for b in study.blocks if isinstance(b, Listed) for name in b.names]
-    if take in BANDS and spec.get("along") not in listed:
-        yield (*key, "along"), "must be an axis of this study whose values are listed"

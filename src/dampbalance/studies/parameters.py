@@ -18,6 +18,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..model import Oscillator
+from ..project.documents import shortened
 
 Kind = Literal["oscillator", "excitation", "numerics", "read_out"]
 
@@ -27,6 +28,7 @@ class Parameter:
     """One parameter: its unit ("1" for a pure number, "" for a word), bounds and meaning.
 
     stands_for : the SI parameter that a dimensionless group replaces.   symbol : for figures, in TeX.
+    low, high : the least (besides zero, if that is allowed) and the largest number that is taken.
     """
 
     kind: Kind
@@ -36,12 +38,14 @@ class Parameter:
     stands_for: str = ""
     zero_allowed: bool = False
     whole: bool = False
+    low: float = 1e-12
+    high: float = 1e12
 
 
 def _decimals(feature: str, unit: str) -> Parameter:
     """How many decimals of a feature are kept when it is read off."""
     meaning = f"decimals (of {unit}) kept of {feature}"
-    return Parameter("read_out", "1", meaning, zero_allowed=True, whole=True)
+    return Parameter("read_out", "1", meaning, zero_allowed=True, whole=True, high=15)
 
 
 _NOISE = "rms of the noise of each channel over that of its signal"
@@ -66,12 +70,14 @@ PARAMETERS: dict[str, Parameter] = {
         "oscillator", "1", "F_k/(kY), Y the reference amplitude", "F_k/kY", "F_k_N", True
     ),
     "scheme": Parameter("numerics", "", "fixed-step scheme", "scheme"),
-    "step_s": Parameter("numerics", "s", "step h of the scheme", "h"),
+    "step_s": Parameter("numerics", "s", "step h of the scheme", "h", low=1e-12, high=1e3),
     "steps_per_cycle": Parameter(
-        "numerics", "1", "steps of the scheme per period, T/h", "T/h", "step_s"
+        "numerics", "1", "steps of the scheme per period, T/h", "T/h", "step_s", low=1e-3, high=1e6
     ),
-    "sampling_hz": Parameter("numerics", "Hz", "sampling frequency f_s", "f_s"),
-    "noise": Parameter("numerics", "1", _NOISE, r"\sigma", zero_allowed=True),
+    "sampling_hz": Parameter("numerics", "Hz", "sampling frequency f_s", "f_s", low=1e-6, high=1e9),
+    "noise": Parameter(
+        "numerics", "1", _NOISE, r"\sigma", zero_allowed=True, low=1e-12, high=100.0
+    ),
     "run": Parameter("numerics", "1", _RUN, zero_allowed=True, whole=True),
     "X_decimals": _decimals("X", "m"),
     "X_s_decimals": _decimals("X_s", "m"),
@@ -99,12 +105,14 @@ def objection(name: str, value: Any) -> str | None:
     """What is wrong with a value of a parameter, None if nothing is."""
     p = PARAMETERS[name]
     if p.unit == "":
-        return None if isinstance(value, str) else f"{value!r} is not a name"
+        return None if isinstance(value, str) else f"{shortened(value)} is not a name"
     if isinstance(value, bool) or not isinstance(value, int | float):
-        return f"{value!r} is not a number"
+        return f"{shortened(value)} is not a number"
     if not math.isfinite(value) or value < 0.0 or (value == 0.0 and not p.zero_allowed):
         bound = "not negative" if p.zero_allowed else "positive"
         return f"{value!r} is out of range: {p.meaning} must be finite and {bound}"
+    if value != 0.0 and not p.low <= value <= p.high:
+        return f"{value!r} is out of range: {p.meaning} is taken from {p.low:g} to {p.high:g}"
     if p.whole and value != int(value):
         return f"{value!r} is not a whole number, as {p.meaning} must be"
     return None

@@ -7,11 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from scipy.stats import chi2
 
-from dampbalance.likelihood.fit import reference_fit
+from dampbalance.likelihood.fit import _Problem, reference_fit
 from dampbalance.likelihood.information import NotIdentifiable, cramer_rao, noise_of_rms
 from dampbalance.likelihood.residuals import Residual, adequacy
+from dampbalance.likelihood.start import lines_of, starting_point
 from dampbalance.model import BaseMotion
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.reading.climb import Evaluation, NoConvergence, climb
@@ -208,6 +210,18 @@ def test_units_do_not_matter(measured):
     assert scaled.standard_errors[0] == pytest.approx(found.standard_errors[0], rel=1e-3)
 
 
+def test_what_counts_as_zero_grows_with_the_forces(measured):
+    """All but the lengths 10⁴ times as large: F_k, c, K_z = ρ⁻² and m, and so what is as good as none of each."""
+    tau, omegas = [r.t - r.t.mean() for r in measured], [OMEGA] * 5
+    lines = lines_of(measured, tau, omegas)
+    small, large = (
+        _Problem(measured, tau, omegas, f * PAPER.m, f * PAPER.k, None, ("m",)).limits(lines)[1]
+        for f in (1.0, 1e4)
+    )
+    assert large[:4] / small[:4] == pytest.approx([1e4, 1e4, 1e-2, 1e4])
+    assert large[4:].tolist() == small[4:].tolist()
+
+
 def test_a_contact_too_stiff_to_resolve_has_no_upper_limit():
     osc = replace(PAPER, K_z=1e11)
     fits = [fit(noisy(seed=SEED + i, osc=osc)) for i in range(4)]
@@ -232,6 +246,35 @@ def test_interval_of_K_z_is_that_of_its_root(measured):
     assert found.standard_errors[2] == pytest.approx(
         2.0 * found.K_z**1.5 * found.rho_standard_error
     )
+
+
+@pytest.mark.parametrize("share", [0.03, 0.2, 0.5, 0.8])
+def test_a_fit_of_one_level_starts_near_its_share_of_friction(share):
+    """Of the work: the balance of one level does not tell it, the waveform chooses among those that are tried."""
+    motion = BaseMotion(0.008, OMEGA)
+    c = 0.5 * PAPER.c * (1.0 - share)
+
+    def excess(F_k):
+        orbit = steady_orbit(replace(PAPER, F_k=F_k, c=c), motion)
+        return F_k * orbit.a / orbit.W - share
+
+    osc = replace(PAPER, F_k=brentq(excess, 1e-3, 14.0), c=c)
+    made = record(0.008, osc)
+    found = starting_point(lines_of([made], [made.t], [OMEGA]), [OMEGA], PAPER.m, PAPER.k)
+    orbit = steady_orbit(osc, motion)
+    # the shares tried are 0.3 apart at most, and less towards both ends
+    assert found.F_k * orbit.a / orbit.W == pytest.approx(share, abs=0.12)
+    assert found.c * orbit.b / orbit.W == pytest.approx(1.0 - share, abs=0.12)
+
+
+def test_one_whole_cycle_is_enough_to_start():
+    t = np.arange(128) / 128.0
+    exact = Record(t=t, y=0.3 * np.cos(2.0 * math.pi * t), x=0.2 * np.sin(2.0 * math.pi * t))
+    lines = lines_of([exact], [t], [2.0 * math.pi])
+    assert pytest.approx([0.3], rel=1e-13) == lines.Y
+    assert lines.X[0] == pytest.approx([-0.2j, 0.0, 0.0], abs=1e-14)
+    with pytest.raises(ValueError, match="a fit needs a whole cycle"):
+        lines_of([exact.samples(0, 127)], [t[:127]], [2.0 * math.pi])
 
 
 # --- what is not as assumed ----------------------------------------------------------------------
@@ -295,6 +338,42 @@ def test_statistics_of_white_noise_are_chi_square():
         assert values.mean() == pytest.approx(1.0, abs=4.0 * math.sqrt(2.0 / dof / 400))
         assert values.var() == pytest.approx(2.0 / dof, rel=0.4)  # 4 √(2/400), and excess 12/dof
     assert np.mean([v.harmonics_p < 0.05 for v in verdicts]) == pytest.approx(0.05, abs=0.045)
+
+
+def test_statistics_of_a_residual_whose_power_is_known():
+    """Whole cycles of a cos ωt + b cos 20ωt: n a²/2 at the harmonics, and n b²/2 off them, of n − 1 − 18 freedoms."""
+    n, a, b = 128, 0.3, 1.1
+    phase = 2.0 * math.pi * 8.0 * np.arange(n) / n
+    made = Residual(a * np.cos(phase) + b * np.cos(2.5 * phase), 100.0 * np.cos(phase), phase)
+    highest = math.floor(0.9 * math.pi / phase[1])  # fewer than nine fit the sampling
+    dof = 2 * highest
+    power = (n - 1 - dof) * (a / b) ** 2
+    assert adequacy([made], 0).harmonics == pytest.approx(power / dof, rel=1e-12)
+    assert adequacy([made], dof - 1).harmonics == pytest.approx(power, rel=1e-12)
+    assert adequacy([made], dof - 1).harmonics_p == pytest.approx(chi2.sf(power, 1), rel=1e-9)
+    assert math.isnan(adequacy([made], dof).harmonics)
+    # a record of less than two cycles adds nothing to what is said of the harmonics
+    short = Residual(made.values, made.signal, 0.1 * phase)
+    assert adequacy([made, short], 0).harmonics == adequacy([made], 0).harmonics
+
+
+@pytest.mark.parametrize("noise", [None, {"y": 4e-5, "x": (2e-5, 6e-5)}], ids=["profiled", "known"])
+def test_the_gradient_is_the_slope_of_the_likelihood(measured, noise):
+    """−log L against steps in every unknown, away from its least value."""
+    records = measured[1:4:2]
+    tau = [r.t - r.t.mean() for r in records]
+    omegas = [1.0001 * OMEGA, OMEGA]
+    problem = _Problem(records, tau, omegas, PAPER.m, PAPER.k, noise, ("m", "omega"))
+    start = replace(PAPER, F_k=1.4, c=85.0, K_z=1.5e5)
+    point = problem.point(start, lines_of(records, tau, omegas))
+    there = problem.evaluate(point)
+    for i, value in enumerate(point):
+        step = np.zeros(point.size)
+        step[i] = 1e-5 * (value if i not in (5, 8) else 1.0)  # ψ in radians
+        low, high = problem.evaluate(point - step), problem.evaluate(point + step)
+        slope = (high.value - low.value) / (2.0 * step[i])
+        # 1e-3: the model's derivatives, of which those next to slip onset average a jump
+        assert slope == pytest.approx(-there.gradient[i], rel=1e-3)
 
 
 def test_what_cannot_be_tested_is_not():

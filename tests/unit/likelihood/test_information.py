@@ -156,6 +156,25 @@ def test_an_offset_costs_what_it_takes_as_one_more_unknown():
     assert np.diag(np.linalg.inv(square)) == pytest.approx(np.diag(inverse)[:-1], rel=1e-4)
 
 
+@pytest.mark.parametrize("cycles", [1.3, 2.75])
+def test_records_begin_at_the_peak_of_the_base(cycles):
+    """Of no whole number of cycles, and with a σ of its own for each of two levels."""
+    motions, sigmas, rate = MOTIONS[1:4:2], {"y": 5e-5, "x": (2e-5, 7e-5)}, 500.0
+    terms, weights = [], []
+    for motion, sigma in zip(motions, sigmas["x"], strict=True):
+        t = np.arange(round(rate * cycles * motion.period)) / rate
+        J = response(PAPER, motion, 0.0, t, ["y", "x"]).jacobian
+        terms.append({name: channel_terms(J[name], np.zeros(t.size)) for name in J})
+        weights.append({"y": 5e-5**-2, "x": sigma**-2})
+    expected = covariance_of_K_z(inverse(assemble(terms, weights, 3)[0]), PAPER.K_z)
+    found = bound(motions=motions, noise=sigmas, rate_hz=rate, cycles=cycles)
+    # differences at other places in time: 1e-8 of a derivative, times the condition of I
+    assert found.covariance == pytest.approx(expected, rel=1e-4)
+    parts = np.array(found.relative) * (PAPER.F_k, PAPER.c, PAPER.K_z)
+    assert parts == pytest.approx(found.standard_errors, rel=1e-15)
+    assert bound(replace(PAPER, c=0.0), motions).relative[1] == math.inf
+
+
 def test_dense_sampling_is_the_limit():
     """n samples that share out evenly over the phases: I = n ⟨(∂u/∂p)(∂u/∂p)ᵀ⟩/σ², the mean over one cycle."""
     sampled = bound(rate_hz=50000.0, cycles=3.0)

@@ -196,7 +196,17 @@ def test_the_end_comes_after_the_start(end):
         transient(PAPER, MOTION, end, start=1.0)
 
 
-@pytest.mark.parametrize("t", [-1e-9, END * (1.0 + 1e-9), [0.1, -0.1], math.nan, math.inf])
+def test_both_ends_belong_to_the_path():
+    path = transient(PAPER, MOTION, END, x=1e-3, v=-0.02)
+    state = path.state([0.0, END])
+    assert (state.x[0], state.v[0]) == (1e-3, -0.02)
+    assert np.all(np.isfinite(state.acceleration))
+    assert "phases" not in repr(path)  # thousands of rows say nothing in a message
+
+
+@pytest.mark.parametrize(
+    "t", [-1e-9, END * (1.0 + 1e-9), [0.1, -0.1], [0.1, 2.0 * END], math.nan, math.inf]
+)
 def test_times_outside_the_path_are_refused(t):
     with pytest.raises(ValueError, match=r"^times must lie within \[0\.0, 0\.6"):
         transient(PAPER, MOTION, END).state(t)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from dampbalance import BaseMotion, steady_orbit, transient
-from dampbalance.reading.conditioning import condition, condition_blocks
+from dampbalance.reading.conditioning import _bandwidth, condition, condition_blocks
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import NEAR, OMEGA, PAPER
@@ -133,6 +135,39 @@ def test_uneven_sampling_is_resampled_and_said():
     assert "unevenly sampled" in " ".join(steady.warnings)
     ratio = steady.mean(steady.X)[1] / steady.mean(steady.Y)[1]
     assert abs(ratio) * MOTION.Y == pytest.approx(ORBIT.harmonic(1)[0], rel=1e-6)
+
+
+def test_the_error_that_resampling_is_said_to_make_is_the_one_it_makes():
+    rng = np.random.default_rng(4)
+    dt = MOTION.period / 30.3
+    t = np.sort(np.arange(0.0, 8.0, dt) + 0.4 * dt * rng.random(math.ceil(8.0 / dt)))
+    x = 0.01 * np.cos(MOTION.omega * t - 1.0)
+    made = {"base_displacement": MOTION.Y * np.cos(MOTION.omega * t), "displacement": x}
+    record = Measurement.of("jittered", [Channel(q, t, values) for q, values in made.items()])
+    (words,) = (w for w in condition(record, PAPER.k).warnings if w.startswith("displacement"))
+    said = float(re.search(r"error about (\S+) m beside", words)[1])
+    grid = np.arange(t[1], t[-2], np.median(np.diff(t)))
+    off = CubicSpline(t, x)(grid) - 0.01 * np.cos(MOTION.omega * grid - 1.0)
+    # the error of a spline of half as many samples over 2⁴: an estimate, of steps that differ
+    assert 0.3 < said / np.sqrt(np.mean(off**2)) < 3.0
+
+
+def test_no_error_is_taken_for_less_than_rounding():
+    steady = condition(_measured(ALL, 0.0), PAPER.k)
+    # of each of the three responses, which are averaged: less by √3 at most
+    floor = 1e-9 * abs(steady.mean(steady.X)[1])
+    assert np.all(steady.X_error[np.isfinite(steady.X_error)] >= 0.999 * floor / math.sqrt(3.0))
+    assert steady.Y_error.min() == pytest.approx(1e-9 * MOTION.Y, rel=1e-3)
+
+
+def test_the_bandwidth_ends_where_three_harmonics_in_a_row_are_hidden():
+    error = np.full(20, 1.0)
+    for clear, last in (((1, 3, 5), 5), ((1, 3, 9), 9), ((1, 3, 11), 3), ((1, 7, 13), 13), ((), 1)):
+        mean = np.zeros(20)
+        mean[list(clear)] = 4.1
+        mean[[2, 4, 6, 8]] = 100.0  # even ones are another matter
+        assert _bandwidth(mean.astype(complex), error) == last
+        assert _bandwidth(0.95 * mean.astype(complex), error) == 1
 
 
 # --- what makes a record useless ----------------------------------------------------------------------------------
@@ -285,6 +320,14 @@ def test_transient_at_the_start_is_reported_and_can_be_skipped():
         found = str(error)
     assert "the response is not steady" in found
     assert condition(record, PAPER.k, skip_cycles=5).warnings == ()
+
+
+def test_how_long_the_motion_takes_to_settle_is_said_in_cycles():
+    record = _measured(noise=0.001)
+    channel = record["displacement"]
+    loud = np.where(channel.t < channel.t[0] + 5.0 * MOTION.period, 1.02, 1.0)
+    found = condition(_with(record, "displacement", values=loud * channel.values), PAPER.k).warnings
+    assert "it settles after about 5 cycles: leave those out" in " ".join(found)
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.01])

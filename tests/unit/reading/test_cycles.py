@@ -55,6 +55,109 @@ def test_many_cycles_are_joined_into_bounded_rows():
     np.testing.assert_allclose(found.coefficients[:, 1], 2.0 * np.exp(-0.4j), atol=1e-10)
 
 
+def test_a_cycle_needs_more_samples_than_it_has_unknowns():
+    """N harmonics and the mean are 2N + 1 numbers; the shorter ones of uneven cycles must have one sample more."""
+    omega = 2.0 * math.pi  # one cycle a second
+    for per_cycle, harmonics, enough in ((8.1, 3, True), (7.9, 3, False), (64.1, 31, True)):
+        t = np.arange(math.ceil(4.0 * per_cycle)) / per_cycle
+        made = [(t, np.cos(omega * t))]
+        more = {"start": 0.0, "dt": 1.0 / per_cycle, "harmonics": harmonics}
+        if enough:
+            found = accumulate(made, omega, **more)
+            np.testing.assert_allclose(found.coefficients[:, 1], np.ones(4), atol=1e-12)
+        else:
+            with pytest.raises(ValueError, match=r"7\.9 samples per cycle are too few for 3 harm"):
+                accumulate(made, omega, **more)
+
+
+def test_span_and_times_are_those_of_the_record():
+    t = 0.123 + DT * np.arange(4001)
+    values = _signal(t)
+    found = accumulate([(t, values)], OMEGA, start=0.13, dt=DT, harmonics=5)
+    assert found.span == np.ptp(values)
+    period = 2.0 * math.pi / OMEGA
+    assert found.times == pytest.approx(0.13 + period * (0.5 + np.arange(19)), rel=1e-14)
+    assert found.clipped == 0.0
+    assert found.bad_cycles == ()
+
+
+CYCLE = 200  # samples in a cycle of the records below
+
+
+def _faulty(spoil, noise=0.0, cycles=12, harmonics=5):
+    """A record of a sinusoid with `spoil` done to its samples; 200 samples and one second a cycle."""
+    t = np.arange(cycles * CYCLE) / CYCLE
+    values = np.cos(2.0 * math.pi * t)
+    values += noise * np.random.default_rng(3).standard_normal(t.size)
+    spoil(values)
+    return accumulate([(t, values)], 2.0 * math.pi, start=0.0, dt=1.0 / CYCLE, harmonics=harmonics)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+@pytest.mark.parametrize("cycle", [0, 7, 11])
+def test_a_spike_is_named_by_its_value_its_time_and_what_is_expected(noise, cycle):
+    def spoil(values):
+        values[cycle * CYCLE + 33] = 3.25
+
+    found = _faulty(spoil, noise)
+    ((number, time, reason),) = found.bad_cycles
+    assert (number, time) == (cycle, pytest.approx(cycle))
+    assert reason.startswith("a spike: 3.25 where ")
+    # the harmonics bend towards the spike: by 11 unknowns of 200 samples
+    expected = math.cos(2.0 * math.pi * 33 / CYCLE)
+    assert float(reason.split()[4]) == pytest.approx(expected, abs=0.2)
+    assert found.weights.tolist() == [float(j != cycle) for j in range(12)]
+
+
+@pytest.mark.parametrize(("sigmas", "seen"), [(8.0, False), (30.0, True)])
+def test_a_spike_stands_out_of_the_noise_of_the_other_cycles(sigmas, seen):
+    def spoil(values):
+        values[5 * CYCLE + 33] += 0.01 * sigmas
+
+    assert len(_faulty(spoil, 0.01).bad_cycles) == seen
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+@pytest.mark.parametrize(("length", "at"), [(12, 30), (40, 120)])
+def test_samples_that_stand_still_are_counted(noise, length, at):
+    def spoil(values):
+        first = 4 * CYCLE + at
+        values[first : first + length] = values[first]
+
+    ((number, _, reason),) = _faulty(spoil, noise).bad_cycles
+    assert number == 4
+    assert reason.startswith(f"a drop-out: {length} samples hold the value ")
+
+
+def test_a_flat_top_is_no_drop_out_and_a_clipped_one_is_counted():
+    assert _faulty(lambda values: None).clipped == 0.0
+    for level, low, high in ((0.97, -math.inf, 0.97), (-0.97, -0.97, math.inf)):
+        found = _faulty(lambda values, low=low, high=high: np.clip(values, low, high, out=values))
+        assert found.clipped == 1.0, level
+        assert found.bad_cycles == ()
+
+    def half(values):
+        np.clip(values[: 6 * CYCLE], None, 0.97, out=values[: 6 * CYCLE])
+        np.clip(values[6 * CYCLE :], None, 0.99, out=values[6 * CYCLE :])
+
+    # only those at the highest level of the record hold it as a clipped signal does: the rest may be smaller
+    assert _faulty(half).clipped == 0.5
+
+
+def test_a_gap_is_counted_in_samples():
+    t = np.arange(12 * CYCLE) / CYCLE
+    keep = np.ones(t.size, dtype=bool)
+    keep[5 * CYCLE + 20 : 5 * CYCLE + 50] = False
+    found = accumulate(
+        [(t[keep], np.cos(2.0 * math.pi * t[keep]))],
+        2.0 * math.pi,
+        start=0.0,
+        dt=1.0 / CYCLE,
+        harmonics=5,
+    )
+    assert found.bad_cycles == ((5, 5.0, "a gap: 170 samples where there should be 200.0"),)
+
+
 def test_a_drifting_offset_adds_what_the_drift_says():
     t = DT * np.arange(9000)
     found = accumulate(

@@ -14,20 +14,32 @@ from dampbalance.records.units import (
     unit_for,
 )
 
-# The definitions: the inch is 25.4 mm, the pound-force 0.45359237 kg under 9.80665 m/s².
+# The definitions: the inch is 25.4 mm, standard gravity 9.80665 m/s², the pound-force 0.45359237 kg under it.
+_LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "µm": 1e-6, "nm": 1e-9, "in": 0.0254}
 IN_SI = {
-    "mm": 1e-3,
-    "µm": 1e-6,
-    "in": 0.0254,
-    "mm/s": 1e-3,
-    "in/s": 0.0254,
-    "mm/s²": 1e-3,
+    **_LENGTHS,
+    **{f"{name}/s": factor for name, factor in _LENGTHS.items()},
+    **{f"{name}/s²": _LENGTHS[name] for name in ("m", "cm", "mm", "in")},
     "g": 9.80665,
-    "kN": 1e3,
+    "mg": 0.00980665,
+    "N": 1.0,
+    "mN": 0.001,
+    "kN": 1000.0,
     "lbf": 0.45359237 * 9.80665,
-    "ms": 1e-3,
-    "kHz": 1e3,
+    "s": 1.0,
+    "ms": 0.001,
+    "µs": 1e-6,
+    "ns": 1e-9,
+    "min": 60.0,
+    "h": 3600.0,
+    "Hz": 1.0,
+    "kHz": 1000.0,
+    "MHz": 1e6,
 }
+
+
+def test_every_unit_has_its_size_below():
+    assert set(IN_SI) == {unit.name for unit in UNITS}
 
 
 @pytest.mark.parametrize(("name", "factor"), IN_SI.items())
@@ -35,6 +47,13 @@ def test_unit_in_si(name, factor):
     unit = find_unit(name)
     assert unit is not None
     assert unit.factor == pytest.approx(factor, rel=1e-15)  # a product of decimals, rounded once
+
+
+@pytest.mark.parametrize(
+    ("text", "name"), [("HZ", "Hz"), ("khz", "kHz"), ("KN", "kN"), ("MIN", "min"), ("LBF", "lbf")]
+)
+def test_case_does_not_matter_where_it_decides_nothing(text, name):
+    assert find_unit(text).name == name
 
 
 @pytest.mark.parametrize(
@@ -66,7 +85,7 @@ def test_spellings(spelling, name):
     assert find_unit(spelling).name == name
 
 
-@pytest.mark.parametrize("text", ["", "V", "MN", "furlong", "m/m", "s2", "Mhz"])
+@pytest.mark.parametrize("text", ["", "V", "MN", "Mg", "mhz", "furlong", "m/m", "s2", "Mhz"])
 def test_what_is_no_unit(text):
     # MN is not mN: where the case decides, it must be right
     assert find_unit(text) is None

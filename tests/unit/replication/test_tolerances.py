@@ -71,6 +71,14 @@ def test_a_shift_of_all_levels_alike_is_not_scatter():
         assert not tolerance.holds(float(PRINTED[level]))
 
 
+def test_two_others_are_enough():
+    """They deviate by +1 and −1 units: s = √2, t₀.₉₇₅ with one degree of freedom 12.706, √1.5."""
+    (tolerance,) = of_the_others([1.0, 2.0, 3.0], PRINTED[:3], 2, relative=False)
+    assert tolerance.high - 3.0 == pytest.approx(
+        12.706 * math.sqrt(2.0) * 1e-3 * math.sqrt(1.5), rel=1e-4
+    )
+
+
 def test_no_scatter_of_one_other_level_or_of_none():
     assert of_the_others([1.0, 2.0], PRINTED[:2], 0, relative=True) == ()
     assert of_the_others([math.nan, 2.0, 3.0], PRINTED[:3], 0, relative=True) == ()

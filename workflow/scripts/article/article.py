@@ -3,9 +3,11 @@
 import sys
 
 from dampbalance.project.files import replacing
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.article.compiling import ArticleError, pdf
 
 if __name__ == "__main__":
+    brief_troubles()
     try:
         document = pdf(snakemake.params.source, ".", snakemake.params.inputs)
     except ArticleError as error:

@@ -7,10 +7,12 @@ from pathlib import Path
 import yaml
 
 from dampbalance.project.files import write_json
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.article import compiling
 from dampbalance.publishing.article.software import software
 
 if __name__ == "__main__":
+    brief_troubles()
     packages = {name: version(name) for name in snakemake.params.packages}
     citation = yaml.safe_load(Path(snakemake.input.citation).read_text(encoding="utf-8"))
     environment = {

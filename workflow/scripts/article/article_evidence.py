@@ -2,9 +2,11 @@
 
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, read_routes, write_json
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.article.evidence import evidence
 
 if __name__ == "__main__":
+    brief_troubles()
     i, folder = snakemake.input, snakemake.params.folder
     case = Case.from_config(snakemake.params.case)
     numbers = evidence(

@@ -6,8 +6,10 @@ from dampbalance.figures.numerics import ALT, Evidence, numerics
 from dampbalance.figures.style import save
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv
+from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
+    brief_troubles()
     i, case = snakemake.input, Case.from_config(snakemake.params.case)
     evidence = Evidence(
         claims=read_csv(i.claims, dtype=str),

@@ -2,8 +2,10 @@
 
 from dampbalance.project.case import Case
 from dampbalance.project.files import write_csv
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication.schemes import scheme_table
 
 if __name__ == "__main__":
+    brief_troubles()
     case = Case.from_config(snakemake.params.case)
     write_csv(snakemake.output.csv, scheme_table(case, snakemake.params.frequency))

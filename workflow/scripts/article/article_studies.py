@@ -1,6 +1,7 @@
 """The facts of the parameter studies that the article cites, in one file."""
 
 from dampbalance.project.files import write_json
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.studies import checking
 from dampbalance.studies.shown import facts
 
@@ -12,6 +13,7 @@ def main(file, cases):
 
 
 if __name__ == "__main__":
+    brief_troubles()
     i = snakemake.input
     found = {
         name: main(file, cases)

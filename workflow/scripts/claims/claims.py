@@ -4,6 +4,7 @@ from pathlib import Path
 
 from dampbalance.project.case import Case
 from dampbalance.project.files import ROUTES, read_csv, read_routes, write_csv, write_text
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication.claims import (
     RouteTables,
     claims_markdown,
@@ -12,6 +13,7 @@ from dampbalance.replication.claims import (
 )
 
 if __name__ == "__main__":
+    brief_troubles()
     p = snakemake.params
     case = Case.from_config(p.case)
     features, estimates = (

@@ -3,9 +3,11 @@
 from dampbalance.features import Features
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_csv
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication import as_published
 
 if __name__ == "__main__":
+    brief_troubles()
     case, files = Case.from_config(snakemake.params.case), snakemake.input
     for *read, output in zip(
         files.tabulated, files.two_point, snakemake.output.estimates, strict=True

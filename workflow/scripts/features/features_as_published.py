@@ -4,10 +4,12 @@ import pandas as pd
 
 from dampbalance.project.case import Case
 from dampbalance.project.files import write_csv
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.record import Record
 from dampbalance.replication import as_published
 
 if __name__ == "__main__":
+    brief_troubles()
     case, output = Case.from_config(snakemake.params.case), snakemake.output
     for i, (frequency, file) in enumerate(
         zip(case.frequencies_hz, snakemake.input.records, strict=True)

@@ -3,8 +3,10 @@
 from dampbalance.figures import ALT, estimation_error, save
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_routes
+from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
+    brief_troubles()
     case = Case.from_config(snakemake.params.case)
     hertz = case.frequencies_hz
     estimates = read_routes(snakemake.params.folder, "estimates", hertz, ["exact"])["exact"]

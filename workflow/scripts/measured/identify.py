@@ -3,8 +3,10 @@
 import sys
 
 from dampbalance.identification.run import identify_files, write_results
+from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
+    brief_troubles()
     given = {key: value for key, value in snakemake.params.settings.items() if value is not None}
     keys = {"mapping", "frequency_hz", "skip_cycles", "approaches", "phase", "replicates", "seed"}
     try:

@@ -8,6 +8,7 @@ from dampbalance.figures.numerics import Evidence
 from dampbalance.motion.orbit import read_orbits
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, read_routes, write_text
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.studies.checking import read_study
 
@@ -61,6 +62,7 @@ def main(config, folder, inputs):
 
 
 if __name__ == "__main__":
+    brief_troubles()
     results = main(snakemake.params.config, snakemake.params.folder, snakemake.input)
     page = str(snakemake.output.page)
     write_text(page, report_page(results, page))

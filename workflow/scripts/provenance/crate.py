@@ -6,9 +6,11 @@ from pathlib import Path
 import yaml
 
 from dampbalance.project.files import write_json
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.provenance.crate import crate
 
 if __name__ == "__main__":
+    brief_troubles()
     file = snakemake.input.manifest
     manifest = json.loads(Path(file).read_text(encoding="utf-8"))
     citation = yaml.safe_load(Path(snakemake.input.citation).read_text(encoding="utf-8"))

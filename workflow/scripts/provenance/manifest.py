@@ -1,9 +1,11 @@
 """The manifest of the results: which configuration, code and packages made them, with their digests."""
 
 from dampbalance.project.files import write_json
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.provenance.manifest import manifest
 
 if __name__ == "__main__":
+    brief_troubles()
     p = snakemake.params
     made = manifest(
         p.case, p.configuration, p.configuration_files, p.sources, p.jobs, p.code, p.lock

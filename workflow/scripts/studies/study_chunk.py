@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 from dampbalance import __version__
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.studies import checking, evaluate, outputs, plan
 
 
@@ -17,6 +18,7 @@ def main(path, file, chunk, threads):
 
 
 if __name__ == "__main__":
+    brief_troubles()
     path = Path(snakemake.output.chunk)
     study = main(path, snakemake.params.file, int(snakemake.wildcards.chunk), snakemake.threads)
     print(

@@ -1,10 +1,12 @@
 """The figure of a study."""
 
 from dampbalance.figures.style import save
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.studies import checking
 from dampbalance.studies.shown import drawing
 
 if __name__ == "__main__":
+    brief_troubles()
     study = checking.read_study(
         snakemake.input.file, "workflow/schemas/study.schema.yaml", "config/config.yaml"
     )

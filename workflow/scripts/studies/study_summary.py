@@ -3,10 +3,12 @@
 from pathlib import Path
 
 from dampbalance.project.files import write_csv, write_text
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.studies import checking
 from dampbalance.studies.shown import facts, summary
 
 if __name__ == "__main__":
+    brief_troubles()
     study = checking.read_study(
         snakemake.input.file, "workflow/schemas/study.schema.yaml", "config/config.yaml"
     )

@@ -3,6 +3,7 @@
 from dampbalance.features import Features
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, read_routes, write_csv, write_text
+from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication import comparison, tables
 
 TITLES = {
@@ -35,6 +36,7 @@ def compare(features, case):
 
 
 if __name__ == "__main__":
+    brief_troubles()
     claims, folder = snakemake.input.claims, snakemake.params.folder
     case = Case.from_config(snakemake.params.case)
     features, estimates = (

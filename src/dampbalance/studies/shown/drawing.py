@@ -77,7 +77,7 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
             if column == 0:
                 panels.name_row(axes, f"error of ${symbol}$ (%)")
             _marks(axes, study, label=row == 0)
-    panels.text_below(_axis_label(shown.name))
+    panels.text_below(series.axis_label(shown.name))
     _legend(panels, shown)
     return panels.figure
 
@@ -131,7 +131,7 @@ def _curve(axes: Axes, panel: series.Panel, curve: series.Curve, number: int) ->
 def _x_axis(axes: Axes, shown: series.ErrorCurves, last: bool) -> None:
     first_place, last_place = shown.places[[0, -1]]
     margin = 0.0
-    if PARAMETERS[shown.name].whole:
+    if PARAMETERS[shown.name].whole and len(shown.places) <= series.FEW:
         axes.set_xticks(shown.places)
         axes.minorticks_off()
         margin = 0.4
@@ -148,13 +148,6 @@ def _marks(axes: Axes, study: Study, label: bool) -> None:
             omega = omega_of(name)
             text, at = f"${omega}$" if omega else name, ("data", "axes fraction")
             note(axes, text, (value, 1.0), (0.0, 1.5), "center", size=7.5, color=FAINT, xycoords=at)
-
-
-def _axis_label(name: str) -> str:
-    p, unit = PARAMETERS[name], series.unit_of(name)
-    if not p.symbol:
-        return p.meaning
-    return f"${p.symbol}$ ({unit})" if unit else f"${p.symbol}$"
 
 
 def _legend(panels: Grid, shown: series.ErrorCurves) -> None:

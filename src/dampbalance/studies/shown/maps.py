@@ -17,11 +17,11 @@ from ...figures.style import DOUBLE_COLUMN, note, place, styled
 from ...figures.style import page as empty_page
 from ...project.wording import percent
 from ..axes import Sampled
-from ..parameters import PARAMETERS
 from ..settings import Fit, Study
 from ..stretches import stretches
 from .groups import joined, terms_of
 from .logarithmic import logarithmic_ticks
+from .series import symbol_of
 
 MOST_BINS = 72  # along each axis
 PER_BIN = 40  # cases that a bin should hold on average: its share is then good to 0.08
@@ -81,9 +81,9 @@ def share_map(study: Study, cases: str | Path) -> Figure:
             if covered[0] == 0:
                 axes.set_title(f"{in_maths(label_of(fit.approach))} approach", pad=4.0)
             if lowest:
-                axes.set_xlabel(f"${PARAMETERS[study.figure['x']].symbol}$", labelpad=1.0)
+                axes.set_xlabel(symbol_of(study.figure["x"]), labelpad=1.0)
             if column == 0:
-                axes.set_ylabel(f"${PARAMETERS[study.figure['y']].symbol}$")
+                axes.set_ylabel(symbol_of(study.figure["y"]))
                 axes.yaxis.set_label_coords(-9.5 / width, 0.5)
             text = f"{_words(symbol, fit, kinds)}: {percent(share.overall)}"
             note(axes, text, (0.0, 1.0), (3.0, -3.5), va="top", **_LABEL)

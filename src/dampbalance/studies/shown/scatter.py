@@ -19,7 +19,7 @@ from ...figures.style import DASHED, FAINT, styled
 from ..parameters import PARAMETERS
 from ..settings import Fit, Study
 from .groups import Spread, groups, spread_of, terms_of
-from .series import with_unit
+from .series import symbol_of, with_unit
 
 # Ratio by which the curves of two approaches are moved apart, so that all can be seen.
 _BESIDE = 1.06
@@ -52,7 +52,7 @@ def errors_of_runs(study: Study, cases: str | Path) -> Figure:
             _x_axis(axes, np.array([x for x, _ in places]))
             axes.tick_params(labelbottom=row == len(symbols) - 1, labelleft=column == 0)
             if row == 0 and by:
-                axes.set_title(f"${PARAMETERS[by].symbol}$ = {with_unit(by, value, 6)}", pad=4.0)
+                axes.set_title(f"{symbol_of(by)} = {with_unit(by, value, 6)}", pad=4.0)
         lines = [line for axes in drawn for line in axes.lines]
         limits = decades([np.asarray(line.get_ydata(), float) for line in lines])
         for axes in drawn:

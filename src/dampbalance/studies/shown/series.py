@@ -117,6 +117,18 @@ def unit_of(name: str) -> str:
     return "" if unit == "1" else unit
 
 
+def symbol_of(name: str) -> str:
+    """The symbol of a parameter, in TeX, or its meaning where it has none."""
+    p = PARAMETERS[name]
+    return f"${p.symbol}$" if p.symbol else p.meaning
+
+
+def axis_label(name: str) -> str:
+    """Symbol and unit of a parameter."""
+    unit = unit_of(name)
+    return f"{symbol_of(name)} ({unit})" if unit and PARAMETERS[name].symbol else symbol_of(name)
+
+
 def with_unit(name: str, value: float | str, digits: int = 4) -> str:
     """A value of a parameter as it is read, 4.92 Hz."""
     shown = value if isinstance(value, str) else f"{value:.{digits}g}"

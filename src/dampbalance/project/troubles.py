@@ -1,0 +1,35 @@
+"""Troubles of the machine, not of the input: a full disk, a folder that cannot be written, too little memory."""
+
+from __future__ import annotations
+
+import errno
+import sys
+from types import TracebackType
+
+_FULL = (errno.ENOSPC, errno.EDQUOT)
+_CLOSED = (errno.EROFS, errno.EACCES, errno.EPERM)
+
+
+def trouble(error: BaseException) -> str | None:
+    """One sentence on what the machine lacks and what to do about it; None for an error of any other kind."""
+    if isinstance(error, MemoryError):
+        return "the memory does not suffice: use fewer processors (make CORES=1), or smaller chunks of a study"
+    if isinstance(error, OSError):
+        file = error.filename or "a file"
+        if error.errno in _FULL:
+            return f"{file} cannot be written, as the disk is full: make room, then go on with the same command"
+        if error.errno in _CLOSED:
+            return f"{file} cannot be written or read: give yourself the right to"
+    return None
+
+
+def brief_troubles() -> None:
+    """Let a script tell such a trouble in its one sentence, and an interruption not at all; other errors as ever."""
+    sys.excepthook = _tell
+
+
+def _tell(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+    if sentence := trouble(error):
+        print(f"error: {sentence}", file=sys.stderr)
+    elif not issubclass(kind, KeyboardInterrupt):
+        sys.__excepthook__(kind, error, trace)

@@ -1,0 +1,176 @@
+"""What the figure, the facts and the text of a study refer to, checked before anything runs: a dry build of them."""
+
+from __future__ import annotations
+
+import math
+import string
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ..project.documents import Key, Problem, shortened
+from .axes import Listed
+from .parameters import PARAMETERS
+from .settings import BANDS, OF_INTERVALS, SPREADS, Study
+from .sizes import extent
+
+MOST_POINTS = 50_000
+"""Cases on the curves of a figure; more are drawn as a map."""
+
+MOST_PANELS, MOST_PLACES, MOST_GROUPS = 8, 500, 1000
+"""Columns of panels, listed values along an axis of a map or a scatter, groups in a summary."""
+
+FAR = 100.0
+"""A mark may lie beside the axis, which is then drawn up to it, by this factor at most."""
+
+
+def wrong_references(study: Study) -> Iterator[Problem]:
+    """Everything that a figure, a fact, the text or the summary speaks of and that the study lacks."""
+    groups = 1
+    for i, axis in enumerate(study.summary_by):
+        if axis not in study.axis_names:
+            yield ("summary_by", i), f"{shortened(axis)} is not an axis of this study"
+        else:
+            groups *= _count(study, axis)
+    if groups > MOST_GROUPS:
+        text = f"{groups:,} groups are more than {MOST_GROUPS}; take axes of few values"
+        yield ("summary_by",), text
+    if study.figure:
+        yield from _wrong_figure(study, study.figure)
+    for fact, spec in study.facts.items():
+        yield from _wrong_fact(study, ("facts", fact), spec)
+    yield from _wrong_text(study)
+
+
+def _wrong_text(study: Study) -> Iterator[Problem]:
+    try:
+        fields = [field for field in string.Formatter().parse(study.shows) if field[1] is not None]
+    except ValueError as error:
+        yield ("shows",), f"{error}: write {{name}} for a fact, and {{{{ or }}}} for a brace"
+        return
+    for _, name, form, conversion in fields:
+        if name not in (*study.facts, "cases"):
+            known = ", ".join(study.facts) or "none"
+            yield ("shows",), f"{{{name}}} is not among the facts: {known}"
+        elif form or conversion:
+            yield ("shows",), f"write {{{name}}} with nothing else in the braces: facts are words"
+
+
+def _wrong_figure(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
+    kind, places = figure["kind"], ["x", "y"] if figure["kind"] == "map" else ["x"]
+    if kind == "map" and "y" not in figure:
+        yield ("figure", "y"), "missing; a map has two axes, x and y"
+        return
+    wrong = [(("figure", part), text) for part in places if (text := _not_drawn(study, part))]
+    yield from wrong
+    if not study.fits_of(figure):
+        yield ("figure",), "no fit of this study is meant: see estimation"
+    if wrong:
+        return
+    if kind == "map" and figure["x"] == figure["y"]:
+        yield ("figure", "y"), f"{figure['y']} is the axis x already; take another"
+    if kind == "steps":
+        yield from _wrong_steps(study, figure)
+    if kind == "curves" and study.cases > MOST_POINTS:
+        text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
+        yield ("figure", "kind"), text
+    if "panels" in figure and kind in ("curves", "scatter"):
+        yield from _wrong_panels(study, figure, kind)
+    low, high = extent(study, figure["x"])
+    for name, value in figure.get("marks", {}).items():
+        lowest, highest = low / FAR if low > 0.0 else FAR * min(low, -high), FAR * max(high, -low)
+        if not lowest <= value <= highest:
+            text = f"{value:g} is far from the axis x, from {low:g} to {high:g}"
+            yield ("figure", "marks", name), text
+
+
+def _not_drawn(study: Study, part: str) -> str:
+    """Why an axis of the figure cannot be drawn; nothing if it can."""
+    name, kind = study.figure[part], study.figure["kind"]
+    if name not in study.axis_names:
+        return f"{shortened(name)} is not an axis of this study"
+    if PARAMETERS[name].unit == "":
+        return f"{name} holds words: take an axis of numbers, and {name} for the panels"
+    low, high = extent(study, name)
+    if not low < high:
+        return f"{name} has one value; take an axis with two at least"
+    if kind in ("map", "scatter") and _is_listed(study, name) and _count(study, name) > MOST_PLACES:
+        return f"{name} has more than {MOST_PLACES} values; a {kind} shows no more"
+    if kind == "scatter" and (low <= 0.0 or not _is_listed(study, name)):
+        return f"{name} must be listed values above zero: a scatter has a logarithmic axis"
+    return ""
+
+
+def _wrong_steps(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
+    if figure["x"] != "step_s" or "scheme" not in study.axis_names:
+        text = (
+            "steps shows the error against step_s for each scheme: both must be axes, step_s as x"
+        )
+        yield ("figure", "x"), text
+    if "parameters" not in study.columns:
+        yield ("columns",), "a figure of steps needs the columns of parameters"
+    if not study.fits_of({"approach": "direct"}):
+        yield ("figure",), "a figure of steps shows the approach direct: see estimation"
+
+
+def _wrong_panels(study: Study, figure: Mapping[str, Any], kind: str) -> Iterator[Problem]:
+    name, key = figure["panels"], ("figure", "panels")
+    if name == "phase" and kind == "curves":
+        if not any(fit.phase for fit in study.fits):
+            yield key, "no approach of this study knows a phase; leave it out"
+    elif name not in study.axis_names or name == figure["x"]:
+        yield key, f"{shortened(name)} is not another axis of this study"
+    elif not _is_listed(study, name) or _count(study, name) > MOST_PANELS:
+        yield key, f"{name} must have {MOST_PANELS} listed values at most, a column of panels each"
+
+
+def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
+    for where in ("at", "between"):
+        for name, wanted in spec.get(where, {}).items():
+            if text := _not_selected(study, name, wanted):
+                yield (*key, where, name), text
+    take, fits = spec["take"], study.fits_of(spec)
+    if not fits:
+        yield key, "no fit of this study is meant: see estimation"
+    if take in SPREADS and len(fits) > 1:
+        labels = ", ".join(fit.label for fit in fits)
+        yield key, f"{take} is that of one fit, and {labels} are meant"
+    if take in OF_INTERVALS and "intervals" not in study.columns:
+        yield (*key, "take"), "needs the columns of intervals: columns: [errors, intervals]"
+    if take in (*BANDS, "share") and "within" not in spec:
+        yield (*key, "within"), f"missing; the bound of {take}, as a relative error"
+    along = spec.get("along")
+    if take in BANDS and not (_is_listed(study, along) and PARAMETERS[str(along)].unit):
+        yield (*key, "along"), "must be an axis of this study whose values are listed numbers"
+
+
+def _not_selected(study: Study, name: str, wanted: Any) -> str:
+    """Why cases cannot be chosen by a value of an axis, or by two bounds; nothing if they can."""
+    if name not in study.axis_names:
+        return "not an axis of this study"
+    words = PARAMETERS[name].unit == ""
+    if isinstance(wanted, list):
+        if words or wanted[0] > wanted[1]:
+            return f"{shortened(wanted)} are not two bounds of {name}, the lower one first"
+        return ""
+    if words:
+        values = next(block.values[name] for block in _listed(study) if name in block.names)
+        if wanted not in values:
+            return f"{shortened(wanted)} is not among its values: {', '.join(map(str, values))}"
+    elif isinstance(wanted, bool) or not isinstance(wanted, int | float):
+        return f"{shortened(wanted)} is not a number"
+    elif not math.isfinite(wanted):
+        return f"{wanted!r} is not a finite number"
+    return ""
+
+
+def _listed(study: Study) -> list[Listed]:
+    return [block for block in study.blocks if isinstance(block, Listed)]
+
+
+def _is_listed(study: Study, name: str | None) -> bool:
+    return any(name in block.names for block in _listed(study))
+
+
+def _count(study: Study, name: str) -> int:
+    """How many values an axis has."""
+    return next(block.count for block in study.blocks if name in block.names)

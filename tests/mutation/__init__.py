@@ -1,0 +1,1 @@
+"""Mutation testing: would the tests notice an error in the method? (`make mutants`)"""

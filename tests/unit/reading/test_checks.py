@@ -1,0 +1,261 @@
+"""Each check on numbers for which the answer is known: just inside its border, and just outside."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from dampbalance.reading import checks
+from dampbalance.reading.cycles import CycleHarmonics
+
+OMEGA = 2.0 * math.pi * 5.0
+EQUAL = np.ones(9)
+
+
+def cycles(fundamental, *, weights=None, span=1.0, clipped=0.0):
+    """Rows of one cycle each with these fundamentals."""
+    rows = np.zeros((len(fundamental), 2), dtype=np.complex128)
+    rows[:, 1] = fundamental
+    weights = np.ones(len(fundamental)) if weights is None else weights
+    drift = np.zeros((2, 2), dtype=np.complex128)
+    return CycleHarmonics(OMEGA, 0.0, 1e-3, rows, 1, weights, drift, (), span, clipped)
+
+
+def test_a_channel_must_vary_and_oscillate():
+    checks.require_signal("x", np.array([0.0, 1e-12]))
+    with pytest.raises(ValueError, match=r"x is constant \(0\.25\): the transducer"):
+        checks.require_signal("x", np.full(5, 0.25))
+    with pytest.raises(ValueError, match="x is constant: the transducer"):
+        checks.require_level("x", cycles([1.0, 1.0], span=0.0))
+    # ±1 about the mean: its standard error is 1/√16, five of them 1.25
+    turns = np.tile([1.0, -1.0], 8)
+    checks.require_level("x", cycles(1.26 + turns))
+    with pytest.raises(ValueError, match=r"drive frequency of 5 Hz: amplitude 1\.24 ± 0\.25"):
+        checks.require_level("x", cycles(1.24 + turns))
+    # a row without usable cycles has no say
+    silent = cycles([2.0, 2.0, math.nan], weights=np.array([1.0, 1.0, 0.0]))
+    checks.require_level("x", silent)
+
+
+def test_fewest_cycles_and_rows():
+    checks.require_cycles(3, 3, OMEGA, 3)
+    for counts in ((2, 3), (3, 2)):
+        with pytest.raises(ValueError, match="usable whole cycles of 5 Hz"):
+            checks.require_cycles(*counts, OMEGA, 3)
+    assert list(checks.few_cycles(10)) == []
+    assert "only 9 cycles" in " ".join(checks.few_cycles(9))
+
+
+@pytest.mark.parametrize(
+    ("off", "error", "warned"),
+    [(0.0045, 0.0, False), (0.0055, 0.0, True), (-0.0055, 0.0, True), (0.02, 0.0045, False)],
+)
+def test_a_frequency_that_differs_is_named(off, error, warned):
+    words = list(checks.frequency(OMEGA * (1.0 + off), OMEGA * error, 5.0))
+    assert len(words) == warned
+    assert not warned or f"({100.0 * off:+.2f} %)" in words[0]
+
+
+def test_another_frequency_is_refused():
+    assert list(checks.frequency(OMEGA, 0.0, None)) == []
+    assert len(list(checks.frequency(1.049 * OMEGA, 0.0, 5.0))) == 1
+    for factor in (1.051, 0.949):
+        with pytest.raises(ValueError, match="wrong frequency, wrong column"):
+            list(checks.frequency(factor * OMEGA, 0.0, 5.0))
+    for given in (0.0, -5.0, math.nan, math.inf):
+        with pytest.raises(ValueError, match="the drive frequency must be positive"):
+            list(checks.frequency(OMEGA, 0.0, given))
+
+
+def test_cycles_left_out_are_counted():
+    assert list(checks.bad_cycles("x", [])) == []
+    assert list(checks.bad_cycles("x", [(4, 0.8, "a gap")])) == [
+        "x: 1 cycle left out; first cycle 5 (at 0.8 s): a gap"
+    ]
+    assert "2 cycles left out" in next(checks.bad_cycles("x", [(4, 0.8, "a gap")] * 2))
+
+
+@pytest.mark.parametrize(("part", "warned"), [(0.49, False), (0.5, True), (1.0, True)])
+def test_clipping_in_half_of_the_cycles(part, warned):
+    words = list(checks.clipping("x", cycles([1.0], clipped=part)))
+    assert len(words) == warned
+    assert not warned or f"in {100.0 * part:.0f} % of the cycles" in words[0]
+
+
+# --- consistency: nine cycles whose ratios scatter by ±d about their mean, so that its error is d/√16 ---------------
+
+TURNS = np.array([1.0, -1.0, 1.0, -1.0, 0.0, 1.0, -1.0, 1.0, -1.0])
+
+
+SCATTERED = 0.004 * math.sqrt(9.0 / 8.0)
+
+
+def pair_of_responses(gain, phase, d=SCATTERED):
+    """x, harmonics 0 … 3, and v as a displacement that is larger and later, scattering about that."""
+    x = np.tile([0.0, 2.0, 0.3j, 0.1], (9, 1)).astype(np.complex128)
+    n = np.arange(4)
+    v = gain * x * np.exp(1j * n * phase)
+    v[:, 1] += 2.0j * d * TURNS
+    return {"x": x, "v": v}
+
+
+@pytest.mark.parametrize(
+    ("phase", "shifted"), [(0.0048, False), (0.0053, True), (-0.0048, False), (-0.0053, True)]
+)
+def test_a_skew_counts_from_five_standard_errors_on(phase, shifted):
+    moved = pair_of_responses(1.0, phase)
+    skew, words = checks.consistency(moved, EQUAL, OMEGA)
+    if not shifted:
+        assert (skew, words) == ({}, [])
+        return
+    assert skew == {"v": pytest.approx(-phase / OMEGA, rel=1e-3)}
+    assert f"v lags x by {-1e6 * phase / OMEGA:.1f}" in words[0]
+    # harmonic n turns back n times as far
+    np.testing.assert_allclose(moved["v"][:, 2:], moved["x"][:, 2:], rtol=2e-4)
+
+
+@pytest.mark.parametrize(
+    ("gain", "scaled"), [(1.0048, False), (1.0053, True), (0.9952, False), (0.9947, True)]
+)
+def test_a_gain_counts_from_five_standard_errors_on(gain, scaled):
+    moved = pair_of_responses(gain, 0.0)
+    skew, words = checks.consistency(moved, EQUAL, OMEGA)
+    assert skew == {}
+    assert len(words) == scaled
+    expected = moved["x"][:, 2:] * (1.0 if scaled else gain)
+    np.testing.assert_allclose(moved["v"][:, 2:], expected, rtol=2e-4)
+
+
+def test_differences_too_small_to_matter_do_not_count_however_significant():
+    for gain, phase, count in ((1.00009, 1.8e-5, 0), (1.00011, 0.0, 1), (1.0, 2.2e-5, 1)):
+        assert (
+            len(checks.consistency(pair_of_responses(gain, phase, 0.0), EQUAL, OMEGA)[1]) == count
+        )
+
+
+@pytest.mark.parametrize(
+    ("gain", "phase"), [(1.11, 0.0), (0.89, 0.0), (1.0, 0.51), (1.0, -0.51), (-1.0, 0.0)]
+)
+def test_signals_of_two_motions_are_refused(gain, phase):
+    with pytest.raises(ValueError, match="v contradicts x: at the drive frequency"):
+        checks.consistency(pair_of_responses(gain, phase), EQUAL, OMEGA)
+    checks.consistency(pair_of_responses(1.09, 0.49), EQUAL, OMEGA)
+
+
+# --- steadiness -----------------------------------------------------------------------------------------------------
+
+
+def steadiness(Y, X, cycles_per_row=1):
+    period = 2.0 * math.pi / OMEGA
+    times = cycles_per_row * period * (0.5 + np.arange(len(Y)))
+    return list(checks.steadiness(Y, X, times, np.ones(len(Y)), period))
+
+
+@pytest.mark.parametrize("which", ["the excitation", "the response"])
+def test_steady_noise_rarely_looks_like_a_change(which, monkeypatch):
+    """At the level of 10 % false alarms are 10 % at most, and, the level being cautious, not much fewer than 2 %."""
+    monkeypatch.setattr(checks, "_DRIFT_CHANCE", 0.1)
+    monkeypatch.setattr(checks, "_DRIFT_MATTERS", 0.0)
+    rng = np.random.default_rng(7)
+    alarms, runs, size = 0, 1000, 64
+    for _ in range(runs):
+        noise = 1e-3 * (rng.standard_normal(size) + 1j * rng.standard_normal(size))
+        Y, X = np.ones(size) + 0j, np.full(size, 2j)
+        Y, X = (Y + noise, X * (1.0 + noise)) if which == "the excitation" else (Y, X + noise)
+        alarms += any(words.startswith(which) for words in steadiness(Y, X))
+    # 1000 draws: one standard deviation is 1 % at 10 %
+    assert 0.02 < alarms / runs < 0.12
+
+
+def test_a_change_of_three_rows_cannot_be_told_and_of_four_it_can():
+    Y = np.ones(4) + 0j
+    X = np.array([1.0, 1.0, 1.05, 1.05]) + 0j
+    assert steadiness(Y[1:], X[1:]) == []
+    words = steadiness(Y, X)
+    assert len(words) == 1
+    assert words[0].startswith("the response is not steady: its amplitude changes by 4.9 %")
+
+
+def test_a_change_of_a_tenth_is_refused():
+    Y = np.ones(40) + 0j
+    line = np.linspace(-0.5, 0.5, 40)
+    assert "changes by 9.5 %" in steadiness(Y, 1.0 + 0.095 * line + 0j)[0]
+    with pytest.raises(ValueError, match="record again after the motion has settled"):
+        steadiness(Y, 1.0 + 0.105 * line + 0j)
+
+
+def test_only_the_amplitude_of_the_excitation_may_not_change():
+    turning = np.exp(1j * np.linspace(0.0, 3.0, 40))  # the drive is not quite at the ω assumed
+    assert steadiness(turning, 2.0 * turning) == []
+    words = steadiness(np.ones(40) + 0j, np.exp(1e-2j * np.linspace(0.0, 1.0, 40)))
+    assert "its amplitude changes by" in words[0]
+    assert "its phasor by up to 0.5 %" in words[0]
+
+
+@pytest.mark.parametrize("cycles_per_row", [1, 4])
+def test_it_says_when_the_motion_has_settled(cycles_per_row):
+    rng = np.random.default_rng(3)
+    X = 1.0 + 1e-6 * (rng.standard_normal(80) + 1j * rng.standard_normal(80))
+    X[:5] += 0.01
+    words = steadiness(np.ones(80) + 0j, X, cycles_per_row)
+    assert f"it settles after about {5 * cycles_per_row} cycles" in words[0]
+    late = 1.0 + 0.01 * np.linspace(0.0, 1.0, 80) + 0j  # it never does
+    assert "settles" not in steadiness(np.ones(80) + 0j, late)[0]
+
+
+# --- what amplitudes and harmonics say -----------------------------------------------------------------------------
+
+
+def test_sizes_that_no_bench_has():
+    assert list(checks.plausible(0.004, 0.006, OMEGA, "base")) == []
+    assert list(checks.plausible(0.49, 0.49, 1.0, "base")) == []
+    assert len(list(checks.plausible(0.51, 0.49, 1.0, "base"))) == 1
+    assert len(list(checks.plausible(0.49, 0.51, 1.0, "base"))) == 1
+    fast = math.sqrt(1000.0 / 0.1)
+    assert list(checks.plausible(0.1, 0.1, 0.999 * fast, "base")) == []
+    assert len(list(checks.plausible(0.1, 0.1, 1.001 * fast, "base"))) == 2
+    for ratio, count in ((99.0, 0), (101.0, 1), (1.0 / 99.0, 0), (1.0 / 101.0, 1)):
+        words = list(checks.plausible(1e-4, 1e-4 * ratio, OMEGA, "force"))
+        assert len(words) == count
+        assert not words or "as far as the force over the stiffness" in words[0]
+
+
+def test_distortion_is_that_of_the_harmonics_that_count():
+    error = np.full(5, 1e-3)
+    mean = np.array([5.0, 2.0, 0.008j, 0.06, 0.08], dtype=np.complex128)
+    words = list(checks.harmonic_base(mean, error))
+    # 3 % and 4 %: 5 % together; 0.4 % is five errors and a bit
+    assert len(words) == 1
+    assert "5 % distortion, most of it harmonic 4 (4 %)" in words[0]
+    assert list(checks.harmonic_base(mean[:3], np.full(3, 2e-3))) == []  # four errors
+    assert (
+        list(checks.harmonic_base(mean * [1, 10, 1, 0, 0], error)) == []
+    )  # 0.04 % does not matter
+
+
+def test_even_harmonics_are_asymmetry_and_odd_ones_are_not():
+    error = np.full(6, 1e-3)
+    mean = np.array([5.0, 2.0, 0.01, 0.5, -0.04, 0.3], dtype=np.complex128)
+    assert "harmonic 4 is 2 % of the" in next(checks.symmetry(mean, error))
+    assert list(checks.symmetry(mean * [1, 1, 0, 1, 0, 1], error)) == []
+
+
+def test_the_base_puts_work_in_where_the_response_lags():
+    error = 0.003 * math.sqrt(0.5)
+    for lag, warned in (
+        (0.5, False),
+        (0.0, False),
+        (-0.0149, False),
+        (-0.0151, True),
+        (-2.0, True),
+    ):
+        X = 3.0 * np.exp(-1j * (lag + 0.4))
+        words = list(checks.work(np.exp(-0.4j), complex(X), error, 3.0 * error))
+        assert len(words) == warned, lag
+
+
+def test_a_weighted_mean_divides_by_its_weights():
+    rows = np.array([[1.0, 2.0j], [4.0, 8.0j]])
+    assert checks.weighted_mean(rows, np.array([2.0, 1.0])) == pytest.approx([2.0, 4.0j])

@@ -1,0 +1,149 @@
+"""Why a number differs: each cause from numbers worked out by hand, named where it explains and not elsewhere."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import pytest
+
+from dampbalance.replication.claims import causes, read_published
+from dampbalance.replication.claims.judging import Tolerance
+from dampbalance.replication.printed import Printed
+from paper.routes import CASE, PUBLISHED
+
+PRINT = read_published(PUBLISHED)
+LABELS = ["1-2", "2-3", "3-4", "4-5", "1-5"]
+
+
+def test_an_input_is_held_to_all_its_digits():
+    assert causes.held(1.28, "1.280") == "The configuration holds this value."
+    assert causes.held(1.2801, "1.28") == "The configuration holds 1.2801, the paper states 1.28."
+
+
+def test_backward_euler_adds_m_omega_squared_h():
+    values = {"exact": 2.0, "as_published": 2.0002}
+    effective = 90.0 + 2.42 * (2.0 * math.pi * 4.92) ** 2 * 5e-6
+    assert causes.backward_euler(CASE, values) == (
+        f"Backward Euler, 5 µs: c acts as c + mω²h = {effective:.4f}; as published lies +1.0e-04 of itself from exact."
+    )
+    other = replace(CASE, numerics=replace(CASE.numerics, scheme="rk4"))
+    assert causes.backward_euler(other, values) == ""
+    assert causes.backward_euler(CASE, {"exact": 2.0, "as_published": math.nan}) == ""
+    assert causes.backward_euler(CASE, {"exact": 0.0, "as_published": 1.0}) == ""
+
+
+@pytest.mark.parametrize("level", ["1", "4"])
+def test_the_b_that_a_pair_implies_is_as_sharp_as_what_is_printed(level):
+    """b = (W − a F_k)/c over all corners of the rounding of a, W, F_k and c, and half a unit of b itself."""
+    integrals, pairs = PRINT.table2_integrals.loc[level], PRINT.table2_pairs
+    b, a, W = (Printed(integrals[column]) for column in ("b_m2_per_s", "a_m", "W_J"))
+    implied = causes._implied(PRINT, level, LABELS)
+    for label, (value, slack) in zip(LABELS, implied, strict=True):
+        F_k = Printed(pairs["direct_F_k_N"][label])
+        c = Printed(pairs["direct_c_N_s_per_m"][label])
+        corners = [
+            (W.value + w * W.unit - (a.value + x * a.unit) * (F_k.value + f * F_k.unit))
+            / (c.value + d * c.unit)
+            for w, x, f, d in itertools.product((-0.5, 0.5), repeat=4)
+        ]
+        assert value == pytest.approx(sum(corners) / len(corners), rel=1e-9)
+        # products of two roundings, 1e-6 of the first
+        furthest = max(corners) - value + 0.5 * b.unit
+        assert slack == pytest.approx(furthest, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("units", "said"), [(0, ""), (3, "It contradicts Table 2 itself: "), (-3, "It ")]
+)
+def test_a_printed_b_that_its_own_pairs_refute_is_a_contradiction(units, said):
+    frame = PRINT.table2_integrals.copy()
+    frame.loc["3", "b_m2_per_s"] = Printed(frame.loc["3", "b_m2_per_s"]).moved(units)
+    note, evidence = causes.implied_b(replace(PRINT, table2_integrals=frame), "3")
+    assert note == ""
+    assert evidence.startswith(said)
+    assert bool(evidence) == bool(said)
+    assert not said or "the printed pairs 2-3 and 3-4 give b = 0.00356" in evidence
+
+
+def test_a_b_that_the_other_pairs_do_not_want_is_noted():
+    note, evidence = causes.implied_b(PRINT, "1")
+    assert evidence == ""
+    assert note.startswith("The printed pairs 1-2 and 1-5 were computed with it (0.0007272")
+    assert "the others want 0.0007272" in note
+
+
+def test_the_papers_own_inputs_may_contradict_what_it_prints():
+    assert causes.printed_inputs_differ({"from_print": 90.04025}, "90.0402") == ""
+    assert causes.printed_inputs_differ({"from_print": 90.05}, "90.0402") == (
+        "It contradicts the paper's own inputs, which give 90.05000000."
+    )
+
+
+def test_a_time_is_read_between_the_first_and_the_last_sample():
+    words = causes.slip_time(2.984e-3, 5e-6, "2.9E-3")
+    assert "lasts 2.984 ms, without a step of 5 µs at each end 2.974 ms" in words
+    assert causes.slip_time(2.904e-3, 5e-6, "2.9E-3") == ""  # 2.894 ms: tenths would be 2.8
+    assert causes.slip_time(3.009e-3, 5e-6, "2.9E-3") != ""
+    assert causes.slip_time(3.011e-3, 5e-6, "2.9E-3") == ""
+    assert causes.slip_time(math.nan, 5e-6, "2.9E-3") == ""
+
+
+def test_a_velocity_is_read_to_half_a_division():
+    assert causes.slip_velocity(0.0113, "0.01135") == (
+        "Read at the corner of the acceleration-velocity plot, +0.44 % from exact."
+    )
+    assert causes.slip_velocity(0.01134, "0.01135").endswith(
+        "+0.09 % from exact: to the nearest 0.05 mm/s."
+    )
+    assert causes.slip_velocity(math.nan, "0.01135") == ""
+
+
+def test_the_phase_is_the_nearer_of_the_two():
+    assert causes.phase(1.54, 1.57, "1.541") == (
+        "It is the phase of the velocity reversal (+0.0010 rad), not of the zero crossing that the text names "
+        "(-0.0290 rad)."
+    )
+    assert causes.phase(1.57, 1.54, "1.541") == ""
+    assert causes.phase(math.nan, 1.54, "1.541") == ""
+
+
+def test_the_slip_of_sign_is_where_the_two_roots_differ():
+    assert causes.sign({"as_published": 1.3}, 1.29431, "N").endswith("it would be 1.2943 N.")
+    assert causes.sign({"as_published": 90.1}, 90.0231, "N s/m").endswith("be 90.023 N s/m.")
+    assert causes.sign({"as_published": 1.3}, 1.3, "N") == ""
+    assert causes.sign({"as_published": 1.3}, math.nan, "N") == ""
+
+
+def test_where_an_integral_begins():
+    numerics = CASE.numerics
+    for place in range(5):
+        count = numerics.after_slip(place)
+        samples = "a sample" if count == 1 else f"{count} samples"
+        assert causes.starting_sample(CASE, place) == (
+            f"Begun {samples} after slip is seen, in the cycle that starts in period {numerics.cycles - 2}."
+        )
+
+
+def test_a_number_outside_what_its_table_allows():
+    allowed = (Tolerance(1.27, 1.29, "the rest of Table 2 allows 1.27 to 1.29"),)
+    assert causes.outside(allowed, "1.28") == ""
+    assert causes.outside((), "1.30") == ""
+    assert causes.outside(allowed, "1.30") == "The rest of Table 2 allows 1.27 to 1.29 only."
+
+
+def test_how_far_printed_inputs_move_a_result():
+    words = causes.printed_inputs({"from_print": 1.2850, "exact": 1.2889}, "Table 1", "1.285022")
+    assert words == "Table 1, as printed, move it by -0.003900 from exact."
+    words = causes.printed_inputs({"from_print": 90.05, "exact": 90.04}, "Table 1", "90.0402")
+    assert words == "Table 1, as printed, move it by +0.0100 from exact."
+    assert causes.printed_inputs({"from_print": math.nan, "exact": 1.0}, "Table 1", "1.0") == ""
+
+
+@pytest.mark.parametrize(
+    ("value", "printed", "is_cut"),
+    [(90.040254, "90.0402", True), (90.040244, "90.0402", False), (90.04034, "90.0402", False)],
+)
+def test_digits_cut_off_are_those_that_rounding_would_change(value, printed, is_cut):
+    assert bool(causes.cut_off(value, printed)) == is_cut
