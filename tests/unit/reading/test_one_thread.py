@@ -7,7 +7,9 @@ from dampbalance.reading.one_thread import _CONTROLLER, one_thread
 
 def threads():
     """Of each library of linear algebra that NumPy uses."""
-    return [library["num_threads"] for library in _CONTROLLER.info() if library["user_api"] == "blas"]
+    return [
+        library["num_threads"] for library in _CONTROLLER.info() if library["user_api"] == "blas"
+    ]
 
 
 def test_a_function_has_one_thread_and_what_follows_as_many_as_before():
