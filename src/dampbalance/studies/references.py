@@ -7,7 +7,8 @@ import string
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..project.documents import Key, Problem, shortened
+from ..project.documents import Key, Problem
+from ..project.wording import shortened
 from .axes import Listed
 from .parameters import PARAMETERS
 from .settings import BANDS, OF_INTERVALS, SPREADS, Study
@@ -18,6 +19,9 @@ MOST_POINTS = 50_000
 
 MOST_PANELS, MOST_PLACES, MOST_GROUPS = 8, 500, 1000
 """Columns of panels, listed values along an axis of a map or a scatter, groups in a summary."""
+
+FAR = 100.0
+"""A mark may lie beside the axis, which is then drawn up to it, by this factor at most."""
 
 
 def wrong_references(study: Study) -> Iterator[Problem]:
@@ -74,8 +78,9 @@ def _wrong_figure(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
         yield from _wrong_panels(study, figure, kind)
     low, high = extent(study, figure["x"])
     for name, value in figure.get("marks", {}).items():
-        if not low <= value <= high:
-            text = f"{value:g} is not on the axis x, from {low:g} to {high:g}"
+        lowest, highest = low / FAR if low > 0.0 else FAR * min(low, -high), FAR * max(high, -low)
+        if not lowest <= value <= highest:
+            text = f"{value:g} is far from the axis x, from {low:g} to {high:g}"
             yield ("figure", "marks", name), text
 
 
