@@ -368,6 +368,13 @@ def test_integral_is_exact_for_cubics(start, stop):
     )
 
 
+@pytest.mark.parametrize("stop", [3, 4, 5, 6])
+def test_integral_of_a_straight_line_over_few_whole_intervals(stop):
+    assert integral(1.0 + 2.0 * np.arange(10.0), 0.5, 2, stop) == pytest.approx(
+        0.5 * (stop - 2 + stop**2 - 4), rel=1e-14
+    )
+
+
 def test_integral_stays_inside_the_samples():
     with pytest.raises(ValueError, match="leaves the samples"):
         integral(np.ones(10), 1.0, 2.0, 9.5)

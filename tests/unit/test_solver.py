@@ -498,3 +498,12 @@ def test_no_rows_and_no_cases():
 def test_only_terms_can_be_given():
     with pytest.raises(ValueError, match=r"given \['eta'\] are no terms of these rows"):
         replace(rows_of([0.004, 0.006], 1.28, 90.0), given={"eta": 0.1})
+
+
+def test_one_unknown_is_named_without_an_and():
+    nothing = Rows({"F_k": np.full(2, np.nan)}, np.ones(2))
+    with pytest.raises(ValueError, match=r"^F_k need at least one usable"):
+        least_squares(nothing)
+    three = Rows({name: np.full(2, np.nan) for name in ("F_k", "c", "d")}, np.ones(2))
+    with pytest.raises(ValueError, match=r"^F_k, c and d need at least three usable"):
+        least_squares(three)

@@ -12,7 +12,7 @@ import pytest
 
 from analytic.cases import SEVERAL_SLIPS, case
 from dampbalance import BaseMotion, NoSteadyOrbit, Orbit, Oscillator, Regime, State, steady_orbit
-from dampbalance.motion.events import PHASE_S, PHASE_T
+from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_Z
 from paper_case import FREQUENCIES_HZ, PAPER, orbits_at
 
 CASES = [
@@ -95,6 +95,10 @@ def test_slip_onset(orbit):
     assert float(state.z) == pytest.approx(Z_m, rel=1e-10)
     before = orbit.state(orbit.t_1 + orbit.t_s * np.linspace(0.0, 0.999, 50))
     assert np.all(before.z < Z_m)  # it is the first onset, from the reversal on
+
+
+def test_no_phase_begins_with_the_spring_beyond_its_limit(orbit):
+    assert np.all(np.abs(orbit.phases[:, PHASE_Z]) <= orbit.oscillator.Z_m * (1.0 + 1e-12))
 
 
 def test_upward_zero_crossing(orbit):
@@ -257,6 +261,7 @@ def test_words_of_every_regime():
     words = {str(regime) for regime in Regime}
     assert len(words) == len(Regime)
     assert all(re.fullmatch("[a-z: ]+", word) for word in words)
+    assert list(Regime) == list(range(len(Regime)))  # arrays of codes pick words by place
 
 
 def test_no_steady_orbit_is_an_error_that_names_the_case():

@@ -109,6 +109,17 @@ def test_the_zero_crossing_is_where_x_crosses_zero(numbers, regime):
     assert before < 0.0 < after
 
 
+def test_a_linear_resonance_is_kY_over_c_omega():
+    """Whatever the units: here the impedance is a tenth of a newton per metre, and of a stuck contact a hundredth."""
+    free = steady_orbits(m=1.0, c=0.1, k=1.0, K_z=10.0, F_k=0.0, Y=1.0, omega=1.0)
+    assert (free.X, free.regime) == (pytest.approx(10.0), Regime.NO_FRICTION)
+    stuck = steady_orbits(m=1.0, c=0.005, k=1.0, K_z=3.0, F_k=1e4, Y=1.0, omega=2.0)
+    assert (stuck.X, stuck.regime) == (pytest.approx(100.0), Regime.NO_SLIP)
+    endless = steady_orbits(m=1.0, c=0.0, k=1.0, K_z=10.0, F_k=0.0, Y=1.0, omega=1.0)
+    assert endless.regime == Regime.NOT_FOUND
+    assert all(math.isnan(getattr(endless, name)) for name in NAMES if name != "regime")
+
+
 @pytest.mark.parametrize(("threads", "started"), [(1, 1), (3, 3), (0, 1), (-2, 1)])
 def test_as_many_threads_are_used_as_are_asked_for(monkeypatch, threads, started):
     asked = []

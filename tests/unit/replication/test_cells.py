@@ -8,6 +8,7 @@ import shutil
 import pytest
 
 from dampbalance.replication.claims import check_cells, read_published
+from dampbalance.replication.claims.cells import _few, _is_number
 from dampbalance.replication.claims.published import FILES
 from folders import ROOT
 
@@ -92,3 +93,10 @@ def test_an_unknown_parameter_is_named(folder):
     file = folder / "parameters.csv"
     file.write_text(file.read_text(encoding="utf-8").replace("zeta,zeta", "zeta,eta"), "utf-8")
     assert "parameters.csv: row zeta, column symbol: 'eta'" in error_of(folder)
+
+
+def test_sizes_of_numbers_and_of_lists_have_their_limits():
+    for text, fits in (("1e-30", True), ("1e-31", False), ("9e30", True), ("1e31", False)):
+        assert _is_number(text) == fits
+    assert _few(range(8)) == "0, 1, 2, 3, 4, 5, 6, 7"
+    assert _few(range(9)) == "0, 1, 2, 3, 4, 5, 6, 7 …"
