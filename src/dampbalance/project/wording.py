@@ -1,9 +1,10 @@
-"""Numbers, symbols and units as people read them, in plain characters: the one place for superscripts and signs."""
+"""Numbers, symbols, units and names as people read them, in plain characters: the only place for them."""
 
 from __future__ import annotations
 
 import math
 import re
+import unicodedata
 
 MINUS, TIMES, NONE = "−", "·", "–"
 GREEK = {"phi": "φ", "omega": "ω", "zeta": "ζ"}
@@ -81,6 +82,26 @@ def plain(text: str) -> str:
         return name + (lowered if lowered != index or not index else f"_{index}")
 
     return SYMBOL.sub(symbol, text)
+
+
+def shortened(value: object, most: int = 60) -> str:
+    """A value as Python writes it, cut to this many characters: for messages, which are one line each."""
+    return cut(repr(value), most)
+
+
+def cut(text: str, most: int) -> str:
+    """Text of this many characters at the most."""
+    return text if len(text) <= most else f"{text[: most - 1]}…"
+
+
+def visible(text: str) -> str:
+    """Text of a user as one line in which nothing acts on a screen and everything can be written: line ends, control
+    characters, turns of direction, half surrogates and the like as Python spells them, \\n."""
+    if text.isprintable():
+        return text
+    return "".join(
+        c if c.isprintable() or unicodedata.category(c) == "Zs" else repr(c)[1:-1] for c in text
+    )
 
 
 def frequency_name(name: str) -> str:
