@@ -203,10 +203,10 @@ def built(study, folder) -> str:
     sizes, chunks = plan.plan(study), []
     for number in range(sizes.chunks):
         chunks.append(folder / f"{number:05d}.parquet")
-        cases = evaluate.evaluate(study, *plan.chunk_bounds(study, number))
-        outputs.write_chunk(chunks[-1], cases, study, "0")
+        parts = evaluate.in_parts(study, *plan.chunk_bounds(study, number), threads=1)
+        outputs.write_parts(chunks[-1], parts, study, "0")
     cases = folder / "cases.parquet"
-    outputs.join_chunks(cases, chunks)
+    outputs.join_chunks(cases, chunks, study)
     outputs.write_manifest(folder / "manifest.json", cases, study, "0")
     if study.figure:
         text = drawing.alternative_text(study)
