@@ -215,7 +215,7 @@ def built(study, folder) -> str:
     return summary.summary_markdown(study, table, facts.paragraph(study, cases), "figure.png")
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(30))
 def test_it_is_refused_or_made(tmp_path, seed):
     file = tmp_path / "study.yaml"
     file.write_text(yaml.safe_dump(drawn(seed)), encoding="utf-8")
