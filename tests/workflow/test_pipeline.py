@@ -123,10 +123,14 @@ def test_an_edited_module_or_script_reruns_what_depends_on_it(built, file, rerun
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        ("case: small", "case: small\nextra: 1", "small.yaml: extra: unknown key"),
-        ("[0.0001, 0.004, 0.008, 0.012]", "[0.004]", "small.yaml: excitation.levels_m"),
-        ("step_s: 2.0e-5", "step_s: 2e-5", "small.yaml: as_published.step_s: '2e-5' is text"),
-        ("hz: 9.0", "hz: 0", "small.yaml: excitation.frequencies[2].hz: 0"),
+        ("case: small", "case: small\nextra: 1", "small.yaml: line 3: extra: unknown key"),
+        ("[0.0001, 0.004, 0.008, 0.012]", "[0.004]", "small.yaml: line 8: excitation.levels_m"),
+        (
+            "step_s: 2.0e-5",
+            "step_s: 2e-5",
+            "small.yaml: line 12: as_published.step_s: '2e-5' is text",
+        ),
+        ("hz: 9.0", "hz: 0", "small.yaml: line 7: excitation.frequencies[2].hz: 0"),
         ("step_s: 2.0e-5", "step_s: 2.0e-3", "as_published.step_s"),
     ],
 )

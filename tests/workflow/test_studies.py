@@ -138,7 +138,7 @@ GOOD = {"title": "Wrong", "axes": [{"zeta": {"values": [0.1, 0.2]}}]}
     [
         (
             {"axes": [{"zetta": {"values": [0.1]}}]},
-            "wrong.yaml: axes[1].zetta: unknown key (did you mean zeta?)",
+            "wrong.yaml: line 2: axes[1].zetta: unknown key (did you mean zeta?)",
         ),
         (
             {
@@ -156,7 +156,10 @@ GOOD = {"title": "Wrong", "axes": [{"zeta": {"values": [0.1, 0.2]}}]}
             },
             "wrong.yaml: axes: 10,000,000,000,000 cases would take",
         ),
-        ({"chunk_size": 5}, "wrong.yaml: chunk_size: unknown key (did you mean chunk_cases?)"),
+        (
+            {"chunk_size": 5},
+            "wrong.yaml: line 6: chunk_size: unknown key (did you mean chunk_cases?)",
+        ),
     ],
 )
 def test_a_wrong_study_is_refused_and_nothing_is_lost(studied, change, expected):

@@ -15,7 +15,7 @@ from ..replication.readout import ReadOut
 from ..solver import Estimate, solve
 from .axes import case_values
 from .parameters import MECHANICAL, PARAMETERS, SI_COLUMNS, in_si
-from .plan import columns_of
+from .plan import PART, columns_of
 from .responses import NOT_READ, REGIME_NAMES, exact_responses
 from .settings import RIGID, Fit, Study
 
@@ -24,9 +24,6 @@ READ = ("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi")
 
 # Standard errors on either side that hold 95 % of a normal distribution.
 NORMAL_95 = 1.959963984540054
-
-PART = 131_072
-"""Cases that are in memory at a time, and a row group of the file: 0.8 kB each while they are worked on."""
 
 _SLICE = 16_384  # cases worked on at a time: their arrays stay in the processor's cache
 

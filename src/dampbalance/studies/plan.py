@@ -13,6 +13,9 @@ from .parameters import PARAMETERS, SI_COLUMNS
 from .responses import REGIME_NAMES
 from .settings import Study
 
+PART = 131_072
+"""Cases that are in memory at a time, and a row group of the file: 0.8 kB each while they are worked on."""
+
 MOST_CHUNKS = 20_000
 """More jobs than this keep the scheduler busier than the processors: make the chunks larger."""
 

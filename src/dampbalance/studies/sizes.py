@@ -11,17 +11,17 @@ from ..project.documents import Problem
 from ..replication.feasibility import MOST_EVENTS, RANGES
 from .axes import Listed
 from .parameters import MECHANICAL, PARAMETERS, in_si
-from .plan import columns_of
+from .plan import PART, columns_of
 from .settings import Study
 
-MOST_SAMPLES = 3_000_000
+MOST_SAMPLES = 1_000_000
 """Samples of a record that is read; the reader holds a few arrays as long."""
 
 MOST_STEPS = 100_000_000
 """Steps of one simulation: about a second."""
 
 MOST_NUMBERS = 200_000_000
-"""Numbers that a job holds at a time: cases of a chunk × columns, or × replicates × levels × features."""
+"""Numbers that a job holds at a time: cases × columns, or × replicates × levels × features."""
 
 _FEATURES = 20  # of a replicate
 
@@ -83,8 +83,8 @@ def _large_chunks(study: Study) -> Iterator[Problem]:
     held = len(columns_of(study))
     if study.route == "measured":
         held = max(held, study.replicates * len(study.levels) * _FEATURES)
-    chunk = min(study.chunk_cases, study.cases)
-    if chunk * held > MOST_NUMBERS:
+    part = min(study.chunk_cases, study.cases, PART)
+    if part * held > MOST_NUMBERS:
         enough = max(1, MOST_NUMBERS // held)
-        text = f"{chunk:,} cases at a time do not fit in memory; take {enough:,} at most"
+        text = f"{part:,} cases at a time do not fit in memory; take {enough:,} at most"
         yield ("chunk_cases",), text

@@ -1,0 +1,287 @@
+"""A study, however odd, is refused in one line each, or all that its rules make is made; nothing else happens.
+
+The studies are drawn by a seeded generator: a sound one of each kind, with up to three things in it that are not.
+"""
+
+from __future__ import annotations
+
+import copy
+import random
+import warnings
+
+import pytest
+import yaml
+
+from dampbalance.figures.style import save
+from dampbalance.project.documents import ConfigurationError
+from dampbalance.studies import checking, evaluate, outputs, plan
+from dampbalance.studies.shown import drawing, facts, summary
+from folders import PAPER_FILE, STUDY_SCHEMA
+
+LONGEST = 300  # characters of a line
+FREQUENCY = {"frequency_hz": {"values": [3.5, 4.92]}}
+SOUND = {
+    "curves": {
+        "axes": [
+            FREQUENCY,
+            {"K_z_over_k": {"from": 10.0, "to": 90.0, "count": 5, "spacing": "log"}},
+        ],
+        "estimation": {"approaches": ["direct", "X_s"], "sharing": ["individual", "common"]},
+        "figure": {"kind": "curves", "x": "K_z_over_k", "panels": "frequency_hz"},
+    },
+    "map": {
+        "axes": [
+            {"zeta": {"from": 0.1, "to": 0.8, "count": 4}},
+            {"K_z_over_k": {"values": [10.0, 20.0, 90.0]}},
+        ],
+        "estimation": {"approaches": ["X_s", "t_s"], "fits": ["least_squares", [1, 2]]},
+        "figure": {"kind": "map", "x": "zeta", "y": "K_z_over_k", "within": 0.01},
+    },
+    "steps": {
+        "axes": [
+            {"scheme": {"values": ["backward-euler", "rk4"]}},
+            {"step_s": {"values": [5.0e-5, 1.0e-4]}},
+        ],
+        "route": {"kind": "fixed_step", "cycles": 4},
+        "levels_m": [0.004, 0.008],
+        "figure": {"kind": "steps", "x": "step_s"},
+    },
+    "scatter": {
+        "axes": [
+            {"noise": {"values": [0.001, 0.01]}},
+            {"run": {"from": 1, "to": 2, "count": 2}},
+        ],
+        "route": {"kind": "measured", "sampling_hz": 500, "cycles": 6, "seed": 1, "replicates": 10},
+        "levels_m": [0.004, 0.008],
+        "estimation": {"approaches": ["direct"]},
+        "columns": ["errors", "parameters", "intervals"],
+        "summary_by": ["noise"],
+        "figure": {"kind": "scatter", "x": "noise"},
+    },
+}
+TEXTS = [
+    "<script>alert(1)</script>",
+    "a | b",
+    "$x$ $\\frac$",
+    "$",
+    "`c`",
+    "x" * 190,
+    "two\nlines",
+    "",
+]
+NUMBERS = [0, -1, True, None, "x", "", [], {}, 1e-300, 1e300, 2**62, float("nan"), float("inf")]
+NAMES = ["scheme", "phase", "case", "regime", "nowhere", "noise", "zeta", "K_z_over_k", ""]
+SHOWS = [
+    "{",
+    "}",
+    "{}",
+    "{0}",
+    "{f:.3f}",
+    "{f!r}",
+    "{f.real}",
+    "{f[0]}",
+    "{g}",
+    "{{f}}",
+    "{cases}",
+    "{f}",
+]
+
+
+def of_axes(draw, study):
+    block = draw.choice(study["axes"])
+    name = draw.choice(list(block))
+    block[name] = draw.choice(
+        [
+            {"values": [draw.choice(NUMBERS), 1.0]},
+            {"values": [10**30, 10**18]},
+            {"from": 1.0, "to": 2.0, "count": draw.choice([2, 10**5, 10**9, 2**62])},
+            {"from": 1.0, "to": 1.0 + 1e-15, "count": 50},
+            {"from": 1e-300, "to": 1e300, "count": 3, "spacing": "log"},
+            {"from": 0, "to": 3, "count": 10},
+            {"values": [1.0]},
+            {"values": list(range(1, 15001))},
+        ]
+    )
+
+
+def of_sample(draw, study):
+    over = {
+        draw.choice(NAMES): {"from": draw.choice([0.1, 1e-300]), "to": draw.choice([0.9, 1e300])}
+    }
+    count = draw.choice([4, 10**9, 2**40])
+    study["axes"] = [{"sample": {"method": "sobol", "count": count, "seed": 2**62, "over": over}}]
+
+
+def of_figure(draw, study):
+    edit = draw.choice(
+        [
+            {"x": draw.choice(NAMES)},
+            {"y": draw.choice(NAMES)},
+            {"panels": draw.choice(NAMES)},
+            {"kind": draw.choice(list(SOUND))},
+            {"fit": draw.choice(["pairs", "pair_1_2", "pair_9_9"])},
+            {"phase": "fundamental"},
+            {"contact": "rigid"},
+            {"within": draw.choice([1e-300, 1e300])},
+            {
+                "marks": {
+                    draw.choice([*TEXTS, 1, True, "omega1"]): draw.choice([0.5, 50.0, -5.0, 1e300])
+                }
+            },
+        ]
+    )
+    study["figure"] |= edit
+
+
+def of_facts(draw, study):
+    fact = {
+        "of": draw.choice(["F_k", "c"]),
+        "take": draw.choice(["max", "p95", "signed", "share", "band", "from", "bias", "coverage"]),
+        "approach": draw.choice(["direct", "X_s"]),
+    }
+    axes = [name for block in study["axes"] for name in block]
+    for key, values in {
+        "at": [{name: draw.choice([*NUMBERS, 1.0, "rk4"])} for name in (*axes, "nowhere", 1)],
+        "between": [{draw.choice(axes): ends} for ends in ([0, 1e300], [1, 0], [1], ["a", "b"])],
+        "along": [*axes, *axes, "nowhere"],
+        "within": [0.01, 0.5, 1e300],
+        "around": [1.0, -1e300],
+        "fit": ["pairs", "pair_1_2"],
+    }.items():
+        if draw.random() < 0.4:
+            fact[key] = draw.choice(values)
+    name = draw.choice(["f", "f", "f", "a.b", "cases", "0", "f[0]"])
+    study["facts"] = study.get("facts", {}) | {name: fact}
+    study["shows"] = draw.choice(SHOWS)
+
+
+def of_text(draw, study):
+    study[draw.choice(["title", "shows"])] = draw.choice([*TEXTS, *SHOWS])
+
+
+def of_settings(draw, study):
+    key, value = draw.choice(
+        [
+            ("levels_m", [0.004, 0.004 * (1 + 1e-12)]),
+            ("levels_m", [1e-300, 1e300]),
+            ("levels_of_Y", list(range(1, 2000))),
+            ("chunk_cases", 10**9),
+            ("chunk_cases", 1),
+            ("columns", ["errors", "intervals"]),
+            ("columns", ["parameters"]),
+            ("summary_by", [draw.choice(NAMES)]),
+            ("read_out", {"X_decimals": 400}),
+            ("read_out", {"t_s_unit_s": 1e-300}),
+            ("base", {"c_N_s_per_m": 1e300}),
+            ("base", {"K_z_N_per_m": 1e-300, "F_k_N": 2**62}),
+            ("estimation", {"fits": [[1, 1]]}),
+            ("estimation", {"fits": [[1, 9]]}),
+            ("route", {"kind": "fixed_step", "scheme": "rk4", "step_s": 1e-12}),
+            ("route", {"kind": "sampled", "sampling_hz": 1e9}),
+            (
+                "route",
+                {"kind": "measured", "sampling_hz": 100, "noise": 0.0, "seed": 1, "cycles": 10**5},
+            ),
+        ]
+    )
+    study[key] = value
+
+
+EDITS = (of_axes, of_sample, of_figure, of_figure, of_facts, of_facts, of_text, of_settings)
+
+
+def drawn(seed: int) -> dict:
+    draw = random.Random(seed)
+    study = {"title": "Test"} | copy.deepcopy(SOUND[draw.choice(list(SOUND))])
+    for _ in range(draw.choice([0, 1, 1, 2, 3])):
+        draw.choice(EDITS)(draw, study)
+    return study
+
+
+def built(study, folder) -> str:
+    """Everything that the rules make of a study; returns its page."""
+    sizes, chunks = plan.plan(study), []
+    for number in range(sizes.chunks):
+        chunks.append(folder / f"{number:05d}.parquet")
+        parts = evaluate.in_parts(study, *plan.chunk_bounds(study, number), threads=1)
+        outputs.write_parts(chunks[-1], parts, study, "0")
+    cases = folder / "cases.parquet"
+    outputs.join_chunks(cases, chunks, study)
+    outputs.write_manifest(folder / "manifest.json", cases, study, "0")
+    if study.figure:
+        text = drawing.alternative_text(study)
+        save(drawing.study_figure(study, cases), folder / "a.svg", folder / "a.png", text)
+    table = summary.summary_of(cases, study)
+    return summary.summary_markdown(study, table, facts.paragraph(study, cases), "figure.png")
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_it_is_refused_or_made(tmp_path, seed):
+    file = tmp_path / "study.yaml"
+    file.write_text(yaml.safe_dump(drawn(seed)), encoding="utf-8")
+    refusal = ""
+    try:
+        study = checking.read_study(file, STUDY_SCHEMA, PAPER_FILE)
+        plan.check_size(study, plan.plan(study), tmp_path, file)
+    except ConfigurationError as error:
+        refusal = str(error)
+    for line in refusal.splitlines():
+        assert line.startswith((str(file), "…"))
+        assert len(line) <= LONGEST
+    if not refusal:
+        assert study.cases <= 20_000  # what these draws can ask for at most; the rest is refused
+        with warnings.catch_warnings():
+            warnings.simplefilter(
+                "ignore"
+            )  # of numbers that do not exist, and of axes without extent
+            page = built(study, tmp_path)
+        assert "<script" not in page.replace("\\<", "")
+    assert file.read_text(encoding="utf-8") == yaml.safe_dump(drawn(seed))
+
+
+@pytest.mark.parametrize("kind", SOUND)
+def test_the_studies_that_the_draws_start_from_are_sound(tmp_path, make, kind):
+    assert built(make(SOUND[kind]), tmp_path).startswith("# Test")
+
+
+@pytest.mark.parametrize(
+    ("kind", "change", "told"),
+    [
+        (
+            "curves",
+            {"figure": {"kind": "curves", "x": "frequency_hz", "fit": "pair_8_9"}},
+            "no fit",
+        ),
+        ("steps", {"figure": {"kind": "curves", "x": "scheme"}}, "scheme holds words"),
+        ("steps", {"columns": ["errors"]}, "needs the columns of parameters"),
+        ("steps", {"estimation": {"approaches": ["X_s"]}}, "shows the approach direct"),
+        ("curves", {"figure": {"kind": "steps", "x": "K_z_over_k"}}, "both must be axes"),
+        ("curves", {"figure": {"kind": "curves", "x": "phase"}}, "'phase' is not an axis"),
+        ("map", {"figure": {"kind": "map", "x": "zeta", "y": "zeta"}}, "the axis x already"),
+        ("scatter", {"axes": [{"noise": {"values": [0, 0.1]}}]}, "above zero"),
+        ("curves", {"shows": "{f.real}"}, "is not among the facts"),
+        ("curves", {"shows": "{cases:>9}"}, "nothing else in the braces"),
+        ("curves", {"shows": "{"}, "for a fact"),
+        ("curves", {"facts": {"cases": {"of": "c", "take": "max"}}}, "cannot be a name"),
+        ("curves", {"facts": {"f": {"of": "c", "take": "share"}}}, "facts.f.within: missing"),
+        (
+            "curves",
+            {"facts": {"f": {"of": "c", "take": "max", "at": {"frequency_hz": "rk4"}}}},
+            "facts.f.at.frequency_hz: 'rk4' is not a number",
+        ),
+        (
+            "steps",
+            {"facts": {"f": {"of": "c", "take": "max", "at": {"scheme": "rk5"}}}},
+            "facts.f.at.scheme: 'rk5' is not among its values",
+        ),
+        ("curves", {"summary_by": ["regime"]}, "'regime' is not an axis"),
+        ("curves", {"axes": [{"run": {"from": 0, "to": 3, "count": 10**9}}]}, "2 to 100000"),
+        ("map", {"axes": [{"zeta": {"from": 1.0, "to": 1.0 + 1e-15, "count": 50}}]}, "do not fit"),
+        ("map", {"axes": [{"c_N_s_per_m": {"values": [1e9, 2e9]}}]}, "the exact solution holds"),
+        ("curves", {"base": {"K_z_N_per_m": 1e300}}, "is out of range"),
+    ],
+)
+def test_what_is_not_there_is_named(make, kind, change, told):
+    with pytest.raises(ConfigurationError) as caught:
+        make(SOUND[kind] | change)
+    assert told in str(caught.value)
