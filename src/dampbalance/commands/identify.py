@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import math
-from collections.abc import Callable
+import os
 from pathlib import Path
 from typing import Any, get_args
 
 from ..balance import APPROACHES
 from ..features import Phase
-from ..identification.identify import REPLICATES, SEED
+from ..identification.identify import MOST_REPLICATES, REPLICATES, SEED
 from ..identification.outputs import OUTPUTS
+from ..records.limits import LARGEST
+from .options import count, number, whole
 
 EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
@@ -34,6 +35,7 @@ records         a file, one per level; two or more
 --skip-cycles   cycles left out at the start of each record (default: 0)
 --replicates    of the bootstrap (default: %(default)s)
 --seed          of the bootstrap (default: %(default)s)
+--largest       numbers, samples × channels, that may be read of a record (default: %(default)s)
 --output        write {", ".join(OUTPUTS)} there
 --overwrite     replace results that are there already
 """
@@ -47,12 +49,8 @@ def run(options: argparse.Namespace) -> None:
     )  # slow to import, not needed for help
 
     folder: Path | None = options.output
-    if folder is not None and not options.overwrite:
-        there = [name for name in OUTPUTS if (folder / name).exists()]
-        if there:
-            raise ValueError(
-                f"{folder} holds {there[0]} already: choose another folder, or add --overwrite"
-            )
+    if folder is not None:
+        _require_room(folder, options.overwrite)
     result = identify_files(
         options.records,
         options.stiffness,
@@ -64,6 +62,7 @@ def run(options: argparse.Namespace) -> None:
         mass=options.mass,
         replicates=options.replicates,
         seed=options.seed,
+        largest=options.largest,
     )
     print(result.text(), end="")
     if folder is not None:
@@ -71,35 +70,35 @@ def run(options: argparse.Namespace) -> None:
         print(f"\nWritten to {folder}: {', '.join(OUTPUTS)}.")
 
 
-def _number(kind: Callable[[str], float], fits: Callable[[float], bool], wanted: str) -> Any:
-    """A type of argument: a number of this kind, or an error that says what is wanted."""
+def _require_room(folder: Path, overwrite: bool) -> None:
+    """ValueError, before anything is computed, where the results could not be written."""
+    from ..records.readers.formats import require_showable  # slow to import, too
 
-    def read(text: str) -> float:
-        try:
-            value = kind(text)
-        except ValueError:
-            value = -1
-        if not fits(value):
-            raise argparse.ArgumentTypeError(f"must be {wanted}, got {text!r}")
-        return value
+    require_showable(folder)
+    there = next(path for path in (folder, *folder.parents) if path.exists())
+    if not there.is_dir():
+        raise ValueError(f"{there} is a file: choose a folder for the results")
+    if not os.access(there, os.W_OK):
+        raise ValueError(f"{there} cannot be written to: choose another folder for the results")
+    found = [name for name in OUTPUTS if (folder / name).exists()]
+    if found and not overwrite:
+        raise ValueError(
+            f"{folder} holds {found[0]} already: choose another folder, or add --overwrite"
+        )
 
-    return read
-
-
-_positive = _number(float, lambda value: 0.0 < value < math.inf, "a positive number")
-_count = _number(int, lambda value: value >= 0, "0 or a positive whole number")
 
 _OPTIONS: dict[str, dict[str, Any]] = {
     "records": {"nargs": "+", "type": Path, "metavar": "RECORD"},
-    "--stiffness": {"type": _positive, "required": True, "metavar": "K"},
-    "--frequency": {"type": _positive, "metavar": "HZ"},
+    "--stiffness": {"type": number(), "required": True, "metavar": "K"},
+    "--frequency": {"type": number(1e-9, 1e9), "metavar": "HZ"},
     "--approach": {"action": "append", "choices": list(APPROACHES)},
     "--phase": {"choices": get_args(Phase), "default": "reversal"},
-    "--mass": {"type": _positive, "metavar": "M"},
+    "--mass": {"type": number(), "metavar": "M"},
     "--mapping": {"type": Path, "metavar": "FILE"},
-    "--skip-cycles": {"type": _count, "default": 0, "metavar": "N"},
-    "--replicates": {"type": _count, "default": REPLICATES},
-    "--seed": {"type": _count, "default": SEED},
+    "--skip-cycles": {"type": whole(), "default": 0, "metavar": "N"},
+    "--replicates": {"type": whole(2, MOST_REPLICATES), "default": REPLICATES},
+    "--seed": {"type": whole(), "default": SEED},
+    "--largest": {"type": count, "default": LARGEST, "metavar": "N"},
     "--output": {"type": Path, "metavar": "DIR"},
     "--overwrite": {"action": "store_true"},
 }

@@ -6,8 +6,11 @@ import argparse
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from typing import NoReturn
 
 from .. import __version__
+from ..project.troubles import trouble
+from ..project.wording import cut, visible
 
 COMMANDS = {
     "identify": "identify F_k, c and K_z from records",
@@ -15,11 +18,22 @@ COMMANDS = {
 }
 """Each is a module of this room, loaded when it is called: what it needs takes longer to load than help to show."""
 
+_LONGEST = 1000  # characters of a line
+_NO_MEMORY = "the memory does not suffice: ask for less, or give shorter records"
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors fit a screen, whatever was typed."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and leave."""
+        super().error(cut(visible(message), _LONGEST))
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code: 0, or 2 for what could not be done, with one line that says why."""
     arguments = sys.argv[1:] if arguments is None else arguments
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="dampbalance",
         description="Friction and viscous damping of a vibrating system from the balance of energy over one period.",
         epilog="dampbalance COMMAND --help tells more.",
@@ -39,7 +53,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     try:
         options.run(options)
-    except (ValueError, OSError) as error:  # RecordError is a ValueError
-        print(f"dampbalance {options.command}: error: {error}", file=sys.stderr)
+    except (
+        ValueError,
+        ArithmeticError,
+        OSError,
+        MemoryError,
+    ) as error:  # RecordError is a ValueError
+        text = _NO_MEMORY if isinstance(error, MemoryError) else trouble(error) or str(error)
+        shown = "\n".join(cut(visible(line), _LONGEST) for line in text.split("\n"))
+        print(f"dampbalance {options.command}: error: {shown}", file=sys.stderr)
         return 2
     return 0

@@ -14,6 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
+from ..project.wording import cut
 from .loading import Loaded
 from .result import Identification
 
@@ -23,6 +24,7 @@ _SHOWN = {  # quantity → (symbol, factor, unit, column of the averaged cycle)
     "velocity": (r"\dot x", 1.0, "m/s", "v"),
     "acceleration": (r"\ddot x", 1.0, "m/s²", "acceleration"),
 }
+_LONGEST_TITLE = 60  # characters
 _HEIGHT, _GAP, _BOTTOM, _TOP = 34.0, 9.0, 11.0, 7.0  # mm
 
 
@@ -140,7 +142,8 @@ def _panels(loaded: Sequence[Loaded], xlabel: str) -> tuple[Figure, list[Axes]]:
         row, column = divmod(i, 3)
         bottom = height - _TOP - _HEIGHT - row * (_HEIGHT + _GAP)
         panels.append(place(figure, 13.0 + 60.0 * column, bottom, 44.0, _HEIGHT))
-        panels[-1].set_title(one.label.replace("$", r"\$"), pad=3.0)  # $ would begin mathematics
+        # a name is no mathematics, whatever it holds
+        panels[-1].set_title(cut(one.label, _LONGEST_TITLE), pad=3.0, parse_math=False)
     for axes in panels[-3:]:
         axes.set_xlabel(xlabel)
     return figure, panels

@@ -8,14 +8,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..arrays import Array
+from ..project.wording import visible
 from ..reading.conditioning import condition_blocks
 from ..reading.noisy import Reading, read_features, read_steady
+from ..records.limits import LARGEST
 from ..records.mapping import MappingLike, mapping_for
 from ..records.measurement import Measurement
-from ..records.readers import RecordWarning, open_channels, read
+from ..records.readers import RecordWarning, open_channels, read, stated_numbers
 
 LARGE = 256_000_000
-"""Size of a file, bytes, from which it is not taken into memory as a whole."""
+"""Size of a file, bytes, packed or not, from which it is not taken into memory as a whole."""
+
+_NUMBER = 8  # bytes
 
 EXCERPT = 16_384  # leading samples of each channel that are kept for plots
 
@@ -41,11 +45,13 @@ def load(
     mapping: MappingLike = None,
     frequency_hz: float | None = None,
     skip_cycles: int = 0,
+    largest: int = LARGEST,
 ) -> Loaded:
     """The features of a record in a file.
 
     k : stiffness, N/m.   mapping : what the file does not say of its channels.   frequency_hz : the drive frequency as
     known, or that of the mapping; compared with the one found.   skip_cycles : left out at the start.
+    largest : numbers (samples × channels) that may be read.
 
     What its reader finds odd is among the warnings of the reading. Raises RecordError for a file that cannot be read,
     ValueError for a record that cannot be used; both name the file.
@@ -56,19 +62,20 @@ def load(
     measurement: Measurement | None = None
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
-        if path.is_file() and path.stat().st_size > LARGE:
-            channels = open_channels(path, rules)
+        stated = _NUMBER * stated_numbers(path, rules, largest)
+        if max(stated, path.stat().st_size) > LARGE:
+            channels = open_channels(path, rules, largest=largest)
             steady = condition_blocks(
                 str(path), channels, k, frequency_hz=nominal, skip_cycles=skip_cycles
             )
             reading = read_steady(steady)
             first = {q: next(iter(blocks())) for q, blocks in channels.items()}
         else:
-            measurement = replace(read(path, rules), source=str(path))
+            measurement = replace(read(path, rules, largest), source=str(path))
             reading = read_features(measurement, k, frequency_hz=nominal, skip_cycles=skip_cycles)
             first = {q: (measurement[q].t, measurement[q].values) for q in measurement}
     messages = (w.message for w in caught if issubclass(w.category, RecordWarning))
     notes = dict.fromkeys(str(message).removeprefix(f"{path}: ") for message in messages)
     reading = replace(reading, warnings=(*notes, *reading.warnings))
     excerpt = {q: (t[:EXCERPT], values[:EXCERPT]) for q, (t, values) in first.items()}
-    return Loaded(path, str(rules.level or path.name), reading, excerpt, measurement)
+    return Loaded(path, visible(rules.level or path.name), reading, excerpt, measurement)

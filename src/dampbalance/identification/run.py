@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,7 +17,9 @@ from ..likelihood.fit import reference_fit
 from ..likelihood.information import NotIdentifiable
 from ..likelihood.result import ReferenceFit
 from ..project.files import write_csv, write_json, write_text
+from ..project.wording import visible
 from ..record import Record
+from ..records.limits import LARGEST
 from ..records.mapping import MappingLike
 from . import reporting
 from .identify import REPLICATES, SEED, identify
@@ -54,12 +57,13 @@ def identify_files(
     mass: float | None = None,
     replicates: int = REPLICATES,
     seed: int = SEED,
+    largest: int = LARGEST,
 ) -> IdentificationRun:
     """F_k, c and K_z from record files, one per level.
 
     k : stiffness, N/m.   mapping, frequency_hz, skip_cycles : as for `load`.   approaches : names; default, all.
     phase : of the harmonic approaches.   mass : m, kg; if given, the maximum-likelihood fit is added.
-    replicates, seed : of the bootstrap.
+    replicates, seed : of the bootstrap.   largest : numbers (samples × channels) that may be read of a record.
 
     Raises RecordError and ValueError naming the file, what is wrong, and the remedy.
     """
@@ -67,12 +71,17 @@ def identify_files(
     if unknown:
         raise ValueError(f"unknown approaches {unknown}; known are {', '.join(APPROACHES)}")
     named = [Path(path) for path in paths]
-    doubled = sorted({str(path) for path in named if named.count(path) > 1})
-    if doubled:
-        raise ValueError(f"{doubled[0]} is named twice: each record is one level")
+    _require_different(named)
     chosen = {name: APPROACHES[name] for name in APPROACHES if not approaches or name in approaches}
     records = tuple(
-        load(path, k, mapping=mapping, frequency_hz=frequency_hz, skip_cycles=skip_cycles)
+        load(
+            path,
+            k,
+            mapping=mapping,
+            frequency_hz=frequency_hz,
+            skip_cycles=skip_cycles,
+            largest=largest,
+        )
         for path in named
     )
     result = identify(
@@ -91,6 +100,22 @@ def identify_files(
             warning = f"no maximum-likelihood fit with m = {mass:g} kg: {error}"
             result = replace(result, warnings=(*result.warnings, warning))
     return IdentificationRun(records, result, reference)
+
+
+def _require_different(paths: Sequence[Path]) -> None:
+    """ValueError for a file that is named twice, also by a link or another spelling of its path."""
+    known: dict[tuple[int, int], Path] = {}
+    for path in paths:
+        try:
+            found = path.stat()
+        except (OSError, ValueError):  # reading it will say why
+            continue
+        other = known.setdefault((found.st_dev, found.st_ino), path)
+        if other is not path:
+            named = (
+                f"{path} is named twice" if other == path else f"{path} and {other} are one file"
+            )
+            raise ValueError(f"{visible(named)}: each record is one level")
 
 
 def maximum_likelihood(records: Sequence[Loaded], m: float, k: float) -> ReferenceFit:
@@ -123,8 +148,10 @@ def write_results(run: IdentificationRun, folder: str | Path) -> None:
         drawing.loops(run.records, run.result),
         drawing.balance(run.result),
     )
-    for name, figure in zip(FIGURES, figures, strict=True):
-        save(figure, folder / f"{name}.svg", folder / f"{name}.png", alt[name])
+    with warnings.catch_warnings():  # a name in a script that the font lacks shows as boxes
+        warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
+        for name, figure in zip(FIGURES, figures, strict=True):
+            save(figure, folder / f"{name}.svg", folder / f"{name}.png", alt[name])
     write_json(folder / "identification.json", run.document())
 
 

@@ -19,6 +19,8 @@ import jsonschema
 import yaml
 from jsonschema import ValidationError
 
+from .wording import shortened
+
 Key = tuple[str | int, ...]
 Problem = tuple[Key, str]
 """A key, and what is wrong with it and what would be right."""
@@ -40,12 +42,6 @@ _NAMES = 'Use letters, digits, "-" and "_".'
 
 class ConfigurationError(ValueError):
     """A configuration that cannot be used; the message names the file, the key and the remedy."""
-
-
-def shortened(value: object, most: int = 60) -> str:
-    """A value as Python writes it, cut to this many characters: for messages, which are one line each."""
-    text = repr(value)
-    return text if len(text) <= most else f"{text[: most - 1]}…"
 
 
 def refuse(key: Key, text: str, files: Iterable[str | Path]) -> NoReturn:

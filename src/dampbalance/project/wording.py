@@ -1,9 +1,10 @@
-"""Numbers, symbols and units as people read them, in plain characters: the one place for superscripts and signs."""
+"""Numbers, symbols, units and names as people read them, in plain characters: the only place for them."""
 
 from __future__ import annotations
 
 import math
 import re
+import unicodedata
 
 MINUS, TIMES, NONE = "−", "·", "–"
 GREEK = {"phi": "φ", "omega": "ω", "zeta": "ζ"}
@@ -83,7 +84,45 @@ def plain(text: str) -> str:
     return SYMBOL.sub(symbol, text)
 
 
+def shortened(value: object, most: int = 60) -> str:
+    """A value as Python writes it, cut to this many characters: for messages, which are one line each."""
+    return cut(repr(value), most)
+
+
+def cut(text: str, most: int) -> str:
+    """Text of this many characters at the most."""
+    return text if len(text) <= most else f"{text[: most - 1]}…"
+
+
+def visible(text: str) -> str:
+    """Text of a user as one line in which nothing acts on a screen and everything can be written: line ends, control
+    characters, turns of direction, half surrogates and the like as Python spells them, \\n."""
+    if text.isprintable():
+        return text
+    return "".join(
+        c if c.isprintable() or unicodedata.category(c) == "Zs" else repr(c)[1:-1] for c in text
+    )
+
+
 def frequency_name(name: str) -> str:
     """A frequency of the configuration as a symbol: omega1 becomes ω₁; other names stay."""
     index = name.removeprefix("omega")
     return f"ω{index.translate(_LOWERED)}" if name.startswith("omega") and index.isdigit() else name
+
+
+# What Markdown acts upon: its marks, an underscore at the edge of a word, and what makes a line a heading or a list.
+_MARKS = re.compile(
+    r"[\\`*\[\]<>|$&~]|(?<![^\W_])_|_(?![^\W_])|^(?:#+|[+-])(?=\s|$)|^[=-](?=[=-]*$)|^\d+(?=[.)](?:\s|$))",
+    re.MULTILINE,
+)
+
+
+def in_markdown(text: str) -> str:
+    """Text of a user as Markdown shows it, mark by mark, in a paragraph or a cell of a table."""
+    lines = "\n".join(line.strip() for line in text.splitlines())
+    return _MARKS.sub(lambda mark: f"{mark[0]}\\" if mark[0].isdigit() else rf"\{mark[0]}", lines)
+
+
+def in_figure(text: str) -> str:
+    """Text of a user as matplotlib shows it: a dollar is a dollar and begins no formula."""
+    return text.replace("$", r"\$")

@@ -34,6 +34,8 @@ _LARGEST_AMPLITUDE = 0.5  # m
 _LARGEST_ACCELERATION = 1000.0  # m/s²: a hundred times gravity
 _LARGEST_GAIN = 100.0
 
+_EQUAL = 1e-9  # of the largest value: what rounding leaves between two copies of a signal
+
 _UNCONNECTED = "the transducer was not connected, or the wrong column was read"
 
 
@@ -55,6 +57,19 @@ def require_level(quantity: str, harmonics: CycleHarmonics) -> None:
         raise ValueError(
             f"{quantity} does not oscillate at the drive frequency of {harmonics.omega / (2.0 * math.pi):.5g} Hz: "
             f"amplitude {abs(mean):.3g} ± {scatter:.2g}"
+        )
+
+
+def require_distinct(quantity: str, values: Array, driving: str, drive: Array) -> None:
+    """ValueError when a response is the excitation itself, scaled or with another offset: no rig moves like that."""
+    count = min(values.size, drive.size)
+    x, y = values[:count] - values[:count].mean(), drive[:count] - drive[:count].mean()
+    square = float(y @ y)
+    factor = float(x @ y) / square if square > 0.0 else 0.0
+    if np.abs(x - factor * y).max() < _EQUAL * np.abs(x).max():
+        raise ValueError(
+            f"{quantity} is {driving} itself, times {factor:.6g}: one channel was read as both; say in the mapping "
+            "which holds which"
         )
 
 

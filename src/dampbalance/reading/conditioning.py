@@ -19,6 +19,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Array, Complexes, Mask
+from ..project.wording import visible
+from ..records.errors import RecordError
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from . import checks
 from .checks import weighted_mean
@@ -33,6 +35,7 @@ MOST_HARMONICS = {"displacement": 31, "velocity": 61, "acceleration": 91}
 
 _HARMONICS_OF_BASE = 9
 _LEADING = 1 << 18  # samples from which the drive frequency is first estimated
+_COMPARED = 1 << 12  # samples in which a copy of another channel shows
 _JITTER = 0.05  # of a step: times closer to an even grid than that are on it
 _RELATIVE_FLOOR = 1e-9  # of the fundamental: rounding, below which noise cannot be told from it
 
@@ -125,6 +128,8 @@ def condition_blocks(
     """
     try:
         return _condition(source, channels, k, frequency_hz, skip_cycles)
+    except RecordError:  # names the file itself
+        raise
     except ValueError as error:
         raise ValueError(f"{source}: {error}") from error
 
@@ -188,10 +193,14 @@ def _harmonics(
 ) -> tuple[dict[str, CycleHarmonics], list[str]]:
     """The harmonics of every channel at the drive frequency of the leading part; warnings about that frequency."""
     leading = {
-        q: _leading(blocks(), _LEADING if q == driving else 64) for q, blocks in channels.items()
+        q: _leading(blocks(), _LEADING if q == driving else _COMPARED)
+        for q, blocks in channels.items()
     }
-    steps = {q: _step(t, q) for q, (t, _) in leading.items()}
+    steps = {q: _step(t if q == driving else t[:64], q) for q, (t, _) in leading.items()}
     omega, error = _drive_frequency(driving, leading[driving], steps[driving])
+    for q, (_, values) in leading.items():
+        if q != driving:
+            checks.require_distinct(q, values, driving, leading[driving][1])
     warnings = list(checks.frequency(omega, error, frequency_hz))
     period = 2.0 * math.pi / omega
     start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
@@ -255,12 +264,13 @@ def _evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Chann
         return channel
     from scipy.interpolate import CubicSpline  # rarely needed, slow to import
 
+    name = visible(channel.name)
     if channel.t.size < 8:
-        raise ValueError(f"{source}: {channel.name} has only {channel.t.size} samples")
+        raise ValueError(f"{source}: {name} has only {channel.t.size} samples")
     gap = float(steps.max())
     if gap > 20.0 * dt:
         raise ValueError(
-            f"{source}: {channel.name} is unevenly sampled and has a gap of {gap:.3g} s after "
+            f"{source}: {name} is unevenly sampled and has a gap of {gap:.3g} s after "
             f"{channel.t[int(np.argmax(steps))]:.6g} s; cut the record there"
         )
     spline = CubicSpline(channel.t, channel.values)
@@ -268,7 +278,7 @@ def _evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Chann
     coarse = CubicSpline(channel.t[::2], channel.values[::2])(channel.t[1:-1:2])
     error = float(np.sqrt(np.mean((coarse - channel.values[1:-1:2]) ** 2))) / 16.0
     warnings.append(
-        f"{channel.name}: unevenly sampled (steps of {steps.min():.3g} to {gap:.3g} s), resampled every {dt:.3g} s by "
+        f"{name}: unevenly sampled (steps of {steps.min():.3g} to {gap:.3g} s), resampled every {dt:.3g} s by "
         f"a cubic spline; error about {error:.2g} {channel.unit} beside the noise"
     )
     return Channel(channel.quantity, t, spline(t), channel.name)

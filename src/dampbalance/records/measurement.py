@@ -13,6 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..arrays import Array
+from .limits import LARGEST_VALUE, LATEST
 
 EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
 """What drives the oscillator, one of these; a force f stands for the base motion y = f/k."""
@@ -30,8 +31,8 @@ class Channel:
 
     name : what the file calls it, for messages.
 
-    Raises ValueError naming the channel: unknown quantity, unequal lengths, a value that is not finite, times that do
-    not increase.
+    Raises ValueError naming the channel: unknown quantity, unequal lengths, a value that is not finite or beyond all
+    bounds (`limits.py`), times that do not increase.
     """
 
     quantity: str
@@ -58,11 +59,13 @@ class Channel:
             raise ValueError(
                 f"channel {self.name!r} has {self.t.size} samples; a signal needs at least 2"
             )
-        for array, what in ((self.t, "time"), (self.values, "value")):
-            if not np.isfinite(array).all():
-                i = int(np.argmin(np.isfinite(array)))
+        for array, what, bound in ((self.t, "time", LATEST), (self.values, "value", LARGEST_VALUE)):
+            within = np.abs(array) <= bound  # nor is NaN
+            if not within.all():
+                i = int(np.argmin(within))
+                beyond = f", beyond {bound:g}" if np.isfinite(array[i]) else ""
                 raise ValueError(
-                    f"channel {self.name!r}: {what} {i} (counted from 0) is {array[i]}; "
+                    f"channel {self.name!r}: {what} {i} (counted from 0) is {array[i]}{beyond}; "
                     "cut the record before it, or repair it"
                 )
         steps = np.diff(self.t)

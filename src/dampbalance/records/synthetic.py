@@ -13,6 +13,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..motion.orbit import Orbit
+from .limits import LARGEST
 from .measurement import QUANTITIES, Channel, Measurement
 
 
@@ -39,7 +40,13 @@ def measured_orbit(
     motion = orbit.motion
     if not (math.isfinite(rate_hz) and rate_hz > 0.0):
         raise ValueError(f"rate_hz must be a positive number of samples per second, got {rate_hz}")
-    count = round(cycles * motion.period * rate_hz) if math.isfinite(cycles) else 0
+    samples = cycles * motion.period * rate_hz
+    if not samples * (1 + len(channels)) <= LARGEST:
+        raise ValueError(
+            f"{cycles:g} cycles at {rate_hz:g} samples per second are {samples:.2g} samples of {len(channels)} "
+            f"channels, more than {LARGEST:,} numbers with their times; ask for fewer"
+        )
+    count = round(samples)
     if count < 2:
         raise ValueError(
             f"{cycles} cycles at {rate_hz:g} samples per second are {count} samples; at least 2 are needed"

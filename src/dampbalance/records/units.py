@@ -10,11 +10,14 @@ import difflib
 import re
 from dataclasses import dataclass
 
+from ..project.wording import shortened
+from .limits import LONGEST_NAME
 from .measurement import QUANTITIES
 
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9, "in": 0.0254}  # m, exactly
 _STANDARD_GRAVITY = 9.80665  # m/s², exactly
 _POUND_FORCE = 4.4482216152605  # N, exactly
+_LONGEST = 40  # characters of a unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +70,8 @@ class UnitError(ValueError):
 def find_unit(text: str) -> Unit | None:
     """The unit that a text spells, or None."""
     bare = text.strip()
+    if len(bare) > _LONGEST:
+        return None
     return _EXACT.get(_plain(bare)) or _FOLDED.get(_plain(bare).casefold())
 
 
@@ -79,9 +84,11 @@ def unit_for(text: str, quantity: str) -> Unit:
     fitting = [unit.name for unit in UNITS if unit.dimension == wanted]
     unit = find_unit(text)
     if unit is None:
-        near = difflib.get_close_matches(text.strip(), [u.name for u in UNITS], n=1)
+        near = difflib.get_close_matches(text.strip()[:_LONGEST], [u.name for u in UNITS], n=1)
         hint = f" (did you mean {near[0]}?)" if near else ""
-        raise UnitError(f"unknown unit {text!r}{hint}; known for {wanted}: {', '.join(fitting)}")
+        raise UnitError(
+            f"unknown unit {shortened(text)}{hint}; known for {wanted}: {', '.join(fitting)}"
+        )
     if unit.dimension != wanted:
         raise UnitError(
             f"{text!r} is a unit of {unit.dimension}, but {quantity.replace('_', ' ')} needs one of {wanted}: "
@@ -96,6 +103,8 @@ def split_label(label: str) -> tuple[str, str | None]:
     What stands in brackets is the unit, one of `UNITS` or not; elsewhere only one of these is. None: there is no unit.
     """
     label = label.strip()
+    if len(label) > LONGEST_NAME:
+        return label, None
     if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*([^\])}>]*?)\s*[\])}>]", label):
         return match[1].strip(), match[2] or None
     match = re.fullmatch(r"(.+?)\s*(?:/|,|;|:|\bin\b)\s+(\S.*)", label)

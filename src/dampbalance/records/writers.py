@@ -17,9 +17,10 @@ import pandas as pd
 
 from ..arrays import Array
 from ..project.files import replacing, write_text
+from ..project.wording import shortened
 from .errors import RecordError, library
 from .measurement import QUANTITIES, Channel, Measurement
-from .readers.formats import FORMATS, format_by_suffix
+from .readers.formats import FORMATS, format_by_suffix, require_showable
 from .readers.record_file import times
 from .units import DIMENSIONS, header_suffix
 
@@ -43,10 +44,13 @@ def write(
     Raises RecordError when the format cannot hold the measurement, before anything is written.
     """
     path = Path(path)
+    require_showable(path)
     by_suffix = format_by_suffix(path)
     name = format or by_suffix
     if name not in _WRITERS:
-        raise RecordError(f"{path}: unknown format {name!r}; known are {', '.join(_WRITERS)}")
+        raise RecordError(
+            f"{path}: unknown format {shortened(name)}; known are {', '.join(_WRITERS)}"
+        )
     if path.suffix.lower() not in FORMATS["matlab" if name == MATLAB_73 else name].suffixes:
         raise RecordError(f"{path}: its suffix does not fit the format {name}")
     mapping = _wav_mapping(path, measurement) if name == "wav" else None

@@ -156,19 +156,41 @@ def test_a_simulated_record_is_not_overwritten_unasked(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--frequency", "0"], "--frequency must be a positive number of Hz"),
-        (["--amplitude", "-1"], "Y"),
-        (["--mass", "-2"], "m"),
-        (["--rate", "0"], "rate_hz must be a positive number"),
-        (["--cycles", "0"], "at least 2 are needed"),
-        (["--noise", "-0.1"], "noise of"),
-        (["--seed", "-1"], "--seed must be 0 or"),
+        (["--cycles", "1e-4"], "at least 2 are needed"),
+        (["--cycles", "1e9"], "ask for fewer"),
+        (["--rate", "1e12"], "ask for fewer"),
+        (["--frequency", "1e-8"], "ask for a higher --frequency"),
         (["--decimals", "1"], "constant when rounded to 1 decimals"),
     ],
 )
 def test_a_simulation_that_makes_no_sense_is_refused(arguments, message, tmp_path, capsys):
     assert simulate(tmp_path / "a.csv", *arguments) == 2
     assert message in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "wanted"),
+    [
+        ("--frequency", "0", "a positive number, 1e-09 to 1e+09"),
+        ("--amplitude", "-1", "a positive number"),
+        ("--mass", "1e300", "a positive number, 1e-15 to 1e+15"),
+        ("--damping", "nan", "a number, 0 to 1e+15"),
+        ("--rate", "0", "a positive number"),
+        ("--start", "inf", "a number, -1e+12 to 1e+12"),
+        ("--noise", "-0.1", "a number, 0 to 1e+06"),
+        ("--seed", "-1", "a whole number, 0 to"),
+        ("--seed", "9" * 5000, "a whole number, 0 to"),
+        ("--decimals", "400", "a whole number, -15 to 30"),
+    ],
+)
+def test_options_of_a_simulation_have_bounds(option, value, wanted, tmp_path, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        simulate(tmp_path / "a.csv", f"{option}={value}")
+    assert stopped.value.code == 2
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert f"argument {option}: must be {wanted}" in said
+    assert len(said) < 200
     assert list(tmp_path.iterdir()) == []
 
 
@@ -252,7 +274,9 @@ def test_what_looks_odd_is_reported_or_refused(name, tmp_path, capsys):
         (["--stiffness", "nan"], "must be a positive number"),
         (["--stiffness", "2310", "--frequency", "-1"], "must be a positive number"),
         (["--stiffness", "2310", "--approach", "best"], "invalid choice"),
-        (["--stiffness", "2310", "--replicates", "some"], "must be 0 or a positive whole number"),
+        (["--stiffness", "2310", "--replicates", "some"], "must be a whole number, 2 to 10000"),
+        (["--stiffness", "2310", "--replicates", "10000000"], "a whole number, 2 to 10000"),
+        (["--stiffness", "2310", "--largest", "0"], "must be a positive number"),
         ([], "--stiffness"),
     ],
 )

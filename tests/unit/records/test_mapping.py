@@ -142,7 +142,7 @@ def test_mistakes_are_named(document, message):
     [
         ("channels: [\n", "not readable as YAML"),
         ("notes: a\nnotes: b\n", "notes: stands twice"),
-        (b"\xff\xfe\x00", "not readable as"),
+        (b"\xff\xfe\x00", "is not UTF-8"),
     ],
 )
 def test_a_file_that_is_no_mapping(tmp_path, text, message):

@@ -13,32 +13,62 @@ from pathlib import Path
 
 from ...arrays import Array
 from ..errors import RecordError, RecordWarning
+from ..limits import LARGEST
 from ..mapping import MappingLike, RecordMapping, mapping_for
 from ..measurement import Measurement
-from . import named_arrays, streams
-from .assemble import in_blocks, whole
+from . import streams
+from .assemble import in_blocks, stated_size, wanted_of, whole
 from .formats import FORMATS, checked_format
+from .hdf5 import hdf5_file
+from .matlab import matlab_file
+from .named_arrays import ParquetFile
 from .plan import Pick, picks_of
-from .record_file import RawChannel, RecordFile
+from .record_file import RawChannel, RecordFile, require_nameable
 from .text import TextFile
 
-__all__ = ["FORMATS", "RecordError", "RecordWarning", "channels", "open_channels", "read"]
+__all__ = [
+    "FORMATS",
+    "RecordError",
+    "RecordWarning",
+    "channels",
+    "open_channels",
+    "read",
+    "stated_numbers",
+]
 
 
-def read(path: str | Path, mapping: MappingLike = None) -> Measurement:
+def read(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) -> Measurement:
     """The measurement in a file, in SI units.
 
     path : its suffix names the format, its content must agree.   mapping : what the file does not say.
+    largest : numbers (samples × channels) that may be read; looked at before they are.
 
     Raises RecordError naming the file, what is wrong with it, and the remedy; warns of what looks odd (RecordWarning).
     """
     path, rules = Path(path), mapping_for(path, mapping)
-    with closing(_open(path, rules)) as file:
-        return whole(file, picks_of(file, rules))
+    with closing(_open(path, rules, largest)) as file:
+        picks = picks_of(file, rules)
+        stated_size(file, picks, largest)
+        return whole(file, picks)
+
+
+def stated_numbers(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) -> int:
+    """How many numbers (samples × channels) a file says its measurement has: about, for text.
+
+    0 for what is read whole when it is opened. Raises RecordError as `read`.
+    """
+    path, rules = Path(path), mapping_for(path, mapping)
+    if checked_format(path) in _READ_WHOLE:
+        return 0
+    with closing(_open(path, rules, largest)) as file:
+        picks = picks_of(file, rules)
+        if isinstance(file, TextFile):
+            return len(wanted_of(picks)) * file.layout.rows_stated
+        return stated_size(file, picks, largest)
 
 
 def open_channels(
-    path: str | Path, mapping: MappingLike = None, block: int = 1_000_000
+    path: str | Path, mapping: MappingLike = None, block: int = 1_000_000, largest: int = LARGEST
 ) -> dict[str, Callable[[], Iterator[tuple[Array, Array]]]]:
     """For each quantity of the measurement, a function that reads its channel from the beginning, block by block.
 
@@ -47,19 +77,20 @@ def open_channels(
 
     Text, Parquet, HDF5, MATLAB 7.3, TDMS (segment by segment) and WAV are read piece by piece; MATLAB 5 and universal
     files are read whole and handed out in blocks, as their libraries know no other way. File and mapping are checked
-    before the first block.
+    before the first block, the numbers that may be read (`largest`), too.
 
     Raises RecordError as `read`; for a wrong sample, when its block comes up.
     """
     if block < 3:
         raise ValueError(f"block must be at least 3 samples, got {block}")
     path, rules = Path(path), mapping_for(path, mapping)
-    with closing(_open(path, rules)) as file:
+    with closing(_open(path, rules, largest)) as file:
         picks = picks_of(file, rules)
+        stated_size(file, picks, largest)
 
     def blocks(pick: Pick) -> Iterator[tuple[Array, Array]]:
-        with closing(_open(path, rules)) as file:
-            for channel in in_blocks(file, pick, block):
+        with closing(_open(path, rules, largest)) as file:
+            for channel in in_blocks(file, pick, block, largest):
                 yield channel.t, channel.values
 
     return {pick.quantity: partial(blocks, pick) for pick in picks}
@@ -68,20 +99,31 @@ def open_channels(
 def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel, ...]:
     """The channels of a file, with names, units and sampling rates as it has them. Raises RecordError."""
     path, rules = Path(path), mapping_for(path, mapping)
-    with closing(_open(path, rules)) as file:
+    with closing(_open(path, rules, LARGEST)) as file:
         return tuple(file.channels)
 
 
-def _open(path: Path, rules: RecordMapping) -> RecordFile:
+def _open(path: Path, rules: RecordMapping, largest: int) -> RecordFile:
     content = checked_format(path)
-    return TextFile(path, rules) if content == "text" else _OPENERS[content](path)
+    if content == "text":
+        file: RecordFile = TextFile(path, rules)
+    else:
+        file = _OPENERS[content](path, largest)
+    try:
+        require_nameable(path, file.channels)
+    except RecordError:
+        file.close()
+        raise
+    return file
 
 
-_OPENERS: dict[str, Callable[[Path], RecordFile]] = {  # each imports its library
-    "parquet": named_arrays.ParquetFile,
-    "hdf5": named_arrays.hdf5_file,
-    "matlab73": named_arrays.hdf5_file,
-    "matlab": named_arrays.matlab_file,
+_READ_WHOLE = ("matlab", "uff")
+
+_OPENERS: dict[str, Callable[[Path, int], RecordFile]] = {  # each imports its library
+    "parquet": ParquetFile,
+    "hdf5": hdf5_file,
+    "matlab73": hdf5_file,
+    "matlab": matlab_file,
     "uff": streams.uff_file,
     "tdms": streams.tdms_file,
     "wav": streams.wav_file,

@@ -1,4 +1,5 @@
-"""From the columns of a file to a Measurement in SI: finite, in equal steps, not constant; at once or in blocks."""
+"""From the columns of a file to a Measurement in SI: finite, within bounds, in equal steps, not constant, no overflow;
+at once or in blocks."""
 
 from __future__ import annotations
 
@@ -10,20 +11,45 @@ import numpy as np
 from ...arrays import Array
 from ...record import GRID_TOLERANCE
 from ..errors import RecordError
-from ..measurement import Channel, Measurement
+from ..limits import (
+    FINEST,
+    HIGHEST_RATE,
+    LARGEST,
+    LARGEST_VALUE,
+    LATEST,
+    LOWEST_RATE,
+    SMALLEST_RANGE,
+    require_size,
+)
+from ..measurement import QUANTITIES, Channel, Measurement
 from .plan import Pick
 from .record_file import RecordFile, times
 
 _GAP = 1.5  # steps
+_BITS = (8, 16, 24, 32, 64)  # of the integers that converters and files have
+_WRAPPED = (
+    0.9  # of their range: no oscillation passes through so much of it from one sample to the next
+)
+
+
+def stated_size(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST) -> int:
+    """How many numbers the picked channels are, as far as the file tells before it is read.
+
+    Raises RecordError when they are more than `largest`.
+    """
+    numbers = sum(file.channels[i].size or 0 for i in wanted_of(picks))
+    require_size(file.path, numbers, largest)
+    return numbers
 
 
 def whole(file: RecordFile, picks: Sequence[Pick]) -> Measurement:
     """All samples of the picked channels.
 
-    Raises RecordError naming channel and line or sample: a value that is missing or not finite, times that do not
-    increase, have a gap or unequal steps, a constant channel, channels of unequal lengths.
+    Raises RecordError naming channel and line or sample: a value that is missing, not finite or beyond all bounds,
+    times that do not increase, have a gap or unequal steps, a constant channel, an integer that ran over, channels of
+    unequal lengths.
     """
-    wanted = _wanted(picks)
+    wanted = wanted_of(picks)
     arrays = next(file.blocks(wanted, None), [np.empty(0)] * len(wanted))
     columns = dict(zip(wanted, arrays, strict=True))
     first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
@@ -42,12 +68,13 @@ def whole(file: RecordFile, picks: Sequence[Pick]) -> Measurement:
     return Measurement.of(str(file.path), channels)
 
 
-def in_blocks(file: RecordFile, pick: Pick, size: int) -> Iterator[Channel]:
+def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int = LARGEST) -> Iterator[Channel]:
     """One channel, `size` samples at a time; the last block may be shorter, but has at least 2.
 
-    Raises RecordError as `whole`, when the block that is wrong comes up, a constant channel after the last.
+    Raises RecordError as `whole`, when the block that is wrong comes up, a constant channel after the last; and when
+    there are more than `largest` samples, which not every file tells beforehand.
     """
-    wanted = _wanted([pick])
+    wanted = wanted_of([pick])
     if len({file.channels[i].size for i in wanted}) > 1:
         named = ", ".join(f"{file.channels[i].name!r} {file.channels[i].size}" for i in wanted)
         raise RecordError(
@@ -63,6 +90,7 @@ def in_blocks(file: RecordFile, pick: Pick, size: int) -> Iterator[Channel]:
             continue
         if waiting:
             yield stretch.channel(dict(zip(wanted, waiting, strict=True)))
+            require_size(file.path, stretch.count * len(wanted), largest)
         waiting = block
     yield stretch.channel(dict(zip(wanted, waiting or [np.empty(0)] * len(wanted), strict=True)))
     stretch.finish()
@@ -88,37 +116,78 @@ class Stretch:
             raise RecordError(
                 f"{self.file.path}: channel {pick.name!r} has {self.count + values.size} samples; that is no record"
             )
-        self._require_finite(pick.index, values)
+        signal = self._in_si(
+            pick.index, values, pick.factor, LARGEST_VALUE, QUANTITIES[pick.quantity]
+        )
+        self._require_no_overflow(values)
         if pick.time is None:
             t = times(pick.rate_hz, pick.start, self.count, values.size)
         else:
-            self._require_finite(pick.time, columns[pick.time])
-            t = columns[pick.time] * pick.time_factor
+            t = self._in_si(pick.time, columns[pick.time], pick.time_factor, LATEST, "s")
             self._require_uniform(pick.time, t)
         self.count += values.size
         self.last = float(t[-1])
         self.low = min(self.low, float(values.min()))
         self.high = max(self.high, float(values.max()))
-        return Channel(pick.quantity, t, values * pick.factor, pick.name)
+        try:
+            return Channel(pick.quantity, t, signal, pick.name)
+        except ValueError as error:
+            raise RecordError(f"{self.file.path}: {error}") from None
 
     def finish(self) -> None:
-        """Check what only the whole channel shows: that it is not constant."""
+        """Check what only the whole channel shows: that it is not constant, nor as good as that."""
+        channel = f"{self.file.path}: channel {self.pick.name!r}"
+        swing = (self.high - self.low) * abs(self.pick.factor)
         if self.low == self.high:
             raise RecordError(
-                f"{self.file.path}: channel {self.pick.name!r} is constant, {self.low:g} in all {self.count} samples; "
-                "check transducer and mapping"
+                f"{channel} is constant, {self.low:g} in all {self.count} samples; check transducer and mapping"
+            )
+        if swing < SMALLEST_RANGE:
+            raise RecordError(
+                f"{channel} moves by {swing:.3g} {QUANTITIES[self.pick.quantity]} in all, too little to mean anything; "
+                "check its unit and scale"
+            )
+        if self.high - self.low < FINEST * max(abs(self.low), abs(self.high)):
+            raise RecordError(
+                f"{channel} is constant except for rounding, {self.low:g} in all {self.count} samples; check "
+                "transducer and mapping, or take off its offset"
             )
 
-    def _require_finite(self, index: int, values: Array) -> None:
-        bad = np.flatnonzero(~np.isfinite(values))
+    def _in_si(self, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
+        """The values in SI, finite and within the bound either way."""
+        with np.errstate(over="ignore"):
+            signal: Array = values * factor
+        bad = np.flatnonzero(~(np.abs(signal) <= bound))
         if not bad.size:
-            return
+            return signal
         i, file = int(bad[0]), self.file
-        what = "empty or not a number (NaN)" if np.isnan(values[i]) else "infinite"
+        remedy = "cut the record before it, or repair it"
+        if np.isnan(values[i]):
+            what = "empty or not a number (NaN)"
+        elif np.isinf(values[i]):
+            what = "infinite"
+        else:
+            what = f"{values[i]:.6g}, beyond {bound:g} {unit}"
+            remedy = "check its unit and scale, or repair it"
         more = f", and so are {bad.size - 1} more" if bad.size > 1 else ""
         raise RecordError(
             f"{file.path}: {file.place(index, self.count + i)}: channel {file.channels[index].name!r} is {what}{more}; "
-            "cut the record before it, or repair it"
+            f"{remedy}"
+        )
+
+    def _require_no_overflow(self, values: Array) -> None:
+        """No jump through nearly the whole range of an integer type, from its one end to the other."""
+        span, jumps = float(np.ptp(values)), np.abs(np.diff(values))
+        if not jumps.size:
+            return
+        i = int(np.argmax(jumps))
+        bits = next((bits for bits in _BITS if span < 2.0**bits), 0)
+        if not bits or jumps[i] <= _WRAPPED * 2.0**bits or np.any(values != np.round(values)):
+            return
+        raise RecordError(
+            f"{self.file.path}: {self.file.place(self.pick.index, self.count + i + 1)}: channel {self.pick.name!r} "
+            f"goes from {values[i]:g} to {values[i + 1]:g}: an integer of {bits} bits ran over; record "
+            "with a wider range"
         )
 
     def _require_uniform(self, index: int, t: Array) -> None:
@@ -131,6 +200,10 @@ class Stretch:
         steps = np.diff(line)
         if self.step is None:
             self.step = float(np.median(steps))
+        if self.step > 0.0 and not LOWEST_RATE <= 1.0 / self.step <= HIGHEST_RATE:
+            raise RecordError(
+                f"{where} has steps of {self.step:g} s, which no recorder has; check its unit, or give sample_rate_hz"
+            )
         i = int(np.argmin(steps))
         if steps[i] <= 0.0:
             raise RecordError(
@@ -152,7 +225,8 @@ class Stretch:
             )
 
 
-def _wanted(picks: Sequence[Pick]) -> list[int]:
+def wanted_of(picks: Sequence[Pick]) -> list[int]:
+    """The channels to read, signals and times."""
     return sorted({i for pick in picks for i in (pick.index, pick.time) if i is not None})
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import stat
 from dataclasses import dataclass
 from pathlib import Path
 
+from ...project.wording import shortened, visible
 from ..errors import RecordError
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
@@ -51,7 +53,7 @@ def format_by_suffix(path: Path) -> str:
         if path.suffix.lower() in kind.suffixes:
             return name
     every = ", ".join(suffix for kind in FORMATS.values() for suffix in kind.suffixes)
-    raise RecordError(f"{path}: unknown suffix {path.suffix!r}; records end in {every}")
+    raise RecordError(f"{path}: unknown suffix {shortened(path.suffix)}; records end in {every}")
 
 
 def content_of(path: Path) -> str | None:
@@ -71,22 +73,34 @@ def content_of(path: Path) -> str | None:
     return None if control and not head.startswith(_BYTE_ORDER_MARKS) else "text"
 
 
+def require_showable(path: Path) -> None:
+    """RecordError for a name with control characters: it would stand in every report and figure."""
+    if visible(str(path)) != str(path):
+        raise RecordError(
+            f"{shortened(str(path), 200)}: its name has characters that cannot be shown; choose another"
+        )
+
+
 def checked_format(path: Path) -> str:
-    """The kind of content of a file that is there, not empty, and what its name says: a key of _TITLES.
+    """The kind of content of a regular file that is there, not empty, and what its name says: a key of _TITLES.
 
     Raises RecordError otherwise.
     """
-    if path.is_dir():
-        raise RecordError(f"{path}: is a folder; give the files in it")
-    if not path.exists():
-        raise RecordError(f"{path}: no such file")
-    kind = FORMATS[format_by_suffix(path)]
+    require_showable(path)
     try:
+        found = path.stat()
+        if stat.S_ISDIR(found.st_mode):
+            raise RecordError(f"{path}: is a folder; give the files in it")
+        if not stat.S_ISREG(found.st_mode):
+            raise RecordError(f"{path}: is a pipe or a device, not a file")
+        kind = FORMATS[format_by_suffix(path)]
         content = content_of(path)
-        size = path.stat().st_size
+    except FileNotFoundError:
+        raise RecordError(f"{path}: no such file") from None
     except OSError as error:
-        raise RecordError(f"{path}: cannot be opened: {error.strerror}") from None
-    if size == 0:
+        name = shortened(str(path), 200)[1:-1]
+        raise RecordError(f"{name}: cannot be opened: {error.strerror}") from None
+    if found.st_size == 0:
         raise RecordError(f"{path}: is empty")
     if content is None:
         raise RecordError(

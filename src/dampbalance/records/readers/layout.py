@@ -18,8 +18,11 @@ from .record_file import RawChannel
 
 WHITESPACE = "whitespace"
 
+LONGEST_LINE = 131_072
+"""Characters of a line: room for all channels that a record may have, and no more than the module csv takes."""
+
 _SAMPLE_LINES = 400  # enough for any header and some rows
-_SAMPLE_CHARACTERS = 4_000_000
+_SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
 _COMMENTS = "#%"
 _BRACKETS = "[](){} "
@@ -42,6 +45,7 @@ class Layout:
 
     header_lines : lines before the first row.   comment : character that opens a comment.   columns : left to right.
     ends_in_line_end : whether the last line does; otherwise it may have been cut.
+    rows_stated : about how many rows the file has, from its size and the length of its first lines.
     """
 
     encoding: str
@@ -51,14 +55,14 @@ class Layout:
     header_lines: int
     columns: tuple[RawChannel, ...]
     ends_in_line_end: bool
+    rows_stated: int
 
     def rows(self, path: Path) -> Iterator[tuple[int, list[str]]]:
         """Line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
-        with open(path, encoding=self.encoding, errors="replace", newline=None) as stream:
-            numbered = enumerate(stream, start=1)
-            for number, line in itertools.islice(numbered, self.header_lines, None):
-                if cells := cells_of(line, self.delimiter, self.comment):
-                    yield number, cells
+        numbered = enumerate(lines_of(path, self.encoding), start=1)
+        for number, line in itertools.islice(numbered, self.header_lines, None):
+            if cells := cells_of(line, self.delimiter, self.comment):
+                yield number, cells
 
     def is_readable(self, cell: str) -> bool:
         """Whether a cell is a number, or NaN or an infinity, which the check for finite values names."""
@@ -71,9 +75,12 @@ def layout_of(path: Path, mapping: RecordMapping) -> Layout:
     Raises RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows.
     """
     encoding = _encoding(path)
-    with open(path, encoding=encoding, errors="replace", newline=None) as stream:
-        every = iter(lambda: stream.readline(_SAMPLE_CHARACTERS), "")
-        lines = list(itertools.islice(every, _SAMPLE_LINES))
+    lines, characters = [], 0
+    for line in itertools.islice(lines_of(path, encoding), _SAMPLE_LINES):
+        lines.append(line)
+        characters += len(line)
+        if characters > _SAMPLE_CHARACTERS:
+            break
     first_marks = "".join(line.lstrip()[:1] for line in lines)
     comment = next((mark for mark in first_marks if mark in _COMMENTS), "#")
     fits = [
@@ -87,7 +94,23 @@ def layout_of(path: Path, mapping: RecordMapping) -> Layout:
         raise RecordError(_no_rows(path, lines, comment, mapping))
     (_, header, width), delimiter, decimal = max(fits, key=lambda fit: fit[0][0])
     columns = _columns(path, lines[:header], delimiter, comment, width)
-    return Layout(encoding, delimiter, decimal, comment, header, columns, _ends_in_line_end(path))
+    length = sum(map(len, lines[header:])) / max(1, len(lines) - header)
+    rows = round(path.stat().st_size / max(1.0, length))
+    ended = _ends_in_line_end(path)
+    return Layout(encoding, delimiter, decimal, comment, header, columns, ended, rows)
+
+
+def lines_of(path: Path, encoding: str) -> Iterator[str]:
+    """The lines of a text file. Raises RecordError for one that is too long to be a row of a record."""
+    with open(path, encoding=encoding, errors="replace", newline=None) as stream:
+        every = iter(lambda: stream.readline(LONGEST_LINE + 1), "")
+        for number, line in enumerate(every, start=1):
+            if len(line) > LONGEST_LINE:
+                raise RecordError(
+                    f"{path}: line {number} has more than {LONGEST_LINE:,} characters; it is no row of a record: "
+                    "keep the channels of one record, one row a sample"
+                )
+            yield line
 
 
 def cells_of(line: str, delimiter: str, comment: str) -> list[str]:

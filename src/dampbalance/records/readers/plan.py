@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from ...project.wording import shortened
 from ..errors import RecordError
 from ..mapping import ChannelRule, RecordMapping, Which
 from ..measurement import EXCITATIONS, QUANTITIES, RESPONSES
-from ..units import UnitError, unit_for
+from ..units import UnitError, find_unit, unit_for
 from .record_file import RawChannel, RecordFile
 
 NAMES = {
@@ -22,6 +24,7 @@ NAMES = {
 }
 """Names by which a channel is recognised without a mapping, in lower case; blanks and hyphens count as "_"."""
 
+_LISTED = 20  # channels, in a message
 _QUANTITIES = {name: quantity for quantity, names in NAMES.items() for name in names}
 _TIME = re.compile(r"(time|zeit|t)(_?\d+)?")
 
@@ -71,8 +74,10 @@ class _Plan:
     def __init__(self, file: RecordFile, mapping: RecordMapping) -> None:
         self.path, self.channels, self.mapping = file.path, file.channels, mapping
         self.where = mapping.source or f"{file.path}.yaml"
-        named = (f"{i} {_full(raw)!r}" for i, raw in enumerate(file.channels, start=1))
-        self.overview = ", ".join(named) or "none"
+        listed = file.channels[:_LISTED]
+        named = [f"{i} {shortened(_full(raw))}" for i, raw in enumerate(listed, start=1)]
+        more = len(file.channels) - len(listed)
+        self.overview = (", ".join(named) or "none") + (f" and {more} more" if more else "")
 
     def pick(self, quantity: str, index: int, rule: ChannelRule) -> Pick:
         """The pick of a channel with the times that the mapping or the file gives it."""
@@ -106,7 +111,9 @@ class _Plan:
             quantity = _QUANTITIES.get(_key(raw.name))
             if quantity in chosen:
                 first = self.channels[chosen[quantity]].name
-                raise self.unclear(f"takes both {first!r} and {raw.name!r} for {quantity}")
+                raise self.unclear(
+                    f"takes both {shortened(first)} and {shortened(raw.name)} for {quantity}"
+                )
             if quantity:
                 chosen[quantity] = i
         return chosen
@@ -139,16 +146,18 @@ class _Plan:
             if len(matches) == 1:
                 return matches[0]
             if matches:
-                numbers = " and ".join(str(i + 1) for i in matches)
+                numbers = " and ".join(str(i + 1) for i in matches[:_LISTED])
                 raise RecordError(
-                    f"{said} {path} has {len(matches)} channels {which!r}, numbers {numbers}; give one"
+                    f"{said} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
                 )
-        raise RecordError(f"{said} {path} has no channel {which!r}; it has {self.overview}")
+        raise RecordError(
+            f"{said} {path} has no channel {shortened(which)}; it has {self.overview}"
+        )
 
     def unit(self, raw: RawChannel, given: str | None, quantity: str) -> float:
         """SI units per unit of the channel."""
         text = given or raw.unit
-        channel = f"{self.path}: channel {raw.name!r}"
+        channel = f"{self.path}: channel {shortened(raw.name)}"
         if text is None:
             timed = quantity == "time"
             key = "time: {channel: …, unit: …}" if timed else f"channels.{quantity}.unit"
@@ -157,6 +166,10 @@ class _Plan:
             return unit_for(text, quantity).factor
         except UnitError as error:
             raise RecordError(f"{channel}: {error}") from None
+
+    def which(self, raw: RawChannel) -> str:
+        """A channel as a mapping names it: by its name, or by its number where that is long."""
+        return _yaml(raw.name) if len(raw.name) <= 60 else str(self.channels.index(raw) + 1)
 
     def unclear(self, what: str) -> RecordError:
         """The error for channels that cannot be told apart, with what to write."""
@@ -168,7 +181,10 @@ class _Plan:
             f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)} and at least one of {', '.join(RESPONSES)}."
             f" Its channels are {self.overview}. Say which is which in {self.where}, for example",
             "  channels:",
-            *(f"    {q}: {{channel: {_yaml(c.name)}, unit: {c.unit or '…'}}}" for q, c in examples),
+            *(
+                f"    {q}: {{channel: {self.which(c)}, unit: {_known(c.unit)}}}"
+                for q, c in examples
+            ),
         ]
         if len(signals) == len(self.channels) and not any(raw.rate_hz for raw in signals):
             lines.append("  sample_rate_hz: …")
@@ -179,9 +195,14 @@ def _full(raw: RawChannel) -> str:
     return f"{raw.name} [{raw.unit}]" if raw.unit else raw.name
 
 
+def _known(unit: str | None) -> str:
+    return unit if unit and find_unit(unit) else "…"
+
+
 def _yaml(name: str) -> str:
+    """The name as YAML takes it."""
     plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name)
-    return name if plain else '"' + name.replace('"', '\\"') + '"'
+    return name if plain else json.dumps(name, ensure_ascii=not name.isprintable())
 
 
 def _key(name: str) -> str:

@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
+from ...project.wording import shortened
 from ..errors import RecordError
+from ..limits import HIGHEST_RATE, LATEST, LONGEST_NAME, LOWEST_RATE, MOST_CHANNELS
 from ..units import split_label
 
 RATE_NAMES = (
@@ -24,6 +26,8 @@ STEP_NAMES = (
 START_NAMES = ("wf_start_offset", "t0", "t_start", "start_time_s")
 UNIT_NAMES = ("unit", "units", "unit_string", "ni_unitdescription")
 """Names, in lower case, under which files keep sampling rate (Hz), step (s), first time (s) and unit."""
+
+TIMING_NAMES = frozenset((*RATE_NAMES, *STEP_NAMES, *START_NAMES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,8 +106,29 @@ def intact(path: Path, what: str, close: Callable[[], None] = lambda: None) -> I
             raise
         reason = " ".join(str(error).split()) or type(error).__name__
         raise RecordError(
-            f"{path}: cannot be read as {what}, it is damaged or was cut short ({reason})"
+            f"{path}: cannot be read as {what}, it is damaged or was cut short ({shortened(reason, 200)[1:-1]})"
         ) from None
+
+
+def require_nameable(path: Path, channels: Sequence[RawChannel]) -> None:
+    """RecordError for a file of more channels, or with longer names of channels, than any record has."""
+    require_channels(path, len(channels))
+    for number, channel in enumerate(channels, start=1):
+        longest = max(channel.label or channel.name, channel.unit or "", key=len)
+        if len(longest) > LONGEST_NAME:
+            raise RecordError(
+                f"{path}: the name of channel {number} has {len(longest):,} characters, {shortened(longest, 40)}; "
+                f"a name has {LONGEST_NAME:,} at most"
+            )
+
+
+def require_channels(path: Path, count: int) -> None:
+    """RecordError for a file of more channels than any record has."""
+    if count > MOST_CHANNELS:
+        raise RecordError(
+            f"{path}: holds {count:,} channels, more than {MOST_CHANNELS:,}; a table has its samples along the longer "
+            "side: keep the channels of one record"
+        )
 
 
 def described(
@@ -111,26 +136,36 @@ def described(
 ) -> RawChannel:
     """The channel of `size` samples with that label, its timing among the attributes, whatever they are called.
 
-    unit : instead of the label's.   Raises RecordError when a rate or a step is not a positive number.
+    unit : instead of the label's.   Raises RecordError when a rate, a step or a first time is none.
     """
     name, own = split_label(label)
     values = {str(key).lower(): value for key, value in attributes.items()}
     remedy = "give sample_rate_hz in a mapping"
 
     def number(key: str) -> float:
-        try:
-            return float(np.asarray(values[key], dtype=np.float64).reshape(-1)[0])
-        except (TypeError, ValueError, IndexError):
+        value = np.asarray(values[key])
+        if value.size != 1 or value.dtype.kind not in "fiu":
             raise RecordError(
-                f"{path}: {key} of channel {label!r} is {values[key]!r}, not a number; {remedy}"
-            ) from None
+                f"{path}: {key} of channel {shortened(label)} is {shortened(values[key])}, not a number; {remedy}"
+            )
+        return float(value.reshape(-1)[0])
 
     start = next((number(key) for key in START_NAMES if key in values), 0.0)
+    if not abs(start) <= LATEST:
+        raise RecordError(f"{path}: channel {shortened(label)} begins at {start:g} s; {remedy}")
     for key in (*RATE_NAMES, *STEP_NAMES):
         if key in values:
             value = number(key)
-            if not (np.isfinite(value) and value > 0.0):
-                raise RecordError(f"{path}: {key} of channel {label!r} is {value:g}; {remedy}")
+            lowest, highest = (
+                (1.0 / HIGHEST_RATE, 1.0 / LOWEST_RATE)
+                if key in STEP_NAMES
+                else (LOWEST_RATE, HIGHEST_RATE)
+            )
+            if not lowest <= value <= highest:
+                raise RecordError(
+                    f"{path}: {key} of channel {shortened(label)} is {value:g}, not within {lowest:g} to {highest:g}; "
+                    f"{remedy}"
+                )
             rate = 1.0 / value if key in STEP_NAMES else value
             return RawChannel(name, unit or own, size, rate, start, label)
     return RawChannel(name, unit or own, size, None, start, label)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from pathlib import Path
 from typing import Literal
@@ -17,37 +18,44 @@ _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "accelerat
 _NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long a WAV will become
 
 
-def uff_file(path: Path) -> RecordFile:
+def uff_file(path: Path, largest: int) -> RecordFile:
     """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary.
 
     A channel is called by its ordinate's label, else by its first ID line, else by what the data type says.
     """
     pyuff = library("pyuff", "a universal file")
+    size = path.stat().st_size
+    if size > 2 * largest:  # of text or binary, four bytes a number at least
+        raise RecordError(
+            f"{path}: has more than {2 * largest:,} bytes, and a universal file is read whole; give a part of the "
+            f"record, or raise the limit (--largest {size})"
+        )
+    channels, arrays = [], []
     with intact(path, "a universal file"):
         file = pyuff.UFF(str(path))
         marks = path.read_bytes().count(b"    -1\n") + path.read_bytes().count(b"    -1\r")
         sets = [file.read_sets(i) for i, kind in enumerate(file.get_set_types()) if int(kind) == 58]
-    sets = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
-    channels, arrays = [], []
-    for item in sets:
-        n = int(item["num_pts"])
-        label = _stated(item, "ordinate_axis_lab", "id1") or _SPECIFIC_TYPES.get(
-            int(item["ordinate_spec_data_type"]), "data"
-        )
-        values = np.asarray(item["data"])
-        if values.size != n or np.iscomplexobj(values):
-            raise RecordError(
-                f"{path}: data set {label!r} has {values.size} of its {n} values; it was cut short or is no real signal"
+        sets = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
+        for item in sets:
+            n = int(item["num_pts"])
+            label = _stated(item, "ordinate_axis_lab", "id1") or _SPECIFIC_TYPES.get(
+                int(item["ordinate_spec_data_type"]), "data"
             )
-        even = item["abscissa_spacing"] == 1
-        timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]} if even else {}
-        channel = described(path, label, n, timing, _stated(item, "ordinate_axis_units_lab"))
-        if not even:  # its times stand in it, in front of it here
-            seconds = _stated(item, "abscissa_axis_units_lab") or "s"
-            channels.append(RawChannel(f"{channel.name} time", seconds, n))
-            arrays.append(np.asarray(item["x"]))
-        channels.append(channel)
-        arrays.append(values)
+            values = np.asarray(item["data"])
+            if values.size != n or np.iscomplexobj(values):
+                raise RecordError(
+                    f"{path}: data set {label!r} has {values.size} of its {n} values; it was cut short or is no real "
+                    "signal"
+                )
+            even = item["abscissa_spacing"] == 1
+            timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]} if even else {}
+            channel = described(path, label, n, timing, _stated(item, "ordinate_axis_units_lab"))
+            if not even:  # its times stand in it, in front of it here
+                seconds = _stated(item, "abscissa_axis_units_lab") or "s"
+                channels.append(RawChannel(f"{channel.name} time", seconds, n))
+                arrays.append(np.asarray(item["x"]))
+            channels.append(channel)
+            arrays.append(values)
     if marks % 2:
         raise RecordError(f"{path}: its last data set has no end; it was cut short")
     if not sets:
@@ -55,12 +63,14 @@ def uff_file(path: Path) -> RecordFile:
     return Sliced(path, channels, lambda i, a, b: arrays[i][a:b], "a universal file")
 
 
-def tdms_file(path: Path) -> RecordFile:
+def tdms_file(path: Path, largest: int) -> RecordFile:
     """A TDMS file: its channels, "group/channel" if there are several groups; step and unit are properties."""
     nptdms = library("nptdms", "TDMS")
-    with intact(path, "TDMS"):
-        file = nptdms.TdmsFile.open(path)
-    with intact(path, "TDMS", file.close):
+    complaints = _Complaints()
+    # the file alone, not an index that may lie beside it; the reader closes it
+    stream = open(path, "rb")  # noqa: SIM115
+    with intact(path, "TDMS", stream.close), complaints:
+        file = nptdms.TdmsFile.open(stream)
         every = (channel for group in file.groups() for channel in group.channels())
         signals = [c for c in every if c.dtype.kind in "fiu" and len(c)]
         if not signals:
@@ -71,16 +81,18 @@ def tdms_file(path: Path) -> RecordFile:
             raise RecordError(
                 f"{path}: its last segment is incomplete: the file was cut short, or the recording was not closed"
             )
+        if complaints.first:
+            raise RecordError(f"{path}: is damaged or was cut short ({complaints.first})")
         several = len({c.group_name for c in signals}) > 1
         labels = [f"{c.group_name}/{c.name}" if several else c.name for c in signals]
         channels = [
             described(path, label, len(c), dict(c.properties), unit_among(c.properties))
             for label, c in zip(labels, signals, strict=True)
         ]
-    return Sliced(path, channels, lambda i, a, b: signals[i][a:b], "TDMS", file.close)
+    return Sliced(path, channels, lambda i, a, b: signals[i][a:b], "TDMS", stream.close)
 
 
-def wav_file(path: Path) -> RecordFile:
+def wav_file(path: Path, largest: int) -> RecordFile:
     """A WAV file: its channels are "channel 1", …, without unit; integers become parts of full scale, −1 to 1."""
     from scipy.io import wavfile
 
@@ -112,6 +124,26 @@ def wav_file(path: Path) -> RecordFile:
         return (np.asarray(table[begin:end, i], dtype=np.float64) - zero) / full
 
     return Sliced(path, channels, read, "WAV")
+
+
+class _Complaints(logging.Handler):
+    """What the library for TDMS logs about a file, and would read nevertheless; nothing of it reaches the screen."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.first = ""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep the first."""
+        self.first = self.first or record.getMessage()
+
+    def __enter__(self) -> None:
+        manager = library("nptdms.log", "TDMS").log_manager
+        manager.console_handler.setLevel(logging.CRITICAL)
+        logging.getLogger("nptdms").addHandler(self)
+
+    def __exit__(self, *_: object) -> None:
+        logging.getLogger("nptdms").removeHandler(self)
 
 
 def _stated(item: dict[str, str], *keys: str) -> str | None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import io
 import itertools
-import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -11,10 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from ...arrays import Array
+from ...project.wording import shortened
 from ..errors import RecordError, RecordWarning
 from ..mapping import RecordMapping
-from .layout import WHITESPACE, layout_of
+from .layout import LONGEST_LINE, WHITESPACE, layout_of
 from .record_file import RecordFile
+
+_AT_ONCE = 4_000_000  # cells that are parsed at once, wanted or not
 
 
 class TextFile(RecordFile):
@@ -29,6 +32,11 @@ class TextFile(RecordFile):
 
         Raises RecordError naming line and column for a cell that is no number and a row that has too many or too few.
         """
+        if size is None:
+            parts = list(self.blocks(wanted, _AT_ONCE))
+            if parts:
+                yield [np.concatenate(columns) for columns in zip(*parts, strict=True)]
+            return
         if not self.layout.ends_in_line_end:
             warnings.warn(
                 f"{self.path}: its last line has no end; if the file was cut, its last number is wrong",
@@ -40,22 +48,25 @@ class TextFile(RecordFile):
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
         layout = self.layout
         try:
-            with pd.read_csv(
-                self.path,
-                chunksize=size or sys.maxsize,
-                header=None,
-                dtype=dict.fromkeys(wanted, np.float64),
-                low_memory=False,
-                skiprows=layout.header_lines,
-                comment=layout.comment,
-                decimal=layout.decimal,
-                encoding=layout.encoding,
-                encoding_errors="replace",
-                skipinitialspace=True,
-                sep=r"\s+" if layout.delimiter == WHITESPACE else layout.delimiter,
-            ) as chunks:
+            with (
+                _bounded(self.path, layout.encoding) as stream,
+                pd.read_csv(
+                    stream,
+                    chunksize=min(size, max(1, _AT_ONCE // len(self.channels))),
+                    header=None,
+                    dtype=dict.fromkeys(wanted, np.float64),
+                    low_memory=False,
+                    skiprows=layout.header_lines,
+                    comment=layout.comment,
+                    decimal=layout.decimal,
+                    skipinitialspace=True,
+                    sep=r"\s+" if layout.delimiter == WHITESPACE else layout.delimiter,
+                ) as chunks,
+            ):
                 for chunk in chunks:
                     yield [chunk[i].to_numpy(dtype=np.float64) for i in wanted]
+        except _LongLine:
+            raise RecordError(self._complaint(wanted, "a line has no end")) from None
         except (ValueError, OverflowError) as error:  # pandas' own errors are ValueErrors
             raise RecordError(self._complaint(wanted, str(error))) from None
 
@@ -76,5 +87,29 @@ class TextFile(RecordFile):
             for i in wanted:
                 cell = cells[i]
                 if not self.layout.is_readable(cell):
-                    return f"{self.path}: line {number}, column {self.channels[i].name!r}: {cell!r} is not a number"
-        return f"{self.path}: cannot be read: {fallback}"
+                    return (
+                        f"{self.path}: line {number}, column {self.channels[i].name!r}: {shortened(cell)} is not a "
+                        "number"
+                    )
+        return f"{self.path}: cannot be read: {shortened(fallback, 200)[1:-1]}"
+
+
+class _LongLine(Exception):
+    """A line that is no row, which a parser would gather in memory."""
+
+
+class _bounded(io.TextIOWrapper):
+    """The text of a file, up to a line that is too long."""
+
+    def __init__(self, path: Path, encoding: str) -> None:
+        super().__init__(path.open("rb"), encoding, errors="replace", newline="")
+        self.without_end = 0
+
+    def read(self, size: int | None = -1, /) -> str:
+        """The next characters."""
+        text = super().read(size)
+        ends = max(text.rfind("\n"), text.rfind("\r"))
+        self.without_end = len(text) + (self.without_end if ends < 0 else -ends)
+        if self.without_end > LONGEST_LINE + 262_144:  # what pandas reads at once
+            raise _LongLine
+        return text

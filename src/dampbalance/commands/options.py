@@ -1,0 +1,42 @@
+"""What a number on the command line may be: within bounds, or an error that says which."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from typing import Any
+
+from ..project.wording import shortened
+
+SMALLEST, LARGEST = 1e-15, 1e15
+"""Bounds of a quantity in SI units: no oscillator goes beyond them, and their squares and cubes are numbers yet."""
+
+
+def number(low: float = SMALLEST, high: float = LARGEST) -> Callable[[str], float]:
+    """A type of argument: a number within bounds."""
+    return _within(float, low, high, f"a {'positive ' * (low > 0)}number, {low:g} to {high:g}")
+
+
+def whole(low: int = 0, high: int = 2**63 - 1) -> Callable[[str], int]:
+    """A type of argument: a whole number within bounds."""
+    return _within(int, low, high, f"a whole number, {low} to {high}")
+
+
+def count(text: str) -> int:
+    """A type of argument: a positive whole number that may be written as 5e8."""
+    return int(number(1.0, 1e12)(text))
+
+
+def _within(
+    kind: Callable[[str], Any], low: float, high: float, wanted: str
+) -> Callable[[str], Any]:
+    def read(text: str) -> Any:
+        try:
+            value = kind(text)
+        except ValueError:
+            value = None
+        if value is None or not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"must be {wanted}, got {shortened(text)}")
+        return value
+
+    return read

@@ -1,0 +1,739 @@
+"""Records that someone hostile, or a broken logger, hands over: one clear error, or a sound result; nothing else."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import re
+import signal
+import struct
+import tracemalloc
+import warnings
+import xml.dom.minidom
+import zlib
+
+import h5py
+import nptdms
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+import scipy.io
+from scipy.io import wavfile
+
+from dampbalance.commands.main import main
+from dampbalance.identification import loading
+from dampbalance.model import BaseMotion
+from dampbalance.motion.orbit import steady_orbit
+from dampbalance.records.errors import RecordError
+from dampbalance.records.limits import LARGEST
+from dampbalance.records.mapping import read_mapping
+from dampbalance.records.readers import channels, open_channels, read
+from dampbalance.records.synthetic import measured_orbit
+from paper_case import PAPER
+
+RATE = 500.0
+NAMES = ("time_s", "base_displacement_m", "displacement_m")
+LONGEST = 2000  # characters of an error on a screen
+UNSHOWABLE = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028-\u202e]")
+CHANNELS = {
+    "base_displacement": {"channel": 1, "unit": "m"},
+    "displacement": {"channel": 2, "unit": "m"},
+}
+
+
+@pytest.fixture(autouse=True)
+def _no_hang():
+    """What waits for ever fails. Nothing here takes a tenth of that."""
+
+    def stop(*_):
+        raise AssertionError("still at it after two minutes")
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.alarm(120)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+def signals(Y=0.004, seed=1):
+    """Times, base and mass of a sound record."""
+    orbit = steady_orbit(PAPER, BaseMotion(Y=Y, omega=2.0 * np.pi * 3.5))
+    found = measured_orbit(orbit, rate_hz=RATE, cycles=14, noise=0.005, seed=seed)
+    base, mass = found.excitation, found["displacement"]
+    return tuple(np.array(a) for a in (base.t, base.values, mass.values))
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory):
+    """A sound record at another level, to go with the hostile one."""
+    path = tmp_path_factory.mktemp("sound") / "sound.csv"
+    write_text(path, *signals(0.009, seed=2))
+    return str(path)
+
+
+def write_text(path, *columns, names=NAMES):
+    pd.DataFrame(dict(zip(names, columns, strict=True))).to_csv(path, index=False)
+
+
+def write_parquet(path, *columns, names=NAMES):
+    pq.write_table(pa.table(dict(zip(names, columns, strict=True))), path)
+
+
+def write_matlab(path, *columns, names=NAMES):
+    arrays = dict(zip(names, columns, strict=True))
+    scipy.io.savemat(path, arrays, do_compression=True, oned_as="column")
+
+
+def write_hdf5(path, *columns, names=NAMES):
+    with h5py.File(path, "w") as file:
+        for name, values in zip(names, columns, strict=True):
+            file[name] = values
+
+
+def write_tdms(path, *columns, names=NAMES):
+    with nptdms.TdmsWriter(str(path)) as file:
+        file.write_segment(
+            [nptdms.ChannelObject("group", n, v) for n, v in zip(names, columns, strict=True)]
+        )
+
+
+def write_wav(path, _, *columns, **__):
+    wavfile.write(path, int(RATE), np.stack(columns, axis=1))
+    path.with_name(f"{path.name}.yaml").write_text(json.dumps({"channels": CHANNELS}))
+
+
+FORMATS = {
+    "csv": write_text,
+    "parquet": write_parquet,
+    "mat": write_matlab,
+    "h5": write_hdf5,
+    "tdms": write_tdms,
+    "wav": write_wav,
+}
+
+
+def listing(folder):
+    return {
+        p.relative_to(folder): (p.lstat().st_size, p.lstat().st_mtime_ns)
+        for p in folder.rglob("*")
+        if not p.is_dir()
+    }
+
+
+def tried(folder, capsys, *arguments):
+    """Exit code and what was said: 0 with results, or 2 with a short error and nothing else."""
+    before = listing(folder)
+    try:
+        code = main(["identify", *map(str, arguments), "--stiffness", "2310", "--replicates", "2"])
+    except SystemExit as stopped:
+        code = stopped.code
+    said = capsys.readouterr()
+    assert code in (0, 2)
+    assert not UNSHOWABLE.search(said.out + said.err)
+    if code:
+        assert said.out == ""
+        assert len(said.err) < LONGEST
+        assert listing(folder) == before
+    return code, said.out + said.err
+
+
+def refused(path, message, **options):
+    """The one error, which names the file."""
+    with pytest.raises(RecordError, match=message) as error:
+        read(path, **options)
+    assert str(path) in str(error.value)
+    assert len(str(error.value)) < LONGEST
+
+
+# Values
+
+
+def alternating(x):
+    return np.where(np.arange(x.size) % 2, 1e308, -1e308)
+
+
+VALUES = {
+    "huge": (lambda y, x: (1e150 * y, 1e150 * x), r"beyond 1e\+15 m, and so are"),
+    "huge in all formats": (lambda y, x: (y, 1e300 * x), r"beyond 1e\+15 m"),
+    "the largest": (lambda y, x: (y, alternating(x)), r"1e\+308, beyond 1e\+15 m"),
+    "one value": (lambda y, x: (y, np.where(np.arange(x.size) == 77, 1e160, x)), r"(line 79|sample 78): .*1e\+160"),
+    "tiny": (lambda y, x: (1e-150 * y, 1e-150 * x), "too little to mean anything"),
+    "a drive of next to nothing": (lambda y, x: (1e-300 * y, x), "'base_displacement|'channel 1"),
+    "subnormal": (lambda y, x: (y, 5e-322 * x), "constant|too little"),
+    "constant except for rounding": (lambda y, x: (y, 1.0 + 1e-13 * (x > 0)), "constant except for rounding"),
+    "infinite": (lambda y, x: (np.where(y > 0, y, -np.inf), x), "is infinite"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("name", VALUES)
+def test_values_that_no_rig_gives(name, suffix, tmp_path):
+    change, message = VALUES[name]
+    t, y, x = signals()
+    path = tmp_path / f"bad.{suffix}"
+    FORMATS[suffix](path, t, *change(y, x))
+    refused(path, message)
+    with pytest.raises(RecordError, match=message):
+        [list(blocks()) for blocks in open_channels(path, block=500).values()]
+
+
+@pytest.mark.parametrize("change", [lambda y: y, lambda y: -y, lambda y: 3.0 * y + 0.01])
+@pytest.mark.parametrize("large", [False, True])
+def test_a_response_that_is_the_excitation(change, large, tmp_path, capsys, sound, monkeypatch):
+    if large:
+        monkeypatch.setattr(loading, "LARGE", 1000)
+    t, y, _ = signals()
+    path = tmp_path / "bad.h5"
+    write_hdf5(path, t, y, change(y))
+    code, said = tried(tmp_path, capsys, path, sound)
+    assert code == 2
+    assert "displacement is base_displacement itself, times" in said
+    assert "bad.h5" in said
+
+
+@pytest.mark.parametrize(("dtype", "scale"), [("i1", 6e4), ("u1", 6e4), ("i2", 3e7), ("i4", 1e12)])
+@pytest.mark.parametrize("suffix", ["csv", "parquet", "mat", "h5", "tdms"])
+def test_an_integer_that_ran_over(dtype, scale, suffix, tmp_path):
+    t, y, x = signals()
+    path = tmp_path / f"bad.{suffix}"
+    counts = (scale * x).astype("i8")
+    wrapped = counts.astype(dtype)
+    assert not np.array_equal(counts, wrapped)
+    FORMATS[suffix](path, t, y, wrapped, names=(*NAMES[:2], "displacement_nm"))
+    refused(path, f"an integer of {8 * wrapped.itemsize} bits ran over")
+
+
+def test_a_full_range_is_no_overflow(tmp_path):
+    t, y, x = signals()
+    path = tmp_path / "run.h5"
+    counts = np.round(32767 * x / np.abs(x).max()).astype("i2")
+    write_hdf5(path, t, y, counts, names=(*NAMES[:2], "displacement_nm"))
+    np.testing.assert_array_equal(read(path)["displacement"].values, counts * 1e-9)
+
+
+def test_truth_values_and_dates_are_no_signals(tmp_path):
+    t, y, x = signals()
+    micros = (1e6 * x).astype("i8")
+    for suffix, values in {
+        "parquet": [x > 0, pa.array(micros, pa.timestamp("us")), pa.array(micros, pa.duration("us"))],
+        "csv": [x > 0, micros.astype("datetime64[us]")],
+        "h5": [x > 0],
+        "mat": [x > 0],
+        "tdms": [x > 0, micros.astype("datetime64[us]")],
+    }.items():  # fmt: skip
+        for column in values:
+            path = tmp_path / f"bad.{suffix}"
+            FORMATS[suffix](path, t, y, column)
+            refused(path, "not numbers|is not a number|finds no response|texts are not read")
+
+
+# Times
+
+
+@pytest.mark.parametrize("suffix", ["csv", "h5"])
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda t: 1e300 * t, r"beyond 1e\+12 s"),
+        (lambda t: 1e-300 * t, "which no recorder has"),
+        (lambda t: 1e12 * t, r"beyond 1e\+12 s"),
+        (lambda t: t + 1e17, r"beyond 1e\+12 s"),
+        (lambda t: 1e307 * (t - t.mean()), r"beyond 1e\+12 s"),
+    ],
+)
+def test_times_that_no_recorder_has(change, message, suffix, tmp_path):
+    t, y, x = signals()
+    path = tmp_path / f"bad.{suffix}"
+    FORMATS[suffix](path, change(t), y, x)
+    refused(path, message)
+
+
+@pytest.mark.parametrize("step", [0.0, -1e-3, 1e-300, 1e300, np.nan, np.inf, "often", 1 + 2j, True])
+def test_steps_that_no_recorder_has(step, tmp_path):
+    path = tmp_path / "bad.h5"
+    write_hdf5(path, *signals()[1:], names=NAMES[1:])
+    with h5py.File(path, "a") as file:
+        file.attrs["dt"] = step
+    refused(path, "dt of channel 'base_displacement_m' is")
+
+
+# Sizes: looked at before anything is read
+
+
+def peak_of(function, *arguments, **options):
+    """Megabytes that a function took."""
+    tracemalloc.start()
+    try:
+        with pytest.raises(RecordError) as error:
+            function(*arguments, **options)
+        return tracemalloc.get_traced_memory()[1] / 1e6, str(error.value)
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("suffix", ["h5", "parquet", "mat"])
+def test_what_unpacks_to_more_than_it_may_is_refused_before(suffix, tmp_path):
+    count = 4_000_000  # 96 MB as they are, next to nothing packed
+    path = tmp_path / f"bad.{suffix}"
+    if suffix == "h5":
+        with h5py.File(path, "w") as file:
+            for name in NAMES:
+                file.create_dataset(name, (count,), "f8", chunks=(10**5,), compression="gzip")
+    else:
+        FORMATS[suffix](path, *[np.zeros(count)] * 3)
+    assert path.stat().st_size < 1e6
+    peak, said = peak_of(read, path, largest=10_000_000)
+    assert peak < 10.0
+    assert "--largest" in said
+    for blocks in (loading.load, open_channels):
+        options = {"k": 2310.0} if blocks is loading.load else {}
+        peak, said = peak_of(blocks, path, largest=10_000_000, **options)
+        assert peak < 10.0
+
+
+def test_more_than_the_usual_limit_is_read_on_request(tmp_path):
+    path = tmp_path / "run.h5"
+    write_hdf5(path, *signals())
+    count = 3 * signals()[0].size
+    assert read(path, largest=count)
+    refused(path, f"{count:,} numbers, more than {count - 1:,}.*--largest {count}", largest=count - 1)  # fmt: skip
+    assert count < LARGEST
+
+
+def test_text_is_counted_as_it_comes(tmp_path):
+    path = tmp_path / "run.csv"
+    write_text(path, *signals())
+    blocks = open_channels(path, block=100, largest=500)["displacement"]()
+    with pytest.raises(RecordError, match="more than 500"):
+        list(blocks)
+
+
+def test_a_record_that_unpacks_to_much_comes_in_blocks(tmp_path, monkeypatch):
+    path = tmp_path / "run.h5"
+    t, y, x = signals()
+    with h5py.File(path, "w") as file:
+        for name, values in zip(NAMES, (t, y, x), strict=True):
+            file.create_dataset(name, data=values.round(4), compression="gzip")
+    assert loading.load(path, 2310.0).measurement is not None
+    monkeypatch.setattr(loading, "LARGE", 8 * 3 * t.size - 1)
+    assert path.stat().st_size < loading.LARGE
+    assert loading.load(path, 2310.0).measurement is None
+
+
+MATLAB = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
+
+
+def packed_matlab(path, content):
+    packed = zlib.compress(content)
+    path.write_bytes(MATLAB + struct.pack("<II", 15, len(packed)) + packed)
+
+
+def matlab_array(kind, *parts):
+    """An array of MATLAB 5 of a class, 1 × 1, without a name."""
+    head = struct.pack("<IIII", 6, 8, kind, 0) + struct.pack("<IIii", 5, 8, 1, 1)
+    content = head + struct.pack("<II", 1, 0) + b"".join(parts)
+    return struct.pack("<II", 14, len(content)) + content
+
+
+def test_an_element_of_matlab_that_lies_about_its_size(tmp_path):
+    path = tmp_path / "bad.mat"
+    numbers = struct.pack("<II", 9, 50_000_000) + bytes(50_000_000)
+    packed_matlab(path, struct.pack("<II", 14, 80) + matlab_array(6, numbers)[8:])
+    peak, said = peak_of(read, path, largest=400_000_000)
+    assert peak < 10.0
+    assert "a part is larger than what holds it" in said
+    packed_matlab(path, matlab_array(1, matlab_array(6, numbers)))  # in a cell
+    peak, said = peak_of(read, path, largest=20_000_000)
+    assert peak < 10.0
+    assert "holds more than 5,000,000 numbers" in said
+
+
+def test_cells_of_matlab_inside_each_other(tmp_path):
+    path = tmp_path / "bad.mat"
+    cell = matlab_array(6)
+    for _ in range(100):
+        cell = matlab_array(1, cell)
+    packed_matlab(path, cell)
+    refused(path, "arrays more than 64 deep")
+
+
+def test_structures_of_matlab_are_counted_right(tmp_path):
+    path = tmp_path / "run.mat"
+    t, y, x = signals()
+    whole = np.round(1e6 * x)  # stored as smaller integers
+    inner = {
+        "base_displacement_m": y,
+        "displacement_um": whole,
+        "note": "text",
+        "odd": np.arange(3.0),
+    }
+    run = {"inner": inner, "cell": np.array([1.0, "a"], object)}
+    scipy.io.savemat(path, {"time_s": t, "run": run}, do_compression=True)
+    found = read(path)
+    np.testing.assert_array_equal(found["displacement"].values, whole * 1e-6)
+    count = t.size + y.size + x.size
+    assert read(path, largest=4 * (count + 1000))
+    refused(path, "MATLAB 5 is read whole", largest=4 * (count - 1))
+
+
+# HDF5
+
+
+def hdf5(path, fill):
+    write_hdf5(path, *signals())
+    with h5py.File(path, "a") as file:
+        fill(file)
+    return path
+
+
+def test_groups_are_visited_once(tmp_path):
+    def diamonds(file):
+        group = file.create_group("g")
+        for _ in range(16):
+            below = group.create_group("left")
+            group["right"] = below
+            group = below
+        group["value"] = np.arange(5.0)
+        file["g/left/up"] = file["/"]
+        file["soft"] = h5py.SoftLink("/g")
+        file["loop"] = h5py.SoftLink("/loop")
+        file["nowhere"] = h5py.SoftLink("/g/none/at/all")
+        file["alias"] = h5py.SoftLink("/displacement_m")
+
+    path = hdf5(tmp_path / "run.h5", diamonds)
+    names = [raw.name for raw in channels(path)]
+    assert len(names) == 5
+    assert "alias" in names
+    assert list(read(path)) == ["base_displacement", "displacement"]
+
+
+def outside(path):
+    write_hdf5(path.with_name("other.h5"), *signals(), names=("a", "b", "secret"))
+
+
+def external_link(file):
+    del file["displacement_m"]
+    file["displacement_m"] = h5py.ExternalLink("other.h5", "secret")
+
+
+def external_group(file):
+    file["more"] = h5py.ExternalLink("/etc/passwd", "/")
+
+
+def soft_through_external(file):
+    file["#refs#"] = h5py.ExternalLink("other.h5", "/")
+    del file["displacement_m"]
+    file["displacement_m"] = h5py.SoftLink("/#refs#/secret")
+
+
+def external_storage(file):
+    del file["displacement_m"]
+    size = file["time_s"].size
+    file.create_dataset("displacement_m", (size,), "f8", external=[("other.h5", 0, 8 * size)])
+
+
+def virtual(file):
+    del file["displacement_m"]
+    size = file["time_s"].size
+    layout = h5py.VirtualLayout((size,), "f8")
+    layout[:] = h5py.VirtualSource("other.h5", "secret", (size,))
+    file.create_virtual_dataset("displacement_m", layout)
+
+
+def wide(file):
+    file.create_dataset("wide", (10**6, 10**6), "f8", chunks=(100, 100))
+
+
+def one_chunk(file):
+    file.create_dataset("chunk", (10**9,), "f8", chunks=(10**8,), compression="gzip")
+
+
+def deep(file):
+    for _ in range(100):
+        file = file.create_group("g")
+
+
+@pytest.mark.parametrize(
+    ("fill", "message"),
+    [
+        (external_link, r"'displacement_m' is a link into another file, 'other\.h5'"),
+        (external_group, "'more' is a link into another file"),
+        (soft_through_external, "finds no response"),
+        (external_storage, "'displacement_m' lies in another file"),
+        (virtual, "'displacement_m' is put together from other data sets"),
+        (wide, "1,000,003 channels, more than 4,096"),
+        (one_chunk, "chunks of 100,000,000 numbers, too large to unpack"),
+        (deep, "groups more than 64 deep"),
+    ],
+)
+def test_hdf5_that_leaves_its_file_or_all_bounds(fill, message, tmp_path):
+    path = tmp_path / "bad.h5"
+    outside(path)
+    refused(hdf5(path, fill), message)
+
+
+# Text and mappings
+
+TEXTS = {
+    "a million columns": (",".join(["1"] * 10**6) + "\n") * 3,
+    "a long cell": "time_s,y_m,x_m\n0,1,2\n" + "9" * 140_000 + ",1,2\n",
+    "a long name": "time_s,y_m," + "x" * 140_000 + "\n0,1,2\n1,2,3\n",
+    "a long line at the end": "time_s,y_m,x_m\n" + "0,1,2\n1,2,3\n" * 500 + "1" * 600_000 + "\n",
+    "no line ends": "1," * 10**6,
+    "a quote that stays open": 'time_s,y_m,x_m\n0,1,2\n"1,2,3\n' + "4,5,6\n" * 1000,
+    "NUL": "time_s,y_m,x_m\n0,1,2\n1,\x002,3\n",
+    "other digits": "time_s,y_m,x_m\n٠,١,٢\n١,٢,٣\n",
+    "hexadecimal": "time_s,y_m,x_m\n0x0,0x1,0x2\n0x1,0x2,0x3\n",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_text_that_is_no_record(name, tmp_path):
+    path = tmp_path / "bad.csv"
+    path.write_text(TEXTS[name], encoding="utf-8")
+    refused(path, "bad.csv: ")
+
+
+@pytest.mark.parametrize("end", ["\n", ""])
+def test_a_name_is_quoted_in_part(end, tmp_path, capsys, sound):
+    path = tmp_path / "bad.csv"
+    write_text(path, *signals(), names=(*NAMES[:2], "\x1b[31m<b>" + "x" * 900 + end))
+    code, said = tried(tmp_path, capsys, path, sound)
+    assert code == 2
+    assert r"\x1b[31m<b>xxx" in said
+    write_text(path, *signals(), names=(*NAMES[:2], "x" * 5000))
+    refused(path, "the name of channel 3 has 5,000 characters")
+
+
+BOMB = "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
+    f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefgh", "bcdefghi", strict=True)
+)
+MAPPINGS = [
+    "? [1, 2]\n: 3\n", "? {a: 1}\n: 3\n", "- a\n", "5\n", "text\n", "a: b: c\n", "\ta\n",
+    "!!python/name:os.system ''\n",
+    "&a {level: *a}\n", "channels: &a {force: *a}\n", BOMB, "a: " + "[" * 2000 + "]" * 2000, "level: 2020-13-45\n",
+    "level: " + "9" * 5000, "level: .nan\n", "level: [1]\n", "level: " + "L" * 201, "level: " + "L" * 2_000_000,
+    "level: a\nlevel: b\n", "k: 1\n", "".join(f"k{i}: 1\n" for i in range(1000)), "x" * 5000 + ": 1\n",
+    *(
+        f"channels: {{force: {{{rule}}}, velocity: {{channel: 3}}}}\n"
+        for rule in (
+            "channel: 2.0", "channel: true", "channel: [1]", "channel: " + "c" * 1001, "channel: 1, scale: 1.0e+16",
+            "channel: 1, scale: 0.0", "channel: 1, unit: " + "m" * 5000, f"channel: 1, unit: '{'[' * 5000}'",
+        )
+    ),
+    *(f"delimiter: {one}\n" for one in (r'"\n"', r'"\""', '""', "';;'", r'"\0"', "'#'", "e", "5", '"-"', r'";\n"')),
+    *(f"sample_rate_hz: {r}\n" for r in ("1.0e-300", "1.0e+300", "0", "-1", "true", ".inf", "'5'", "1e400")),
+    *(f"header_lines: {one}\n" for one in ("-1", "1.0", "1000000000000", "9" * 400)),
+    *(f"frequency_hz: {one}\n" for one in ("1.0e+308", "5.0e-324", "9" * 400)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", MAPPINGS, ids=range(len(MAPPINGS)))
+def test_mappings_that_are_none(text, tmp_path):
+    file = tmp_path / "bad.yaml"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(RecordError) as error:
+        read_mapping(file)
+    assert str(error.value).startswith(f"{file}: ")
+    assert all(len(line) < 400 for line in str(error.value).splitlines())
+    assert len(str(error.value).splitlines()) <= 21
+
+
+# Files
+
+
+def fifo(path):
+    os.mkfifo(path)
+
+
+def device(path):
+    path.symlink_to("/dev/zero")
+
+
+def loop(path):
+    path.symlink_to(path.name)
+
+
+@pytest.mark.parametrize("suffix", ["csv", "h5", "uff"])
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [(fifo, "is a pipe or a device"), (device, "is a pipe or a device"), (loop, "cannot be opened")],
+)  # fmt: skip
+def test_only_regular_files_are_opened(make, message, suffix, tmp_path):
+    path = tmp_path / f"bad.{suffix}"
+    make(path)
+    refused(path, message)
+
+
+@pytest.mark.parametrize("content", [b"", b"    -1\n    58\n", MATLAB, b"PAR1", b"TDSm"])
+@pytest.mark.parametrize("suffix", ["csv", "uff", "mat", "parquet", "tdms", "h5", "wav"])
+def test_a_sparse_file_is_no_record(content, suffix, tmp_path):
+    path = tmp_path / f"bad.{suffix}"
+    path.write_bytes(content)
+    os.truncate(path, 2 << 30)  # takes no room
+    peak, _ = peak_of(read, path)
+    assert peak < 10.0
+
+
+@pytest.mark.parametrize("way", ["twice", "spelling", "symlink", "hard link", "copy", "other format"])  # fmt: skip
+def test_one_record_is_one_level(way, tmp_path, capsys):
+    path, other = tmp_path / "a.csv", tmp_path / "b.csv"
+    write_text(path, *signals())
+    if way == "twice":
+        other = path
+    elif way == "spelling":
+        other = f"{tmp_path}/../{tmp_path.name}/a.csv"
+    elif way == "symlink":
+        other.symlink_to(path)
+    elif way == "hard link":
+        os.link(path, other)
+    elif way == "copy":
+        other.write_bytes(path.read_bytes())
+    else:
+        other = tmp_path / "b.mat"
+        write_matlab(other, *signals())
+    code, said = tried(tmp_path, capsys, path, other)
+    assert code == 2
+    assert "each record is one level" in said
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_damage_is_refused_or_does_no_harm(suffix, seed, tmp_path, capsys, sound):
+    path = tmp_path / f"bad.{suffix}"
+    FORMATS[suffix](path, *signals())
+    data, chance = bytearray(path.read_bytes()), random.Random(f"{suffix}{seed}")
+    if seed < 2:
+        data = data[: chance.randrange(len(data))]
+    else:
+        end = min(len(data), 2000)
+        for _ in range(10):
+            data[chance.randrange(end) - (end if seed % 2 else 0)] = chance.randrange(256)
+    path.write_bytes(bytes(data))
+    with warnings.catch_warnings():  # libraries leave files open that they cannot read
+        warnings.simplefilter("ignore", ResourceWarning)
+        tried(tmp_path, capsys, path, sound, "--approach", "fourier")
+
+
+# Names
+
+TROUBLE = {
+    "script": "<script>alert(1)</script>",
+    "markdown": "a|b *c* `d` [e](f)",
+    "maths": r"$x_{$ \$ $\frac{1}{2}$ ^_",
+    "backslashes": r"a\nb\x1b \\ %s {0}",
+    "other scripts": "é漢🎲",
+    "entities": "&amp; &lt; ' \"",
+}
+ACTING = {
+    "escape": "\x1b[31mred\x1b[0m",
+    "bell": "a\x07\x08b",
+    "line end": "a\nb",
+    "return": "a\rb",
+    "turned": "a\u202eb",
+    "eight bits": "a\x9b31m",
+    "separator": "a\u2028b",
+}
+
+
+def shown(folder):
+    """The texts that were written, each readable as what it is, without characters that act."""
+    texts = {}
+    for file in folder.iterdir():
+        if file.suffix != ".png":
+            texts[file.name] = file.read_text(encoding="utf-8")
+            assert not UNSHOWABLE.search(texts[file.name]), file.name
+    for name, text in texts.items():
+        if name.endswith(".svg"):
+            xml.dom.minidom.parseString(text)
+    return texts, json.loads(texts["identification.json"])
+
+
+@pytest.mark.parametrize("name", TROUBLE)
+def test_names_show_as_they_are(name, tmp_path, capsys, sound):
+    name = TROUBLE[name]
+    path, output = tmp_path / f"{name.replace('/', '')}.h5", tmp_path / "out"
+    t, y, x = signals()
+    x[300:340] = x[300]  # a drop-out, of which a warning tells
+    write_hdf5(path, t, y, x, names=("t", "base", name.replace("/", "")))
+    rules = {
+        "base_displacement": CHANNELS["base_displacement"] | {"channel": "base"},
+        "displacement": CHANNELS["displacement"] | {"channel": name.replace("/", "")},
+    }
+    path.with_name("channels.yaml").write_text(
+        json.dumps({"channels": rules, "level": name, "time": {"unit": "s"}}, ensure_ascii=False),
+        encoding="utf-8",
+    )
+    code, said = tried(
+        tmp_path, capsys, path, sound, "--output", output, "--approach", "fourier"
+    )  # fmt: skip
+    assert code == 0, said
+    assert f"warning: {path}: displacement: " in said
+    texts, document = shown(output)
+    assert document["records"][0]["record"] == str(path)
+    assert f"warning: {path}: " in texts["summary.txt"]
+    assert pd.read_csv(output / "features.csv")["record"][0] == str(path)
+    assert sorted(os.listdir(tmp_path)) == sorted([path.name, "channels.yaml", "out"])
+
+
+@pytest.mark.parametrize("name", ACTING)
+def test_characters_that_act_are_spelt(name, tmp_path, capsys, sound):
+    name = ACTING[name]
+    t, y, x = signals()
+    bad = tmp_path / f"{name}.csv"
+    write_text(bad, t, y, x)
+    code, said = tried(tmp_path, capsys, bad, sound)
+    assert code == 2
+    assert "characters that cannot be shown" in said
+    assert repr(name)[1:-1] in said
+    bad.unlink()
+
+    path, output = tmp_path / "run.h5", tmp_path / "out"
+    write_hdf5(path, t, y, x, names=("t", name, f"{name}2"))
+    code, said = tried(tmp_path, capsys, path, sound)  # which is which?
+    assert code == 2
+    assert repr(name)[1:-1] in said
+    numbers = {raw.name: number for number, raw in enumerate(channels(path), start=1)}
+    rules = {
+        "base_displacement": {"channel": numbers[name], "unit": "m"},
+        "displacement": {"channel": numbers[f"{name}2"], "unit": "m"},
+    }
+    mapping = path.with_name("run.yaml")
+    document = {"channels": rules, "time": {"unit": "s"}}
+    mapping.write_text(json.dumps(document))
+    code, said = tried(tmp_path, capsys, path, sound, "--output", output, "--approach", "fourier")
+    assert code == 0, said
+    shown(output)
+
+    mapping.write_text(json.dumps(document | {"level": name}))
+    code, said = tried(tmp_path, capsys, path, sound, "--output", tmp_path / "out2")
+    if code == 0:
+        shown(tmp_path / "out2")
+    else:
+        assert "cannot be shown as text" in said
+
+
+@pytest.mark.parametrize("name", ["../out", "a/../../out", "/dev/null/out"])
+def test_results_stay_where_they_are_asked_for(name, tmp_path, capsys, sound):
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    path = inner / "run.csv"
+    write_text(path, *signals())
+    path.with_name("run.yaml").write_text(json.dumps({"level": name}))
+    code, _ = tried(tmp_path, capsys, path, sound, "--output", inner / "out")
+    assert code == 0
+    assert sorted(os.listdir(tmp_path)) == ["inner"]
+    assert sorted(os.listdir(inner)) == ["out", "run.csv", "run.yaml"]
+
+
+def test_results_that_could_not_be_written_are_not_computed(tmp_path, capsys, sound):
+    path, mine = tmp_path / "run.csv", tmp_path / "mine"
+    write_text(path, *signals())
+    mine.write_text("mine")
+    for folder in (mine, mine / "deeper", "a\0b", tmp_path / ("o" * 300)):
+        code, _ = tried(tmp_path, capsys, path, sound, "--output", folder)
+        assert code == 2
+    assert mine.read_text() == "mine"
