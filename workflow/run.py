@@ -103,7 +103,9 @@ def main(arguments: list[str]) -> None:
         if done.returncode:
             sys.exit(done.stderr)
         remove_unfinished(RESULTS)
-    os.execv(sys.executable, [*SNAKEMAKE, "--rerun-incomplete", *arguments])
+    # the other scheduler starts a solver of its own whenever it chooses a job
+    greedy = ("--scheduler", "greedy")
+    os.execv(sys.executable, [*SNAKEMAKE, "--rerun-incomplete", *greedy, *arguments])
 
 
 if __name__ == "__main__":

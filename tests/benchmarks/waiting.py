@@ -94,7 +94,7 @@ def _memory(pid: int) -> float:
 def snakemake(folder: Path, target: str) -> Wait:
     """Build a target on all cores; the file `target`, or the page for `all`, must be there then."""
     wait = waited(
-        [sys.executable, "-m", "snakemake", "--cores", "all", "--quiet", "all", "--", target],
+        [sys.executable, "workflow/run.py", "--cores", "all", "--quiet", "all", "--", target],
         folder,
     )
     if not (folder / ("results/paper/report.html" if target == "all" else target)).exists():

@@ -7,11 +7,15 @@ what each shows in the paper's case, for readers who cannot see it.
 
 from __future__ import annotations
 
-from .acceleration import figure3
-from .error_levels import estimation_error
-from .friction_loop import friction_velocity_loop
-from .schematic import schematic
-from .style import save
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .acceleration import figure3
+    from .error_levels import estimation_error
+    from .friction_loop import friction_velocity_loop
+    from .schematic import schematic
+    from .style import save
 
 ALT = {
     "figure1": (
@@ -34,3 +38,20 @@ ALT = {
 """Alternative text of each figure in the paper's case, by the name of its file."""
 
 __all__ = ["ALT", "estimation_error", "figure3", "friction_velocity_loop", "save", "schematic"]
+
+# Loaded when they are asked for: the page takes looks and numbers from this room, and draws without matplotlib.
+_MODULES = {
+    "estimation_error": "error_levels",
+    "figure3": "acceleration",
+    "friction_velocity_loop": "friction_loop",
+    "save": "style",
+    "schematic": "schematic",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    found: object = getattr(import_module(f".{_MODULES[name]}", __name__), name)
+    globals()[name] = found
+    return found

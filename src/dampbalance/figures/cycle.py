@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from ..arrays import Array
 from ..motion.events import PHASE_S, PHASE_T
 from ..motion.orbit import Orbit
 from ..motion.states import State
 from .style import INK, SLIP, STICK, arrow
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 POINTS = {False: 240, True: 90}  # instants drawn per slip phase, per microstick phase
 LEFT, RIGHT, WIDTH = 15.0, 104.0, 72.0  # mm: the two columns of panels

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
@@ -26,6 +25,9 @@ from .series import (
     errors_by_level,
 )
 from .style import DASHED, FAINT, INK, omega_of, styled
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 STRIP, BREAK = 5.0, 1.6  # mm: panel below the break of the axis, and the break
 HEIGHT = 42.0 + BREAK + STRIP  # mm, of a panel with both

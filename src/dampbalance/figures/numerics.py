@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 from itertools import product
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatterMathtext, MaxNLocator
 
 from ..balance import TERMS
 from ..model import Oscillator
 from .looks import SCHEME_LOOKS
 from .style import DOUBLE_COLUMN, FAINT, INK, STICK, page, panel_letter, place, styled
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 ALT = (
     "Six panels. Integrals of Table 2 lie on the curves of backward Euler and off those of other schemes; the "
@@ -125,6 +126,8 @@ def deviation(values: pd.Series | np.ndarray, exact: pd.Series) -> np.ndarray:
 
 def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> None:
     """(b) The error of c by direct integration against the step, with the law mω²h and the printed c."""
+    from matplotlib import ticker  # slow to import, and the page takes the evidence alone
+
     error = (e.steps["c_N_s_per_m"] * e.steps["c_relative_error__direct__least_squares"]).abs()
     h = 1e6 * e.steps["step_s"]
     for scheme, rows in e.steps.groupby("scheme", sort=False):
@@ -148,7 +151,7 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
     axes.set_ylim(1e-13, 10.0)  # the legend below the smallest error
     axes.set_xticks([2, 5, 10, 20, 40, 80], ["2", "5", "10", "20", "40", "80"])
     axes.minorticks_off()
-    axes.yaxis.set_major_formatter(LogFormatterMathtext())
+    axes.yaxis.set_major_formatter(ticker.LogFormatterMathtext())
     tight = {"columnspacing": 0.4, "handletextpad": 0.1, "labelspacing": 0.15, "borderpad": 0.2}
     axes.legend(loc="lower right", ncols=2, fontsize=6.2, markerscale=0.8, **tight)
     axes.set(xlabel=r"step $h$ (µs)", ylabel="|error of $c$| (N s/m)")
@@ -170,6 +173,8 @@ def _coefficients(axes: Axes, e: Evidence) -> None:
 
 def _phase(axes: Axes, e: Evidence) -> None:
     """(d) The printed φ and the three phases it might be."""
+    from matplotlib import ticker  # slow to import, and the page takes the evidence alone
+
     Y = 1e3 * e.exact["Y_m"]
     for phase, text, colour, style in (
         ("zero_crossing", "zero crossing", OTHER, "--"),
@@ -179,7 +184,7 @@ def _phase(axes: Axes, e: Evidence) -> None:
         axes.plot(Y, e.exact[f"phi_{phase}_rad"], style, color=colour, label=text)
     axes.plot(Y, e.printed("table1.phi."), **(PRINTED | {"label": "printed"}))
     axes.legend(loc="lower right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
-    axes.yaxis.set_major_locator(MaxNLocator(5))
+    axes.yaxis.set_major_locator(ticker.MaxNLocator(5))
     axes.set(xlabel="$Y$ (mm)", ylabel=r"$\varphi$ (rad)")
 
 

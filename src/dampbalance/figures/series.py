@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from ..arrays import Array
 from ..balance import TERMS, Term
 from ..model import Oscillator
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 COMMON, INDIVIDUAL = "common", "individual"
 ALL = "all"  # what the tables name in place of a pair: least squares over all levels

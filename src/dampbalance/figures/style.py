@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
-
-import matplotlib.style
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.text import Text
+from typing import TYPE_CHECKING, Any
 
 from ..project.files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.text import Text
 
 SINGLE_COLUMN, DOUBLE_COLUMN = 90.0, 180.0  # mm
 MM = 1.0 / 25.4  # inches
@@ -62,12 +62,16 @@ STYLE: dict[str, Any] = {
 @contextmanager
 def styled() -> Iterator[None]:
     """Decorator of the functions that draw: they use STYLE on matplotlib's own defaults, and nothing of the user's."""
+    import matplotlib.style  # slow to import, and not needed for the colours of this module
+
     with matplotlib.style.context(STYLE, after_reset=True):
         yield
 
 
 def page(width: float, height: float) -> Figure:
     """An empty figure of the given size, mm."""
+    from matplotlib.figure import Figure
+
     return Figure(figsize=(width * MM, height * MM))
 
 

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
-
-import pandas as pd
+from typing import TYPE_CHECKING, Literal
 
 from .claim_ids import PARTS, part_of
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 ROUTE_NAMES = {"exact": "exact", "as_published": "as published", "from_print": "from print"}
 """Column of the table of claims → the route in words."""

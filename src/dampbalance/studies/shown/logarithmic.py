@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ...arrays import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _SHORT = 12.0  # ratio of the ends of an axis up to which 1, 2, 3, 5 are labelled as well as powers of ten
 
@@ -30,6 +31,8 @@ def logarithmic_ticks(
 
     ends : whether a tick at the upper end has a label (there is no panel beside it to collide with).
     """
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # the page needs none
+
     axes.set(**{f"{which}scale": "log"})
     axis = axes.xaxis if which == "x" else axes.yaxis
     short = high / low <= _SHORT

@@ -9,7 +9,6 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.ndimage import gaussian_filter
 
 from ...arrays import Array
 from ...figures.looks import in_maths, label_of
@@ -169,6 +168,8 @@ def _panel(axes: Axes, study: Study, found: Shares, last: bool) -> Any:
         if logarithmic:
             logarithmic_ticks(axes, which, edges[0], edges[-1], ends=last or which == "y")
     if min(found.share.shape) > 2:
+        from scipy.ndimage import gaussian_filter  # slow to import, and needed for maps only
+
         smooth = gaussian_filter(np.nan_to_num(found.share), sigma=1.0, mode="nearest")
         if smooth.max() > REGION > smooth.min():
             axes.contour(*centres, smooth, levels=[REGION], colors="white", linewidths=1.0)
