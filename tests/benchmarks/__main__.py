@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-from . import identification, peers, pipeline, scaling
+from . import identification, peers, pipeline, scaling, waiting
 
 # A further part is a module with `run(folder)`, named here.
 PARTS: dict[str, Callable[[Path], None]] = {
@@ -14,6 +14,7 @@ PARTS: dict[str, Callable[[Path], None]] = {
     "scaling": scaling.run,
     "identification": identification.run,
     "pipeline": pipeline.run,
+    "waiting": waiting.run,
 }
 
 

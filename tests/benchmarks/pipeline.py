@@ -24,10 +24,15 @@ from .measuring import machine, markdown, quantity
 NOT_COPIED = (".*", "results", "__pycache__", "build", "dist")
 
 
-def rebuild(folder: Path) -> float:
-    """Copy the project and build it there; wall-clock seconds of the build."""
+def copy_project(folder: Path) -> None:
+    """Copy the project, without what was built."""
     ignore = shutil.ignore_patterns(*NOT_COPIED)
     shutil.copytree(ROOT, folder, ignore=ignore, dirs_exist_ok=True)
+
+
+def rebuild(folder: Path) -> float:
+    """Copy the project and build it there; wall-clock seconds of the build."""
+    copy_project(folder)
     start = time.perf_counter()
     command = [sys.executable, "-m", "snakemake", "--cores", "1", "--quiet", "all"]
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import runpy
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,63 +21,49 @@ class Named(SimpleNamespace):
         return None
 
 
-def run(script: str, *, output: Mapping[str, Any], **given: Any) -> None:
-    """One job: `script` is a path below workflow/scripts."""
-    groups = {name: Named(**value) for name, value in {**given, "output": output}.items()}
-    runpy.run_path(
-        str(ROOT / "workflow/scripts" / script),
-        init_globals={"snakemake": SimpleNamespace(**{"input": Named()} | groups)},
-        run_name="__main__",
-    )
+def run(script: str, **given: Any) -> None:
+    """One job: `script` is a path below workflow/scripts; input, output, params and wildcards are by name."""
+    groups = {name: Named(**value) for name, value in given.items()}
+    snakemake = SimpleNamespace(**{"input": Named(), "output": Named()} | groups)
+    told = sys.excepthook  # a script sets its own
+    try:
+        path = ROOT / "workflow/scripts" / script
+        runpy.run_path(str(path), init_globals={"snakemake": snakemake}, run_name="__main__")
+    finally:
+        sys.excepthook = told
 
 
-def case_jobs(config: Mapping[str, Any], folder: Path, figures: bool = True) -> None:
-    """Everything that a case without printed numbers has: orbits, records, features, estimates, tables, figures, page.
+def case_jobs(config: Mapping[str, Any], folder: Path, shown: bool = False) -> None:
+    """What a case without printed numbers has: orbits, records, features, estimates, tables.
 
-    config : a whole configuration that `check` and `check_feasible` have passed.
+    config : a whole configuration that `check` and `check_feasible` have passed.   shown : figures and page as well.
     """
     frequencies = list(Case.from_config(config).frequencies_hz)
     given = {"params": {"case": config, "folder": str(folder), "config": config}}
-    for frequency in frequencies:
-        wildcards = {"frequency": frequency}
-        orbits, records = (
-            folder / f"orbits/{frequency}.json",
-            folder / f"records/{frequency}.parquet",
-        )
-        read = {
-            "tabulated": folder / f"features/as_published/{frequency}.csv",
-            "two_point": folder / f"features/as_published/two_point/{frequency}.csv",
-            "unrounded": folder / f"features/as_published/unrounded/{frequency}.csv",
-        }
-        exact = folder / f"features/exact/{frequency}.csv"
-        estimates = {route: folder / f"estimates/{route}/{frequency}.csv" for route in ROUTES}
-        common = {**given, "wildcards": wildcards}
-        run("simulate/simulate_exact.py", output={"orbits": orbits}, **common)
-        run("simulate/simulate_as_published.py", output={"records": records}, **common)
-        run(
-            "features/features_exact.py",
-            input={"orbits": orbits},
-            output={"features": exact},
-            **common,
-        )
-        run("features/features_as_published.py", input={"records": records}, output=read, **common)
-        run(
-            "estimates/estimate_exact.py",
-            input={"features": exact},
-            output={"estimates": estimates["exact"]},
-            **common,
-        )
-        run(
-            "estimates/estimate_as_published.py",
-            input=read,
-            output={"estimates": estimates["as_published"]},
-            **common,
-        )
-    first = folder / f"orbits/{frequencies[0]}.json"
-    run("tables/tables.py", output={}, **given)
-    if figures:
+
+    def files(pattern: str) -> list[Path]:
+        return [folder / pattern.format(frequency) for frequency in frequencies]
+
+    orbits, records = files("orbits/{}.json"), files("records/{}.parquet")
+    for frequency, orbit, record in zip(frequencies, orbits, records, strict=True):
+        at = {**given, "wildcards": {"frequency": frequency}}
+        run("simulate/simulate_exact.py", output={"orbits": orbit}, **at)
+        run("simulate/simulate_as_published.py", output={"records": record}, **at)
+    exact = {"features": files("features/exact/{}.csv")}
+    read = {
+        "tabulated": files("features/as_published/{}.csv"),
+        "two_point": files("features/as_published/two_point/{}.csv"),
+        "unrounded": files("features/as_published/unrounded/{}.csv"),
+    }
+    run("features/features_exact.py", input={"orbits": orbits}, output=exact, **given)
+    run("features/features_as_published.py", input={"records": records}, output=read, **given)
+    for route, features in zip(ROUTES, (exact, read), strict=True):
+        output = {"estimates": files(f"estimates/{route}/{{}}.csv")}
+        run(f"estimates/estimate_{route}.py", input=features, output=output, **given)
+    run("tables/tables.py", **given)
+    if shown:
         for name in ("figure2", "figure3", "estimation_error"):
-            files = {kind: folder / f"figures/{name}.{kind}" for kind in ("svg", "png")}
-            run(f"figures/{name}.py", input={"orbits": first}, output=files, **given)
-        inputs = {"orbits": first, "study_files": [], "study_cases": []}
-        run("page/page.py", input=inputs, output={"page": folder / "report.html"}, **given)
+            output = {kind: folder / f"figures/{name}.{kind}" for kind in ("svg", "png")}
+            run(f"figures/{name}.py", input={"orbits": orbits[0]}, output=output, **given)
+        parts = {"orbits": orbits[0], "study_files": [], "study_cases": []}
+        run("page/page.py", input=parts, output={"page": folder / "report.html"}, **given)

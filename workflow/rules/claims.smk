@@ -7,8 +7,9 @@ if config["published"] and workflow.is_main_process:
     from dampbalance.replication.claims import (
         PRINTED_FREQUENCIES,
         PRINTED_LEVELS,
-        check_text,
+        check_cells,
         read_published,
+        read_record,
     )
 
     where = f"{CONFIG_FILES[-1]}: published: {config['published']}"
@@ -17,12 +18,18 @@ if config["published"] and workflow.is_main_process:
         raise WorkflowError(
             f"{where} is not a folder with printed numbers and verdicts.csv; {other}."
         )
-    if not set(PRINTED_FREQUENCIES) <= set(FREQUENCIES) or len(CASE.levels_m) != PRINTED_LEVELS:
+    of_the_paper = tuple(FREQUENCIES[: len(PRINTED_FREQUENCIES)]) == PRINTED_FREQUENCIES
+    if not of_the_paper or len(CASE.levels_m) != PRINTED_LEVELS:
         raise WorkflowError(
-            f"{where} has numbers for {PRINTED_LEVELS} levels at {', '.join(PRINTED_FREQUENCIES)}; {other}."
+            f"{where} has numbers for {PRINTED_LEVELS} levels at {', '.join(PRINTED_FREQUENCIES)}, in this order; {other}."
+        )
+    if CASE.numerics.tabulated.get("t_s_unit_s") is None:
+        raise WorkflowError(
+            f"{where} is compared with t_s as it was cut: as_published.tabulated.t_s_unit_s is needed; {other}."
         )
     try:
-        check_text(read_published(Path(config["published"])))
+        check_cells(read_published(Path(config["published"])))
+        read_record(Path(config["published"], "verdicts.csv"))
     except ValueError as error:
         raise WorkflowError(f"{where}: {error}.") from None
 

@@ -76,10 +76,9 @@ def study_chunks(wildcards):
 
 
 def chunk_memory_mb(wildcards, attempt):
-    """0.4 GB and 0.8 kB a case for the script, 0.6 GB for the Snakemakes that start it on a cluster, half as much again
-    to be safe; more at a retry. Measured: config/studies/CLUSTER.md."""
-    study, _ = study_plan(wildcards.study)
-    return round(1.5 * attempt * (1000 + 0.0008 * min(study.chunk_cases, study.cases)))
+    """0.5 GB for the script, whatever the size of the chunk, 0.6 GB for the Snakemakes that start it on a cluster, half
+    as much again to be safe; more at a retry. Measured: config/studies/CLUSTER.md."""
+    return 1650 * attempt
 
 
 def study_title(wildcards):

@@ -108,3 +108,21 @@ def frequency_name(name: str) -> str:
     """A frequency of the configuration as a symbol: omega1 becomes ω₁; other names stay."""
     index = name.removeprefix("omega")
     return f"ω{index.translate(_LOWERED)}" if name.startswith("omega") and index.isdigit() else name
+
+
+# What Markdown acts upon: its marks, an underscore at the edge of a word, and what makes a line a heading or a list.
+_MARKS = re.compile(
+    r"[\\`*\[\]<>|$&~]|(?<![^\W_])_|_(?![^\W_])|^(?:#+|[+-])(?=\s|$)|^[=-](?=[=-]*$)|^\d+(?=[.)](?:\s|$))",
+    re.MULTILINE,
+)
+
+
+def in_markdown(text: str) -> str:
+    """Text of a user as Markdown shows it, mark by mark, in a paragraph or a cell of a table."""
+    lines = "\n".join(line.strip() for line in text.splitlines())
+    return _MARKS.sub(lambda mark: f"{mark[0]}\\" if mark[0].isdigit() else rf"\{mark[0]}", lines)
+
+
+def in_figure(text: str) -> str:
+    """Text of a user as matplotlib shows it: a dollar is a dollar and begins no formula."""
+    return text.replace("$", r"\$")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,16 +19,27 @@ import pyarrow.parquet as pq
 
 from ..arrays import Words
 from ..project.files import replacing, write_json
+from .axes import Listed
 from .plan import Column, columns_of
 from .responses import REGIME_NAMES
 from .settings import Study
 from .stretches import stretches
 
-_PACKING: dict[str, Any] = {
-    "compression": "zstd",
-    "compression_level": 1,
-    "write_statistics": False,
-}
+MANY = 100_000
+"""A table of so many cases or more is written as it is: numbers of which no two are alike hardly pack, and packing and
+unpacking them takes longer than computing them."""
+
+
+def _packing(study: Study) -> dict[str, Any]:
+    """How the columns are written."""
+    packed: dict[str, Any] = {"write_statistics": False, "compression_level": 1}
+    if study.cases < MANY:
+        return packed | {"compression": "zstd"}
+    listed = {name for b in study.blocks if isinstance(b, Listed) for name in b.names}
+    repeated = [c.name for c in columns_of(study) if c.words or c.name in listed]
+    kinds = {c.name: "zstd" if c.name in repeated else "none" for c in columns_of(study)}
+    levels = dict.fromkeys(repeated, 1)
+    return packed | {"use_dictionary": repeated, "compression": kinds, "compression_level": levels}
 
 
 def schema_of(study: Study, version: str) -> pa.Schema:
@@ -49,15 +60,26 @@ def schema_of(study: Study, version: str) -> pa.Schema:
 
 def write_chunk(path: str | Path, frame: pd.DataFrame, study: Study, version: str) -> None:
     """Write the cases of one chunk: complete or not at all."""
+    write_parts(path, [frame], study, version)
+
+
+def write_parts(
+    path: str | Path, parts: Iterable[pd.DataFrame], study: Study, version: str
+) -> None:
+    """Write the cases of a chunk that come in parts, a row group each: complete or not at all."""
     schema = schema_of(study, version)
-    arrays = [_array(frame[field.name].to_numpy(), field.type) for field in schema]
-    table = pa.Table.from_arrays(arrays, schema=schema)
-    with replacing(path) as temporary:
-        pq.write_table(table, temporary, row_group_size=max(len(frame), 1), **_PACKING)
+    with (
+        replacing(path) as temporary,
+        pq.ParquetWriter(temporary, schema, **_packing(study)) as writer,
+    ):
+        for frame in parts:
+            arrays = [_array(frame[field.name].to_numpy(), field.type) for field in schema]
+            table = pa.Table.from_arrays(arrays, schema=schema)
+            writer.write_table(table, row_group_size=max(len(frame), 1))
 
 
-def join_chunks(path: str | Path, chunks: Sequence[str | Path]) -> None:
-    """Write the chunks one after the other into one file, a row group each; no more than one is in memory.
+def join_chunks(path: str | Path, chunks: Sequence[str | Path], study: Study) -> None:
+    """Write the row groups of the chunks one after the other into one file; no more than one is in memory.
 
     A single chunk is the file.
     """
@@ -65,10 +87,12 @@ def join_chunks(path: str | Path, chunks: Sequence[str | Path]) -> None:
         if len(chunks) == 1:
             shutil.copyfile(chunks[0], temporary)
             return
-        with pq.ParquetWriter(temporary, pq.read_schema(chunks[0]), **_PACKING) as writer:
+        with pq.ParquetWriter(temporary, pq.read_schema(chunks[0]), **_packing(study)) as writer:
             for chunk in chunks:
-                table = pq.read_table(chunk, partitioning=None)
-                writer.write_table(table, row_group_size=max(table.num_rows, 1))
+                with pq.ParquetFile(chunk) as file:
+                    for group in range(file.num_row_groups):
+                        table = file.read_row_group(group)
+                        writer.write_table(table, row_group_size=max(table.num_rows, 1))
 
 
 def write_manifest(path: str | Path, cases: str | Path, study: Study, version: str) -> None:

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..model import Oscillator
-from ..project.documents import shortened
+from ..project.wording import shortened
 
 Kind = Literal["oscillator", "excitation", "numerics", "read_out"]
 

@@ -7,7 +7,8 @@ import string
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..project.documents import Key, Problem, shortened
+from ..project.documents import Key, Problem
+from ..project.wording import shortened
 from .axes import Listed
 from .parameters import PARAMETERS
 from .settings import BANDS, OF_INTERVALS, SPREADS, Study

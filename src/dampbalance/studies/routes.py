@@ -26,7 +26,7 @@ class Route:
 
 
 ROUTES = {
-    "exact": Route(chunk_cases=262_144),
+    "exact": Route(chunk_cases=524_288),
     "fixed_step": Route(
         numerics=(("scheme",), ("step_s", "steps_per_cycle")),
         settings=("cycles", "reading"),

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 import dampbalance
+import dampbalance.motion.jit
+from dampbalance import BaseMotion
 from dampbalance.project.dependencies import package_modules
+from paper_case import PAPER
 
 SOURCE = Path(dampbalance.__file__).parent
 
@@ -33,10 +39,10 @@ def doubled_and_one(x):
 PROGRAM = """
 import json
 from dampbalance.motion import calling, jit
-kernel = calling.doubled_and_one
+kernel = calling.doubled_and_one.dispatcher
 print(json.dumps({
     "value": kernel(3.0), "hits": sum(kernel.stats.cache_hits.values()),
-    "folder": str(jit._FOLDER), "module": calling.__file__,
+    "folder": str(jit._folder()), "module": calling.__file__,
 }))
 """
 
@@ -96,9 +102,8 @@ def digest_of(package, monkeypatch):
 
 
 def test_digest_follows_every_module_that_kernels_are_made_of(package, monkeypatch):
-    kernels = [
-        path for path in package.rglob("*.py") if "import jit" in path.read_text(encoding="utf-8")
-    ]
+    decorated = re.compile(r"^@jit$", re.MULTILINE)
+    kernels = [path for path in package.rglob("*.py") if decorated.search(path.read_text("utf-8"))]
     names = {path.name for path in kernels}
     assert {"flow.py", "events.py", "one_slip.py", "steady.py", "integrals.py"} <= names
     imported = {
@@ -162,7 +167,7 @@ def test_without_any_place_to_write_kernels_still_compile(
     monkeypatch.delenv("XDG_CACHE_HOME")
     monkeypatch.setattr(Path, "home", no_home)
     assert chosen_folder() is None
-    monkeypatch.setattr(dampbalance.motion.jit, "_FOLDER", None)
+    monkeypatch.setattr(dampbalance.motion.jit, "_folder", lambda: None)
     assert dampbalance.motion.jit.jit(lambda x: 3.0 * x)(2.0) == 6.0
 
 
@@ -182,7 +187,63 @@ def test_numba_is_left_as_it_was(monkeypatch, tmp_path):
     from numba.core import config
 
     monkeypatch.setattr(config, "CACHE_DIR", "somewhere")
-    monkeypatch.setattr(dampbalance.motion.jit, "_FOLDER", tmp_path)
-    double = dampbalance.motion.jit.jit(lambda x: 2.0 * x)
+    monkeypatch.setattr(dampbalance.motion.jit, "_folder", lambda: tmp_path)
+    assert dampbalance.motion.jit.jit(lambda x: 2.0 * x)(3.0) == 6.0
     assert config.CACHE_DIR == "somewhere"
-    assert double(3.0) == 6.0
+
+
+def in_words(chosen_folder, monkeypatch, capsys):
+    """What a process says that looks for the cache folder for the first time."""
+    monkeypatch.setattr(dampbalance.motion.jit, "_cache_folder", chosen_folder)
+    dampbalance.motion.jit._folder.cache_clear()
+    try:
+        dampbalance.motion.jit._folder()
+    finally:
+        dampbalance.motion.jit._folder.cache_clear()
+    return capsys.readouterr().err
+
+
+def test_the_first_process_says_that_it_compiles(chosen_folder, monkeypatch, capsys):
+    said = in_words(chosen_folder, monkeypatch, capsys)
+    assert said == "dampbalance: compiling its kernels (once, and keeping them) …\n"
+    (chosen_folder() / "kernel").touch()
+    assert in_words(chosen_folder, monkeypatch, capsys) == ""
+    assert "again in every process" in in_words(lambda: None, monkeypatch, capsys)
+
+
+def test_threads_share_one_dispatcher(monkeypatch):
+    made = []
+
+    def slowly(function):
+        time.sleep(0.05)
+        made.append(function)
+        return function
+
+    monkeypatch.setattr(dampbalance.motion.jit, "_compiled", slowly)
+    kernel = dampbalance.motion.jit.jit(lambda x: x + 1.0)
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(kernel, [1.0, 2.0, 3.0, 4.0])) == [2.0, 3.0, 4.0, 5.0]
+    assert len(made) == 1
+
+
+def test_interpreted_kernels_give_the_same_orbit():
+    osc, motion = PAPER, BaseMotion(Y=0.004, omega=30.0)
+    compiled = dampbalance.steady_orbit(osc, motion)
+    with dampbalance.motion.jit.interpreted():
+        orbit = dampbalance.steady_orbit(osc, motion)
+        features = orbit.X, orbit.b
+    # the same operations in the same order; only the library of sines may round a last bit otherwise
+    assert features == pytest.approx((compiled.X, compiled.b), rel=1e-13)
+
+
+def test_interpreting_needs_no_numba():
+    program = (
+        "import sys\n"
+        "from dampbalance import BaseMotion, Oscillator, steady_orbit\n"
+        "from dampbalance.motion.jit import interpreted\n"
+        "osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)\n"
+        "with interpreted():\n"
+        "    print(steady_orbit(osc, BaseMotion(Y=0.004, omega=30.0)).X)\n"
+        "assert 'numba' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)

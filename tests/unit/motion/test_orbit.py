@@ -22,6 +22,7 @@ CASES = [
     (0.3, 0.7, 5.0, 3.0),  # no slip
     (0.4, 0.8, 10.0, 0.0),  # no friction
     (0.0, 1.3, 3.0, 0.8),
+    (0.0, 0.21, 24.0, 0.5),  # undamped and slow: many free oscillations in a cycle
     *SEVERAL_SLIPS,
 ]
 

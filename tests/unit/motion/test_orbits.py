@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -106,6 +107,20 @@ def test_the_zero_crossing_is_where_x_crosses_zero(numbers, regime):
     before, there, after = orbit.state(np.array([at - small, at, at + small])).x
     assert abs(there) < 1e-13 * orbit.X
     assert before < 0.0 < after
+
+
+@pytest.mark.parametrize(("threads", "started"), [(1, 1), (3, 3), (0, 1), (-2, 1)])
+def test_as_many_threads_are_used_as_are_asked_for(monkeypatch, threads, started):
+    asked = []
+
+    class Pool(ThreadPoolExecutor):
+        def __init__(self, max_workers):
+            asked.append(max_workers)
+            super().__init__(max_workers)
+
+    monkeypatch.setattr("dampbalance.motion.orbits.ThreadPoolExecutor", Pool)
+    steady_orbits(**PAPER_CASE, threads=threads)
+    assert asked == [started]
 
 
 def test_any_number_of_threads_gives_the_same_bytes():

@@ -60,7 +60,7 @@ def test_the_shipped_configuration_passes(config):
         (("excitation", "levels_m"), [0.004], ["excitation.levels_m", "cannot tell F_k from c"]),
         (("excitation", "levels_m"), [0.004, 0.01, 0.004], ["levels_m", "all different"]),
         (("excitation", "levels_m"), [0.004, 0.0], ["excitation.levels_m[2]", "positive"]),
-        (("excitation", "frequencies"), [], ["excitation.frequencies", "at least one"]),
+        (("excitation", "frequencies"), [], ["excitation.frequencies", "one to 20"]),
         (("excitation", "frequencies", 1, "hz"), 0.0, ["frequencies[2].hz", "0.0", "positive"]),
         (
             ("excitation", "frequencies", 0, "name"),

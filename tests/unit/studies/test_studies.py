@@ -461,7 +461,7 @@ def test_chunks_join_to_the_same_table(study, tmp_path):
         chunks.append(tmp_path / f"{i}.parquet")
         frame = evaluate.evaluate(made, *plan.chunk_bounds(made, i))
         outputs.write_chunk(chunks[-1], frame, made, __version__)
-    outputs.join_chunks(tmp_path / "cases.parquet", chunks)
+    outputs.join_chunks(tmp_path / "cases.parquet", chunks, made)
     joined = pd.read_parquet(tmp_path / "cases.parquet")
     whole = evaluate.evaluate(made, 0, 40)
     joined["regime"] = joined["regime"].astype(whole["regime"].dtype)

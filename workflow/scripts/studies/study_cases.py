@@ -11,10 +11,10 @@ if __name__ == "__main__":
     )
     cases = snakemake.output.cases
     if snakemake.input.chunks:
-        outputs.join_chunks(cases, snakemake.input.chunks)
+        outputs.join_chunks(cases, snakemake.input.chunks, study)
     else:
-        from dampbalance.studies.evaluate import evaluate  # not needed to join
+        from dampbalance.studies.evaluate import in_parts  # not needed to join
 
-        table = evaluate(study, 0, study.cases, threads=snakemake.threads)
-        outputs.write_chunk(cases, table, study, __version__)
+        parts = in_parts(study, 0, study.cases, threads=snakemake.threads)
+        outputs.write_parts(cases, parts, study, __version__)
     outputs.write_manifest(snakemake.output.manifest, cases, study, __version__)

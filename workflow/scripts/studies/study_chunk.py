@@ -10,16 +10,17 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.studies import checking, evaluate, outputs, plan
 
 
-def main(file, chunk, threads):
+def main(path, file, chunk, threads):
     study = checking.read_study(file, "workflow/schemas/study.schema.yaml", "config/config.yaml")
-    return study, evaluate.evaluate(study, *plan.chunk_bounds(study, chunk), threads=threads)
+    parts = evaluate.in_parts(study, *plan.chunk_bounds(study, chunk), threads=threads)
+    outputs.write_parts(path, parts, study, __version__)
+    return study
 
 
 if __name__ == "__main__":
     brief_troubles()
     path = Path(snakemake.output.chunk)
-    study, cases = main(snakemake.params.file, int(snakemake.wildcards.chunk), snakemake.threads)
-    outputs.write_chunk(path, cases, study, __version__)
+    study = main(path, snakemake.params.file, int(snakemake.wildcards.chunk), snakemake.threads)
     print(
         plan.progress(
             study,

@@ -3,10 +3,10 @@
 `claims_table` judges; `check` compares with the verdicts on record. Only this package reads `paper/published/`.
 """
 
+from .cells import check as check_cells
 from .inputs import FREQUENCIES as PRINTED_FREQUENCIES
 from .inputs import LEVELS as PRINTED_LEVELS
 from .inputs import RouteTables
-from .of_text import check as check_text
 from .published import Published, read_published
 from .table import WORSE, check, claims_markdown, claims_table, read_claims, read_record, summary
 
@@ -17,7 +17,7 @@ __all__ = [
     "Published",
     "RouteTables",
     "check",
-    "check_text",
+    "check_cells",
     "claims_markdown",
     "claims_table",
     "read_claims",

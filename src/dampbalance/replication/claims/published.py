@@ -27,6 +27,8 @@ FILES = {
     "text_values": ("id", "quantity", "printed", "unit", "where"),
 }
 
+_MOST_BYTES = 1_000_000  # of a table; the longest has 3 kB
+
 
 @dataclass(frozen=True, slots=True)
 class Published:
@@ -58,11 +60,17 @@ def numbers(frame: pd.DataFrame, column: str) -> NDArray[np.float64]:
 
 
 def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
-    """A table with these columns, every cell the text that it is. Raises ValueError for other columns."""
-    frame = pd.read_csv(path, dtype=str, keep_default_na=False)
+    """A table with these columns, every cell the text that it is. Raises ValueError for anything else."""
+    if not path.is_file() or path.stat().st_size > _MOST_BYTES:
+        raise ValueError(f"{path}: needed is a file of this name, of {_MOST_BYTES:,} bytes at most")
+    try:
+        frame = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
+    except (OSError, ValueError) as error:  # not text, empty, or rows of different lengths
+        reason = " ".join(str(error).split())[:120]
+        raise ValueError(f"{path}: cannot be read as a table of text in UTF-8: {reason}") from None
     if tuple(frame.columns) != columns:
         raise ValueError(
-            f"{path}: expected the columns {', '.join(columns)}, found {', '.join(frame.columns)}"
+            f"{path}: expected the columns {', '.join(columns)}, found {', '.join(frame.columns)[:120]}"
         )
     return frame
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from ...project.case import Case
+from ...project.wording import in_markdown
 from ..claim_ids import PARTS, part_of
 from ..printed import Printed
 from ..verdicts import HOLDING, KINDS, ROUTE_NAMES, VERDICTS, counts
@@ -82,6 +83,7 @@ def claims_markdown(frame: pd.DataFrame) -> str:
         for row in rows.to_dict("records"):
             unit = "" if row["unit"] in ("", "1") else f" ({row['unit']})"
             row["quantity"] = f"{row['quantity']}{unit}"
+            row |= {name: in_markdown(row[name]) for name in ("where", "quantity", "printed")}
             cells = [row[name] for name in COLUMNS if name not in ("id", "unit")]
             lines.append("| " + " | ".join(cells) + " |")
         lines.append("")

@@ -26,6 +26,7 @@ from ...figures.style import (
     place,
     styled,
 )
+from ...project.wording import in_figure
 from ..parameters import PARAMETERS
 from ..settings import Study
 from . import series
@@ -146,7 +147,8 @@ def _marks(axes: Axes, study: Study, label: bool) -> None:
         axes.axvline(value, color=FAINT, lw=0.6, ls=DOTTED, zorder=0)
         if label:
             omega = omega_of(name)
-            text, at = f"${omega}$" if omega else name, ("data", "axes fraction")
+            text = f"${omega}$" if omega else in_figure(name)
+            at = ("data", "axes fraction")
             note(axes, text, (value, 1.0), (0.0, 1.5), "center", size=7.5, color=FAINT, xycoords=at)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from ...project.wording import percent
+from ...project.wording import in_markdown, percent
 from ..settings import Study
 from ..stretches import Sizes, stretches
 from .groups import fit_cells, grouped_markdown, grouped_summary, joined, terms_of, which
@@ -48,10 +48,11 @@ def overall_summary(cases: str | Path, study: Study) -> pd.DataFrame:
 
 def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure: str) -> str:
     """A page to read: what was varied, what it shows, the figure, and the table of errors."""
-    lines = [f"# {study.title}", ""]
+    title = in_markdown(" ".join(study.title.split()))
+    lines = [f"# {title}", ""]
     lines += [f"{study.cases:,} cases; varied: {', '.join(study.axis_names)}.", ""]
-    lines += [paragraph, ""] if paragraph else []
-    lines += [f"![{study.title}]({figure})", ""] if figure else []
+    lines += [in_markdown(paragraph), ""] if paragraph else []
+    lines += [f"![{title}]({figure})", ""] if figure else []
     lines += grouped_markdown(study, summary) if study.summary_by else _overall_markdown(summary)
     lines += ["", "All numbers: `cases.parquet`; what they are: `manifest.json`.", ""]
     return "\n".join(lines)

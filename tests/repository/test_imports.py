@@ -1,0 +1,59 @@
+"""What is started often loads only what it needs: a package that takes long to import is one that is used."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from folders import ROOT
+
+HEAVY = {"numpy", "scipy", "pandas", "numba", "matplotlib", "pyarrow", "jsonschema", "vl_convert"}
+
+
+def loaded(program: str) -> set[str]:
+    """The heavy packages that a process has loaded when it has run this program."""
+    listing = f"\nimport sys\nprint(*(set({sorted(HEAVY)}) & sys.modules.keys()), file=sys.stderr)"
+    done = subprocess.run(
+        [sys.executable, "-c", program + listing],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return set(done.stderr.split())
+
+
+@pytest.mark.parametrize("arguments", [[], ["--help"], ["--version"]])
+def test_the_command_line_says_what_it_can_do_with_the_standard_library(arguments):
+    program = (
+        "import contextlib, io\n"
+        "from dampbalance.commands.main import main\n"
+        "with contextlib.suppress(SystemExit), contextlib.redirect_stderr(io.StringIO()):\n"
+        f"    main({arguments})"
+    )
+    assert loaded(program) == set()
+
+
+# Importing a script imports what it needs; it computes when Snakemake runs it.
+@pytest.mark.parametrize(
+    ("script", "unneeded"),
+    [
+        ("features/features_exact", {"matplotlib", "numba", "scipy"}),
+        ("features/features_as_published", {"matplotlib", "numba", "scipy"}),
+        ("estimates/estimate_exact", {"matplotlib", "numba", "scipy", "pandas"}),
+        ("simulate/simulate_exact", {"matplotlib", "numba", "scipy", "pandas"}),
+        ("claims/check", {"matplotlib", "numba", "scipy"}),
+        ("tables/tables", {"matplotlib", "numba", "scipy"}),
+        ("studies/study_cases", {"matplotlib", "numba", "scipy"}),
+        ("studies/study_chunk", {"matplotlib", "numba", "scipy"}),
+        ("studies/study_summary", {"matplotlib", "numba", "scipy"}),
+        ("article/article", HEAVY),
+        ("provenance/manifest", HEAVY),
+        ("provenance/crate", HEAVY),
+    ],
+)
+def test_a_script_loads_what_it_uses(script, unneeded):
+    program = f"import runpy; runpy.run_path('workflow/scripts/{script}.py', run_name='imported')"
+    assert not loaded(program) & unneeded

@@ -1,0 +1,173 @@
+"""Whatever a YAML file holds, reading it ends soon, in a document or in one line that names file, line and remedy."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+from contextlib import contextmanager
+
+import pytest
+
+from dampbalance.project.documents import (
+    MOST_BYTES,
+    ConfigurationError,
+    against_schema,
+    in_lines,
+    read_yaml,
+    shortened,
+)
+from folders import ROOT
+
+LONGEST = 300  # characters of a message
+SECONDS = 20  # a file of the largest size takes one on an idle core
+
+
+@contextmanager
+def in_time():
+    def late(*_):
+        raise AssertionError(f"not read within {SECONDS} s")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(SECONDS)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def error_of(file):
+    with in_time(), pytest.raises(ConfigurationError) as caught:
+        read_yaml(file)
+    message = str(caught.value)
+    assert len(message) <= LONGEST
+    assert len(message.splitlines()) == 1
+    return message
+
+
+def bomb(first: str, repeated: str) -> str:
+    """Nine anchors, each of which repeats the one before ten times."""
+    lines = [f"a0: &a0 {first}"]
+    lines += [f"a{i}: &a{i} {repeated % ', '.join([f'*a{i - 1}'] * 10)}" for i in range(1, 10)]
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (bomb("[x]", "[%s]"), "line 5: more than 20,000 values"),
+        (bomb("{x: 1}", "{<<: [%s]}"), "more than 20,000 values"),
+        ("a: [" + "1," * 400_000 + "]", "line 1: more than 20,000 values"),
+        ("a: &a [*a]", "line 1: *a stands inside what it repeats"),
+        ("a: 1\nb: &b {c: *b}", "line 2: *b stands inside what it repeats"),
+        ("[" * 100_000, "more than 20 lists and mappings inside each other"),
+        ("\n".join(" " * i + "a:" for i in range(500)), "line 20: more than 20 lists"),
+        ("a: 1\nb: 2026-13-45", "line 2: '2026-13-45' is no date or number"),
+        ("a: 2026-01-01 25:61:00", "is no date or number"),
+        ("a: " + "9" * 5000, "is no date or number"),
+        ("a: 0x" + "f" * 50_000, "is no date or number"),
+        ("a: 0x_", "is no date or number"),
+        ("[1, 2]: 3", "line 1: a list or a mapping cannot be a key"),
+        ("{a: 1}: 3", "line 1: a list or a mapping cannot be a key"),
+        ("1: 3", "line 1: '1' cannot be a key, which is text; put it in quotes"),
+        ("on: 3", "'on' cannot be a key"),
+        ("~: 3", "'~' cannot be a key"),
+        ("a: 1\nb:\n  a: 2\n  a: 3", "line 4: a: stands twice, first in line 3"),
+        ("a:\n\t- 1", "line 2: not readable as YAML"),
+        ("a: [1,\n2", "line 2: not readable as YAML"),
+        ("a: *nowhere", "line 1: not readable as YAML"),
+        ("a: *" + "x" * 500_000, "line 1: not readable as YAML"),
+        ("a: 1\n---\nb: 2", "line 2: not readable as YAML"),
+        ("a: \x07", "line 1: the character U+0007"),
+        ('a: 1\nb: "\\0"', "line 2: the character U+0000 cannot be shown"),
+        ('a: "\\ud800"', "the character U+D800 cannot be shown"),
+        ("a: !!python/object/apply:os.system [ls]", "line 1: the tag"),
+        ("a: !!set {b, c}", "line 1: the tag"),
+        ("a: x" + "x" * MOST_BYTES, "has more than 1,000,000 bytes"),
+    ],
+)
+def test_what_cannot_be_read_is_told_in_one_line(tmp_path, text, told):
+    file = tmp_path / "hostile.yaml"
+    file.write_text(text, encoding="utf-8")
+    message = error_of(file)
+    assert message.startswith(str(file))
+    assert told in message
+
+
+@pytest.mark.parametrize(
+    "data", [b"a: 1\nb: \xe9", "a: 1".encode("utf-16"), bytes(range(128, 256))]
+)
+def test_other_encodings_are_refused(tmp_path, data):
+    file = tmp_path / "latin.yaml"
+    file.write_bytes(data)
+    assert "is not UTF-8; save it as UTF-8" in error_of(file)
+
+
+def test_only_regular_files_are_read(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "dangling").symlink_to(tmp_path / "nowhere")
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    assert "is a pipe or a device" in error_of(tmp_path / "pipe")
+    assert "is a pipe or a device" in error_of("/dev/zero")
+    assert "is a folder" in error_of(tmp_path)
+    for name in ("missing", "dangling", "loop", "x" * 5000):
+        assert "cannot be read" in error_of(tmp_path / name)
+
+
+def test_anchors_merges_and_an_empty_file_are_read(tmp_path):
+    file = tmp_path / "fine.yaml"
+    file.write_text("a: &a {x: 1, y: 2}\nb: {<<: *a, y: 3}\n", encoding="utf-8")
+    assert read_yaml(file) == {"a": {"x": 1, "y": 2}, "b": {"x": 1, "y": 3}}
+    file.write_text("# nothing\n", encoding="utf-8")
+    assert read_yaml(file) == {}
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_a_file_with_errors_put_into_it_is_read_or_refused(tmp_path, seed):
+    draw = random.Random(seed)
+    data = bytearray((ROOT / "config/config.yaml").read_bytes())
+    pieces = [
+        b"\t",
+        b"\0",
+        b"\xff",
+        b"&a ",
+        b"*a",
+        b"[",
+        b"}",
+        b": ",
+        b"'",
+        b"- ",
+        b"!!x ",
+        b"\n",
+        b"?",
+    ]
+    for _ in range(draw.choice([1, 2, 5, 20])):
+        place = draw.randrange(len(data))
+        width = draw.choice([0, 0, 1, 30])
+        data[place : place + width] = draw.choice(pieces) * draw.choice([1, 1, 3])
+    file = tmp_path / "mutated.yaml"
+    file.write_bytes(bytes(data))
+    message = ""
+    with in_time():
+        try:
+            read_yaml(file)
+        except ConfigurationError as error:
+            message = str(error)
+    assert not message or message.startswith(str(file))
+    assert len(message) <= LONGEST
+    assert len(message.splitlines()) <= 1
+    assert file.read_bytes() == bytes(data)
+
+
+def test_messages_quote_no_more_than_a_line(tmp_path):
+    file = tmp_path / "long.yaml"
+    file.write_text(
+        "name: " + "x" * 100_000 + "\nlist: [" + "1, " * 5000 + "1]\n", encoding="utf-8"
+    )
+    document = read_yaml(file)
+    schema = {"properties": {"name": {"enum": ["a"]}, "list": {"items": {"type": "string"}}}}
+    lines = in_lines(against_schema(document, schema), {str(file): document}).splitlines()
+    assert lines[-1] == "… and 4982 more"  # of 5,002 in all
+    assert all(len(line) <= LONGEST for line in lines)
+    assert len(shortened("x" * 1000)) == 60

@@ -1,0 +1,229 @@
+"""A configuration, however odd, is refused in one line or gives sound results; nothing else happens.
+
+The cases are drawn by a seeded generator: anything from single numbers far out to whole systems at the border of what
+is accepted. What is accepted goes through the scripts of the workflow, in this process.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import random
+import warnings
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from dampbalance.balance import APPROACHES
+from dampbalance.project.case import Case, check
+from dampbalance.project.documents import ConfigurationError
+from dampbalance.replication.feasibility import RANGES, check_feasible
+from folders import ROOT
+from workflow.jobs import case_jobs
+
+FILE, SCHEMA = ROOT / "config/config.yaml", ROOT / "workflow/schemas/config.schema.yaml"
+PAPER = yaml.safe_load(FILE.read_text(encoding="utf-8"))
+LONGEST = 300  # characters of a line
+FAR = [1e-300, 1e-30, 1e-9, 1e-3, 1e3, 1e9, 1e30, 1e300]
+DECIMALS = ["X_decimals", "X_s_decimals", "V_s_decimals", "phi_decimals", "common_phi_decimals"]
+NAMES = [
+    "../x",
+    "a/b",
+    "/tmp/x",
+    ".hidden",
+    "-x",
+    "x\n",
+    "",
+    "studies",
+    "archive",
+    "a" * 5000,
+    "a.b",
+]
+NAMES += ["<script>alert(1)</script>", "a|b", "$x$", "a\\b", "`ls`", "ω", "a b", "con:"]
+
+
+def log_uniform(draw: random.Random, low: float, high: float) -> float:
+    return float(f"{10 ** draw.uniform(math.log10(low), math.log10(high)):.6g}")
+
+
+def base() -> dict:
+    config = copy.deepcopy(PAPER)
+    config |= {"case": "hostile", "published": None}
+    config["excitation"]["frequencies"] = [{"name": "f", "hz": 4.92}]
+    config["as_published"] |= {"step_s": 1e-4, "cycles": 3}
+    return config
+
+
+def far_out(draw: random.Random) -> dict:
+    """The paper's case with one thing that is not."""
+    config = base()
+    levels, pairs = config["excitation"], config["estimation"]
+    published, frequency = config["as_published"], config["excitation"]["frequencies"][0]
+    choice = draw.randrange(8)
+    if choice == 0:
+        key = draw.choice(list(config["oscillator"]))
+        config["oscillator"][key] *= draw.choice(FAR)
+    elif choice == 1:
+        frequency["hz"] = draw.choice(FAR)
+    elif choice == 2:
+        near = 0.004 * (1.0 + log_uniform(draw, 1e-16, 1e-3))
+        levels["levels_m"] = draw.choice(
+            [
+                [0.004, near],
+                [1e-300, 1.0],
+                [10**30, 2],
+                [1, 2, 3],
+                [1e-6, 2e-6],
+                [0.001] * 2,
+                ["a", 1],
+            ]
+        )
+        pairs["pairs"] = [[1, 2]]
+    elif choice == 3:
+        pairs["pairs"] = draw.choice(
+            [
+                [[1, 1]],
+                [[1, 6]],
+                [[1.0, 2.0]],
+                [[1, 2], [1, 2]],
+                [[0, 1]],
+                [[True, 2]],
+                [[1, 2**62]],
+                [1],
+            ]
+        )
+    elif choice == 4:
+        key = draw.choice(["step_s", "cycles", "slip_samples", "c_over_m_decimals", "scheme"])
+        published[key] = draw.choice(
+            [1e-300, 1e300, 10**9, 2**62, [2**62], [0], 400, "rk4", 5.0, None]
+        )
+    elif choice == 5:
+        rules = published[draw.choice(["tabulated", "two_point"])]
+        rules[draw.choice([*rules, "X_decimals"])] = draw.choice(
+            [400, -1, 1e300, 1e-300, True, "5"]
+        )
+    elif choice == 6:
+        config["case"] = draw.choice(NAMES)
+    else:
+        frequency["name"] = draw.choice(NAMES)
+    return config
+
+
+def at_the_border(draw: random.Random) -> dict:
+    """A system anywhere in what is accepted, or a little beyond, with numerics to match."""
+    config = base()
+    zeta, r, K, F = (log_uniform(draw, *ends) for ends in RANGES.values())
+    if draw.random() < 0.7:  # where something slips, and a stick phase is not all too short
+        zeta, r = log_uniform(draw, 1e-3, 1.0), log_uniform(draw, 0.3, 4.0)
+        K, F = log_uniform(draw, 1.0, 1e4), log_uniform(draw, 1e-2, 1.0)
+    m, k, Y = (log_uniform(draw, *ends) for ends in ((1e-4, 1e4), (1.0, 1e8), (1e-6, 1.0)))
+    config["oscillator"] = {
+        "m_kg": m,
+        "c_N_s_per_m": 2.0 * zeta * math.sqrt(k * m),
+        "k_N_per_m": k,
+        "K_z_N_per_m": K * k,
+        "F_k_N": F * k * Y,
+    }
+    hz = r * math.sqrt(k / m) / (2.0 * math.pi)
+    config["excitation"] = {
+        "frequencies": [{"name": "f", "hz": hz}],
+        "levels_m": [
+            Y * q for q in draw.choice([[1, 1.5, 2, 3], [1, 1 + 1e-5], [3, 1], [1e-3, 1, 10]])
+        ],
+    }
+    config["estimation"] = {
+        "pairs": draw.choice([[[1, 2]], [[2, 1], [1, 2]]]),
+        "phase": draw.choice(["reversal", "zero_crossing", "fundamental"]),
+    }
+    rules = {key: draw.choice([0, 3, 9, 15, None]) for key in DECIMALS}
+    rules |= {"t_s_unit_s": draw.choice([1e-12, 1e-4, 1.0, None])}
+    config["as_published"] |= {
+        "scheme": draw.choice(["backward-euler", "trapezoidal", "rk4", "explicit-euler"]),
+        "step_s": 1.0 / (hz * log_uniform(draw, 300.0, 3e4)),
+        "cycles": draw.choice([3, 4, 10]),
+        "c_over_m_decimals": draw.choice([0, 2, None, 15]),
+        "k_over_m_decimals": draw.choice([3, None]),
+        "slip_samples": draw.choice([[], [0], [100] * 4]),
+        "tabulated": rules,
+        "two_point": rules,
+    }
+    return config
+
+
+def assert_sound(folder) -> None:
+    """Numbers are numbers or missing with a reason, and exact features balance with the true F_k and c."""
+    for file in folder.rglob("*.csv"):
+        numbers = pd.read_csv(file).select_dtypes("number").to_numpy()
+        assert not np.any(np.isinf(numbers)), file
+    (orbits,) = folder.glob("orbits/*.json")
+    osc = json.loads(orbits.read_text(encoding="utf-8"))[0]["oscillator"]
+    exact = pd.read_csv(folder / "features/exact/f.csv")
+    slips = exact[exact["X_s_m"].notna()]
+    spent = slips["a_m"] * osc["F_k"] + slips["b_m2_per_s"] * osc["c"]
+    # what `check_feasible` lets rounding take, and the last of the 15 digits of a CSV
+    np.testing.assert_allclose(slips["W_J"], spent, rtol=1.1e-6)
+    estimates = pd.read_csv(folder / "estimates/exact/f.csv")
+    missing = estimates[estimates["F_k_N"].isna() & (estimates["kind"] == "least_squares")]
+    assert missing["note"].notna().all()
+
+
+def refused(config: dict, file) -> str:
+    """What is said against a configuration, as the workflow looks at it; "" if it is accepted."""
+    try:
+        check(config, SCHEMA, [file], APPROACHES)
+        check_feasible(Case.from_config(config), [file])
+    except ConfigurationError as error:
+        return str(error)
+    return ""
+
+
+def outcome(config: dict, folder) -> str:
+    """Whether it is refused, or sound; anything else is an error of this test."""
+    file = folder / "case.yaml"
+    file.write_text(yaml.safe_dump(config, allow_unicode=True), encoding="utf-8")
+    if refusal := refused(config, file):
+        for line in refusal.splitlines():
+            assert line.startswith((str(file), "…"))
+            assert len(line) <= LONGEST
+        assert list(folder.iterdir()) == [file]
+        return "refused"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # X rounded to zero, say, divides: NaN
+        case_jobs(config, folder / "results")
+    assert {path.name for path in folder.iterdir()} == {"case.yaml", "results"}
+    assert_sound(folder / "results")
+    return "sound"
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_one_thing_far_out(tmp_path, seed):
+    outcome(far_out(random.Random(seed)), tmp_path)
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_a_system_anywhere(tmp_path, seed):
+    outcome(at_the_border(random.Random(seed)), tmp_path)
+
+
+def test_the_draws_are_of_both_kinds(tmp_path):
+    """Else nothing above were tried: of systems drawn anywhere some are accepted, and some are not."""
+    file = tmp_path / "case.yaml"
+    file.write_text(yaml.safe_dump(base()), encoding="utf-8")
+    answers = [refused(at_the_border(random.Random(seed)), file) for seed in range(24)]
+    assert 6 <= sum(answer == "" for answer in answers) <= 20
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_name_that_could_leave_the_results_is_refused(tmp_path, name):
+    for key in ("case", "frequency"):
+        config = base()
+        if key == "case":
+            config["case"] = name
+        elif name in ("studies", "archive"):
+            continue  # a frequency may be called so
+        else:
+            config["excitation"]["frequencies"][0]["name"] = name
+        assert outcome(config, tmp_path) == "refused"
