@@ -503,6 +503,14 @@ def test_text_that_is_no_record(name, tmp_path):
     refused(path, "bad.csv: ")
 
 
+def test_a_parser_is_not_given_a_line_without_end(tmp_path, monkeypatch):
+    path = tmp_path / "run.csv"
+    write_text(path, *signals())
+    assert read(path)
+    monkeypatch.setattr("dampbalance.records.readers.text.LONGEST_LINE", -262_144)
+    refused(path, "a line has no end")
+
+
 @pytest.mark.parametrize("end", ["\n", ""])
 def test_a_name_is_quoted_in_part(end, tmp_path, capsys, sound):
     path = tmp_path / "bad.csv"
