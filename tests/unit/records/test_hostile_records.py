@@ -738,6 +738,16 @@ def test_results_stay_where_they_are_asked_for(name, tmp_path, capsys, sound):
     assert sorted(os.listdir(inner)) == ["out", "run.csv", "run.yaml"]
 
 
+@pytest.mark.parametrize("mass", ["1e-12", "1e12"])
+def test_a_mass_that_cannot_be_is_refused(mass, tmp_path, capsys, sound):
+    path = tmp_path / "run.csv"
+    write_text(path, *signals())
+    code, said = tried(tmp_path, capsys, path, sound, "--mass", mass)
+    assert code == 2
+    assert "times in a cycle" in said
+    assert "give the mass in kg" in said
+
+
 def test_results_that_could_not_be_written_are_not_computed(tmp_path, capsys, sound):
     path, mine = tmp_path / "run.csv", tmp_path / "mine"
     write_text(path, *signals())
