@@ -131,8 +131,8 @@ def maximum_likelihood(records: Sequence[Loaded], m: float, k: float) -> Referen
         swings = math.sqrt(k / m) / one.reading.steady.omega
         if not 1.0 / _MOST_SWINGS < swings < _MOST_SWINGS:
             raise ValueError(
-                f"with k = {k:g} N/m and m = {m:g} kg the oscillator swings {swings:.2g} times in a cycle of {one.path}: "
-                "give the mass in kg and the stiffness in N/m, or leave out the mass"
+                f"with k = {k:g} N/m and m = {m:g} kg the oscillator swings {swings:.2g} times in a cycle of "
+                f"{one.path}: give the mass in kg and the stiffness in N/m, or leave out the mass"
             )
     return reference_fit(
         [_record(one, k) for one in records],
