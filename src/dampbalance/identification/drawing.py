@@ -95,7 +95,8 @@ def balance(result: Identification) -> Figure:
         look = look_of(name)
         marks: dict[str, Any] = {"color": look.colour, "fillstyle": "none"}
         marks["label"] = in_maths(label_of(name))
-        along, height = rows.terms["F_k"] / rows.terms["c"], rows.W / rows.terms["c"]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            along, height = rows.terms["F_k"] / rows.terms["c"], rows.W / rows.terms["c"]
         left.plot(along[usable], height[usable], look.marker, **marks)
         values = {symbol: p.value for symbol, p in estimated.coefficients.items()}
         if index == 0 and np.isfinite(values["F_k"]):

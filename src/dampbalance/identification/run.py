@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -26,6 +27,8 @@ from .identify import REPLICATES, SEED, identify
 from .loading import Loaded, load
 from .outputs import FIGURES
 from .result import Identification
+
+_MOST_SWINGS = 1000.0  # of the free oscillator in a cycle of the drive, or cycles in a swing: beyond it nothing is told
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,6 +127,13 @@ def maximum_likelihood(records: Sequence[Loaded], m: float, k: float) -> Referen
     Raises ValueError for records too large to be kept in memory, driven by an acceleration, or without a displacement
     of the mass.
     """
+    for one in records:
+        swings = math.sqrt(k / m) / one.reading.steady.omega
+        if not 1.0 / _MOST_SWINGS < swings < _MOST_SWINGS:
+            raise ValueError(
+                f"with k = {k:g} N/m and m = {m:g} kg the oscillator swings {swings:.2g} times in a cycle of "
+                f"{one.path}: give the mass in kg and the stiffness in N/m, or leave out the mass"
+            )
     return reference_fit(
         [_record(one, k) for one in records],
         [one.reading.steady.omega for one in records],

@@ -201,7 +201,7 @@ def test_tables_and_documents_hold_the_same_numbers():
         ({"k": 0.0}, "stiffness k must be a positive number"),
         ({"k": math.nan}, "stiffness k must be a positive number"),
         ({"k": 2400.0}, "level 1 was read with k = 2310 N/m, not with 2400"),
-        ({"replicates": 1}, "replicates must be at least 2"),
+        ({"replicates": 1}, "replicates must be 2 to 10000"),
         ({"approaches": {}}, "no approach is asked for; known are direct"),
     ],
 )
