@@ -24,6 +24,7 @@ from dampbalance.project.documents import ConfigurationError, read_yaml
 from dampbalance.project.files import remove_unfinished
 
 RESULTS, STATE = Path("results"), Path(".snakemake")
+PROFILE = "workflow/profiles/default"
 SNAKEMAKE = (sys.executable, "-m", "snakemake")
 LEAST_FREE = 100e6  # bytes: the results of the paper's case and of the noise study take 70 MB
 
@@ -103,9 +104,7 @@ def main(arguments: list[str]) -> None:
         if done.returncode:
             sys.exit(done.stderr)
         remove_unfinished(RESULTS)
-    # the other scheduler starts a solver of its own whenever it chooses a job
-    greedy = ("--scheduler", "greedy")
-    os.execv(sys.executable, [*SNAKEMAKE, "--rerun-incomplete", *greedy, *arguments])
+    os.execv(sys.executable, [*SNAKEMAKE, "--workflow-profile", PROFILE, *arguments])
 
 
 if __name__ == "__main__":
