@@ -20,6 +20,7 @@ _ARRAY, _PACKED = 14, 15  # types of an element: an array, and one that is compr
 _BYTES = {3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 17: 2, 18: 4}
 """Of a number of each type of element; one of all others."""
 
+_TYPES = range(1, 19)
 _DEEPEST = 64  # arrays inside each other
 _PIECE = 1 << 20  # bytes unpacked at once
 
@@ -81,6 +82,8 @@ def _counts(read: _Read, order: str, size: int) -> Iterator[int]:
         left[-1] -= 8
         if kind >> 16:  # a part that stands in its tag
             continue
+        if kind not in _TYPES:
+            raise ValueError(f"a part of no known type ({kind})")
         if count > left[-1]:
             raise ValueError("a part is larger than what holds it")
         padded = min(count + -count % 8, left[-1])
