@@ -29,22 +29,30 @@ def pytest_collection_modifyitems(items):
             item.path.parent.name != "workflow",
         )
     )
+    for item in items:
+        for name in OPTIONAL.keys() & set(item.fixturenames):
+            item.user_properties.append(("needs", OPTIONAL[name]))
 
 
-SKIPPED = pytest.StashKey[Counter[str]]()
+OPTIONAL = {"slurm": "in a real SLURM", "browser": "in a real browser"}
+"""Fixture → how a test with it is run, which not every machine can."""
+
+CLOSING = pytest.StashKey[list[str]]()
 
 
 def pytest_terminal_summary(terminalreporter, config):
-    """Count the skipped tests by their reason, which says what to install."""
-    reports = terminalreporter.stats.get("skipped", [])
-    config.stash[SKIPPED] = Counter(
-        report.longrepr[2].removeprefix("Skipped: ") for report in reports
-    )
+    """Count what passed by means of a program that not every machine has, and what was skipped by its reason."""
+    passed, skipped = (terminalreporter.stats.get(name, []) for name in ("passed", "skipped"))
+    needed = Counter(how for report in passed for name, how in report.user_properties)
+    reasons = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in skipped)
+    config.stash[CLOSING] = [
+        f"{heading}: {'; '.join(f'{count} {what}' for what, count in sorted(counted.items()))}"
+        for heading, counted in (("Passed", needed), ("Skipped here, and why", reasons))
+        if counted
+    ]
 
 
 def pytest_unconfigure(config):
-    """The last line of a run: what was not checked on this machine, and what would let it be."""
-    skipped = config.stash.get(SKIPPED, None)
-    if skipped:
-        reasons = "; ".join(f"{count} ({why})" for why, count in sorted(skipped.items()))
-        print(f"Skipped here, and run in CI or where it can be: {reasons}")
+    """The last lines of a run: what was checked with the help of other programs, what was not, and what to install."""
+    for line in config.stash.get(CLOSING, []):
+        print(line)
