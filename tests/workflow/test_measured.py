@@ -93,8 +93,16 @@ def test_a_wrong_configuration_is_refused_before_anything_runs(built, change, me
     assert not (copy.folder / "results/mine").exists()
 
 
-def test_a_record_that_cannot_be_used_is_named(built):
-    done, said = run_changed(built[0], {"frequency_hz": 7.0})
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"frequency_hz": 7.0}, "level1.csv: the excitation oscillates at 3.49999"),
+        ({"largest": 1000}, "numbers, more than 1,000; give a part of the record"),
+    ],
+)
+def test_a_record_that_cannot_be_used_is_named(built, change, message):
+    done, said = run_changed(built[0], change)
     assert done.returncode != 0
-    assert "error: config/records/example/level1.csv: the excitation oscillates at 3.49999" in said
+    assert "error: config/records/example/level1.csv: " in said
+    assert message in said
     assert "Traceback" not in said

@@ -8,14 +8,11 @@ from dampbalance.project.troubles import brief_troubles
 if __name__ == "__main__":
     brief_troubles()
     given = {key: value for key, value in snakemake.params.settings.items() if value is not None}
-    keys = {"mapping", "frequency_hz", "skip_cycles", "approaches", "phase", "replicates", "seed"}
+    for of_the_workflow in ("name", "records"):
+        given.pop(of_the_workflow, None)
+    k, mass = given.pop("stiffness_N_per_m"), given.pop("mass_kg", None)
     try:
-        results = identify_files(
-            list(snakemake.input.records),
-            given["stiffness_N_per_m"],
-            mass=given.get("mass_kg"),
-            **{key: value for key, value in given.items() if key in keys},
-        )
+        results = identify_files(list(snakemake.input.records), k, mass=mass, **given)
     except ValueError as error:
         sys.exit(f"error: {error}")
     write_results(results, snakemake.params.folder)
