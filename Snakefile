@@ -40,8 +40,8 @@ onsuccess:
     for name in MEASURED:
         if f"records of {name}" in done:
             print(Path(f"{MEASURED_FILES}/{name}/summary.txt").read_text(encoding="utf-8"))
-    if config["published"] and "Comparison with the verdicts on record" in done:
-        summary = Path(f"{RESULTS}/summary.txt").read_text(encoding="utf-8")
+    if config["published"] and compared_at() != COMPARED_BEFORE:
+        summary = SUMMARY.read_text(encoding="utf-8")
         print(summary, end="")
         if WORSE in summary:
             sys.exit(1)

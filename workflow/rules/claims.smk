@@ -65,10 +65,21 @@ rule claims:
         "../scripts/claims/claims.py"
 
 
+SUMMARY = Path(RESULTS, "summary.txt")
+
+
+def compared_at():
+    """When the verdicts were compared last, ns; None if they never were."""
+    return SUMMARY.stat().st_mtime_ns if SUMMARY.is_file() else None
+
+
+COMPARED_BEFORE = compared_at()
+
+
 def unless_held(wildcards):
     """Nothing where the summary on file finds no verdict worse; else something new each time, so that it is made again."""
-    file = Path(RESULTS, "summary.txt")
-    return time.time_ns() if file.is_file() and WORSE in file.read_text(encoding="utf-8") else None
+    worse = SUMMARY.is_file() and WORSE in SUMMARY.read_text(encoding="utf-8")
+    return time.time_ns() if worse else None
 
 
 # Never fails, so that everything else is built: the run fails at its end (onsuccess in the Snakefile).
@@ -79,7 +90,7 @@ rule check:
         modules=script_modules("claims/check.py"),
     output:
         summary=report(
-            f"{RESULTS}/summary.txt",
+            str(SUMMARY),
             caption="../report/summary.rst",
             category="Verdicts",
             labels={"result": "How many numbers earn which verdict"},
