@@ -16,12 +16,20 @@ from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import Case
 from dampbalance.replication import as_published as authors
 from dampbalance.replication.claims import RouteTables
+from dampbalance.replication.claims.judging import Claim
+from dampbalance.replication.verdicts import ROUTE_NAMES
 
 ROOT = Path(__file__).parents[2]
 PUBLISHED = ROOT / "paper/published"
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
 CASE = Case.from_config(CONFIG)
 PAPER = CASE.oscillator
+
+
+def claim(printed: str = "1.28", **parts) -> Claim:
+    """A claim on some number. parts : values by route (exact, as_published, from_print) and fields of Claim."""
+    values = {route: parts.pop(route) for route in ROUTE_NAMES if route in parts}
+    return Claim("id", "where", "quantity", "N", printed, values, **parts)
 
 
 def case_of(oscillator: Oscillator) -> Case:

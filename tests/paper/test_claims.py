@@ -24,11 +24,21 @@ from dampbalance.replication.claims import (
     summary,
 )
 from dampbalance.replication.claims.inputs import CORRECTED, HARMONIC
-from dampbalance.replication.claims.judging import Claim, Tolerance, explanation, verdict
+from dampbalance.replication.claims.judging import Tolerance, explanation, verdict
 from dampbalance.replication.claims.table import COLUMNS
 from dampbalance.replication.printed import Printed
 from dampbalance.replication.verdicts import DIFFERS, READING, ROUTE_NAMES, SCATTER, VERDICTS
-from paper.routes import CASE, PAPER, PUBLISHED, as_published, as_read, case_of, exact, unrounded
+from paper.routes import (
+    CASE,
+    PAPER,
+    PUBLISHED,
+    as_published,
+    as_read,
+    case_of,
+    claim,
+    exact,
+    unrounded,
+)
 
 
 def judged(published=None, oscillator=PAPER, claimed=None):
@@ -69,20 +79,6 @@ def changed_print(tmp_path):
 
 
 # ---- Rules ----------------------------------------------------------------------------------------------------------
-
-
-def claim(printed="1.28", holds=None, tolerances=(), contradiction="", **values):
-    return Claim(
-        "id",
-        "where",
-        "quantity",
-        "N",
-        printed,
-        values,
-        holds=holds,
-        tolerances=tolerances,
-        contradiction=contradiction,
-    )
 
 
 @pytest.mark.parametrize(

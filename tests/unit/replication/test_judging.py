@@ -6,23 +6,9 @@ import math
 
 import pytest
 
-from dampbalance.replication.claims.judging import Claim, Tolerance, explanation
+from dampbalance.replication.claims.judging import Tolerance, explanation
 from dampbalance.replication.verdicts import SCATTER
-
-
-def claim(printed, *, tolerances=(), cause="", evidence="", contradiction="", **values):
-    return Claim(
-        "id",
-        "where",
-        "quantity",
-        "N",
-        printed,
-        values,
-        tolerances=tolerances,
-        cause=cause,
-        evidence=evidence,
-        contradiction=contradiction,
-    )
+from paper.routes import claim
 
 
 def test_routes_are_those_that_give_a_number():
