@@ -433,6 +433,9 @@ def test_table_has_one_line_per_estimate():
     fit = table[(table["approach"] == "direct") & (table["kind"] == "least_squares")].iloc[0]
     assert fit["F_k_N"] == pytest.approx(1.28, rel=1e-10)
     assert fit["K_z_N_per_m"] == pytest.approx(208000.0, rel=1e-9)
+    # two rows for two unknowns leave no residual but rounding
+    assert table.loc[table["kind"] == "pair", "residual"].isna().all()
+    assert fit["residual"] < 1e-10
 
 
 def test_table_common_phase_is_the_mean_unless_given():
