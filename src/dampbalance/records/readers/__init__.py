@@ -49,7 +49,7 @@ def read(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) 
     with closing(_open(path, rules, largest)) as file:
         picks = picks_of(file, rules)
         stated_size(file, picks, largest)
-        return whole(file, picks)
+        return whole(file, picks, largest)
 
 
 def stated_numbers(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) -> int:

@@ -42,8 +42,8 @@ def stated_size(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST)
     return numbers
 
 
-def whole(file: RecordFile, picks: Sequence[Pick]) -> Measurement:
-    """All samples of the picked channels.
+def whole(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST) -> Measurement:
+    """All samples of the picked channels, `largest` numbers at most, which not every file tells beforehand.
 
     Raises RecordError naming channel and line or sample: a value that is missing, not finite or beyond all bounds,
     times that do not increase, have a gap or unequal steps, a constant channel, an integer that ran over, channels of
@@ -51,6 +51,7 @@ def whole(file: RecordFile, picks: Sequence[Pick]) -> Measurement:
     """
     wanted = wanted_of(picks)
     arrays = next(file.blocks(wanted, None), [np.empty(0)] * len(wanted))
+    require_size(file.path, sum(len(array) for array in arrays), largest)
     columns = dict(zip(wanted, arrays, strict=True))
     first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
     channels = []
