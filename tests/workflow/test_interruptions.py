@@ -106,9 +106,9 @@ def test_after_a_kill_the_same_command_suffices(copy, built):
 
 
 def test_a_second_run_in_the_same_folder_is_refused(copy):
-    with started(copy, *RUN, "orbits") as run:
+    with started(copy, *RUN, "features") as run:
         wait_for(lambda: (copy.folder / ".snakemake/locks").exists())
-        second = finished(copy, *RUN, "orbits")
+        second = finished(copy, *RUN, "features")
         assert run.poll() is None, "the first run ended before it could be in the way"
         run.communicate(timeout=PATIENCE)
     assert second.returncode == 1
