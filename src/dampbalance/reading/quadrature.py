@@ -30,25 +30,11 @@ def integral(f: NDArray[Any], dt: float, start: float, stop: float) -> float | c
     if last <= first:
         total = dt * _cubic_part(f, start, stop)
     else:
-        total = _simpson(f[first : last + 1], dt)
+        from scipy.integrate import simpson  # slow to import
+
+        total = simpson(f[first : last + 1], dx=dt)
         total += dt * (_cubic_part(f, start, first) + _cubic_part(f, last, stop))
     return complex(total) if np.iscomplexobj(f) else float(total)
-
-
-def _simpson(f: NDArray[Any], dt: float) -> Any:
-    """Simpson's composite rule over all samples, two or more; scipy's has the same bits, and takes long to import."""
-    if f.size == 2:
-        return 0.5 * dt * (f[1] + f[0])
-    odd = f.size % 2
-    middle = f[1 : f.size - 1 : 2]
-    total = np.sum(f[: f.size - 2 : 2] + 4.0 * middle + f[2::2]) if odd else _simpson(f[:-1], dt)
-    if odd:
-        return total * (dt / 3.0)
-    # the last interval, by the parabola through the last three samples
-    here = (2.0 * dt**2 + 3.0 * dt * dt) / (6.0 * (dt + dt))
-    before = (dt**2 + 3.0 * dt * dt) / (6.0 * dt)
-    last = dt**3 / (6.0 * dt * (dt + dt))
-    return total + (here * f[-1] + before * f[-2] - last * f[-3])
 
 
 def _cubic_part(f: NDArray[Any], start: float, stop: float) -> Any:
