@@ -23,8 +23,8 @@ _LEFT = (
 )  # of Z: a contact that stops at Z, rounded, slips on only after it has left, or is clearly beyond
 _MOST_EVENTS = 400  # of a period
 _MOST_PERIODS = 20_000
-# The state repeats when its change over a period, as a part of its size, is small and falls no further: only rounding is
-# left then. Measured: 2e-14 to 1e-13.
+# The state repeats when its change over a period, as a part of its size, is small and falls no further: only rounding
+# is left then. Measured: 2e-14 to 1e-13.
 _SMALL, _STALLS = 1e-12, 5
 
 # Columns of a phase: start, state (0 stick, ±1 slip), damped frequency, then u = offset + forced + decaying oscillation
@@ -173,11 +173,12 @@ def _sampled(zeta, r, rows, times, out):
 class Cycle:
     """A steady cycle from the base's peak on, in units of m, k and the base's amplitude.
 
-    phases : (n, 9), the columns named above.
+    phases : (n, 9), the columns named above.   start : (x, x′, z) at the peak of the base.
     """
 
     zeta: float
     r: float
+    start: tuple[float, float, float]
     phases: np.ndarray
 
     @property
@@ -207,7 +208,7 @@ class Cycle:
 def steady_cycle(zeta: float, r: float, K: float, F: float) -> Cycle:
     """The steady cycle at damping ratio ζ < 1, ω/ω_n = r, K_z/k = K and F_k/kY = F > 0."""
     rows = np.empty((_MOST_EVENTS, 9))
-    count, _ = _settle(zeta, r, K, F, rows)
+    count, start = _settle(zeta, r, K, F, rows)
     if count < 0:
         raise ArithmeticError(f"no steady cycle: {zeta=}, {r=}, {K=}, {F=}")
-    return Cycle(zeta, r, rows[:count].copy())
+    return Cycle(zeta, r, start[:3], rows[:count].copy())

@@ -25,6 +25,12 @@ NO_ONSET = ("no record shows harmonics above its noise", "show no slip onset")
 VISIBLE = 5.0
 """Standard errors above which a third harmonic is there to be seen."""
 
+MISSED_WAVEFORM = "waveform missed (χ²)"
+STARRED = "yardstick starred"
+NOTHING_SEEN = f"no onset seen, third harmonic above {VISIBLE:g} standard errors"
+F_K_OF_NOTHING = "nothing slips, F_k given"
+SILENT = "beyond 5 standard errors, not a word"
+
 GROUPS = ("noise", "answers", "drive")
 
 
@@ -73,15 +79,23 @@ def numbers(result: Identification, truth: Truth) -> Iterator[dict[str, object]]
             }
 
 
-def table(rows: pd.DataFrame, yardstick: str) -> str:
-    """The table of aims, in markdown.   rows : of `outcome`.   yardstick : approach that is held against the aims."""
+def judged(rows: pd.DataFrame) -> pd.DataFrame:
+    """Rows of `outcome` with their errors, these in standard errors (sizes), and whether anything was said."""
     rows = rows.copy()
     for column in ("notes", "warnings"):
         rows[column] = rows[column].fillna("")
     rows["error"] = rows["value"] - rows["true"]
-    rows["sizes"] = rows["error"].abs() / rows["standard_error"]
+    # the noise of K_z is that of its reciprocal, 1/K_z, from which its interval comes
+    stretch = (rows["value"] / rows["true"]).where(rows["symbol"] == "K_z", 1.0)
+    rows["sizes"] = (rows["error"] * stretch).abs() / rows["standard_error"]
     rows["starred"] = rows["notes"] != ""
     rows["remarked"] = rows["starred"] | (rows["warnings"] != "")
+    return rows
+
+
+def table(rows: pd.DataFrame, yardstick: str) -> str:
+    """The table of aims, in markdown.   rows : of `outcome`.   yardstick : approach that is held against the aims."""
+    rows = judged(rows)
     sets = rows.groupby("set").first()
     kinds = ", ".join(f"{count} {kind!r}" for kind, count in sets["kind"].value_counts().items())
     own = rows[rows["approach"] == yardstick]
@@ -89,7 +103,7 @@ def table(rows: pd.DataFrame, yardstick: str) -> str:
         f"{len(sets)} sets ({kinds}); yardstick: {yardstick}",
         _coverage(own[own["kind"] != "nothing slips"]),
         _errors(rows[rows["kind"] != "nothing slips"]),
-        _counts(rows, own, sets),
+        _counted(faults(rows, yardstick)),
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -147,34 +161,33 @@ def _errors(rows: pd.DataFrame) -> str:
     return "\n".join(lines)
 
 
-def _counts(rows: pd.DataFrame, own: pd.DataFrame, sets: pd.DataFrame) -> str:
-    """What should not be there at all: how often it is, and in which sets."""
+def faults(rows: pd.DataFrame, yardstick: str) -> dict[str, tuple[list[int], int]]:
+    """What should not be there at all: the sets in which it is, and how many it could be in.   rows : `judged`."""
+    sets = rows.groupby("set").first()
+    own = rows[rows["approach"] == yardstick]
     sound = own[own["kind"] != "nothing slips"]
-    limit = sound[(sound["symbol"] == "K_z") & np.isinf(sound["value"])]
-    blind = sets["third"] > VISIBLE
+    F_k = sound[sound["symbol"] == "F_k"]
+    K_z = sound[sound["symbol"] == "K_z"]
+    limit = K_z[np.isinf(K_z["value"])]
+    visible = sets["third"] > VISIBLE
     unseen = sets["warnings"].str.contains("|".join(NO_ONSET))
     harmonic = rows[
         rows["approach"].isin(["X_s", "t_s", "V_s"])
         & rows["symbol"].isin(["F_k", "c"])
         & ~rows["starred"]
+        & (rows["kind"] != "nothing slips")
     ]
-    silent = rows[~rows["remarked"] & (rows["sizes"] > 5.0)]
+    silent = rows[~rows["remarked"] & (rows["sizes"] > 5.0) & (rows["kind"] != "nothing slips")]
     nothing = rows[
         (rows["kind"] == "nothing slips") & (rows["symbol"] == "F_k") & np.isfinite(rows["value"])
     ]
-    known = np.isfinite(sound["value"]) & (sound["symbol"] == "F_k")
+    slipping = int((sets["kind"] != "nothing slips").sum())
     found = {
-        "sets refused": (sets.index[sets["approach"] == "refused"], len(sets)),
-        "sets without F_k, though something slips": (
-            sound.loc[(sound["symbol"] == "F_k") & ~known, "set"],
-            len(sets),
-        ),
-        "waveform missed (χ²)": (sets.index[sets["warnings"].str.contains(MISSED)], len(sets)),
-        "yardstick starred": (sound.loc[sound["starred"], "set"], sound["set"].nunique()),
-        f"no onset seen, third harmonic above {VISIBLE:g} standard errors": (
-            sets.index[blind & unseen],
-            int(blind.sum()),
-        ),
+        "refused": (sets.index[sets["approach"] == "refused"], len(sets)),
+        "something slips, no F_k": (F_k.loc[~np.isfinite(F_k["value"]), "set"], slipping),
+        MISSED_WAVEFORM: (sets.index[sets["warnings"].str.contains(MISSED)], len(sets)),
+        STARRED: (sound.loc[sound["starred"], "set"], slipping),
+        NOTHING_SEEN: (sets.index[visible & unseen], int(visible.sum())),
         "lower limit of K_z above the truth": (
             limit.loc[limit["low"] > limit["true"], "set"],
             len(limit),
@@ -183,12 +196,15 @@ def _counts(rows: pd.DataFrame, own: pd.DataFrame, sets: pd.DataFrame) -> str:
             harmonic.loc[harmonic["sizes"] > 3.0, "set"],
             harmonic["set"].nunique(),
         ),
-        "nothing slips, F_k given": (nothing["set"], int((sets["kind"] == "nothing slips").sum())),
-        "beyond 5 standard errors, not a word": (silent["set"], len(sets)),
+        F_K_OF_NOTHING: (nothing["set"], len(sets) - slipping),
+        SILENT: (silent["set"], slipping),
     }
+    return {words: (sorted({int(n) for n in which}), of) for words, (which, of) in found.items()}
+
+
+def _counted(found: dict[str, tuple[list[int], int]]) -> str:
     lines = ["| | sets | of | which |", "|---|---|---|---|"]
     for words, (which, of) in found.items():
-        names = sorted({int(name) for name in which})
-        listed = ", ".join(map(str, names[:25])) + (" …" if len(names) > 25 else "")
-        lines.append(f"| {words} | {len(names)} | {of} | {listed} |")
+        listed = ", ".join(map(str, which[:25])) + (" …" if len(which) > 25 else "")
+        lines.append(f"| {words} | {len(which)} | {of} | {listed} |")
     return "\n".join(lines)

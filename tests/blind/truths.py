@@ -22,10 +22,11 @@ _EVERY, _NOTHING, _SEVERAL = 30, 14, 29
 class Truth:
     """One set: an oscillator, its levels, and how they are measured. SI units.
 
-    kind : "model" of the design, "nothing slips", "several slips" (ζ at most 0.05, ω/ω_n 0.22–0.4).   Y : amplitudes of the base, m.
-    cycles, start : length of each record and where in the cycle it begins, in cycles.   rate_hz : samples per second.
-    answers : channels of the mass.   noise : part of the rms.   equal : whether the noise of a channel is the same at
-    all levels, of the median of its rms, or relative to each.
+    kind : "model" of the design, "nothing slips", "several slips" (ζ at most 0.05, ω/ω_n 0.22–0.4).
+    Y : amplitudes of the base, m.
+    cycles, start : length of each record, and where in the cycle it begins, in cycles.   rate_hz : samples per second.
+    answers : channels of the mass.   noise : part of the rms.
+    equal : whether the noise of a channel is the same at all levels, of the median of its rms, or relative to each.
     """
 
     index: int
