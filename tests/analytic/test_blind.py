@@ -10,7 +10,8 @@ import pytest
 
 from analytic.cases import case
 from analytic.integrator import integrate
-from blind import score
+from blind import faults, score
+from blind.other_motion import Departure, from_rest, steady_signals
 from blind.records import levels, record
 from blind.truths import draw
 
@@ -44,6 +45,18 @@ def test_the_steady_cycle_is_one_in_an_independent_integrator(index):
         pull = oscillator.k * (motion.Y * math.cos(other) - x) - oscillator.c * v
         reached = np.array([x, v, (pull - oscillator.K_z * z) / oscillator.m])
         assert (np.abs(reached - there) <= scales).all()
+
+
+def test_motion_in_fixed_steps_is_that_of_the_events_where_nothing_departs_from_the_model():
+    # of order 2 at the kinks: (2π/8192)² beside a stick phase that is 5 to 10 times faster than the drive
+    truth = faults.TRUTHS[0]
+    level, phases = levels(truth)[2], np.linspace(0.0, 2.0 * math.pi, 1001)
+    exact = level.signal("displacement", phases)
+    for motion in (
+        steady_signals(truth, 2, Departure())(phases)[0],
+        from_rest(truth, 2, 21)(phases + 40.0 * math.pi)[0],
+    ):
+        assert np.abs(motion - exact).max() < 1e-6 * np.abs(exact).max()
 
 
 def test_regimes_are_those_that_the_sets_are_drawn_for():

@@ -14,7 +14,7 @@ from typing import Any
 
 import pandas as pd
 
-from . import efficiency, score
+from . import efficiency, faults, others, score
 
 
 def _rows(
@@ -48,7 +48,21 @@ def efficient(options: argparse.Namespace) -> str:
     return efficiency.table(rows, list(dict.fromkeys(["direct", options.yardstick])))
 
 
-PARTS = {"blind": blind, "efficiency": efficient}
+def faulty(options: argparse.Namespace) -> str:
+    """Identify records with faults, one at a time."""
+    rows = _rows(faults.tried, faults.RUNS, options.processes)
+    rows.to_csv(options.output / "faults.csv", index=False)
+    return faults.table(rows, options.yardstick)
+
+
+def other(options: argparse.Namespace) -> str:
+    """Other ways to the same numbers, on three sets; one process, for the time that each takes is shown."""
+    rows = _rows(others.compared, [(index, options.yardstick) for index in others.SETS], 1)
+    rows.to_csv(options.output / "others.csv", index=False)
+    return others.table(rows)
+
+
+PARTS = {"blind": blind, "efficiency": efficient, "faults": faulty, "others": other}
 
 
 def main(arguments: list[str] | None = None) -> None:
