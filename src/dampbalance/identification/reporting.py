@@ -4,35 +4,40 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
 
 from ..balance import TERMS, named_with_unit
 from ..features import COLUMNS
 from ..likelihood.result import ReferenceFit
 from ..reading.noisy import Reading
+from .limits import REFERENCE, limits, shown
 from .result import CONFIDENCE, ApproachResult, Identification, Interval, ParameterEstimate
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-REFERENCE = "maximum likelihood"
+from .verdicts import Verdict, in_one, judged_by_notes, verdicts_of
 
 
 def document(
-    result: Identification, reference: ReferenceFit | None = None, version: str = ""
+    result: Identification,
+    reference: ReferenceFit | None = None,
+    version: str = "",
+    options: Mapping[str, Any] | None = None,
+    files: Sequence[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
     """Everything that was identified, for JSON; SI units, named in the keys; what is not known is null.
 
-    reference : a maximum-likelihood fit of the same records, to go beside the approaches.
+    reference : a maximum-likelihood fit of the same records, to go beside the approaches.   options : as given.
+    files : what is known of the file of each record, in their order.
     """
+    of_files = files or [{}] * len(result.readings)
     return {
         "dampbalance": version,
+        "options": dict(options or {}),
         "k_N_per_m": result.k,
         "phase": result.phase,
         "confidence": CONFIDENCE,
         "bootstrap": {"replicates": result.replicates, "seed": result.seed},
-        "approaches": {name: _approach(e) for name, e in result.estimates.items()},
+        "approaches": {name: _approach(e, result) for name, e in result.estimates.items()},
         "maximum_likelihood": None if reference is None else _reference(reference),
         "microstick": {
             "length_m": _number(result.microstick.length),
@@ -41,67 +46,84 @@ def document(
             "upper_bound_m": _number(result.microstick.bound),
             "F_k_bias_of_rigid_contact": _number(result.microstick.rigid_bias),
         },
-        "records": [_record(reading, result, i) for i, reading in enumerate(result.readings)],
+        "records": [
+            {**_record(reading, result, i), **of_files[i]}
+            for i, reading in enumerate(result.readings)
+        ],
+        "limits": [asdict(limit) for limit in limits(result, reference)],
         "warnings": [*result.warnings, *(reference.warnings if reference is not None else ())],
     }
 
 
-def frame(result: Identification) -> pd.DataFrame:
-    """One row per approach: value, standard errors and interval of each parameter, in columns named with units."""
-    records = []
+def estimates_table(result: Identification) -> list[dict[str, Any]]:
+    """A row for each approach: value, standard errors and interval of each parameter, in columns named with units, and
+    the verdict on each."""
+    rows = []
     for name, estimated in result.estimates.items():
-        line: dict[str, Any] = {"approach": name}
+        row: dict[str, Any] = {"approach": name}
         for symbol, parameter in estimated.parameters.items():
             ends = {f"_{end}": number for end, number in parameter.interval._asdict().items()}
             numbers = _with_errors(parameter) | ends
-            line |= {_key(symbol, what): number for what, number in numbers.items()}
-        line |= {"residual": estimated.residual, "misfit": estimated.misfit}
-        records.append(line | {"note": "; ".join(estimated.notes)})
-    import pandas as pd  # slow to import, and needed for tables only
+            row |= {_key(symbol, what): number for what, number in numbers.items()}
+        row |= {"residual": estimated.residual, "misfit": estimated.misfit}
+        row |= {
+            f"{symbol}_verdict": verdict
+            for symbol, (verdict, _) in verdicts_of(estimated, result.microstick).items()
+        }
+        rows.append(row | {"note": "; ".join(estimated.notes)})
+    return rows
 
-    return pd.DataFrame.from_records(records)
 
-
-def features_frame(result: Identification) -> pd.DataFrame:
-    """One row per record: its features, and the standard error of each, in columns named with units."""
-    table = result.features.to_frame()
-    table.insert(0, "record", [reading.steady.source for reading in result.readings])
-    for name, column in COLUMNS.items():
-        error = column.replace(name, f"{name}_standard_error", 1)
-        table[error] = [reading.standard_errors[name] for reading in result.readings]
-    return table
+def features_table(result: Identification) -> list[dict[str, Any]]:
+    """A row for each record: its features, and the standard error of each, in columns named with units."""
+    columns = result.features.to_columns()
+    return [
+        {"record": reading.steady.source}
+        | {column: values[i] for column, values in columns.items()}
+        | {
+            column.replace(name, f"{name}_standard_error", 1): reading.standard_errors[name]
+            for name, column in COLUMNS.items()
+        }
+        for i, reading in enumerate(result.readings)
+    ]
 
 
 def text_table(result: Identification, reference: ReferenceFit | None = None) -> str:
-    """Estimates with their 95 % intervals, a line per approach, then what must be known of them; for a screen."""
+    """Estimates with their 95 % intervals and what they are worth, a line per approach, then what limits them, each
+    thing once; for a screen."""
     symbols = list(dict.fromkeys(s for e in result.estimates.values() for s in e.coefficients))
     symbols.append("K_z")
-    lines = [["", *(f"{symbol} ({_unit(symbol)})" for symbol in symbols)]]
-    rows: dict[str, Mapping[str, ParameterEstimate]] = {}
-    for name, estimated in result.estimates.items():
-        rows[name + (" *" if estimated.notes else "")] = estimated.parameters
-    if reference is not None:
-        rows[REFERENCE] = _of_reference(reference)
-    for name, parameters in rows.items():
-        cells = (_with_interval(parameters[s]) if s in parameters else "" for s in symbols)
-        lines.append([name, *cells])
-    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
-    shown = [
-        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
-        for line in lines
+    table = [["", *(f"{symbol} ({_unit(symbol)})" for symbol in symbols), "verdict"]]
+    lines: list[tuple[str, Mapping[str, ParameterEstimate], Mapping[str, Verdict]]] = [
+        (name + (" *" if e.notes else ""), e.parameters, verdicts_of(e, result.microstick))
+        for name, e in result.estimates.items()
     ]
-    notes = [f"* {name}: {note}" for name, e in result.estimates.items() for note in e.notes]
-    notes += [f"warning: {words}" for words in result.warnings]
-    notes += [f"warning: {REFERENCE}: {w}" for w in (reference.warnings if reference else ())]
+    if reference is not None:
+        of_fit = _of_reference(reference)
+        lines.append((REFERENCE, of_fit, judged_by_notes(of_fit, reference.warnings)))
+    for name, parameters, verdicts in lines:
+        cells = (_with_interval(parameters[s]) if s in parameters else "" for s in symbols)
+        table.append([name, *cells, in_one(verdicts)])
+    widths = [max(len(line[i]) for line in table) for i in range(len(table[0]))]
+    shown_lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
+        for line in table
+    ]
     hz = sorted({round(r.steady.frequency_hz, 4) for r in result.readings})
     head = (
         f"{len(result.readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; values with 95 % intervals from "
         f"{result.replicates} bootstrap replicates"
     )
-    return "\n".join([head, "", *shown, *([""] if notes else []), *notes]) + "\n"
+    sources = [reading.steady.source for reading in result.readings]
+    said = [
+        f"{'* ' if limit.kind == 'approaches' else 'warning: '}{shown(limit, sources)}"
+        for limit in limits(result, reference)
+    ]
+    told = ["", "What limits the answer:", *said] if said else []
+    return "\n".join([head, "", *shown_lines, *told]) + "\n"
 
 
-def _approach(estimated: ApproachResult) -> dict[str, Any]:
+def _approach(estimated: ApproachResult, result: Identification) -> dict[str, Any]:
     entries = _parameters(estimated.parameters)
     entries |= {
         f"correlation_of_{one}_and_{other}": _number(
@@ -112,6 +134,7 @@ def _approach(estimated: ApproachResult) -> dict[str, Any]:
     columns = {TERMS[s].integral_column: values for s, values in estimated.rows.terms.items()}
     columns |= {"W_J": estimated.rows.W, "standard_error_J": estimated.row_errors}
     return entries | {
+        "verdicts": _verdicts(verdicts_of(estimated, result.microstick)),
         "residual": _number(estimated.residual),
         "misfit": _number(estimated.misfit),
         "rows": {key: [_number(v) for v in values] for key, values in columns.items()},
@@ -120,8 +143,14 @@ def _approach(estimated: ApproachResult) -> dict[str, Any]:
 
 
 def _reference(fit: ReferenceFit) -> dict[str, Any]:
-    parameters = _parameters(_of_reference(fit), leave_out="_propagated_error")
-    return parameters | {"m_kg": fit.m, "warnings": list(fit.warnings)}
+    parameters = _of_reference(fit)
+    entries = _parameters(parameters, leave_out="_propagated_error")
+    entries["verdicts"] = _verdicts(judged_by_notes(parameters, fit.warnings))
+    return entries | {"m_kg": fit.m, "warnings": list(fit.warnings)}
+
+
+def _verdicts(verdicts: Mapping[str, Verdict]) -> dict[str, dict[str, str]]:
+    return {symbol: verdict._asdict() for symbol, verdict in verdicts.items()}
 
 
 def _of_reference(fit: ReferenceFit) -> dict[str, ParameterEstimate]:

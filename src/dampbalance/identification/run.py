@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,11 +17,11 @@ from ..features import Phase
 from ..likelihood.fit import reference_fit
 from ..likelihood.information import NotIdentifiable
 from ..likelihood.result import ReferenceFit
-from ..project.files import write_csv, write_json, write_text
+from ..project.files import sha256, write_json, write_rows, write_text
 from ..project.wording import visible
 from ..record import Record
 from ..records.limits import LARGEST
-from ..records.mapping import MappingLike
+from ..records.mapping import MappingLike, mapping_file
 from . import reporting
 from .identify import REPLICATES, SEED, identify
 from .loading import Loaded, load
@@ -33,11 +33,17 @@ _MOST_SWINGS = 1000.0  # of the free oscillator in a cycle of the drive, or cycl
 
 @dataclass(frozen=True, eq=False)
 class IdentificationRun:
-    """An identification, the records it comes from, and a maximum-likelihood fit of them where the mass was given."""
+    """An identification, the records it comes from, and a maximum-likelihood fit of them where the mass was given.
+
+    options : what it was asked for, by the keys of a configuration.   files : digests of the files read for each
+    record.
+    """
 
     records: tuple[Loaded, ...]
     result: Identification
     reference: ReferenceFit | None
+    options: Mapping[str, Any]
+    files: tuple[Mapping[str, Any], ...]
 
     def text(self) -> str:
         """The table for a screen."""
@@ -45,7 +51,9 @@ class IdentificationRun:
 
     def document(self) -> dict[str, Any]:
         """Everything, for JSON."""
-        return reporting.document(self.result, self.reference, __version__)
+        return reporting.document(
+            self.result, self.reference, __version__, self.options, self.files
+        )
 
 
 def identify_files(
@@ -102,7 +110,29 @@ def identify_files(
         except (ArithmeticError, NotIdentifiable) as error:  # the approaches stand without it
             warning = f"no maximum-likelihood fit with m = {mass:g} kg: {error}"
             result = replace(result, warnings=(*result.warnings, warning))
-    return IdentificationRun(records, result, reference)
+    options = {
+        "stiffness_N_per_m": k,
+        "frequency_hz": frequency_hz,
+        "mass_kg": mass,
+        "approaches": list(chosen),
+        "phase": phase,
+        "mapping": str(mapping) if isinstance(mapping, str | Path) else None,
+        "skip_cycles": skip_cycles,
+        "replicates": replicates,
+        "seed": seed,
+        "largest": largest,
+    }
+    files = tuple(_digests(path, mapping) for path in named)
+    return IdentificationRun(records, result, reference, options, files)
+
+
+def _digests(path: Path, mapping: MappingLike) -> dict[str, Any]:
+    """The SHA-256 digest of a record's file, and of the file that names its channels."""
+    file = mapping_file(path, mapping)
+    return {
+        "sha256": sha256(path),
+        "mapping": None if file is None else {"file": str(file), "sha256": sha256(file)},
+    }
 
 
 def _require_different(paths: Sequence[Path]) -> None:
@@ -145,13 +175,24 @@ def maximum_likelihood(records: Sequence[Loaded], m: float, k: float) -> Referen
 
 def write_results(run: IdentificationRun, folder: str | Path) -> None:
     """Write OUTPUTS to a folder: each complete or not at all; the same bytes for the same records."""
+    write_figures(run, folder)
+    write_tables(run, folder)  # last, as pictures may fail
+
+
+def write_tables(run: IdentificationRun, folder: str | Path) -> None:
+    """Write TABLES to a folder, the document last."""
+    folder = Path(folder)
+    write_rows(folder / "identification.csv", reporting.estimates_table(run.result))
+    write_rows(folder / "features.csv", reporting.features_table(run.result))
+    write_text(folder / "summary.txt", run.text())
+    write_json(folder / "identification.json", run.document())
+
+
+def write_figures(run: IdentificationRun, folder: str | Path) -> None:
+    """Write PICTURES to a folder."""
     from ..figures.style import save  # slow to import, and needed for pictures only
     from . import drawing
 
-    folder = Path(folder)
-    write_csv(folder / "identification.csv", reporting.frame(run.result))
-    write_csv(folder / "features.csv", reporting.features_frame(run.result))
-    write_text(folder / "summary.txt", run.text())
     alt = drawing.alternative_texts(run.result)
     figures = (
         drawing.cycles(run.records),
@@ -161,8 +202,7 @@ def write_results(run: IdentificationRun, folder: str | Path) -> None:
     with warnings.catch_warnings():  # a name in a script that the font lacks shows as boxes
         warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
         for name, figure in zip(FIGURES, figures, strict=True):
-            save(figure, folder / f"{name}.svg", folder / f"{name}.png", alt[name])
-    write_json(folder / "identification.json", run.document())
+            save(figure, Path(folder, f"{name}.svg"), Path(folder, f"{name}.png"), alt[name])
 
 
 def _record(one: Loaded, k: float) -> Record:
