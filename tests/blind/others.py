@@ -49,7 +49,7 @@ _OFF = np.array([1.3, 0.7, 1.3, 0.7])  # the start of m, c, F_k, K_z, over the t
 _RELEASE = 30.0  # F_k/k: from less, too few reversals tell viscous from dry friction
 
 
-def _simulated(
+def simulated(
     p: np.ndarray, k: float, omega: float, drive: complex, phase: np.ndarray
 ) -> np.ndarray:
     """Steady x of one level at phases ωt under y = Re(drive e^{iωt})."""
@@ -91,7 +91,7 @@ def simulated_fit(truth: Truth, measured: list[Measurement]) -> Found:
     def residuals(p: np.ndarray) -> np.ndarray:
         off = []
         for drive, phase, x in parts:
-            model = _simulated(p, truth.k, truth.omega, drive, phase)
+            model = simulated(p, truth.k, truth.omega, drive, phase)
             off.append((model - model.mean() - x) / x.std())
         return np.concatenate(off)
 
