@@ -24,7 +24,7 @@ def _rows(
     began = time.perf_counter()
     rows: list[dict[str, object]] = []
     with multiprocessing.get_context("spawn").Pool(processes) as pool:
-        for done, of_run in enumerate(pool.imap(work, runs, chunksize=4), 1):
+        for done, of_run in enumerate(pool.imap(work, runs, chunksize=1), 1):
             rows += of_run
             if done % 50 == 0:
                 print(f"{done} of {len(runs)}, {time.perf_counter() - began:.0f} s", flush=True)
@@ -56,8 +56,8 @@ def faulty(options: argparse.Namespace) -> str:
 
 
 def other(options: argparse.Namespace) -> str:
-    """Other ways to the same numbers, on three sets; one process, for the time that each takes is shown."""
-    rows = _rows(others.compared, [(index, options.approach) for index in others.SETS], 1)
+    """Other ways to the same numbers, on three sets."""
+    rows = _rows(others.compared, others.SETS, options.processes)
     rows.to_csv(options.output / "others.csv", index=False)
     return others.table(rows)
 
@@ -73,7 +73,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--first", type=int, default=0, help="number of the first set, or drawing")
     parser.add_argument("--drawings", type=int, default=200, help="of each truth, for efficiency")
     parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--approach", default="direct", help="for faults and others")
+    parser.add_argument("--approach", default="direct", help="whose errors faults shows")
     parser.add_argument("--output", type=Path, default=Path("results/blind"))
     options = parser.parse_args(arguments)
     options.output.mkdir(parents=True, exist_ok=True)
