@@ -14,9 +14,8 @@ import numpy as np
 from .. import __version__
 from ..balance import APPROACHES
 from ..features import Phase
-from ..likelihood.fit import reference_fit
-from ..likelihood.information import NotIdentifiable
 from ..likelihood.result import ReferenceFit
+from ..motion.jit import interpreted
 from ..project.files import sha256, write_json, write_rows, write_text
 from ..project.wording import visible
 from ..record import Record
@@ -28,6 +27,7 @@ from .loading import Loaded, load
 from .outputs import FIGURES
 from .result import Identification
 
+_FEW = 20  # records, whose orbits take less time in Python than Numba takes to load
 _MOST_SWINGS = 1000.0  # of the free oscillator in a cycle of the drive, or cycles in a swing: beyond it nothing is told
 
 
@@ -84,27 +84,30 @@ def identify_files(
     named = [Path(path) for path in paths]
     _require_different(named)
     chosen = {name: APPROACHES[name] for name in APPROACHES if not approaches or name in approaches}
-    records = tuple(
-        load(
-            path,
-            k,
-            mapping=mapping,
-            frequency_hz=frequency_hz,
-            skip_cycles=skip_cycles,
-            largest=largest,
+    with interpreted(len(named) <= _FEW):  # whatever was compiled before: the last bits may differ
+        records = tuple(
+            load(
+                path,
+                k,
+                mapping=mapping,
+                frequency_hz=frequency_hz,
+                skip_cycles=skip_cycles,
+                largest=largest,
+            )
+            for path in named
         )
-        for path in named
-    )
-    result = identify(
-        [one.reading for one in records],
-        k,
-        approaches=chosen,
-        phase=phase,
-        replicates=replicates,
-        seed=seed,
-    )
+        result = identify(
+            [one.reading for one in records],
+            k,
+            approaches=chosen,
+            phase=phase,
+            replicates=replicates,
+            seed=seed,
+        )
     reference = None
     if mass is not None:
+        from ..likelihood.information import NotIdentifiable  # slow to import
+
         try:
             reference = maximum_likelihood(records, mass, k)
         except (ArithmeticError, NotIdentifiable) as error:  # the approaches stand without it
@@ -157,6 +160,8 @@ def maximum_likelihood(records: Sequence[Loaded], m: float, k: float) -> Referen
     Raises ValueError for records too large to be kept in memory, driven by an acceleration, or without a displacement
     of the mass.
     """
+    from ..likelihood.fit import reference_fit  # slow to import
+
     for one in records:
         swings = math.sqrt(k / m) / one.reading.steady.omega
         if not 1.0 / _MOST_SWINGS < swings < _MOST_SWINGS:
