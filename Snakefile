@@ -69,6 +69,7 @@ rule all:
         rules.article.output if config["published"] else [],
         [*rules.match.output, *rules.notebook.output] if config["published"] else [],
         [*rules.page.output, *rules.manifest.output, *rules.crate.output] if not MEASURED else [],
-        rules.measured.output if MEASURED else [],
+        # every file of every set by itself: Snakemake makes what nothing else needs only when it is asked for
+        [*rules.measured.output, *expand(rules.identify.output, set=MEASURED)] if MEASURED else [],
     message:
         "Everything is rebuilt"

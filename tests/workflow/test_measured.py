@@ -28,7 +28,8 @@ def built(checkout):
 def test_everything_is_made_and_shown(built):
     copy, done = built
     files = copy.files("example")
-    assert set(files) == {"measured/identification.csv", *(f"{SET}/{name}" for name in OUTPUTS)}
+    of_the_set = {f"{SET}/{name}" for name in (*OUTPUTS, ".complete")}
+    assert set(files) == {"measured/identification.csv", *of_the_set}
     summary = files[f"{SET}/summary.txt"].decode()
     assert summary.splitlines()[3] in done.stdout + done.stderr
 
@@ -44,6 +45,37 @@ def test_the_workflow_says_what_the_package_says(built, monkeypatch):
     table = pd.read_csv(copy.folder / "results/example/measured/identification.csv")
     assert set(table["set"]) == {"below_resonance"}
     assert len(table) == 5
+
+
+def test_a_bad_record_leaves_the_results_as_they_are_and_fails_until_it_is_mended(built):
+    copy, _ = built
+    results = {f: data for f, data in copy.files("example").items() if not f.endswith(".complete")}
+    record = copy.folder / "config/records/example/level2.csv"
+    good = record.read_text(encoding="utf-8")
+    lines = good.splitlines(keepends=True)
+    record.write_text(
+        "".join([*lines[:499], "0.598,none here,0,0\n", *lines[500:]]), encoding="utf-8"
+    )
+    for _ in range(2):  # the second time, every result is there and newer than the record
+        done = copy.run("--configfile", EXAMPLE)
+        assert done.returncode == 1
+        assert "level2.csv: line 500, column" in done.stdout + done.stderr
+        assert copy.files("example") == results
+    record.write_text(good, encoding="utf-8")
+    done = copy.run("--configfile", EXAMPLE)
+    assert done.returncode == 0, done.stderr
+    assert copy.files("example") == results | {f"{SET}/.complete": b""}
+
+
+@pytest.mark.parametrize("name", ["identification.csv", "summary.txt", "cycles.png", ".complete"])
+def test_a_result_that_is_missing_is_made(built, name):
+    copy, _ = built
+    result = copy.folder / "results/example" / SET / name
+    aside = result.rename(copy.folder / "aside")
+    try:
+        assert copy.jobs("--configfile", EXAMPLE)["identify"] == 1
+    finally:
+        aside.rename(result)
 
 
 def test_nothing_is_done_twice_and_a_record_that_changes_is_read_again(built):

@@ -49,7 +49,9 @@ rule identify:
         mappings=lambda wildcards: mapping_files(wildcards.set),
         modules=script_modules("measured/identify.py"),
     output:
-        **{name.replace(".", "_"): f"{MEASURED_FILES}/{{set}}/{name}" for name in OUTPUTS},
+        # Earlier results stay when the job fails, and only its mark goes: the next run finds that missing and tries again.
+        **{name.replace(".", "_"): update(f"{MEASURED_FILES}/{{set}}/{name}") for name in OUTPUTS},
+        mark=touch(f"{MEASURED_FILES}/{{set}}/.complete"),
     wildcard_constraints:
         set="[A-Za-z0-9_-]+",
     params:

@@ -33,7 +33,7 @@ records         a file, one per level; two or more
 --frequency     drive frequency as known, Hz; compared with the one found in each record
 --approach      an approach; may be repeated (default: all)
 --phase         phase φ that the approaches X_s, t_s and V_s take (default: reversal)
---mass          mass, kg: adds the maximum-likelihood fit of the whole oscillator as a yardstick
+--mass          mass, kg, if it is known: the fit of the whole oscillator then takes it as it is
 --mapping       channels of all records (default: beside each)
 --skip-cycles   cycles left out at the start of each record (default: 0)
 --replicates    of the bootstrap (default: %(default)s)

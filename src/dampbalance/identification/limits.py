@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from ..likelihood.result import ReferenceFit
 from ..project.wording import listed
+from .notes import notes_of
 from .result import Identification
 
 REFERENCE = "maximum likelihood"
@@ -30,11 +30,10 @@ class Limit:
     words: str
 
 
-def limits(result: Identification, reference: ReferenceFit | None = None) -> list[Limit]:
+def limits(result: Identification) -> list[Limit]:
     """What limits an identification: notes on approaches, then warnings on records and on all of them."""
     notes = [(name, note) for name, e in result.estimates.items() for note in e.notes]
-    if reference is not None:
-        notes += [(REFERENCE, words) for words in reference.warnings]
+    notes += [(REFERENCE, words) for words in notes_of(result.whole)]
     sources = dict.fromkeys(reading.steady.source for reading in result.readings)
     of_records, of_all = [], []
     for words in result.warnings:

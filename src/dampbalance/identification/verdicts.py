@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ..balance import TERMS
-from .result import ApproachResult, Microstick, ParameterEstimate
+from .result import ApproachResult, ParameterEstimate
 
 USABLE, DOUBTFUL, NONE = "usable", "doubtful", "none"
 
@@ -19,19 +19,9 @@ class Verdict(NamedTuple):
     reason: str = ""
 
 
-def verdicts_of(estimated: ApproachResult, microstick: Microstick) -> dict[str, Verdict]:
-    """The verdict on each parameter of an approach, by symbol.   microstick : the line that all records share."""
-    judged = judged_by_notes(estimated.parameters, estimated.notes)
-    F_k = estimated.coefficients.get("F_k")
-    if F_k is not None and judged["F_k"].verdict == USABLE and not microstick.resolved:
-        cost = abs(microstick.rigid_bias * F_k.value)
-        if not cost <= 0.5 * (F_k.interval.high - F_k.interval.low):  # NaN: unknown
-            size = f"up to {100.0 * abs(microstick.rigid_bias):.2g} %"
-            size = size if math.isfinite(cost) else "an unknown part"
-            judged["F_k"] = Verdict(
-                DOUBTFUL, f"the contact is taken as rigid, which may cost F_k {size}"
-            )
-    return judged
+def verdicts_of(estimated: ApproachResult) -> dict[str, Verdict]:
+    """The verdict on each parameter of an approach, by symbol."""
+    return judged_by_notes(estimated.parameters, estimated.notes)
 
 
 def judged_by_notes(
