@@ -86,6 +86,8 @@ class Rows:
 
     terms : symbol of p_j → g_j, its integral over a period, in m for F_k (a) and m²/s for c (b).   W : input work, J.
     weights : of the squares of the rows' misfits, 1/J²; None weighs all alike, as (9).
+    covariance : of the errors of (g_1 … g_p, W), in the order of the terms, (p + 1, p + 1, L, …); where it is given, a
+    row weighs as much as its misfit is sure, see `weighted`.
     given : symbol → value of the coefficients that are known and not to be identified.
 
     Raises ValueError for a given coefficient that is no term of the rows.
@@ -94,6 +96,7 @@ class Rows:
     terms: Mapping[str, Array]
     W: Array
     weights: Array | None = None
+    covariance: Array | None = None
     given: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -108,6 +111,9 @@ class Rows:
             terms={symbol: integral[index] for symbol, integral in self.terms.items()},
             W=self.W[index],
             weights=None if self.weights is None else self.weights[index],
+            covariance=None
+            if self.covariance is None
+            else self.covariance[:, :, *(index if isinstance(index, tuple) else (index,))],
         )
 
     @property
@@ -121,6 +127,30 @@ class Rows:
         """Σ g_j p_j − W, J, for these coefficients, by symbol."""
         work = sum(np.asarray(p) * self.terms[symbol] for symbol, p in coefficients.items())
         return np.asarray(work - self.W)
+
+    def scatter(self) -> Array:
+        """Covariance of (g_1 … g_p, W) over the last axis, that of replicates of the rows: (p + 1, p + 1, L, …)."""
+        parts = np.stack([*self.terms.values(), self.W])
+        parts = parts - parts.mean(axis=-1, keepdims=True)
+        covariance: Array = np.einsum("i...r,j...r->ij...", parts, parts) / (parts.shape[-1] - 1)
+        return covariance
+
+    def weighted(self, coefficients: Mapping[str, ArrayLike]) -> Rows:
+        """The rows with the weights that their covariance gives them, 1/var(Σ g_j p_j − W), p_j : `coefficients`.
+
+        Raises ValueError where there is no covariance.
+        """
+        if self.covariance is None:
+            raise ValueError("rows without a covariance have no weights of their own")
+        known = {**self.given, **coefficients}
+        p = [np.asarray(known[symbol]) for symbol in self.terms] + [np.asarray(-1.0)]
+        variance = sum(
+            one * other * self.covariance[i, j]
+            for i, one in enumerate(p)
+            for j, other in enumerate(p)
+        )
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return replace(self, weights=1.0 / np.asarray(variance), covariance=None)
 
 
 def direct(features: Features, k: ArrayLike) -> Rows:

@@ -1,22 +1,18 @@
-"""Least squares of many small systems by an orthogonal factorisation: the compiled part of the solver."""
+"""Least squares of many small systems at once by an orthogonal factorisation: the arithmetic of the solver."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 
 from .arrays import Array, Integers
-from .motion.jit import jit
 
 # Responses are one and the same when a column of A, scaled to unit length, encloses with those before it an angle below
 # this: what tells them apart is rounding. Two levels that differ by one part in a million enclose 5e-7.
 SINGULAR = 1e-12
 
-_BLOCK = 256  # cases whose factors stay in the processor's cache
+_BLOCK = 16384  # cases at once: enough of them for arrays to be quick, few enough for the processor's cache
 
 
-@jit
 def solve_cases(
     columns: Array, right: Array, full: Array, n: Integers
 ) -> tuple[Array, Array, Array]:
@@ -25,155 +21,88 @@ def solve_cases(
     columns : of A, (p, L, cases).   right : W without what is given, full : all of W, (L, cases).
 
     A = QR by Gram–Schmidt, each column orthogonalised twice, on columns of unit length; one step of iterative
-    refinement keeps the digits of a small row beside a large one. Cases go through in blocks, the innermost loops over
-    the cases of a block: these are what a processor does several at a time. Loops, not expressions of arrays, which
-    take several times as long to compile.
+    refinement keeps the digits of a small row beside a large one. Every operation is one of all cases of a block, each
+    by itself, and sums over rows are taken in their order: a case has the same bits in any company.
     """
-    p, levels, cases = columns.shape
+    p, _, cases = columns.shape
     values, residual = np.empty((p, cases)), np.empty(cases)
     covariance = np.empty((p, p, cases))
-    size = min(_BLOCK, max(cases, 1))
-    A, Q, W = np.zeros((p, levels, size)), np.empty((p, levels, size)), np.zeros((levels, size))
-    rest, scale = np.empty((levels, size)), np.empty((p, size))
-    step, found = np.empty((p, size)), np.empty((p, size))
-    R, H = np.zeros((p, p, size)), np.zeros((p, p, size))
-    left, total, smallest = np.empty(size), np.empty(size), np.empty(size)
-    for start in range(0, cases, size):
-        stop = min(start + size, cases)
-        m = stop - start
-        for row in range(levels):
-            for i in range(m):
-                W[row, i] = rest[row, i] = right[row, start + i]
-            for j in range(p):
-                for i in range(m):
-                    A[j, row, i] = columns[j, row, start + i]
-        _factorise(A, Q, R, scale, total, smallest)
-        for j in range(p):
-            for i in range(size):
-                found[j, i] = 0.0
-        for _ in range(2):
-            _add_step(Q, R, scale, rest, step, found)
-            for row in range(levels):
-                for i in range(size):
-                    rest[row, i] = W[row, i]
-            for j in range(p):
-                _subtract(found[j], A[j], rest)
-        _dot(rest, rest, left)
-        for i in range(m):
-            total[i] = 0.0
-        for row in range(levels):
-            for i in range(m):
-                total[i] += full[row, start + i] * full[row, start + i]
-        _inverse(R, scale, H)
-        for i in range(m):
-            freedom = n[start + i] - p
-            solved = 0.0 if freedom >= 0 and smallest[i] >= SINGULAR else math.nan
-            residual[start + i] = (
-                math.sqrt(left[i] / total[i]) + solved if total[i] > 0.0 else math.nan
-            )
-            left[i] = left[i] / freedom + solved if freedom > 0 else math.nan
-            for j in range(p):
-                values[j, start + i] = found[j, i] + solved
-        for j in range(p):
-            for other in range(j + 1):
-                for i in range(m):
-                    product = 0.0
-                    for column in range(j, p):
-                        product += H[j, column, i] * H[other, column, i]
-                    product *= left[i]
-                    covariance[j, other, start + i] = product
-                    covariance[other, j, start + i] = product
+    for start in range(0, cases, _BLOCK):
+        some = slice(start, start + _BLOCK)
+        values[:, some], residual[some], covariance[:, :, some] = _solved(
+            columns[:, :, some], right[:, some], full[:, some], n[some]
+        )
     return values, residual, covariance
 
 
-@jit
-def _factorise(A: Array, Q: Array, R: Array, scale: Array, along: Array, smallest: Array) -> None:
-    """Write Q, R and the reciprocal lengths of the columns of A (p, L, cases), and the smallest sine of the angle that
-    a column makes with those before it, NaN for a column of zeros; `along` (cases,) is scratch."""
-    p, levels, cases = A.shape
-    for i in range(cases):
-        smallest[i] = 1.0
+@np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore")
+def _solved(A: Array, W: Array, full: Array, n: Integers) -> tuple[Array, Array, Array]:
+    """As `solve_cases`, of one block."""
+    Q, R, scale, smallest = _factorised(A)
+    values, rest = np.zeros(scale.shape), W
+    for _ in range(2):
+        step = np.empty(scale.shape)
+        for j in reversed(range(len(A))):  # R step = Qᵀ rest
+            step[j] = _dot(Q[j], rest)
+            for other in range(j + 1, len(A)):
+                step[j] -= R[j, other] * step[other]
+            step[j] = _ratio(step[j], R[j, j])
+            values[j] += step[j] * scale[j]
+        rest = W
+        for column, value in zip(A, values, strict=True):
+            rest = rest - value * column
+    left, total, freedom = _dot(rest, rest), _dot(full, full), n - len(A)
+    solved = np.where((freedom >= 0) & (smallest >= SINGULAR), 0.0, np.nan)
+    residual = np.where(total > 0.0, np.sqrt(left / total) + solved, np.nan)
+    variance = np.where(freedom > 0, left / freedom + solved, np.nan)
+    return values + solved, residual, _inverse_of_normal(R, scale) * variance
+
+
+def _factorised(A: Array) -> tuple[Array, Array, Array, Array]:
+    """(Q, R, scale, smallest) of A (p, L, cases): the reciprocal lengths of its columns, and the smallest sine of the
+    angle that a column makes with those before it, NaN for a column of zeros."""
+    p, _, cases = A.shape
+    Q, R, scale = np.empty(A.shape), np.zeros((p, p, cases)), np.empty((p, cases))
+    smallest = np.ones(cases)
     for j in range(p):
-        _dot(A[j], A[j], along)
-        for i in range(cases):
-            scale[j, i] = _ratio(1.0, math.sqrt(along[i]))
-        for row in range(levels):
-            for i in range(cases):
-                Q[j, row, i] = A[j, row, i] * scale[j, i]
-        for other in range(j):
-            for i in range(cases):
-                R[other, j, i] = 0.0
+        scale[j] = _ratio(1.0, np.sqrt(_dot(A[j], A[j])))
+        q = A[j] * scale[j]
         for _ in range(2):
             for other in range(j):
-                _dot(Q[other], Q[j], along)
-                for i in range(cases):
-                    R[other, j, i] += along[i]
-                _subtract(along, Q[other], Q[j])
-        _dot(Q[j], Q[j], along)
-        for i in range(cases):
-            length = math.sqrt(along[i])
-            R[j, j, i] = length
-            if length < smallest[i] or math.isnan(length):
-                smallest[i] = length
-            along[i] = _ratio(1.0, length)
-        for row in range(levels):
-            for i in range(cases):
-                Q[j, row, i] *= along[i]
+                along = _dot(Q[other], q)
+                R[other, j] += along
+                q = q - along * Q[other]
+        R[j, j] = length = np.sqrt(_dot(q, q))
+        smallest = np.where((length < smallest) | np.isnan(length), length, smallest)
+        Q[j] = q * _ratio(1.0, length)
+    return Q, R, scale, smallest
 
 
-@jit
-def _add_step(Q: Array, R: Array, scale: Array, rest: Array, step: Array, values: Array) -> None:
-    """Add R⁻¹ Qᵀ rest, in the units of the unscaled columns, to `values`; `step` is scratch."""
-    p, cases = step.shape
-    for j in range(p - 1, -1, -1):
-        _dot(Q[j], rest, step[j])
-        for other in range(j + 1, p):
-            for i in range(cases):
-                step[j, i] -= R[j, other, i] * step[other, i]
-        for i in range(cases):
-            step[j, i] = _ratio(step[j, i], R[j, j, i])
-            values[j, i] += step[j, i] * scale[j, i]
-
-
-@jit
-def _inverse(R: Array, scale: Array, H: Array) -> None:
-    """Write H, the inverse of the upper triangular R of each case, in the units of the unscaled columns:
-    (AᵀA)⁻¹ = H Hᵀ."""
+def _inverse_of_normal(R: Array, scale: Array) -> Array:
+    """(AᵀA)⁻¹ = H Hᵀ, (p, p, cases); H: inverse of the upper triangular R, in the units of the unscaled columns."""
     p, cases = scale.shape
+    H, product = np.zeros((p, p, cases)), np.empty((p, p, cases))
     for column in range(p):
-        for i in range(cases):
-            H[column, column, i] = _ratio(1.0, R[column, column, i])
-        for j in range(column - 1, -1, -1):
-            for i in range(cases):
-                total = R[j, j + 1, i] * H[j + 1, column, i]
-                for other in range(j + 2, column + 1):
-                    total += R[j, other, i] * H[other, column, i]
-                H[j, column, i] = -_ratio(total, R[j, j, i])
-    for column in range(p):
-        for j in range(column + 1):
-            for i in range(cases):
-                H[j, column, i] *= scale[j, i]
+        H[column, column] = _ratio(1.0, R[column, column])
+        for j in reversed(range(column)):
+            total = sum(R[j, other] * H[other, column] for other in range(j + 1, column + 1))
+            H[j, column] = -_ratio(total, R[j, j])
+    H *= scale[:, None]
+    for j in range(p):
+        for other in range(j + 1):
+            product[j, other] = sum(H[j, column] * H[other, column] for column in range(j, p))
+            product[other, j] = product[j, other]
+    return product
 
 
-@jit
-def _dot(u: Array, v: Array, out: Array) -> None:
-    """Write Σ u v over the rows, case by case, of arrays (L, cases)."""
-    for i in range(len(out)):
-        out[i] = 0.0
-    for row in range(len(u)):
-        for i in range(len(out)):
-            out[i] += u[row, i] * v[row, i]
+def _dot(u: Array, v: Array) -> Array:
+    """Σ u v over the rows of arrays (L, cases), in their order."""
+    total = np.zeros(u.shape[1:])
+    for a, b in zip(u, v, strict=True):
+        total += a * b
+    return total
 
 
-@jit
-def _subtract(factor: Array, u: Array, out: Array) -> None:
-    """Subtract factor · u from the rows of `out`, case by case."""
-    for row in range(len(u)):
-        for i in range(u.shape[1]):
-            out[row, i] -= factor[i] * u[row, i]
-
-
-@jit
-def _ratio(x: float, y: float) -> float:
+def _ratio(x: Array | float, y: Array) -> Array:
     """x/y; NaN over zero, which a singular case has anyhow."""
-    return x / y if y != 0.0 else math.nan
+    return np.where(y != 0.0, x / y, np.nan)

@@ -157,12 +157,16 @@ class Features:
         """The responses at `index`, an index of arrays: [[1, 0]] is two levels in that order, [:, i] a case."""
         return replace(self, **{name: getattr(self, name)[index] for name in _FIELDS})
 
+    def to_columns(self) -> dict[str, Any]:
+        """The features by column, named with their units (`COLUMNS`), ω first and the regime last."""
+        columns = {column: getattr(self, name) for name, column in COLUMNS.items()}
+        return {_OMEGA: self.omega, **columns, _REGIME: list(self.regime)}
+
     def to_frame(self) -> pd.DataFrame:
-        """One row per response, columns named with their units (`COLUMNS`), ω first and the regime last."""
+        """One row per response, with the columns of `to_columns`."""
         import pandas as pd  # slow to import, and needed for tables only
 
-        columns = {column: getattr(self, name) for name, column in COLUMNS.items()}
-        return pd.DataFrame({_OMEGA: self.omega, **columns, _REGIME: list(self.regime)})
+        return pd.DataFrame(self.to_columns())
 
     @classmethod
     def from_frame(cls, frame: pd.DataFrame) -> Self:

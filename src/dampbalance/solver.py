@@ -6,6 +6,10 @@ is the pair-wise one of (8), of which (15)–(19) are special cases; with more i
 equations written in (9) would square a condition number that is 20 to 100 for the paper's levels and grows without
 bound as levels approach each other.
 
+Equation (9) weighs all rows alike, and so the highest level, whose misfit has the largest error, weighs most. Rows of
+which the covariance of their errors is known weigh as much as they are sure: with the inverse of the variance of
+Σ g_j p_j − W. It depends on the p_j, and so the solution is repeated with the weights that the last one gives.
+
 A case is solved by itself: the cases beside it change no bit of its estimate.
 """
 
@@ -13,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +28,9 @@ from .balance import Rows
 from .factorisation import solve_cases
 
 Pair = tuple[int, int]
+
+_MOST_WEIGHINGS = 20  # each brings the weights nearer by a factor of 100 or so
+_SETTLED = 1e-9  # relative change of the weights
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -62,8 +69,30 @@ def solve(rows: Rows) -> Estimate:
     """The coefficients that fit the usable rows of each case best, p = (AᵀA)⁻¹ Aᵀ W, Eq. (9).
 
     rows : of shape (L, …), the cases behind the first axis. Rows with a NaN are left out. A case with fewer usable rows
-    than unknowns, or whose rows describe one and the same response, has NaN.
+    than unknowns, or whose rows describe one and the same response, has NaN. Where the rows have a covariance, each
+    case is solved again and again until its weights stay as they are.
     """
+    if rows.covariance is None:
+        return _solved(rows)
+    with np.errstate(divide="ignore"):
+        weights = rows.W**-2.0  # errors grow with the work, nearly
+    moving = np.ones(rows.W.shape[1:], dtype=np.bool_)
+    for _ in range(_MOST_WEIGHINGS):
+        current = replace(rows, weights=weights, covariance=None)
+        estimate = _solved(current)
+        again = rows.weighted(estimate.values).weights
+        assert again is not None
+        again = np.where(np.isfinite(again), again, weights)  # of rows without errors
+        change = np.where(rows.usable, np.abs(again / weights - 1.0), 0.0).max(axis=0)
+        moving &= change > _SETTLED  # a case that has settled stays, whatever the others do
+        if not moving.any():
+            break
+        weights = np.where(moving, again, weights)
+    return estimate
+
+
+def _solved(rows: Rows) -> Estimate:
+    """As `solve`, with the weights that the rows have."""
     symbols = [symbol for symbol in rows.terms if symbol not in rows.given]
     shape, cases = rows.W.shape, rows.W.shape[1:]
     flat = (shape[0], math.prod(cases))

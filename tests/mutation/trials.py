@@ -53,7 +53,7 @@ TESTS: dict[str, tuple[str, ...]] = {
 }
 """Module, or room, of the method → the tests that answer for it."""
 
-KERNELS = ("model.py", "record.py", "motion/", "factorisation.py")
+KERNELS = ("model.py", "record.py", "motion/")
 """Modules that compiled code is made of: one change compiles all of it anew, which takes longer than most tests do
 without compiling. Their mutants meet the tests that bear it interpreted, and only those that survive are compiled."""
 

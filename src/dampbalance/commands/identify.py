@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import argparse
 import os
+import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, get_args
 
 from ..balance import APPROACHES
 from ..features import Phase
 from ..identification.identify import MOST_REPLICATES, REPLICATES, SEED
-from ..identification.outputs import OUTPUTS
+from ..identification.outputs import OUTPUTS, PICTURES, TABLES
+from ..project.files import json_text, write_json
 from ..records.limits import LARGEST
 from .options import count, number, whole
 
@@ -30,27 +33,33 @@ records         a file, one per level; two or more
 --frequency     drive frequency as known, Hz; compared with the one found in each record
 --approach      an approach; may be repeated (default: all)
 --phase         phase φ that the approaches X_s, t_s and V_s take (default: reversal)
---mass          mass, kg: adds the maximum-likelihood fit of the whole oscillator as a yardstick
+--mass          mass, kg, if it is known: the fit of the whole oscillator then takes it as it is
 --mapping       channels of all records (default: beside each)
 --skip-cycles   cycles left out at the start of each record (default: 0)
 --replicates    of the bootstrap (default: %(default)s)
 --seed          of the bootstrap (default: %(default)s)
 --largest       numbers, samples × channels, that may be read of a record (default: %(default)s)
 --output        write {", ".join(OUTPUTS)} there
+--no-figures    write no pictures
+--json          write {TABLES[0]} to this file, too; - shows it instead of the table
 --overwrite     replace results that are there already
 """
 
+_SCREEN = Path("-")
+
 
 def run(options: argparse.Namespace) -> None:
-    """Identify, show the table, write the results."""
-    from ..identification.run import (
-        identify_files,
-        write_results,
-    )  # slow to import, not needed for help
+    """Identify, show the table or the document, write the results."""
+    # slow to import, not needed for help
+    from ..identification.run import identify_files, write_figures, write_tables
 
     folder: Path | None = options.output
+    shown_as_json = options.json == _SCREEN
+    document: Path | None = None if shown_as_json else options.json
     if folder is not None:
-        _require_room(folder, options.overwrite)
+        _require_room(folder, OUTPUTS, options.overwrite)
+    if document is not None:
+        _require_room(document.parent, [document.name], options.overwrite)
     result = identify_files(
         options.records,
         options.stiffness,
@@ -64,13 +73,25 @@ def run(options: argparse.Namespace) -> None:
         seed=options.seed,
         largest=options.largest,
     )
-    print(result.text(), end="")
+    print(json_text(result.document()) if shown_as_json else result.text(), end="")
+    places = []
+    if document is not None:
+        write_json(document, result.document())
+        places.append(str(document))
     if folder is not None:
-        write_results(result, folder)
-        print(f"\nWritten to {folder}: {', '.join(OUTPUTS)}.")
+        if options.no_figures:
+            for name in PICTURES:
+                (folder / name).unlink(missing_ok=True)  # of earlier records
+        else:
+            write_figures(result, folder)
+        write_tables(result, folder)
+        places.append(f"{folder}: {', '.join(TABLES if options.no_figures else OUTPUTS)}")
+    if places:
+        said = f"\nWritten to {'; '.join(places)}."
+        print(said, file=sys.stderr if shown_as_json else sys.stdout)
 
 
-def _require_room(folder: Path, overwrite: bool) -> None:
+def _require_room(folder: Path, names: Sequence[str], overwrite: bool) -> None:
     """ValueError, before anything is computed, where the results could not be written."""
     from ..records.readers.formats import require_showable  # slow to import, too
 
@@ -80,7 +101,7 @@ def _require_room(folder: Path, overwrite: bool) -> None:
         raise ValueError(f"{there} is a file: choose a folder for the results")
     if not os.access(there, os.W_OK):
         raise ValueError(f"{there} cannot be written to: choose another folder for the results")
-    found = [name for name in OUTPUTS if (folder / name).exists()]
+    found = [name for name in names if (folder / name).exists()]
     if found and not overwrite:
         raise ValueError(
             f"{folder} holds {found[0]} already: choose another folder, or add --overwrite"
@@ -100,6 +121,8 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--seed": {"type": whole(), "default": SEED},
     "--largest": {"type": count, "default": LARGEST, "metavar": "N"},
     "--output": {"type": Path, "metavar": "DIR"},
+    "--no-figures": {"action": "store_true"},
+    "--json": {"type": Path, "metavar": "FILE"},
     "--overwrite": {"action": "store_true"},
 }
 ARGUMENTS = {

@@ -1,9 +1,17 @@
 """F_k, c and K_z from measured responses at several levels, by every approach, with standard errors and intervals.
 
 Each response gives one row a F_k + b c = W of the energy balance (6); rows of different frequencies go together, since
-neither F_k nor c knows the frequency. The microstick line has one length for all of them, X + X_s = 2F_k/K_z (10): the
-weighted mean over the records serves each of them, also those that do not resolve it alone. Where the mean does not
-stand out of its noise either, the contact is taken as rigid, and what that may cost is stated.
+neither F_k nor c knows the frequency. A row weighs as much as its misfit is sure; Eq. (9) as published, where all weigh
+alike, stands beside.
+
+What a row needs of the onset of slip comes from the waveforms of one oscillator fitted to all records. Where the
+records are not those of such an oscillator, nothing is known of the onset: the friction travel is then 4X less
+something that is the same at all levels, as sticking takes it in any contact whose force has an upper limit,
+
+    4X F_k + b c − W_0 = W
+
+and three levels or more give F_k and c without it. A level that does not slip leaves the balance; where none slips, F_k
+is unknown, and W = b c gives c.
 
 The effect of noise on the estimates is computed twice: by bootstrap (cycles of every record drawn with replacement, the
 balance solved for each drawing) and by propagation (the jackknife: one cycle of one record left out after the other).
@@ -18,15 +26,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Mask
 from ..balance import APPROACHES, Approach, Rows
-from ..features import Phase
+from ..features import Features, Phase, of_orbit, stack
 from ..reading.noisy import Reading
 from ..reading.one_thread import one_thread
-from ..solver import Estimate, contact_stiffness, least_squares, solve
-from .microstick import SharedLine, share_line, with_length
+from ..reading.waveforms import Fit
+from ..solver import Estimate, least_squares, solve
+from .microstick import Sample, Samples, microstick, read_samples
 from .notes import agreement, with_notes
-from .result import CONFIDENCE, ApproachResult, Identification, Interval, ParameterEstimate
+from .oscillator import Whole, joined, whole_oscillator
+from .result import (
+    CONFIDENCE,
+    ApproachResult,
+    Identification,
+    Interval,
+    Microstick,
+    ParameterEstimate,
+)
 
 REPLICATES = 1000
 MOST_REPLICATES = 10_000
@@ -37,6 +54,10 @@ SEED = 2010
 _COPIED = 1e-9  # of the largest harmonic: what writing a record in another format may change
 
 
+_STUCK_WORK = "W_0"  # what sticking takes from 4X F_k, J: an unknown beside the coefficients
+_FEWEST = 3  # levels that tell it from them
+
+
 @one_thread
 def identify(
     readings: Sequence[Reading],
@@ -44,49 +65,43 @@ def identify(
     *,
     approaches: Mapping[str, Approach] = APPROACHES,
     phase: Phase = "reversal",
+    mass: float | None = None,
     replicates: int = REPLICATES,
     seed: int = SEED,
 ) -> Identification:
     """F_k, c and K_z from the features of n ≥ 2 measured responses, by each approach, with intervals.
 
     readings : of `read_features`, one per level; levels that differ.   k : stiffness, N/m, that of the readings.
-    approaches : by name.   phase : that the harmonic approaches take.
+    approaches : by name.   phase : that the harmonic approaches take.   mass : kg, if it is known.
     replicates : of the bootstrap.   seed : of its drawings.
 
-    Raises ValueError for fewer than two readings, two of the same signals, a stiffness that is not positive or not that
-    of the readings, and too few or too many replicates. An approach whose rows cannot be solved stays in the result
-    with NaN and its reason.
+    Raises ValueError for fewer than two readings, two of the same signals, a stiffness or a mass that is not positive,
+    a stiffness that is not that of the readings, and too few or too many replicates. An approach whose rows cannot be
+    solved stays in the result with NaN and its reason.
     """
     _require(readings, k, approaches, replicates)
-    random = np.random.default_rng(seed)
-    drawn = [reading.resampled(replicates, random, onset=True) for reading in readings]
-    line = share_line(readings, drawn, [reading.left_out(onset=True) for reading in readings])
-    if not line.microstick.resolved:
-        bias = _rigid_bias(line, k)
-        line = replace(line, microstick=replace(line.microstick, rigid_bias=bias))
-    line = replace(
-        line,
-        point=line.point.with_phase(phase),
-        drawn=line.drawn.with_phase(phase),
-        left=tuple(features.with_phase(phase) for features in line.left),
-    )
-    estimates = with_notes({name: _result(name, way, line, k) for name, way in approaches.items()})
-    of_records = [
-        f"{reading.steady.source}: {words}"
-        for reading in readings
-        for words in reading.warnings
-        if words != reading.onset_note  # the shared length speaks for all
-    ]
+    if mass is not None and not (math.isfinite(mass) and mass > 0.0):
+        raise ValueError(f"the mass must be a positive number of kg, got {mass}")
+    whole = whole_oscillator([reading.lines for reading in readings], k, mass)
+    readings = joined(readings, whole)
+    samples = read_samples(readings, replicates, np.random.default_rng(seed))
+    line = microstick(samples)
+    estimates = {
+        name: _result(name, way, samples, line, whole, k, phase) for name, way in approaches.items()
+    }
+    estimates = with_notes(estimates, readings, whole)
+    of_records = [f"{r.steady.source}: {words}" for r in readings for words in r.warnings]
     return Identification(
         k=k,
         phase=phase,
         readings=tuple(readings),
-        features=line.point,
-        microstick=line.microstick,
+        whole=whole,
+        features=samples.point.features.with_phase(phase),
+        microstick=line,
         estimates=estimates,
         replicates=replicates,
         seed=seed,
-        warnings=(*of_records, *agreement(line.microstick, estimates)),
+        warnings=(*of_records, *agreement(readings, line, whole, estimates)),
     )
 
 
@@ -124,90 +139,139 @@ def _same(one: Reading, other: Reading) -> bool:
     return bool(np.abs(rows - others).max() < bound)
 
 
-def _rigid_bias(line: SharedLine, k: float) -> float:
-    """Relative error of F_k by direct integration when a contact whose microstick line is as long as the bound is taken
-    as rigid; NaN where no bound is known."""
-    F_k = [
-        float(solve(APPROACHES["direct"](with_length(line.point, length, line.fitted), k))["F_k"])
-        for length in (0.0, line.microstick.bound)
-    ]
-    return F_k[0] / F_k[1] - 1.0
-
-
 _NOTHING = ParameterEstimate(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
 
 
-def _result(name: str, approach: Approach, line: SharedLine, k: float) -> ApproachResult:
+def _result(
+    name: str,
+    approach: Approach,
+    samples: Samples,
+    line: Microstick,
+    whole: Whole,
+    k: float,
+    phase: Phase,
+) -> ApproachResult:
     """The estimates of one approach, with standard errors and intervals."""
-    rows = approach(line.point, k)
+
+    def rows_of(sample: Sample) -> Rows:
+        return _rows(approach(sample.features.with_phase(phase), k), whole)
+
+    rows = rows_of(samples.point)
     try:
-        estimate = least_squares(rows)
+        least_squares(rows)
     except ValueError as error:
-        nothing = dict.fromkeys(rows.terms, _NOTHING)
+        nothing = dict.fromkeys(approach.terms, _NOTHING)
         unknown = np.full(len(rows.W), math.nan)
+        reason = (str(error),)
         return ApproachResult(
-            name, nothing, _NOTHING, {}, math.nan, math.nan, rows, unknown, (str(error),)
+            name, nothing, nothing, _NOTHING, {}, {}, math.nan, math.nan, rows, unknown, reason
         )
-    drawn_rows = approach(line.drawn, k)
-    drawn = solve(drawn_rows)
-    left = [solve(approach(features, k)) for features in line.left]
+    drawn = rows_of(samples.drawn)
+    left = [rows_of(sample) for sample in samples.left]
+    covariance = drawn.scatter()
+    estimate = solve(replace(rows, covariance=covariance))
+    weights = replace(rows, covariance=covariance).weighted(estimate.values).weights
+    assert weights is not None
+    known = weights if np.isfinite(weights[rows.usable]).all() else np.ones(len(weights))
+    of_drawn, of_left = solve(_weighing(drawn, known)), [solve(_weighing(r, known)) for r in left]
+    plain, plain_drawn, plain_left = solve(rows), solve(drawn), [solve(r) for r in left]
     values = {symbol: float(value) for symbol, value in estimate.values.items()}
-    row_errors = drawn_rows.misfit(values).std(axis=1, ddof=1)
     freedom = int(estimate.n) - len(values)
-    missing = ", ".join(str(i + 1) for i in np.flatnonzero(~rows.usable))
-    note = f"without record {missing}, which lacks a feature that this approach needs"
+    symbols = [symbol for symbol in approach.terms if symbol in values]
+    W = rows.W[rows.usable]
+    off = rows.misfit({**rows.given, **values})[rows.usable]
     return ApproachResult(
         approach=name,
-        coefficients={
-            symbol: _parameter(value, drawn[symbol], [e[symbol] for e in left])
-            for symbol, value in values.items()
-        },
-        K_z=_stiffness(line, estimate, drawn, left),
+        coefficients=dict.fromkeys(approach.terms, _NOTHING)
+        | _parameters(symbols, estimate, of_drawn, of_left),
+        equal=dict.fromkeys(approach.terms, _NOTHING)
+        | _parameters(symbols, plain, plain_drawn, plain_left),
+        K_z=_stiffness(samples, line, estimate, of_drawn, of_left),
+        shape_bias=_shape_bias(approach, whole.fit, k, phase, known, rows.usable)
+        if whole.waveforms_hold and whole.fit is not None
+        else {},
         correlations={
-            (one, other): float(np.corrcoef(drawn[one], drawn[other])[0, 1])
-            for one, other in itertools.combinations(values, 2)
+            (one, other): float(np.corrcoef(of_drawn[one], of_drawn[other])[0, 1])
+            for one, other in itertools.combinations(symbols, 2)
         },
-        residual=float(estimate.residual) if freedom else math.nan,
-        misfit=_misfit(rows, row_errors, freedom),
+        residual=float(np.linalg.norm(off) / np.linalg.norm(W)) if freedom else math.nan,
+        misfit=float(known[rows.usable] @ off**2) / freedom
+        if freedom and known is weights
+        else math.nan,
         rows=rows,
-        row_errors=row_errors,
-        notes=(note,) if missing else (),
+        row_errors=1.0 / np.sqrt(weights),
     )
 
 
+def _rows(rows: Rows, whole: Whole) -> Rows:
+    """The rows with what is known of the onset of slip: see the head of the module."""
+    if whole.linear:
+        none = {"F_k": np.zeros(rows.W.shape)}
+        return replace(rows, terms={**rows.terms, **none}, given={"F_k": 0.0})
+    if not whole.waveforms_hold and len(rows.W) >= _FEWEST:
+        stuck = np.where(np.isfinite(rows.W), -1.0, math.nan)
+        return replace(rows, terms={**rows.terms, _STUCK_WORK: stuck})
+    return rows
+
+
+def _weighing(rows: Rows, weights: Array) -> Rows:
+    """Rows of replicates, (n, r), with the weights of the records, (n,)."""
+    return replace(rows, weights=np.broadcast_to(weights[:, None], rows.W.shape))
+
+
+def _parameters(
+    symbols: Sequence[str], estimate: Estimate, drawn: Estimate, left: Sequence[Estimate]
+) -> dict[str, ParameterEstimate]:
+    return {
+        symbol: _parameter(float(estimate[symbol]), drawn[symbol], [e[symbol] for e in left])
+        for symbol in symbols
+    }
+
+
+def _shape_bias(
+    approach: Approach, fit: Fit, k: float, phase: Phase, weights: Array, used: Mask
+) -> dict[str, float]:
+    """What the approach makes of the exact responses of the oscillator found, relative to its coefficients."""
+    exact: Features = stack([of_orbit(orbit) for orbit in fit.orbits]).with_phase(phase)
+    found = solve(replace(approach(exact, k), weights=weights)[used])
+    return {
+        symbol: float(found[symbol]) / getattr(fit, symbol) - 1.0
+        for symbol in found.values
+        if getattr(fit, symbol, 0.0) > 0.0
+    }
+
+
 def _stiffness(
-    line: SharedLine, estimate: Estimate, drawn: Estimate, left: Sequence[Estimate]
+    samples: Samples,
+    line: Microstick,
+    estimate: Estimate,
+    drawn: Estimate,
+    left: Sequence[Estimate],
 ) -> ParameterEstimate:
-    """K_z from F_k and the shared microstick line; a lower limit where the line is not resolved."""
-    if "F_k" not in estimate.values:
+    """K_z = 2F_k/L (10), from the root of its inverse, whose errors are nearly normal; a lower limit where the line is
+    not resolved."""
+    if "F_k" not in estimate.values or not float(estimate["F_k"]) > 0.0:
         return _NOTHING
-    F_k = float(estimate["F_k"])
-    if line.microstick.resolved:
+    if not math.isfinite(line.length):
+        return _NOTHING
+
+    def root(sample: Sample, F_k: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
-            left_out = zip(line.left_lengths, left, strict=True)
-            compliance = _parameter(
-                line.length / (2.0 * F_k),
-                line.drawn_length / (2.0 * drawn["F_k"]),
-                [lengths / (2.0 * e["F_k"]) for lengths, e in left_out],
-            )
-        return _inverse(compliance)
-    if line.microstick.bound > 0.0 and F_k > 0.0:
-        low = float(contact_stiffness(F_k, line.microstick.bound, 0.0))
-        return ParameterEstimate(math.inf, math.nan, math.nan, Interval(low, math.inf))
-    return _NOTHING
+            return np.asarray(sample.rho * np.sqrt(np.maximum(sample.F_k / F_k, 0.0)))
 
-
-def _misfit(rows: Rows, errors: Array, freedom: int) -> float:
-    """Least χ² of the rows, each weighted with its own standard deviation, per degree of freedom; NaN without any.
-
-    The estimate itself weights all rows alike, as (9): what its residuals leave is not χ².
-    """
-    if freedom < 1 or not np.all(errors[rows.usable] > 0.0):
-        return math.nan
-    weights = errors**-2.0
-    fit = solve(replace(rows, weights=weights))
-    total = float(np.sum((weights * rows.W**2)[rows.usable]))
-    return float(fit.residual) ** 2 * total / freedom
+    here = float(root(samples.point, estimate["F_k"])[0])
+    parts = [root(sample, e["F_k"]) for sample, e in zip(samples.left, left, strict=True)]
+    found = _parameter(here, root(samples.drawn, drawn["F_k"]), parts)
+    low, high = found.interval
+    if not line.resolved:
+        return ParameterEstimate(math.inf, math.nan, math.nan, Interval(high**-2, math.inf))
+    slope = 2.0 * here**-3
+    return ParameterEstimate(
+        here**-2,
+        slope * found.standard_error,
+        slope * found.propagated_error,
+        Interval(high**-2, low**-2 if low > 0.0 else math.inf),
+    )
 
 
 def _parameter(value: float, drawn: Array, left: Sequence[Array]) -> ParameterEstimate:
@@ -226,15 +290,3 @@ def _parameter(value: float, drawn: Array, left: Sequence[Array]) -> ParameterEs
     freedom = total**2 / float(np.sum(parts**2 / (groups - 1))) if total > 0.0 else math.inf
     reach = float(special.stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE)) * error
     return ParameterEstimate(value, error, math.sqrt(total), Interval(value - reach, value + reach))
-
-
-def _inverse(compliance: ParameterEstimate) -> ParameterEstimate:
-    """The stiffness of a compliance; without an upper limit where the interval of the compliance holds zero."""
-    low, high = compliance.interval
-    K_z = 1.0 / compliance.value
-    return ParameterEstimate(
-        K_z,
-        K_z**2 * compliance.standard_error,
-        K_z**2 * compliance.propagated_error,
-        Interval(1.0 / high, 1.0 / low if low > 0.0 else math.inf),
-    )

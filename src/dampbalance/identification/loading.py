@@ -10,7 +10,7 @@ from pathlib import Path
 from ..arrays import Array
 from ..project.wording import visible
 from ..reading.conditioning import condition_blocks
-from ..reading.noisy import Reading, read_features, read_steady
+from ..reading.noisy import Reading, read_features
 from ..records.limits import LARGEST
 from ..records.mapping import MappingLike, mapping_for
 from ..records.measurement import Measurement
@@ -68,7 +68,7 @@ def load(
             steady = condition_blocks(
                 str(path), channels, k, frequency_hz=nominal, skip_cycles=skip_cycles
             )
-            reading = read_steady(steady)
+            reading = Reading(steady)
             first = {q: next(iter(blocks())) for q, blocks in channels.items()}
         else:
             measurement = replace(read(path, rules, largest), source=str(path))
@@ -76,6 +76,7 @@ def load(
             first = {q: (measurement[q].t, measurement[q].values) for q in measurement}
     messages = (w.message for w in caught if issubclass(w.category, RecordWarning))
     notes = dict.fromkeys(str(message).removeprefix(f"{path}: ") for message in messages)
-    reading = replace(reading, warnings=(*notes, *reading.warnings))
+    steady = reading.steady
+    reading = Reading(replace(steady, warnings=(*notes, *steady.warnings)))
     excerpt = {q: (t[:EXCERPT], values[:EXCERPT]) for q, (t, values) in first.items()}
     return Loaded(path, visible(rules.level or path.name), reading, excerpt, measurement)

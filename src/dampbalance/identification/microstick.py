@@ -1,7 +1,8 @@
-"""The microstick line, whose length X + X_s = 2F_k/K_z (10) is the same for all records of a contact.
+"""Features of all records, with the onset of slip that their common oscillator gives them, and replicates of them.
 
-The weighted mean of the records' own lengths serves each of them, also those that do not resolve it alone. Where the
-mean does not stand out of its noise either, the contact is taken as rigid.
+The microstick line has one length for all records of a contact, L = X + X_s = 2F_k/K_z (10). It comes from the
+waveforms of the fit to all of them (`oscillator.py`); its errors, and those of what else the waveforms give, follow the
+data of every record.
 """
 
 from __future__ import annotations
@@ -12,130 +13,115 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array, Mask
+from ..arrays import Array
 from ..features import Features, stack
 from ..reading.noisy import RESOLVED, Reading
-from ..reading.onset import Waveform
+from ..reading.waveforms import Fit
 from .result import Microstick
+
+_UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 
 
 @dataclass(frozen=True, eq=False)
-class SharedLine:
-    """Features of n records with the microstick line that they share.
+class Sample:
+    """Features of n records, (n,) as read or (n, r) of replicates, and two unknowns of their oscillator, (r,).
 
-    microstick : its length, error and bound.   length : the one in use, m, 0 for a rigid contact; drawn_length : of the
-    r replicates, (r,), and left_lengths without each group of cycles of the record j, (g_j,).
-    point : features as read, (n,).   drawn : of the replicates, (n, r).   left : without groups of cycles of the record
-    j, (n, g_j) for each j.   fitted : whether a waveform was fitted, so that V_s and t_s were read, (n,).
+    F_k : N.   rho : K_z^{−1/2}.   NaN where no oscillator holds.
     """
 
-    microstick: Microstick
-    length: float
-    drawn_length: Array
-    left_lengths: tuple[Array, ...]
-    point: Features
-    drawn: Features
-    left: tuple[Features, ...]
-    fitted: Mask
+    features: Features
+    F_k: Array
+    rho: Array
 
 
-def share_line(
-    readings: Sequence[Reading], drawn: Sequence[Features], left: Sequence[Features] = ()
-) -> SharedLine:
-    """Give all records the weighted mean of their microstick lengths, or none where it is not resolved.
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """What is read off n records.
 
-    drawn : replicates of each reading, (r,).   left : jackknife replicates of each, (g,); or none.
+    point : as read.   drawn : r bootstrap replicates.   left : without each group of rows of the record j, for each j.
     """
-    points = stack([reading.with_onset(True) for reading in readings])
-    replicates = stack([features[None] for features in drawn])
-    fitted = np.array([reading.waveform is not None for reading in readings])
-    weights = _weights(readings)
-    own = points.X + points.X_s
-    length = float(_weighted(weights, own))
-    drawn_length = _weighted(weights, replicates.X + replicates.X_s)
-    left_lengths = tuple(
-        length + weight * (f.X + f.X_s - at)
-        for weight, f, at in zip(weights, left, own, strict=False)
-    )
-    microstick = _microstick(readings, length, drawn_length)
-    if not microstick.resolved:
-        length, drawn_length = 0.0, 0.0 * drawn_length
-        left_lengths = tuple(0.0 * lengths for lengths in left_lengths)
-    return SharedLine(
-        microstick,
-        length,
-        drawn_length,
-        left_lengths,
-        with_length(points, length, fitted),
-        with_length(replicates, drawn_length, fitted[:, None]),
-        tuple(
-            with_length(_replaced(points, j, f), lengths, fitted[:, None])
-            for j, (f, lengths) in enumerate(zip(left, left_lengths, strict=True))
-        ),
-        fitted,
+
+    point: Sample
+    drawn: Sample
+    left: tuple[Sample, ...]
+
+
+def read_samples(
+    readings: Sequence[Reading], count: int, random: np.random.Generator, *, jackknife: bool = True
+) -> Samples:
+    """Features of readings that were joined (`oscillator.joined`).
+
+    count : of replicates.   random : that they are drawn from.   jackknife : whether groups of rows are left out, too.
+    """
+    means = [reading.resampled(count, random) for reading in readings]
+    moved = np.sum([r.moved(m) for r, m in zip(readings, means, strict=True)], axis=0)
+    points = [reading.features for reading in readings]
+    replicates = [r.features_of(m, moved)[None] for r, m in zip(readings, means, strict=True)]
+    left = [_left_out(readings, points, j) for j in range(len(readings) if jackknife else 0)]
+    return Samples(
+        _sample(readings, stack(points), np.zeros((len(moved), 1))),
+        _sample(readings, stack(replicates), moved),
+        tuple(left),
     )
 
 
-def with_length(features: Features, length: float | Array, fitted: Mask) -> Features:
-    """The features with the shared length of the microstick line: X_s = L − X, a = 2(X − X_s).
-
-    length : m; 0 for a rigid contact.   fitted : whether V_s and t_s were read; a contact that is not rigid has others
-    than 0, which are then unknown.
-    """
-    if not np.any(length):
-        return features.rigid()
-    X_s = length - features.X
-    onset = {
-        name: np.where(fitted, getattr(features, name), np.nan)
-        for name in ("V_s", "t_s", "V_r", "t_r")
-    }
-    return features.replaced(X_s=X_s, X_r=-X_s, a=2.0 * (features.X - X_s), **onset)
-
-
-def _replaced(points: Features, record: int, left: Features) -> Features:
-    """Each record as read, except one, which stands with its jackknife replicates: (n, g)."""
-    others = points[:, None][:, [0] * len(left)]
-    return stack([others[:record], left[None], others[record + 1 :]])
-
-
-def _weighted(weights: Array, values: Array) -> Array:
-    """Σ w_i values_i over the records, in their order."""
-    return np.asarray(sum(w * value for w, value in zip(weights, values, strict=True)))
-
-
-def _weights(readings: Sequence[Reading]) -> Array:
-    """Weight of each record's microstick length in their mean; 0 where no waveform was fitted.
-
-    The standard error of a length grows with the root of the length found. Inverse variances at one common length,
-    L_i/σ_i², do not favour the records that happen to find a short one.
-    """
-    precision = np.array(
-        [_length(r.waveform) / r.waveform.length_error**2 if r.waveform else 0.0 for r in readings]
+def microstick(samples: Samples) -> Microstick:
+    """The length of the line, and whether it stands out of the scatter of its replicates."""
+    F_k, rho = float(samples.point.F_k[0]), float(samples.point.rho[0])
+    length = 2.0 * F_k * rho**2
+    if not math.isfinite(length):
+        return Microstick(math.nan, math.nan, False, math.nan)
+    drawn = samples.drawn
+    error = float(drawn.rho.std(ddof=1))
+    return Microstick(
+        length=length,
+        standard_error=float((2.0 * drawn.F_k * drawn.rho * np.abs(drawn.rho)).std(ddof=1)),
+        resolved=rho > RESOLVED * error,
+        bound=2.0 * F_k * (rho + 1.96 * error) ** 2,
     )
-    total = precision.sum()
-    weights: Array = precision / total if total > 0.0 else precision
-    return weights
 
 
-def _length(waveform: Waveform) -> float:
-    """Length of the microstick line of the fitted waveform itself, m."""
-    return waveform.orbit.X + waveform.orbit.X_s
+def _left_out(readings: Sequence[Reading], points: Sequence[Features], j: int) -> Sample:
+    """All records as read, but of record j without each group of its rows."""
+    means = readings[j].left_out()
+    moved = readings[j].moved(means)
+    count = len(means.Y)
+    parts = [
+        readings[i].features_of(means, moved)[None]
+        if i == j
+        else _followed(readings[i], point[None][:, [0] * count], moved)
+        for i, point in enumerate(points)
+    ]
+    return _sample(readings, stack(parts), moved)
 
 
-def _microstick(readings: Sequence[Reading], length: float, drawn: Array) -> Microstick:
-    """The shared length, and whether it stands out of the scatter of its replicates."""
-    waveforms = [r.waveform for r in readings if r.waveform is not None]
-    if not waveforms:
-        return Microstick(math.nan, math.nan, False, math.nan, math.nan)
-    error = float(drawn.std(ddof=1))
-    resolved = length > RESOLVED * error
-    misfit = math.nan
-    if len(waveforms) > 1 and resolved:
-        apart = [
-            (w.length - length) ** 2 * _length(w) / (length * w.length_error**2) for w in waveforms
-        ]
-        misfit = math.fsum(apart) / (len(waveforms) - 1)
-    bound = max(length, 0.0) + 1.96 * error
-    if not resolved:
-        bound = min(bound, *(w.length_bound for w in waveforms))
-    return Microstick(length, error, resolved, bound, misfit)
+def _followed(reading: Reading, features: Features, moved: Array) -> Features:
+    """The features of a record whose waveform moves with the unknowns of the fit, and nothing else; (1, r)."""
+    waveform = reading.waveform
+    if waveform is None or not reading.slips:
+        return features
+    V_s, t_s, taken = waveform.onset_slope @ moved
+    length = waveform.length_slope @ moved
+    return features.replaced(
+        X_s=features.X_s + length,
+        X_r=features.X_r - length,
+        V_s=features.V_s + V_s,
+        V_r=features.V_r - V_s,
+        t_s=features.t_s + t_s,
+        t_r=features.t_r + t_s,
+        a=features.a - taken,
+    )
+
+
+def _sample(readings: Sequence[Reading], features: Features, moved: Array) -> Sample:
+    fit = _fit(readings)
+    if fit is None:
+        unknown = np.full(moved.shape[1], math.nan)
+        return Sample(features.replaced(**dict.fromkeys(_UNKNOWN, math.nan)), unknown, unknown)
+    return Sample(features, fit.F_k + moved[0], fit.rho + moved[2])
+
+
+def _fit(readings: Sequence[Reading]) -> Fit | None:
+    """The fit that the readings were joined by."""
+    waveform = readings[0].waveform
+    return None if waveform is None else waveform.fit

@@ -1,9 +1,12 @@
-"""Notes on the estimates, and on how they agree: misfits, contradictions, and numbers that no oscillator can have."""
+"""Notes on the estimates, and on how they agree: what a reader must know before using a number.
+
+A sentence on the oscillator is said only where the fit of the whole oscillator says it.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -12,26 +15,29 @@ import numpy as np
 from ..balance import TERMS, Rows
 
 if TYPE_CHECKING:
+    from ..reading.noisy import Reading
+    from .oscillator import Whole
     from .result import ApproachResult, Microstick
 
 YARDSTICK = "direct"
-"""The approach that assumes no shape of x(t): the others are held against it."""
+"""The approach that assumes no shape of x(t): the one that is held against the fit of the whole oscillator."""
 
-_CHANCE = 1e-4  # of a misfit this large in noise, below which it is reported
-_APART = 3.0  # standard errors
+_APART = 4.0  # standard errors
+_SHAPE_SHOWS = 0.5  # standard errors: an interval of 95 % holds the truth in 92 % of all cases then
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly tell F_k and c apart
 
 
-def with_notes(estimates: Mapping[str, ApproachResult]) -> dict[str, ApproachResult]:
+def with_notes(
+    estimates: Mapping[str, ApproachResult], readings: Sequence[Reading], whole: Whole
+) -> dict[str, ApproachResult]:
     """Add to each estimate what a reader must know of it."""
-    yardstick = estimates.get(YARDSTICK)
     return {
-        name: replace(e, notes=(*e.notes, *_notes(e, None if e is yardstick else yardstick)))
+        name: replace(e, notes=(*e.notes, *_notes(e, readings, whole)))
         for name, e in estimates.items()
     }
 
 
-def _notes(estimated: ApproachResult, yardstick: ApproachResult | None) -> list[str]:
+def _notes(estimated: ApproachResult, readings: Sequence[Reading], whole: Whole) -> list[str]:
     notes = []
     for symbol, parameter in estimated.coefficients.items():
         if parameter.value < -_APART * parameter.standard_error:
@@ -39,67 +45,77 @@ def _notes(estimated: ApproachResult, yardstick: ApproachResult | None) -> list[
                 f"{symbol} = {parameter.value:.3g} {TERMS[symbol].unit} is negative: no such oscillator exists; "
                 "check signs, channels and the stiffness"
             )
-    apart = _apart(estimated, yardstick)
-    if apart:
-        notes.append(apart)
-    elif _improbable(estimated.misfit, estimated.rows, len(estimated.coefficients)):
+    shape = _shape(estimated)
+    if shape:
+        notes.append(shape)
+    if whole.linear:
+        notes.append("F_k and K_z leave no trace in the records: c comes from W = b c")
+    elif not whole.waveforms_hold and not estimated.notes:
         notes.append(
-            f"the rows lie {math.sqrt(estimated.misfit):.2g} times farther from the fit than noise explains: "
-            f"{_listed(estimated, 'or')} is not the same at every level, or the oscillator is not of this kind; the "
-            "intervals do not tell"
+            "without the onset of slip: F_k and c come from how W grows with the level"
+            if len(readings) > 2
+            else "two levels do not tell what sticking takes: the contact is taken as rigid, and F_k is too small"
+        )
+    if whole.delayed is not None:
+        notes.append(
+            "the response is out of time with the drive (see below): F_k and c carry that error"
         )
     return notes
 
 
-def _improbable(misfit: float, rows: Rows, parameters: int) -> bool:
-    """Whether noise makes a χ² per degree of freedom as large as this hardly ever; False where it is not known."""
-    from scipy import special  # slow to import, as scipy.stats with the same functions is
+def notes_of(whole: Whole) -> tuple[str, ...]:
+    """What a reader must know of the fit of the whole oscillator itself."""
+    fit, notes = whole.fit, []
+    if fit is None or whole.linear:
+        return ()
+    if not fit.adequate:
+        notes.append(
+            "the records are not those of such an oscillator: it is only the one that comes nearest"
+        )
+    if fit.undamped:
+        notes.append(
+            "the best c is at its limit, zero: its standard error is not that of a normal distribution"
+        )
+    return tuple(notes)
 
-    freedom = int(rows.usable.sum()) - parameters
-    if freedom < 1 or not math.isfinite(misfit):
-        return False
-    return bool(special.chdtrc(freedom, misfit * freedom) < _CHANCE)
 
-
-def _apart(estimated: ApproachResult, yardstick: ApproachResult | None) -> str:
-    """A sentence where an approach contradicts the direct balance, whose noise it shares: its shape is then wrong."""
-    if yardstick is None:
-        return ""
+def _shape(estimated: ApproachResult) -> str:
+    """A sentence where the shape of x(t) that an approach assumes costs more than its interval tells."""
     parts = []
-    for symbol, own in estimated.coefficients.items():
-        other = yardstick.coefficients.get(symbol)
-        if other is None:
-            continue
-        error = max(own.standard_error, other.standard_error)
-        if abs(own.value - other.value) > _APART * error and other.value:
-            parts.append(f"{symbol} by {100.0 * (own.value / other.value - 1.0):+.2g} %")
+    for symbol, bias in estimated.shape_bias.items():
+        found = estimated.coefficients[symbol]
+        if not math.isfinite(bias) or abs(bias * found.value) > _SHAPE_SHOWS * found.standard_error:
+            parts.append(f"{symbol} by {100.0 * bias:+.2g} %")
     if not parts:
         return ""
     return (
-        f"off the direct balance, {' and '.join(parts)}: the shape of x(t) that this approach assumes does not hold, "
-        "and its intervals do not tell"
+        f"the shape of x(t) that this approach assumes puts {' and '.join(parts)} off for the oscillator found, and "
+        "its intervals do not tell"
     )
 
 
-def agreement(microstick: Microstick, estimates: Mapping[str, ApproachResult]) -> list[str]:
+def agreement(
+    readings: Sequence[Reading],
+    microstick: Microstick,
+    whole: Whole,
+    estimates: Mapping[str, ApproachResult],
+) -> list[str]:
     """Warnings on all records together."""
-    warnings = []
-    if not math.isfinite(microstick.bound):
+    warnings = _on_the_oscillator(readings, whole)
+    still = [str(i + 1) for i, reading in enumerate(readings) if reading.slips is False]
+    if still:
         warnings.append(
-            "no record shows harmonics above its noise: nothing may slip, or there may be no friction; K_z is unknown, "
-            "and the contact is taken as rigid, which costs F_k an unknown part: excite it more, or reduce the noise"
+            f"the contact only sticks in record {', '.join(still)}: it takes no energy there, and the record stays out "
+            "of the balance"
         )
-    elif not microstick.resolved:
+    if whole.waveforms_hold and not microstick.resolved:
         warnings.append(
-            "the records together do not resolve the slip onset: K_z has no upper limit, and the contact is taken as "
-            f"rigid; F_k is then too small by up to {100.0 * abs(microstick.rigid_bias):.2g} % (97.5 % confidence); "
-            "sample faster, measure acceleration, or reduce the noise"
+            "the records together do not resolve the onset of slip: K_z has a lower limit only; sample faster, measure "
+            "acceleration, or reduce the noise"
         )
-    if _improbable(microstick.misfit, next(iter(estimates.values())).rows, 1):
-        warnings.append(
-            f"the microstick lines of the records differ {math.sqrt(microstick.misfit):.2g} times more than their "
-            "noise explains: 2F_k/K_z is not the same at every level"
-        )
+    apart = _apart(estimates.get(YARDSTICK), whole)
+    if apart:
+        warnings.append(apart)
     first = next((e for e in estimates.values() if e.rows.usable.sum() >= 2), None)
     if first is not None and _sine(first.rows) < _ALIKE:
         warnings.append(
@@ -109,12 +125,82 @@ def agreement(microstick: Microstick, estimates: Mapping[str, ApproachResult]) -
     return warnings
 
 
+def _on_the_oscillator(readings: Sequence[Reading], whole: Whole) -> list[str]:
+    """What the fit of the whole oscillator says."""
+    if whole.linear:
+        return [
+            "the records are those of a linear oscillator within their noise: the contact only sticks, or there is no "
+            "friction, and F_k and K_z cannot be told; raise the excitation"
+        ]
+    if whole.fit is None:
+        return [
+            "no oscillator with this stiffness and a friction contact slips and responds like the records: check the "
+            "stiffness, the signs, the units and the order of the channels"
+        ]
+    said = []
+    fit, delayed = whole.fit, whole.delayed
+    if not whole.mass_fits:
+        said.append(
+            f"the mass given, {whole.mass:.6g} kg, is not that of the records, {fit.m:.6g} ± {fit.error('m'):.2g} kg: "
+            "nothing here uses it; check the mass, the stiffness, the gains and the units"
+        )
+    if not fit.adequate:
+        worst = int(np.argmax(fit.misfits))
+        said.append(
+            "the records are not those of one mass on a spring, a damper and one friction contact: the best one leaves "
+            f"{_times(math.sqrt(fit.misfit))} their noise, most in {readings[worst].steady.source}; K_z and the onset "
+            "of slip cannot be told; a channel may be skewed, coupled (AC) or filtered, a gain may be wrong, the "
+            "levels may differ in more than their amplitude, or the oscillator is of another kind"
+        )
+    if delayed is not None:
+        said.append(
+            f"the harmonics say that the response lags the drive by {1e6 * delayed.delay:.3g} ± "
+            f"{1e6 * delayed.error('delay'):.2g} µs beside the motion"
+            + (
+                f", and then F_k = {delayed.F_k:.4g} N and c = {delayed.c:.4g} N s/m: give a delay in the mapping, or "
+                "sample all channels at once"
+                if delayed.adequate
+                else ", which does not explain all"
+            )
+        )
+    return said
+
+
+def _times(ratio: float) -> str:
+    """ "3.2 times", "more than 1000 times" """
+    return f"{ratio:.2g} times" if ratio < 1000.0 else "more than 1000 times"
+
+
+def _apart(estimated: ApproachResult | None, whole: Whole) -> str:
+    """A sentence where the balance contradicts the fit of the whole oscillator beyond what their errors allow."""
+    if estimated is None or whole.fit is None or not whole.waveforms_hold:
+        return ""
+    parts = []
+    for symbol, own in estimated.coefficients.items():
+        of_fit = float(getattr(whole.fit, symbol))
+        # the fit uses all that the balance uses: the variance of their difference is that of their variances
+        error = math.sqrt(max(own.standard_error**2 - whole.fit.error(symbol) ** 2, 0.0))
+        error = max(error, 0.5 * own.standard_error, 1e-7 * abs(of_fit))
+        if abs(own.value - of_fit) > _APART * error and of_fit:
+            parts.append(f"{symbol} by {100.0 * (own.value / of_fit - 1.0):+.2g} %")
+    if not parts:
+        return ""
+    return (
+        f"the balance of energy and the fit of the whole oscillator differ, {' and '.join(parts)}, by more than their "
+        "errors allow: trust neither interval"
+    )
+
+
 def _sine(rows: Rows) -> float:
     """The smallest sine of the angle that a column of the balance makes with those before it."""
-    columns = [g[rows.usable] / np.linalg.norm(g[rows.usable]) for g in rows.terms.values()]
+    columns = [
+        g[rows.usable] / np.linalg.norm(g[rows.usable])
+        for symbol, g in rows.terms.items()
+        if symbol not in rows.given
+    ]
     return float(np.min(np.abs(np.diag(np.linalg.qr(np.column_stack(columns))[1]))))
 
 
 def _listed(estimated: ApproachResult, word: str) -> str:
-    """ "F_k or c" """
+    """ "F_k and c" """
     return f" {word} ".join(estimated.coefficients)

@@ -2,11 +2,9 @@
 
 FIGURES = ("cycles", "loops", "balance")
 
-OUTPUTS = (
-    "identification.json",
-    "identification.csv",
-    "features.csv",
-    "summary.txt",
-    *(f"{name}.{suffix}" for name in FIGURES for suffix in ("svg", "png")),
-)
-"""All that is known; the estimates; the features; the table of the screen; figures."""
+TABLES = ("identification.json", "identification.csv", "features.csv", "summary.txt")
+"""All that is known; the estimates; the features; the table of the screen."""
+
+PICTURES = tuple(f"{name}.{suffix}" for name in FIGURES for suffix in ("svg", "png"))
+
+OUTPUTS = (*TABLES, *PICTURES)

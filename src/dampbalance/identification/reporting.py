@@ -4,114 +4,159 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
 
 from ..balance import TERMS, named_with_unit
 from ..features import COLUMNS
-from ..likelihood.result import ReferenceFit
 from ..reading.noisy import Reading
-from .result import CONFIDENCE, ApproachResult, Identification, Interval, ParameterEstimate
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-REFERENCE = "maximum likelihood"
+from .limits import REFERENCE, limits, shown
+from .notes import notes_of
+from .oscillator import Whole
+from .result import CONFIDENCE, ApproachResult, Identification, ParameterEstimate, parameters_of
+from .verdicts import Verdict, in_one, judged_by_notes, verdicts_of
 
 
 def document(
-    result: Identification, reference: ReferenceFit | None = None, version: str = ""
+    result: Identification,
+    version: str = "",
+    options: Mapping[str, Any] | None = None,
+    files: Sequence[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
     """Everything that was identified, for JSON; SI units, named in the keys; what is not known is null.
 
-    reference : a maximum-likelihood fit of the same records, to go beside the approaches.
+    options : as given.   files : what is known of the file of each record, in their order.
     """
+    of_files = files or [{}] * len(result.readings)
     return {
         "dampbalance": version,
+        "options": dict(options or {}),
         "k_N_per_m": result.k,
         "phase": result.phase,
         "confidence": CONFIDENCE,
         "bootstrap": {"replicates": result.replicates, "seed": result.seed},
         "approaches": {name: _approach(e) for name, e in result.estimates.items()},
-        "maximum_likelihood": None if reference is None else _reference(reference),
+        "maximum_likelihood": _yardstick(result.whole),
         "microstick": {
             "length_m": _number(result.microstick.length),
             "standard_error_m": _number(result.microstick.standard_error),
             "resolved": result.microstick.resolved,
             "upper_bound_m": _number(result.microstick.bound),
-            "F_k_bias_of_rigid_contact": _number(result.microstick.rigid_bias),
         },
-        "records": [_record(reading, result, i) for i, reading in enumerate(result.readings)],
-        "warnings": [*result.warnings, *(reference.warnings if reference is not None else ())],
+        "records": [
+            {**_record(reading, result, i), **of_files[i]}
+            for i, reading in enumerate(result.readings)
+        ],
+        "limits": [asdict(limit) for limit in limits(result)],
+        "warnings": list(result.warnings),
     }
 
 
-def frame(result: Identification) -> pd.DataFrame:
-    """One row per approach: value, standard errors and interval of each parameter, in columns named with units."""
-    records = []
+def estimates_table(result: Identification) -> list[dict[str, Any]]:
+    """A row for each approach: value, standard errors and interval of each parameter, in columns named with units, and
+    the verdict on each."""
+    rows = []
     for name, estimated in result.estimates.items():
-        line: dict[str, Any] = {"approach": name}
+        row: dict[str, Any] = {"approach": name}
         for symbol, parameter in estimated.parameters.items():
             ends = {f"_{end}": number for end, number in parameter.interval._asdict().items()}
             numbers = _with_errors(parameter) | ends
-            line |= {_key(symbol, what): number for what, number in numbers.items()}
-        line |= {"residual": estimated.residual, "misfit": estimated.misfit}
-        records.append(line | {"note": "; ".join(estimated.notes)})
-    import pandas as pd  # slow to import, and needed for tables only
-
-    return pd.DataFrame.from_records(records)
-
-
-def features_frame(result: Identification) -> pd.DataFrame:
-    """One row per record: its features, and the standard error of each, in columns named with units."""
-    table = result.features.to_frame()
-    table.insert(0, "record", [reading.steady.source for reading in result.readings])
-    for name, column in COLUMNS.items():
-        error = column.replace(name, f"{name}_standard_error", 1)
-        table[error] = [reading.standard_errors[name] for reading in result.readings]
-    return table
+            row |= {_key(symbol, what): number for what, number in numbers.items()}
+        for symbol, parameter in estimated.equal.items():
+            row[f"equal_weights_{_key(symbol)}"] = parameter.value
+            row[f"equal_weights_{_key(symbol, '_standard_error')}"] = parameter.standard_error
+        row |= {"residual": estimated.residual, "misfit": estimated.misfit}
+        row |= {
+            f"{symbol}_verdict": verdict for symbol, (verdict, _) in verdicts_of(estimated).items()
+        }
+        rows.append(row | {"note": "; ".join(estimated.notes)})
+    return rows
 
 
-def text_table(result: Identification, reference: ReferenceFit | None = None) -> str:
-    """Estimates with their 95 % intervals, a line per approach, then what must be known of them; for a screen."""
+def features_table(result: Identification) -> list[dict[str, Any]]:
+    """A row for each record: its features, and the standard error of each, in columns named with units."""
+    columns = result.features.to_columns()
+    return [
+        {"record": reading.steady.source}
+        | {column: values[i] for column, values in columns.items()}
+        | {
+            column.replace(name, f"{name}_standard_error", 1): reading.standard_errors[name]
+            for name, column in COLUMNS.items()
+        }
+        for i, reading in enumerate(result.readings)
+    ]
+
+
+def text_table(result: Identification) -> str:
+    """Estimates with their 95 % intervals and what they are worth, a line per approach, then what limits them, each
+    thing once; for a screen."""
     symbols = list(dict.fromkeys(s for e in result.estimates.values() for s in e.coefficients))
     symbols.append("K_z")
-    lines = [["", *(f"{symbol} ({_unit(symbol)})" for symbol in symbols)]]
-    rows: dict[str, Mapping[str, ParameterEstimate]] = {}
-    for name, estimated in result.estimates.items():
-        rows[name + (" *" if estimated.notes else "")] = estimated.parameters
-    if reference is not None:
-        rows[REFERENCE] = _of_reference(reference)
-    for name, parameters in rows.items():
-        cells = (_with_interval(parameters[s]) if s in parameters else "" for s in symbols)
-        lines.append([name, *cells])
-    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
-    shown = [
-        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
-        for line in lines
+    table = [["", *(f"{symbol} ({_unit(symbol)})" for symbol in symbols), "verdict"]]
+    lines: list[tuple[str, Mapping[str, ParameterEstimate], Mapping[str, Verdict]]] = [
+        (name + (" *" if e.notes else ""), e.parameters, verdicts_of(e))
+        for name, e in result.estimates.items()
     ]
-    notes = [f"* {name}: {note}" for name, e in result.estimates.items() for note in e.notes]
-    notes += [f"warning: {words}" for words in result.warnings]
-    notes += [f"warning: {REFERENCE}: {w}" for w in (reference.warnings if reference else ())]
+    of_fit, notes = parameters_of(result.whole), notes_of(result.whole)
+    if of_fit:
+        name = REFERENCE + (" *" if notes else "")
+        lines.append((name, of_fit, judged_by_notes(of_fit, notes)))
+    for name, parameters, verdicts in lines:
+        cells = (_with_interval(parameters[s]) if s in parameters else "" for s in symbols)
+        table.append([name, *cells, in_one(verdicts)])
+    widths = [max(len(line[i]) for line in table) for i in range(len(table[0]))]
+    shown_lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
+        for line in table
+    ]
     hz = sorted({round(r.steady.frequency_hz, 4) for r in result.readings})
     head = (
         f"{len(result.readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; values with 95 % intervals from "
         f"{result.replicates} bootstrap replicates"
     )
-    return "\n".join([head, "", *shown, *([""] if notes else []), *notes]) + "\n"
+    shown_lines += ["", *_implied(result.whole)]
+    sources = [reading.steady.source for reading in result.readings]
+    said = [
+        f"{'* ' if limit.kind == 'approaches' else 'warning: '}{shown(limit, sources)}"
+        for limit in limits(result)
+    ]
+    told = ["", "What limits the answer:", *said] if said else []
+    return "\n".join([head, "", *shown_lines, *told]) + "\n"
+
+
+def _implied(whole: Whole) -> list[str]:
+    """What the part of the motion in phase with the drive says of the rig, which its owner knows better."""
+    fit = whole.fit
+    if fit is None or whole.linear:
+        return []
+    mass = "the mass given" if whole.mass_given else f"m = {_value(fit.m, fit.error('m'))} kg"
+    return [
+        f"The oscillator of largest likelihood has {mass} and a natural frequency of {fit.natural_frequency_hz:.4g} Hz "
+        "with the contact loose.",
+        "If that is not your rig, a gain, a unit or the stiffness is wrong.",
+    ]
+
+
+def _value(value: float, error: float) -> str:
+    """2.4197 ± 0.0003"""
+    return f"{_rounded(value, error)} ± {_rounded(error, error)}"
 
 
 def _approach(estimated: ApproachResult) -> dict[str, Any]:
     entries = _parameters(estimated.parameters)
+    entries |= _parameters(estimated.equal, of="equal_weights_")
     entries |= {
         f"correlation_of_{one}_and_{other}": _number(
             estimated.correlations.get((one, other), math.nan)
         )
         for one, other in itertools.combinations(estimated.coefficients, 2)
     }
-    columns = {TERMS[s].integral_column: values for s, values in estimated.rows.terms.items()}
+    terms = estimated.rows.terms
+    columns = {TERMS[s].integral_column: terms[s] for s in TERMS if s in terms}
     columns |= {"W_J": estimated.rows.W, "standard_error_J": estimated.row_errors}
     return entries | {
+        "verdicts": _verdicts(verdicts_of(estimated)),
         "residual": _number(estimated.residual),
         "misfit": _number(estimated.misfit),
         "rows": {key: [_number(v) for v in values] for key, values in columns.items()},
@@ -119,31 +164,36 @@ def _approach(estimated: ApproachResult) -> dict[str, Any]:
     }
 
 
-def _reference(fit: ReferenceFit) -> dict[str, Any]:
-    parameters = _parameters(_of_reference(fit), leave_out="_propagated_error")
-    return parameters | {"m_kg": fit.m, "warnings": list(fit.warnings)}
+def _yardstick(whole: Whole) -> dict[str, Any] | None:
+    """The fit of the whole oscillator; None where there is none."""
+    fit, parameters, notes = whole.fit, parameters_of(whole), notes_of(whole)
+    if fit is None or not parameters:
+        return None
+    return _parameters(parameters, leave_out="_propagated_error") | {
+        "verdicts": _verdicts(judged_by_notes(parameters, notes)),
+        "m_kg": fit.m,
+        "m_standard_error_kg": fit.error("m"),
+        "natural_frequency_Hz": fit.natural_frequency_hz,
+        "misfit": _number(fit.misfit),
+        "misfit_of_records": [_number(misfit) for misfit in fit.misfits],
+        "delay_s": None if whole.delayed is None else whole.delayed.delay,
+        "notes": list(notes),
+    }
 
 
-def _of_reference(fit: ReferenceFit) -> dict[str, ParameterEstimate]:
-    """What the maximum-likelihood fit identifies; it has no propagated errors."""
-    parameters = {}
-    for symbol, error in zip(("F_k", "c", "K_z"), fit.standard_errors, strict=True):
-        value = float(getattr(fit, symbol))
-        ends = (value - 1.96 * error, value + 1.96 * error)
-        interval = Interval(*(fit.K_z_interval if symbol == "K_z" else ends))
-        parameters[symbol] = ParameterEstimate(value, error, math.nan, interval)
-    return parameters
+def _verdicts(verdicts: Mapping[str, Verdict]) -> dict[str, dict[str, str]]:
+    return {symbol: verdict._asdict() for symbol, verdict in verdicts.items()}
 
 
 def _parameters(
-    parameters: Mapping[str, ParameterEstimate], leave_out: str | None = None
+    parameters: Mapping[str, ParameterEstimate], leave_out: str | None = None, of: str = ""
 ) -> dict[str, Any]:
     entries: dict[str, Any] = {}
     for symbol, parameter in parameters.items():
         for what, number in _with_errors(parameter).items():
             if what != leave_out:
-                entries[_key(symbol, what)] = _number(number)
-        entries[_key(symbol, "_interval")] = [_number(end) for end in parameter.interval]
+                entries[of + _key(symbol, what)] = _number(number)
+        entries[of + _key(symbol, "_interval")] = [_number(end) for end in parameter.interval]
     return entries
 
 
@@ -174,7 +224,7 @@ def _record(reading: Reading, result: Identification, index: int) -> dict[str, A
         "cycles": steady.cycles,
         "highest_harmonic": steady.bandwidth,
         "noise_rms": dict(steady.noise_rms),
-        "slip_onset_resolved_alone": bool(reading.onset_resolved),
+        "slips": reading.slips,
         "features": {
             column: _number(float(getattr(features, name)[index]))
             for name, column in COLUMNS.items()

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from ..arrays import Array
 from ..balance import Rows
 from ..features import Features, Phase
 from ..reading.noisy import Reading
+from ..reading.waveforms import NORMAL_95
+from .oscillator import Whole
 
 CONFIDENCE = 0.95
 
@@ -39,8 +42,10 @@ class ParameterEstimate:
 class ApproachResult:
     """The estimates of one approach.
 
-    coefficients : of the balance's terms, by symbol, SI units.   K_z : N/m; its interval comes from that of the
-    compliance 1/K_z.   correlations : of the errors of two coefficients, by their symbols.
+    coefficients : of the balance's terms, by symbol, SI units, each row weighing as much as it is sure.   equal : the
+    same with all rows weighing alike, Eq. (9) as published.   K_z : N/m; its interval comes from that of K_z^{−1/2}.
+    correlations : of the errors of two coefficients, by their symbols.   shape_bias : relative error that the shape of
+    x(t) which the approach assumes makes in each coefficient, for the oscillator that was found; empty where none was.
     residual : ‖A p − W‖/‖W‖ of the rows.   misfit : χ² of the rows about the fit, over their noise, per degree of
     freedom: 1 where the balance holds for every level alike; NaN where there are no more rows than coefficients.
     rows : of the balance, one per response.   row_errors : standard deviation of the misfit Σ g_j p_j − W, J, one per
@@ -49,7 +54,9 @@ class ApproachResult:
 
     approach: str
     coefficients: Mapping[str, ParameterEstimate]
+    equal: Mapping[str, ParameterEstimate]
     K_z: ParameterEstimate
+    shape_bias: Mapping[str, float]
     correlations: Mapping[tuple[str, str], float]
     residual: float
     misfit: float
@@ -67,35 +74,46 @@ class ApproachResult:
 class Microstick:
     """Length of the microstick line X + X_s = 2F_k/K_z that all records share, m.
 
-    resolved : whether it stands out of its noise; else the contact is taken as rigid.
-    bound : it is below that with 97.5 % confidence.   misfit : χ² of the records' own lengths about the mean, per
-    degree of freedom; NaN for one record, or where the length is not resolved.
-    rigid_bias : relative error of F_k if the line is as long as `bound` and the contact was taken as rigid; 0 where
-    the line is resolved.
+    resolved : whether its root stands out of its noise.   bound : it is below that with 97.5 % confidence.
+    All NaN where the waveforms of the records are not known.
     """
 
     length: float
     standard_error: float
     resolved: bool
     bound: float
-    misfit: float
-    rigid_bias: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class Identification:
     """Estimates by approach, and all that they come from.
 
-    k : N/m.   phase : of the harmonic approaches.   features : of the records, (n,), with the microstick length they
-    share.   warnings : of the records, and of how the approaches agree.
+    k : N/m.   phase : of the harmonic approaches.   whole : the fit of the oscillator to all records, the yardstick.
+    features : of the records, (n,), with the onset of slip of that oscillator.   warnings : of the records, and of how
+    the estimates agree.
     """
 
     k: float
     phase: Phase
     readings: tuple[Reading, ...]
+    whole: Whole
     features: Features
     microstick: Microstick
     estimates: Mapping[str, ApproachResult]
     replicates: int
     seed: int
     warnings: tuple[str, ...]
+
+
+def parameters_of(whole: Whole) -> dict[str, ParameterEstimate]:
+    """What the fit of the whole oscillator identifies, by symbol; nothing where no oscillator that slips was found."""
+    fit = whole.fit
+    if fit is None or whole.linear:
+        return {}
+    found = {}
+    for symbol, error in zip(("F_k", "c", "K_z"), fit.standard_errors, strict=True):
+        value = float(getattr(fit, symbol))
+        interval = Interval(value - NORMAL_95 * error, value + NORMAL_95 * error)
+        found[symbol] = ParameterEstimate(value, error, math.nan, interval)
+    found["K_z"] = replace(found["K_z"], interval=Interval(*fit.K_z_interval))
+    return found

@@ -2,50 +2,46 @@
 
 from __future__ import annotations
 
-import math
 import warnings
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from .. import __version__
 from ..balance import APPROACHES
 from ..features import Phase
-from ..likelihood.fit import reference_fit
-from ..likelihood.information import NotIdentifiable
-from ..likelihood.result import ReferenceFit
-from ..project.files import write_csv, write_json, write_text
+from ..project.files import sha256, write_json, write_rows, write_text
 from ..project.wording import visible
-from ..record import Record
 from ..records.limits import LARGEST
-from ..records.mapping import MappingLike
+from ..records.mapping import MappingLike, mapping_file
 from . import reporting
 from .identify import REPLICATES, SEED, identify
 from .loading import Loaded, load
 from .outputs import FIGURES
 from .result import Identification
 
-_MOST_SWINGS = 1000.0  # of the free oscillator in a cycle of the drive, or cycles in a swing: beyond it nothing is told
-
 
 @dataclass(frozen=True, eq=False)
 class IdentificationRun:
-    """An identification, the records it comes from, and a maximum-likelihood fit of them where the mass was given."""
+    """An identification, and the records it comes from.
+
+    options : what it was asked for, by the keys of a configuration.   files : digests of the files read for each
+    record.
+    """
 
     records: tuple[Loaded, ...]
     result: Identification
-    reference: ReferenceFit | None
+    options: Mapping[str, Any]
+    files: tuple[Mapping[str, Any], ...]
 
     def text(self) -> str:
         """The table for a screen."""
-        return reporting.text_table(self.result, self.reference)
+        return reporting.text_table(self.result)
 
     def document(self) -> dict[str, Any]:
         """Everything, for JSON."""
-        return reporting.document(self.result, self.reference, __version__)
+        return reporting.document(self.result, __version__, self.options, self.files)
 
 
 def identify_files(
@@ -65,7 +61,7 @@ def identify_files(
     """F_k, c and K_z from record files, one per level.
 
     k : stiffness, N/m.   mapping, frequency_hz, skip_cycles : as for `load`.   approaches : names; default, all.
-    phase : of the harmonic approaches.   mass : m, kg; if given, the maximum-likelihood fit is added.
+    phase : of the harmonic approaches.   mass : m, kg, if it is known.
     replicates, seed : of the bootstrap.   largest : numbers (samples × channels) that may be read of a record.
 
     Raises RecordError and ValueError naming the file, what is wrong, and the remedy.
@@ -92,17 +88,33 @@ def identify_files(
         k,
         approaches=chosen,
         phase=phase,
+        mass=mass,
         replicates=replicates,
         seed=seed,
     )
-    reference = None
-    if mass is not None:
-        try:
-            reference = maximum_likelihood(records, mass, k)
-        except (ArithmeticError, NotIdentifiable) as error:  # the approaches stand without it
-            warning = f"no maximum-likelihood fit with m = {mass:g} kg: {error}"
-            result = replace(result, warnings=(*result.warnings, warning))
-    return IdentificationRun(records, result, reference)
+    options = {
+        "stiffness_N_per_m": k,
+        "frequency_hz": frequency_hz,
+        "mass_kg": mass,
+        "approaches": list(chosen),
+        "phase": phase,
+        "mapping": str(mapping) if isinstance(mapping, str | Path) else None,
+        "skip_cycles": skip_cycles,
+        "replicates": replicates,
+        "seed": seed,
+        "largest": largest,
+    }
+    files = tuple(_digests(path, mapping) for path in named)
+    return IdentificationRun(records, result, options, files)
+
+
+def _digests(path: Path, mapping: MappingLike) -> dict[str, Any]:
+    """The SHA-256 digest of a record's file, and of the file that names its channels."""
+    file = mapping_file(path, mapping)
+    return {
+        "sha256": sha256(path),
+        "mapping": None if file is None else {"file": str(file), "sha256": sha256(file)},
+    }
 
 
 def _require_different(paths: Sequence[Path]) -> None:
@@ -121,37 +133,26 @@ def _require_different(paths: Sequence[Path]) -> None:
             raise ValueError(f"{visible(named)}: each record is one level")
 
 
-def maximum_likelihood(records: Sequence[Loaded], m: float, k: float) -> ReferenceFit:
-    """F_k, c and K_z of largest likelihood, the drive frequency of each record being fitted, too.
-
-    Raises ValueError for records too large to be kept in memory, driven by an acceleration, or without a displacement
-    of the mass.
-    """
-    for one in records:
-        swings = math.sqrt(k / m) / one.reading.steady.omega
-        if not 1.0 / _MOST_SWINGS < swings < _MOST_SWINGS:
-            raise ValueError(
-                f"with k = {k:g} N/m and m = {m:g} kg the oscillator swings {swings:.2g} times in a cycle of "
-                f"{one.path}: give the mass in kg and the stiffness in N/m, or leave out the mass"
-            )
-    return reference_fit(
-        [_record(one, k) for one in records],
-        [one.reading.steady.omega for one in records],
-        m,
-        k,
-        free=("omega",),
-    )
-
-
 def write_results(run: IdentificationRun, folder: str | Path) -> None:
     """Write OUTPUTS to a folder: each complete or not at all; the same bytes for the same records."""
+    write_figures(run, folder)
+    write_tables(run, folder)  # last, as pictures may fail
+
+
+def write_tables(run: IdentificationRun, folder: str | Path) -> None:
+    """Write TABLES to a folder, the document last."""
+    folder = Path(folder)
+    write_rows(folder / "identification.csv", reporting.estimates_table(run.result))
+    write_rows(folder / "features.csv", reporting.features_table(run.result))
+    write_text(folder / "summary.txt", run.text())
+    write_json(folder / "identification.json", run.document())
+
+
+def write_figures(run: IdentificationRun, folder: str | Path) -> None:
+    """Write PICTURES to a folder."""
     from ..figures.style import save  # slow to import, and needed for pictures only
     from . import drawing
 
-    folder = Path(folder)
-    write_csv(folder / "identification.csv", reporting.frame(run.result))
-    write_csv(folder / "features.csv", reporting.features_frame(run.result))
-    write_text(folder / "summary.txt", run.text())
     alt = drawing.alternative_texts(run.result)
     figures = (
         drawing.cycles(run.records),
@@ -161,36 +162,4 @@ def write_results(run: IdentificationRun, folder: str | Path) -> None:
     with warnings.catch_warnings():  # a name in a script that the font lacks shows as boxes
         warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
         for name, figure in zip(FIGURES, figures, strict=True):
-            save(figure, folder / f"{name}.svg", folder / f"{name}.png", alt[name])
-    write_json(folder / "identification.json", run.document())
-
-
-def _record(one: Loaded, k: float) -> Record:
-    """The record without the cycles left out at its start."""
-    if one.measurement is None:
-        raise ValueError(
-            f"{one.path} is too large for the maximum-likelihood fit: leave out the mass, or give shorter records"
-        )
-    measurement = one.measurement
-    remedy = "leave out the mass"
-    drive = next((q for q in ("base_displacement", "force") if q in measurement), None)
-    if drive is None:
-        raise ValueError(
-            f"{one.path}: the maximum-likelihood fit needs base_displacement or force as input; {remedy}"
-        )
-    if "displacement" not in measurement:
-        raise ValueError(
-            f"{one.path}: the maximum-likelihood fit needs the displacement of the mass; {remedy}"
-        )
-    t = measurement[drive].t
-    signals = {"t": t, "y": measurement[drive].values / (k if drive == "force" else 1.0)}
-    names = {"displacement": "x", "velocity": "v", "acceleration": "acceleration"}
-    for channel in (measurement[quantity] for quantity in names if quantity in measurement):
-        if not np.array_equal(channel.t, t):
-            raise ValueError(
-                f"{one.path}: the maximum-likelihood fit needs all channels sampled at the same times; {remedy}"
-            )
-        signals[names[channel.quantity]] = channel.values
-    steady = one.reading.steady
-    begin = int(np.searchsorted(t, steady.start - 0.5 * float(t[1] - t[0])))
-    return Record(**{name: values[begin:] for name, values in signals.items()})
+            save(figure, Path(folder, f"{name}.svg"), Path(folder, f"{name}.png"), alt[name])

@@ -1,1 +1,1 @@
-"""The yardstick: the maximum-likelihood fit of whole records, and how much information they hold."""
+"""How much information whole records hold: the bound for every estimate from them."""

@@ -66,17 +66,6 @@ def smallest_compliance_root(k: float) -> float:
     return compliance_root(_STIFFEST * k)
 
 
-def clean_signals(
-    osc: Oscillator, motion: BaseMotion, psi: float, tau: Array, channels: Sequence[str]
-) -> tuple[Orbit, dict[str, Array]]:
-    """The steady orbit under y = Y cos(ωτ + ψ) and its signals at the times τ; arguments as in `response`."""
-    phase = motion.omega * tau + psi
-    orbit = steady_orbit(osc, motion)
-    state = orbit.state(phase / motion.omega)
-    drive = motion.Y * np.cos(phase)
-    return orbit, {name: drive if name == "y" else getattr(state, name) for name in channels}
-
-
 def response(
     osc: Oscillator,
     motion: BaseMotion,

@@ -27,8 +27,8 @@ _interpreting = False
 
 
 def _sources() -> list[Path]:
-    """The modules that kernels are made of: this room and the factorisation, and what they import from the root."""
-    root = ("arrays", "factorisation", "model", "record")
+    """The modules that kernels are made of: this room, and what it imports from the root."""
+    root = ("arrays", "model", "record")
     return [*(_PACKAGE / f"{name}.py" for name in root), *sorted(_PACKAGE.glob("motion/*.py"))]
 
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import csv
+import hashlib
+import io
 import json
+import math
 import os
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -53,14 +57,30 @@ def write_text(path: str | Path, text: str) -> None:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
+def json_text(data: Any) -> str:
+    """Data as JSON; floats keep every bit."""
+    return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
 def write_json(path: str | Path, data: Any) -> None:
     """Write JSON; floats keep every bit."""
-    write_text(path, json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    write_text(path, json_text(data))
 
 
 def write_csv(path: str | Path, frame: pd.DataFrame) -> None:
     """Write a table without its index; floats with 15 significant digits, a missing value as an empty field."""
     write_text(path, frame.to_csv(index=False, float_format=_digits, lineterminator="\n"))
+
+
+def write_rows(path: str | Path, rows: Sequence[Mapping[str, object]]) -> None:
+    """Write a table given as its rows, by column, as `write_csv` would, whose library takes longer to import than a
+    small table to write."""
+    out = io.StringIO()
+    table = csv.writer(out, lineterminator="\n")
+    table.writerow(rows[0])
+    for row in rows:
+        table.writerow([_field(value) for value in row.values()])
+    write_text(path, out.getvalue())
 
 
 def read_csv(path: str | Path, **options: Any) -> pd.DataFrame:
@@ -87,6 +107,18 @@ def write_parquet(path: str | Path, frame: pd.DataFrame) -> None:
     """Write a table as Parquet, without anything that depends on when or where it was made."""
     with replacing(path) as temporary:
         frame.to_parquet(temporary, index=False, compression="zstd")
+
+
+def sha256(path: str | Path) -> str:
+    """The SHA-256 digest of a file, in hexadecimal."""
+    with open(path, "rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def _field(value: object) -> object:
+    if not isinstance(value, float):
+        return value
+    return "" if math.isnan(value) else _digits(value)
 
 
 def _digits(value: object) -> str:

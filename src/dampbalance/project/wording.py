@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
+from collections.abc import Sequence
 
 MINUS, TIMES, NONE = "−", "·", "–"
 GREEK = {"phi": "φ", "omega": "ω", "zeta": "ζ"}
 SYMBOL = re.compile(r"\b(?:(phi|omega|zeta)(?:_(\w))?|([A-Za-zω])_([kszmn]|\d))\b")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LOWERED = str.maketrans("0123456789ksmn", "₀₁₂₃₄₅₆₇₈₉ₖₛₘₙ")
+_MANY_TIMES = 1000  # beyond it the very number tells nothing more
 _SMALL = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"]
 
 
@@ -60,6 +62,18 @@ def number(value: float, digits: int = 7) -> str:
 def in_words(count: int) -> str:
     """A small count as a word, a larger one in digits."""
     return _SMALL[count] if 0 <= count < len(_SMALL) else str(count)
+
+
+def times(factor: float) -> str:
+    """How many times as large, for a sentence: 3.2 times, 450 times, more than 1000 times."""
+    if factor > _MANY_TIMES:
+        return f"more than {_MANY_TIMES} times"
+    return f"{factor:.2g} times" if factor < 99.5 else f"{factor:.0f} times"
+
+
+def listed(words: Sequence[str], last: str = "and") -> str:
+    """Words in a row: "a", "a and b", "a, b and c"."""
+    return f" {last} ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
 def minus(text: str) -> str:

@@ -82,8 +82,15 @@ def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMappin
         return mapping
     if isinstance(mapping, Mapping):
         return mapping_from(mapping)
-    file = find_mapping(record) if mapping is None else Path(mapping)
+    file = mapping_file(record, mapping)
     return RecordMapping() if file is None else read_mapping(file)
+
+
+def mapping_file(record: str | Path, mapping: MappingLike = None) -> Path | None:
+    """The file that the mapping of a record stands in, the one given or the one beside the record; None for none."""
+    if isinstance(mapping, str | Path):
+        return Path(mapping)
+    return find_mapping(record) if mapping is None else None
 
 
 def read_mapping(file: str | Path) -> RecordMapping:

@@ -7,21 +7,21 @@ level): a case does not depend on the chunk it is computed in.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array, Integers
 from ..features import Features, beside, of_numbers, stack
-from ..identification.microstick import share_line
+from ..identification.microstick import read_samples
+from ..identification.oscillator import joined, whole_oscillator
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
 from ..reading.noisy import Reading, read_features
 from ..records.synthetic import measured_orbit
 from .parameters import oscillator_of
-from .responses import NOT_READ, RIGID_LIMIT
+from .responses import NOT_READ
 
 
 def measured_responses(
@@ -47,16 +47,13 @@ def measured_responses(
     for case in range(len(cases)):
         osc = oscillator_of(si, case)
         read: list[Reading | str] = []
-        drawn: list[Features] = []
         for level in range(len(Y)):
             motion = BaseMotion(Y=float(Y[level, case]), omega=float(si["omega"][case]))
             random = np.random.default_rng([seed, int(cases[case]), level])
             rate_hz, noise = (float(numerics[name][case]) for name in ("sampling_hz", "noise"))
-            reading = _measured(osc, motion, rate_hz, cycles, noise, random)
-            read.append(reading)
-            if isinstance(reading, Reading):
-                drawn.append(reading.resampled(count, random, onset=True))
-        point, replicate = _with_shared_line(read, drawn, count)
+            read.append(_measured(osc, motion, rate_hz, cycles, noise, random))
+        random = np.random.default_rng([seed, int(cases[case]), len(Y)])
+        point, replicate = _with_one_oscillator(read, osc.k, count, random)
         points.append(point)
         replicates.append(replicate)
     return beside(points), beside(replicates)
@@ -85,23 +82,27 @@ def _measured(
         return NOT_READ
 
 
-def _with_shared_line(
-    read: Sequence[Reading | str], drawn: Sequence[Features], count: int
+def _with_one_oscillator(
+    read: Sequence[Reading | str], k: float, count: int, random: np.random.Generator
 ) -> tuple[Features, Features]:
-    """Features (L,) and replicates (L, count) of the levels of a case, which share their microstick line as in
-    `identification`; a level that was not read has NaN and the reason."""
+    """Features (L,) and replicates (L, count) of the levels of a case, with the onset of slip that one oscillator gives
+    them, as in `identification`; a level that was not read has NaN and the reason, and where no oscillator holds, none
+    has a friction travel."""
     readings = [reading for reading in read if isinstance(reading, Reading)]
-    line = share_line(readings, drawn) if readings else None
+    if readings:
+        whole = whole_oscillator([reading.lines for reading in readings], k)
+        samples = read_samples(joined(readings, whole), count, random, jackknife=False)
+        of_all = samples.point.features, samples.drawn.features
+        if not whole.waveforms_hold:
+            of_all = of_all[0].replaced(a=np.nan), of_all[1].replaced(a=np.nan)
     points, replicates = [], []
     for reading in read:
-        if line is None or isinstance(reading, str):
-            nothing = of_numbers(np.nan, str(reading))
+        if isinstance(reading, str):
+            nothing = of_numbers(np.nan, reading)
             points.append(nothing)
             replicates.append(nothing[:, None][:, [0] * count])
         else:
             at = [readings.index(reading)]
-            words = str(Regime.ONE_SLIP) if line.microstick.resolved else RIGID_LIMIT
-            regime = np.array(words, dtype=object)
-            points.append(replace(line.point[at], regime=regime))
-            replicates.append(replace(line.drawn[at], regime=regime))
+            points.append(of_all[0][at])
+            replicates.append(of_all[1][at])
     return stack(points), stack(replicates)

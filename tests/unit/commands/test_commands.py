@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 import subprocess
@@ -15,7 +16,7 @@ import pytest
 from dampbalance.balance import APPROACHES
 from dampbalance.commands.main import main
 from dampbalance.identification.loading import load
-from dampbalance.identification.outputs import OUTPUTS
+from dampbalance.identification.outputs import OUTPUTS, TABLES
 from dampbalance.identification.run import identify_files
 from dampbalance.records.readers import read
 from folders import ROOT
@@ -95,6 +96,72 @@ def test_the_same_records_give_the_same_bytes(output, tmp_path):
     assert main(["identify", *RECORDS, *COMMON, *WHOLE, "--output", str(tmp_path)]) == 0
     for name in OUTPUTS:
         assert (tmp_path / name).read_bytes() == (output[0] / name).read_bytes(), name
+
+
+QUICK = ["identify", *RECORDS[:2], "--stiffness", "2310", "--replicates", "20"]
+
+
+def test_the_document_says_from_what_it_was_made(tmp_path):
+    for i in (0, 1):
+        (tmp_path / f"run{i}.csv").write_bytes(Path(RECORDS[i]).read_bytes())
+    (tmp_path / "run1.yaml").write_text("frequency_hz: 3.5\n", encoding="utf-8")
+    records = [str(tmp_path / f"run{i}.csv") for i in (0, 1)]
+    found = identify_files(records, 2310.0, approaches=["direct"], replicates=20, seed=7)
+    told = json.loads(json.dumps(found.document()))
+    assert told["options"] == {
+        "stiffness_N_per_m": 2310.0,
+        "frequency_hz": None,
+        "mass_kg": None,
+        "approaches": ["direct"],
+        "phase": "reversal",
+        "mapping": None,
+        "skip_cycles": 0,
+        "replicates": 20,
+        "seed": 7,
+        "largest": 200_000_000,
+    }
+
+    def digest(name):
+        return hashlib.sha256((tmp_path / name).read_bytes()).hexdigest()
+
+    assert [record["sha256"] for record in told["records"]] == [
+        digest("run0.csv"),
+        digest("run1.csv"),
+    ]
+    assert [record["mapping"] for record in told["records"]] == [
+        None,
+        {"file": str(tmp_path / "run1.yaml"), "sha256": digest("run1.yaml")},
+    ]
+    verdicts = told["approaches"]["direct"]["verdicts"]
+    assert {symbol: one["verdict"] for symbol, one in verdicts.items()} == dict.fromkeys(
+        ("F_k", "c", "K_z"), "usable"
+    )
+
+
+def test_the_document_can_take_the_place_of_the_table(tmp_path, capsys):
+    folder, file = tmp_path / "found", tmp_path / "found.json"
+    assert main([*QUICK, "--json", "-", "--output", str(folder), "--no-figures"]) == 0
+    said = capsys.readouterr()
+    assert json.loads(said.out)["k_N_per_m"] == 2310.0
+    assert (folder / "identification.json").read_text(encoding="utf-8") == said.out
+    assert "Written to" in said.err
+    assert main([*QUICK, "--json", str(file)]) == 0
+    shown = capsys.readouterr().out
+    assert "verdict" in shown
+    assert f"Written to {file}." in shown
+    assert file.read_text(encoding="utf-8") == said.out
+    assert main([*QUICK, "--json", str(file)]) == 2
+    assert "holds found.json already" in capsys.readouterr().err
+
+
+def test_pictures_can_be_left_out_and_old_ones_go(tmp_path, capsys):
+    (tmp_path / "cycles.png").write_bytes(b"of other records")
+    arguments = [*QUICK, "--output", str(tmp_path), "--no-figures"]
+    assert main(arguments) == 2
+    assert "holds cycles.png already" in capsys.readouterr().err
+    assert main([*arguments, "--overwrite"]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(TABLES)
+    assert "cycles" not in capsys.readouterr().out.splitlines()[-1]
 
 
 def test_results_are_not_overwritten_unasked(tmp_path, capsys):

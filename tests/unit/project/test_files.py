@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -13,6 +14,7 @@ from dampbalance.project.files import (
     write_csv,
     write_json,
     write_parquet,
+    write_rows,
     write_text,
 )
 
@@ -51,6 +53,18 @@ def test_a_csv_keeps_fifteen_digits_and_missing_values(tmp_path):
     assert list(back["n"]) == [1, 2, 3]
     assert list(back["w"]) == ["x", "", "z, w"]
     assert (tmp_path / "t.csv").read_bytes().splitlines()[1] == b"0.333333333333333,1,x"
+
+
+def test_rows_are_written_as_the_same_table_is(tmp_path):
+    columns = {
+        "a": np.array([1 / 3, math.nan, -math.inf]),
+        "n": [1, 2, 3],
+        "w": ["x, y", "", 'a "quote"'],
+    }
+    write_csv(tmp_path / "frame.csv", pd.DataFrame(columns))
+    rows = [{name: values[i] for name, values in columns.items()} for i in range(3)]
+    write_rows(tmp_path / "rows.csv", rows)
+    assert (tmp_path / "rows.csv").read_bytes() == (tmp_path / "frame.csv").read_bytes()
 
 
 def test_a_second_trip_changes_nothing(tmp_path):

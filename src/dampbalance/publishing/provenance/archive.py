@@ -16,9 +16,9 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ...project.files import replacing
+from ...project.files import replacing, sha256
 from .crate import DESCRIPTOR, crate
-from .sources import ARCHIVED_VERSION, sha256
+from .sources import ARCHIVED_VERSION
 
 # Bytes; larger results are not packed: a rebuild makes them, the manifest has their digests
 LARGEST_PACKED = 5_000_000

@@ -16,7 +16,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from .sources import digest_of, sha256
+from ...project.files import sha256
+from .sources import digest_of
 
 ABOUT = (
     "Which configuration, code and packages made the results. 'reproducible': the same sources with the packages of "

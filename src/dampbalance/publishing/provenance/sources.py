@@ -52,12 +52,6 @@ def files_of(root: str | Path, names: Iterable[str] = PROJECT) -> list[str]:
     )
 
 
-def sha256(path: str | Path) -> str:
-    """The SHA-256 digest of a file, in hexadecimal."""
-    with open(path, "rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
-
-
 def digest_of(data: Any) -> str:
     """The SHA-256 digest of plain data (mappings, lists, numbers, text), whatever the order of the keys."""
     text = json.dumps(data, sort_keys=True, ensure_ascii=False, allow_nan=False)

@@ -1,0 +1,69 @@
+"""The oscillator behind all records, by the fit of largest likelihood: the yardstick, and what it says of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from ..reading.lines import Lines, improbable, linear_misfit
+from ..reading.noisy import Reading
+from ..reading.waveforms import Fit, fit_oscillator, with_delay, with_mass
+
+_SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
+
+
+@dataclass(frozen=True, eq=False)
+class Whole:
+    """What the records are, taken together.
+
+    fit : the oscillator that responds most like them; None where none does that slips.
+    linear : whether a linear oscillator explains them within their noise: nothing slips, or it does not show.
+    delayed : the fit with a delay between base and response, where that explains more than noise would.
+    mass : kg, as given, or None.   mass_fits : whether the records agree with it; if not, the fit has its own.
+    """
+
+    fit: Fit | None
+    linear: bool
+    delayed: Fit | None
+    mass: float | None = None
+    mass_fits: bool = True
+
+    @property
+    def mass_given(self) -> bool:
+        """Whether the fit takes the mass as given."""
+        return self.mass is not None and self.mass_fits
+
+    @property
+    def waveforms_hold(self) -> bool:
+        """Whether the waveforms of the fit are those of the records."""
+        return self.fit is not None and self.fit.adequate and not self.linear
+
+
+def whole_oscillator(lines: Sequence[Lines], k: float, m: float | None = None) -> Whole:
+    """The oscillator behind the records.   k : N/m.   m : kg, if it is known.
+
+    The records tell the mass by themselves, nearly as well as a balance: one that contradicts them is left out.
+    """
+    chi_square, freedom = linear_misfit(lines, k)
+    fit = fit_oscillator(lines, k)
+    explained = 0.0 if fit is None else chi_square - fit.chi_square
+    linear = explained < _SHOWS and not improbable(chi_square, freedom, lines)
+    if fit is None or linear:
+        return Whole(fit, linear, None, m)
+    known = None if m is None else with_mass(fit, m)
+    fits = known is not None and known.chi_square - fit.chi_square < _SHOWS
+    fit = known if known is not None and fits else fit
+    delayed = with_delay(fit)
+    if delayed is None or fit.chi_square - delayed.chi_square < _SHOWS:
+        delayed = None
+    return Whole(fit, linear, delayed, m, m is None or fits)
+
+
+def joined(readings: Sequence[Reading], whole: Whole) -> list[Reading]:
+    """The readings with the waveforms of the fit, or without any where they do not hold."""
+    if not whole.waveforms_hold or whole.fit is None:
+        return [replace(reading, joint=True, shared=None) for reading in readings]
+    return [
+        replace(reading, joint=True, shared=waveform)
+        for reading, waveform in zip(readings, whole.fit.waveforms, strict=True)
+    ]

@@ -1,0 +1,185 @@
+"""The harmonics of a record that a fit of the oscillator takes, with their errors, and where such a fit starts.
+
+Phases count from the peak of the base: y = Y cos ωt, x = Re Σ x_n e^{inωt}, n odd.
+
+For each contact stiffness of a grid the energy balance of the records,
+
+    W = −πkY Im x_1 = 4(X − F_k/K_z) F_k + πω Σ n²|x_n|² c
+
+gives F_k and c, by least squares and for several shares of friction in the work (a single level does not tell the two
+apart), and the in-phase part of the fundamental the mass:
+
+    mω² = k + K − kY Re(1/x_1),   K = (K_z/π)(ϑ − sin ϑ cos ϑ),   cos ϑ = 1 − 2Z_m/X
+
+with the stiffness K that the contact has for the fundamental of a harmonic motion. The exact orbits of all these
+candidates are compared with the harmonics; the closest start.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array, Complexes, Integers, Mask
+from ..motion.orbits import steady_orbits
+from ..motion.regime import Regime
+from .conditioning import SteadyRecord
+
+CLEAR = 4.0
+"""Standard deviations by which a harmonic stands out of the noise."""
+
+CHANCE = 1e-4
+"""Probability in noise of a χ² so large that the records are not those of a model."""
+
+_NEIGHBOURS = (
+    6  # degrees of freedom that a row adds to an error, which is smoothed over five harmonics
+)
+
+_EXTRA = 4  # odd harmonics beyond the bandwidth that are taken: they bound the waveform
+_STIFFNESSES = np.geomspace(0.1, 1e5, 19)  # of K_z/k
+_SHARES = (0.03, 0.2, 0.5, 0.8, 0.97)  # of friction in the work
+_RATIOS = np.geomspace(0.25, 8.0, 21)  # of the natural frequency to that of the drive
+_COMPARED = (1, 3, 5)
+_NEAR = 0.03  # of the fundamental: what a candidate may be off by
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Harmonics of one record.
+
+    omega : rad/s.   Y : amplitude of the base, m.   n : odd orders, (h,).   x : x_n, m, (h,).
+    Y_error, x_error : standard deviations of the real and of the imaginary part of each, m.
+    rows : independent rows that the standard deviations come from.
+    """
+
+    omega: float
+    Y: float
+    Y_error: float
+    n: Integers
+    x: Complexes
+    x_error: Array
+    rows: int
+
+    @property
+    def clear(self) -> Mask:
+        """Which harmonics stand out of the noise; the fundamental always."""
+        clear: Mask = (np.abs(self.x) > CLEAR * self.x_error) | (self.n == 1)
+        return clear
+
+    @classmethod
+    def of(cls, steady: SteadyRecord) -> Lines:
+        """Those of a record up to a little beyond its bandwidth."""
+        highest = min(steady.bandwidth + 2 * _EXTRA, len(steady.X_error) - 1)
+        n = np.arange(1, highest + 1, 2)
+        base = steady.mean(steady.Y[:, 1:2])[0]
+        x = steady.mean(steady.X)[n] * np.exp(-1j * n * np.angle(base))
+        Y_error = float(steady.Y_error[1])
+        return cls(
+            steady.omega, float(abs(base)), Y_error, n, x, steady.X_error[n], len(steady.weights)
+        )
+
+
+def starts(lines: Sequence[Lines], k: float, *, wide: bool = False) -> Array:
+    """(F_k, c, K_z, m) of oscillators that respond like the records, (n, 4), the closest first; each slips in one.
+
+    k : N/m.   wide : with masses over three decades beside those that the fundamental gives, which knows little of the
+    mass far below resonance.
+    """
+    candidates = _candidates(lines, k, wide)
+    if not len(candidates):
+        return candidates
+    F_k, c, K_z, m = candidates.T[:, :, None]
+    omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
+    orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
+    misfit = np.zeros(len(candidates))
+    for i, one in enumerate(lines):
+        near = _NEAR * abs(one.x[0])
+        for n, x, error in zip(_COMPARED, one.x, one.x_error, strict=False):
+            amplitude, lag = getattr(orbits, f"X_{n}")[:, i], getattr(orbits, f"phi_{n}")[:, i]
+            off = np.abs(amplitude * np.exp(-1j * lag) - x) ** 2
+            misfit += off / (error**2 + (near / n) ** 2)
+    slips = np.isin(orbits.regime, (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)).any(axis=1)
+    possible = slips & np.isfinite(misfit)
+    order = np.argsort(np.where(possible, misfit, math.inf), kind="stable")
+    best: Array = candidates[order[: np.count_nonzero(possible)]]
+    return best
+
+
+def linear_misfit(lines: Sequence[Lines], k: float) -> tuple[float, int]:
+    """χ² of the records about a linear oscillator, and its degrees of freedom.
+
+    It has (k + K − mω² + icω) x_1 = kY, K ≥ 0 the stiffness of a contact that only sticks, and no other harmonics.
+    """
+    x_1 = np.array([one.x[0] for one in lines])
+    omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
+    z = k * Y / x_1 - k
+    relative = [math.hypot(one.x_error[0] / abs(one.x[0]), one.Y_error / one.Y) for one in lines]
+    error = np.abs(k * Y / x_1) * relative
+    elastic = np.column_stack([np.ones(omega.size), (omega / omega.max()) ** 2]) / error[:, None]
+    viscous = (omega / omega.max() / error)[:, None]
+    chi_square, rank = 0.0, 0
+    for columns, right in ((elastic, z.real / error), (viscous, z.imag / error)):
+        solution, _, columns_rank, _ = np.linalg.lstsq(columns, right, rcond=1e-6)
+        chi_square += float(np.sum((columns @ solution - right) ** 2))
+        rank += int(columns_rank)
+    chi_square += sum(float(np.sum(np.abs(one.x / one.x_error)[1:] ** 2)) for one in lines)
+    return chi_square, 2 * sum(one.n.size for one in lines) - rank
+
+
+def improbable(chi_square: float, freedom: int, lines: Sequence[Lines]) -> bool:
+    """Whether noise makes a χ² as large as this hardly ever (`CHANCE`).
+
+    The errors come from a number of rows, and so it has an F distribution.
+    """
+    from scipy import special  # slow to import, as scipy.stats with the same functions is
+
+    if freedom < 1:
+        return False
+    known = sum(_NEIGHBOURS * max(1, one.rows - 1) for one in lines)
+    return bool(special.fdtrc(freedom, known, chi_square / freedom) < CHANCE)
+
+
+def _candidates(lines: Sequence[Lines], k: float, wide: bool) -> Array:
+    """(F_k, c, K_z, m) that balance the work, (n, 4)."""
+    from scipy.optimize import nnls  # slow to import
+
+    fundamental = np.array([one.x[0] for one in lines])
+    omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
+    X, b = np.array([_peak_and_viscous(one) for one in lines]).T
+    W = -math.pi * k * Y * fundamental.imag
+    known = W > 0.0  # noise may hide the work of a low level
+    if not known.any():
+        return np.empty((0, 4))
+    apparent = k - (k * Y / fundamental).real
+    rows = []
+    for K_z in k * _STIFFNESSES:
+        for share in (None, *_SHARES):
+            F_k = c = 0.0
+            for _ in range(8):  # the travel a depends on F_k through Z_m
+                slid = np.maximum(X - F_k / K_z, 0.0)
+                if not slid[known].any():
+                    slid = np.maximum(slid, 0.05 * X)
+                a = 4.0 * slid
+                if share is None:
+                    columns = np.column_stack([a, b])[known] / W[known, None]
+                    (F_k, c), _ = nnls(columns, np.ones(len(columns)))
+                else:
+                    F_k = share * float(np.sum(W[known]) / np.sum(a[known]))
+                    c = (1.0 - share) * float(np.sum(W[known]) / np.sum(b[known]))
+            theta = np.arccos(np.clip(1.0 - 2.0 * F_k / (K_z * X), -1.0, 1.0))
+            contact = K_z / math.pi * (theta - np.sin(theta) * np.cos(theta))
+            m = float(np.sum((apparent + contact) / omega**2 * X**2) / np.sum(X**2))
+            masses = [m, *(k / (float(omega.max()) * _RATIOS) ** 2)] if wide else [m]
+            rows += [(F_k, max(c, 0.0), K_z, m) for m in masses if F_k > 0.0 and m > 0.0]
+    return np.array(rows).reshape(-1, 4)
+
+
+def _peak_and_viscous(one: Lines) -> tuple[float, float]:
+    """(X, b) of the harmonics that stand out of the noise, m and m²/s."""
+    x = np.where(one.clear, one.x, 0.0)
+    turn = np.exp(1j * np.outer(np.linspace(0.0, 2.0 * math.pi, 256), one.n))
+    squares = np.maximum(np.abs(x) ** 2 - 2.0 * one.x_error**2, 0.0)
+    return float(np.max((turn @ x).real)), math.pi * one.omega * float(squares @ one.n**2)
