@@ -11,7 +11,6 @@ from typing import Any
 from .. import __version__
 from ..balance import APPROACHES
 from ..features import Phase
-from ..motion.jit import interpreted
 from ..project.files import sha256, write_json, write_rows, write_text
 from ..project.wording import visible
 from ..records.limits import LARGEST
@@ -21,8 +20,6 @@ from .identify import REPLICATES, SEED, identify
 from .loading import Loaded, load
 from .outputs import FIGURES
 from .result import Identification
-
-_FEW = 20  # records, whose orbits take less time in Python than Numba takes to load
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,27 +72,26 @@ def identify_files(
     named = [Path(path) for path in paths]
     _require_different(named)
     chosen = {name: APPROACHES[name] for name in APPROACHES if not approaches or name in approaches}
-    with interpreted(len(named) <= _FEW):  # whatever was compiled before: the last bits may differ
-        records = tuple(
-            load(
-                path,
-                k,
-                mapping=mapping,
-                frequency_hz=frequency_hz,
-                skip_cycles=skip_cycles,
-                largest=largest,
-            )
-            for path in named
-        )
-        result = identify(
-            [one.reading for one in records],
+    records = tuple(
+        load(
+            path,
             k,
-            approaches=chosen,
-            phase=phase,
-            mass=mass,
-            replicates=replicates,
-            seed=seed,
+            mapping=mapping,
+            frequency_hz=frequency_hz,
+            skip_cycles=skip_cycles,
+            largest=largest,
         )
+        for path in named
+    )
+    result = identify(
+        [one.reading for one in records],
+        k,
+        approaches=chosen,
+        phase=phase,
+        mass=mass,
+        replicates=replicates,
+        seed=seed,
+    )
     options = {
         "stiffness_N_per_m": k,
         "frequency_hz": frequency_hz,
