@@ -131,7 +131,7 @@ class Stretch:
         self.low = min(self.low, float(values.min()))
         self.high = max(self.high, float(values.max()))
         try:
-            return Channel(pick.quantity, t, signal, pick.name)
+            return Channel(pick.quantity, t, signal, pick.name, pick.correction)
         except ValueError as error:
             raise RecordError(f"{self.file.path}: {error}") from None
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from ...project.wording import shortened
+from ..correction import Correction
 from ..errors import RecordError
 from ..mapping import ChannelRule, RecordMapping, Which
 from ..measurement import EXCITATIONS, QUANTITIES, RESPONSES
@@ -34,7 +35,7 @@ class Pick:
     """One quantity of the record: value in SI = factor · what channel `index` holds.
 
     time : index of its time channel, None for equal steps at `rate_hz` from `start` (s) on; time_factor : seconds per
-    unit of that channel.
+    unit of that channel.   correction : that its harmonics need.
     """
 
     quantity: str
@@ -45,6 +46,7 @@ class Pick:
     time_factor: float = 1.0
     rate_hz: float = 0.0
     start: float = 0.0
+    correction: Correction | None = None
 
 
 def picks_of(file: RecordFile, mapping: RecordMapping) -> tuple[Pick, ...]:
@@ -83,7 +85,7 @@ class _Plan:
         """The pick of a channel with the times that the mapping or the file gives it."""
         raw = self.channels[index]
         factor = rule.sign * rule.scale * self.unit(raw, rule.unit, quantity)
-        pick = Pick(quantity, index, raw.name, factor)
+        pick = Pick(quantity, index, raw.name, factor, correction=rule.correction)
         if self.mapping.sample_rate_hz is not None:
             return replace(pick, rate_hz=self.mapping.sample_rate_hz)
         if rule.time is not None:
