@@ -117,7 +117,7 @@ def _all_responses(candidates: Array, lines: Sequence[Lines], k: float) -> tuple
         [getattr(orbits, f"X_{n}") * np.exp(-1j * getattr(orbits, f"phi_{n}")) for n in _COMPARED],
         axis=-1,
     )
-    slips: Mask = np.isin(orbits.regime, _SLIPS).any(axis=1)
+    slips: Mask = np.asarray(np.isin(orbits.regime, _SLIPS).any(axis=1))
     return harmonics, slips
 
 
