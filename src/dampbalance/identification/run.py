@@ -139,7 +139,9 @@ def _require_different(paths: Sequence[Path]) -> None:
 
 def _require_possible(records: Sequence[Loaded], mass: float | None, k: float) -> None:
     """ValueError for a mass with which the oscillator would be a thousand times faster or slower than the drive."""
-    for one in records if mass is not None else ():
+    if mass is None:
+        return
+    for one in records:
         swings = math.sqrt(k / mass) / one.reading.steady.omega
         if not 1.0 / _MOST_SWINGS < swings < _MOST_SWINGS:
             raise ValueError(
