@@ -14,12 +14,13 @@ from dampbalance.motion.regime import Regime
 from dampbalance.reading.lines import Lines
 from dampbalance.reading.waveforms import COMMON, Fit, fit_oscillator, with_delay, with_mass
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
-
 from unit.reading.harmonics import lines_of
 
 WEAK = Oscillator(m=2.42, c=3.0, k=2310.0, K_z=69_300.0, F_k=1.28)  # ζ = 0.02: slips several times
 EXACT = 1e-8  # m
-CLOSE = 1e-3  # standard errors: the climb ends where a step would gain 5e-8 of half of χ², 3e-4 of one
+CLOSE = (
+    1e-3  # standard errors: the climb ends where a step would gain 5e-8 of half of χ², 3e-4 of one
+)
 
 
 def off(fit: Fit, osc: Oscillator) -> np.ndarray:
@@ -88,7 +89,11 @@ def test_slopes_are_those_of_orbits_beside():
             beside[j] = step
             high, low = of(fit.point + beside, i), of(fit.point - beside, i)
             for slope, above, below in zip(
-                (waveform.tail_slope[:count, j], waveform.onset_slope[:, j], waveform.length_slope[j]),
+                (
+                    waveform.tail_slope[:count, j],
+                    waveform.onset_slope[:, j],
+                    waveform.length_slope[j],
+                ),
                 high,
                 low,
                 strict=True,
@@ -188,13 +193,16 @@ def test_errors_are_those_of_the_cramer_rao_bound(hz, free):
     # standard deviation of a Fourier coefficient of n samples: σ √(2/n)
     error = sigma * math.sqrt(2.0 / round(rate_hz * cycles / hz))
     levels = (0.006, 0.012)
-    fit = fit_oscillator(
-        [lines_of(o, error, count=40) for o in orbits_at(hz, levels)], PAPER.k
-    )
+    fit = fit_oscillator([lines_of(o, error, count=40) for o in orbits_at(hz, levels)], PAPER.k)
     if "m" not in free:
         fit = with_mass(fit, PAPER.m)
     bound = cramer_rao(
-        PAPER, motions_at(hz, levels), rate_hz=rate_hz, cycles=cycles, noise={"y": sigma, "x": sigma}, free=free
+        PAPER,
+        motions_at(hz, levels),
+        rate_hz=rate_hz,
+        cycles=cycles,
+        noise={"y": sigma, "x": sigma},
+        free=free,
     )
     # 40 odd harmonics hold all but 1e-3 of what the onset of slip tells; differences of the derivatives 1e-6
     assert fit.standard_errors == pytest.approx(bound.standard_errors, rel=0.01)
