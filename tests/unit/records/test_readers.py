@@ -407,10 +407,7 @@ def told(message: str) -> dict[str, object]:
         ("time [s],base [mm],acc", {"base_displacement": "base", "acceleration": "acc"}),
         ("time [s],base [mm],other [V]", {"base_displacement": "base", "displacement": "other"}),
         ("acc,no,yes", {"base_displacement": "no", "displacement": "yes", "acceleration": "acc"}),
-        (
-            "time [s],acc [g],pick-up: 2 [g]",
-            {"base_acceleration": "pick-up: 2", "acceleration": "acc"},
-        ),
+        ("time [s],acc [g],pick-up: 2 [g]", {"base_acceleration": "pick-up: 2", "acceleration": "acc"}),
         ("time [s],load [N],CH [m/s²]", {"force": "load", "acceleration": "CH"}),
         ("time [s],x [mm],CH [m/s²]", {"base_acceleration": "CH", "displacement": "x"}),
         ("time [s],y [mm],force [N],x [mm]", {"base_displacement": "y", "displacement": "x"}),
@@ -435,9 +432,7 @@ def test_a_mapping_that_a_message_shows_for_a_matrix_is_read(tmp_path):
         file["signals"] = np.column_stack([Y, A, Y + A])
     message = refused(path, r"finds no excitation")
     measurement = read(path, told(message))
-    for quantity, values in zip(
-        ("base_displacement", "displacement", "velocity"), (Y, A, Y + A), strict=True
-    ):
+    for quantity, values in zip(("base_displacement", "displacement", "velocity"), (Y, A, Y + A), strict=True):
         np.testing.assert_array_equal(measurement[quantity].values, values)
 
 
@@ -451,9 +446,7 @@ def test_nothing_is_shown_where_no_mapping_would_do(tmp_path):
 def test_channels_that_are_not_used_are_listed(tmp_path):
     path = tmp_path / "run.csv"
     path.write_text("time [s],base [mm],acc [g],CH 4 [V],t2 [s]\n" + rows(columns=(T, Y, A, Y, T)))
-    with pytest.warns(
-        RecordWarning, match=r"csv: channels not used: 'CH 4 \[V\]'; say in .*yaml what they hold"
-    ):
+    with pytest.warns(RecordWarning, match=r"csv: channels not used: 'CH 4 \[V\]'; say in .*yaml what they hold"):
         assert set(read(path)) == {"base_displacement", "acceleration"}
     named = {"base_displacement": {"channel": 2}, "acceleration": {"channel": 3}}
     read(path, {"channels": named})  # on purpose
