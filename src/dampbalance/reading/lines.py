@@ -42,6 +42,9 @@ _NEIGHBOURS = (
 
 _EXTRA = 4  # odd harmonics beyond the bandwidth that are taken: they bound the waveform
 _STIFFNESSES = np.geomspace(0.1, 1e5, 19)  # of K_z/k
+_SOFTEST = (
+    13  # of them, up to 1,000: stiffer ones rattle, and a climb reaches them from there, in 1/√K_z
+)
 _SHARES = (0.03, 0.2, 0.5, 0.8, 0.97)  # of friction in the work
 _RATIOS = np.geomspace(0.25, 8.0, 21)  # of the natural frequency to that of the drive
 _COMPARED = (1, 3, 5)
@@ -207,7 +210,7 @@ def _candidates(lines: Sequence[Lines], k: float, wide: bool) -> Array:
         return np.empty((0, 4))
     apparent = k - (k * Y / fundamental).real
     rows = []
-    for K_z in k * _STIFFNESSES:
+    for K_z in k * (_STIFFNESSES[:_SOFTEST] if wide else _STIFFNESSES):
         for share in (None, *_SHARES):
             F_k = c = 0.0
             for _ in range(8):  # the travel a depends on F_k through Z_m
