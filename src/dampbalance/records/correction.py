@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Complexes
 
+
 @dataclass(frozen=True, slots=True)
 class Correction:
     """Gain, delay (s) and poles (rad/s, each with its conjugate) of the filters of a channel."""

@@ -16,7 +16,7 @@ from ..errors import RecordError, RecordWarning
 from ..limits import LARGEST
 from ..mapping import MappingLike, RecordMapping, mapping_for
 from ..measurement import Measurement
-from . import streams
+from . import streams, tables
 from .assemble import in_blocks, stated_size, wanted_of, whole
 from .formats import FORMATS, checked_format
 from .hdf5 import hdf5_file
@@ -75,9 +75,9 @@ def open_channels(
     A block is the times (s) and the values (SI), shape (n,), n ≤ block. The channels may have unequal lengths and times
     of their own, and each may be read as often as wanted; only one of them is in memory.
 
-    Text, Parquet, HDF5, MATLAB 7.3, TDMS (segment by segment) and WAV are read piece by piece; MATLAB 5 and universal
-    files are read whole and handed out in blocks, as their libraries know no other way. File and mapping are checked
-    before the first block, the numbers that may be read (`largest`), too.
+    Text, Parquet, HDF5, MATLAB 7.3, TDMS (segment by segment) and WAV are read piece by piece; MATLAB 5, universal
+    files, LabVIEW's text and spreadsheets are read whole and handed out in blocks, as their libraries know no other
+    way. File and mapping are checked before the first block, the numbers that may be read (`largest`), too.
 
     Raises RecordError as `read`; for a wrong sample, when its block comes up.
     """
@@ -117,7 +117,7 @@ def _open(path: Path, rules: RecordMapping, largest: int) -> RecordFile:
     return file
 
 
-_READ_WHOLE = ("matlab", "uff")
+_READ_WHOLE = ("matlab", "uff", "lvm", "spreadsheet")
 
 _OPENERS: dict[str, Callable[[Path, int], RecordFile]] = {  # each imports its library
     "parquet": ParquetFile,
@@ -127,4 +127,6 @@ _OPENERS: dict[str, Callable[[Path, int], RecordFile]] = {  # each imports its l
     "uff": streams.uff_file,
     "tdms": streams.tdms_file,
     "wav": streams.wav_file,
+    "lvm": tables.lvm_file,
+    "spreadsheet": tables.spreadsheet_file,
 }

@@ -100,7 +100,9 @@ def layout_of(path: Path, mapping: RecordMapping, single: bool = False) -> Layou
     columns = columns_of(path, lines[:header], delimiter, comment, width)
     first = next(filter(None, (cells_of(line, delimiter, comment) for line in lines[header:])), [])
     columns = tuple(
-        replace(raw, unit="s", stamps=True) if is_stamp(cell) or (is_date(cell) and ":" in cell) else raw
+        replace(raw, unit="s", stamps=True)
+        if is_stamp(cell) or (is_date(cell) and ":" in cell)
+        else raw
         for raw, cell in itertools.zip_longest(columns, first[:width], fillvalue="")
         if isinstance(raw, RawChannel)
     )

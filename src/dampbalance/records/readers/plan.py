@@ -26,7 +26,17 @@ NAMES = {
 }
 """Names by which a channel is recognised without a mapping, in lower case; blanks and hyphens count as "_"."""
 
-_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")  # which YAML takes for others
+_WORDS = (
+    "y",
+    "n",
+    "yes",
+    "no",
+    "on",
+    "off",
+    "true",
+    "false",
+    "null",
+)  # which YAML takes for others
 _LISTED = 20  # channels, in a message
 _QUANTITIES = {name: quantity for quantity, names in NAMES.items() for name in names}
 _TIME = re.compile(r"(time|zeit|t|time_?stamps?|date_?time)(_?\d+)?")
@@ -206,7 +216,10 @@ class _Plan:
         """What to write into the mapping: one that is complete, and holds for these channels if the guesses do."""
         guesses = suggestion(self.channels)
         if len(guesses) < 2:
-            return f"A record has two signals at least: give one that holds both, or name the file of each in {self.where}"
+            return (
+                "A record has two signals at least: give one that holds both, or name the file of each in "
+                f"{self.where}"
+            )
         lines = [f"{what} in {self.where}, for example", "  channels:"]
         for quantity, index in guesses.items():
             own = find_unit(self.channels[index].unit or "")
@@ -275,7 +288,11 @@ def _full(raw: RawChannel) -> str:
 def _yaml(name: str) -> str:
     """The name as YAML takes it."""
     plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name)
-    return name if plain and name.lower() not in _WORDS else json.dumps(name, ensure_ascii=not name.isprintable())
+    return (
+        name
+        if plain and name.lower() not in _WORDS
+        else json.dumps(name, ensure_ascii=not name.isprintable())
+    )
 
 
 def _key(name: str) -> str:
