@@ -14,7 +14,7 @@ import pandas as pd
 import pytest
 
 from dampbalance.records.errors import RecordError, RecordWarning
-from dampbalance.records.readers import open_channels, read
+from dampbalance.records.readers import open_channels, read, stated_numbers
 
 RATE = 20000.0
 T = np.arange(4000) / RATE
@@ -159,6 +159,33 @@ def _lvm(columns: str, comma: bool = False) -> Callable[[Path], Path]:
     return make
 
 
+def _several(folder: Path) -> Path:
+    """A file for each channel: times and values, values alone."""
+    (folder / "acc").mkdir()
+    frame = _frame(T, "time [s]")
+    frame[["time [s]", "base [mm]"]].to_csv(folder / "run.csv", index=False)
+    frame["acc [g]"].to_csv(folder / "acc/run.dat", index=False, header=False)
+    (folder / "run.yaml").write_text(
+        "channels:\n  base_displacement: {channel: base}\n"
+        "  acceleration: {file: acc/run.dat, channel: 1, unit: g}\nsample_rate_hz: 20000\n",
+        encoding="utf-8",
+    )
+    return folder / "run.csv"
+
+
+def _several_kinds(folder: Path) -> Path:
+    frame = _frame(T, "time [s]")
+    frame[["time [s]", "base [mm]"]].to_csv(folder / "run.csv", index=False)
+    spans = frame[["acc [g]"]].set_index(SPANS)
+    spans.to_parquet(folder / "run.parquet")
+    (folder / "run.csv.yaml").write_text(
+        "channels:\n  acceleration: {channel: 'acc [g]', file: run.parquet}\n"
+        "  base_displacement: {channel: base}\n",
+        encoding="utf-8",
+    )
+    return folder / "run.csv"
+
+
 SPANS = pd.to_timedelta(np.round(T * 1e9), unit="ns")
 
 EXACT = {
@@ -173,6 +200,8 @@ EXACT = {
     "Parquet, points in time": _parquet(_points()),
     "Parquet, points in time with a zone": _parquet(_points("us").tz_localize("Europe/Berlin")),
     "Parquet, spans": _parquet(SPANS),
+    "a file for each channel": _several,
+    "a file for each channel, of several kinds": _several_kinds,
 }
 
 CORPUS = {
@@ -274,3 +303,35 @@ def test_several_segments_of_labview_are_refused(tmp_path):
     path.write_text(text + segment, encoding="utf-8")
     with pytest.raises(RecordError, match=r"lvm: holds 2 segments; a record is one"):
         read(path)
+
+
+def test_channels_of_several_files_are_looked_for_where_the_mapping_says(tmp_path):
+    path = _several(tmp_path)
+    mapping = tmp_path / "run.yaml"
+    text = mapping.read_text(encoding="utf-8")
+    for old, new, message in (
+        ("acc/run.dat", "acc/none.dat", r"acc/none\.dat: no such file"),
+        (
+            "channel: 1",
+            "channel: 2",
+            r"acceleration\.channel: there is no channel 2; .*run\.dat has 1",
+        ),
+        (
+            "acceleration:",
+            "force:",
+            r"run\.yaml: line 1: channels: needs one of .*, in whatever file",
+        ),
+    ):
+        mapping.write_text(text.replace(old, new), encoding="utf-8")
+        with pytest.raises(RecordError, match=message):
+            read(path)
+
+
+def test_numbers_of_several_files_count_together(tmp_path):
+    path = _several(tmp_path)
+    assert stated_numbers(path) == pytest.approx(
+        8000, rel=0.05
+    )  # of text, from the length of its lines
+    read(path, largest=8000)
+    with pytest.raises(RecordError, match="would be 4,000 numbers, more than 3,999"):
+        read(path, largest=7999)
