@@ -36,6 +36,14 @@ def test_the_command_line_says_what_it_can_do_with_the_standard_library(argument
     assert loaded(program) == set()
 
 
+@pytest.mark.parametrize(("arguments", "needed"), [(["--no-figures"], set()), ([], {"matplotlib"})])
+def test_an_identification_loads_what_it_uses(arguments, needed, tmp_path):
+    records = [f"config/records/example/level{i}.csv" for i in (1, 5)]
+    given = ["identify", *records, "--stiffness", "2310", "--output", str(tmp_path), *arguments]
+    program = f"from dampbalance.commands.main import main\nmain({given})"
+    assert loaded(program) == {"numpy", "scipy"} | needed
+
+
 # Importing a script imports what it needs; it computes when Snakemake runs it.
 @pytest.mark.parametrize(
     ("script", "unneeded"),

@@ -120,14 +120,14 @@ def omega_of(frequency: str) -> str:
 
 
 @styled()
-def save(figure: Figure, svg: str | Path, png: str | Path, alt: str = "") -> None:
-    """Write the figure as SVG and as PNG (300 dpi): complete or not at all, the same bytes each time.
+def save(figure: Figure, svg: str | Path, png: str | Path, alt: str = "", dpi: int = DPI) -> None:
+    """Write the figure as SVG and as PNG: complete or not at all, the same bytes each time.
 
-    alt : what the figure shows, in one sentence; it becomes the description inside both files.
+    alt : what the figure shows, in one sentence; it becomes the description inside both files.   dpi : of the PNG.
     """
     described = {"Description": alt} if alt else {}
     # No date and no version of the software: neither says anything about the figure.
     for path, kind, unsaid in ((svg, "svg", ("Date", "Creator")), (png, "png", ("Software",))):
         with replacing(path) as temporary:
             metadata = described | dict.fromkeys(unsaid)
-            figure.savefig(temporary, format=kind, dpi=DPI, metadata=metadata)
+            figure.savefig(temporary, format=kind, dpi=dpi, metadata=metadata)

@@ -18,6 +18,8 @@ from ..project.wording import cut
 from .loading import Loaded
 from .result import Identification
 
+DPI = 200  # pictures to look at: in print they are SVG
+
 _POINTS = 6000  # samples drawn at most
 _SHOWN = {  # quantity → (symbol, factor, unit, column of the averaged cycle)
     "displacement": ("x", 1e3, "mm", "x"),
@@ -90,6 +92,8 @@ def balance(result: Identification) -> Figure:
     """
     figure = page(DOUBLE_COLUMN, 78.0)
     left, right = place(figure, 17.0, 20.0, 68.0, 50.0), place(figure, 107.0, 20.0, 70.0, 50.0)
+    for axes in (left, right):
+        axes.set_title("", y=1.0)
     for index, (name, estimated) in enumerate(result.estimates.items()):
         rows, usable = estimated.rows, estimated.rows.usable
         look = look_of(name)
@@ -144,7 +148,7 @@ def _panels(loaded: Sequence[Loaded], xlabel: str) -> tuple[Figure, list[Axes]]:
         bottom = height - _TOP - _HEIGHT - row * (_HEIGHT + _GAP)
         panels.append(place(figure, 13.0 + 60.0 * column, bottom, 44.0, _HEIGHT))
         # a name is no mathematics, whatever it holds
-        panels[-1].set_title(cut(one.label, _LONGEST_TITLE), pad=3.0, parse_math=False)
+        panels[-1].set_title(cut(one.label, _LONGEST_TITLE), pad=3.0, y=1.0, parse_math=False)
     for axes in panels[-3:]:
         axes.set_xlabel(xlabel)
     return figure, panels

@@ -164,4 +164,5 @@ def write_figures(run: IdentificationRun, folder: str | Path) -> None:
     with warnings.catch_warnings():  # a name in a script that the font lacks shows as boxes
         warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
         for name, figure in zip(FIGURES, figures, strict=True):
-            save(figure, Path(folder, f"{name}.svg"), Path(folder, f"{name}.png"), alt[name])
+            svg, png = (Path(folder, f"{name}.{suffix}") for suffix in ("svg", "png"))
+            save(figure, svg, png, alt[name], drawing.DPI)

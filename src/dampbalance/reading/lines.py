@@ -24,6 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
+from ..model import BaseMotion, Oscillator
+from ..motion.orbit import closed_orbit
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
 from .conditioning import SteadyRecord
@@ -43,6 +45,7 @@ _STIFFNESSES = np.geomspace(0.1, 1e5, 19)  # of K_z/k
 _SHARES = (0.03, 0.2, 0.5, 0.8, 0.97)  # of friction in the work
 _RATIOS = np.geomspace(0.25, 8.0, 21)  # of the natural frequency to that of the drive
 _COMPARED = (1, 3, 5)
+_SLIPS = (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)
 _NEAR = 0.03  # of the fundamental: what a candidate may be off by
 
 
@@ -91,21 +94,48 @@ def starts(lines: Sequence[Lines], k: float, *, wide: bool = False) -> Array:
     candidates = _candidates(lines, k, wide)
     if not len(candidates):
         return candidates
-    F_k, c, K_z, m = candidates.T[:, :, None]
-    omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
-    orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
+    harmonics, slips = (_all_responses if wide else _closed_forms)(candidates, lines, k)
     misfit = np.zeros(len(candidates))
     for i, one in enumerate(lines):
         near = _NEAR * abs(one.x[0])
-        for n, x, error in zip(_COMPARED, one.x, one.x_error, strict=False):
-            amplitude, lag = getattr(orbits, f"X_{n}")[:, i], getattr(orbits, f"phi_{n}")[:, i]
-            off = np.abs(amplitude * np.exp(-1j * lag) - x) ** 2
-            misfit += off / (error**2 + (near / n) ** 2)
-    slips = np.isin(orbits.regime, (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)).any(axis=1)
+        for j, (x, error) in enumerate(zip(one.x, one.x_error, strict=True)):
+            if j < len(_COMPARED):
+                off = np.abs(harmonics[:, i, j] - x) ** 2
+                misfit += off / (error**2 + (near / _COMPARED[j]) ** 2)
     possible = slips & np.isfinite(misfit)
     order = np.argsort(np.where(possible, misfit, math.inf), kind="stable")
     best: Array = candidates[order[: np.count_nonzero(possible)]]
     return best
+
+
+def _all_responses(candidates: Array, lines: Sequence[Lines], k: float) -> tuple[Complexes, Mask]:
+    """x_1, x_3, x_5 of each candidate under the base of each record, (n, L, 3), m, and which slip in one of them."""
+    F_k, c, K_z, m = candidates.T[:, :, None]
+    omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
+    orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
+    harmonics = np.stack(
+        [getattr(orbits, f"X_{n}") * np.exp(-1j * getattr(orbits, f"phi_{n}")) for n in _COMPARED],
+        axis=-1,
+    )
+    slips: Mask = np.asarray(np.isin(orbits.regime, _SLIPS).any(axis=1))
+    return harmonics, slips
+
+
+def _closed_forms(candidates: Array, lines: Sequence[Lines], k: float) -> tuple[Complexes, Mask]:
+    """As `_all_responses`, with NaN for a candidate that slips several times in half a cycle: most records need none,
+    and the kernel that follows them takes long to compile."""
+    harmonics = np.full((len(candidates), len(lines), len(_COMPARED)), np.nan, dtype=np.complex128)
+    slips = np.zeros(len(candidates), dtype=np.bool_)
+    for j, (F_k, c, K_z, m) in enumerate(candidates.tolist()):
+        oscillator = Oscillator(m=m, c=c, k=k, K_z=K_z, F_k=F_k)
+        for i, one in enumerate(lines):
+            orbit = closed_orbit(oscillator, BaseMotion(one.Y, one.omega))
+            if orbit is None:
+                break
+            slips[j] |= orbit.regime in _SLIPS
+            amplitudes, lags = np.array([orbit.harmonic(n) for n in _COMPARED]).T
+            harmonics[j, i] = amplitudes * np.exp(-1j * lags)
+    return harmonics, slips
 
 
 def linear_misfit(lines: Sequence[Lines], k: float) -> tuple[float, int]:

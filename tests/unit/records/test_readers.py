@@ -45,6 +45,29 @@ def assert_expected(found, t=T):
         np.testing.assert_allclose(found[quantity].t, t, rtol=1e-15, atol=0.0)
 
 
+@pytest.mark.parametrize(
+    "rows",
+    [
+        "0,0.1,1e-3\n1,0.30000000000000004,-2.5\n2,123456789.123456789,4\n",
+        "0, 0.1 ,1\n\n# a comment\n1,0.2,2 # and another\n2,0.7,3",
+        '"0","1","2"\n"1","2","4"\n"2","5","3"\n',
+        "0,1,2,\n1,2,4,\n2,5,3,\n",
+    ],
+    ids=["numbers", "blanks and comments", "quotes", "delimiters at the end"],
+)
+def test_small_text_is_read_as_large_text(rows, tmp_path, monkeypatch):
+    path = tmp_path / "run.csv"
+    path.write_text(f"time_s,base_displacement_m,displacement_m\n{rows}", encoding="utf-8")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RecordWarning)  # no end of the last line
+        small = read(path)
+        monkeypatch.setattr("dampbalance.records.readers.text._SMALL", 0)
+        large = read(path)
+    for quantity in ("base_displacement", "displacement"):
+        assert np.array_equal(small[quantity].values, large[quantity].values)
+        assert np.array_equal(small[quantity].t, large[quantity].t)
+
+
 def values_in_blocks(path, mapping=None, block=3, quantity="acceleration"):
     """The values of one channel, block by block."""
     return (values for _, values in open_channels(path, mapping, block)[quantity]())

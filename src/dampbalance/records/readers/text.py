@@ -19,6 +19,7 @@ from .record_file import RecordFile
 from .stamps import Clock, is_date, is_stamp
 
 _AT_ONCE = 4_000_000  # cells that are parsed at once, wanted or not
+_SMALL = 4_000_000  # bytes of a file that NumPy parses in less time than pandas takes to import
 
 
 class TextFile(RecordFile):
@@ -44,7 +45,12 @@ class TextFile(RecordFile):
                 RecordWarning,
                 stacklevel=2,
             )
-        import pandas as pd  # slow to import, and needed for text only
+        table = self._of_numbers()
+        if table is not None:
+            for start in range(0, len(table), size):
+                yield [table[start : start + size, i].copy() for i in wanted]
+            return
+        import pandas as pd  # slow to import, and not needed for small files of nothing but numbers
 
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
         layout = self.layout
@@ -77,6 +83,28 @@ class TextFile(RecordFile):
             raise RecordError(self._complaint(wanted, "a line has no end")) from None
         except (ValueError, OverflowError) as error:  # pandas' own errors are ValueErrors
             raise RecordError(self._complaint(wanted, str(error))) from None
+
+    def _of_numbers(self) -> Array | None:
+        """All cells of a small file in which every one is a number; None for any other: pandas reads or refuses it."""
+        layout = self.layout
+        if self.path.stat().st_size > _SMALL or layout.decimal != ".":
+            return None
+        try:
+            with (
+                open(self.path, encoding=layout.encoding, errors="replace") as stream,
+                warnings.catch_warnings(),
+            ):
+                warnings.simplefilter("ignore", UserWarning)  # no rows
+                table = np.loadtxt(
+                    stream,
+                    delimiter=None if layout.delimiter == WHITESPACE else layout.delimiter,
+                    comments=layout.comment,
+                    skiprows=layout.header_lines,
+                    ndmin=2,
+                )
+        except ValueError:
+            return None
+        return table if table.shape[1] == len(self.channels) else None
 
     def _clocks(self, stamped: Sequence[int]) -> dict[int, Clock]:
         """For each of these columns, what reads its times."""

@@ -1,0 +1,226 @@
+"""What `identify` makes of the sets: one row for each set, approach and parameter, and the table of aims."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+from scipy.stats import binomtest
+
+from dampbalance.identification.identify import identify
+from dampbalance.identification.limits import REFERENCE
+from dampbalance.identification.notes import notes_of
+from dampbalance.identification.result import Identification, parameters_of
+from dampbalance.reading.noisy import read_features
+
+from .records import levels, records
+from .truths import Truth, draw
+
+HELD = ("direct", REFERENCE)
+"""Approaches that are held against the aims: the balance of energy, and the fit of the whole oscillator."""
+
+PUBLISHED = "Eq. (9)"
+"""Name of an approach with all rows weighing alike: "direct, Eq. (9)"."""
+
+MISSED = "the records are not those of one mass"
+"""Words for records that the waveform of no oscillator meets."""
+
+NO_ONSET = (
+    "those of a linear oscillator within their noise",
+    "slips and responds like the records",
+)
+"""Words for records in which nothing is seen to slip."""
+
+VISIBLE = 5.0
+"""Standard errors above which a third harmonic is there to be seen."""
+
+MISSED_WAVEFORM = "waveform missed (χ²)"
+STARRED = "starred, though sound"
+NOTHING_SEEN = f"no onset seen, third harmonic above {VISIBLE:g} standard errors"
+F_K_OF_NOTHING = "nothing slips, F_k given"
+SILENT = "beyond 5 standard errors, not a word"
+
+GROUPS = ("noise", "answers", "drive")
+
+
+def outcome(index: int) -> list[dict[str, object]]:
+    """Rows of one set: what was drawn, what came out, what was said."""
+    truth = draw(index)
+    drawn = levels(truth)
+    of_set: dict[str, object] = {
+        "set": truth.index,
+        "kind": truth.kind,
+        "noise": truth.noise,
+        "equal": truth.equal,
+        "drive": truth.drive,
+        "answers": "+".join(truth.answers),
+        "levels": len(truth.Y),
+        "slips": "/".join(str(level.cycle.slips) for level in drawn),
+        "sticking": max(level.cycle.sticking for level in drawn),
+        "third": max(level.third(answer) for level in drawn for answer in truth.answers),
+        "zeta": truth.zeta,
+        "r": truth.omega / truth.omega_n,
+        "K": truth.K_z / truth.k,
+        "F": truth.F_k / (truth.k * truth.Y[-1]),
+    }
+    try:
+        readings = [read_features(measurement, truth.k) for measurement in records(truth)]
+        result = identify(readings, truth.k)
+    except (ValueError, ArithmeticError) as error:  # a refusal is an outcome, too
+        return [of_set | {"approach": "refused", "symbol": "", "warnings": str(error)}]
+    return [of_set | row for row in numbers(result, truth)]
+
+
+def numbers(result: Identification, truth: Truth) -> Iterator[dict[str, object]]:
+    """Approach, symbol, truth, value, its error and interval, and the words: the one place that knows a result."""
+    found = [(name, e.parameters, e.notes) for name, e in result.estimates.items()]
+    found += [(f"{name}, {PUBLISHED}", e.equal, e.notes) for name, e in result.estimates.items()]
+    found.append((REFERENCE, parameters_of(result.whole), notes_of(result.whole)))
+    for name, parameters, notes in found:
+        for symbol, parameter in parameters.items():
+            yield {
+                "approach": name,
+                "symbol": symbol,
+                "true": truth.parameter(symbol),
+                "value": parameter.value,
+                "standard_error": parameter.standard_error,
+                "low": parameter.interval.low,
+                "high": parameter.interval.high,
+                "notes": " | ".join(notes),
+                "warnings": " | ".join(result.warnings),
+            }
+
+
+def judged(rows: pd.DataFrame) -> pd.DataFrame:
+    """Rows of `outcome` with their errors, these in standard errors (sizes), and whether anything was said."""
+    rows = rows.copy()
+    for column in ("notes", "warnings"):
+        rows[column] = rows[column].fillna("")
+    rows["error"] = rows["value"] - rows["true"]
+    rows["sizes"] = rows["error"].abs() / rows["standard_error"]
+    # K_z is nearly normal as K_z^{−1/2}, and so is its interval
+    ratio = rows["value"] / rows["true"]
+    rooted = (
+        2.0 * (np.sqrt(ratio.clip(lower=0.0)) - 1.0).abs() * rows["value"] / rows["standard_error"]
+    )
+    rows["sizes"] = rows["sizes"].where((rows["symbol"] != "K_z") | ~(ratio > 0.0), rooted)
+    rows["starred"] = rows["notes"] != ""
+    rows["remarked"] = rows["starred"] | (rows["warnings"] != "")
+    return rows
+
+
+def table(rows: pd.DataFrame) -> str:
+    """The table of aims, in markdown.   rows : of `outcome`."""
+    rows = judged(rows)
+    kinds = rows.groupby("set")["kind"].first().value_counts()
+    parts = [f"{kinds.sum()} sets: {', '.join(f'{n} {kind}' for kind, n in kinds.items())}"]
+    slipping = rows[rows["kind"] != "nothing slips"]
+    parts += [_coverage(slipping[slipping["approach"] == name], name) for name in HELD]
+    parts += [_errors(slipping), _counted(faults(rows))]
+    return "\n\n".join(parts) + "\n"
+
+
+def _coverage(own: pd.DataFrame, name: str) -> str:
+    """Coverage of the intervals by group, all sets and those where nothing was remarked."""
+    known = own[np.isfinite(own["value"]) & np.isfinite(own["standard_error"])]
+    lines = [
+        f"| {name}: coverage, % | | F_k | c | K_z | F_k, nothing remarked | c | K_z |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    groups = [("all", "", known)]
+    for column in (*GROUPS, "equal", "kind"):
+        groups += [(column, str(key), group) for key, group in known.groupby(column)]
+    for column, key, group in groups:
+        cells = [
+            _share(part[part["symbol"] == symbol])
+            for part in (group, group[~group["remarked"]])
+            for symbol in ("F_k", "c", "K_z")
+        ]
+        lines.append(f"| {column} | {key} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def _share(part: pd.DataFrame) -> str:
+    """Percentage of intervals that hold the truth, with its own 95 % interval, of how many."""
+    if part.empty:
+        return "–"
+    held = int(((part["low"] <= part["true"]) & (part["true"] <= part["high"])).sum())
+    test = binomtest(held, len(part)).proportion_ci()
+    return (
+        f"{100 * held / len(part):.0f} ({100 * test.low:.0f}–{100 * test.high:.0f}) of {len(part)}"
+    )
+
+
+def _errors(rows: pd.DataFrame) -> str:
+    """Median and 90 % quantile of the relative error by approach, and the largest in standard errors."""
+    known = rows[np.isfinite(rows["value"])].assign(
+        relative=lambda part: 100.0 * part["error"].abs() / part["true"]
+    )
+    lines = [
+        "| abs. error, % | | 0.1 % noise: median, 90 % | 1 % | 5 % | starred | beyond 3 standard errors, no star |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for (approach, symbol), group in known.groupby(["approach", "symbol"], sort=False):
+        cells = []
+        for noise in sorted(rows["noise"].unique()):
+            relative = group.loc[group["noise"] == noise, "relative"]
+            median, most = relative.quantile([0.5, 0.9]) if len(relative) else (math.nan,) * 2
+            cells.append(f"{median:.2g}, {most:.2g}")
+        silent = group[~group["starred"] & (group["sizes"] > 3.0)]
+        starred = int(group["starred"].sum())
+        cells += [f"{starred} of {len(group)}", f"{len(silent)} of {len(group) - starred}"]
+        lines.append(f"| {approach} | {symbol} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def faults(rows: pd.DataFrame) -> dict[str, tuple[list[int], int]]:
+    """What should not be there at all: the sets in which it is, and how many it could be in.   rows : `judged`."""
+    sets = rows.groupby("set").first()
+    sound = rows[rows["approach"].isin(HELD) & (rows["kind"] != "nothing slips")]
+    F_k = sound[sound["symbol"] == "F_k"]
+    K_z = sound[sound["symbol"] == "K_z"]
+    limit = K_z[np.isinf(K_z["value"])]
+    visible = sets["third"] > VISIBLE
+    unseen = sets["warnings"].str.contains("|".join(NO_ONSET))
+    harmonic = rows[
+        rows["approach"].isin(["X_s", "t_s", "V_s"])
+        & rows["symbol"].isin(["F_k", "c"])
+        & ~rows["starred"]
+        & (rows["kind"] != "nothing slips")
+    ]
+    silent = rows[~rows["remarked"] & (rows["sizes"] > 5.0) & (rows["kind"] != "nothing slips")]
+    nothing = rows[
+        (rows["kind"] == "nothing slips") & (rows["symbol"] == "F_k") & np.isfinite(rows["value"])
+    ]
+    slipping = int((sets["kind"] != "nothing slips").sum())
+    found = {
+        "refused": (sets.index[sets["approach"] == "refused"], len(sets)),
+        "something slips, no F_k": (
+            F_k.loc[(F_k["approach"] == HELD[0]) & ~np.isfinite(F_k["value"]), "set"],
+            slipping,
+        ),
+        MISSED_WAVEFORM: (sets.index[sets["warnings"].str.contains(MISSED)], len(sets)),
+        STARRED: (sound.loc[sound["starred"], "set"], slipping),
+        NOTHING_SEEN: (sets.index[visible & unseen], int(visible.sum())),
+        "lower limit of K_z above the truth": (
+            limit.loc[limit["low"] > limit["true"], "set"],
+            limit["set"].nunique(),
+        ),
+        "X_s, t_s, V_s beyond 3 standard errors, no star": (
+            harmonic.loc[harmonic["sizes"] > 3.0, "set"],
+            harmonic["set"].nunique(),
+        ),
+        F_K_OF_NOTHING: (nothing["set"], len(sets) - slipping),
+        SILENT: (silent["set"], slipping),
+    }
+    return {words: (sorted({int(n) for n in which}), of) for words, (which, of) in found.items()}
+
+
+def _counted(found: dict[str, tuple[list[int], int]]) -> str:
+    lines = ["| | sets | of | which |", "|---|---|---|---|"]
+    for words, (which, of) in found.items():
+        listed = ", ".join(map(str, which[:25])) + (" …" if len(which) > 25 else "")
+        lines.append(f"| {words} | {len(which)} | {of} | {listed} |")
+    return "\n".join(lines)
