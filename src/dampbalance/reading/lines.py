@@ -11,14 +11,15 @@ apart), and the in-phase part of the fundamental the mass:
 
     mω² = k + K − kY Re(1/x_1),   K = (K_z/π)(ϑ − sin ϑ cos ϑ),   cos ϑ = 1 − 2Z_m/X
 
-with the stiffness K that the contact has for the fundamental of a harmonic motion. The exact orbits of all these
-candidates are compared with the harmonics; the closest start.
+with the stiffness K that the contact has for the fundamental of a harmonic motion. Which of these candidates are close
+is told by their response to the force that the contact has in the motion as it was read, or, where the fits that start
+there do not hold, by their exact orbits.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,6 +44,7 @@ _STIFFNESSES = np.geomspace(0.1, 1e5, 19)  # of K_z/k
 _SHARES = (0.03, 0.2, 0.5, 0.8, 0.97)  # of friction in the work
 _RATIOS = np.geomspace(0.25, 8.0, 21)  # of the natural frequency to that of the drive
 _COMPARED = (1, 3, 5)
+_POINTS = 256  # of a cycle, for the contact's force
 _NEAR = 0.03  # of the fundamental: what a candidate may be off by
 
 
@@ -82,8 +84,30 @@ class Lines:
         )
 
 
-def starts(lines: Sequence[Lines], k: float, *, wide: bool = False) -> Array:
+def near_starts(lines: Sequence[Lines], k: float) -> Array:
     """(F_k, c, K_z, m) of oscillators that respond like the records, (n, 4), the closest first; each slips in one.
+
+    By x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics f_n of the force K_z z that the contact has in the
+    motion as it was read: no orbit is computed.   k : N/m.
+    """
+    candidates = _candidates(lines, k, wide=False)
+    if not len(candidates):
+        return candidates
+    F_k, c, K_z, m = candidates.T
+    misfit, slips = np.zeros(len(candidates)), []
+    for one in lines:
+        slid, force = _contact(one, F_k, K_z)
+        slips.append(slid)
+        harmonics = []
+        for n, f in zip(_COMPARED, force, strict=True):
+            impedance = k - (n * one.omega) ** 2 * m + 1j * n * one.omega * c
+            harmonics.append(((k * one.Y if n == 1 else 0.0) - f) / impedance)
+        misfit += _misfit(one, harmonics)
+    return _closest(candidates, misfit, np.asarray(np.array(slips).any(axis=0)))
+
+
+def starts(lines: Sequence[Lines], k: float, *, wide: bool = False) -> Array:
+    """As `near_starts`, by the exact orbits of the candidates.
 
     k : N/m.   wide : with masses over three decades beside those that the fundamental gives, which knows little of the
     mass far below resonance.
@@ -96,16 +120,43 @@ def starts(lines: Sequence[Lines], k: float, *, wide: bool = False) -> Array:
     orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
     misfit = np.zeros(len(candidates))
     for i, one in enumerate(lines):
-        near = _NEAR * abs(one.x[0])
-        for n, x, error in zip(_COMPARED, one.x, one.x_error, strict=False):
-            amplitude, lag = getattr(orbits, f"X_{n}")[:, i], getattr(orbits, f"phi_{n}")[:, i]
-            off = np.abs(amplitude * np.exp(-1j * lag) - x) ** 2
-            misfit += off / (error**2 + (near / n) ** 2)
-    slips = np.isin(orbits.regime, (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)).any(axis=1)
+        waves = (
+            getattr(orbits, f"X_{n}")[:, i] * np.exp(-1j * getattr(orbits, f"phi_{n}")[:, i])
+            for n in _COMPARED
+        )
+        misfit += _misfit(one, waves)
+    slips = np.isin(orbits.regime, (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS))
+    return _closest(candidates, misfit, np.asarray(slips.any(axis=1)))
+
+
+def _misfit(one: Lines, harmonics: Iterable[Complexes]) -> Array:
+    """How far the first harmonics of candidates, (candidates,) each, are off those of a record."""
+    near, misfit = _NEAR * abs(one.x[0]), np.zeros(1)
+    for n, x, error, found in zip(_COMPARED, one.x, one.x_error, harmonics, strict=False):
+        misfit = misfit + np.abs(found - x) ** 2 / (error**2 + (near / n) ** 2)
+    return misfit
+
+
+def _closest(candidates: Array, misfit: Array, slips: Mask) -> Array:
+    """The candidates that slip, the closest first."""
     possible = slips & np.isfinite(misfit)
     order = np.argsort(np.where(possible, misfit, math.inf), kind="stable")
     best: Array = candidates[order[: np.count_nonzero(possible)]]
     return best
+
+
+def _contact(one: Lines, F_k: Array, K_z: Array) -> tuple[Mask, Complexes]:
+    """(whether it slips, f_n): the contacts of the candidates in the motion of a record, f_n as of `_COMPARED`, N."""
+    theta = np.arange(2 * _POINTS) * (2.0 * math.pi / _POINTS)  # the second cycle is steady
+    wave = (np.exp(1j * np.outer(theta, one.n)) @ np.where(one.clear, one.x, 0.0)).real
+    Z_m = F_k / K_z
+    z = np.zeros((2 * _POINTS, F_k.size))
+    for i, step in enumerate(np.diff(wave), start=1):
+        z[i] = np.clip(z[i - 1] + step, -Z_m, Z_m)
+    turn = np.exp(-1j * np.outer(_COMPARED, theta[_POINTS:]))
+    slips: Mask = np.asarray(np.ptp(wave) > 2.0 * Z_m)
+    force: Complexes = (2.0 / _POINTS * K_z) * (turn @ z[_POINTS:].astype(np.complex128))
+    return slips, force
 
 
 def linear_misfit(lines: Sequence[Lines], k: float) -> tuple[float, int]:
@@ -144,8 +195,6 @@ def improbable(chi_square: float, freedom: int, lines: Sequence[Lines]) -> bool:
 
 def _candidates(lines: Sequence[Lines], k: float, wide: bool) -> Array:
     """(F_k, c, K_z, m) that balance the work, (n, 4)."""
-    from scipy.optimize import nnls  # slow to import
-
     fundamental = np.array([one.x[0] for one in lines])
     omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
     X, b = np.array([_peak_and_viscous(one) for one in lines]).T
@@ -165,7 +214,7 @@ def _candidates(lines: Sequence[Lines], k: float, wide: bool) -> Array:
                 a = 4.0 * slid
                 if share is None:
                     columns = np.column_stack([a, b])[known] / W[known, None]
-                    (F_k, c), _ = nnls(columns, np.ones(len(columns)))
+                    F_k, c = _not_negative(columns)
                 else:
                     F_k = share * float(np.sum(W[known]) / np.sum(a[known]))
                     c = (1.0 - share) * float(np.sum(W[known]) / np.sum(b[known]))
@@ -175,6 +224,17 @@ def _candidates(lines: Sequence[Lines], k: float, wide: bool) -> Array:
             masses = [m, *(k / (float(omega.max()) * _RATIOS) ** 2)] if wide else [m]
             rows += [(F_k, max(c, 0.0), K_z, m) for m in masses if F_k > 0.0 and m > 0.0]
     return np.array(rows).reshape(-1, 4)
+
+
+def _not_negative(columns: Array) -> tuple[float, float]:
+    """The two numbers, neither below zero, that make up a column of ones best."""
+    ones = np.ones(len(columns))
+    p, q = np.linalg.lstsq(columns, ones)[0]
+    if p >= 0.0 and q >= 0.0:
+        return float(p), float(q)
+    alone = np.sum(columns, axis=0) / np.sum(columns**2, axis=0)  # each without the other
+    left = np.linalg.norm(columns * alone - ones[:, None], axis=0)
+    return (float(alone[0]), 0.0) if left[0] <= left[1] else (0.0, float(alone[1]))
 
 
 def _peak_and_viscous(one: Lines) -> tuple[float, float]:

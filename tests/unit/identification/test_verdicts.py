@@ -11,16 +11,15 @@ import pytest
 
 from dampbalance.balance import Rows
 from dampbalance.identification.limits import Limit, limits, shown
+from dampbalance.identification.oscillator import Whole
 from dampbalance.identification.result import (
     ApproachResult,
     Interval,
-    Microstick,
     ParameterEstimate,
 )
 from dampbalance.identification.verdicts import in_one, verdicts_of
 from dampbalance.project.wording import listed, times
 
-RESOLVED = Microstick(12e-6, 1e-7, True, 12.2e-6, 1.0)
 NOTHING = ParameterEstimate(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
 
 
@@ -31,7 +30,9 @@ def parameter(value, half):
 SOUND = ApproachResult(
     approach="direct",
     coefficients={"F_k": parameter(1.28, 0.01), "c": parameter(90.0, 0.1)},
+    equal={"F_k": parameter(1.28, 0.02), "c": parameter(90.0, 0.2)},
     K_z=parameter(208e3, 2e3),
+    shape_bias={},
     correlations={},
     residual=1e-4,
     misfit=1.0,
@@ -40,32 +41,30 @@ SOUND = ApproachResult(
 )
 
 
-def words(estimated, microstick=RESOLVED):
-    return {s: v.verdict for s, v in verdicts_of(estimated, microstick).items()}
+def words(estimated):
+    return {s: v.verdict for s, v in verdicts_of(estimated).items()}
 
 
 def test_sound_numbers_are_usable_without_a_reason():
-    verdicts = verdicts_of(SOUND, RESOLVED)
+    verdicts = verdicts_of(SOUND)
     assert list(verdicts) == ["F_k", "c", "K_z"]
     assert {(v.verdict, v.reason) for v in verdicts.values()} == {("usable", "")}
     assert in_one(verdicts) == "usable"
 
 
 def test_a_note_makes_every_number_of_its_approach_doubtful():
-    noted = verdicts_of(replace(SOUND, notes=("off by 16 %",)), RESOLVED)
+    noted = verdicts_of(replace(SOUND, notes=("off by 16 %",)))
     assert {(v.verdict, v.reason) for v in noted.values()} == {("doubtful", "off by 16 %")}
     assert in_one(noted) == "doubtful"
 
 
 def test_a_number_that_is_not_there_has_the_reason():
-    without = verdicts_of(replace(SOUND, K_z=NOTHING), RESOLVED)
+    without = verdicts_of(replace(SOUND, K_z=NOTHING))
     assert in_one(without) == "usable: F_k, c; none: K_z"
     assert "do not tell K_z" in without["K_z"].reason
     nothing = {"F_k": NOTHING, "c": NOTHING}
     unsolved = replace(SOUND, coefficients=nothing, K_z=NOTHING, notes=("needs two levels",))
-    assert {tuple(v) for v in verdicts_of(unsolved, RESOLVED).values()} == {
-        ("none", "needs two levels")
-    }
+    assert {tuple(v) for v in verdicts_of(unsolved).values()} == {("none", "needs two levels")}
 
 
 @pytest.mark.parametrize(("half", "verdict"), [(0.63, "usable"), (0.65, "doubtful")])
@@ -76,20 +75,9 @@ def test_an_interval_wider_than_the_value_is_a_reason(half, verdict):
 
 def test_a_lower_limit_is_doubtful_and_says_the_limit():
     limit = ParameterEstimate(math.inf, math.nan, math.nan, Interval(41234.5, math.inf))
-    verdict = verdicts_of(replace(SOUND, K_z=limit), RESOLVED)["K_z"]
+    verdict = verdicts_of(replace(SOUND, K_z=limit))["K_z"]
     assert verdict.verdict == "doubtful"
     assert "above 4.123e+04 N/m" in verdict.reason
-
-
-@pytest.mark.parametrize(
-    ("bias", "verdict"), [(-0.005, "usable"), (-0.02, "doubtful"), (math.nan, "doubtful")]
-)
-def test_a_contact_taken_as_rigid_costs_F_k_its_verdict_where_it_costs_more_than_noise(
-    bias, verdict
-):
-    # the interval of F_k is ±0.78 %
-    rigid = replace(RESOLVED, resolved=False, rigid_bias=bias)
-    assert words(SOUND, rigid) == {"F_k": verdict, "c": "usable", "K_z": "usable"}
 
 
 SOURCES = ["data/a.csv", "data/b.csv", "data/c.csv"]
@@ -98,7 +86,10 @@ SOURCES = ["data/a.csv", "data/b.csv", "data/c.csv"]
 def identified(warnings=(), notes=None, sources=SOURCES):
     readings = tuple(SimpleNamespace(steady=SimpleNamespace(source=s)) for s in sources)
     estimates = {name: replace(SOUND, notes=of) for name, of in (notes or {}).items()}
-    return SimpleNamespace(readings=readings, warnings=tuple(warnings), estimates=estimates)
+    whole = Whole(fit=None, linear=False, delayed=None)
+    return SimpleNamespace(
+        readings=readings, warnings=tuple(warnings), estimates=estimates, whole=whole
+    )
 
 
 def sentences(**given):
