@@ -30,7 +30,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check archive bench peers mutants format lock clean distclean help stale
+.PHONY: all setup test lint unit check archive bench peers mutants blind format lock clean distclean help stale
 
 all: setup ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
@@ -63,6 +63,9 @@ peers: $(BENCH)/ready ## Test the benchmarks with heyoka and diffrax, which `mak
 
 mutants: setup ## Put errors into the method and see whether its tests notice (choose with MUTANTS_ARGS="motion/flow.py --seed 2")
 	@cd tests && $(RUN) mutation $(MUTANTS_ARGS)
+
+blind: setup ## Identify records of other make whose truth is known (choose with BLIND_ARGS="efficiency --drawings 50")
+	@cd tests && $(RUN) blind --output ../results/blind $(BLIND_ARGS)
 
 format: setup ## Format the sources
 	@$(RUN) ruff check --fix .

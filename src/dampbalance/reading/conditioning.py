@@ -201,8 +201,9 @@ def _harmonics(
     for q, (_, values) in leading.items():
         if q != driving:
             checks.require_distinct(q, values, driving, leading[driving][1])
-    warnings = list(checks.frequency(omega, error, frequency_hz))
     period = 2.0 * math.pi / omega
+    cycles = math.floor(np.ptp(leading[driving][0]) / period)
+    warnings = list(checks.frequency(omega, error, cycles, frequency_hz))
     start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
     counts = {q: _harmonics_of(q, period / dt) for q, dt in steps.items()}
     return {

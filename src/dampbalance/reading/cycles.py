@@ -29,6 +29,8 @@ _MOST_ROWS = 2048
 _CYCLES_AT_ONCE = 256
 _MOST_AT_ONCE = 1 << 20  # samples worked on at once: 8 MB an array
 _OUTLYING = 1.5  # mean square of a cycle about its harmonics, beside that of the others
+_HELD = 5  # equal samples in a row that may be a drop-out
+_AROUND = 8  # cycles that a cycle is compared with
 _HARMLESS = 1e-3  # of the range: rms of what a signal without noise may have beside its harmonics (drift, say)
 _LONGEST_CYCLE = 1 << 22  # samples; beyond it the drive is not what it seems
 
@@ -216,8 +218,8 @@ class _Accumulator:
         """Which cycles hold samples that stand still while the signal moves on, or that lie far off it."""
         if not whole.any():
             return {}
-        usual = float(np.median(square[whole]))
-        usual = math.sqrt(max(usual, (_HARMLESS * float(np.ptp(s[inside]))) ** 2))
+        rms = math.sqrt(float(np.median(square[whole])))
+        usual = max(rms, _HARMLESS * float(np.ptp(s[inside])))
         still = _three_in_a_row((s[:, 1:] == s[:, :-1]) & inside[:, 1:])  # four equal samples
         outlying = square > _OUTLYING * usual**2
         suspect = whole & (still | outlying)
@@ -225,12 +227,14 @@ class _Accumulator:
             return {}
         model = np.hstack([local.real, local.imag]) @ self.fourier.T
         off = np.where(inside, np.abs(s - model), 0.0)
-        good = np.flatnonzero(whole & ~outlying)[:8]
-        limit = max(8.0 * usual, 2.0 * float(np.max(off[good], initial=0.0)))
+        good = np.flatnonzero(whole & ~outlying)
+        limit = max(8.0 * usual, 2.0 * float(np.max(off[good[:_AROUND]], initial=0.0)))
         faults = {}
         for j in np.flatnonzero(suspect).tolist():
             size, worst = inside[j].sum(), int(np.argmax(off[j]))
-            reason = _held(s[j, :size], model[j, :size], usual)
+            around = good[good != j]
+            around = around[np.argsort(np.abs(around - j), kind="stable")[:_AROUND]]
+            reason = _held(s[j, :size], s[around] if around.size > 2 else model[j : j + 1], rms)
             if not reason and outlying[j] and off[j, worst] > limit:
                 reason = f"a spike: {s[j, worst]:.6g} where {model[j, worst]:.6g} is expected"
             if reason:
@@ -302,22 +306,26 @@ def _joined(rows: Complexes, count: int) -> Complexes:
     return sums
 
 
-def _held(s: Array, model: Array, usual: float) -> str:
+def _held(s: Array, others: Array, rms: float) -> str:
     """Whether samples of a cycle hold one value while the signal moves on; nothing if not.
 
-    s, model : samples and their harmonics.   usual : rms of the difference in other cycles.
+    A converter repeats a value while the signal stays within one of its steps, in every cycle at the same place. A
+    drop-out repeats it in this cycle alone: in the cycles around, the signal moves on by more than a step and five
+    times its noise. A step is at most the smaller of those into and out of the equal samples. Cycles begin up to a
+    sample apart, so the first and the last of these are left out. Nor do the highest and the lowest value count: what
+    is held there is clipped.
+
+    s : samples of the cycle, (n,).   others : of cycles around, (cycles, ≥ n).   rms : of the noise.
     """
-    equal = np.concatenate([[False], s[1:] == s[:-1], [False]])
-    edges = np.flatnonzero(equal[1:] != equal[:-1])
-    starts, stops = edges[::2], edges[1::2] + 1  # runs of equal samples
-    held = (stops - starts >= 4) & (s[starts] < s.max()) & (s[starts] > s.min())
+    steps = np.abs(np.diff(s, prepend=np.nan, append=np.nan))
+    edges = np.flatnonzero(steps)  # NaN counts
+    starts, stops = edges[:-1], edges[1:]
+    long = (stops - starts >= _HELD) & (s[starts] < s.max()) & (s[starts] > s.min())
+    starts, stops = starts[long], stops[long]
+    moved = np.abs(np.median(others[:, stops - 2] - others[:, starts + 1], axis=0))
+    held = moved > np.fmin(steps[starts], steps[stops]) + 5.0 * rms
     if not held.any():
         return ""
-    change = np.abs(model[stops[held] - 1] - model[starts[held]])
-    longest = int(np.argmax(stops[held] - starts[held]))
-    length = int((stops - starts)[held][longest])
-    elsewhere = (equal.sum() - length + 1) / s.size
-    # A converter with coarse steps repeats values too, but everywhere, and only while the signal is flat.
-    if change.max() > 6.0 * usual or elsewhere < 0.01:
-        return f"a drop-out: {length} samples hold the value {s[starts[held][longest]]:.6g}"
-    return ""
+    longest = int(np.argmax(np.where(held, stops - starts, 0)))
+    value = s[starts[longest]]
+    return f"a drop-out: {stops[longest] - starts[longest]} samples hold the value {value:.6g}"

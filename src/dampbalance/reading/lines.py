@@ -11,20 +11,21 @@ apart), and the in-phase part of the fundamental the mass:
 
     mω² = k + K − kY Re(1/x_1),   K = (K_z/π)(ϑ − sin ϑ cos ϑ),   cos ϑ = 1 − 2Z_m/X
 
-with the stiffness K that the contact has for the fundamental of a harmonic motion. Which of these candidates are close
-is told by their response to the force that the contact has in the motion as it was read, or, where the fits that start
-there do not hold, by their exact orbits.
+with the stiffness K that the contact has for the fundamental of a harmonic motion. The responses of these candidates
+are compared with the harmonics, and the closest start: first their responses to the force that the contact has in the
+motion as it was read, which need no orbit; where no fit from there holds, the exact orbits of many more candidates.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
+from ..motion.jit import interpreted
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
 from .conditioning import SteadyRecord
@@ -44,7 +45,8 @@ _STIFFNESSES = np.geomspace(0.1, 1e5, 19)  # of K_z/k
 _SHARES = (0.03, 0.2, 0.5, 0.8, 0.97)  # of friction in the work
 _RATIOS = np.geomspace(0.25, 8.0, 21)  # of the natural frequency to that of the drive
 _COMPARED = (1, 3, 5)
-_POINTS = 256  # of a cycle, for the contact's force
+_POINTS = 256  # of a cycle, for the force of a contact
+_SLIPS = (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)
 _NEAR = 0.03  # of the fundamental: what a candidate may be off by
 
 
@@ -84,30 +86,8 @@ class Lines:
         )
 
 
-def near_starts(lines: Sequence[Lines], k: float) -> Array:
-    """(F_k, c, K_z, m) of oscillators that respond like the records, (n, 4), the closest first; each slips in one.
-
-    By x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics f_n of the force K_z z that the contact has in the
-    motion as it was read: no orbit is computed.   k : N/m.
-    """
-    candidates = _candidates(lines, k, wide=False)
-    if not len(candidates):
-        return candidates
-    F_k, c, K_z, m = candidates.T
-    misfit, slips = np.zeros(len(candidates)), []
-    for one in lines:
-        slid, force = _contact(one, F_k, K_z)
-        slips.append(slid)
-        harmonics = []
-        for n, f in zip(_COMPARED, force, strict=True):
-            impedance = k - (n * one.omega) ** 2 * m + 1j * n * one.omega * c
-            harmonics.append(((k * one.Y if n == 1 else 0.0) - f) / impedance)
-        misfit += _misfit(one, harmonics)
-    return _closest(candidates, misfit, np.asarray(np.array(slips).any(axis=0)))
-
-
 def starts(lines: Sequence[Lines], k: float, *, wide: bool = False) -> Array:
-    """As `near_starts`, by the exact orbits of the candidates.
+    """(F_k, c, K_z, m) of oscillators that respond like the records, (n, 4), the closest first; each slips in one.
 
     k : N/m.   wide : with masses over three decades beside those that the fundamental gives, which knows little of the
     mass far below resonance.
@@ -115,48 +95,57 @@ def starts(lines: Sequence[Lines], k: float, *, wide: bool = False) -> Array:
     candidates = _candidates(lines, k, wide)
     if not len(candidates):
         return candidates
-    F_k, c, K_z, m = candidates.T[:, :, None]
-    omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
-    orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
+    harmonics, slips = (_all_responses if wide else _responses_to_contact)(candidates, lines, k)
     misfit = np.zeros(len(candidates))
     for i, one in enumerate(lines):
-        waves = (
-            getattr(orbits, f"X_{n}")[:, i] * np.exp(-1j * getattr(orbits, f"phi_{n}")[:, i])
-            for n in _COMPARED
-        )
-        misfit += _misfit(one, waves)
-    slips = np.isin(orbits.regime, (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS))
-    return _closest(candidates, misfit, np.asarray(slips.any(axis=1)))
-
-
-def _misfit(one: Lines, harmonics: Iterable[Complexes]) -> Array:
-    """How far the first harmonics of candidates, (candidates,) each, are off those of a record."""
-    near, misfit = _NEAR * abs(one.x[0]), np.zeros(1)
-    for n, x, error, found in zip(_COMPARED, one.x, one.x_error, harmonics, strict=False):
-        misfit = misfit + np.abs(found - x) ** 2 / (error**2 + (near / n) ** 2)
-    return misfit
-
-
-def _closest(candidates: Array, misfit: Array, slips: Mask) -> Array:
-    """The candidates that slip, the closest first."""
+        near = _NEAR * abs(one.x[0])
+        for j, (x, error) in enumerate(zip(one.x, one.x_error, strict=True)):
+            if j < len(_COMPARED):
+                off = np.abs(harmonics[:, i, j] - x) ** 2
+                misfit += off / (error**2 + (near / _COMPARED[j]) ** 2)
     possible = slips & np.isfinite(misfit)
     order = np.argsort(np.where(possible, misfit, math.inf), kind="stable")
     best: Array = candidates[order[: np.count_nonzero(possible)]]
     return best
 
 
-def _contact(one: Lines, F_k: Array, K_z: Array) -> tuple[Mask, Complexes]:
-    """(whether it slips, f_n): the contacts of the candidates in the motion of a record, f_n as of `_COMPARED`, N."""
-    theta = np.arange(2 * _POINTS) * (2.0 * math.pi / _POINTS)  # the second cycle is steady
-    wave = (np.exp(1j * np.outer(theta, one.n)) @ np.where(one.clear, one.x, 0.0)).real
+def _all_responses(candidates: Array, lines: Sequence[Lines], k: float) -> tuple[Complexes, Mask]:
+    """x_1, x_3, x_5 of each candidate under the base of each record, (n, L, 3), m, and which slip in one of them."""
+    F_k, c, K_z, m = candidates.T[:, :, None]
+    omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
+    with interpreted(False):  # thousands
+        orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
+    harmonics = np.stack(
+        [getattr(orbits, f"X_{n}") * np.exp(-1j * getattr(orbits, f"phi_{n}")) for n in _COMPARED],
+        axis=-1,
+    )
+    slips: Mask = np.asarray(np.isin(orbits.regime, _SLIPS).any(axis=1))
+    return harmonics, slips
+
+
+def _responses_to_contact(
+    candidates: Array, lines: Sequence[Lines], k: float
+) -> tuple[Complexes, Mask]:
+    """As `_all_responses`, without an orbit: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics f_n of the
+    force K_z z that the contact has in the motion as it was read."""
+    F_k, c, K_z, m = candidates.T
+    n = np.array(_COMPARED)
     Z_m = F_k / K_z
-    z = np.zeros((2 * _POINTS, F_k.size))
-    for i, step in enumerate(np.diff(wave), start=1):
-        z[i] = np.clip(z[i - 1] + step, -Z_m, Z_m)
-    turn = np.exp(-1j * np.outer(_COMPARED, theta[_POINTS:]))
-    slips: Mask = np.asarray(np.ptp(wave) > 2.0 * Z_m)
-    force: Complexes = (2.0 / _POINTS * K_z) * (turn @ z[_POINTS:].astype(np.complex128))
-    return slips, force
+    theta = np.arange(2 * _POINTS) * (2.0 * math.pi / _POINTS)  # the second cycle is steady
+    turn = np.exp(-1j * np.outer(n, theta[_POINTS:]))
+    harmonics, slips = [], []
+    for one in lines:
+        wave = (np.exp(1j * np.outer(theta, one.n)) @ np.where(one.clear, one.x, 0.0)).real
+        z = np.zeros((theta.size, m.size))
+        for i, step in enumerate(np.diff(wave), start=1):
+            z[i] = np.clip(z[i - 1] + step, -Z_m, Z_m)
+        force = (2.0 / _POINTS) * K_z * (turn @ z[_POINTS:].astype(np.complex128))  # (3, n)
+        drive = np.where(n == 1, k * one.Y, 0.0)
+        impedance = k - np.outer((n * one.omega) ** 2, m) + 1j * np.outer(n * one.omega, c)
+        harmonics.append(((drive[:, None] - force) / impedance).T)
+        slips.append(np.ptp(wave) > 2.0 * Z_m)
+    slip: Mask = np.asarray(np.array(slips).any(axis=0))
+    return np.stack(harmonics, axis=1), slip
 
 
 def linear_misfit(lines: Sequence[Lines], k: float) -> tuple[float, int]:

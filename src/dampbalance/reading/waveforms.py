@@ -26,11 +26,10 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
 from ..model import BaseMotion, Oscillator
-from ..motion.jit import interpreted
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
 from .climb import Climb, Evaluation, NoConvergence, NoStart, climb
-from .lines import Lines, improbable, near_starts, starts
+from .lines import Lines, improbable, starts
 
 COMMON = ("F_k", "c", "rho", "m", "delay")
 """Unknowns common to all records; those of each record, Y and ψ, follow."""
@@ -39,7 +38,6 @@ NORMAL_95 = 1.959963984540054
 """97.5 % point of the normal distribution: standard errors on either side that hold 95 %."""
 
 _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
-_NEAR_STARTS = 2
 _STARTS = (4, 8)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (
     1e-2,
@@ -207,23 +205,15 @@ def fit_oscillator(lines: Sequence[Lines], k: float) -> Fit | None:
 
     lines : of n ≥ 1 records.   k : stiffness, N/m.
     """
-    best = _best(lines, k, near_starts(lines, k)[:_NEAR_STARTS], None)
-    with interpreted(False):  # the orbits of all candidates, and a climb after the other
-        for wide in (False, True):
-            if best is None or not best.adequate:
-                best = _best(lines, k, starts(lines, k, wide=wide)[: _STARTS[wide]], best)
-    return best
-
-
-def _best(lines: Sequence[Lines], k: float, some: Array, best: Fit | None) -> Fit | None:
-    """The best of a fit and of those that start at some places, or the first that holds."""
-    for F_k, c, K_z, m in some:
-        start = np.array([F_k, c, K_z**-0.5, m, 0.0])
-        reached = _climbed(lines, k, start, {"delay"}, _SOFTENING)
-        if reached is not None and (best is None or reached.chi_square < best.chi_square):
-            best = reached
-            if best.adequate:
-                return best
+    best: Fit | None = None
+    for wide in (False, True):
+        for F_k, c, K_z, m in starts(lines, k, wide=wide)[: _STARTS[wide]]:
+            start = np.array([F_k, c, K_z**-0.5, m, 0.0])
+            reached = _climbed(lines, k, start, {"delay"}, _SOFTENING)
+            if reached is not None and (best is None or reached.chi_square < best.chi_square):
+                best = reached
+                if best.adequate:
+                    return best
     return best
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from .axes import case_values
 from .parameters import MECHANICAL, PARAMETERS, SI_COLUMNS, in_si
 from .plan import PART, columns_of
 from .responses import NOT_READ, REGIME_NAMES, exact_responses
-from .settings import RIGID, Fit, Study
+from .settings import RIGID, WEIGHTED, Fit, Study
 
 READ = ("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi")
 """What rules of reading change; the rows need no other feature that they do."""
@@ -74,14 +75,23 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
         if key not in cached:
             cached[key] = _rows(fit, responses, si["k"], rules)
         rows = _of_levels(cached[key], fit)
+        drawn = None
+        if replicates is not None:
+            drawn = _of_levels(_rows(fit, replicates, si["k"][:, None], ()), fit)
+            if fit.weights == WEIGHTED:
+                rows = replace(rows, covariance=drawn.scatter())
         estimate = solve(rows)
         for symbol, found in estimate.values.items():
             table[f"{TERMS[symbol].column}__{fit.label}"] = found
             if symbol in si:  # a term that the oscillator has
                 error = _relative(found, si[symbol]) - 1.0
                 table[f"{symbol}_relative_error__{fit.label}"] = error
-        if replicates is not None:
-            table |= _intervals(fit, estimate, replicates, si)
+        if drawn is not None:
+            if fit.weights == WEIGHTED:
+                weights = rows.weighted(estimate.values).weights
+                assert weights is not None
+                drawn = replace(drawn, weights=np.broadcast_to(weights[..., None], drawn.W.shape))
+            table |= _intervals(fit, estimate, solve(drawn), si)
         only_rounding = len(rows.W) <= len(estimate.values)
         residual = np.full(stop - start, np.nan) if only_rounding else estimate.residual
         table[f"residual__{fit.label}"] = residual
@@ -100,11 +110,10 @@ def _of_levels(rows: Rows, fit: Fit) -> Rows:
 
 
 def _intervals(
-    fit: Fit, estimate: Estimate, replicates: Features, si: Mapping[str, Array]
+    fit: Fit, estimate: Estimate, drawn: Estimate, si: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """Standard errors of the coefficients over the replicates, and whether estimate ± 1.96 of them holds the true
+    """Standard errors of the coefficients over their replicates, and whether estimate ± 1.96 of them holds the true
     value."""
-    drawn = solve(_of_levels(_rows(fit, replicates, si["k"][:, None], ()), fit))
     table = {}
     for symbol in estimate.values.keys() & si.keys():
         found, true = estimate[symbol], si[symbol]

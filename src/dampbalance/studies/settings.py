@@ -17,6 +17,9 @@ from .routes import REPLICATES, ROUTES
 COMPLIANT, RIGID = "compliant", "rigid"
 """Models of the contact: with the slip onset as it was read, or without one (`Features.rigid`)."""
 
+WEIGHTED, EQUAL = "weighted", "equal"
+"""Weights of the rows: each as it is sure, of noisy records alone, or all alike, as (9)."""
+
 OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high")
 SPREADS = ("bias", "rms", *OF_INTERVALS)
 """Facts about a whole set of runs, each by one fit: see `groups.Spread`."""
@@ -31,6 +34,7 @@ class Fit:
 
     phase : reversal, zero_crossing or fundamental.   sharing : φ and t_s individual or common.   Both are empty for
     an approach that knows no phase.   contact : compliant, with the slip onset as it was read, or rigid, a = 4X.
+    weights : of the rows, weighted or equal.
     levels : positions of two levels counted from 0, None for least squares of all.
     """
 
@@ -38,6 +42,7 @@ class Fit:
     phase: str
     sharing: str
     contact: str
+    weights: str
     levels: tuple[int, int] | None
 
     @property
@@ -50,9 +55,10 @@ class Fit:
     @property
     def label(self) -> str:
         """How the columns of this fit are told apart, e.g. X_s__reversal__individual__least_squares; a rigid contact
-        is named, direct__rigid__least_squares."""
+        and weighted rows are named, direct__rigid__weighted__least_squares."""
         contact = "" if self.contact == COMPLIANT else self.contact
-        parts = (self.approach, contact, self.phase, self.sharing, self.kind)
+        weights = "" if self.weights == EQUAL else self.weights
+        parts = (self.approach, contact, weights, self.phase, self.sharing, self.kind)
         return "__".join(part for part in parts if part)
 
 
@@ -103,10 +109,11 @@ class Study:
         return [*samples, self.seed] if self.route == "measured" else samples
 
     def fits_of(self, spec: Mapping[str, Any]) -> list[Fit]:
-        """The fits that a fact or a figure selects by approach, phase, sharing, contact and fit, as far as it gives
-        them.
+        """The fits that a fact or a figure selects by approach, phase, sharing, contact, weights and fit, as far as it
+        gives them.
 
-        contact : compliant or rigid; if it is missing, compliant, or else all.
+        contact : compliant or rigid; if it is missing, compliant, or else all.   weights : weighted or equal; if they
+        are missing, weighted, or else all.
         fit : least_squares, pair_i_j, or pairs for all pairs; if it is missing, least squares, or else all.
         """
         keys, kind = ("approach", "phase", "sharing"), spec.get("fit")
@@ -115,9 +122,9 @@ class Study:
             for fit in self.fits
             if all(getattr(fit, key) in ("", spec.get(key, getattr(fit, key))) for key in keys)
         ]
-        contact = spec.get("contact")
-        those = [fit for fit in fits if fit.contact == (contact or COMPLIANT)]
-        fits = those if contact else those or fits
+        for key, usual in (("contact", COMPLIANT), ("weights", WEIGHTED)):
+            those = [fit for fit in fits if getattr(fit, key) == spec.get(key, usual)]
+            fits = those if key in spec else those or fits
         if kind is None:
             return [fit for fit in fits if fit.levels is None] or fits
         return [fit for fit in fits if fit.kind == kind or (fit.levels and kind == "pairs")]
@@ -151,7 +158,7 @@ class Study:
             fixed=fixed,
             levels=tuple(levels),
             levels_relative="levels_of_Y" in document,
-            fits=tuple(_fits(estimation)),
+            fits=tuple(_fits(estimation, WEIGHTED if kind == "measured" else EQUAL)),
             route=kind,
             cycles=route.get("cycles", ROUTES[kind].cycles),
             reading=route["reading"],
@@ -190,7 +197,7 @@ def _block(item: Mapping[str, Any]) -> Block:
     return Listed(values)
 
 
-def _fits(estimation: Mapping[str, Any]) -> Iterator[Fit]:
+def _fits(estimation: Mapping[str, Any], usual: str) -> Iterator[Fit]:
     chosen_levels = [
         None if fit == "least_squares" else (fit[0] - 1, fit[1] - 1)
         for fit in estimation.get("fits", ["least_squares"])
@@ -198,7 +205,8 @@ def _fits(estimation: Mapping[str, Any]) -> Iterator[Fit]:
     phases = estimation.get("phases", ["reversal"])
     sharings = estimation.get("sharing", ["individual"])
     contacts = estimation.get("contact", [COMPLIANT])
+    weights = estimation.get("weights", [usual])
     for approach in estimation.get("approaches", APPROACHES):
         choices = (phases, sharings) if takes_phase(approach) else ([""], [""])
-        for choice in product(*choices, contacts, chosen_levels):
+        for choice in product(*choices, contacts, weights, chosen_levels):
             yield Fit(approach, *choice)

@@ -49,24 +49,37 @@ def test_fewest_cycles_and_rows():
 
 
 @pytest.mark.parametrize(
-    ("off", "error", "warned"),
-    [(0.0045, 0.0, False), (0.0055, 0.0, True), (-0.0055, 0.0, True), (0.02, 0.0045, False)],
+    ("off", "error", "cycles", "said"),
+    [
+        (19e-6, 0.0, 100, ""),  # two sound clocks
+        (21e-6, 0.0, 100, "at 5.000105 ± 0 Hz, not at the 5 Hz given (+21 ppm)"),
+        (-50e-6, 8e-6, 1000, "(-50 ppm)"),
+        (50e-6, 11e-6, 1000, ""),  # not resolved
+        (
+            50e-6,
+            8e-6,
+            12,
+            "",
+        ),  # nor where 10 degrees of freedom know the error badly: 11 standard errors are needed
+        (50e-6, 4e-6, 12, "(+50 ppm)"),
+        (0.0055, 0.0, 3, "(+0.55 %)"),
+    ],
 )
-def test_a_frequency_that_differs_is_named(off, error, warned):
-    words = list(checks.frequency(OMEGA * (1.0 + off), OMEGA * error, 5.0))
-    assert len(words) == warned
-    assert not warned or f"({100.0 * off:+.2f} %)" in words[0]
+def test_a_frequency_that_differs_is_named(off, error, cycles, said):
+    words = list(checks.frequency(OMEGA * (1.0 + off), OMEGA * error, cycles, 5.0))
+    assert len(words) == bool(said)
+    assert said in "".join(words)
 
 
 def test_another_frequency_is_refused():
-    assert list(checks.frequency(OMEGA, 0.0, None)) == []
-    assert len(list(checks.frequency(1.049 * OMEGA, 0.0, 5.0))) == 1
+    assert list(checks.frequency(OMEGA, 0.0, 20, None)) == []
+    assert len(list(checks.frequency(1.049 * OMEGA, 0.0, 20, 5.0))) == 1
     for factor in (1.051, 0.949):
         with pytest.raises(ValueError, match="wrong frequency, wrong column"):
-            list(checks.frequency(factor * OMEGA, 0.0, 5.0))
+            list(checks.frequency(factor * OMEGA, 0.0, 20, 5.0))
     for given in (0.0, -5.0, math.nan, math.inf):
         with pytest.raises(ValueError, match="the drive frequency must be positive"):
-            list(checks.frequency(OMEGA, 0.0, given))
+            list(checks.frequency(OMEGA, 0.0, 20, given))
 
 
 def test_cycles_left_out_are_counted():

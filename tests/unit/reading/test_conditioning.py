@@ -183,6 +183,14 @@ def test_slightly_wrong_frequency_is_reported():
     assert "not at the 4.85 Hz given" in steady.warnings[0]
 
 
+def test_a_clock_that_is_off_is_told_as_far_as_the_record_resolves_it():
+    for cycles, noise, told in ((100.0, 1e-4, True), (6.0, 0.05, False)):
+        for seed in range(10):
+            record = _measured(noise=noise, cycles=cycles, seed=seed)
+            words = condition(record, PAPER.k, frequency_hz=NEAR * (1.0 - 50e-6)).warnings
+            assert any("+50 ppm" in w or "+49 ppm" in w or "+51 ppm" in w for w in words) == told
+
+
 def test_constant_channel_is_refused():
     for quantity in ("base_displacement", "displacement"):
         record = _measured()

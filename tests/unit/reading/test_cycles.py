@@ -8,9 +8,10 @@ import math
 import numpy as np
 import pytest
 
+from dampbalance import BaseMotion, steady_orbit
 from dampbalance.reading.cycles import accumulate
 from dampbalance.reading.frequency import drive_frequency
-from paper_case import OMEGA
+from paper_case import OMEGA, PAPER
 
 DT = 1.0 / 997.0  # 202.6 samples per cycle
 
@@ -127,6 +128,39 @@ def test_samples_that_stand_still_are_counted(noise, length, at):
     ((number, _, reason),) = _faulty(spoil, noise).bad_cycles
     assert number == 4
     assert reason.startswith(f"a drop-out: {length} samples hold the value ")
+
+
+def _converted(clean, bits, part, noise):
+    """A signal with noise (rms over that of the signal) after a converter whose range it fills in part."""
+    step = 2.0 * np.abs(clean).max() / part / 2**bits
+    noise = noise * clean.std() * np.random.default_rng(5).standard_normal(clean.size)
+    return step * np.clip(np.round((clean + noise) / step), -(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "per_cycle"),
+    [("x", 40.3), ("v", 200.0), ("acceleration", 333.3), ("x", 1000.9), ("acceleration", 2500.2)],
+)
+def test_steps_of_a_converter_are_no_drop_outs_and_hide_none(quantity, per_cycle):
+    motion = BaseMotion(Y=0.004, omega=2.0 * math.pi * 3.5)
+    dt = motion.period / per_cycle
+    t = 0.0123 + dt * np.arange(math.ceil(12.5 * per_cycle))
+    clean = getattr(steady_orbit(PAPER, motion).state(t), quantity)
+    length = max(6, round(0.1 * per_cycle))
+    kept, steepest = 0, int(np.argmax(np.abs(clean[length:] - clean[:-length])[: int(per_cycle)]))
+    for bits, part, noise in itertools.product((8, 10, 12, 16), (0.2, 0.97), (0.0, 1e-3, 1e-2)):
+        more = {"start": t[0], "dt": dt, "harmonics": min(31, math.floor(per_cycle / 4.0))}
+        made = _converted(clean, bits, part, noise)
+        found = accumulate([(t, made)], motion.omega, **more)
+        assert found.bad_cycles == (), (bits, part, noise)
+        kept += len(found.weights)
+        # held for a tenth of a cycle, where it moves most
+        first = steepest + round(5.0 * per_cycle)
+        made[first : first + length] = made[first]
+        faults = accumulate([(t, made)], motion.omega, **more).bad_cycles
+        assert {number for number, _, _ in faults} <= {5, 6}, (bits, part, noise)
+        assert any(reason.startswith("a drop-out") for _, _, reason in faults), (bits, part, noise)
+    assert kept == 24 * 12
 
 
 def test_a_flat_top_is_no_drop_out_and_a_clipped_one_is_counted():

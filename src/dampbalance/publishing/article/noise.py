@@ -9,15 +9,16 @@ from .style import Style
 SUMMARY = "results/studies/noise/summary.csv"
 MANIFEST = "results/studies/noise/manifest.json"
 
-# Line of the article's tables → the fit of the study, and the model of the contact.
+# Line of the article's tables → the fit of the study, the model of the contact, and the weights of the rows.
 FITS = {
-    "direct": ("direct", "", "", "compliant"),
-    "fourier": ("fourier", "", "", "compliant"),
-    "fundamental": ("X_s", "fundamental", "individual", "compliant"),
-    "reversal": ("X_s", "reversal", "individual", "compliant"),
-    "rigid": ("direct", "", "", "rigid"),
+    "direct": ("direct", "", "", "compliant", "weighted"),
+    "equal": ("direct", "", "", "compliant", "equal"),
+    "fourier": ("fourier", "", "", "compliant", "weighted"),
+    "fundamental": ("X_s", "fundamental", "individual", "compliant", "weighted"),
+    "reversal": ("X_s", "reversal", "individual", "compliant", "weighted"),
+    "rigid": ("direct", "", "", "rigid", "weighted"),
 }
-OF_FIT = ("approach", "phase", "sharing", "contact")
+OF_FIT = ("approach", "phase", "sharing", "contact", "weights")
 # Number of a cell → column of the summary, and how it is printed.
 CELLS = {
     "p95": ("p95_percent", Style("significant", 2)),

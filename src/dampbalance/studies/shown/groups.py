@@ -14,7 +14,7 @@ from ...arrays import Array, Mask
 from ...balance import TERMS
 from ...project.wording import percent
 from ..evaluate import NORMAL_95
-from ..settings import RIGID, Fit, Study
+from ..settings import RIGID, WEIGHTED, Fit, Study
 from ..stretches import column_of
 from .bounds import bounds_of
 
@@ -136,7 +136,15 @@ def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
 def which(quantity: str, fit: Fit) -> dict[str, str]:
     """The columns of a table that say which quantity and which fit a line is about."""
     by = {"approach": fit.approach, "phase": fit.phase, "sharing": fit.sharing}
-    return {"quantity": quantity} | by | {"contact": fit.contact, "fit": fit.kind}
+    return (
+        {"quantity": quantity}
+        | by
+        | {
+            "contact": fit.contact,
+            "weights": fit.weights,
+            "fit": fit.kind,
+        }
+    )
 
 
 def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
@@ -174,7 +182,8 @@ def fit_cells(row: Mapping[Any, Any]) -> list[str]:
     """The cells of a line that say which quantity and which fit it is about."""
     phase, fit = (row[name].replace("_", " ") for name in ("phase", "fit"))
     rigid = ", rigid" if row["contact"] == RIGID else ""
-    return [row["quantity"], f"{row['approach']}{rigid}", phase, row["sharing"], fit]
+    weighted = ", weighted" if row["weights"] == WEIGHTED else ""
+    return [row["quantity"], f"{row['approach']}{rigid}{weighted}", phase, row["sharing"], fit]
 
 
 def _line(row: Mapping[Any, Any]) -> str:

@@ -1,0 +1,127 @@
+"""The blind set: its integrator against DOP853, and a small form of it against the aims."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analytic.cases import case
+from analytic.integrator import integrate
+from blind import faults, score
+from blind.other_motion import Departure, from_rest, steady_signals
+from blind.records import levels, record
+from blind.truths import draw
+
+# The slowest decay drawn leaves the steady state good to 1e-11 (`blind/cycles.py`), and DOP853 follows a period to
+# 1e-11 (`test_against_integrator.py`); accelerations in stick are up to 300 times stiffer.
+AGREES = 1e-10
+
+DRAWN = (0, 3, 7, 14, 21, 29, 59, 89, 119, 314)  # 14: nothing slips; 59, 89: several slips
+
+
+@pytest.mark.parametrize("index", DRAWN)
+def test_the_steady_cycle_is_one_in_an_independent_integrator(index):
+    truth = draw(index)
+    level = levels(truth)[index % len(truth.Y)]
+    numbers = (
+        truth.zeta,
+        truth.omega / truth.omega_n,
+        truth.K_z / truth.k,
+        truth.F_k / (truth.k * truth.Y[level.level]),
+    )
+    oscillator, motion = case(*numbers)
+    units = motion.Y * oscillator.omega_n ** np.arange(3)
+    phases = np.linspace(0.0, 2.0 * math.pi, 9)
+    expected = level.cycle.state(phases) * units[:, None]
+    scales = AGREES * np.abs(expected).max(axis=1)
+    x, v, z = level.cycle.start
+    x, v, z = x * units[0], v * units[1], z * units[0]
+    for one, other, there in zip(phases, phases[1:], expected.T[1:], strict=False):
+        run = integrate(oscillator, motion, (other - one) / motion.omega, x, v, z, theta=one)
+        x, v, z = run.x, run.v, run.z
+        pull = oscillator.k * (motion.Y * math.cos(other) - x) - oscillator.c * v
+        reached = np.array([x, v, (pull - oscillator.K_z * z) / oscillator.m])
+        assert (np.abs(reached - there) <= scales).all()
+
+
+def test_motion_in_fixed_steps_is_that_of_the_events_where_nothing_departs_from_the_model():
+    # of order 2 at the kinks: (2π/8192)² beside a stick phase that is 5 to 10 times faster than the drive
+    truth = faults.TRUTHS[0]
+    level, phases = levels(truth)[2], np.linspace(0.0, 2.0 * math.pi, 1001)
+    exact = level.signal("displacement", phases)
+    for motion in (
+        steady_signals(truth, 2, Departure())(phases)[0],
+        from_rest(truth, 2, 21)(phases + 40.0 * math.pi)[0],
+    ):
+        assert np.abs(motion - exact).max() < 1e-6 * np.abs(exact).max()
+
+
+def test_regimes_are_those_that_the_sets_are_drawn_for():
+    kinds = {index: [level.cycle.slips for level in levels(draw(index))] for index in DRAWN}
+    assert max(kinds[14]) == 0
+    assert all(max(kinds[index]) > 1 for index in (59, 89))
+    assert kinds[0] == [1] * len(kinds[0])
+
+
+def test_a_record_is_the_exact_signal_with_noise_as_stated():
+    truth = draw(3)
+    level = levels(truth)[1]
+    measurement = record(level)
+    for quantity in (truth.drive, *truth.answers):
+        channel = measurement[quantity]
+        phase = truth.omega * channel.t + 2.0 * math.pi * truth.start[1]
+        noise = channel.values - level.signal(quantity, phase)
+        n = len(noise)
+        assert noise.std() == pytest.approx(level.sigma(quantity), rel=5.0 / math.sqrt(2.0 * n))
+        assert abs(noise.mean()) < 5.0 * level.sigma(quantity) / math.sqrt(n)
+    assert np.array_equal(record(level)[truth.drive].values, measurement[truth.drive].values)
+
+
+def test_of_a_set_nothing_else_is_drawn_by_its_number():
+    assert draw(5) == draw(5)
+    assert draw(5) != draw(6)
+    assert draw(5, seed=1) != draw(5)
+
+
+# The first thirteen, and those in which errors were found: 14, 44 (nothing slips), 31, 33, 149 (starred, though sound),
+# 51, 59, 75, 132 (missed waveforms; 59 has several slips per half cycle).
+SMALL = (*range(13), 14, 31, 33, 44, 51, 59, 75, 132, 149)
+
+YARDSTICK = "direct"
+
+
+@pytest.fixture(scope="module")
+def small():
+    return score.judged(pd.DataFrame([row for index in SMALL for row in score.outcome(index)]))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("fault", "allowed"),
+    [
+        ("refused", 0),
+        ("something slips, no F_k", 0),
+        ("lower limit of K_z above the truth", 0),
+        ("X_s, t_s, V_s beyond 3 standard errors, no star", 0),
+        (score.SILENT, 0),
+        (score.NOTHING_SEEN, 0),
+        pytest.param(score.MISSED_WAVEFORM, 0, marks=pytest.mark.xfail(reason="one start")),
+        pytest.param(score.STARRED, 0, marks=pytest.mark.xfail(reason="onset of each level")),
+        pytest.param(score.F_K_OF_NOTHING, 0, marks=pytest.mark.xfail(reason="not yet null")),
+    ],
+)
+def test_the_small_blind_set_is_free_of(small, fault, allowed):
+    which, _ = score.faults(small, YARDSTICK)[fault]
+    assert len(which) <= allowed, f"sets {which}"
+
+
+@pytest.mark.slow
+def test_the_small_blind_set_is_covered(small):
+    own = small[(small["approach"] == YARDSTICK) & (small["kind"] != "nothing slips")]
+    held = (own["low"] <= own["true"]) & (own["true"] <= own["high"])
+    # Of 20 intervals of 95 %, fewer than 16 hold the truth in one case of 400.
+    for symbol in ("F_k", "c", "K_z"):
+        assert held[own["symbol"] == symbol].sum() >= 15, symbol

@@ -1,0 +1,86 @@
+"""The blind set at any size (`make blind`).
+
+python -m blind [PART] [--sets 900] [--first 0] [--processes 2] [--yardstick direct] [--output DIR]
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from . import efficiency, faults, others, score
+
+
+def _rows(
+    work: Callable[[Any], list[dict[str, object]]], runs: Sequence[Any], processes: int
+) -> pd.DataFrame:
+    """Rows of all runs, in their order."""
+    began = time.perf_counter()
+    rows: list[dict[str, object]] = []
+    with multiprocessing.get_context("spawn").Pool(processes) as pool:
+        for done, of_run in enumerate(pool.imap(work, runs, chunksize=4), 1):
+            rows += of_run
+            if done % 50 == 0:
+                print(f"{done} of {len(runs)}, {time.perf_counter() - began:.0f} s", flush=True)
+    return pd.DataFrame(rows)
+
+
+def blind(options: argparse.Namespace) -> str:
+    """Identify all sets; the table of aims."""
+    wanted = range(options.first, options.first + options.sets)
+    rows = _rows(score.outcome, wanted, options.processes)
+    rows.to_csv(options.output / "blind.csv", index=False)
+    return score.table(rows, options.yardstick)
+
+
+def efficient(options: argparse.Namespace) -> str:
+    """Draw the noise of the fixed truths again and again; the share of the information that is used."""
+    drawings = range(options.first, options.first + options.drawings)
+    runs = [efficiency.Run(i, j) for j in drawings for i in range(len(efficiency.TRUTHS))]
+    rows = _rows(efficiency.replicate, runs, options.processes)
+    rows.to_csv(options.output / "efficiency.csv", index=False)
+    return efficiency.table(rows, list(dict.fromkeys(["direct", options.yardstick])))
+
+
+def faulty(options: argparse.Namespace) -> str:
+    """Identify records with faults, one at a time."""
+    rows = _rows(faults.tried, faults.RUNS, options.processes)
+    rows.to_csv(options.output / "faults.csv", index=False)
+    return faults.table(rows, options.yardstick)
+
+
+def other(options: argparse.Namespace) -> str:
+    """Other ways to the same numbers, on three sets; one process, for the time that each takes is shown."""
+    rows = _rows(others.compared, [(index, options.yardstick) for index in others.SETS], 1)
+    rows.to_csv(options.output / "others.csv", index=False)
+    return others.table(rows)
+
+
+PARTS = {"blind": blind, "efficiency": efficient, "faults": faulty, "others": other}
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run one part; its table goes to the screen and to the folder."""
+    parser = argparse.ArgumentParser(prog="blind", description=__doc__)
+    parser.add_argument("part", nargs="?", default="blind", choices=PARTS)
+    parser.add_argument("--sets", type=int, default=900)
+    parser.add_argument("--first", type=int, default=0, help="number of the first set, or drawing")
+    parser.add_argument("--drawings", type=int, default=200, help="of each truth, for efficiency")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--yardstick", default="direct", help="approach held against the aims")
+    parser.add_argument("--output", type=Path, default=Path("results/blind"))
+    options = parser.parse_args(arguments)
+    options.output.mkdir(parents=True, exist_ok=True)
+    text = PARTS[options.part](options)
+    (options.output / f"{options.part}.md").write_text(text, encoding="utf-8")
+    print(text)
+
+
+if __name__ == "__main__":
+    main()

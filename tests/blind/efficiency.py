@@ -1,0 +1,114 @@
+"""How much of the information in records `identify` uses: many records of the same truths against the Cramér–Rao bound.
+
+The truths are the paper's oscillator at its three frequencies and five levels, base displacement and displacement being
+measured. The bound knows neither the mass nor the phase, the amplitude and the offsets of any record.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from dampbalance import BaseMotion, Oscillator
+from dampbalance.identification.identify import identify
+from dampbalance.likelihood.information import cramer_rao
+from dampbalance.reading.noisy import read_features
+from paper_case import FREQUENCIES_HZ, LEVELS, PAPER
+
+from .records import levels, records
+from .score import numbers
+from .truths import NOISE, SEED, Truth
+
+_PER_CYCLE, _CYCLES = 100.37, 100.0
+
+TRUTHS = [
+    Truth(
+        index=index,
+        kind="model",
+        m=PAPER.m,
+        c=PAPER.c,
+        k=PAPER.k,
+        K_z=PAPER.K_z,
+        F_k=PAPER.F_k,
+        Y=tuple(LEVELS),
+        omega=2.0 * math.pi * hertz,
+        cycles=(_CYCLES,) * len(LEVELS),
+        start=(0.0,) * len(LEVELS),
+        rate_hz=_PER_CYCLE * hertz,
+        drive="base_displacement",
+        answers=("displacement",),
+        noise=noise,
+        equal=equal,
+    )
+    for index, (hertz, noise, equal) in enumerate(
+        itertools.product(FREQUENCIES_HZ.values(), NOISE, (False, True))
+    )
+]
+
+
+class Run(NamedTuple):
+    """One drawing of the noise of one of TRUTHS."""
+
+    truth: int
+    replicate: int
+
+
+def replicate(run: Run) -> list[dict[str, object]]:
+    """Rows of one drawing, as of `score.outcome`, with the standard error of the bound."""
+    truth = TRUTHS[run.truth]
+    measurements = records(truth, (SEED, run.replicate))
+    result = identify([read_features(one, truth.k) for one in measurements], truth.k)
+    own = {"truth": run.truth, "replicate": run.replicate}
+    return [own | row for row in numbers(result, truth)]
+
+
+def bound(truth: Truth) -> dict[str, float]:
+    """Standard errors that no unbiased estimate falls below, by symbol, SI; the mass is not known."""
+    oscillator = Oscillator(truth.m, truth.c, truth.k, truth.K_z, truth.F_k)
+    noise = {
+        name: [level.sigma(quantity) for level in levels(truth)]
+        for name, quantity in (("y", "base_displacement"), ("x", "displacement"))
+    }
+    smallest = cramer_rao(
+        oscillator,
+        [BaseMotion(Y, truth.omega) for Y in truth.Y],
+        rate_hz=truth.rate_hz,
+        cycles=_CYCLES,
+        noise=noise,
+        free=("m",),
+    )
+    return dict(zip(("F_k", "c", "K_z"), smallest.standard_errors, strict=True))
+
+
+def table(rows: pd.DataFrame, approaches: list[str]) -> str:
+    """Efficiency (variance of the bound over the mean square error), bias in standard errors, and coverage."""
+    drawn = rows["replicate"].nunique()
+    lines = [
+        f"{drawn} drawings of each: an efficiency is good to {100 * math.sqrt(2 / drawn):.0f} % of itself, a bias to "
+        f"{1 / math.sqrt(drawn):.2f} standard errors, a coverage to {100 * math.sqrt(0.05 * 0.95 / drawn):.1f} %.",
+        "",
+        "| Hz | noise, % | of levels | approach | efficiency, %: F_k / c / K_z | bias | coverage, % | without K_z |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    chosen = rows[rows["approach"].isin(approaches)]
+    for (place, approach), group in chosen.groupby(["truth", "approach"]):
+        truth = TRUTHS[int(place)]
+        smallest = bound(truth)
+        cells: list[list[str]] = [[], [], []]
+        for symbol in smallest:
+            part = group[(group["symbol"] == symbol) & np.isfinite(group["value"])]
+            error = part["value"] - part["true"]
+            held = (part["low"] <= part["true"]) & (part["true"] <= part["high"])
+            cells[0].append(f"{100 * smallest[symbol] ** 2 / (error**2).mean():.0f}")
+            cells[1].append(f"{error.mean() / error.std():+.2f}")
+            cells[2].append(f"{100 * held.mean():.0f}")
+        unknown = int((~np.isfinite(group.loc[group["symbol"] == "K_z", "value"])).sum())
+        lines.append(
+            f"| {truth.omega / (2 * math.pi):.4g} | {100 * truth.noise:g} | {'equal' if truth.equal else 'relative'} | "
+            f"{approach} | {' | '.join(' / '.join(three) for three in cells)} | {unknown} of {drawn} |"
+        )
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,218 @@
+"""Two other ways from measurements to F_k, c and K_z, on three sets of the blind set, beside `identify`.
+
+The first is what many would write: simulate the records with `solve_ivp` until the motion repeats, and let
+`scipy.optimize.least_squares` fit m, c, F_k and K_z to all samples, from a start 30 % off. It is told the frequency.
+
+The second takes no drive at all: the mass is released at the highest displacement of the records, or at 30 F_k/k if
+that is more, with the noise that those have, as often as fits into their duration. From reversal to reversal the
+displacement shrinks as
+
+    |x_{i+1}| = q |x_i| − (1 + q) F_k/k,     q = e^{−πζ/√(1 − ζ²)}
+
+by a viscous and a dry part (rigid contact); a straight line through the pairs gives q and F_k, and the time between
+reversals the mass, thus c = 2ζ√(k m). It tells nothing of K_z.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+from scipy.integrate import solve_ivp
+from scipy.optimize import least_squares
+from scipy.signal import find_peaks, savgol_filter
+
+from dampbalance.identification.identify import identify
+from dampbalance.reading.noisy import read_features
+from dampbalance.records.measurement import Measurement
+
+from .other_motion import ring_down
+from .records import levels, records
+from .score import numbers
+from .truths import SEED, Truth, draw
+
+SETS = (198, 424, 485)
+"""Displacement and base displacement, 1 % noise, one slip per half cycle: ζ = 0.43, 0.13 and 0.025."""
+
+SYMBOLS = ("F_k", "c", "K_z")
+Found = dict[str, tuple[float, float]]
+"""Value and standard error by symbol, SI; NaN for what a way cannot tell."""
+
+_STEADY = 1e-5  # of the displacement: change over a period at which the simulation stops
+_MOST_PERIODS = 400
+_RTOL, _POINTS = 1e-6, 2000
+_OFF = np.array([1.3, 0.7, 1.3, 0.7])  # the start of m, c, F_k, K_z, over the truth
+_RELEASE = 30.0  # F_k/k: from less, too few reversals tell viscous from dry friction
+
+
+def _simulated(
+    p: np.ndarray, k: float, omega: float, drive: complex, phase: np.ndarray
+) -> np.ndarray:
+    """Steady x of one level at phases ωt under y = Re(drive e^{iωt})."""
+    m, c, F_k, K_z = p
+    Y, lead, Z_m = abs(drive), math.atan2(drive.imag, drive.real), F_k / K_z
+
+    def rate(t: float, q: np.ndarray) -> tuple[float, float, float]:
+        x, v, z = q
+        moves = abs(z) < Z_m or z * v < 0.0
+        z = min(max(z, -Z_m), Z_m)
+        force = k * Y * math.cos(omega * t + lead) - c * v - k * x - K_z * z
+        return v, force / m, v if moves else 0.0
+
+    period = 2.0 * math.pi / omega
+    q, grid = np.zeros(3), np.linspace(0.0, period, _POINTS + 1)
+    for _ in range(_MOST_PERIODS):
+        run = solve_ivp(
+            rate, (0.0, period), q, t_eval=grid, rtol=_RTOL, atol=1e-9 * Y, max_step=period / 50
+        )
+        after = run.y[:, -1]
+        after[2] = min(max(after[2], -Z_m), Z_m)
+        change, q = abs(after[0] - q[0]), after
+        if change < _STEADY * np.abs(run.y[0]).max():
+            break
+    return np.interp(np.mod(phase, 2.0 * math.pi), omega * grid, run.y[0])
+
+
+def simulated_fit(truth: Truth, measured: list[Measurement]) -> Found:
+    """All samples fitted by a simulation."""
+    parts = []
+    for one in measured:
+        phase = truth.omega * one["base_displacement"].t
+        turn = np.exp(1j * phase)
+        columns = np.column_stack([turn.real, -turn.imag, np.ones(turn.size)])
+        y = np.linalg.lstsq(columns, one["base_displacement"].values, rcond=None)[0]
+        x = one["displacement"].values
+        parts.append((complex(y[0], y[1]), phase, x - x.mean()))
+
+    def residuals(p: np.ndarray) -> np.ndarray:
+        off = []
+        for drive, phase, x in parts:
+            model = _simulated(p, truth.k, truth.omega, drive, phase)
+            off.append((model - model.mean() - x) / x.std())
+        return np.concatenate(off)
+
+    start = np.array([truth.m, truth.c, truth.F_k, truth.K_z]) * _OFF
+    fit = least_squares(
+        lambda p: residuals(p * start), np.ones(4), bounds=(0.01, 100.0), diff_step=1e-3
+    )
+    variance = 2.0 * fit.cost / (fit.fun.size - start.size)
+    errors = np.sqrt(variance * np.diag(np.linalg.inv(fit.jac.T @ fit.jac)))
+    _, c, F_k, K_z = zip(fit.x * start, errors * start, strict=True)
+    return {"F_k": F_k, "c": c, "K_z": K_z}
+
+
+def free_decay(truth: Truth, measured: list[Measurement]) -> Found:
+    """Line through successive reversals of free decays.   measured : the records whose time the decays may take."""
+    highest = levels(truth)[-1]
+    sigma = highest.sigma("displacement")
+    begin = max(highest.rms("displacement") * math.sqrt(2.0), _RELEASE * truth.F_k / truth.k)
+    step = 1.0 / truth.rate_hz
+    swing = 2.0 * math.pi / truth.omega_n
+    lasts = swing * min(60.0, 1.0 / truth.zeta + 2.0)
+    given = sum(float(one["displacement"].t[-1]) for one in measured)
+    clean = ring_down(truth, begin, step, lasts)
+    random = np.random.default_rng((SEED, truth.index, 7))
+    pairs, durations = [], []
+    window = max(5, round(0.1 * swing / step) | 1)
+    for _ in range(max(1, int(given / lasts))):
+        x = clean + sigma * random.standard_normal(clean.size)
+        smooth = savgol_filter(x, window, 2)
+        found = [
+            find_peaks(s * smooth, height=5.0 * sigma, distance=window)[0] for s in (1.0, -1.0)
+        ]
+        places = np.sort(np.concatenate(found))
+        places = np.insert(places[places > window], 0, 0)
+        sizes = np.abs(smooth[places])
+        sizes[0] = begin  # where it was held before the release
+        # the contact slips on the way back from three times F_k/k and more
+        slips = sizes[:-1] > 3.0 * truth.F_k / truth.k
+        pairs += list(np.array(list(itertools.pairwise(sizes)))[slips])
+        durations += list(np.diff(places)[slips] * step)
+    if len(pairs) < 3:
+        return dict.fromkeys(SYMBOLS, (math.nan, math.nan))
+    before, after = np.array(pairs).T
+    A = np.column_stack([before, np.ones(before.size)])
+    (q, offset), *_ = np.linalg.lstsq(A, after, rcond=None)
+    scatter = float(np.sum((after - A @ (q, offset)) ** 2)) / (before.size - 2)
+    covariance = scatter * np.linalg.inv(A.T @ A)
+    half = float(np.mean(durations))
+
+    def values(q: float, offset: float) -> np.ndarray:
+        delta = -math.log(min(max(q, 1e-9), 1.0 - 1e-9)) / half  # ζ ω_n
+        mass = truth.k / ((math.pi / half) ** 2 + delta**2)
+        return np.array([-offset / (1.0 + q) * truth.k, 2.0 * delta * mass])
+
+    F_k, c = values(q, offset)
+    slopes = np.column_stack(
+        [
+            (values(q + d, offset + e) - values(q, offset)) / (d + e)
+            for d, e in ((1e-6, 0.0), (0.0, 1e-6 * begin))
+        ]
+    )
+    errors = np.sqrt(np.diag(slopes @ covariance @ slopes.T))
+    return {"F_k": (F_k, errors[0]), "c": (c, errors[1]), "K_z": (math.nan, math.nan)}
+
+
+def identified(approach: str) -> Callable[[Truth, list[Measurement]], Found]:
+    """An approach of `identify`."""
+
+    def run(truth: Truth, measured: list[Measurement]) -> Found:
+        result = identify([read_features(one, truth.k) for one in measured], truth.k)
+        rows = [row for row in numbers(result, truth) if row["approach"] == approach]
+        return {row["symbol"]: (row["value"], row["standard_error"]) for row in rows}
+
+    return run
+
+
+def compared(job: tuple[int, str]) -> list[dict[str, object]]:
+    """Rows of the ways on one set.   job : number of the set, approach of `identify`."""
+    index, approach = job
+    truth = draw(index)
+    measured = records(truth)
+    ways = {
+        f"identify, {approach}": identified(approach),
+        "simulated response, least_squares": simulated_fit,
+        "free decay": free_decay,
+    }
+    ways[f"identify, {approach}"](truth, measured)  # compiles its kernels
+    rows: list[dict[str, object]] = []
+    for name, way in ways.items():
+        began = time.perf_counter()
+        found = way(truth, measured)
+        lasted = time.perf_counter() - began
+        for symbol in SYMBOLS:
+            value, error = found[symbol]
+            rows.append(
+                {
+                    "set": index,
+                    "way": name,
+                    "seconds": lasted,
+                    "symbol": symbol,
+                    "true": truth.parameter(symbol),
+                    "value": float(value),
+                    "standard_error": float(error),
+                }
+            )
+    return rows
+
+
+def table(rows: pd.DataFrame) -> str:
+    """Error in % ± standard error in %, and time, in markdown."""
+    lines = ["| set | way | F_k | c | K_z | seconds |", "|---|---|---|---|---|---|"]
+    for (index, way), group in rows.groupby(["set", "way"], sort=False):
+        truth = draw(int(index))
+        cells = []
+        for symbol in SYMBOLS:
+            row = group[group["symbol"] == symbol].iloc[0]
+            error, scale = row["value"] / row["true"] - 1.0, row["standard_error"] / row["true"]
+            known = math.isfinite(row["value"])
+            cells.append(f"{100 * error:+.2g} ± {100 * scale:.2g} %" if known else "none")
+        lines.append(
+            f"| {index}: ζ = {truth.zeta:.2g}, K_z/k = {truth.K_z / truth.k:.2g} | {way} | "
+            f"{' | '.join(cells)} | {group['seconds'].iloc[0]:.2g} |"
+        )
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,210 @@
+"""What `identify` makes of the sets: one row for each set, approach and parameter, and the table of aims."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+from scipy.stats import binomtest
+
+from dampbalance.identification.identify import identify
+from dampbalance.identification.result import Identification
+from dampbalance.reading.noisy import read_features
+
+from .records import levels, records
+from .truths import Truth, draw
+
+MISSED = "times worse than their noise"
+"""Words of a record whose waveform no fit has met."""
+
+NO_ONSET = ("no record shows harmonics above its noise", "show no slip onset")
+"""Words for records in which nothing is seen to slip."""
+
+VISIBLE = 5.0
+"""Standard errors above which a third harmonic is there to be seen."""
+
+MISSED_WAVEFORM = "waveform missed (χ²)"
+STARRED = "yardstick starred"
+NOTHING_SEEN = f"no onset seen, third harmonic above {VISIBLE:g} standard errors"
+F_K_OF_NOTHING = "nothing slips, F_k given"
+SILENT = "beyond 5 standard errors, not a word"
+
+GROUPS = ("noise", "answers", "drive")
+
+
+def outcome(index: int) -> list[dict[str, object]]:
+    """Rows of one set: what was drawn, what came out, what was said."""
+    truth = draw(index)
+    drawn = levels(truth)
+    of_set: dict[str, object] = {
+        "set": truth.index,
+        "kind": truth.kind,
+        "noise": truth.noise,
+        "equal": truth.equal,
+        "drive": truth.drive,
+        "answers": "+".join(truth.answers),
+        "levels": len(truth.Y),
+        "slips": "/".join(str(level.cycle.slips) for level in drawn),
+        "sticking": max(level.cycle.sticking for level in drawn),
+        "third": max(level.third(answer) for level in drawn for answer in truth.answers),
+        "zeta": truth.zeta,
+        "r": truth.omega / truth.omega_n,
+        "K": truth.K_z / truth.k,
+        "F": truth.F_k / (truth.k * truth.Y[-1]),
+    }
+    try:
+        readings = [read_features(measurement, truth.k) for measurement in records(truth)]
+        result = identify(readings, truth.k)
+    except (ValueError, ArithmeticError) as error:  # a refusal is an outcome, too
+        return [of_set | {"approach": "refused", "symbol": "", "warnings": str(error)}]
+    return [of_set | row for row in numbers(result, truth)]
+
+
+def numbers(result: Identification, truth: Truth) -> Iterator[dict[str, object]]:
+    """Approach, symbol, truth, value, its error and interval, and the words: the one place that knows a result."""
+    for name, estimated in result.estimates.items():
+        for symbol, parameter in estimated.parameters.items():
+            yield {
+                "approach": name,
+                "symbol": symbol,
+                "true": truth.parameter(symbol),
+                "value": parameter.value,
+                "standard_error": parameter.standard_error,
+                "low": parameter.interval.low,
+                "high": parameter.interval.high,
+                "notes": " | ".join(estimated.notes),
+                "warnings": " | ".join(result.warnings),
+            }
+
+
+def judged(rows: pd.DataFrame) -> pd.DataFrame:
+    """Rows of `outcome` with their errors, these in standard errors (sizes), and whether anything was said."""
+    rows = rows.copy()
+    for column in ("notes", "warnings"):
+        rows[column] = rows[column].fillna("")
+    rows["error"] = rows["value"] - rows["true"]
+    # the noise of K_z is that of its reciprocal, 1/K_z, from which its interval comes
+    stretch = (rows["value"] / rows["true"]).where(rows["symbol"] == "K_z", 1.0)
+    rows["sizes"] = (rows["error"] * stretch).abs() / rows["standard_error"]
+    rows["starred"] = rows["notes"] != ""
+    rows["remarked"] = rows["starred"] | (rows["warnings"] != "")
+    return rows
+
+
+def table(rows: pd.DataFrame, yardstick: str) -> str:
+    """The table of aims, in markdown.   rows : of `outcome`.   yardstick : approach that is held against the aims."""
+    rows = judged(rows)
+    sets = rows.groupby("set").first()
+    kinds = ", ".join(f"{count} {kind!r}" for kind, count in sets["kind"].value_counts().items())
+    own = rows[rows["approach"] == yardstick]
+    parts = [
+        f"{len(sets)} sets ({kinds}); yardstick: {yardstick}",
+        _coverage(own[own["kind"] != "nothing slips"]),
+        _errors(rows[rows["kind"] != "nothing slips"]),
+        _counted(faults(rows, yardstick)),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _coverage(own: pd.DataFrame) -> str:
+    """Coverage of the intervals by group, all sets and those where nothing was remarked."""
+    known = own[np.isfinite(own["value"]) & np.isfinite(own["standard_error"])]
+    lines = [
+        "| coverage of 95 % intervals | | F_k | c | K_z | F_k, nothing remarked | c | K_z |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    groups = [("all", "", known)]
+    for column in (*GROUPS, "equal", "kind"):
+        groups += [(column, str(key), group) for key, group in known.groupby(column)]
+    for column, key, group in groups:
+        cells = [
+            _share(part[part["symbol"] == symbol])
+            for part in (group, group[~group["remarked"]])
+            for symbol in ("F_k", "c", "K_z")
+        ]
+        lines.append(f"| {column} | {key} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def _share(part: pd.DataFrame) -> str:
+    """Percentage of intervals that hold the truth, with its own 95 % interval, of how many."""
+    if part.empty:
+        return "–"
+    held = int(((part["low"] <= part["true"]) & (part["true"] <= part["high"])).sum())
+    test = binomtest(held, len(part)).proportion_ci()
+    return (
+        f"{100 * held / len(part):.0f} ({100 * test.low:.0f}–{100 * test.high:.0f}) of {len(part)}"
+    )
+
+
+def _errors(rows: pd.DataFrame) -> str:
+    """Median and 90 % quantile of the relative error by approach, and the largest in standard errors."""
+    known = rows[np.isfinite(rows["value"])].assign(
+        relative=lambda part: 100.0 * part["error"].abs() / part["true"]
+    )
+    lines = [
+        "| abs. error, % | | 0.1 % noise: median, 90 % | 1 % | 5 % | starred | beyond 3 standard errors, no star |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for (approach, symbol), group in known.groupby(["approach", "symbol"], sort=False):
+        cells = []
+        for noise in sorted(rows["noise"].unique()):
+            relative = group.loc[group["noise"] == noise, "relative"]
+            median, most = relative.quantile([0.5, 0.9]) if len(relative) else (math.nan,) * 2
+            cells.append(f"{median:.2g}, {most:.2g}")
+        silent = group[~group["starred"] & (group["sizes"] > 3.0)]
+        starred = int(group["starred"].sum())
+        cells += [f"{starred} of {len(group)}", f"{len(silent)} of {len(group) - starred}"]
+        lines.append(f"| {approach} | {symbol} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def faults(rows: pd.DataFrame, yardstick: str) -> dict[str, tuple[list[int], int]]:
+    """What should not be there at all: the sets in which it is, and how many it could be in.   rows : `judged`."""
+    sets = rows.groupby("set").first()
+    own = rows[rows["approach"] == yardstick]
+    sound = own[own["kind"] != "nothing slips"]
+    F_k = sound[sound["symbol"] == "F_k"]
+    K_z = sound[sound["symbol"] == "K_z"]
+    limit = K_z[np.isinf(K_z["value"])]
+    visible = sets["third"] > VISIBLE
+    unseen = sets["warnings"].str.contains("|".join(NO_ONSET))
+    harmonic = rows[
+        rows["approach"].isin(["X_s", "t_s", "V_s"])
+        & rows["symbol"].isin(["F_k", "c"])
+        & ~rows["starred"]
+        & (rows["kind"] != "nothing slips")
+    ]
+    silent = rows[~rows["remarked"] & (rows["sizes"] > 5.0) & (rows["kind"] != "nothing slips")]
+    nothing = rows[
+        (rows["kind"] == "nothing slips") & (rows["symbol"] == "F_k") & np.isfinite(rows["value"])
+    ]
+    slipping = int((sets["kind"] != "nothing slips").sum())
+    found = {
+        "refused": (sets.index[sets["approach"] == "refused"], len(sets)),
+        "something slips, no F_k": (F_k.loc[~np.isfinite(F_k["value"]), "set"], slipping),
+        MISSED_WAVEFORM: (sets.index[sets["warnings"].str.contains(MISSED)], len(sets)),
+        STARRED: (sound.loc[sound["starred"], "set"], slipping),
+        NOTHING_SEEN: (sets.index[visible & unseen], int(visible.sum())),
+        "lower limit of K_z above the truth": (
+            limit.loc[limit["low"] > limit["true"], "set"],
+            len(limit),
+        ),
+        "X_s, t_s, V_s beyond 3 standard errors, no star": (
+            harmonic.loc[harmonic["sizes"] > 3.0, "set"],
+            harmonic["set"].nunique(),
+        ),
+        F_K_OF_NOTHING: (nothing["set"], len(sets) - slipping),
+        SILENT: (silent["set"], slipping),
+    }
+    return {words: (sorted({int(n) for n in which}), of) for words, (which, of) in found.items()}
+
+
+def _counted(found: dict[str, tuple[list[int], int]]) -> str:
+    lines = ["| | sets | of | which |", "|---|---|---|---|"]
+    for words, (which, of) in found.items():
+        listed = ", ".join(map(str, which[:25])) + (" …" if len(which) > 25 else "")
+        lines.append(f"| {words} | {len(which)} | {of} | {listed} |")
+    return "\n".join(lines)
