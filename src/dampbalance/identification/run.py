@@ -158,11 +158,12 @@ def write_figures(run: IdentificationRun, folder: str | Path) -> None:
     from . import drawing
 
     alt = drawing.alternative_texts(run.result)
-    figures = (
-        drawing.cycles(run.records),
-        drawing.loops(run.records, run.result),
-        drawing.balance(run.result),
-    )
+    with interpreted(len(run.records) <= _FEW):
+        figures = (
+            drawing.cycles(run.records),
+            drawing.loops(run.records, run.result),
+            drawing.balance(run.result),
+        )
     with warnings.catch_warnings():  # a name in a script that the font lacks shows as boxes
         warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
         for name, figure in zip(FIGURES, figures, strict=True):
