@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -10,8 +11,8 @@ import pytest
 
 from analytic.cases import case
 from analytic.integrator import integrate
-from blind import faults, score
-from blind.other_motion import Departure, from_rest, steady_signals
+from blind import faults, others, score
+from blind.other_motion import Departure, from_rest, ring_down, steady_signals
 from blind.records import levels, record
 from blind.truths import draw
 
@@ -59,6 +60,48 @@ def test_motion_in_fixed_steps_is_that_of_the_events_where_nothing_departs_from_
         assert np.abs(motion - exact).max() < 1e-6 * np.abs(exact).max()
 
 
+def test_a_release_in_fixed_steps_loses_what_viscous_and_dry_friction_take():
+    # free decay of a nearly rigid contact: |x_{i+1}| = q |x_i| − (1 + q) F_k/k from reversal to reversal
+    truth = replace(draw(485), K_z=1e4 * draw(485).k)
+    q = math.exp(-math.pi * truth.zeta / math.sqrt(1.0 - truth.zeta**2))
+    begin, dry = 40.0 * truth.F_k / truth.k, truth.F_k / truth.k
+    half = math.pi / (truth.omega_n * math.sqrt(1.0 - truth.zeta**2))
+    x = ring_down(truth, begin, half / 100.0, 4.0 * half)
+    reversals = [np.abs(x[i : i + 60]).max() for i in (70, 170, 270)]
+    expected = [begin]
+    for _ in reversals:
+        expected.append(q * expected[-1] - (1.0 + q) * dry)
+    # sampled within a 200th of a half cycle of the reversal: 1 − cos(π/200) = 1.2e-4; 2 Z_m = 2e-4 F_k/k is less
+    assert reversals == pytest.approx(expected[1:], rel=2e-4)
+
+
+def test_the_simulated_response_that_others_fit_is_that_of_the_set():
+    truth = draw(424)
+    level, phases = levels(truth)[1], np.linspace(0.0, 6.0, 50)
+    numbers = np.array([truth.m, truth.c, truth.F_k, truth.K_z])
+    x = others.simulated(numbers, truth.k, truth.omega, complex(truth.Y[1]), phases)
+    exact = level.signal("displacement", phases)
+    assert (
+        np.abs(x - exact).max() < 1e-4 * np.abs(exact).max()
+    )  # what it is asked for: 1e-5 a period
+
+
+@pytest.mark.parametrize(
+    ("name", "factor"), [("gain of the drive +2 %", 1.02), ("k 1 % too high", 1.01)]
+)
+def test_a_fault_in_the_scale_of_the_work_is_one_in_F_k_and_c(name, factor):
+    # W = ∮ k y dx, and the travels a and b know neither k nor y
+    def found(fault):
+        place = next(i for i, one in enumerate(faults.FAULTS) if one.name == fault)
+        rows = faults.tried(faults.Run(0, place, 0))
+        return {row["symbol"]: row["value"] for row in rows if row["approach"] == "direct"}
+
+    right, wrong = found("none"), found(name)
+    for symbol in ("F_k", "c"):
+        # the onset of slip and the weights follow the fault a little
+        assert wrong[symbol] == pytest.approx(factor * right[symbol], rel=1e-3)
+
+
 def test_regimes_are_those_that_the_sets_are_drawn_for():
     kinds = {index: [level.cycle.slips for level in levels(draw(index))] for index in DRAWN}
     assert max(kinds[14]) == 0
@@ -86,11 +129,9 @@ def test_of_a_set_nothing_else_is_drawn_by_its_number():
     assert draw(5, seed=1) != draw(5)
 
 
-# The first thirteen, and those in which errors were found: 14, 44 (nothing slips), 31, 33, 149 (starred, though sound),
-# 51, 59, 75, 132 (missed waveforms; 59 has several slips per half cycle).
-SMALL = (*range(13), 14, 31, 33, 44, 51, 59, 75, 132, 149)
-
-YARDSTICK = "direct"
+# The first thirteen, and those in which errors have been found: 14 (nothing slips), 31, 33, 149 (starred, though
+# sound), 51, 59, 75, 132 (missed waveforms; 59 has several slips per half cycle), 198 (F_k 53 % off: K_z/k = 4).
+SMALL = (*range(13), 14, 31, 33, 51, 59, 75, 132, 149, 198)
 
 
 @pytest.fixture(scope="module")
@@ -100,28 +141,31 @@ def small():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("fault", "allowed"),
+    "fault",
     [
-        ("refused", 0),
-        ("something slips, no F_k", 0),
-        ("lower limit of K_z above the truth", 0),
-        ("X_s, t_s, V_s beyond 3 standard errors, no star", 0),
-        (score.SILENT, 0),
-        (score.NOTHING_SEEN, 0),
-        pytest.param(score.MISSED_WAVEFORM, 0, marks=pytest.mark.xfail(reason="one start")),
-        pytest.param(score.STARRED, 0, marks=pytest.mark.xfail(reason="onset of each level")),
-        pytest.param(score.F_K_OF_NOTHING, 0, marks=pytest.mark.xfail(reason="not yet null")),
+        "refused",
+        "something slips, no F_k",
+        "lower limit of K_z above the truth",
+        "X_s, t_s, V_s beyond 3 standard errors, no star",
+        score.SILENT,
+        score.NOTHING_SEEN,
+        score.MISSED_WAVEFORM,
+        score.STARRED,
+        score.F_K_OF_NOTHING,
     ],
 )
-def test_the_small_blind_set_is_free_of(small, fault, allowed):
-    which, _ = score.faults(small, YARDSTICK)[fault]
-    assert len(which) <= allowed, f"sets {which}"
+def test_the_small_blind_set_is_free_of(small, fault):
+    which, _ = score.faults(small)[fault]
+    assert not which
 
 
 @pytest.mark.slow
-def test_the_small_blind_set_is_covered(small):
-    own = small[(small["approach"] == YARDSTICK) & (small["kind"] != "nothing slips")]
+@pytest.mark.parametrize("approach", score.HELD)
+@pytest.mark.parametrize("symbol", ["F_k", "c", "K_z"])
+def test_the_small_blind_set_is_covered(small, approach, symbol):
+    own = small[(small["approach"] == approach) & (small["symbol"] == symbol)]
+    own = own[own["kind"] != "nothing slips"]
     held = (own["low"] <= own["true"]) & (own["true"] <= own["high"])
-    # Of 20 intervals of 95 %, fewer than 16 hold the truth in one case of 400.
-    for symbol in ("F_k", "c", "K_z"):
-        assert held[own["symbol"] == symbol].sum() >= 15, symbol
+    assert len(own) == len(SMALL) - 1
+    # of 21 intervals of 95 %, fewer than 17 hold the truth in one case of 300
+    assert held.sum() >= 17, list(own.loc[~held, "set"])

@@ -1,7 +1,7 @@
 """Identification of measured levels, five of 20,000 samples: by every approach, and by maximum likelihood.
 
-Reading and identifying are timed together and apart, side by side with the reference fit of the same samples; the
-errors of what is found stand beside the times. Start-up, import and first call, is timed in processes of its own, and
+Reading and identifying are timed together and apart, and so is the fit of one oscillator to the harmonics of all
+levels, which identifying contains; the errors of what is found stand beside the times. Start-up, import and first call, is timed in processes of its own, and
 the import split by package. Writes identification.{csv,md,svg,png}, identification_{repetitions,errors}.csv,
 start_up.csv and imports.csv.
 """
@@ -22,9 +22,9 @@ from dampbalance import BaseMotion, steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
 from dampbalance.identification.identify import REPLICATES, identify
-from dampbalance.likelihood.fit import reference_fit
 from dampbalance.project.files import write_csv, write_text
 from dampbalance.reading.noisy import read_features
+from dampbalance.reading.waveforms import fit_oscillator
 from dampbalance.record import Record
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
@@ -49,7 +49,7 @@ BOTH = "read and identify, all approaches"
 READING = "… reading the features"
 IDENTIFYING = f"… identifying, {REPLICATES} replicates"
 ONE = "… identifying, direct integration alone"
-FIT = "reference fit: maximum likelihood"
+FIT = "… fitting one oscillator: maximum likelihood"
 PARTS_SHOWN = 8  # packages in the split of the import
 
 _FIRST_CALL = """
@@ -59,6 +59,7 @@ start = clocks()
 from dampbalance.identification.identify import identify
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.reading.noisy import read_features
+from dampbalance.reading.waveforms import fit_oscillator
 loaded = clocks()
 import numpy as np
 readings = []
@@ -96,15 +97,16 @@ def record(measurement: Measurement) -> Record:
 def contestants(samples: int) -> list[Contestant]:
     """What is timed; a case is the whole set of five levels."""
     given = measurements(samples)
-    records, k = [record(measurement) for measurement in given], PAPER.k
+    k = PAPER.k
     readings = [read_features(measurement, k) for measurement in given]
+    lines = [reading.lines for reading in readings]
     direct = {"direct": APPROACHES["direct"]}
     return [
         Contestant(BOTH, 1, lambda: identify([read_features(m, k) for m in given], k)),
         Contestant(READING, 1, lambda: [read_features(m, k) for m in given]),
         Contestant(IDENTIFYING, 1, lambda: identify(readings, k)),
         Contestant(ONE, 1, lambda: identify(readings, k, approaches=direct)),
-        Contestant(FIT, 1, lambda: reference_fit(records, OMEGA, PAPER.m, k)),
+        Contestant(FIT, 1, lambda: fit_oscillator(lines, k)),
     ]
 
 
@@ -122,7 +124,8 @@ def errors(samples: int) -> pd.DataFrame:
                 *_relative(c.value, c.standard_error, PAPER.c),
             )
         )
-    fit = reference_fit([record(m) for m in given], OMEGA, PAPER.m, PAPER.k)
+    fit = found.whole.fit
+    assert fit is not None
     F_k_error, c_error, _ = fit.standard_errors
     rows.append(
         (FIT, *_relative(fit.F_k, F_k_error, PAPER.F_k), *_relative(fit.c, c_error, PAPER.c))

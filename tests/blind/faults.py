@@ -334,11 +334,11 @@ def tried(run: Run) -> list[dict[str, object]]:
     return [own | row for row in numbers(result, truth)]
 
 
-def table(rows: pd.DataFrame, yardstick: str) -> str:
+def table(rows: pd.DataFrame, approach: str) -> str:
     """Error of each parameter in % and in standard errors, and the words, shortened, in markdown."""
     rows = rows.fillna({"notes": "", "warnings": ""})
     lines = [
-        f"Errors of {yardstick} in % (in standard errors), medians of {DRAWINGS} drawings of the noise; what is said "
+        f"Errors of {approach} in % (in standard errors), medians of {DRAWINGS} drawings of the noise; what is said "
         "in the first, after a star of this approach.",
     ]
     for place, of_truth in rows.groupby("truth"):
@@ -351,13 +351,13 @@ def table(rows: pd.DataFrame, yardstick: str) -> str:
             "|---|---|---|---|---|",
         ]
         for _, group in of_truth.groupby("fault"):
-            lines.append(f"| {group['name'].iloc[0]} | {_cells(group, yardstick)} |")
+            lines.append(f"| {group['name'].iloc[0]} | {_cells(group, approach)} |")
     return "\n".join(lines) + "\n"
 
 
-def _cells(group: pd.DataFrame, yardstick: str) -> str:
+def _cells(group: pd.DataFrame, approach: str) -> str:
     """Errors and words of one fault."""
-    own = group[group["approach"] == yardstick]
+    own = group[group["approach"] == approach]
     if own.empty:
         return f"– | – | – | refused: {_short(group['warnings'].iloc[0])}"
     cells = [_error(own[own["symbol"] == symbol]) for symbol in ("F_k", "c", "K_z")]
@@ -374,8 +374,9 @@ def _error(drawn: pd.DataFrame) -> str:
         return "none"
     if math.isinf(value):
         return f"> {drawn['low'].median() / true:.2g} of it"
-    stretch = value / true if drawn["symbol"].iloc[0] == "K_z" else 1.0  # as `score.judged`
-    sizes = (value - true) * stretch / drawn["standard_error"].median()
+    sizes = (value - true) / drawn["standard_error"].median()
+    if drawn["symbol"].iloc[0] == "K_z" and value > 0.0:  # as `score.judged`
+        sizes *= 2.0 * (value / true) / (1.0 + math.sqrt(value / true))
     return f"{100 * (value / true - 1.0):+.2g} ({sizes:+.1f})"
 
 

@@ -40,16 +40,17 @@ TESTS: dict[str, tuple[str, ...]] = {
     "factorisation.py": ("unit/test_solver.py",),
     "estimates.py": ("unit/test_solver.py", "unit/test_balance.py"),
     "reading/clean.py": ("unit/test_features.py", "paper/test_as_published.py"),
-    "reading/climb.py": ("unit/reading/test_climb.py", "unit/likelihood/test_fit.py"),
+    "reading/climb.py": ("unit/reading/test_climb.py", "unit/reading/test_waveforms.py"),
     "reading/noisy.py": ("unit/reading", "unit/identification"),
-    "reading/onset.py": ("unit/reading/test_noisy.py", "unit/identification"),
+    "reading/lines.py": ("unit/reading/test_lines.py", "unit/reading/test_waveforms.py"),
+    "reading/waveforms.py": ("unit/reading/test_waveforms.py", "unit/reading/test_noisy.py"),
     "reading/quadrature.py": ("unit/test_features.py",),
     "reading/": ("unit/reading",),
     "likelihood/": ("unit/likelihood",),
     "records/units.py": ("unit/records/test_units.py", "unit/records/test_readers.py"),
     "replication/": _CLAIMS,
     "studies/evaluate.py": ("unit/studies",),
-    "identification/identify.py": ("unit/identification", "unit/studies/test_noisy.py"),
+    "identification/": ("unit/identification", "unit/studies/test_noisy.py"),
 }
 """Module, or room, of the method → the tests that answer for it."""
 
@@ -67,6 +68,8 @@ METHOD = (
     "replication/verdicts.py",
     "studies/evaluate.py",
     "identification/identify.py",
+    "identification/microstick.py",
+    "identification/oscillator.py",
 )
 
 

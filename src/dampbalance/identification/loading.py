@@ -66,7 +66,12 @@ def load(
         if max(stated, path.stat().st_size) > LARGE:
             channels = open_channels(path, rules, largest=largest)
             steady = condition_blocks(
-                str(path), channels, k, frequency_hz=nominal, skip_cycles=skip_cycles
+                str(path),
+                channels,
+                k,
+                frequency_hz=nominal,
+                skip_cycles=skip_cycles,
+                corrections={q: rule.correction for q, rule in rules.channels.items()},
             )
             reading = Reading(steady)
             first = {q: next(iter(blocks())) for q, blocks in channels.items()}

@@ -45,9 +45,10 @@ def whole_oscillator(lines: Sequence[Lines], k: float, m: float | None = None) -
     The records tell the mass by themselves, nearly as well as a balance: one that contradicts them is left out.
     """
     chi_square, freedom = linear_misfit(lines, k)
-    fit = fit_oscillator(lines, k)
+    slips = improbable(chi_square, freedom, lines)
+    fit = fit_oscillator(lines, k, thorough=slips)
     explained = 0.0 if fit is None else chi_square - fit.chi_square
-    linear = explained < _SHOWS and not improbable(chi_square, freedom, lines)
+    linear = explained < _SHOWS and not slips
     if fit is None or linear:
         return Whole(fit, linear, None, m)
     known = None if m is None else with_mass(fit, m)

@@ -22,7 +22,9 @@ from .loading import Loaded, load
 from .outputs import FIGURES
 from .result import Identification
 
-_FEW = 20  # records, whose orbits take less time in Python than Numba takes to load
+_INTERPRETED = (
+    200_000.0  # calls of kernels, which take no more time in Python than Numba takes to load
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +77,7 @@ def identify_files(
     named = [Path(path) for path in paths]
     _require_different(named)
     chosen = {name: APPROACHES[name] for name in APPROACHES if not approaches or name in approaches}
-    with interpreted(len(named) <= _FEW):  # whatever was compiled before: the last bits may differ
+    with interpreted(calls=_INTERPRETED):  # whatever was compiled before: the last bits may differ
         records = tuple(
             load(
                 path,
@@ -158,7 +160,7 @@ def write_figures(run: IdentificationRun, folder: str | Path) -> None:
     from . import drawing
 
     alt = drawing.alternative_texts(run.result)
-    with interpreted(len(run.records) <= _FEW):
+    with interpreted(calls=_INTERPRETED):
         figures = (
             drawing.cycles(run.records),
             drawing.loops(run.records, run.result),

@@ -7,6 +7,7 @@ offset is removed with what it adds to the harmonics. Harmonics are then turned 
     y_n = −a_n/(nω)²   of a base acceleration,      y_n = f_n/k   of a force,
     x_n = v_n/(inω)    of a velocity,               x_n = −a_n/(nω)²   of an acceleration,
 
+after what is known of a channel's gain, delay and filters was taken off them (`records/correction.py`);
 and those of several response channels are averaged, weighted by the inverse of their variances, harmonic by harmonic.
 """
 
@@ -15,18 +16,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
 from ..arrays import Array, Complexes, Mask
-from ..project.wording import visible
+from ..records.correction import Correction
 from ..records.errors import RecordError
-from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
+from ..records.measurement import EXCITATIONS, RESPONSES, Measurement
 from . import checks
 from .checks import weighted_mean
 from .cycles import CycleHarmonics, Samples, accumulate
 from .frequency import FEWEST_CYCLES, drive_frequency, frequency_offset
 from .one_thread import one_thread
+from .sampling import evenly_sampled, leading_samples, step_of
 
 SampleBlocks = Callable[[], Iterable[Samples]]
 
@@ -36,7 +39,7 @@ MOST_HARMONICS = {"displacement": 31, "velocity": 61, "acceleration": 91}
 _HARMONICS_OF_BASE = 9
 _LEADING = 1 << 18  # samples from which the drive frequency is first estimated
 _COMPARED = 1 << 12  # samples in which a copy of another channel shows
-_JITTER = 0.05  # of a step: times closer to an even grid than that are on it
+_FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest is noise
 _RELATIVE_FLOOR = 1e-9  # of the fundamental: rounding, below which noise cannot be told from it
 
 
@@ -51,7 +54,7 @@ class SteadyRecord:
     weights : usable cycles in each row.   X_error, Y_error : standard deviation of the real and of the imaginary part
     of the mean of each harmonic, m; infinite where no channel reaches.
     bandwidth : N, the highest odd harmonic that stands out of the noise.
-    channels : harmonics of each channel as measured, by quantity.
+    channels : harmonics of each channel, corrected, by quantity.
     noise_rms : of the samples, by quantity, in the unit of the channel.
     skew : by how much each response lags the first, s, as corrected (only where it is significant).
     warnings : what is wrong with the record, one sentence each.
@@ -104,10 +107,15 @@ def condition(
     warnings: list[str] = []
     blocks: dict[str, SampleBlocks] = {}
     for quantity in measurement:
-        channel = _evenly_sampled(measurement[quantity], measurement.source, warnings)
+        channel = evenly_sampled(measurement[quantity], measurement.source, warnings)
         blocks[quantity] = lambda block=(channel.t, channel.values): iter([block])  # type: ignore[misc]
     steady = condition_blocks(
-        measurement.source, blocks, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles
+        measurement.source,
+        blocks,
+        k,
+        frequency_hz=frequency_hz,
+        skip_cycles=skip_cycles,
+        corrections={q: measurement[q].correction for q in measurement},
     )
     return replace(steady, warnings=(*warnings, *steady.warnings))
 
@@ -120,14 +128,15 @@ def condition_blocks(
     *,
     frequency_hz: float | None = None,
     skip_cycles: int = 0,
+    corrections: Mapping[str, Correction | None] = MappingProxyType({}),
 ) -> SteadyRecord:
     """As `condition`, of channels that come in blocks: memory stays bounded however long the record is.
 
     channels : by quantity, a function that starts the blocks (t, values) of the channel from the beginning. It is
-    called twice: for the leading 262,144 samples, and for all.
+    called twice: for the leading 262,144 samples, and for all.   corrections : of their harmonics, by quantity.
     """
     try:
-        return _condition(source, channels, k, frequency_hz, skip_cycles)
+        return _condition(source, channels, k, frequency_hz, skip_cycles, corrections)
     except RecordError:  # names the file itself
         raise
     except ValueError as error:
@@ -140,11 +149,13 @@ def _condition(
     k: float,
     frequency_hz: float | None,
     skip_cycles: int,
+    corrections: Mapping[str, Correction | None],
 ) -> SteadyRecord:
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"the stiffness k must be positive, got {k} N/m")
     driving = next(q for q in EXCITATIONS if q in channels)
-    harmonics, warnings = _harmonics(channels, driving, frequency_hz, skip_cycles)
+    measured, warnings = _harmonics(channels, driving, frequency_hz, skip_cycles)
+    harmonics = {q: _corrected(q, h, corrections.get(q)) for q, h in measured.items()}
     base = harmonics[driving]
     weights = _common_weights(harmonics)
     warnings += _checked_cycles(harmonics, weights, base.omega)
@@ -182,7 +193,10 @@ def _condition(
         Y_error=Y_error,
         bandwidth=_bandwidth(mean_X, X_error),
         channels=harmonics,
-        noise_rms={q: _noise_rms(settled[q], weights, h) for q, h in harmonics.items()},
+        noise_rms={
+            q: _noise_rms(_settled(h, usable, times, weights, offset), weights, h)
+            for q, h in measured.items()
+        },
         skew=skew,
         warnings=tuple(warnings),
     )
@@ -193,10 +207,10 @@ def _harmonics(
 ) -> tuple[dict[str, CycleHarmonics], list[str]]:
     """The harmonics of every channel at the drive frequency of the leading part; warnings about that frequency."""
     leading = {
-        q: _leading(blocks(), _LEADING if q == driving else _COMPARED)
+        q: leading_samples(blocks(), _LEADING if q == driving else _COMPARED)
         for q, blocks in channels.items()
     }
-    steps = {q: _step(t if q == driving else t[:64], q) for q, (t, _) in leading.items()}
+    steps = {q: step_of(t if q == driving else t[:64], q) for q, (t, _) in leading.items()}
     omega, error = _drive_frequency(driving, leading[driving], steps[driving])
     for q, (_, values) in leading.items():
         if q != driving:
@@ -210,6 +224,30 @@ def _harmonics(
         q: accumulate(blocks(), omega, start=start, dt=steps[q], harmonics=counts[q])
         for q, blocks in channels.items()
     }, warnings
+
+
+def _corrected(
+    quantity: str, harmonics: CycleHarmonics, correction: Correction | None
+) -> CycleHarmonics:
+    """The harmonics as they were before gain, delay and filters of the channel, up to those that a filter leaves."""
+    if correction is None:
+        return harmonics
+    response = correction.response(harmonics.omega * np.arange(harmonics.coefficients.shape[1]))
+    passed = np.abs(response) > _FILTERED_OUT * correction.gain
+    if not passed[1]:
+        raise ValueError(
+            f"{quantity}: its filter leaves less than {_FILTERED_OUT:g} of the {harmonics.omega / (2.0 * math.pi):.4g} "
+            "Hz of the drive: check its corner or poles in the mapping"
+        )
+    count = passed.size if passed.all() else int(np.argmin(passed))
+    response = response[:count]
+    return replace(
+        harmonics,
+        coefficients=harmonics.coefficients[:, :count] / response,
+        # of an offset that drifts by one unit after the correction: the mean is divided by the gain, too
+        drift=harmonics.drift[:, :count] * (correction.gain / response),
+        span=harmonics.span / correction.gain,
+    )
 
 
 def _drive_frequency(driving: str, leading: Samples, step: float) -> tuple[float, float]:
@@ -254,56 +292,6 @@ def _settled(
     turn = np.exp(1j * np.outer(phase, np.arange(rows.shape[1])))
     settled: Complexes = _without_drift(rows, harmonics.drift, times, weights) * turn
     return settled
-
-
-def _evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Channel:
-    """The channel itself, or resampled by a cubic spline when its samples are unevenly spaced (gaps apart)."""
-    steps = np.diff(channel.t)
-    dt = float(np.median(steps))
-    odd = np.abs(steps / dt - np.round(steps / dt)) > 2.0 * _JITTER
-    if odd.mean() < 0.01:
-        return channel
-    from scipy.interpolate import CubicSpline  # rarely needed, slow to import
-
-    name = visible(channel.name)
-    if channel.t.size < 8:
-        raise ValueError(f"{source}: {name} has only {channel.t.size} samples")
-    gap = float(steps.max())
-    if gap > 20.0 * dt:
-        raise ValueError(
-            f"{source}: {name} is unevenly sampled and has a gap of {gap:.3g} s after "
-            f"{channel.t[int(np.argmax(steps))]:.6g} s; cut the record there"
-        )
-    spline = CubicSpline(channel.t, channel.values)
-    t = np.arange(channel.t[0], channel.t[-1], dt)
-    coarse = CubicSpline(channel.t[::2], channel.values[::2])(channel.t[1:-1:2])
-    error = float(np.sqrt(np.mean((coarse - channel.values[1:-1:2]) ** 2))) / 16.0
-    warnings.append(
-        f"{name}: unevenly sampled (steps of {steps.min():.3g} to {gap:.3g} s), resampled every {dt:.3g} s by "
-        f"a cubic spline; error about {error:.2g} {channel.unit} beside the noise"
-    )
-    return Channel(channel.quantity, t, spline(t), channel.name)
-
-
-def _leading(blocks: Iterable[Samples], count: int) -> Samples:
-    """The first samples of a channel, at least `count` of them if there are as many."""
-    leading = np.zeros((2, 0))
-    for block in blocks:
-        room = count - leading.shape[1]
-        leading = np.hstack([leading, [samples[:room] for samples in block]])
-        if leading.shape[1] >= count:
-            break
-    if not leading.size:
-        raise ValueError("a channel has no samples")
-    return leading[0], leading[1]
-
-
-def _step(t: Array, quantity: str) -> float:
-    """Sampling interval, s: the mean over the steps that are no gaps."""
-    if t.size < 3:
-        raise ValueError(f"{quantity} has only {t.size} samples")
-    steps = np.diff(t)
-    return float(np.mean(steps[np.abs(steps - np.median(steps)) < 0.5 * np.median(steps)]))
 
 
 def _harmonics_of(quantity: str, per_cycle: float) -> int:

@@ -200,13 +200,14 @@ class Waveform:
         return 2.0 * self.fit.F_k * (self.fit.rho + NORMAL_95 * self.fit.error("rho")) ** 2
 
 
-def fit_oscillator(lines: Sequence[Lines], k: float) -> Fit | None:
+def fit_oscillator(lines: Sequence[Lines], k: float, *, thorough: bool = True) -> Fit | None:
     """The oscillator of largest likelihood; None where no oscillator that slips responds like the records.
 
-    lines : of n ≥ 1 records.   k : stiffness, N/m.
+    lines : of n ≥ 1 records.   k : stiffness, N/m.   thorough : whether more and more starts are tried until one leads
+    to an oscillator that the records may be of.
     """
     best: Fit | None = None
-    for wide in (False, True):
+    for wide in (False, True)[: 1 + thorough]:
         for F_k, c, K_z, m in starts(lines, k, wide=wide)[: _STARTS[wide]]:
             start = np.array([F_k, c, K_z**-0.5, m, 0.0])
             reached = _climbed(lines, k, start, {"delay"}, _SOFTENING)

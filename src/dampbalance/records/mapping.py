@@ -10,17 +10,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import cmath
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from .correction import Correction
 from .errors import RecordError, library
 from .units import UnitError, unit_for
 
 SCHEMA = Path(__file__).with_name("mapping.schema.yaml")
 FOLDER_FILE = "channels.yaml"
+
+_CORRECTED = ("delay", "gain", "low_pass", "high_pass")
 
 Which = str | int
 """A channel by its name, or by its number counted from 1."""
@@ -31,6 +37,7 @@ class ChannelRule:
     """The channel of a quantity: value in SI = sign · scale · reading · (the unit in SI).
 
     unit : of scale · reading, None for what the file says.   time : its own time channel, None for the common one.
+    correction : of its harmonics; None for none.
     """
 
     channel: Which
@@ -38,6 +45,7 @@ class ChannelRule:
     scale: float = 1.0
     sign: int = 1
     time: Which | None = None
+    correction: Correction | None = None
 
 
 @dataclass(frozen=True)
@@ -121,10 +129,15 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
         keys["delimiter"] = keys["delimiter"].replace("\\t", "\t")
     if "level" in keys:
         keys["level"] = str(keys["level"])
-    rules = {quantity: ChannelRule(**rule) for quantity, rule in channels.items()}
+    rules = {quantity: _rule(rule) for quantity, rule in channels.items()}
     return RecordMapping(
         source, MappingProxyType(rules), time.get("channel"), time.get("unit"), **keys
     )
+
+
+def _rule(told: Mapping[str, Any]) -> ChannelRule:
+    plain = {key: value for key, value in told.items() if key not in _CORRECTED}
+    return ChannelRule(**plain, correction=_correction(told))
 
 
 def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | int, ...], str]]:
@@ -141,6 +154,9 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
                 unit_for(rule["unit"], str(key[-1]))
             except UnitError as error:
                 yield (*key, "unit"), str(error)
+    for quantity, rule in channels.items():
+        for part, problem in _wrong_correction(rule):
+            yield ("channels", quantity, part), problem
     holder: dict[str | int, str] = {}
     for quantity, rule in channels.items():
         other = holder.setdefault(rule["channel"], quantity)
@@ -149,3 +165,51 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
             yield ("channels", quantity, "channel"), problem
     if document.get("delimiter") == "," == document.get("decimal"):
         yield ("decimal",), "the same as the delimiter; a file has two different marks"
+
+
+def _correction(rule: Mapping[str, Any]) -> Correction | None:
+    """The correction that the rule of a channel tells, None for none."""
+    if not any(key in rule for key in _CORRECTED):
+        return None
+    low, high = (tuple(_poles(rule.get(key, {}))) for key in ("low_pass", "high_pass"))
+    return Correction(float(rule.get("gain", 1.0)), _seconds(rule.get("delay", 0.0)), low, high)
+
+
+def _wrong_correction(rule: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """(key, sentence) for what the schema cannot say of the correction in a rule."""
+    try:
+        _seconds(rule.get("delay", 0.0))
+    except UnitError as error:
+        yield "delay", str(error)
+    for key in ("low_pass", "high_pass"):
+        told = rule.get(key, {})
+        if key in rule and ("corner_hz" in told) == ("poles_rad_per_s" in told):
+            yield key, "needs corner_hz, with its order, or poles_rad_per_s: one of the two"
+        elif "order" in told and "corner_hz" not in told:
+            yield key, "order goes with corner_hz; poles_rad_per_s are as many as they are"
+
+
+def _seconds(delay: float | str) -> float:
+    """A delay in s: a number, or a text of a number and a unit of time. Raises UnitError."""
+    if not isinstance(delay, str):
+        return float(delay)
+    match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S+)\s*", delay)
+    if not match:
+        raise UnitError(
+            f"{delay!r} is no time: give s as a number, or a number and its unit, 200 µs"
+        )
+    return float(match[1]) * unit_for(match[2], "time").factor
+
+
+def _poles(told: Mapping[str, Any]) -> Iterator[complex]:
+    """The poles of a filter, rad/s."""
+    if "corner_hz" in told:
+        order = told.get("order", 1)
+        for j in range(order):
+            angle = math.pi * (2 * j + order + 1) / (2 * order)
+            yield 2.0 * math.pi * told["corner_hz"] * cmath.exp(1j * angle)
+    for pole in told.get("poles_rad_per_s", ()):
+        p = complex(*pole) if isinstance(pole, list) else complex(pole)
+        yield p
+        if p.imag:
+            yield p.conjugate()

@@ -13,6 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..arrays import Array
+from .correction import Correction
 from .limits import LARGEST_VALUE, LATEST
 
 EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
@@ -29,7 +30,7 @@ QUANTITIES = EXCITATIONS | RESPONSES
 class Channel:
     """One signal: read-only arrays t (s) and values (SI unit of its quantity), shape (n,), n ≥ 2.
 
-    name : what the file calls it, for messages.
+    name : what the file calls it, for messages.   correction : that its harmonics need yet; None for none.
 
     Raises ValueError naming the channel: unknown quantity, unequal lengths, a value that is not finite or beyond all
     bounds (`limits.py`), times that do not increase.
@@ -39,6 +40,7 @@ class Channel:
     t: Array
     values: Array
     name: str = ""
+    correction: Correction | None = None
 
     def __post_init__(self) -> None:
         if self.quantity not in QUANTITIES:

@@ -53,6 +53,12 @@ def write(
         )
     if path.suffix.lower() not in FORMATS["matlab" if name == MATLAB_73 else name].suffixes:
         raise RecordError(f"{path}: its suffix does not fit the format {name}")
+    corrected = [q for q in measurement if measurement[q].correction]
+    if corrected:
+        raise RecordError(
+            f"{path}: cannot hold that the {corrected[0]} is to be corrected for gain, delay or filters; keep the "
+            "original with its mapping"
+        )
     mapping = _wav_mapping(path, measurement) if name == "wav" else None
     with replacing(path) as temporary:
         _WRITERS[name](temporary, measurement)

@@ -23,7 +23,13 @@ def found(request):
     channels = ("base_displacement", "displacement", "acceleration")
     records = [
         measured_orbit(
-            orbit, rate_hz=2000.0, cycles=25.0, noise=0.001, seed=rng, channels=channels, source=name
+            orbit,
+            rate_hz=2000.0,
+            cycles=25.0,
+            noise=0.001,
+            seed=rng,
+            channels=channels,
+            source=name,
         )
         for name, orbit in zip("abc", orbits_at(request.param, (0.004, 0.008, 0.012)), strict=True)
     ]

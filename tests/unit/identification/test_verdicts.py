@@ -12,11 +12,7 @@ import pytest
 from dampbalance.balance import Rows
 from dampbalance.identification.limits import Limit, limits, shown
 from dampbalance.identification.oscillator import Whole
-from dampbalance.identification.result import (
-    ApproachResult,
-    Interval,
-    ParameterEstimate,
-)
+from dampbalance.identification.result import ApproachResult, Interval, ParameterEstimate
 from dampbalance.identification.verdicts import in_one, verdicts_of
 from dampbalance.project.wording import listed, times
 

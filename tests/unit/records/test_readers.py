@@ -114,6 +114,7 @@ LAYOUTS = {
 }  # fmt: skip
 
 
+@pytest.mark.filterwarnings("ignore:.*channels not used")
 @pytest.mark.parametrize("text", LAYOUTS.values(), ids=LAYOUTS)
 @pytest.mark.parametrize("suffix", [".csv", ".txt"])
 def test_text_layouts(tmp_path, text, suffix):
@@ -363,13 +364,15 @@ def refused(path, match, mapping=None):
         ("\n \n", r"is empty"),
         ("time [s],base [mm],acc [g]\n", r"holds no rows of at least two numbers"),
         ("Dear reader,\nthere is nothing here.\n", r"holds no rows of at least two numbers"),
-        ("2021-05-04 10:00:00,1,2\n2021-05-04 10:00:01,2,2\n", r"dates and other texts are not read"),
+        ("2021-05-04 10:00:00,1,2\n2021-05-04 10:00:01,2,2\n", r"finds no excitation"),
+        ("time,y [m],x [m]\n" + "4.5.2021 10:00,1,2\n" * 3, r"'time': '4\.5\.2021 10:00' is a date that can be read in sev"),
+        ("time,y [m],x [m]\n" + "monday,1,2\n" * 3, r"texts are not read, nor dates but as 2026-03-01T12"),
         (HEADER + "0.0,1.0,2.0\n0.001,2.0,3.0\n", r"has 2 samples"),
         (HEADER.replace("[g]", "[gee]") + rows(), r"'acc': unknown unit 'gee'.*known for acceleration"),
         (HEADER.replace("[g]", "[mm/s]") + rows(), r"'mm/s' is a unit of velocity, but acceleration needs"),
-        (HEADER.replace("[g]", "") + rows(), r"'acc' has no unit; write channels\.acceleration\.unit into .*csv\.yaml"),
-        (HEADER.replace("[s]", "") + rows(), r"'time' has no unit; write time: \{channel"),
-        ("base [mm],acc [g]\n" + rows(columns=(Y, A)), r"has no times.*write sample_rate_hz"),
+        (HEADER.replace("[g]", "") + rows(), r"'acc' has no unit\. Give it in .*csv\.yaml, for"),
+        (HEADER.replace("[s]", "") + rows(), r"(?s)'time' has no unit\. Give it in .*time: \{channel: time, unit: s\}"),
+        ("base [mm],acc [g]\n" + rows(columns=(Y, A)), r"has no times.*or sample_rate_hz: 1000"),
         (HEADER.replace("acc", "y") + rows(), r"takes both 'base displacement' and 'y' for base_displacement"),
         ("time [s],y [mm],force [N],x [m]\n" + rows(columns=(T, Y, A, A)), r"finds base_displacement and force"),
         (HEADER.replace("acc", "sensor") + rows(), r"finds no response"),
@@ -388,9 +391,72 @@ def test_channels_that_cannot_be_told_apart(tmp_path):
     message = refused(path, r"finds no excitation")
     assert "1 'CH0 [s]', 2 'CH1 [mm]', 3 'CH2 [g]'" in message
     assert f"Say which is which in {path}.yaml, for example" in message
-    # What it shows is a mapping, once the blanks are filled in.
-    example = message.split("for example\n")[1].replace("…", "1000")
-    mapping_from(yaml.safe_load(example.replace("unit: s}", "unit: m}")))
+    assert read(path, told(message)).excitation.name == "CH1"
+
+
+def told(message: str) -> dict[str, object]:
+    """The mapping that a message shows."""
+    return yaml.safe_load(message.split("for example\n")[1])
+
+
+@pytest.mark.parametrize(
+    ("header", "chosen"),
+    [
+        ("T1 [s],a,b", {"base_displacement": "a", "displacement": "b"}),
+        ("time,base [mm],acc [g]", {"base_displacement": "base", "acceleration": "acc"}),
+        ("time [s],base [mm],acc", {"base_displacement": "base", "acceleration": "acc"}),
+        ("time [s],base [mm],other [V]", {"base_displacement": "base", "displacement": "other"}),
+        ("acc,no,yes", {"base_displacement": "no", "displacement": "yes", "acceleration": "acc"}),
+        (
+            "time [s],acc [g],pick-up: 2 [g]",
+            {"base_acceleration": "pick-up: 2", "acceleration": "acc"},
+        ),
+        ("time [s],load [N],CH [m/s²]", {"force": "load", "acceleration": "CH"}),
+        ("time [s],x [mm],CH [m/s²]", {"base_acceleration": "CH", "displacement": "x"}),
+        ("time [s],y [mm],force [N],x [mm]", {"base_displacement": "y", "displacement": "x"}),
+        ("time [s],laser [mm],laser [mm]", {"base_displacement": "laser", "displacement": "laser"}),
+        ("a [in],time [ms],b [g]", {"base_displacement": "a", "acceleration": "b"}),
+    ],
+)
+def test_a_mapping_that_a_message_shows_is_complete_and_read(tmp_path, header, chosen):
+    path = tmp_path / "run.csv"
+    columns = [T * 1e3 if "[ms]" in label else T if label.lower().startswith("t") else s
+               for label, s in zip(header.split(","), (T, Y, A, Y + A), strict=False)]  # fmt: skip
+    path.write_text(header + "\n" + rows(columns=columns), encoding="utf-8")
+    with pytest.raises(RecordError) as error:
+        read(path)
+    measurement = read(path, told(str(error.value)))
+    assert {q: measurement[q].name for q in measurement} == chosen
+
+
+def test_a_mapping_that_a_message_shows_for_a_matrix_is_read(tmp_path):
+    path = tmp_path / "run.h5"
+    with h5py.File(path, "w") as file:
+        file["signals"] = np.column_stack([Y, A, Y + A])
+    message = refused(path, r"finds no excitation")
+    measurement = read(path, told(message))
+    for quantity, values in zip(
+        ("base_displacement", "displacement", "velocity"), (Y, A, Y + A), strict=True
+    ):
+        np.testing.assert_array_equal(measurement[quantity].values, values)
+
+
+def test_nothing_is_shown_where_no_mapping_would_do(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text("time [s],base [mm]\n" + rows(columns=(T, Y)))
+    message = refused(path, r"finds no response; .* or name the file of each in .*run\.csv\.yaml$")
+    assert "for example" not in message
+
+
+def test_channels_that_are_not_used_are_listed(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text("time [s],base [mm],acc [g],CH 4 [V],t2 [s]\n" + rows(columns=(T, Y, A, Y, T)))
+    with pytest.warns(
+        RecordWarning, match=r"csv: channels not used: 'CH 4 \[V\]'; say in .*yaml what they hold"
+    ):
+        assert set(read(path)) == {"base_displacement", "acceleration"}
+    named = {"base_displacement": {"channel": 2}, "acceleration": {"channel": 3}}
+    read(path, {"channels": named})  # on purpose
 
 
 @pytest.mark.parametrize(

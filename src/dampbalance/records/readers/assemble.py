@@ -24,6 +24,7 @@ from ..limits import (
 from ..measurement import QUANTITIES, Channel, Measurement
 from .plan import Pick
 from .record_file import RecordFile, times
+from .rounded import in_equal_steps
 
 _GAP = 1.5  # steps
 _BITS = (8, 16, 24, 32, 64)  # of the integers that converters and files have
@@ -63,7 +64,7 @@ def whole(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST) -> Me
                 f"{file.path}: channel {first.name!r} has {columns[first.index].size} samples, {pick.name!r} has "
                 f"{columns[pick.index].size}; channels that share their times have equal lengths"
             )
-        stretch = Stretch(file, pick)
+        stretch = Stretch(file, pick, entire=True)
         channels.append(stretch.channel(samples))
         stretch.finish()
     return Measurement.of(str(file.path), channels)
@@ -99,10 +100,14 @@ def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int = LARGEST) -
 
 @dataclass
 class Stretch:
-    """A channel as far as it has come: number of samples, last time and step (s), lowest and highest value."""
+    """A channel as far as it has come: number of samples, last time and step (s), lowest and highest value.
+
+    entire : whether it comes in one piece; rounded times are then put in equal steps.
+    """
 
     file: RecordFile
     pick: Pick
+    entire: bool = False
     count: int = 0
     last: float | None = None
     step: float | None = None
@@ -125,13 +130,15 @@ class Stretch:
             t = times(pick.rate_hz, pick.start, self.count, values.size)
         else:
             t = self._in_si(pick.time, columns[pick.time], pick.time_factor, LATEST, "s")
+            if self.entire:
+                t = in_equal_steps(t, self._time_channel(pick.time))
             self._require_uniform(pick.time, t)
         self.count += values.size
         self.last = float(t[-1])
         self.low = min(self.low, float(values.min()))
         self.high = max(self.high, float(values.max()))
         try:
-            return Channel(pick.quantity, t, signal, pick.name)
+            return Channel(pick.quantity, t, signal, pick.name, pick.correction)
         except ValueError as error:
             raise RecordError(f"{self.file.path}: {error}") from None
 
@@ -191,8 +198,11 @@ class Stretch:
             "with a wider range"
         )
 
+    def _time_channel(self, index: int) -> str:
+        return f"{self.file.path}: time channel {self.file.channels[index].name!r}"
+
     def _require_uniform(self, index: int, t: Array) -> None:
-        where = f"{self.file.path}: time channel {self.file.channels[index].name!r}"
+        where = self._time_channel(index)
         line = t if self.last is None else np.concatenate([[self.last], t])
 
         def place(i: int) -> str:

@@ -8,13 +8,14 @@ import itertools
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..errors import RecordError
 from ..mapping import RecordMapping
 from ..units import find_unit, split_label
 from .record_file import RawChannel
+from .stamps import is_date, is_stamp
 
 WHITESPACE = "whitespace"
 
@@ -69,8 +70,10 @@ class Layout:
         return bool(_NUMBER[self.decimal].fullmatch(cell)) or cell.lower() in _MISSING
 
 
-def layout_of(path: Path, mapping: RecordMapping) -> Layout:
+def layout_of(path: Path, mapping: RecordMapping, single: bool = False) -> Layout:
     """The layout of a text file, from its first lines and from what the mapping says about it.
+
+    single : whether one column is enough, without times.
 
     Raises RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows.
     """
@@ -85,15 +88,24 @@ def layout_of(path: Path, mapping: RecordMapping) -> Layout:
     comment = next((mark for mark in first_marks if mark in _COMMENTS), "#")
     fits = [
         (fit, delimiter, decimal)
+        for least in (2, 1)[: 1 + single]
         for delimiter in ([mapping.delimiter] if mapping.delimiter else _DELIMITERS)
         for decimal in (mapping.decimal or ".,")
         if decimal != delimiter
-        if (fit := _first_row(lines, delimiter, decimal, comment, mapping.header_lines))
+        if (fit := _first_row(lines, delimiter, decimal, comment, mapping.header_lines, least))
     ]
     if not fits:
         raise RecordError(_no_rows(path, lines, comment, mapping))
-    (_, header, width), delimiter, decimal = max(fits, key=lambda fit: fit[0][0])
-    columns = _columns(path, lines[:header], delimiter, comment, width)
+    (_, header, width), delimiter, decimal = max(fits, key=lambda fit: (fit[0][2] > 1, fit[0][0]))
+    columns = columns_of(path, lines[:header], delimiter, comment, width)
+    first = next(filter(None, (cells_of(line, delimiter, comment) for line in lines[header:])), [])
+    columns = tuple(
+        replace(raw, unit="s", stamps=True)
+        if is_stamp(cell) or (is_date(cell) and ":" in cell)
+        else raw
+        for raw, cell in itertools.zip_longest(columns, first[:width], fillvalue="")
+        if isinstance(raw, RawChannel)
+    )
     length = sum(map(len, lines[header:])) / max(1, len(lines) - header)
     rows = round(path.stat().st_size / max(1.0, length))
     ended = _ends_in_line_end(path)
@@ -126,12 +138,17 @@ def _split(line: str, delimiter: str) -> list[str]:
 
 
 def _first_row(
-    lines: Sequence[str], delimiter: str, decimal: str, comment: str, header: int | None
+    lines: Sequence[str],
+    delimiter: str,
+    decimal: str,
+    comment: str,
+    header: int | None,
+    least: int,
 ) -> tuple[int, int, int] | None:
     """How many rows fit these marks, the line (counted from 0) of the first one, and its number of cells.
 
-    None where no line does. A row has at least two cells, a number in one and a number or nothing in the others; empty
-    ones at its end do not count.
+    None where no line does. A row has at least so many cells, a number in one and a number, a time or nothing in the
+    others; empty ones at its end do not count.
     """
     number = _NUMBER[decimal]
 
@@ -139,7 +156,8 @@ def _first_row(
         """Number of cells, and of those up to the last that is not empty; (0, 0) for no row."""
         cells = cells_of(line, delimiter, comment)
         others = [cell for cell in cells if not number.fullmatch(cell)]
-        if not 2 <= len(cells) > len(others) or {cell.lower() for cell in others} - _MISSING:
+        texts = {cell for cell in others if not is_stamp(cell) and not is_date(cell)}
+        if not least <= len(cells) > len(others) or {cell.lower() for cell in texts} - _MISSING:
             return 0, 0
         return len(cells), max(i for i, cell in enumerate(cells, start=1) if cell)
 
@@ -153,10 +171,10 @@ def _first_row(
     usual = max(counts, key=lambda cells: (counts[cells], cells))
     # A delimiter at the end of every row makes no column; a shorter channel's empty cells do.
     width = max(filled for cells, filled in sizes if cells == usual)
-    return (counts[usual], start, width) if width >= 2 else None
+    return (counts[usual], start, width) if width >= least else None
 
 
-def _columns(
+def columns_of(
     path: Path, header: Sequence[str], delimiter: str, comment: str, width: int
 ) -> tuple[RawChannel, ...]:
     """Names and units from the last lines of the header that have as many cells as the rows."""
@@ -217,8 +235,8 @@ def _no_rows(path: Path, lines: Sequence[str], comment: str, mapping: RecordMapp
     skipped = mapping.header_lines
     where = "" if skipped is None else f" after {skipped} header lines"
     return (
-        f"{path}: holds no rows of at least two numbers{where}; dates and other texts are not read: export the "
-        "times in seconds, or say delimiter, decimal and header_lines in a mapping"
+        f"{path}: holds no rows of at least two numbers{where}; texts are not read, nor dates but as "
+        "2026-03-01T12:00:00.5: export the times in seconds, or say delimiter, decimal and header_lines in a mapping"
     )
 
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ...project.wording import shortened
-from ..errors import RecordError
+from ..correction import Correction
+from ..errors import RecordError, RecordWarning
 from ..mapping import ChannelRule, RecordMapping, Which
 from ..measurement import EXCITATIONS, QUANTITIES, RESPONSES
-from ..units import UnitError, find_unit, unit_for
+from ..units import DIMENSIONS, UnitError, find_unit, unit_for
 from .record_file import RawChannel, RecordFile
 
 NAMES = {
@@ -24,9 +26,21 @@ NAMES = {
 }
 """Names by which a channel is recognised without a mapping, in lower case; blanks and hyphens count as "_"."""
 
+_WORDS = (
+    "y",
+    "n",
+    "yes",
+    "no",
+    "on",
+    "off",
+    "true",
+    "false",
+    "null",
+)  # which YAML takes for others
 _LISTED = 20  # channels, in a message
 _QUANTITIES = {name: quantity for quantity, names in NAMES.items() for name in names}
-_TIME = re.compile(r"(time|zeit|t)(_?\d+)?")
+_TIME = re.compile(r"(time|zeit|t|time_?stamps?|date_?time)(_?\d+)?")
+_DRIVING = {"displacement": "base_displacement", "acceleration": "base_acceleration"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +48,7 @@ class Pick:
     """One quantity of the record: value in SI = factor · what channel `index` holds.
 
     time : index of its time channel, None for equal steps at `rate_hz` from `start` (s) on; time_factor : seconds per
-    unit of that channel.
+    unit of that channel.   correction : that its harmonics need.
     """
 
     quantity: str
@@ -45,6 +59,7 @@ class Pick:
     time_factor: float = 1.0
     rate_hz: float = 0.0
     start: float = 0.0
+    correction: Correction | None = None
 
 
 def picks_of(file: RecordFile, mapping: RecordMapping) -> tuple[Pick, ...]:
@@ -65,7 +80,10 @@ def picks_of(file: RecordFile, mapping: RecordMapping) -> tuple[Pick, ...]:
         raise plan.unclear(f"finds {' and '.join(driving) or 'no excitation'}")
     if not any(q in chosen for q in RESPONSES):
         raise plan.unclear("finds no response")
-    return tuple(plan.pick(q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
+    picks = tuple(plan.pick(q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
+    if not mapping.channels:
+        plan.tell_unused(picks)
+    return picks
 
 
 class _Plan:
@@ -82,8 +100,12 @@ class _Plan:
     def pick(self, quantity: str, index: int, rule: ChannelRule) -> Pick:
         """The pick of a channel with the times that the mapping or the file gives it."""
         raw = self.channels[index]
+        if raw.stamps:
+            raise RecordError(
+                f"{self.path}: channel {shortened(raw.name)} holds points in time, no {quantity}; give another"
+            )
         factor = rule.sign * rule.scale * self.unit(raw, rule.unit, quantity)
-        pick = Pick(quantity, index, raw.name, factor)
+        pick = Pick(quantity, index, raw.name, factor, correction=rule.correction)
         if self.mapping.sample_rate_hz is not None:
             return replace(pick, rate_hz=self.mapping.sample_rate_hz)
         if rule.time is not None:
@@ -97,7 +119,8 @@ class _Plan:
         else:
             raise RecordError(
                 f"{self.path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives "
-                f"no sampling rate; write sample_rate_hz, or time, into {self.where}"
+                f"no sampling rate; write time: {{channel: 1, unit: s}}, or sample_rate_hz: 1000, as recorded, into "
+                f"{self.where}"
             )
         if time == index:
             raise RecordError(f"{self.path}: channel {raw.name!r} cannot be its own time")
@@ -124,9 +147,26 @@ class _Plan:
         key = names[index]
         own = {f"{key}_time", f"time_{key}", f"time_of_{key}", f"t_{key}", f"{key}_t"}
         named = [i for i, name in enumerate(names) if name in own]
-        times = [i for i, name in enumerate(names) if _TIME.fullmatch(name)]
+        times = [i for i, raw in enumerate(self.channels) if _named_time(raw)]
         before = [i for i in times if i < index]
         return next(iter(named or before[-1:] or times), None)
+
+    def tell_unused(self, picks: Sequence[Pick]) -> None:
+        """Warn of signals that no name told apart; a mapping that names channels leaves the others out on purpose."""
+        used = {i for pick in picks for i in (pick.index, pick.time)}
+        names = [
+            shortened(_full(raw))
+            for i, raw in enumerate(self.channels)
+            if i not in used and not _tells_time(raw)
+        ]
+        if names:
+            more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
+            warnings.warn(
+                f"{self.path}: channels not used: {', '.join(names[:_LISTED])}{more}; say in {self.where} what they "
+                "hold, if it is needed",
+                RecordWarning,
+                stacklevel=2,
+            )
 
     def find(self, which: Which, key: str) -> int:
         """The channel of that name or number."""
@@ -159,50 +199,97 @@ class _Plan:
         text = given or raw.unit
         channel = f"{self.path}: channel {shortened(raw.name)}"
         if text is None:
-            timed = quantity == "time"
-            key = "time: {channel: …, unit: …}" if timed else f"channels.{quantity}.unit"
-            raise RecordError(f"{channel} has no unit; write {key} into {self.where}")
+            raise RecordError(f"{channel} has no unit. {self.suggested('Give it')}")
         try:
             return unit_for(text, quantity).factor
         except UnitError as error:
             raise RecordError(f"{channel}: {error}") from None
 
-    def which(self, raw: RawChannel) -> str:
-        """A channel as a mapping names it: by its name, or by its number where that is long."""
-        return _yaml(raw.name) if len(raw.name) <= 60 else str(self.channels.index(raw) + 1)
-
     def unclear(self, what: str) -> RecordError:
         """The error for channels that cannot be told apart, with what to write."""
-        signals = [raw for raw in self.channels if not _TIME.fullmatch(_key(raw.name))]
-        examples = zip(
-            ("base_displacement", "displacement"), [*signals, *self.channels], strict=False
-        )
-        lines = [
+        return RecordError(
             f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)} and at least one of {', '.join(RESPONSES)}."
-            f" Its channels are {self.overview}. Say which is which in {self.where}, for example",
-            "  channels:",
-            *(
-                f"    {q}: {{channel: {self.which(c)}, unit: {_known(c.unit)}}}"
-                for q, c in examples
-            ),
-        ]
-        if len(signals) == len(self.channels) and not any(raw.rate_hz for raw in signals):
-            lines.append("  sample_rate_hz: …")
-        return RecordError("\n".join(lines))
+            f" Its channels are {self.overview}. {self.suggested('Say which is which')}"
+        )
+
+    def suggested(self, what: str) -> str:
+        """What to write into the mapping: one that is complete, and holds for these channels if the guesses do."""
+        guesses = suggestion(self.channels)
+        if len(guesses) < 2:
+            return f"A record has two signals at least: give one that holds both, or name the file of each in {self.where}"
+        lines = [f"{what} in {self.where}, for example", "  channels:"]
+        for quantity, index in guesses.items():
+            own = find_unit(self.channels[index].unit or "")
+            fits = own is not None and own.dimension == DIMENSIONS[quantity]
+            unit = own.name if own and fits else QUANTITIES[quantity]
+            entry = f"    {quantity}: {{channel: {self.which(index)}, unit: {unit}}}"
+            lines.append(entry if fits else f"{entry}  # or as recorded")
+        times = [i for i, raw in enumerate(self.channels) if _tells_time(raw)]
+        first = times[0] if times else None
+        if first is None and not any(raw.rate_hz for raw in self.channels):
+            lines.append("  sample_rate_hz: 1000  # as recorded")
+        elif first is not None and not find_unit(self.channels[first].unit or ""):
+            lines.append(f"  time: {{channel: {self.which(first)}, unit: s}}  # or ms, µs")
+        elif first is not None and not _named_time(self.channels[first]):
+            lines.append(f"  time: {{channel: {self.which(first)}}}")
+        return "\n".join(lines)
+
+    def which(self, index: int) -> str:
+        """A channel as a mapping names it: by its name, or by its number where that is long or not its alone."""
+        name = self.channels[index].name
+        alone = [_key(raw.name) for raw in self.channels].count(_key(name)) == 1
+        return _yaml(name) if alone and len(name) <= 60 else str(index + 1)
+
+
+def suggestion(channels: Sequence[RawChannel]) -> dict[str, int]:
+    """Quantity → channel, a guess for every signal that there is room for: by names, then units, then their order.
+
+    One of EXCITATIONS and at least one of RESPONSES, if there are two signals at all.
+    """
+    signals = [i for i, raw in enumerate(channels) if not _tells_time(raw)]
+    by_name = {i: _QUANTITIES.get(_key(channels[i].name)) for i in signals}
+    units = {i: find_unit(channels[i].unit or "") for i in signals}
+    dimensions = {i: unit.dimension for i, unit in units.items() if unit}
+    # those whose name says what they are go first; a channel whose unit is of nothing here fits nowhere
+    order = sorted(signals, key=lambda i: by_name[i] is None)
+    chosen: dict[str, int] = {}
+    for i in order:
+        driven = any(q in chosen for q in EXCITATIONS)
+        fitting = [q for q in QUANTITIES if dimensions.get(i) in (None, DIMENSIONS[q])]
+        wanted = [by_name[i], *fitting]
+        room = (q for q in wanted if q and q not in chosen and not (driven and q in EXCITATIONS))
+        if (quantity := next(room, None)) is not None:
+            chosen[quantity] = i
+    if chosen and not any(q in chosen for q in EXCITATIONS):  # one of the responses must drive
+        for response, excitation in _DRIVING.items():
+            if response in chosen:
+                chosen[excitation] = chosen.pop(response)
+                break
+    return {q: chosen[q] for q in QUANTITIES if q in chosen}
+
+
+def _named_time(raw: RawChannel) -> bool:
+    return raw.stamps or _TIME.fullmatch(_key(raw.name)) is not None
+
+
+def _tells_time(raw: RawChannel) -> bool:
+    """Whether a channel holds times, by its name or unit."""
+    unit = find_unit(raw.unit or "")
+    return _named_time(raw) or (unit is not None and unit.dimension == "time")
 
 
 def _full(raw: RawChannel) -> str:
     return f"{raw.name} [{raw.unit}]" if raw.unit else raw.name
 
 
-def _known(unit: str | None) -> str:
-    return unit if unit and find_unit(unit) else "…"
-
-
 def _yaml(name: str) -> str:
     """The name as YAML takes it."""
     plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name)
-    return name if plain else json.dumps(name, ensure_ascii=not name.isprintable())
+    return (
+        name
+        if plain and name.lower() not in _WORDS
+        else json.dumps(name, ensure_ascii=not name.isprintable())
+    )
 
 
 def _key(name: str) -> str:

@@ -37,6 +37,7 @@ class RawChannel:
     name : without its unit.   label : with it, as it stands there.   unit : as spelt there, or None.
     size : number of samples, or None if only reading tells.
     rate_hz : samples per second, or None if the file does not say.   start : time of its first sample, s.
+    stamps : whether it holds points in time, or spans of it; read as s from the first on.
     """
 
     name: str
@@ -45,6 +46,7 @@ class RawChannel:
     rate_hz: float | None = None
     start: float = 0.0
     label: str = ""
+    stamps: bool = False
 
 
 class RecordFile(ABC):

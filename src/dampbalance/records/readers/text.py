@@ -16,6 +16,7 @@ from ..errors import RecordError, RecordWarning
 from ..mapping import RecordMapping
 from .layout import LONGEST_LINE, WHITESPACE, layout_of
 from .record_file import RecordFile
+from .stamps import Clock, is_date, is_stamp
 
 _AT_ONCE = 4_000_000  # cells that are parsed at once, wanted or not
 _SMALL = 4_000_000  # bytes of a file that NumPy parses in less time than pandas takes to import
@@ -24,8 +25,8 @@ _SMALL = 4_000_000  # bytes of a file that NumPy parses in less time than pandas
 class TextFile(RecordFile):
     """A delimited text file; `layout.py` finds out its delimiter, decimal mark, header and columns."""
 
-    def __init__(self, path: Path, mapping: RecordMapping) -> None:
-        self.path, self.layout = path, layout_of(path, mapping)
+    def __init__(self, path: Path, mapping: RecordMapping, single: bool = False) -> None:
+        self.path, self.layout = path, layout_of(path, mapping, single)
         self.channels = self.layout.columns
 
     def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
@@ -53,14 +54,16 @@ class TextFile(RecordFile):
 
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
         layout = self.layout
+        stamped = [i for i in wanted if self.channels[i].stamps]
         try:
+            clocks = self._clocks(stamped)
             with (
                 _bounded(self.path, layout.encoding) as stream,
                 pd.read_csv(
                     stream,
                     chunksize=min(size, max(1, _AT_ONCE // len(self.channels))),
                     header=None,
-                    dtype=dict.fromkeys(wanted, np.float64),
+                    dtype=dict.fromkeys(wanted, np.float64) | dict.fromkeys(stamped, str),
                     low_memory=False,
                     skiprows=layout.header_lines,
                     comment=layout.comment,
@@ -70,7 +73,12 @@ class TextFile(RecordFile):
                 ) as chunks,
             ):
                 for chunk in chunks:
-                    yield [chunk[i].to_numpy(dtype=np.float64) for i in wanted]
+                    yield [
+                        clocks[i].seconds(chunk[i])
+                        if i in clocks
+                        else chunk[i].to_numpy(dtype=np.float64)
+                        for i in wanted
+                    ]
         except _LongLine:
             raise RecordError(self._complaint(wanted, "a line has no end")) from None
         except (ValueError, OverflowError) as error:  # pandas' own errors are ValueErrors
@@ -98,6 +106,11 @@ class TextFile(RecordFile):
             return None
         return table if table.shape[1] == len(self.channels) else None
 
+    def _clocks(self, stamped: Sequence[int]) -> dict[int, Clock]:
+        """For each of these columns, what reads its times."""
+        _, first = next(self.layout.rows(self.path))
+        return {i: Clock(first[i]) for i in stamped}
+
     def place(self, channel: int, sample: int) -> str:
         """The line of a row, counted from 1."""
         row = next(itertools.islice(self.layout.rows(self.path), sample, None), None)
@@ -113,12 +126,17 @@ class TextFile(RecordFile):
                     "or cut the file before it"
                 )
             for i in wanted:
-                cell = cells[i]
-                if not self.layout.is_readable(cell):
-                    return (
-                        f"{self.path}: line {number}, column {self.channels[i].name!r}: {shortened(cell)} is not a "
-                        "number"
+                cell, time = cells[i], self.channels[i].stamps
+                if is_stamp(cell) if time else self.layout.is_readable(cell):
+                    continue
+                what = "is not a time" if time else "is not a number"
+                if is_date(cell):
+                    what = (
+                        "is a date that can be read in several ways: write 2026-03-01T12:00:00.5, or give "
+                        "sample_rate_hz instead"
                     )
+                name = shortened(self.channels[i].name)
+                return f"{self.path}: line {number}, column {name}: {shortened(cell)} {what}"
         return f"{self.path}: cannot be read: {shortened(fallback, 200)[1:-1]}"
 
 
