@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,9 +23,8 @@ from .loading import Loaded, load
 from .outputs import FIGURES
 from .result import Identification
 
-_INTERPRETED = (
-    200_000.0  # calls of kernels, which take no more time in Python than Numba takes to load
-)
+_QUICK = 200_000  # calls of kernels, which take no more time in Python than Numba takes to load
+_MOST_SWINGS = 1000.0  # of the free oscillator in a cycle of the drive, or cycles in a swing: beyond it a unit is wrong
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +49,7 @@ class IdentificationRun:
         return reporting.document(self.result, __version__, self.options, self.files)
 
 
+@interpreted(calls=_QUICK)  # whatever was compiled before: the last bits may differ
 def identify_files(
     paths: Sequence[str | Path],
     k: float,
@@ -77,27 +78,27 @@ def identify_files(
     named = [Path(path) for path in paths]
     _require_different(named)
     chosen = {name: APPROACHES[name] for name in APPROACHES if not approaches or name in approaches}
-    with interpreted(calls=_INTERPRETED):  # whatever was compiled before: the last bits may differ
-        records = tuple(
-            load(
-                path,
-                k,
-                mapping=mapping,
-                frequency_hz=frequency_hz,
-                skip_cycles=skip_cycles,
-                largest=largest,
-            )
-            for path in named
-        )
-        result = identify(
-            [one.reading for one in records],
+    records = tuple(
+        load(
+            path,
             k,
-            approaches=chosen,
-            phase=phase,
-            mass=mass,
-            replicates=replicates,
-            seed=seed,
+            mapping=mapping,
+            frequency_hz=frequency_hz,
+            skip_cycles=skip_cycles,
+            largest=largest,
         )
+        for path in named
+    )
+    _require_possible(records, mass, k)
+    result = identify(
+        [one.reading for one in records],
+        k,
+        approaches=chosen,
+        phase=phase,
+        mass=mass,
+        replicates=replicates,
+        seed=seed,
+    )
     options = {
         "stiffness_N_per_m": k,
         "frequency_hz": frequency_hz,
@@ -139,6 +140,19 @@ def _require_different(paths: Sequence[Path]) -> None:
             raise ValueError(f"{visible(named)}: each record is one level")
 
 
+def _require_possible(records: Sequence[Loaded], mass: float | None, k: float) -> None:
+    """ValueError for a mass with which the oscillator would be a thousand times faster or slower than the drive."""
+    if mass is None:
+        return
+    for one in records:
+        swings = math.sqrt(k / mass) / one.reading.steady.omega
+        if not 1.0 / _MOST_SWINGS < swings < _MOST_SWINGS:
+            raise ValueError(
+                f"with k = {k:g} N/m and m = {mass:g} kg the oscillator swings {swings:.2g} times in a cycle of "
+                f"{one.path}: give the mass in kg and the stiffness in N/m, or leave out the mass"
+            )
+
+
 def write_results(run: IdentificationRun, folder: str | Path) -> None:
     """Write OUTPUTS to a folder: each complete or not at all; the same bytes for the same records."""
     write_figures(run, folder)
@@ -154,18 +168,18 @@ def write_tables(run: IdentificationRun, folder: str | Path) -> None:
     write_json(folder / "identification.json", run.document())
 
 
+@interpreted(calls=_QUICK)
 def write_figures(run: IdentificationRun, folder: str | Path) -> None:
     """Write PICTURES to a folder."""
     from ..figures.style import save  # slow to import, and needed for pictures only
     from . import drawing
 
     alt = drawing.alternative_texts(run.result)
-    with interpreted(calls=_INTERPRETED):
-        figures = (
-            drawing.cycles(run.records),
-            drawing.loops(run.records, run.result),
-            drawing.balance(run.result),
-        )
+    figures = (
+        drawing.cycles(run.records),
+        drawing.loops(run.records, run.result),
+        drawing.balance(run.result),
+    )
     with warnings.catch_warnings():  # a name in a script that the font lacks shows as boxes
         warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
         for name, figure in zip(FIGURES, figures, strict=True):
