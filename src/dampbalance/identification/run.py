@@ -12,16 +12,18 @@ from typing import Any
 from .. import __version__
 from ..balance import APPROACHES
 from ..features import Phase
+from ..motion.jit import interpreted
 from ..project.files import sha256, write_json, write_rows, write_text
 from ..project.wording import visible
 from ..records.limits import LARGEST
-from ..records.mapping import MappingLike, mapping_file
+from ..records.mapping import MappingLike, mapping_file, mapping_for, parts_of
 from . import reporting
 from .identify import REPLICATES, SEED, identify
 from .loading import Loaded, load
 from .outputs import FIGURES
 from .result import Identification
 
+_QUICK = 200_000  # calls of kernels, which take no more time in Python than Numba takes to load
 _MOST_SWINGS = 1000.0  # of the free oscillator in a cycle of the drive, or cycles in a swing: beyond it a unit is wrong
 
 
@@ -47,6 +49,7 @@ class IdentificationRun:
         return reporting.document(self.result, __version__, self.options, self.files)
 
 
+@interpreted(calls=_QUICK)  # whatever was compiled before: the last bits may differ
 def identify_files(
     paths: Sequence[str | Path],
     k: float,
@@ -113,9 +116,11 @@ def identify_files(
 
 
 def _digests(path: Path, mapping: MappingLike) -> dict[str, Any]:
-    """The SHA-256 digest of a record's file, and of the file that names its channels."""
+    """The SHA-256 digest of a record's file, of the file that names its channels, and of others that hold some."""
     file = mapping_file(path, mapping)
-    return {
+    others = [part for part in parts_of(path, mapping_for(path, mapping)) if part != path]
+    more = [{"file": str(part), "sha256": sha256(part)} for part in others]
+    return ({"others": more} if more else {}) | {
         "sha256": sha256(path),
         "mapping": None if file is None else {"file": str(file), "sha256": sha256(file)},
     }
@@ -139,7 +144,9 @@ def _require_different(paths: Sequence[Path]) -> None:
 
 def _require_possible(records: Sequence[Loaded], mass: float | None, k: float) -> None:
     """ValueError for a mass with which the oscillator would be a thousand times faster or slower than the drive."""
-    for one in records if mass is not None else ():
+    if mass is None:
+        return
+    for one in records:
         swings = math.sqrt(k / mass) / one.reading.steady.omega
         if not 1.0 / _MOST_SWINGS < swings < _MOST_SWINGS:
             raise ValueError(
@@ -163,6 +170,7 @@ def write_tables(run: IdentificationRun, folder: str | Path) -> None:
     write_json(folder / "identification.json", run.document())
 
 
+@interpreted(calls=_QUICK)
 def write_figures(run: IdentificationRun, folder: str | Path) -> None:
     """Write PICTURES to a folder."""
     from ..figures.style import save  # slow to import, and needed for pictures only
