@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,15 +12,19 @@ from typing import Any
 from .. import __version__
 from ..balance import APPROACHES
 from ..features import Phase
+from ..motion.jit import interpreted
 from ..project.files import sha256, write_json, write_rows, write_text
 from ..project.wording import visible
 from ..records.limits import LARGEST
-from ..records.mapping import MappingLike, mapping_file
+from ..records.mapping import MappingLike, mapping_file, mapping_for, parts_of
 from . import reporting
 from .identify import REPLICATES, SEED, identify
 from .loading import Loaded, load
 from .outputs import FIGURES
 from .result import Identification
+
+_QUICK = 200_000  # calls of kernels, which take no more time in Python than Numba takes to load
+_MOST_SWINGS = 1000.0  # of the free oscillator in a cycle of the drive, or cycles in a swing: beyond it a unit is wrong
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +49,7 @@ class IdentificationRun:
         return reporting.document(self.result, __version__, self.options, self.files)
 
 
+@interpreted(calls=_QUICK)  # whatever was compiled before: the last bits may differ
 def identify_files(
     paths: Sequence[str | Path],
     k: float,
@@ -83,6 +89,7 @@ def identify_files(
         )
         for path in named
     )
+    _require_possible(records, mass, k)
     result = identify(
         [one.reading for one in records],
         k,
@@ -109,9 +116,11 @@ def identify_files(
 
 
 def _digests(path: Path, mapping: MappingLike) -> dict[str, Any]:
-    """The SHA-256 digest of a record's file, and of the file that names its channels."""
+    """The SHA-256 digest of a record's file, of the file that names its channels, and of others that hold some."""
     file = mapping_file(path, mapping)
-    return {
+    others = [part for part in parts_of(path, mapping_for(path, mapping)) if part != path]
+    more = [{"file": str(part), "sha256": sha256(part)} for part in others]
+    return ({"others": more} if more else {}) | {
         "sha256": sha256(path),
         "mapping": None if file is None else {"file": str(file), "sha256": sha256(file)},
     }
@@ -133,6 +142,19 @@ def _require_different(paths: Sequence[Path]) -> None:
             raise ValueError(f"{visible(named)}: each record is one level")
 
 
+def _require_possible(records: Sequence[Loaded], mass: float | None, k: float) -> None:
+    """ValueError for a mass with which the oscillator would be a thousand times faster or slower than the drive."""
+    if mass is None:
+        return
+    for one in records:
+        swings = math.sqrt(k / mass) / one.reading.steady.omega
+        if not 1.0 / _MOST_SWINGS < swings < _MOST_SWINGS:
+            raise ValueError(
+                f"with k = {k:g} N/m and m = {mass:g} kg the oscillator swings {swings:.2g} times in a cycle of "
+                f"{one.path}: give the mass in kg and the stiffness in N/m, or leave out the mass"
+            )
+
+
 def write_results(run: IdentificationRun, folder: str | Path) -> None:
     """Write OUTPUTS to a folder: each complete or not at all; the same bytes for the same records."""
     write_figures(run, folder)
@@ -148,6 +170,7 @@ def write_tables(run: IdentificationRun, folder: str | Path) -> None:
     write_json(folder / "identification.json", run.document())
 
 
+@interpreted(calls=_QUICK)
 def write_figures(run: IdentificationRun, folder: str | Path) -> None:
     """Write PICTURES to a folder."""
     from ..figures.style import save  # slow to import, and needed for pictures only

@@ -111,7 +111,9 @@ def test_noise_is_that_of_the_samples_and_errors_are_those_of_the_signal():
 def test_a_drifting_offset_leaves_a_corrected_channel_alone():
     """The drift is in the samples, after all that the channel does to the signal."""
     told = {"gain": 1.5, "delay": 3e-3, "low_pass": {"corner_hz": 30.0, "order": 2}}
-    rule = mapping_from({"channels": {"displacement": {"channel": 1} | told, "force": {"channel": 2}}})
+    rule = mapping_from(
+        {"channels": {"displacement": {"channel": 1} | told, "force": {"channel": 2}}}
+    )
     correction = rule.channels["displacement"].correction
     base = Channel("base_displacement", T, MOTION.Y * np.cos(OMEGA * T))
     x = _sampled(HARMONICS, correction.response, "displacement")
@@ -122,7 +124,9 @@ def test_a_drifting_offset_leaves_a_corrected_channel_alone():
 
 def test_harmonics_that_a_filter_does_not_pass_are_none():
     told = {"low_pass": {"corner_hz": 20.0, "order": 8}}  # 1e-3 at 47 Hz: the ninth harmonic
-    rule = mapping_from({"channels": {"displacement": {"channel": 1} | told, "force": {"channel": 2}}})
+    rule = mapping_from(
+        {"channels": {"displacement": {"channel": 1} | told, "force": {"channel": 2}}}
+    )
     correction = rule.channels["displacement"].correction
     base = Channel("base_displacement", T, MOTION.Y * np.cos(OMEGA * T))
     x = _sampled(HARMONICS, correction.response, "displacement")
@@ -131,10 +135,17 @@ def test_harmonics_that_a_filter_does_not_pass_are_none():
     )
     assert steady.X.shape[1] == 1 + math.floor(20.0 * 1e3 ** (1 / 8) / (OMEGA / (2.0 * math.pi)))
     slow = mapping_from(
-        {"channels": {"displacement": {"channel": 1, "low_pass": {"corner_hz": 0.01, "order": 3}}, "force": {"channel": 2}}}
+        {
+            "channels": {
+                "displacement": {"channel": 1, "low_pass": {"corner_hz": 0.01, "order": 3}},
+                "force": {"channel": 2},
+            }
+        }
     ).channels["displacement"]
     lost = Channel("displacement", T, x, "x", slow.correction)
-    with pytest.raises(ValueError, match=r"x: displacement: its filter leaves less than 0\.001 of the 4\.9"):
+    with pytest.raises(
+        ValueError, match=r"x: displacement: its filter leaves less than 0\.001 of the 4\.9"
+    ):
         condition(Measurement.of("x", [base, lost]), PAPER.k)
 
 
@@ -162,7 +173,9 @@ def test_nonsense_is_named(tmp_path, told, said):
     record = tmp_path / "run.csv"
     record.write_text("t_s,y_mm,x_mm\n0,0,0\n1,1,1\n2,0,1\n", encoding="utf-8")
     mapping = tmp_path / "run.yaml"
-    text = f"channels:\n  base_displacement: {{channel: y}}\n  displacement: {{channel: x, {told}}}\n"
+    text = (
+        f"channels:\n  base_displacement: {{channel: y}}\n  displacement: {{channel: x, {told}}}\n"
+    )
     mapping.write_text(text, encoding="utf-8")
     with pytest.raises(RecordError) as error:
         read(record)

@@ -22,7 +22,6 @@ from scipy.io import wavfile
 
 from dampbalance.record import Record
 from dampbalance.records.errors import RecordError, RecordWarning
-from dampbalance.records.mapping import mapping_from
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.readers import channels, open_channels, read
 from dampbalance.records.writers import write
@@ -365,7 +364,7 @@ def refused(path, match, mapping=None):
         ("time [s],base [mm],acc [g]\n", r"holds no rows of at least two numbers"),
         ("Dear reader,\nthere is nothing here.\n", r"holds no rows of at least two numbers"),
         ("2021-05-04 10:00:00,1,2\n2021-05-04 10:00:01,2,2\n", r"finds no excitation"),
-        ("time,y [m],x [m]\n" + "4.5.2021 10:00,1,2\n" * 3, r"'time': '4\.5\.2021 10:00' is a date that can be read in sev"),
+        ("time,y [m],x [m]\n" + "4.5.2021 10:00,1,2\n" * 3, r"'4\.5\.2021 10:00' is a date that can be read in"),
         ("time,y [m],x [m]\n" + "monday,1,2\n" * 3, r"texts are not read, nor dates but as 2026-03-01T12"),
         (HEADER + "0.0,1.0,2.0\n0.001,2.0,3.0\n", r"has 2 samples"),
         (HEADER.replace("[g]", "[gee]") + rows(), r"'acc': unknown unit 'gee'.*known for acceleration"),
@@ -407,7 +406,10 @@ def told(message: str) -> dict[str, object]:
         ("time [s],base [mm],acc", {"base_displacement": "base", "acceleration": "acc"}),
         ("time [s],base [mm],other [V]", {"base_displacement": "base", "displacement": "other"}),
         ("acc,no,yes", {"base_displacement": "no", "displacement": "yes", "acceleration": "acc"}),
-        ("time [s],acc [g],pick-up: 2 [g]", {"base_acceleration": "pick-up: 2", "acceleration": "acc"}),
+        (
+            "time [s],acc [g],pick-up: 2 [g]",
+            {"base_acceleration": "pick-up: 2", "acceleration": "acc"},
+        ),
         ("time [s],load [N],CH [m/s²]", {"force": "load", "acceleration": "CH"}),
         ("time [s],x [mm],CH [m/s²]", {"base_acceleration": "CH", "displacement": "x"}),
         ("time [s],y [mm],force [N],x [mm]", {"base_displacement": "y", "displacement": "x"}),
@@ -432,7 +434,9 @@ def test_a_mapping_that_a_message_shows_for_a_matrix_is_read(tmp_path):
         file["signals"] = np.column_stack([Y, A, Y + A])
     message = refused(path, r"finds no excitation")
     measurement = read(path, told(message))
-    for quantity, values in zip(("base_displacement", "displacement", "velocity"), (Y, A, Y + A), strict=True):
+    for quantity, values in zip(
+        ("base_displacement", "displacement", "velocity"), (Y, A, Y + A), strict=True
+    ):
         np.testing.assert_array_equal(measurement[quantity].values, values)
 
 
@@ -446,7 +450,9 @@ def test_nothing_is_shown_where_no_mapping_would_do(tmp_path):
 def test_channels_that_are_not_used_are_listed(tmp_path):
     path = tmp_path / "run.csv"
     path.write_text("time [s],base [mm],acc [g],CH 4 [V],t2 [s]\n" + rows(columns=(T, Y, A, Y, T)))
-    with pytest.warns(RecordWarning, match=r"csv: channels not used: 'CH 4 \[V\]'; say in .*yaml what they hold"):
+    with pytest.warns(
+        RecordWarning, match=r"csv: channels not used: 'CH 4 \[V\]'; say in .*yaml what they hold"
+    ):
         assert set(read(path)) == {"base_displacement", "acceleration"}
     named = {"base_displacement": {"channel": 2}, "acceleration": {"channel": 3}}
     read(path, {"channels": named})  # on purpose
@@ -517,7 +523,9 @@ def test_what_is_no_file(tmp_path):
     refused(folder, "is a folder; give the files in it")
     refused(tmp_path / "no.csv", "no such file")
     (tmp_path / "run.xlsx").write_bytes(b"PK\x03\x04")
-    refused(tmp_path / "run.xlsx", r"unknown suffix '\.xlsx'; records end in \.csv")
+    refused(tmp_path / "run.xlsx", r"cannot be read as a spreadsheet, it is damaged or was cut")
+    (tmp_path / "run.mf4").write_bytes(b"MDF     ")
+    refused(tmp_path / "run.mf4", r"unknown suffix '\.mf4'; records end in \.csv")
 
 
 SAMPLES = {
