@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,6 +21,8 @@ from .identify import REPLICATES, SEED, identify
 from .loading import Loaded, load
 from .outputs import FIGURES
 from .result import Identification
+
+_MOST_SWINGS = 1000.0  # of the free oscillator in a cycle of the drive, or cycles in a swing: beyond it a unit is wrong
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +86,7 @@ def identify_files(
         )
         for path in named
     )
+    _require_possible(records, mass, k)
     result = identify(
         [one.reading for one in records],
         k,
@@ -133,6 +137,19 @@ def _require_different(paths: Sequence[Path]) -> None:
                 f"{path} is named twice" if other == path else f"{path} and {other} are one file"
             )
             raise ValueError(f"{visible(named)}: each record is one level")
+
+
+def _require_possible(records: Sequence[Loaded], mass: float | None, k: float) -> None:
+    """ValueError for a mass with which the oscillator would be a thousand times faster or slower than the drive."""
+    if mass is None:
+        return
+    for one in records:
+        swings = math.sqrt(k / mass) / one.reading.steady.omega
+        if not 1.0 / _MOST_SWINGS < swings < _MOST_SWINGS:
+            raise ValueError(
+                f"with k = {k:g} N/m and m = {mass:g} kg the oscillator swings {swings:.2g} times in a cycle of "
+                f"{one.path}: give the mass in kg and the stiffness in N/m, or leave out the mass"
+            )
 
 
 def write_results(run: IdentificationRun, folder: str | Path) -> None:
