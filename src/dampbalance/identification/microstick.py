@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..features import Features, stack
-from ..reading.noisy import RESOLVED, Reading
+from ..reading.noisy import RESOLVED, Means, Reading
 from ..reading.waveforms import Fit
 from .result import Microstick
 
@@ -53,16 +53,19 @@ def read_samples(
 
     count : of replicates.   random : that they are drawn from.   jackknife : whether groups of rows are left out, too.
     """
-    means = [reading.resampled(count, random) for reading in readings]
-    moved = np.sum([r.moved(m) for r, m in zip(readings, means, strict=True)], axis=0)
+    drawn = sample_of(readings, [reading.resampled(count, random) for reading in readings])
     points = [reading.features for reading in readings]
-    replicates = [r.features_of(m, moved)[None] for r, m in zip(readings, means, strict=True)]
     left = [_left_out(readings, points, j) for j in range(len(readings) if jackknife else 0)]
-    return Samples(
-        _sample(readings, stack(points), np.zeros((len(moved), 1))),
-        _sample(readings, stack(replicates), moved),
-        tuple(left),
-    )
+    fit = _fit(readings)
+    nothing = np.zeros((0 if fit is None else fit.point.size, 1))
+    return Samples(_sample(readings, stack(points), nothing), drawn, tuple(left))
+
+
+def sample_of(readings: Sequence[Reading], means: Sequence[Means]) -> Sample:
+    """What r means of each of n records, in their order, give for all of them, (n, r)."""
+    moved = np.sum([r.moved(m) for r, m in zip(readings, means, strict=True)], axis=0)
+    features = [r.features_of(m, moved)[None] for r, m in zip(readings, means, strict=True)]
+    return _sample(readings, stack(features), moved)
 
 
 def microstick(samples: Samples) -> Microstick:

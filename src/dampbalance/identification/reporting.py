@@ -15,6 +15,7 @@ from .limits import REFERENCE, limits, shown
 from .notes import notes_of
 from .oscillator import Whole
 from .result import CONFIDENCE, ApproachResult, Identification, ParameterEstimate, parameters_of
+from .sensitivities import FAULTS, sensitivities
 from .verdicts import Verdict, in_one, judged_by_notes, verdicts_of
 
 
@@ -48,6 +49,11 @@ def document(
             {**_record(reading, result, i), **of_files[i]}
             for i, reading in enumerate(result.readings)
         ],
+        "sensitivities": {
+            name: {"fault": FAULTS[name].words}
+            | {f"{symbol}_percent": _number(100.0 * change) for symbol, change in changes.items()}
+            for name, changes in sensitivities(result).items()
+        },
         "limits": [asdict(limit) for limit in limits(result)],
         "warnings": list(result.warnings),
     }

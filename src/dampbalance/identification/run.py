@@ -12,6 +12,7 @@ from typing import Any
 from .. import __version__
 from ..balance import APPROACHES
 from ..features import Phase
+from ..motion.jit import interpreted
 from ..project.files import sha256, write_json, write_rows, write_text
 from ..project.wording import visible
 from ..records.limits import LARGEST
@@ -22,6 +23,7 @@ from .loading import Loaded, load
 from .outputs import FIGURES
 from .result import Identification
 
+_QUICK = 200_000  # calls of kernels, which take no more time in Python than Numba takes to load
 _MOST_SWINGS = 1000.0  # of the free oscillator in a cycle of the drive, or cycles in a swing: beyond it a unit is wrong
 
 
@@ -47,6 +49,7 @@ class IdentificationRun:
         return reporting.document(self.result, __version__, self.options, self.files)
 
 
+@interpreted(calls=_QUICK)  # whatever was compiled before: the last bits may differ
 def identify_files(
     paths: Sequence[str | Path],
     k: float,
@@ -167,6 +170,7 @@ def write_tables(run: IdentificationRun, folder: str | Path) -> None:
     write_json(folder / "identification.json", run.document())
 
 
+@interpreted(calls=_QUICK)
 def write_figures(run: IdentificationRun, folder: str | Path) -> None:
     """Write PICTURES to a folder."""
     from ..figures.style import save  # slow to import, and needed for pictures only

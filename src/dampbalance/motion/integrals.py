@@ -109,7 +109,6 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
     return Measures(X, X_s, V_s, t_s, phi, crossing, a, b, W, X_1, phi_1, X_3, phi_3, X_5, phi_5)
 
 
-@jit
 def harmonics(phases: Array, theta: float, par: Parameters, count: int) -> Complexes:
     """x_n of x = Re Σ x_n e^{inωt}, y = Y cos ωt, for n = 1, 3 … 2 count − 1, m, shape (count,).
 
@@ -120,35 +119,50 @@ def harmonics(phases: Array, theta: float, par: Parameters, count: int) -> Compl
 
     by Gauss's rule, exact to rounding whatever the damping.
     """
+    values, turns = _in_stick(phases, theta, par, count)
+    terms = np.empty((turns.size, count), dtype=np.complex128)
+    terms[:, :1], terms[:, 1:] = (values * turns)[:, None], (turns * turns)[:, None]
+    integrals = np.multiply.accumulate(terms, axis=1).sum(axis=0)
+    n = np.arange(1.0, 2.0 * count, 2.0)
+    force = 2j * par.K_z / (math.pi * n) * integrals  # −f_n
+    force[:1] += par.k * par.Y
+    impedance = par.k - (n * par.omega) ** 2 * par.m + 1j * n * par.omega * par.c
+    found: Complexes = force / impedance
+    return found
+
+
+@jit
+def _in_stick(phases: Array, theta: float, par: Parameters, count: int) -> tuple[Array, Complexes]:
+    """(ẋ times weight, e^{−iψ}) at the points of Gauss's rule in the stick phases, for integrals of that many
+    harmonics."""
     omega = par.omega
-    integrals = np.zeros(count, dtype=np.complex128)
     fastest = 2.0 * math.sqrt((par.k + par.K_z) / par.m) + 2.0 * count * omega
+    panels = np.zeros(len(phases), dtype=np.int64)
     for i in range(len(phases)):
-        t, s, x, v, z = read_phase(phases, i)
-        if s != 0.0:
+        t, s, _, _, _ = read_phase(phases, i)
+        if s == 0.0:
+            end = phases[i + 1, PHASE_T] if i + 1 < len(phases) else math.pi / omega
+            panels[i] = 1 + int((end - t) * fastest / _PANEL)
+    points = 0
+    for i in range(len(phases)):
+        points += panels[i] * len(_GAUSS_NODES)
+    values, turns = np.empty(points), np.empty(points, dtype=np.complex128)
+    at = 0
+    for i in range(len(phases)):
+        if panels[i] == 0:
             continue
+        t, s, x, v, z = read_phase(phases, i)
         end = phases[i + 1, PHASE_T] if i + 1 < len(phases) else math.pi / omega
         start = unit(-theta - omega * t)
         phase = phase_start(s, x, v, z, start.conjugate(), par)
-        panels = 1 + int((end - t) * fastest / _PANEL)
-        h = (end - t) / panels
-        for panel in range(panels):
+        h = (end - t) / panels[i]
+        for panel in range(panels[i]):
             for node, weight in zip(_GAUSS_NODES, _GAUSS_WEIGHTS):  # noqa: B905 (compiled)
                 since = h * (panel + 0.5 + 0.5 * node)
-                turn = start * unit(-omega * since)
-                step = turn * turn
-                term = 0.5 * h * weight * move(since, phase)[1] * turn
-                for j in range(count):
-                    integrals[j] += term
-                    term *= step
-    for j in range(count):
-        n = 2 * j + 1
-        force = complex(0.0, 2.0 * par.K_z / (math.pi * n)) * integrals[j]  # −f_n
-        if n == 1:
-            force += par.k * par.Y
-        impedance = inverse(par.k - n * n * omega * omega * par.m, n * omega * par.c)
-        integrals[j] = force * impedance
-    return integrals
+                turns[at] = start * unit(-omega * since)
+                values[at] = 0.5 * h * weight * move(since, phase)[1]
+                at += 1
+    return values, turns
 
 
 @jit

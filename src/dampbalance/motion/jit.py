@@ -12,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import hashlib
+import math
 import os
 import sys
 import threading
@@ -23,7 +24,7 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 _PACKAGE = Path(__file__).parents[1]
 _LOCK = threading.RLock()
-_interpreting = False
+_left = 0.0  # calls of kernels that are still to be interpreted
 
 
 def _sources() -> list[Path]:
@@ -111,7 +112,11 @@ class _Kernel:
         return self.dispatcher._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:
-        return (self.py_func if _interpreting else self.dispatcher)(*arguments)
+        global _left
+        if _left > 0.0:
+            _left -= 1.0
+            return self.py_func(*arguments)
+        return self.dispatcher(*arguments)
 
 
 def jit(function: Function) -> Function:
@@ -120,14 +125,15 @@ def jit(function: Function) -> Function:
 
 
 @contextlib.contextmanager
-def interpreted(on: bool = True) -> Iterator[None]:
-    """Run kernels in Python, which for a few dozen orbits takes less time than importing Numba.
+def interpreted(on: bool = True, calls: float = math.inf) -> Iterator[None]:
+    """Run kernels in Python, which for a few hundred orbits takes less time than importing Numba.
 
+    calls : of kernels, also from one another; those beyond are compiled. An orbit takes 100 to 200.
     The last bits may differ, and Python raises errors where machine code goes on with NaN or ∞.
     """
-    global _interpreting
-    previous, _interpreting = _interpreting, on
+    global _left
+    previous, _left = _left, calls if on else 0.0
     try:
         yield
     finally:
-        _interpreting = previous
+        _left = previous

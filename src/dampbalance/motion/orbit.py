@@ -17,7 +17,7 @@ from ..model import BaseMotion, Oscillator, Parameters, parameters
 from .integrals import Measures, harmonics, measure
 from .regime import Regime
 from .states import State, states_in_phases
-from .steady import MAX_PHASES, NO_CLOSED_FORM, solve_closed, solve_steady
+from .steady import MAX_PHASES, solve_steady
 
 
 class NoSteadyOrbit(ArithmeticError):
@@ -157,16 +157,6 @@ class Orbit:
 def read_orbits(path: str | Path) -> list[Orbit]:
     """The orbits of a JSON file that holds a list of `Orbit.to_dict`."""
     return [Orbit.from_dict(data) for data in json.loads(Path(path).read_text(encoding="utf-8"))]
-
-
-def closed_orbit(oscillator: Oscillator, motion: BaseMotion) -> Orbit | None:
-    """As `steady_orbit` where a closed form gives the response (no slip, no friction, or one slip onset per half
-    cycle); None in other regimes, which are not looked for."""
-    phases = np.empty((2, 5))
-    code, count, theta = solve_closed(parameters(oscillator, motion), phases)
-    if code in (NO_CLOSED_FORM, Regime.NOT_FOUND):
-        return None
-    return Orbit(oscillator, motion, Regime(code), theta, phases[:count].copy())
 
 
 def steady_orbit(oscillator: Oscillator, motion: BaseMotion) -> Orbit:

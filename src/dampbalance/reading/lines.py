@@ -11,8 +11,9 @@ apart), and the in-phase part of the fundamental the mass:
 
     mω² = k + K − kY Re(1/x_1),   K = (K_z/π)(ϑ − sin ϑ cos ϑ),   cos ϑ = 1 − 2Z_m/X
 
-with the stiffness K that the contact has for the fundamental of a harmonic motion. The exact orbits of all these
-candidates are compared with the harmonics; the closest start.
+with the stiffness K that the contact has for the fundamental of a harmonic motion. The responses of these candidates
+are compared with the harmonics, and the closest start: first their responses to the force that the contact has in the
+motion as it was read, which need no orbit; where no fit from there holds, the exact orbits of many more candidates.
 """
 
 from __future__ import annotations
@@ -24,8 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
-from ..model import BaseMotion, Oscillator
-from ..motion.orbit import closed_orbit
+from ..motion.jit import interpreted
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
 from .conditioning import SteadyRecord
@@ -48,6 +48,7 @@ _SOFTEST = (
 _SHARES = (0.03, 0.2, 0.5, 0.8, 0.97)  # of friction in the work
 _RATIOS = np.geomspace(0.25, 8.0, 21)  # of the natural frequency to that of the drive
 _COMPARED = (1, 3, 5)
+_POINTS = 256  # of a cycle, for the force of a contact
 _SLIPS = (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)
 _DERIVATIVES = {"displacement": 0, "velocity": 1, "acceleration": 2}
 _NEAR = 0.03  # of the fundamental: what a candidate may be off by
@@ -119,7 +120,7 @@ def starts(lines: Sequence[Lines], k: float, *, wide: bool = False) -> Array:
     candidates = _candidates(lines, k, wide)
     if not len(candidates):
         return candidates
-    harmonics, slips = (_all_responses if wide else _closed_forms)(candidates, lines, k)
+    harmonics, slips = (_all_responses if wide else _responses_to_contact)(candidates, lines, k)
     misfit = np.zeros(len(candidates))
     for i, one in enumerate(lines):
         near = _NEAR * abs(one.x[0])
@@ -137,7 +138,8 @@ def _all_responses(candidates: Array, lines: Sequence[Lines], k: float) -> tuple
     """x_1, x_3, x_5 of each candidate under the base of each record, (n, L, 3), m, and which slip in one of them."""
     F_k, c, K_z, m = candidates.T[:, :, None]
     omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
-    orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
+    with interpreted(False):  # thousands
+        orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
     harmonics = np.stack(
         [getattr(orbits, f"X_{n}") * np.exp(-1j * getattr(orbits, f"phi_{n}")) for n in _COMPARED],
         axis=-1,
@@ -146,21 +148,29 @@ def _all_responses(candidates: Array, lines: Sequence[Lines], k: float) -> tuple
     return harmonics, slips
 
 
-def _closed_forms(candidates: Array, lines: Sequence[Lines], k: float) -> tuple[Complexes, Mask]:
-    """As `_all_responses`, with NaN for a candidate that slips several times in half a cycle: most records need none,
-    and the kernel that follows them takes long to compile."""
-    harmonics = np.full((len(candidates), len(lines), len(_COMPARED)), np.nan, dtype=np.complex128)
-    slips = np.zeros(len(candidates), dtype=np.bool_)
-    for j, (F_k, c, K_z, m) in enumerate(candidates.tolist()):
-        oscillator = Oscillator(m=m, c=c, k=k, K_z=K_z, F_k=F_k)
-        for i, one in enumerate(lines):
-            orbit = closed_orbit(oscillator, BaseMotion(one.Y, one.omega))
-            if orbit is None:
-                break
-            slips[j] |= orbit.regime in _SLIPS
-            amplitudes, lags = np.array([orbit.harmonic(n) for n in _COMPARED]).T
-            harmonics[j, i] = amplitudes * np.exp(-1j * lags)
-    return harmonics, slips
+def _responses_to_contact(
+    candidates: Array, lines: Sequence[Lines], k: float
+) -> tuple[Complexes, Mask]:
+    """As `_all_responses`, without an orbit: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics f_n of the
+    force K_z z that the contact has in the motion as it was read."""
+    F_k, c, K_z, m = candidates.T
+    n = np.array(_COMPARED)
+    Z_m = F_k / K_z
+    theta = np.arange(2 * _POINTS) * (2.0 * math.pi / _POINTS)  # the second cycle is steady
+    turn = np.exp(-1j * np.outer(n, theta[_POINTS:]))
+    harmonics, slips = [], []
+    for one in lines:
+        wave = (np.exp(1j * np.outer(theta, one.n)) @ np.where(one.clear, one.x, 0.0)).real
+        z = np.zeros((theta.size, m.size))
+        for i, step in enumerate(np.diff(wave), start=1):
+            z[i] = np.clip(z[i - 1] + step, -Z_m, Z_m)
+        force = (2.0 / _POINTS) * K_z * (turn @ z[_POINTS:].astype(np.complex128))  # (3, n)
+        drive = np.where(n == 1, k * one.Y, 0.0)
+        impedance = k - np.outer((n * one.omega) ** 2, m) + 1j * np.outer(n * one.omega, c)
+        harmonics.append(((drive[:, None] - force) / impedance).T)
+        slips.append(np.ptp(wave) > 2.0 * Z_m)
+    slip: Mask = np.asarray(np.array(slips).any(axis=0))
+    return np.stack(harmonics, axis=1), slip
 
 
 def linear_misfit(lines: Sequence[Lines], k: float) -> tuple[float, int]:
@@ -199,8 +209,6 @@ def improbable(chi_square: float, freedom: int, lines: Sequence[Lines]) -> bool:
 
 def _candidates(lines: Sequence[Lines], k: float, wide: bool) -> Array:
     """(F_k, c, K_z, m) that balance the work, (n, 4)."""
-    from scipy.optimize import nnls  # slow to import
-
     fundamental = np.array([one.x[0] for one in lines])
     omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
     X, b = np.array([_peak_and_viscous(one) for one in lines]).T
@@ -220,7 +228,7 @@ def _candidates(lines: Sequence[Lines], k: float, wide: bool) -> Array:
                 a = 4.0 * slid
                 if share is None:
                     columns = np.column_stack([a, b])[known] / W[known, None]
-                    (F_k, c), _ = nnls(columns, np.ones(len(columns)))
+                    F_k, c = _not_negative(columns)
                 else:
                     F_k = share * float(np.sum(W[known]) / np.sum(a[known]))
                     c = (1.0 - share) * float(np.sum(W[known]) / np.sum(b[known]))
@@ -230,6 +238,17 @@ def _candidates(lines: Sequence[Lines], k: float, wide: bool) -> Array:
             masses = [m, *(k / (float(omega.max()) * _RATIOS) ** 2)] if wide else [m]
             rows += [(F_k, max(c, 0.0), K_z, m) for m in masses if F_k > 0.0 and m > 0.0]
     return np.array(rows).reshape(-1, 4)
+
+
+def _not_negative(columns: Array) -> tuple[float, float]:
+    """The two numbers, neither below zero, that make up a column of ones best."""
+    ones = np.ones(len(columns))
+    p, q = np.linalg.lstsq(columns, ones)[0]
+    if p >= 0.0 and q >= 0.0:
+        return float(p), float(q)
+    alone = np.sum(columns, axis=0) / np.sum(columns**2, axis=0)  # each without the other
+    left = np.linalg.norm(columns * alone - ones[:, None], axis=0)
+    return (float(alone[0]), 0.0) if left[0] <= left[1] else (0.0, float(alone[1]))
 
 
 def _peak_and_viscous(one: Lines) -> tuple[float, float]:

@@ -84,6 +84,18 @@ def test_the_document_holds_the_truth_of_the_example(output):
     assert found["records"][0]["frequency_Hz"] == pytest.approx(3.5, abs=1e-4)
 
 
+def test_the_table_of_faults_in_the_documentation_is_that_of_the_example():
+    text = (ROOT / "config/records/README.md").read_text(encoding="utf-8")
+    table = re.search(r"<!-- sensitivities: .*? -->\n(.*?)<!-- end -->", text, re.DOTALL)[1]
+    told = identify_files(RECORDS, 2310.0, approaches=["direct"]).document()
+    rows = [[cell.strip() for cell in row.split("|")[1:5]] for row in table.splitlines()[2:]]
+    assert [row[0] for row in rows] == [one["fault"] for one in told["sensitivities"].values()]
+    for row, one in zip(rows, told["sensitivities"].values(), strict=True):
+        shown = [float(cell.removesuffix(" %").replace("−", "-")) for cell in row[1:]]
+        found = [one[f"{symbol}_percent"] for symbol in ("F_k", "c", "K_z")]
+        assert shown == pytest.approx(found, abs=0.005 + 1e-9)
+
+
 def test_figures_are_pictures_with_a_description(output):
     for name in ("cycles", "loops", "balance"):
         assert (output[0] / f"{name}.png").read_bytes().startswith(b"\x89PNG")

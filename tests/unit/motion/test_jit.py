@@ -247,3 +247,15 @@ def test_interpreting_needs_no_numba():
         "assert 'numba' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
+
+
+def test_beyond_a_number_of_calls_kernels_are_compiled():
+    kernel = dampbalance.motion.jit.jit(lambda x: x + 1.0)
+    with dampbalance.motion.jit.interpreted(calls=2):
+        assert [kernel(1.0), kernel(1.0)] == [2.0, 2.0]
+        assert kernel._dispatcher is None
+        with dampbalance.motion.jit.interpreted():  # what is within does not count
+            kernel(1.0)
+        assert kernel._dispatcher is None
+        assert kernel(1.0) == 2.0
+        assert kernel._dispatcher is not None

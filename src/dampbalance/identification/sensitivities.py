@@ -1,0 +1,98 @@
+"""What faults of calibration and timing that a record hardly tells would do to an identification, by its own rows.
+
+A gain of the drive multiplies Y, one of the response all x_n; a response that is late by τ has x_n e^{−inωτ}; a phase
+error at the drive frequency is a delay of that part of a cycle. The rows are read again from harmonics changed in that
+way and solved with the same weights, the waveforms following to first order. The stiffness k is a factor of the whole
+equation of motion, and so of every coefficient.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from ..balance import APPROACHES
+from ..reading.noisy import Means, Reading
+from ..reading.one_thread import one_thread
+from ..solver import solve
+from .identify import rows_with_onset
+from .microstick import sample_of
+from .notes import YARDSTICK
+from .result import Identification
+
+_STEP = 1e-3  # of each fault: small enough for first order, large enough beside rounding
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A fault, alike in all records.
+
+    words : what is wrong, and by how much.   drive, response : relative errors of gain.   late : delay of the response,
+    s.   angle : lag of the response at the drive frequency, rad.   stiffness : relative error of k.
+    """
+
+    words: str
+    drive: float = 0.0
+    response: float = 0.0
+    late: float = 0.0
+    angle: float = 0.0
+    stiffness: float = 0.0
+
+
+FAULTS: Mapping[str, Fault] = MappingProxyType(
+    {
+        "drive_gain_1_percent": Fault("the drive reads 1 % too large", drive=0.01),
+        "response_gain_1_percent": Fault("the response reads 1 % too large", response=0.01),
+        "response_phase_1_degree": Fault(
+            "the response lags by 1° too much", angle=math.radians(1.0)
+        ),
+        "response_late_100_us": Fault("the response is 100 µs late", late=1e-4),
+        "stiffness_1_percent": Fault("k is given 1 % too large", stiffness=0.01),
+    }
+)
+
+
+@one_thread
+def sensitivities(result: Identification) -> dict[str, dict[str, float]]:
+    """By how much each of `FAULTS` changes what direct integration identifies, relative to it: fault → symbol → number.
+
+    NaN where rows or waveforms do not tell; nothing where direct integration was not asked for.
+    """
+    estimated = result.estimates.get(YARDSTICK)
+    if estimated is None:
+        return {}
+    faults = list(FAULTS.values())
+    sample = sample_of(result.readings, [_faulty(reading, faults) for reading in result.readings])
+    stiffer = 1.0 + _STEP * np.array([0.0, *(fault.stiffness for fault in faults)])
+    features = sample.features.replaced(W=sample.features.W * stiffer)
+    approach = APPROACHES[YARDSTICK]
+    rows = rows_with_onset(approach(features.with_phase(result.phase), result.k), result.whole)
+    weights = np.where(estimated.row_errors > 0.0, estimated.row_errors, 1.0) ** -2.0
+    solved = solve(replace(rows, weights=np.broadcast_to(weights[:, None], rows.W.shape)))
+    values = {
+        symbol: solved[symbol] for symbol in estimated.coefficients if symbol in solved.values
+    }
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if math.isfinite(estimated.K_z.value):
+            # 2F_k/L, the L of the waveforms, which does not know the stiffness
+            values["K_z"] = values["F_k"] / (sample.F_k * sample.rho**2)
+        changes = {symbol: (of[1:] / of[0] - 1.0) / _STEP for symbol, of in values.items()}
+    return {
+        name: {symbol: float(change[i]) for symbol, change in changes.items()}
+        for i, name in enumerate(FAULTS)
+    }
+
+
+def _faulty(reading: Reading, faults: list[Fault]) -> Means:
+    """The means of a record as read, and with each of the faults, a thousandth of each."""
+    lines = reading.lines
+    drive, response, late, angle = (
+        _STEP * np.array([0.0, *(getattr(fault, what) for fault in faults)])
+        for what in ("drive", "response", "late", "angle")
+    )
+    turn = np.exp(-1j * np.outer(late * lines.omega + angle, lines.n))
+    return Means(lines.Y * (1.0 + drive), lines.x * (1.0 + response)[:, None] * turn)

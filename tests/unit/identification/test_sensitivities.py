@@ -1,0 +1,93 @@
+"""What faults do to an identification: against records that have them, and against what scaling the equations says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dampbalance.identification.identify import identify
+from dampbalance.identification.reporting import document
+from dampbalance.identification.sensitivities import FAULTS, sensitivities
+from dampbalance.reading.noisy import Reading, read_features
+from dampbalance.records.synthetic import measured_orbit
+from paper_case import PAPER, orbits_at
+
+SYMBOLS = ("F_k", "c", "K_z")
+
+
+@pytest.fixture(scope="module", params=[3.5, 11.1])
+def found(request):
+    rng = np.random.default_rng(7)
+    channels = ("base_displacement", "displacement", "acceleration")
+    records = [
+        measured_orbit(
+            orbit,
+            rate_hz=2000.0,
+            cycles=25.0,
+            noise=0.001,
+            seed=rng,
+            channels=channels,
+            source=name,
+        )
+        for name, orbit in zip("abc", orbits_at(request.param, (0.004, 0.008, 0.012)), strict=True)
+    ]
+    readings = [read_features(record, PAPER.k) for record in records]
+    return readings, identify(readings, PAPER.k, replicates=20)
+
+
+def with_fault(reading, fault, part):
+    """The reading of a record that has a part of a fault, in every cycle."""
+    steady = reading.steady
+    lag = part * (fault.late * steady.omega + fault.angle)
+    turn = np.exp(-1j * np.arange(steady.X.shape[1]) * lag)
+    return Reading(
+        replace(
+            steady,
+            Y=steady.Y * (1.0 + part * fault.drive),
+            X=steady.X * (1.0 + part * fault.response) * turn,
+            k=steady.k * (1.0 + part * fault.stiffness),
+        )
+    )
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_records_with_the_fault_change_as_is_said(name, found):
+    readings, result = found
+    fault, part = FAULTS[name], 0.01
+    faulty = [with_fault(reading, fault, part) for reading in readings]
+    again = identify(faulty, PAPER.k * (1.0 + part * fault.stiffness), replicates=20)
+    told = sensitivities(result)[name]
+    for symbol in SYMBOLS:
+        before, after = (
+            each.estimates["direct"].parameters[symbol].value for each in (result, again)
+        )
+        # to first order; the weights of the rows move a little, too, and what noise leaves of the waveforms bends them
+        assert told[symbol] == pytest.approx((after / before - 1.0) / part, rel=0.1, abs=1e-4)
+
+
+def test_gains_and_stiffness_scale_the_equations(found):
+    told = sensitivities(found[1])
+    # m, c, k, K_z and F_k times a number are an oscillator of the same motion
+    assert [told["stiffness_1_percent"][s] for s in SYMBOLS] == pytest.approx([0.01] * 3, rel=1e-6)
+    # drive and response times a number are a motion of the same oscillator with F_k times that number
+    both = [told["drive_gain_1_percent"][s] + told["response_gain_1_percent"][s] for s in SYMBOLS]
+    assert both == pytest.approx(
+        [0.01, 0.0, 0.0], abs=2e-5
+    )  # second order, and noise taken off squares
+
+
+def test_the_document_has_them_in_percent(found):
+    told = document(found[1])["sensitivities"]
+    assert list(told) == list(FAULTS)
+    assert told["stiffness_1_percent"] == {
+        "fault": "k is given 1 % too large",
+        **{f"{symbol}_percent": pytest.approx(1.0, rel=1e-6) for symbol in SYMBOLS},
+    }
+
+
+def test_without_direct_integration_there_are_none(found):
+    result = found[1]
+    only = replace(result, estimates={"fourier": result.estimates["fourier"]})
+    assert sensitivities(only) == {}
