@@ -62,14 +62,16 @@ onerror:
 rule all:
     default_target: True
     input:
+        # What others are made of is asked for as well: a job that fails removes its results, and Snakemake misses them only
+        # when they are asked for by themselves.
+        [*rules.orbits.input, *rules.records.input, *rules.features.input] if not MEASURED else [],
         rules.estimates.input if not MEASURED else [],
         rules.tables.output if not MEASURED else [],
         rules.figures.input if not MEASURED else [],
-        rules.check.output if config["published"] else [],
+        [*rules.claims.output, *rules.check.output] if config["published"] else [],
         rules.article.output if config["published"] else [],
         [*rules.match.output, *rules.notebook.output] if config["published"] else [],
         [*rules.page.output, *rules.manifest.output, *rules.crate.output] if not MEASURED else [],
-        # every file of every set by itself: Snakemake makes what nothing else needs only when it is asked for
         [*rules.measured.output, *expand(rules.identify.output, set=MEASURED)] if MEASURED else [],
     message:
         "Everything is rebuilt"

@@ -1,9 +1,9 @@
 """Identification of measured levels, five of 20,000 samples: by every approach, and by maximum likelihood.
 
 Reading and identifying are timed together and apart, and so is the fit of one oscillator to the harmonics of all
-levels, which identifying contains; the errors of what is found stand beside the times. Start-up, import and first call, is timed in processes of its own, and
-the import split by package. Writes identification.{csv,md,svg,png}, identification_{repetitions,errors}.csv,
-start_up.csv and imports.csv.
+levels, which identifying contains; the errors of what is found stand beside the times. Start-up, import and first
+call, is timed in processes of its own, and the import split by package. Writes identification.{csv,md,svg,png},
+identification_{repetitions,errors}.csv, start_up.csv and imports.csv.
 """
 
 from __future__ import annotations

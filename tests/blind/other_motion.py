@@ -55,10 +55,7 @@ def _rate(t, x, v, z, numbers, departure):
             slope = v * (1.0 - abs(z * K_z / F_k) ** n)
     else:
         limit = _limit(v, numbers, departure)
-        if abs(z) >= limit:
-            z = math.copysign(limit, z)
-            if z * v > 0.0:
-                slope = 0.0
+        z = min(max(z, -limit), limit)
     drive = k * Y * (math.cos(omega * t) + third * math.cos(3.0 * omega * t))
     force = c * v + quadratic * abs(v) * v + (k + even * x + cubic * x * x) * x + K_z * z
     return v, (drive - force) / m, slope

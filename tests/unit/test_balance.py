@@ -255,3 +255,24 @@ def test_the_misfit_is_what_the_coefficients_leave_of_the_work():
     assert rows.misfit({"F_k": 2.0, "c": 1.0}).tolist() == [-2.0, 0.0]
     of_each = rows[:, None].misfit({"c": np.array([1.0, 2.0]), "F_k": 0.0})  # two estimates at once
     assert of_each.tolist() == [[-4.0, -1.0], [-4.0, 1.0]]
+
+
+def test_the_scatter_of_replicates_is_their_covariance():
+    rng = np.random.default_rng(3)
+    a, b, W = rng.standard_normal((3, 4, 200)) * np.array([1e-2, 1e-3, 0.1])[:, None, None] + 1.0
+    found = Rows({"F_k": a, "c": b}, W).scatter()
+    assert found.shape == (3, 3, 4)
+    for i in range(4):
+        np.testing.assert_allclose(found[:, :, i], np.cov([a[i], b[i], W[i]]), rtol=1e-12)
+
+
+def test_indexing_takes_the_covariance_along():
+    rng = np.random.default_rng(4)
+    covariance = rng.standard_normal((3, 3, 4, 5))
+    rows = Rows(
+        {"F_k": np.ones((4, 5)), "c": np.ones((4, 5))}, np.ones((4, 5)), covariance=covariance
+    )
+    np.testing.assert_array_equal(rows[[2, 0]].covariance, covariance[:, :, [2, 0]])
+    np.testing.assert_array_equal(rows[:, 3].covariance, covariance[:, :, :, 3])
+    used = np.array([True, False, True, True])
+    np.testing.assert_array_equal(rows[used].covariance, covariance[:, :, used])

@@ -510,3 +510,127 @@ def test_one_unknown_is_named_without_an_and():
     three = Rows({name: np.full(2, np.nan) for name in ("F_k", "c", "d")}, np.ones(2))
     with pytest.raises(ValueError, match=r"^F_k, c and d need at least three usable"):
         least_squares(three)
+
+
+# --- rows that weigh as much as they are sure ------------------------------------------------------
+
+
+def uncertain(cases=(), *, seed=0, levels=5, size=1e-3):
+    """Rows of a rigid contact with errors whose covariance differs from row to row; (rows, covariance)."""
+    rng = np.random.default_rng(seed)
+    rows = rows_of(rng.uniform(0.002, 0.02, (levels, *cases)), 1.28, 90.0)
+    parts = np.stack([*rows.terms.values(), rows.W])  # (3, L, …)
+    roots = rng.standard_normal((3, 3, levels, *cases)) * size * parts
+    covariance = np.einsum("ik...,jk...->ij...", roots, roots)
+    noisy = parts + np.einsum("ik...,k...->i...", roots, rng.standard_normal(parts.shape))
+    return Rows({"F_k": noisy[0], "c": noisy[1]}, noisy[2], covariance=covariance)
+
+
+def own_weights(rows, F_k, c):
+    """1/var(a F_k + b c − W), from the rule for a linear form."""
+    form = np.array([F_k, c, -1.0])
+    return np.array([1.0 / (form @ rows.covariance[:, :, i] @ form) for i in range(rows.W.size)])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_weights_are_those_of_the_solution_that_they_give(seed):
+    rows = uncertain(seed=seed)
+    found = solve(rows)
+    weights = own_weights(rows, float(found["F_k"]), float(found["c"]))
+    again = exact_least_squares(replace(rows, weights=weights, covariance=None))
+    # weights settle to 1e-9 of themselves; an estimate moves by less than that of its distance from the others
+    assert [float(found["F_k"]), float(found["c"])] == pytest.approx(again, rel=1e-9)
+    plain = solve(replace(rows, covariance=None))
+    assert abs(float(plain["F_k"] / found["F_k"]) - 1.0) > 1e-6  # where (9) weighs otherwise
+    assert rows.weighted(found.values).weights == pytest.approx(weights, rel=1e-9)
+    assert rows.weighted(found.values).covariance is None
+
+
+def test_errors_of_W_alone_make_it_the_generalised_least_squares():
+    rows = uncertain(seed=3)
+    covariance = np.zeros((3, 3, 5))
+    covariance[2, 2] = [1e-8, 4e-8, 1e-6, 9e-8, 1e-4]
+    found = solve(replace(rows, covariance=covariance))
+    A, V = matrix(rows), np.diag(covariance[2, 2])
+    expected = np.linalg.solve(A.T @ np.linalg.solve(V, A), A.T @ np.linalg.solve(V, rows.W))
+    assert [float(found["F_k"]), float(found["c"])] == pytest.approx(expected, rel=1e-9)
+
+
+def test_correlated_errors_of_a_row_count_together():
+    # errors that leave a F_k + b c − W as it is cost nothing: the row is exact, and the fit goes through it
+    rows = uncertain(seed=1, size=1e-6)
+    form = np.array([1.28, 90.0, -1.0])
+    along = np.array([1.0, 0.0, 1.28])  # a moves W by what it adds
+    assert along @ form == 0.0
+    covariance = rows.covariance.copy()
+    covariance[:, :, 0] = 1e-4 * np.outer(along, along) + 1e-12 * np.eye(3)
+    other = replace(rows, covariance=covariance)
+    weights = other.weighted({"F_k": 1.28, "c": 90.0}).weights
+    assert weights[0] == pytest.approx(1.0 / (1e-12 * (form @ form)), rel=1e-9)
+
+
+def test_weighted_estimates_scatter_least_and_as_weighted_least_squares_says():
+    rng = np.random.default_rng(8)
+    X = np.linspace(0.004, 0.012, 5)[:, None] * np.ones(4000)
+    exact = rows_of(X, 1.28, 90.0)
+    deviations = 1e-3 * exact.W[:, :1] ** 2 / exact.W[-1, 0]  # of W: grow with its square
+    noisy = replace(exact, W=exact.W + deviations * rng.standard_normal(X.shape))
+    covariance = np.zeros((3, 3, *X.shape))
+    covariance[2, 2] = deviations**2
+    weighted, plain = solve(replace(noisy, covariance=covariance)), solve(noisy)
+    A = matrix(exact[:, 0])
+    bound = np.sqrt(np.diag(np.linalg.inv(A.T @ (A / deviations**2))))
+    # 4,000 draws know a scatter to 1.1 %: four of these
+    for symbol, least, true in zip(("F_k", "c"), bound, (1.28, 90.0), strict=True):
+        assert weighted[symbol].std() == pytest.approx(least, rel=0.045)
+        assert plain[symbol].std() > 1.3 * least
+        assert weighted[symbol].mean() == pytest.approx(true, abs=4.0 * least / math.sqrt(4000))
+
+
+@pytest.mark.parametrize("levels", [2, 3, 6])
+def test_a_weighted_case_is_the_case_alone_whatever_stands_beside_it(levels):
+    rows = uncertain((7,), seed=levels, levels=levels)
+    # one that has no answer, and one with rows left out, do not keep the others from settling
+    rows.terms["F_k"][:, 3] = np.nan
+    rows.W[0, 5] = np.nan
+    together = solve(rows)
+    for case in range(7):
+        alone = solve(rows[:, case])
+        for symbol in ("F_k", "c"):
+            np.testing.assert_array_equal(together[symbol][case], alone[symbol])
+        np.testing.assert_array_equal(together.residual[case], alone.residual)
+    assert np.isnan(together["F_k"][3])
+    assert np.isfinite(together["F_k"][[0, 1, 2, 4, 6]]).all()
+
+
+def test_a_row_that_is_left_out_changes_nothing_of_the_others():
+    rows = uncertain(seed=2, levels=4)
+    with_nan = uncertain(seed=2, levels=4)
+    with_nan.W[1] = np.nan
+    with_nan.covariance[:, :, 1] = np.nan
+    expected, found = solve(rows[[0, 2, 3]]), solve(with_nan)
+    assert found.n == 3
+    for symbol in ("F_k", "c"):
+        assert found[symbol] == pytest.approx(float(expected[symbol]), rel=1e-13)
+
+
+def test_given_coefficients_weigh_as_if_they_had_been_found():
+    rows = uncertain(seed=4)
+    known = replace(rows, given={"c": 90.0})
+    found = solve(known)
+    assert list(found.values) == ["F_k"]
+    weights = own_weights(rows, float(found["F_k"]), 90.0)
+    a, rest = rows.terms["F_k"], rows.W - 90.0 * rows.terms["c"]
+    expected = np.sum(weights * a * rest) / np.sum(weights * a**2)
+    assert float(found["F_k"]) == pytest.approx(expected, rel=1e-9)
+
+
+def test_rows_without_errors_are_solved_all_the_same():
+    rows = rows_of([0.004, 0.008, 0.012], 1.28, 90.0)
+    found = solve(replace(rows, covariance=np.zeros((3, 3, 3))))
+    assert [float(found["F_k"]), float(found["c"])] == pytest.approx([1.28, 90.0], rel=1e-12)
+
+
+def test_rows_without_a_covariance_have_no_weights_of_their_own():
+    with pytest.raises(ValueError, match="without a covariance have no weights"):
+        rows_of([0.004, 0.008], 1.28, 90.0).weighted({"F_k": 1.28, "c": 90.0})

@@ -2,7 +2,8 @@
 import glob
 
 from dampbalance.project.documents import refuse
-from dampbalance.records.mapping import find_mapping
+from dampbalance.records.errors import RecordError
+from dampbalance.records.mapping import mapping_file, mapping_for, parts_of
 from dampbalance.identification.outputs import OUTPUTS
 
 MEASURED = {one["name"]: one for one in config.get("measured") or []}
@@ -26,11 +27,14 @@ def record_files(name):
 
 
 def mapping_files(name):
-    """The files that name the channels of a set."""
-    if MEASURED[name].get("mapping"):
-        return [MEASURED[name]["mapping"]]
-    found = (find_mapping(file) for file in record_files(name))
-    return sorted({str(file) for file in found if file is not None})
+    """The files that name the channels of a set, and those of its records that they name beside these."""
+    records, given = record_files(name), MEASURED[name].get("mapping")
+    found = {mapping_file(file, given) for file in records} - {None}
+    try:
+        parts = {part for file in records for part in parts_of(file, mapping_for(file, given))}
+    except RecordError:  # the job will say it
+        parts = set()
+    return sorted(str(file) for file in found | (parts - {Path(file) for file in records}))
 
 
 if MEASURED and workflow.is_main_process:

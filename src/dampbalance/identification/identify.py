@@ -5,13 +5,9 @@ neither F_k nor c knows the frequency. A row weighs as much as its misfit is sur
 alike, stands beside.
 
 What a row needs of the onset of slip comes from the waveforms of one oscillator fitted to all records. Where the
-records are not those of such an oscillator, nothing is known of the onset: the friction travel is then 4X less
-something that is the same at all levels, as sticking takes it in any contact whose force has an upper limit,
-
-    4X F_k + b c − W_0 = W
-
-and three levels or more give F_k and c without it. A level that does not slip leaves the balance; where none slips, F_k
-is unknown, and W = b c gives c.
+records are not those of such an oscillator, nothing is known of the onset, and K_z is not identified: direct
+integration then takes a = 4X − λ with the λ of the oscillator that comes nearest, a small part of 4X where the contact
+is stiff. A level that does not slip leaves the balance; where none slips, F_k is unknown, and W = b c gives c.
 
 The effect of noise on the estimates is computed twice: by bootstrap (cycles of every record drawn with replacement, the
 balance solved for each drawing) and by propagation (the jackknife: one cycle of one record left out after the other).
@@ -52,10 +48,6 @@ MOST_REPLICATES = 10_000
 SEED = 2010
 
 _COPIED = 1e-9  # of the largest harmonic: what writing a record in another format may change
-
-
-_STUCK_WORK = "W_0"  # what sticking takes from 4X F_k, J: an unknown beside the coefficients
-_FEWEST = 3  # levels that tell it from them
 
 
 @one_thread
@@ -139,6 +131,7 @@ def _same(one: Reading, other: Reading) -> bool:
     return bool(np.abs(rows - others).max() < bound)
 
 
+_UNTOLD = "this approach needs the onset of slip, which these records do not tell"
 _NOTHING = ParameterEstimate(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
 
 
@@ -154,7 +147,7 @@ def _result(
     """The estimates of one approach, with standard errors and intervals."""
 
     def rows_of(sample: Sample) -> Rows:
-        return rows_with_onset(approach(sample.features.with_phase(phase), k), whole)
+        return rows_for(approach(sample.features.with_phase(phase), k), whole)
 
     rows = rows_of(samples.point)
     try:
@@ -162,7 +155,8 @@ def _result(
     except ValueError as error:
         nothing = dict.fromkeys(approach.terms, _NOTHING)
         unknown = np.full(len(rows.W), math.nan)
-        reason = (str(error),)
+        untold = not (whole.waveforms_hold or whole.linear)
+        reason = (_UNTOLD if untold and not rows.usable.any() else str(error),)
         return ApproachResult(
             name, nothing, nothing, _NOTHING, {}, {}, math.nan, math.nan, rows, unknown, reason
         )
@@ -203,14 +197,11 @@ def _result(
     )
 
 
-def rows_with_onset(rows: Rows, whole: Whole) -> Rows:
-    """The rows with what is known of the onset of slip: see the head of the module."""
+def rows_for(rows: Rows, whole: Whole) -> Rows:
+    """The rows; where nothing slips, those of W = b c."""
     if whole.linear:
         none = {"F_k": np.zeros(rows.W.shape)}
         return replace(rows, terms={**rows.terms, **none}, given={"F_k": 0.0})
-    if not whole.waveforms_hold and len(rows.W) >= _FEWEST:
-        stuck = np.where(np.isfinite(rows.W), -1.0, math.nan)
-        return replace(rows, terms={**rows.terms, _STUCK_WORK: stuck})
     return rows
 
 

@@ -12,7 +12,7 @@ from ..project.wording import visible
 from ..reading.conditioning import condition_blocks
 from ..reading.noisy import Reading, read_features
 from ..records.limits import LARGEST
-from ..records.mapping import MappingLike, mapping_for
+from ..records.mapping import MappingLike, mapping_for, parts_of
 from ..records.measurement import Measurement
 from ..records.readers import RecordWarning, open_channels, read, stated_numbers
 
@@ -63,7 +63,8 @@ def load(
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
         stated = _NUMBER * stated_numbers(path, rules, largest)
-        if max(stated, path.stat().st_size) > LARGE:
+        stored = sum(file.stat().st_size for file in parts_of(path, rules))
+        if max(stated, stored) > LARGE:
             channels = open_channels(path, rules, largest=largest)
             steady = condition_blocks(
                 str(path),

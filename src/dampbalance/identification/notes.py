@@ -52,9 +52,9 @@ def _notes(estimated: ApproachResult, readings: Sequence[Reading], whole: Whole)
         notes.append("F_k and K_z leave no trace in the records: c comes from W = b c")
     elif not whole.waveforms_hold and not estimated.notes:
         notes.append(
-            "without the onset of slip: F_k and c come from how W grows with the level"
-            if len(readings) > 2
-            else "two levels do not tell what sticking takes: the contact is taken as rigid, and F_k is too small"
+            "the onset of slip is not known: what sticking takes from 4X is that of the oscillator that comes nearest"
+            if whole.fit is not None
+            else "the onset of slip is not known: the contact is taken as rigid, and F_k is too small"
         )
     if whole.delayed is not None:
         notes.append(
@@ -154,14 +154,9 @@ def _on_the_oscillator(readings: Sequence[Reading], whole: Whole) -> list[str]:
         )
     if delayed is not None:
         said.append(
-            f"the harmonics say that the response lags the drive by {1e6 * delayed.delay:.3g} ± "
-            f"{1e6 * delayed.error('delay'):.2g} µs beside the motion"
-            + (
-                f", and then F_k = {delayed.F_k:.4g} N and c = {delayed.c:.4g} N s/m: give a delay in the mapping, or "
-                "sample all channels at once"
-                if delayed.adequate
-                else ", which does not explain all"
-            )
+            f"the harmonics say that the response lags the drive by {1e6 * delayed.delay:.4g} ± "
+            f"{1e6 * delayed.error('delay'):.2g} µs beside the motion; without that, F_k = {delayed.F_k:.4g} N and c = "
+            f"{delayed.c:.4g} N s/m: give the delay in the mapping, or sample all channels at once"
         )
     return said
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -18,7 +19,7 @@ class Whole:
 
     fit : the oscillator that responds most like them; None where none does that slips.
     linear : whether a linear oscillator explains them within their noise: nothing slips, or it does not show.
-    delayed : the fit with a delay between base and response, where that explains more than noise would.
+    delayed : the fit with a delay between base and response, where that explains what noise does not.
     mass : kg, as given, or None.   mass_fits : whether the records agree with it; if not, the fit has its own.
     """
 
@@ -55,15 +56,30 @@ def whole_oscillator(lines: Sequence[Lines], k: float, m: float | None = None) -
     fits = known is not None and known.chi_square - fit.chi_square < _SHOWS
     fit = known if known is not None and fits else fit
     delayed = with_delay(fit)
-    if delayed is None or fit.chi_square - delayed.chi_square < _SHOWS:
+    if delayed is not None and not (
+        delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS
+    ):
         delayed = None
     return Whole(fit, linear, delayed, m, m is None or fits)
 
 
 def joined(readings: Sequence[Reading], whole: Whole) -> list[Reading]:
-    """The readings with the waveforms of the fit, or without any where they do not hold."""
-    if not whole.waveforms_hold or whole.fit is None:
+    """The readings with the waveforms of the fit; where they do not hold, without any, and with no more of the nearest
+    oscillator than the travel that its sticking takes."""
+    if whole.fit is None or whole.linear:
         return [replace(reading, joint=True, shared=None) for reading in readings]
+    if not whole.fit.adequate:
+        return [
+            replace(
+                reading,
+                joint=True,
+                shared=None,
+                taken=4.0 * orbit.X - orbit.a if slips else math.nan,
+            )
+            for reading, orbit, slips in zip(
+                readings, whole.fit.orbits, whole.fit.slips, strict=True
+            )
+        ]
     return [
         replace(reading, joint=True, shared=waveform)
         for reading, waveform in zip(readings, whole.fit.waveforms, strict=True)

@@ -16,7 +16,7 @@ from ..motion.jit import interpreted
 from ..project.files import sha256, write_json, write_rows, write_text
 from ..project.wording import visible
 from ..records.limits import LARGEST
-from ..records.mapping import MappingLike, mapping_file
+from ..records.mapping import MappingLike, mapping_file, mapping_for, parts_of
 from . import reporting
 from .identify import REPLICATES, SEED, identify
 from .loading import Loaded, load
@@ -116,9 +116,11 @@ def identify_files(
 
 
 def _digests(path: Path, mapping: MappingLike) -> dict[str, Any]:
-    """The SHA-256 digest of a record's file, and of the file that names its channels."""
+    """The SHA-256 digest of a record's file, of the file that names its channels, and of others that hold some."""
     file = mapping_file(path, mapping)
-    return {
+    others = [part for part in parts_of(path, mapping_for(path, mapping)) if part != path]
+    more = [{"file": str(part), "sha256": sha256(part)} for part in others]
+    return ({"others": more} if more else {}) | {
         "sha256": sha256(path),
         "mapping": None if file is None else {"file": str(file), "sha256": sha256(file)},
     }

@@ -42,11 +42,15 @@ _NEIGHBOURS = (
 
 _EXTRA = 4  # odd harmonics beyond the bandwidth that are taken: they bound the waveform
 _STIFFNESSES = np.geomspace(0.1, 1e5, 19)  # of K_z/k
+_SOFTEST = (
+    13  # of them, up to 1,000: stiffer ones rattle, and a climb reaches them from there, in 1/√K_z
+)
 _SHARES = (0.03, 0.2, 0.5, 0.8, 0.97)  # of friction in the work
 _RATIOS = np.geomspace(0.25, 8.0, 21)  # of the natural frequency to that of the drive
 _COMPARED = (1, 3, 5)
 _POINTS = 256  # of a cycle, for the force of a contact
 _SLIPS = (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)
+_DERIVATIVES = {"displacement": 0, "velocity": 1, "acceleration": 2}
 _NEAR = 0.03  # of the fundamental: what a candidate may be off by
 
 
@@ -80,10 +84,31 @@ class Lines:
         n = np.arange(1, highest + 1, 2)
         base = steady.mean(steady.Y[:, 1:2])[0]
         x = steady.mean(steady.X)[n] * np.exp(-1j * n * np.angle(base))
+        error = np.hypot(steady.X_error[n], _aliased(steady, n))
         Y_error = float(steady.Y_error[1])
-        return cls(
-            steady.omega, float(abs(base)), Y_error, n, x, steady.X_error[n], len(steady.weights)
-        )
+        return cls(steady.omega, float(abs(base)), Y_error, n, x, error, len(steady.weights))
+
+
+def _aliased(steady: SteadyRecord, n: Integers) -> Array:
+    """Size of what harmonics beyond half the sampling rate add to the mean of the harmonics n, m.
+
+    With M samples to the cycle, harmonic M ∓ n looks like harmonic n, turned from cycle to cycle by the part of a turn
+    by which M is no whole number; over the record that leaves |sin πf/πf| of it, f = cycles · (M − round M). Where the
+    contact begins to slip the jerk jumps, so that the harmonics of the acceleration fall as n^{−2} in the end; their
+    size is that of the highest ones read.
+    """
+    total = np.zeros(n.size)
+    for quantity, order in _DERIVATIVES.items():
+        if quantity not in steady.channels:
+            continue
+        channel = steady.channels[quantity]
+        samples = 2.0 * math.pi / (steady.omega * channel.dt)
+        left = abs(float(np.sinc(steady.cycles * (samples - round(samples)))))
+        highest = np.arange(1, channel.coefficients.shape[1], 2)[-3:]
+        size = float(np.median(np.abs(steady.mean(steady.X)[highest]) * highest**order))
+        fallen = size * (float(highest[-1]) / (samples - n)) ** (4 - order)
+        total = np.maximum(total, math.sqrt(0.5) * left * fallen / n.astype(np.float64) ** order)
+    return total
 
 
 def starts(lines: Sequence[Lines], k: float, *, wide: bool = False) -> Array:
@@ -193,7 +218,7 @@ def _candidates(lines: Sequence[Lines], k: float, wide: bool) -> Array:
         return np.empty((0, 4))
     apparent = k - (k * Y / fundamental).real
     rows = []
-    for K_z in k * _STIFFNESSES:
+    for K_z in k * (_STIFFNESSES[:_SOFTEST] if wide else _STIFFNESSES):
         for share in (None, *_SHARES):
             F_k = c = 0.0
             for _ in range(8):  # the travel a depends on F_k through Z_m

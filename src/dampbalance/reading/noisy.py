@@ -34,7 +34,7 @@ from .waveforms import Waveform, fit_oscillator
 RESOLVED = 2.0
 """Standard errors by which the root of the microstick line's length must exceed zero to count as resolved."""
 
-RIGID = "slip onset not known: rigid limit"
+UNKNOWN = "slip onset not known"
 
 _READ = 5  # the highest harmonic taken from a record that an exact waveform fits
 _JACKKNIFE_GROUPS = 400
@@ -61,12 +61,14 @@ class Reading:
     """Features of one response read off a record, and how sure they are.
 
     steady : the conditioned record.   joint : whether it was fitted together with others; else its waveform is fitted
-    to this record alone.   shared : the waveform of that fit, None where none fits.
+    to this record alone.   shared : the waveform of that fit, None where none fits.   taken : λ = 4X − a, m, the travel
+    that sticking takes from 4X where no waveform tells.
     """
 
     steady: SteadyRecord
     joint: bool = False
     shared: Waveform | None = None
+    taken: float = 0.0
 
     @cached_property
     def lines(self) -> Lines:
@@ -97,7 +99,7 @@ class Reading:
     @cached_property
     @one_thread
     def features(self) -> Features:
-        """Features of the one response; where no waveform fits, X_s = −X and a = 4X (the rigid limit)."""
+        """Features of the one response; where no waveform fits, X_s = −X (the rigid limit) and a = 4X − λ."""
         return self.features_of(self.mean)
 
     @property
@@ -277,7 +279,7 @@ def _onset(reading: Reading, means: Means, moved: Array) -> tuple[str, Array, Ar
     """
     count, waveform = len(means.Y), reading.waveform
     if waveform is None:
-        return RIGID, np.zeros(count), np.zeros((3, count))
+        return UNKNOWN, np.zeros(count), np.array([[0.0], [0.0], [reading.taken]]) * np.ones(count)
     if not reading.slips:
         return str(waveform.orbit.regime), np.full(count, math.nan), np.full((3, count), math.nan)
     fit = waveform.fit

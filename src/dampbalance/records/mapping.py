@@ -14,13 +14,14 @@ import cmath
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from .correction import Correction
 from .errors import RecordError, library
+from .measurement import EXCITATIONS, RESPONSES
 from .units import UnitError, unit_for
 
 SCHEMA = Path(__file__).with_name("mapping.schema.yaml")
@@ -37,7 +38,8 @@ class ChannelRule:
     """The channel of a quantity: value in SI = sign · scale · reading · (the unit in SI).
 
     unit : of scale · reading, None for what the file says.   time : its own time channel, None for the common one.
-    correction : of its harmonics; None for none.
+    correction : of its harmonics; None for none.   file : that it stands in, from the folder of the record on; None for
+    the record itself.
     """
 
     channel: Which
@@ -46,6 +48,7 @@ class ChannelRule:
     sign: int = 1
     time: Which | None = None
     correction: Correction | None = None
+    file: str | None = None
 
 
 @dataclass(frozen=True)
@@ -99,6 +102,18 @@ def mapping_file(record: str | Path, mapping: MappingLike = None) -> Path | None
     if isinstance(mapping, str | Path):
         return Path(mapping)
     return find_mapping(record) if mapping is None else None
+
+
+def parts_of(record: str | Path, mapping: RecordMapping) -> dict[Path, RecordMapping]:
+    """Each file of a record with the part of its mapping that is about it."""
+    record = Path(record)
+    files: dict[Path, dict[str, ChannelRule]] = {}
+    for quantity, rule in mapping.channels.items():
+        file = record if rule.file is None else record.parent / rule.file
+        files.setdefault(file, {})[quantity] = rule
+    if len(files) < 2:
+        return dict.fromkeys(files or [record], mapping)
+    return {file: replace(mapping, channels=MappingProxyType(of)) for file, of in files.items()}
 
 
 def read_mapping(file: str | Path) -> RecordMapping:
@@ -157,9 +172,14 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
     for quantity, rule in channels.items():
         for part, problem in _wrong_correction(rule):
             yield ("channels", quantity, part), problem
-    holder: dict[str | int, str] = {}
+    if any("file" in rule for rule in channels.values()):
+        driving = sum(quantity in channels for quantity in EXCITATIONS)
+        if driving != 1 or not any(quantity in channels for quantity in RESPONSES):
+            needed = f"one of {', '.join(EXCITATIONS)} and at least one of {', '.join(RESPONSES)}"
+            yield ("channels",), f"needs {needed}, in whatever file"
+    holder: dict[tuple[str | int, str | None], str] = {}
     for quantity, rule in channels.items():
-        other = holder.setdefault(rule["channel"], quantity)
+        other = holder.setdefault((rule["channel"], rule.get("file")), quantity)
         if other != quantity:
             problem = f"{rule['channel']!r} is {other} already; a channel holds one quantity"
             yield ("channels", quantity, "channel"), problem

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import astuple, replace
 
 import numpy as np
@@ -18,10 +19,11 @@ from dampbalance.identification.reporting import (
     text_table,
 )
 from dampbalance.identification.verdicts import verdicts_of
+from dampbalance.likelihood.information import cramer_rao, noise_of_rms
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.synthetic import measured_orbit
-from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, orbits_at
+from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
 
 BOTH = ("base_displacement", "displacement", "acceleration")
 
@@ -243,6 +245,67 @@ def test_what_makes_no_sense_is_refused(change, message):
         identify(read, k, **change)
 
 
+@pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
+def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold(hz):
+    motions, two = motions_at(hz), BOTH[:2]
+    noise = noise_of_rms(PAPER, motions, 0.01, ("y", "x"))
+    bound = cramer_rao(
+        PAPER, motions, rate_hz=1000.0, cycles=25.0, noise=noise, free=("m", "omega")
+    )
+    runs = [
+        identify(
+            readings(hz, 0.01, seed=50 + i, rate_hz=1000.0, channels=two),
+            PAPER.k,
+            approaches={"direct": APPROACHES["direct"]},
+            replicates=400,
+        ).estimates["direct"]
+        for i in range(4)
+    ]
+    for symbol, least in zip(("F_k", "c"), bound.standard_errors, strict=False):
+        weighted, alike = (
+            least**2 / np.mean([getattr(run, of)[symbol].standard_error ** 2 for run in runs])
+            for of in ("coefficients", "equal")
+        )
+        # 87 to 97 % and 12 to 28 %; four runs of 25 cycles know a variance to 15 %
+        assert 0.8 < weighted < 1.15
+        assert alike < 0.4
+
+
+def test_where_no_level_slips_there_is_no_friction_force():
+    found = identify(readings(noise=0.01, levels=(0.0002, 0.0003, 0.0004)), PAPER.k, replicates=50)
+    assert found.whole.linear
+    (warning,) = found.warnings
+    assert "the records are those of a linear oscillator" in warning
+    direct, told = found.estimates["direct"], document(found)
+    numbers = told["approaches"]["direct"]
+    assert [numbers[key] for key in ("F_k_N", "K_z_N_per_m", "F_k_standard_error_N")] == [None] * 3
+    assert [numbers["verdicts"][symbol]["verdict"] for symbol in ("F_k", "K_z")] == ["none", "none"]
+    assert told["maximum_likelihood"] is None
+    low, high = direct.coefficients["c"].interval
+    assert low < PAPER.c < high
+    assert high - low < 0.05 * PAPER.c
+    line = text_table(found).splitlines()[3]
+    assert re.match(r"direct \* +– +\d", line)
+
+
+def test_a_level_that_does_not_slip_leaves_the_balance_without_a_star():
+    found = identify(
+        readings(noise=0.01, levels=(0.0003, 0.004, 0.008, 0.012)), PAPER.k, replicates=100
+    )
+    assert [reading.slips for reading in found.readings] == [False, True, True, True]
+    (warning,) = found.warnings
+    assert "only sticks in record 1" in warning
+    direct = found.estimates["direct"]
+    assert direct.notes == ()
+    assert direct.rows.usable.tolist() == [False, True, True, True]
+    for symbol in ("F_k", "c", "K_z"):
+        # three of 95 % intervals: four standard errors
+        parameter, true = direct.parameters[symbol], getattr(PAPER, symbol)
+        assert abs(parameter.value - true) < 4.0 * parameter.standard_error
+    told = document(found)["records"]
+    assert [record["slips"] for record in told] == [False, True, True, True]
+
+
 # --- records by code that is not ours ------------------------------------------------------------
 
 
@@ -319,3 +382,63 @@ def independent():
         return made[Y, hz]
 
     return of
+
+
+def rounded_contact(Y, osc, cycles=30.0, rate_hz=500.0):
+    """t, y, x of an oscillator whose contact yields gradually, a Bouc–Wen element of the same K_z and F_k."""
+    omega = 2.0 * math.pi * NEAR
+
+    def rate(t, q):
+        x, v, part = q
+        force = osc.k * (Y * math.cos(omega * t) - x) - osc.c * v - osc.F_k * part
+        yielding = 0.5 * (abs(v * part) + v * part) * np.sign(part)
+        return [v, force / osc.m, osc.K_z / osc.F_k * (v - yielding)]
+
+    t = np.arange(round(cycles / NEAR * rate_hz)) / rate_hz
+    solved = solve_ivp(rate, (0.0, t[-1]), [0.0] * 3, "LSODA", t_eval=t, rtol=1e-8, atol=1e-12)
+    return t, Y * np.cos(omega * t), solved.y[0]
+
+
+@pytest.fixture(scope="module")
+def gradual():
+    """Readings of three levels of a contact that yields gradually, with noise that shows it."""
+    osc, rng = replace(PAPER, K_z=20_000.0), np.random.default_rng(3)
+    read = []
+    for Y in (0.004, 0.008, 0.012):
+        t, y, x = rounded_contact(Y, osc)
+        channels = [
+            Channel(name, t, values + 2e-4 * values.std() * rng.standard_normal(t.size))
+            for name, values in (("base_displacement", y), ("displacement", x))
+        ]
+        read.append(read_features(Measurement.of("gradual", channels), osc.k, skip_cycles=10))
+    return read
+
+
+def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
+    found = identify(gradual, PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=100)
+    assert not found.whole.waveforms_hold
+    assert "are not those of one mass on a spring" in found.warnings[0]
+    direct = found.estimates["direct"]
+    assert math.isnan(direct.K_z.value)
+    assert math.isnan(found.microstick.length)
+    assert np.isnan(found.features.X_s).all()
+    # what sticking takes nearly is the same at all levels: a few per cent, and the note says what it rests on
+    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.04)
+    assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=0.01)
+    assert "without the onset of slip" in direct.notes[0]
+    told = document(found)
+    assert told["approaches"]["direct"]["verdicts"]["K_z"]["verdict"] == "none"
+    assert "nearest" in told["maximum_likelihood"]["notes"][0]
+
+
+def test_two_levels_of_such_a_contact_are_taken_as_rigid_and_it_is_said(gradual):
+    found = identify(
+        gradual[::2], PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=50
+    )
+    direct = found.estimates["direct"]
+    assert "two levels do not tell what sticking takes" in direct.notes[0]
+    np.testing.assert_array_equal(
+        found.estimates["direct"].rows.terms["F_k"], 4.0 * found.features.X
+    )
+    assert math.isnan(direct.K_z.value)
+    assert -0.2 < relative(direct.coefficients["F_k"], PAPER.F_k) < 0.0

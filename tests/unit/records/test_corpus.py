@@ -1,13 +1,11 @@
-"""A corpus of files as laboratories write them, each read and compared with the signals it was made of.
-
-The small text files under `corpus/` were written by hand after the originals of recorders; the rest is made here.
-"""
+"""A corpus of files as laboratories write them, each read and compared with the signals it was made of."""
 
 from __future__ import annotations
 
-import datetime
 import math
-import warnings
+import re
+import sys
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,14 +14,16 @@ import pandas as pd
 import pytest
 
 from dampbalance.records.errors import RecordError, RecordWarning
-from dampbalance.records.readers import open_channels, read
+from dampbalance.records.readers import open_channels, read, stated_numbers
 
 RATE = 20000.0
-T = np.arange(40000) / RATE
-Y = np.round(4.0 * np.cos(2.0 * math.pi * 3.5 * T), 6)  # mm
-A = np.round(1.5 * np.sin(2.0 * math.pi * 3.5 * T) + 0.2 * np.sin(2.0 * math.pi * 10.5 * T), 6)  # g
+T = np.arange(4000) / RATE
+Y = np.round(4.0 * np.cos(2.0 * math.pi * 35.0 * T), 6)  # mm
+A = np.round(
+    1.5 * np.sin(2.0 * math.pi * 35.0 * T) + 0.2 * np.sin(2.0 * math.pi * 105.0 * T), 6
+)  # g
 G = 9.80665
-START = pd.Timestamp("2026-03-01T23:59:59.5")
+START = pd.Timestamp("2026-03-01T23:59:59.9")
 
 
 def _frame(stamps, name="time") -> pd.DataFrame:
@@ -73,6 +73,119 @@ def _german(folder: Path) -> Path:
     return folder / "run.csv"
 
 
+EXCEL_EPOCH = pd.Timestamp("1899-12-30")
+
+
+def _xlsx(folder: Path, rows: list[list[object]], stamps: bool = False) -> Path:
+    """A workbook as spreadsheets write it: a sheet of text alone, then one of text and numbers."""
+
+    def cell(value, style):
+        if isinstance(value, str):
+            return f'<c t="inlineStr"><is><t>{value}</t></is></c>' if value else "<c/>"
+        return f'<c s="{style}"><v>{value!r}</v></c>'
+
+    def sheet(table):
+        lines = "".join(
+            f"<row>{''.join(cell(v, int(stamps and i == 0)) for i, v in enumerate(row))}</row>"
+            for row in table
+        )
+        return f'<worksheet xmlns="{main}"><sheetData>{lines}</sheetData></worksheet>'
+
+    main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
+    office = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+    package = "http://schemas.openxmlformats.org/package/2006"
+    kinds = {"workbook": "sheet.main", "styles": "styles"}
+    kinds |= dict.fromkeys(("worksheets/sheet1", "worksheets/sheet2"), "worksheet")
+    parts = {
+        "[Content_Types].xml": f'<Types xmlns="{package}/content-types">'
+        '<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
+        + "".join(
+            f'<Override PartName="/xl/{name}.xml" ContentType="application/vnd.openxmlformats-officedocument.'
+            f'spreadsheetml.{kind}+xml"/>'
+            for name, kind in kinds.items()
+        )
+        + "</Types>",
+        "_rels/.rels": f'<Relationships xmlns="{package}/relationships"><Relationship Id="r1" '
+        f'Type="{office}/officeDocument" Target="xl/workbook.xml"/></Relationships>',
+        "xl/workbook.xml": f'<workbook xmlns="{main}" xmlns:r="{office}"><sheets><sheet name="notes" sheetId="1" '
+        'r:id="r1"/><sheet name="record" sheetId="2" r:id="r2"/></sheets></workbook>',
+        "xl/_rels/workbook.xml.rels": f'<Relationships xmlns="{package}/relationships">'
+        f'<Relationship Id="r1" Type="{office}/worksheet" Target="worksheets/sheet1.xml"/>'
+        f'<Relationship Id="r2" Type="{office}/worksheet" Target="worksheets/sheet2.xml"/>'
+        f'<Relationship Id="r3" Type="{office}/styles" Target="styles.xml"/></Relationships>',
+        "xl/styles.xml": f'<styleSheet xmlns="{main}"><cellXfs count="2"><xf numFmtId="0"/><xf numFmtId="22" '
+        'applyNumberFormat="1"/></cellXfs></styleSheet>',
+        "xl/worksheets/sheet1.xml": sheet([["Rig 3"], ["second run", "by hand"]]),
+        "xl/worksheets/sheet2.xml": sheet(rows),
+    }
+    with zipfile.ZipFile(folder / "run.xlsx", "w", zipfile.ZIP_DEFLATED) as file:
+        for name, text in parts.items():
+            file.writestr(name, f'<?xml version="1.0" encoding="UTF-8"?>{text}')
+    return folder / "run.xlsx"
+
+
+def _sheet_of_numbers(folder: Path) -> Path:
+    rows = [["Rig 3"], ["t", "base", "acc"], ["s", "mm", "g"], *np.column_stack([T, Y, A]).tolist()]
+    return _xlsx(folder, rows)
+
+
+def _sheet_of_dates(folder: Path) -> Path:
+    days = [((START - EXCEL_EPOCH) / pd.Timedelta(days=1)) + 10.0 * t / 86400.0 for t in T]
+    rows = [["when", "base [mm]", "acc [g]"], *np.column_stack([days, Y, A]).tolist()]
+    return _xlsx(folder, rows, stamps=True)
+
+
+def _lvm(columns: str, comma: bool = False) -> Callable[[Path], Path]:
+    def make(folder):
+        mark, both = "," if comma else ".", columns == "One"
+        head = (
+            f"LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t{mark}\n"
+            f"Multi_Headings\tNo\nX_Columns\t{columns}\nTime_Pref\tRelative\nOperator\tlab\nDate\t2026/03/01\n"
+            "Time\t10:00:00\n***End_of_Header***\t\n\t\nChannels\t2\t\t\nSamples\t4000\t4000\t\n"
+            "Date\t2026/03/01\t2026/03/01\t\nTime\t10:00:00\t10:00:00\t\nY_Unit_Label\tmm\tg\t\n"
+            f"X_Dimension\tTime\tTime\t\nX0\t0.0E+0\t0.0E+0\t\nDelta_X\t{5e-5:.6E}\t{5e-5:.6E}\t\n"
+            "***End_of_Header***\t\t\t\nX_Value\tbase\tacc\tComment\n"
+        )
+        rows = (
+            f"{f'{t:.6f}' if both else ''}\t{y:.6f}\t{a:.6f}\t"
+            for t, y, a in zip(T, Y, A, strict=True)
+        )
+        text = (
+            head.replace(".000000E", f"{mark}000000E") + "\n".join(rows).replace(".", mark) + "\n"
+        )
+        (folder / "run.lvm").write_text(text, encoding="utf-8")
+        return folder / "run.lvm"
+
+    return make
+
+
+def _several(folder: Path) -> Path:
+    """A file for each channel: times and values, values alone."""
+    (folder / "acc").mkdir()
+    frame = _frame(T, "time [s]")
+    frame[["time [s]", "base [mm]"]].to_csv(folder / "run.csv", index=False)
+    frame["acc [g]"].to_csv(folder / "acc/run.dat", index=False, header=False)
+    (folder / "run.yaml").write_text(
+        "channels:\n  base_displacement: {channel: base}\n"
+        "  acceleration: {file: acc/run.dat, channel: 1, unit: g}\nsample_rate_hz: 20000\n",
+        encoding="utf-8",
+    )
+    return folder / "run.csv"
+
+
+def _several_kinds(folder: Path) -> Path:
+    frame = _frame(T, "time [s]")
+    frame[["time [s]", "base [mm]"]].to_csv(folder / "run.csv", index=False)
+    spans = frame[["acc [g]"]].set_index(SPANS)
+    spans.to_parquet(folder / "run.parquet")
+    (folder / "run.csv.yaml").write_text(
+        "channels:\n  acceleration: {channel: 'acc [g]', file: run.parquet}\n"
+        "  base_displacement: {channel: base}\n",
+        encoding="utf-8",
+    )
+    return folder / "run.csv"
+
+
 SPANS = pd.to_timedelta(np.round(T * 1e9), unit="ns")
 
 EXACT = {
@@ -87,9 +200,17 @@ EXACT = {
     "Parquet, points in time": _parquet(_points()),
     "Parquet, points in time with a zone": _parquet(_points("us").tz_localize("Europe/Berlin")),
     "Parquet, spans": _parquet(SPANS),
+    "a file for each channel": _several,
+    "a file for each channel, of several kinds": _several_kinds,
 }
 
-CORPUS = {**EXACT}
+CORPUS = {
+    **EXACT,
+    "spreadsheet": _sheet_of_numbers,
+    "LabVIEW without times": _lvm("No"),
+    "LabVIEW with times": _lvm("One"),
+    "LabVIEW, decimal comma": _lvm("No", comma=True),
+}
 
 
 @pytest.mark.filterwarnings("ignore:.*channels not used. 'date'")
@@ -114,3 +235,103 @@ def test_blocks_give_the_same(tmp_path, kind):
         t, values = np.hstack([np.array(block) for block in blocks()])
         np.testing.assert_array_equal(t, whole[quantity].t)
         np.testing.assert_array_equal(values, whole[quantity].values)
+
+
+def test_dates_of_a_spreadsheet_give_the_rate(tmp_path):
+    """They are parts of a day, with 15 digits: microseconds; the library rounds them to milliseconds."""
+    with pytest.warns(
+        RecordWarning,
+        match=r"'when' is rounded to 0\.001 s, its samples are 0\.0005 s apart: 1999\.99",
+    ):
+        measurement = read(_sheet_of_dates(tmp_path))
+    t = measurement["base_displacement"].t
+    # what the warning says is off at the most: 1.5 ms in the 2 s of the record
+    assert (t.size - 1) / (t[-1] - t[0]) == pytest.approx(0.1 * RATE, rel=7.5e-4)
+    np.testing.assert_allclose(measurement["base_displacement"].values, 1e-3 * Y, rtol=1e-15)
+
+
+@pytest.mark.parametrize("rate", [20000.0, 12800.0, 1024.0, 999.7, 600.0])
+@pytest.mark.parametrize("cut", [np.round, np.trunc])
+def test_rounded_times_give_the_rate_within_the_bound_that_is_told(tmp_path, rate, cut):
+    t = np.arange(round(3.0 * rate)) / rate + 0.1234
+    y, x = np.cos(22.0 * t), np.sin(22.0 * t)
+    frame = pd.DataFrame({"time [s]": cut(1e3 * t) / 1e3, "y [mm]": y, "x [mm]": x})
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    with pytest.warns(RecordWarning, match="is rounded to 0.001 s") as told:
+        found = read(tmp_path / "run.csv")["displacement"].t
+    bound = float(re.search(r"off by (\S+) ppm at the most", str(told[0].message))[1]) * 1e-6
+    assert bound == pytest.approx(1.5e-3 / 3.0, rel=0.05)
+    assert (found.size - 1) / (found[-1] - found[0]) == pytest.approx(rate, rel=bound)
+    np.testing.assert_allclose(found, t, atol=1.5e-3)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda t: t[t < 0.5], "does not increase"),  # too short: the rate would be off by 0.3 %
+        (lambda t: np.where(t > 1.5, t + 0.02, t), "does not increase"),  # a gap
+        (lambda t: t + 0.004 * (np.arange(t.size) % 7 == 3), "does not increase"),  # jitter
+    ],
+)
+def test_times_that_are_more_than_rounded_are_refused(tmp_path, spoil, message):
+    t = spoil(np.round(np.arange(60000) / 20000.0, 3))
+    frame = pd.DataFrame({"time [s]": t, "y [mm]": np.cos(22.0 * t), "x [mm]": np.sin(22.0 * t)})
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    with pytest.raises(RecordError, match=message):
+        read(tmp_path / "run.csv")
+
+
+@pytest.mark.parametrize("package", ["python_calamine", "lvm_read"])
+def test_a_library_that_is_missing_is_named(tmp_path, monkeypatch, package):
+    path = {"python_calamine": _sheet_of_numbers, "lvm_read": _lvm("No")}[package](tmp_path)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(RecordError, match=rf'{package}, which is not .*"dampbalance\[records\]"'):
+        read(path)
+
+
+def test_a_cell_of_text_among_numbers_is_named(tmp_path):
+    rows = [["t [s]", "base [mm]", "acc [g]"], *np.column_stack([T, Y, A]).tolist()]
+    rows[100][2] = "off"
+    with pytest.raises(RecordError, match=r"xlsx: row 101, column 'acc': 'off' is not a number"):
+        read(_xlsx(tmp_path, rows))
+
+
+def test_several_segments_of_labview_are_refused(tmp_path):
+    path = _lvm("No")(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    segment = text.split("***End_of_Header***\t\n", 1)[1]
+    path.write_text(text + segment, encoding="utf-8")
+    with pytest.raises(RecordError, match=r"lvm: holds 2 segments; a record is one"):
+        read(path)
+
+
+def test_channels_of_several_files_are_looked_for_where_the_mapping_says(tmp_path):
+    path = _several(tmp_path)
+    mapping = tmp_path / "run.yaml"
+    text = mapping.read_text(encoding="utf-8")
+    for old, new, message in (
+        ("acc/run.dat", "acc/none.dat", r"acc/none\.dat: no such file"),
+        (
+            "channel: 1",
+            "channel: 2",
+            r"acceleration\.channel: there is no channel 2; .*run\.dat has 1",
+        ),
+        (
+            "acceleration:",
+            "force:",
+            r"run\.yaml: line 1: channels: needs one of .*, in whatever file",
+        ),
+    ):
+        mapping.write_text(text.replace(old, new), encoding="utf-8")
+        with pytest.raises(RecordError, match=message):
+            read(path)
+
+
+def test_numbers_of_several_files_count_together(tmp_path):
+    path = _several(tmp_path)
+    assert stated_numbers(path) == pytest.approx(
+        8000, rel=0.05
+    )  # of text, from the length of its lines
+    read(path, largest=8000)
+    with pytest.raises(RecordError, match="would be 4,000 numbers, more than 3,999"):
+        read(path, largest=7999)

@@ -16,6 +16,7 @@ from dampbalance.records.mapping import (
     find_mapping,
     mapping_for,
     mapping_from,
+    parts_of,
     read_mapping,
 )
 from dampbalance.records.measurement import QUANTITIES
@@ -171,7 +172,10 @@ def examples():
 
 def test_the_examples_read_as_they_say(tmp_path):
     shown = examples()
-    assert list(shown) == ["run1.csv", "run2.csv", "run2.yaml"]
+    assert list(shown) == ["run1.csv", "run2.csv", "run2.yaml", "level1_base.csv.yaml"]
+    several = mapping_from(yaml.safe_load(shown.pop("level1_base.csv.yaml")))
+    parts = parts_of(tmp_path / "level1_base.csv", several)
+    assert [part.name for part in parts] == ["level1_base.csv", "level1_acc.csv"]
     for name, text in shown.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     one, two = read(tmp_path / "run1.csv"), read(tmp_path / "run2.csv")

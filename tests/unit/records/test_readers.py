@@ -22,7 +22,6 @@ from scipy.io import wavfile
 
 from dampbalance.record import Record
 from dampbalance.records.errors import RecordError, RecordWarning
-from dampbalance.records.mapping import mapping_from
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.readers import channels, open_channels, read
 from dampbalance.records.writers import write
@@ -365,7 +364,7 @@ def refused(path, match, mapping=None):
         ("time [s],base [mm],acc [g]\n", r"holds no rows of at least two numbers"),
         ("Dear reader,\nthere is nothing here.\n", r"holds no rows of at least two numbers"),
         ("2021-05-04 10:00:00,1,2\n2021-05-04 10:00:01,2,2\n", r"finds no excitation"),
-        ("time,y [m],x [m]\n" + "4.5.2021 10:00,1,2\n" * 3, r"'time': '4\.5\.2021 10:00' is a date that can be read in sev"),
+        ("time,y [m],x [m]\n" + "4.5.2021 10:00,1,2\n" * 3, r"'4\.5\.2021 10:00' is a date that can be read in"),
         ("time,y [m],x [m]\n" + "monday,1,2\n" * 3, r"texts are not read, nor dates but as 2026-03-01T12"),
         (HEADER + "0.0,1.0,2.0\n0.001,2.0,3.0\n", r"has 2 samples"),
         (HEADER.replace("[g]", "[gee]") + rows(), r"'acc': unknown unit 'gee'.*known for acceleration"),
@@ -524,7 +523,9 @@ def test_what_is_no_file(tmp_path):
     refused(folder, "is a folder; give the files in it")
     refused(tmp_path / "no.csv", "no such file")
     (tmp_path / "run.xlsx").write_bytes(b"PK\x03\x04")
-    refused(tmp_path / "run.xlsx", r"unknown suffix '\.xlsx'; records end in \.csv")
+    refused(tmp_path / "run.xlsx", r"cannot be read as a spreadsheet, it is damaged or was cut")
+    (tmp_path / "run.mf4").write_bytes(b"MDF     ")
+    refused(tmp_path / "run.mf4", r"unknown suffix '\.mf4'; records end in \.csv")
 
 
 SAMPLES = {

@@ -6,7 +6,7 @@ for t, values in open_channels("long.tdms")["force"](): ...  # in bounded memory
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -14,9 +14,9 @@ from pathlib import Path
 from ...arrays import Array
 from ..errors import RecordError, RecordWarning
 from ..limits import LARGEST
-from ..mapping import MappingLike, RecordMapping, mapping_for
-from ..measurement import Measurement
-from . import streams
+from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
+from ..measurement import QUANTITIES, Channel, Measurement
+from . import streams, tables
 from .assemble import in_blocks, stated_size, wanted_of, whole
 from .formats import FORMATS, checked_format
 from .hdf5 import hdf5_file
@@ -46,10 +46,13 @@ def read(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) 
     Raises RecordError naming the file, what is wrong with it, and the remedy; warns of what looks odd (RecordWarning).
     """
     path, rules = Path(path), mapping_for(path, mapping)
-    with closing(_open(path, rules, largest)) as file:
-        picks = picks_of(file, rules)
-        stated_size(file, picks, largest)
-        return whole(file, picks, largest)
+    channels: list[Channel] = []
+    for file, picks in _files(path, rules, largest):
+        left = largest - sum(map(len, channels))
+        stated_size(file, picks, left)
+        channels += whole(file, picks, left)
+    order = list(QUANTITIES)
+    return Measurement.of(str(path), sorted(channels, key=lambda one: order.index(one.quantity)))
 
 
 def stated_numbers(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) -> int:
@@ -57,14 +60,13 @@ def stated_numbers(path: str | Path, mapping: MappingLike = None, largest: int =
 
     0 for what is read whole when it is opened. Raises RecordError as `read`.
     """
-    path, rules = Path(path), mapping_for(path, mapping)
-    if checked_format(path) in _READ_WHOLE:
-        return 0
-    with closing(_open(path, rules, largest)) as file:
-        picks = picks_of(file, rules)
+    path, rules, numbers = Path(path), mapping_for(path, mapping), 0
+    for file, picks in _files(path, rules, largest, skipped=_READ_WHOLE):
         if isinstance(file, TextFile):
-            return len(wanted_of(picks)) * file.layout.rows_stated
-        return stated_size(file, picks, largest)
+            numbers += len(wanted_of(picks)) * file.layout.rows_stated
+        else:
+            numbers += stated_size(file, picks, largest)
+    return numbers
 
 
 def open_channels(
@@ -75,25 +77,26 @@ def open_channels(
     A block is the times (s) and the values (SI), shape (n,), n ≤ block. The channels may have unequal lengths and times
     of their own, and each may be read as often as wanted; only one of them is in memory.
 
-    Text, Parquet, HDF5, MATLAB 7.3, TDMS (segment by segment) and WAV are read piece by piece; MATLAB 5 and universal
-    files are read whole and handed out in blocks, as their libraries know no other way. File and mapping are checked
-    before the first block, the numbers that may be read (`largest`), too.
+    Text, Parquet, HDF5, MATLAB 7.3, TDMS (segment by segment) and WAV are read piece by piece; MATLAB 5, universal
+    files, LabVIEW's text and spreadsheets are read whole and handed out in blocks, as their libraries know no other
+    way. File and mapping are checked before the first block, the numbers that may be read (`largest`), too.
 
     Raises RecordError as `read`; for a wrong sample, when its block comes up.
     """
     if block < 3:
         raise ValueError(f"block must be at least 3 samples, got {block}")
     path, rules = Path(path), mapping_for(path, mapping)
-    with closing(_open(path, rules, largest)) as file:
-        picks = picks_of(file, rules)
+    picked: dict[str, tuple[Path, Pick]] = {}
+    for file, picks in _files(path, rules, largest):
         stated_size(file, picks, largest)
+        picked |= {pick.quantity: (file.path, pick) for pick in picks}
 
-    def blocks(pick: Pick) -> Iterator[tuple[Array, Array]]:
-        with closing(_open(path, rules, largest)) as file:
+    def blocks(part: Path, pick: Pick) -> Iterator[tuple[Array, Array]]:
+        with closing(_open(part, rules, largest)) as file:
             for channel in in_blocks(file, pick, block, largest):
                 yield channel.t, channel.values
 
-    return {pick.quantity: partial(blocks, pick) for pick in picks}
+    return {q: partial(blocks, *picked[q]) for q in QUANTITIES if q in picked}
 
 
 def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel, ...]:
@@ -103,10 +106,22 @@ def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel,
         return tuple(file.channels)
 
 
+def _files(
+    path: Path, rules: RecordMapping, largest: int, skipped: Sequence[str] = ()
+) -> Iterator[tuple[RecordFile, tuple[Pick, ...]]]:
+    """Each file of a record, open, with what to read from it; without those of some kinds of content."""
+    parts = parts_of(path, rules)
+    for part, of in parts.items():
+        if skipped and checked_format(part) in skipped:
+            continue
+        with closing(_open(part, of, largest)) as file:
+            yield file, picks_of(file, of, entire=len(parts) == 1)
+
+
 def _open(path: Path, rules: RecordMapping, largest: int) -> RecordFile:
     content = checked_format(path)
     if content == "text":
-        file: RecordFile = TextFile(path, rules)
+        file: RecordFile = TextFile(path, rules, single=rules.sample_rate_hz is not None)
     else:
         file = _OPENERS[content](path, largest)
     try:
@@ -117,7 +132,7 @@ def _open(path: Path, rules: RecordMapping, largest: int) -> RecordFile:
     return file
 
 
-_READ_WHOLE = ("matlab", "uff")
+_READ_WHOLE = ("matlab", "uff", "lvm", "spreadsheet")
 
 _OPENERS: dict[str, Callable[[Path, int], RecordFile]] = {  # each imports its library
     "parquet": ParquetFile,
@@ -127,4 +142,6 @@ _OPENERS: dict[str, Callable[[Path, int], RecordFile]] = {  # each imports its l
     "uff": streams.uff_file,
     "tdms": streams.tdms_file,
     "wav": streams.wav_file,
+    "lvm": tables.lvm_file,
+    "spreadsheet": tables.spreadsheet_file,
 }

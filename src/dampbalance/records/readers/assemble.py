@@ -21,7 +21,7 @@ from ..limits import (
     SMALLEST_RANGE,
     require_size,
 )
-from ..measurement import QUANTITIES, Channel, Measurement
+from ..measurement import QUANTITIES, Channel
 from .plan import Pick
 from .record_file import RecordFile, times
 from .rounded import in_equal_steps
@@ -43,7 +43,7 @@ def stated_size(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST)
     return numbers
 
 
-def whole(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST) -> Measurement:
+def whole(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST) -> list[Channel]:
     """All samples of the picked channels, `largest` numbers at most, which not every file tells beforehand.
 
     Raises RecordError naming channel and line or sample: a value that is missing, not finite or beyond all bounds,
@@ -67,7 +67,7 @@ def whole(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST) -> Me
         stretch = Stretch(file, pick, entire=True)
         channels.append(stretch.channel(samples))
         stretch.finish()
-    return Measurement.of(str(file.path), channels)
+    return channels
 
 
 def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int = LARGEST) -> Iterator[Channel]:

@@ -15,6 +15,8 @@ _BEGINNINGS: dict[str, bytes | tuple[bytes, ...]] = {
     "matlab73": b"MATLAB 7.3",
     "parquet": b"PAR1",
     "tdms": (b"TDSm", b"TDSh"),
+    "spreadsheet": (b"PK\x03\x04", b"\xd0\xcf\x11\xe0"),
+    "lvm": (b"LabVIEW Measurement", b"\xef\xbb\xbfLabVIEW Measurement"),
 }
 _BYTE_ORDER_MARKS = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")
 _HEAD = 4096  # bytes that tell: a user block of a few kB may precede HDF5
@@ -37,8 +39,12 @@ FORMATS = {
     "uff": Format("a universal file", (".uff", ".unv", ".58"), ("uff",)),
     "tdms": Format("TDMS", (".tdms",), ("tdms",)),
     "wav": Format("WAV", (".wav", ".wave"), ("wav",)),
+    "lvm": Format("a text file of LabVIEW", (".lvm",), ("lvm",)),
+    "spreadsheet": Format(
+        "a spreadsheet", (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods"), ("spreadsheet",)
+    ),
 }
-"""The formats read and written, by short name."""
+"""The formats read, and written but for the last two, by short name."""
 
 _TITLES = {name: kind.title for name, kind in FORMATS.items()} | {
     "matlab": "MATLAB 5",

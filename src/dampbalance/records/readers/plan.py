@@ -62,8 +62,10 @@ class Pick:
     correction: Correction | None = None
 
 
-def picks_of(file: RecordFile, mapping: RecordMapping) -> tuple[Pick, ...]:
+def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -> tuple[Pick, ...]:
     """What to read from a file, in the order of QUANTITIES.
+
+    entire : whether it holds all of the record, an excitation and a response.
 
     Raises RecordError naming the channel and the remedy: one that is not there, is there twice or has no unit or no
     time, a unit that does not fit; channels that cannot be told apart, with the mapping to write.
@@ -76,9 +78,9 @@ def picks_of(file: RecordFile, mapping: RecordMapping) -> tuple[Pick, ...]:
         chosen = plan.recognised()
         rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
     driving = [q for q in EXCITATIONS if q in chosen]
-    if len(driving) != 1:
+    if entire and len(driving) != 1:
         raise plan.unclear(f"finds {' and '.join(driving) or 'no excitation'}")
-    if not any(q in chosen for q in RESPONSES):
+    if entire and not any(q in chosen for q in RESPONSES):
         raise plan.unclear("finds no response")
     picks = tuple(plan.pick(q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
     if not mapping.channels:
@@ -216,7 +218,10 @@ class _Plan:
         """What to write into the mapping: one that is complete, and holds for these channels if the guesses do."""
         guesses = suggestion(self.channels)
         if len(guesses) < 2:
-            return f"A record has two signals at least: give one that holds both, or name the file of each in {self.where}"
+            return (
+                "A record has two signals at least: give one that holds both, or name the file of each in "
+                f"{self.where}"
+            )
         lines = [f"{what} in {self.where}, for example", "  channels:"]
         for quantity, index in guesses.items():
             own = find_unit(self.channels[index].unit or "")

@@ -39,14 +39,13 @@ def in_equal_steps(t: Array, where: str) -> Array:
     i = np.arange(t.size) - 0.5 * (t.size - 1)
     middle = float(t.mean())
     step = float(i @ (t - middle)) / float(i @ i)
-    line: Array = middle + step * i
+    line = np.asarray(middle + step * i)
     bound = 1.5 * q / (step * t.size)
     if np.ptp(t - line) > _WITHIN * q or bound > _ACCURATE:
         return t
     warnings.warn(
         f"{where} is rounded to {q:.3g} s, its samples are {step:.3g} s apart: {1.0 / step:.9g} samples a second are "
-        f"taken, from the line through it, off by {1e6 * bound:.2g} ppm at the most; give sample_rate_hz if it is known "
-        "better",
+        f"taken, from the line through it, off by {1e6 * bound:.3g} ppm at the most; give sample_rate_hz if known",
         RecordWarning,
         stacklevel=2,
     )

@@ -44,8 +44,10 @@ class Clock:
 
     def seconds(self, cells: pd.Series[str]) -> Array:
         """Seconds from the first text of the column on; NaN for an empty cell. Raises ValueError."""
-        read = self._read(cells)
-        seconds: Array = np.asarray((read - self.first).total_seconds(), dtype=np.float64)
+        import pandas as pd  # slow to import
+
+        spans = pd.TimedeltaIndex(self._read(cells) - self.first)
+        seconds: Array = np.asarray(spans.total_seconds(), dtype=np.float64)
         if not self.points and self.of_day and seconds.size:
             back = np.diff(seconds, prepend=self.last) < -0.5 * _DAY
             self.last = float(seconds[-1])
@@ -57,6 +59,9 @@ class Clock:
         import pandas as pd  # slow to import
 
         texts = pd.Index(cells).str.replace(",", ".").str.strip()
+        # pandas takes many a text for a span
+        if not texts.dropna().str.fullmatch((_POINT if self.points else _SPAN).pattern).all():
+            raise ValueError("a cell is no time")
         if self.points:
             return pd.DatetimeIndex(pd.to_datetime(texts, format="ISO8601", utc=True))
         return pd.TimedeltaIndex(pd.to_timedelta(texts))

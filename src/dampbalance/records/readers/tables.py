@@ -1,0 +1,141 @@
+"""Spreadsheets, and the text files of LabVIEW: tables that their libraries read whole."""
+
+from __future__ import annotations
+
+import csv
+import datetime
+import io
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...arrays import Array
+from ...project.wording import shortened
+from ..errors import RecordError, library
+from ..limits import require_size
+from .layout import columns_of
+from .record_file import RawChannel, RecordFile, Sliced, described, intact, require_channels
+
+_DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
+_EPOCH = datetime.datetime(1900, 1, 1)
+
+
+def spreadsheet_file(path: Path, largest: int) -> RecordFile:
+    """A spreadsheet: the columns of its first sheet that holds rows of at least two numbers.
+
+    Names and units stand above the first such row, as in a text file; points in time are read as s from the first on.
+    """
+    calamine = library("python_calamine", "a spreadsheet")
+    with intact(path, "a spreadsheet"):
+        book = calamine.CalamineWorkbook.from_path(str(path))
+        for name in book.sheet_names:
+            sheet = book.get_sheet_by_name(name)
+            require_channels(path, sheet.total_width)
+            require_size(path, sheet.total_height * sheet.total_width, largest)
+            rows = sheet.to_python(skip_empty_area=False)
+            first = next((i for i, row in enumerate(rows) if _is_row(row)), None)
+            if first is not None:
+                return _sheet(path, rows, first)
+    raise RecordError(f"{path}: no sheet holds rows of at least two numbers")
+
+
+def _sheet(path: Path, rows: Sequence[Sequence[Any]], first: int) -> RecordFile:
+    width = max(i for i, cell in enumerate(rows[first], start=1) if cell != "")
+    last = max(i for i, row in enumerate(rows, start=1) if any(cell != "" for cell in row[:width]))
+    table = [row[:width] for row in rows[first:last]]
+    header = []
+    for row in rows[:first]:
+        line = io.StringIO()
+        csv.writer(line, delimiter="\t").writerow([" ".join(str(c).split()) for c in row[:width]])
+        header.append(line.getvalue())
+    channels = []
+    for raw, cell in zip(columns_of(path, header, "\t", "#", width), table[0], strict=True):
+        stamps = isinstance(cell, _DAYS)
+        unit = "s" if stamps else raw.unit
+        channels.append(RawChannel(raw.name, unit, len(table), label=raw.label, stamps=stamps))
+
+    @cache
+    def column(i: int) -> Array:
+        cells = [row[i] for row in table]
+        if channels[i].stamps:
+            return np.array([_seconds(cell, cells[0]) for cell in cells])
+        for number, cell in enumerate(cells, start=first + 1):
+            if not _is_number(cell) and cell != "":
+                raise RecordError(
+                    f"{path}: row {number}, column {shortened(channels[i].name)}: {shortened(str(cell))} is not a "
+                    "number"
+                )
+        return np.array([np.nan if cell == "" else float(cell) for cell in cells])
+
+    return Sliced(path, channels, lambda i, a, b: column(i)[a:b], "a spreadsheet")
+
+
+def _is_row(row: Sequence[Any]) -> bool:
+    cells = [cell for cell in row if cell != ""]
+    numbers = sum(map(_is_number, cells))
+    return len(cells) > 1 and 0 < numbers == sum(not isinstance(cell, _DAYS) for cell in cells)
+
+
+def _is_number(cell: Any) -> bool:
+    return isinstance(cell, int | float) and not isinstance(cell, bool)
+
+
+def _seconds(cell: Any, first: Any) -> float:
+    """Seconds from the first point in time of a column, or its first span; NaN for what is another."""
+    if not isinstance(cell, _DAYS):
+        return float("nan")
+    return float((_since_midnight(cell) - _since_midnight(first)).total_seconds())
+
+
+def _since_midnight(cell: Any) -> datetime.timedelta:
+    """A point in time or a span as a span; a day alone is its midnight."""
+    if isinstance(cell, datetime.time):
+        cell = datetime.datetime.combine(_EPOCH, cell)
+    elif isinstance(cell, datetime.date) and not isinstance(cell, datetime.datetime):
+        cell = datetime.datetime.combine(cell, datetime.time())
+    return cell if isinstance(cell, datetime.timedelta) else cell - _EPOCH
+
+
+def lvm_file(path: Path, largest: int) -> RecordFile:
+    """A text file of LabVIEW: the channels of its one segment, with names and units, in the steps of its header."""
+    reader = library("lvm_read", "a text file of LabVIEW")
+    size = path.stat().st_size
+    if size > 2 * largest:  # two bytes a number at least
+        raise RecordError(
+            f"{path}: has more than {2 * largest:,} bytes, and a text file of LabVIEW is read whole; give a part of "
+            f"the record, or raise the limit (--largest {size})"
+        )
+    with intact(path, "a text file of LabVIEW"):
+        document = reader.read(str(path), read_from_pickle=False, dump_file=False)
+        if document["Segments"] != 1:
+            raise RecordError(
+                f"{path}: holds {document['Segments']} segments; a record is one: keep that of one level"
+            )
+        segment = document[0]
+        names = [name.strip() for name in segment["Channel names"]]
+        data = segment["data"]
+        if "Comment" in names:
+            data, names = data[:, : names.index("Comment")], names[: names.index("Comment")]
+        steps, starts = (iter(segment.get(key, [])) for key in ("Delta_X", "X0"))
+        units = iter(segment.get("Y_Unit_Label", []))
+        channels = []
+        for name in names:
+            if name == "X_Value":
+                channels.append(RawChannel("time", "s", len(data), label=name))
+                continue
+            step, start = next(steps, 0.0), next(starts, 0.0)
+            timing = {"dt": step, "t0": start} if step > 0.0 else {}
+            unit = next(units, "").strip() or None
+            channels.append(described(path, name, len(data), timing, unit))
+        even = all(raw.rate_hz for raw in channels if raw.label != "X_Value")
+    # the header has the digits that a column of times lacks
+    kept = [i for i, raw in enumerate(channels) if not (even and raw.label == "X_Value")]
+    return Sliced(
+        path,
+        [channels[i] for i in kept],
+        lambda i, a, b: data[a:b, kept[i]],
+        "a text file of LabVIEW",
+    )

@@ -1,0 +1,88 @@
+"""What the records are, taken together: an oscillator, a linear one, one out of time, or nothing of the kind."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dampbalance.identification.oscillator import joined, whole_oscillator
+from dampbalance.reading.noisy import read_features
+from dampbalance.records.synthetic import measured_orbit
+from paper_case import NEAR, PAPER, orbits_at
+from unit.reading.harmonics import lines_of
+
+LEVELS = (0.004, 0.012)
+SIGMA = 1e-6  # m
+
+
+def lines(osc=PAPER, levels=LEVELS, hz=NEAR, seed=1, sigma=SIGMA, **changed):
+    rng = np.random.default_rng(seed)
+    return [lines_of(orbit, sigma, rng, **changed) for orbit in orbits_at(hz, levels, osc)]
+
+
+def test_records_of_an_oscillator_are_one_and_nothing_else():
+    whole = whole_oscillator(lines(), PAPER.k)
+    assert whole.waveforms_hold
+    assert not whole.linear
+    assert whole.delayed is None
+    assert not whole.mass_given
+    for name in ("F_k", "c", "m"):
+        assert abs(getattr(whole.fit, name) - getattr(PAPER, name)) < 4.0 * whole.fit.error(name)
+
+
+@pytest.mark.parametrize(
+    ("osc", "levels"),
+    [(replace(PAPER, F_k=0.0), LEVELS), (PAPER, (0.0002, 0.0003))],
+    ids=["no friction", "only sticks"],
+)
+def test_linear_records_are_linear(osc, levels):
+    for seed in range(5):
+        whole = whole_oscillator(lines(osc, levels, seed=seed), PAPER.k)
+        assert whole.linear
+        assert not whole.waveforms_hold
+
+
+def test_slip_that_shows_is_no_linear_oscillator_and_slip_that_noise_hides_is_one():
+    slight = replace(PAPER, F_k=0.1)
+    assert not whole_oscillator(lines(slight), PAPER.k).linear
+    assert whole_oscillator(lines(slight, sigma=1e-3), PAPER.k).linear
+
+
+@pytest.mark.parametrize(("mass", "fits"), [(PAPER.m, True), (1.02 * PAPER.m, False)])
+def test_a_mass_is_taken_where_the_records_agree_with_it(mass, fits):
+    free = whole_oscillator(lines(), PAPER.k).fit
+    assert abs(mass - free.m) > 16.0 * free.error("m") or fits
+    whole = whole_oscillator(lines(), PAPER.k, mass)
+    assert (whole.mass, whole.mass_fits, whole.mass_given) == (mass, fits, fits)
+    assert whole.waveforms_hold
+    if fits:
+        assert (whole.fit.m, whole.fit.error("m")) == (mass, 0.0)
+    else:
+        np.testing.assert_array_equal(whole.fit.point, free.point)
+
+
+@pytest.mark.parametrize("mass", [None, PAPER.m])
+def test_a_delay_is_said_where_it_explains_more_than_noise_would(mass):
+    late = whole_oscillator(lines(late=1e-3, sigma=1e-7), PAPER.k, mass).delayed
+    assert abs(late.delay - 1e-3) < 4.0 * late.error("delay")
+    assert abs(late.c - PAPER.c) < 4.0 * late.error("c")
+    found = [whole_oscillator(lines(seed=seed), PAPER.k, mass).delayed for seed in range(10)]
+    assert found == [None] * 10
+
+
+def test_readings_share_the_waveforms_that_hold_and_have_none_where_none_do():
+    readings = [
+        read_features(
+            measured_orbit(orbit, rate_hz=1000.0, cycles=20.0, noise=0.01, seed=i), PAPER.k
+        )
+        for i, orbit in enumerate(orbits_at(NEAR, LEVELS))
+    ]
+    whole = whole_oscillator([reading.lines for reading in readings], PAPER.k)
+    shared = joined(readings, whole)
+    assert [reading.waveform for reading in shared] == list(whole.fit.waveforms)
+    assert all(reading.slips for reading in shared)
+    without = joined(readings, replace(whole, linear=True))
+    assert [reading.waveform for reading in without] == [None, None]
+    assert [reading.slips for reading in without] == [None, None]
