@@ -147,7 +147,7 @@ def _result(
     """The estimates of one approach, with standard errors and intervals."""
 
     def rows_of(sample: Sample) -> Rows:
-        return rows_for(approach(sample.features.with_phase(phase), k), whole)
+        return rows_with_onset(approach(sample.features.with_phase(phase), k), whole)
 
     rows = rows_of(samples.point)
     try:
@@ -197,7 +197,7 @@ def _result(
     )
 
 
-def rows_for(rows: Rows, whole: Whole) -> Rows:
+def rows_with_onset(rows: Rows, whole: Whole) -> Rows:
     """The rows; where nothing slips, those of W = b c."""
     if whole.linear:
         none = {"F_k": np.zeros(rows.W.shape)}

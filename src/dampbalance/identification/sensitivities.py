@@ -19,7 +19,7 @@ from ..balance import APPROACHES
 from ..reading.noisy import Means, Reading
 from ..reading.one_thread import one_thread
 from ..solver import solve
-from .identify import rows_for
+from .identify import rows_with_onset
 from .microstick import sample_of
 from .notes import YARDSTICK
 from .result import Identification
@@ -70,7 +70,7 @@ def sensitivities(result: Identification) -> dict[str, dict[str, float]]:
     stiffer = 1.0 + _STEP * np.array([0.0, *(fault.stiffness for fault in faults)])
     features = sample.features.replaced(W=sample.features.W * stiffer)
     approach = APPROACHES[YARDSTICK]
-    rows = rows_for(approach(features.with_phase(result.phase), result.k), result.whole)
+    rows = rows_with_onset(approach(features.with_phase(result.phase), result.k), result.whole)
     weights = np.where(estimated.row_errors > 0.0, estimated.row_errors, 1.0) ** -2.0
     solved = solve(replace(rows, weights=np.broadcast_to(weights[:, None], rows.W.shape)))
     values = {
