@@ -160,7 +160,7 @@ def test_an_approach_whose_shape_does_not_hold_is_named():
     found = identify(readings(3.5, 0.005), PAPER.k, replicates=100)
     assert found.estimates["direct"].notes == ()
     (note,) = found.estimates["X_s"].notes
-    assert "assumes puts F_k by -16 % and c by" in note
+    assert "assumes makes F_k 16 % too small and c 0.0" in note
     # the rows of the oscillator found lie as far off as those of the records
     bias = found.estimates["X_s"].shape_bias["F_k"]
     own = relative(found.estimates["X_s"].coefficients["F_k"], PAPER.F_k)
@@ -422,9 +422,9 @@ def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
     assert math.isnan(direct.K_z.value)
     assert math.isnan(found.microstick.length)
     assert np.isnan(found.features.X_s).all()
-    # what sticking takes nearly is the same at all levels: a few per cent, and the note says what it rests on
-    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.04)
-    assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=0.01)
+    # sticking takes nearly the same at all levels, once they slip far; with 4X alone F_k would be 4 % off
+    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.003)
+    assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=0.0005)
     assert "without the onset of slip" in direct.notes[0]
     told = document(found)
     assert told["approaches"]["direct"]["verdicts"]["K_z"]["verdict"] == "none"
