@@ -425,20 +425,23 @@ def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
     # sticking takes nearly the same at all levels, once they slip far; with 4X alone F_k would be 4 % off
     assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.003)
     assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=0.0005)
-    assert "without the onset of slip" in direct.notes[0]
+    assert (
+        "what sticking takes from 4X is that of the oscillator that comes nearest"
+        in direct.notes[0]
+    )
     told = document(found)
     assert told["approaches"]["direct"]["verdicts"]["K_z"]["verdict"] == "none"
     assert "nearest" in told["maximum_likelihood"]["notes"][0]
 
 
-def test_two_levels_of_such_a_contact_are_taken_as_rigid_and_it_is_said(gradual):
+def test_two_levels_of_such_a_contact_are_enough(gradual):
     found = identify(
         gradual[::2], PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=50
     )
     direct = found.estimates["direct"]
-    assert "two levels do not tell what sticking takes" in direct.notes[0]
-    np.testing.assert_array_equal(
-        found.estimates["direct"].rows.terms["F_k"], 4.0 * found.features.X
-    )
     assert math.isnan(direct.K_z.value)
-    assert -0.2 < relative(direct.coefficients["F_k"], PAPER.F_k) < 0.0
+    # as with three: a travel of 4X alone would make it 4 % too small
+    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.003)
+    taken = 1.0 - direct.rows.terms["F_k"] / (4.0 * found.features.X)
+    assert (taken > 0.0).all()
+    assert (taken < 0.1).all()
