@@ -422,9 +422,9 @@ def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
     assert math.isnan(direct.K_z.value)
     assert math.isnan(found.microstick.length)
     assert np.isnan(found.features.X_s).all()
-    # what sticking takes nearly is the same at all levels: a few per cent, and the note says what it rests on
-    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.04)
-    assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=0.01)
+    # sticking takes nearly the same at all levels, once they slip far; with 4X alone F_k would be 4 % off
+    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.003)
+    assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=0.0005)
     assert "without the onset of slip" in direct.notes[0]
     told = document(found)
     assert told["approaches"]["direct"]["verdicts"]["K_z"]["verdict"] == "none"
