@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator
 
 import numpy as np
@@ -12,8 +13,15 @@ from scipy.stats import binomtest
 from dampbalance.identification.identify import identify
 from dampbalance.identification.limits import REFERENCE
 from dampbalance.identification.notes import notes_of
-from dampbalance.identification.result import Identification, parameters_of
+from dampbalance.identification.oscillator import Whole
+from dampbalance.identification.result import (
+    Identification,
+    Interval,
+    ParameterEstimate,
+    parameters_of,
+)
 from dampbalance.reading.noisy import read_features
+from dampbalance.reading.waveforms import NORMAL_95
 
 from .records import levels, records
 from .truths import Truth, draw
@@ -65,11 +73,14 @@ def outcome(index: int) -> list[dict[str, object]]:
         "K": truth.K_z / truth.k,
         "F": truth.F_k / (truth.k * truth.Y[-1]),
     }
+    measurements = records(truth)
+    began = time.process_time()
     try:
-        readings = [read_features(measurement, truth.k) for measurement in records(truth)]
+        readings = [read_features(measurement, truth.k) for measurement in measurements]
         result = identify(readings, truth.k)
     except (ValueError, ArithmeticError) as error:  # a refusal is an outcome, too
         return [of_set | {"approach": "refused", "symbol": "", "warnings": str(error)}]
+    of_set["seconds"] = time.process_time() - began
     return [of_set | row for row in numbers(result, truth)]
 
 
@@ -77,7 +88,7 @@ def numbers(result: Identification, truth: Truth) -> Iterator[dict[str, object]]
     """Approach, symbol, truth, value, its error and interval, and the words: the one place that knows a result."""
     found = [(name, e.parameters, e.notes) for name, e in result.estimates.items()]
     found += [(f"{name}, {PUBLISHED}", e.equal, e.notes) for name, e in result.estimates.items()]
-    found.append((REFERENCE, parameters_of(result.whole), notes_of(result.whole)))
+    found.append((REFERENCE, _of_whole(result.whole), notes_of(result.whole)))
     for name, parameters, notes in found:
         for symbol, parameter in parameters.items():
             yield {
@@ -91,6 +102,16 @@ def numbers(result: Identification, truth: Truth) -> Iterator[dict[str, object]]
                 "notes": " | ".join(notes),
                 "warnings": " | ".join(result.warnings),
             }
+
+
+def _of_whole(whole: Whole) -> dict[str, ParameterEstimate]:
+    """What the fit of the whole oscillator tells, the mass m, kg, among it."""
+    parameters = parameters_of(whole)
+    if whole.fit is not None and parameters:
+        m, error = whole.fit.m, whole.fit.error("m")
+        reach = NORMAL_95 * error
+        parameters["m"] = ParameterEstimate(m, error, math.nan, Interval(m - reach, m + reach))
+    return parameters
 
 
 def judged(rows: pd.DataFrame) -> pd.DataFrame:

@@ -160,7 +160,7 @@ def test_an_approach_whose_shape_does_not_hold_is_named():
     found = identify(readings(3.5, 0.005), PAPER.k, replicates=100)
     assert found.estimates["direct"].notes == ()
     (note,) = found.estimates["X_s"].notes
-    assert "assumes puts F_k by -16 % and c by" in note
+    assert "assumes makes F_k 16 % too small and c 0.0" in note
     # the rows of the oscillator found lie as far off as those of the records
     bias = found.estimates["X_s"].shape_bias["F_k"]
     own = relative(found.estimates["X_s"].coefficients["F_k"], PAPER.F_k)
