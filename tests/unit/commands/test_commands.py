@@ -425,10 +425,7 @@ def test_responses_that_do_not_slip_are_said_to_be_so(friction, tmp_path, capsys
     records = []
     for i, amplitude in enumerate(("0.002", "0.004", "0.006"), start=1):
         records.append(str(tmp_path / f"run{i}.csv"))
-        command = (
-            f"simulate {records[-1]} --frequency 4 --amplitude {amplitude} --friction {friction} "
-            f"--seed {i}"
-        )
+        command = f"simulate {records[-1]} --frequency 4 --amplitude {amplitude} --friction {friction} --seed {i}"
         assert main([*command.split(), "--rate", "1000", "--cycles", "20", "--noise", "0.01"]) == 0
     capsys.readouterr()
     assert main(["identify", *records, *COMMON, "--mass", "2.42", "--approach", "direct"]) == 0

@@ -233,7 +233,10 @@ def test_truth_values_and_dates_are_no_signals(tmp_path):
         for column in values:
             path = tmp_path / f"bad.{suffix}"
             FORMATS[suffix](path, t, y, column)
-            refused(path, "not numbers|holds points in time, no |is not a number|finds no response|texts are not read")
+            refused(
+                path,
+                "not numbers|holds points in time, no |is not a number|finds no response|texts are not read",
+            )
 
 
 # Times
