@@ -20,8 +20,8 @@ from .options import count, number, whole
 EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
 at least one of the mass (displacement, velocity, acceleration). Formats: CSV, TSV, Parquet, MATLAB, HDF5, universal
-file 58, TDMS, LabVIEW's text, WAV, spreadsheets. What a file does not say of its channels stands in a small YAML file beside it, NAME.yaml or
-channels.yaml.
+file 58, TDMS, LabVIEW's text, WAV, spreadsheets. What a file does not say of its channels stands in a small YAML file
+beside it, NAME.yaml or channels.yaml.
 
   dampbalance identify level*.csv --stiffness 2310 --frequency 3.5 --output found
 """

@@ -31,14 +31,14 @@ _HEIGHT, _GAP, _BOTTOM, _TOP = 34.0, 9.0, 11.0, 7.0  # mm
 
 
 @styled()
-def cycles(loaded: Sequence[Loaded]) -> Figure:
+def cycles(loaded: Sequence[Loaded], result: Identification) -> Figure:
     """Each record folded onto one cycle of the drive (dots), and its averaged cycle (line), a panel per record.
 
     Of several response channels the sharpest is shown. The phase is that of the base, whose peak is at 0.
     """
     figure, panels = _panels(loaded, "phase of the drive (°)")
-    for one, axes in zip(loaded, panels, strict=True):
-        steady = one.reading.steady
+    for one, reading, axes in zip(loaded, result.readings, panels, strict=True):
+        steady = reading.steady
         quantity = next(q for q in reversed(_SHOWN) if q in one.excerpt)
         symbol, factor, unit, column = _SHOWN[quantity]
         t, values = one.excerpt[quantity]
@@ -47,7 +47,7 @@ def cycles(loaded: Sequence[Loaded]) -> Figure:
         theta = (steady.omega * (t[kept] - steady.start) + base) % (2.0 * math.pi)
         dots: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
         axes.plot(np.degrees(theta), factor * values[kept], ".", **dots)
-        averaged = one.reading.averaged_cycle()
+        averaged = reading.averaged_cycle()
         axes.plot(np.degrees(averaged["phase"]), factor * averaged[column], color=STICK)
         axes.set_xlim(0.0, 360.0)
         axes.set_xticks([0, 90, 180, 270, 360])
@@ -64,11 +64,11 @@ def loops(loaded: Sequence[Loaded], result: Identification) -> Figure:
     """
     figure, panels = _panels(loaded, "$x$ (mm)")
     shared = result.microstick
-    for one, axes in zip(loaded, panels, strict=True):
-        cycle = one.reading.averaged_cycle()
+    for reading, axes in zip(result.readings, panels, strict=True):
+        cycle = reading.averaged_cycle()
         x, acceleration = 1e3 * cycle["x"], cycle["acceleration"]
         axes.plot(np.append(x, x[0]), np.append(acceleration, acceleration[0]), color=SLIP)
-        waveform = one.reading.waveform
+        waveform = reading.waveform
         if shared.resolved and waveform is not None:
             osc, X = waveform.orbit.oscillator, 1e3 * waveform.orbit.X
             length = 1e3 * shared.length

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..balance import TERMS, Rows
+from ..project.wording import listed, times
 
 if TYPE_CHECKING:
     from ..reading.noisy import Reading
@@ -85,12 +86,14 @@ def _shape(estimated: ApproachResult) -> str:
     for symbol, bias in estimated.shape_bias.items():
         found = estimated.coefficients[symbol]
         if not math.isfinite(bias) or abs(bias * found.value) > _SHAPE_SHOWS * found.standard_error:
-            parts.append(f"{symbol} by {100.0 * bias:+.2g} %")
+            sense = "small" if bias < 0.0 else "large"
+            size = f"{100.0 * abs(bias):.2g} % too {sense}"
+            parts.append(f"{symbol} {size if math.isfinite(bias) else 'impossible to find'}")
     if not parts:
         return ""
     return (
-        f"the shape of x(t) that this approach assumes puts {' and '.join(parts)} off for the oscillator found, and "
-        "its intervals do not tell"
+        f"the shape of x(t) that this approach assumes makes {listed(parts)} for the oscillator found, and its "
+        "intervals do not tell"
     )
 
 
@@ -119,8 +122,8 @@ def agreement(
     first = next((e for e in estimates.values() if e.rows.usable.sum() >= 2), None)
     if first is not None and _sine(first.rows) < _ALIKE:
         warnings.append(
-            f"the levels are so alike that {_listed(first, 'and')} can hardly be told apart: add a record at a much "
-            "higher or lower amplitude"
+            f"the levels are so alike that {listed(list(first.coefficients))} can hardly be told apart: add a record "
+            "at a much higher or lower amplitude"
         )
     return warnings
 
@@ -148,7 +151,7 @@ def _on_the_oscillator(readings: Sequence[Reading], whole: Whole) -> list[str]:
         worst = int(np.argmax(fit.misfits))
         said.append(
             "the records are not those of one mass on a spring, a damper and one friction contact: the best one leaves "
-            f"{_times(math.sqrt(fit.misfit))} their noise, most in {readings[worst].steady.source}; K_z and the onset "
+            f"{times(math.sqrt(fit.misfit))} their noise, most in {readings[worst].steady.source}; K_z and the onset "
             "of slip cannot be told; a channel may be skewed, coupled (AC) or filtered, a gain may be wrong, the "
             "levels may differ in more than their amplitude, or the oscillator is of another kind"
         )
@@ -159,11 +162,6 @@ def _on_the_oscillator(readings: Sequence[Reading], whole: Whole) -> list[str]:
             f"{delayed.c:.4g} N s/m: give the delay in the mapping, or sample all channels at once"
         )
     return said
-
-
-def _times(ratio: float) -> str:
-    """ "3.2 times", "more than 1000 times" """
-    return f"{ratio:.2g} times" if ratio < 1000.0 else "more than 1000 times"
 
 
 def _apart(estimated: ApproachResult | None, whole: Whole) -> str:
@@ -194,8 +192,3 @@ def _sine(rows: Rows) -> float:
         if symbol not in rows.given
     ]
     return float(np.min(np.abs(np.diag(np.linalg.qr(np.column_stack(columns))[1]))))
-
-
-def _listed(estimated: ApproachResult, word: str) -> str:
-    """ "F_k and c" """
-    return f" {word} ".join(estimated.coefficients)

@@ -178,7 +178,7 @@ def write_figures(run: IdentificationRun, folder: str | Path) -> None:
 
     alt = drawing.alternative_texts(run.result)
     figures = (
-        drawing.cycles(run.records),
+        drawing.cycles(run.records, run.result),
         drawing.loops(run.records, run.result),
         drawing.balance(run.result),
     )

@@ -151,6 +151,9 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
     for i, fit in enumerate(document.get("estimation", {}).get("fits", [])):
         if fit != "least_squares" and max(fit) > len(study.levels):
             yield ("estimation", "fits", i), f"there are only {len(study.levels)} levels"
+    if "weights" in document.get("estimation", {}) and study.route != "measured":
+        text = f"means nothing to the route {study.route}: without noise all rows weigh alike"
+        yield ("estimation", "weights"), text
 
 
 def _wrong_route(

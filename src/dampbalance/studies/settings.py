@@ -18,7 +18,7 @@ COMPLIANT, RIGID = "compliant", "rigid"
 """Models of the contact: with the slip onset as it was read, or without one (`Features.rigid`)."""
 
 WEIGHTED, EQUAL = "weighted", "equal"
-"""Weights of the rows: each as it is sure, of noisy records alone, or all alike, as (9)."""
+"""Weights of the rows of noisy records: each as it is sure, or all alike, as (9)."""
 
 OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high")
 SPREADS = ("bias", "rms", *OF_INTERVALS)
@@ -34,7 +34,7 @@ class Fit:
 
     phase : reversal, zero_crossing or fundamental.   sharing : φ and t_s individual or common.   Both are empty for
     an approach that knows no phase.   contact : compliant, with the slip onset as it was read, or rigid, a = 4X.
-    weights : of the rows, weighted or equal.
+    weights : of the rows, weighted or equal; empty where no noise tells them apart, and all weigh alike.
     levels : positions of two levels counted from 0, None for least squares of all.
     """
 
@@ -55,9 +55,9 @@ class Fit:
     @property
     def label(self) -> str:
         """How the columns of this fit are told apart, e.g. X_s__reversal__individual__least_squares; a rigid contact
-        and weighted rows are named, direct__rigid__weighted__least_squares."""
+        and equal weights of noisy records are named, direct__rigid__equal__least_squares."""
         contact = "" if self.contact == COMPLIANT else self.contact
-        weights = "" if self.weights == EQUAL else self.weights
+        weights = EQUAL if self.weights == EQUAL else ""
         parts = (self.approach, contact, weights, self.phase, self.sharing, self.kind)
         return "__".join(part for part in parts if part)
 
@@ -123,7 +123,7 @@ class Study:
             if all(getattr(fit, key) in ("", spec.get(key, getattr(fit, key))) for key in keys)
         ]
         for key, usual in (("contact", COMPLIANT), ("weights", WEIGHTED)):
-            those = [fit for fit in fits if getattr(fit, key) == spec.get(key, usual)]
+            those = [fit for fit in fits if getattr(fit, key) in ("", spec.get(key, usual))]
             fits = those if key in spec else those or fits
         if kind is None:
             return [fit for fit in fits if fit.levels is None] or fits
@@ -158,7 +158,7 @@ class Study:
             fixed=fixed,
             levels=tuple(levels),
             levels_relative="levels_of_Y" in document,
-            fits=tuple(_fits(estimation, WEIGHTED if kind == "measured" else EQUAL)),
+            fits=tuple(_fits(estimation, kind == "measured")),
             route=kind,
             cycles=route.get("cycles", ROUTES[kind].cycles),
             reading=route["reading"],
@@ -197,7 +197,7 @@ def _block(item: Mapping[str, Any]) -> Block:
     return Listed(values)
 
 
-def _fits(estimation: Mapping[str, Any], usual: str) -> Iterator[Fit]:
+def _fits(estimation: Mapping[str, Any], noisy: bool) -> Iterator[Fit]:
     chosen_levels = [
         None if fit == "least_squares" else (fit[0] - 1, fit[1] - 1)
         for fit in estimation.get("fits", ["least_squares"])
@@ -205,7 +205,7 @@ def _fits(estimation: Mapping[str, Any], usual: str) -> Iterator[Fit]:
     phases = estimation.get("phases", ["reversal"])
     sharings = estimation.get("sharing", ["individual"])
     contacts = estimation.get("contact", [COMPLIANT])
-    weights = estimation.get("weights", [usual])
+    weights = estimation.get("weights", [WEIGHTED]) if noisy else [""]
     for approach in estimation.get("approaches", APPROACHES):
         choices = (phases, sharings) if takes_phase(approach) else ([""], [""])
         for choice in product(*choices, contacts, weights, chosen_levels):

@@ -160,7 +160,7 @@ def test_an_approach_whose_shape_does_not_hold_is_named():
     found = identify(readings(3.5, 0.005), PAPER.k, replicates=100)
     assert found.estimates["direct"].notes == ()
     (note,) = found.estimates["X_s"].notes
-    assert "assumes puts F_k by -16 % and c by" in note
+    assert "assumes makes F_k 16 % too small and c 0.0" in note
     # the rows of the oscillator found lie as far off as those of the records
     bias = found.estimates["X_s"].shape_bias["F_k"]
     own = relative(found.estimates["X_s"].coefficients["F_k"], PAPER.F_k)
@@ -422,23 +422,33 @@ def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
     assert math.isnan(direct.K_z.value)
     assert math.isnan(found.microstick.length)
     assert np.isnan(found.features.X_s).all()
-    # what sticking takes nearly is the same at all levels: a few per cent, and the note says what it rests on
-    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.04)
-    assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=0.01)
-    assert "without the onset of slip" in direct.notes[0]
+    # the nearest oscillator sticks over nearly the same travel; with 4X alone F_k would be 4 % off
+    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.003)
+    assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=0.0005)
+    assert (
+        "what sticking takes from 4X is that of the oscillator that comes nearest"
+        in direct.notes[0]
+    )
     told = document(found)
     assert told["approaches"]["direct"]["verdicts"]["K_z"]["verdict"] == "none"
     assert "nearest" in told["maximum_likelihood"]["notes"][0]
 
 
-def test_two_levels_of_such_a_contact_are_taken_as_rigid_and_it_is_said(gradual):
+def test_two_levels_of_such_a_contact_are_enough(gradual):
     found = identify(
         gradual[::2], PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=50
     )
     direct = found.estimates["direct"]
-    assert "two levels do not tell what sticking takes" in direct.notes[0]
-    np.testing.assert_array_equal(
-        found.estimates["direct"].rows.terms["F_k"], 4.0 * found.features.X
-    )
+    assert not found.whole.waveforms_hold
     assert math.isnan(direct.K_z.value)
-    assert -0.2 < relative(direct.coefficients["F_k"], PAPER.F_k) < 0.0
+    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.003)
+    assert np.all(direct.rows.terms["F_k"] < 4.0 * found.features.X)
+    assert {verdict for verdict, _ in verdicts_of(direct).values()} == {"doubtful", "none"}
+
+
+def test_approaches_that_need_the_onset_of_slip_give_nothing_where_it_is_not_known(gradual):
+    found = identify(gradual, PAPER.k, replicates=20)
+    for name in ("X_s", "t_s", "V_s", "fourier"):
+        estimated = found.estimates[name]
+        assert math.isnan(estimated.coefficients["F_k"].value)
+        assert "needs the onset of slip" in estimated.notes[0]

@@ -12,16 +12,11 @@ from pathlib import Path
 import pytest
 import yaml
 
+from dampbalance.project.files import sha256
 from dampbalance.publishing.provenance import archive
 from dampbalance.publishing.provenance.crate import crate
 from dampbalance.publishing.provenance.manifest import manifest
-from dampbalance.publishing.provenance.sources import (
-    PROJECT,
-    code_version,
-    digest_of,
-    files_of,
-    sha256,
-)
+from dampbalance.publishing.provenance.sources import PROJECT, code_version, digest_of, files_of
 from folders import ROOT
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")

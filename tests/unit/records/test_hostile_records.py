@@ -233,7 +233,10 @@ def test_truth_values_and_dates_are_no_signals(tmp_path):
         for column in values:
             path = tmp_path / f"bad.{suffix}"
             FORMATS[suffix](path, t, y, column)
-            refused(path, "not numbers|is not a number|finds no response|texts are not read")
+            refused(
+                path,
+                "not numbers|holds points in time, no |is not a number|finds no response|texts are not read",
+            )
 
 
 # Times
@@ -395,6 +398,7 @@ def hdf5(path, fill):
     return path
 
 
+@pytest.mark.filterwarnings("ignore:.*channels not used. 'alias'")
 def test_groups_are_visited_once(tmp_path):
     def diamonds(file):
         group = file.create_group("g")

@@ -154,12 +154,16 @@ class _Plan:
         return next(iter(named or before[-1:] or times), None)
 
     def tell_unused(self, picks: Sequence[Pick]) -> None:
-        """Warn of signals that no name told apart; a mapping that names channels leaves the others out on purpose."""
+        """Warn of signals as long as those read that no name told apart.
+
+        A mapping that names channels leaves the others out on purpose.
+        """
         used = {i for pick in picks for i in (pick.index, pick.time)}
+        sizes = {self.channels[pick.index].size for pick in picks}
         names = [
             shortened(_full(raw))
             for i, raw in enumerate(self.channels)
-            if i not in used and not _tells_time(raw)
+            if i not in used and raw.size in sizes and not _tells_time(raw)
         ]
         if names:
             more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""

@@ -14,7 +14,7 @@ from ...arrays import Array, Mask
 from ...balance import TERMS
 from ...project.wording import percent
 from ..evaluate import NORMAL_95
-from ..settings import RIGID, WEIGHTED, Fit, Study
+from ..settings import EQUAL, RIGID, Fit, Study
 from ..stretches import column_of
 from .bounds import bounds_of
 
@@ -182,8 +182,8 @@ def fit_cells(row: Mapping[Any, Any]) -> list[str]:
     """The cells of a line that say which quantity and which fit it is about."""
     phase, fit = (row[name].replace("_", " ") for name in ("phase", "fit"))
     rigid = ", rigid" if row["contact"] == RIGID else ""
-    weighted = ", weighted" if row["weights"] == WEIGHTED else ""
-    return [row["quantity"], f"{row['approach']}{rigid}{weighted}", phase, row["sharing"], fit]
+    equal = ", equal weights" if row["weights"] == EQUAL else ""
+    return [row["quantity"], f"{row['approach']}{rigid}{equal}", phase, row["sharing"], fit]
 
 
 def _line(row: Mapping[Any, Any]) -> str:
