@@ -7,6 +7,7 @@ and mass, 1 % noise, 100 cycles of 100 samples.
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -342,8 +343,8 @@ def table(rows: pd.DataFrame, approach: str) -> str:
     """Error of each parameter in % and in standard errors, and the words, shortened, in markdown."""
     rows = rows.fillna({"notes": "", "warnings": ""})
     lines = [
-        f"Errors of {approach} in % (in standard errors), medians of {DRAWINGS} drawings of the noise; what is said "
-        "in the first, after a star of this approach.",
+        f"Errors of {approach} in % (in standard errors), medians of {rows['drawing'].nunique()} drawings of the "
+        "noise; what is said in the first, after a star of this approach.",
     ]
     for place, of_truth in rows.groupby("truth"):
         truth = TRUTHS[int(place)]
@@ -391,11 +392,16 @@ def _short(words: str, length: int = 110) -> str:
 
 
 def _listed(words: list[str]) -> str:
-    """Each sentence once, without the name of its record, with how many records it is said of."""
-    count: dict[str, int] = {}
+    """Each sentence once whatever its numbers are, without the name of its record, with how often it is said."""
+    alike: dict[str, list[str]] = {}
     for sentence in words:
         head, _, rest = sentence.partition(": ")
-        key = _short(rest if head.startswith("level ") else sentence, 90)
-        same = next((other for other in count if other[:40] == key[:40]), key)
-        count[same] = count.get(same, 0) + 1
-    return "; ".join(f"{key} ({n}×)" if n > 1 else key for key, n in count.items()) or "nothing"
+        named = rest if head.startswith("level ") else sentence
+        alike.setdefault(re.sub(r"[-+−]?\d[\d.e+-]*", "#", named), []).append(named)
+    return (
+        "; ".join(
+            _short(group[0], 80) + (f" ({len(group)}×)" if len(group) > 1 else "")
+            for group in alike.values()
+        )
+        or "nothing"
+    )
