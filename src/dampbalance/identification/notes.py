@@ -25,6 +25,7 @@ YARDSTICK = "direct"
 
 _APART = 4.0  # standard errors
 _SHAPE_SHOWS = 0.5  # standard errors: an interval of 95 % holds the truth in 92 % of all cases then
+_FAR = 3.0  # standard deviations of the rows
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly tell F_k and c apart
 
 
@@ -57,6 +58,11 @@ def _notes(estimated: ApproachResult, readings: Sequence[Reading], whole: Whole)
             if whole.fit is not None
             else "the onset of slip is not known: the contact is taken as rigid, and F_k is too small"
         )
+        if estimated.misfit > _FAR**2:
+            notes.append(
+                f"its rows lie {times(math.sqrt(estimated.misfit))} farther from the balance than noise explains, and "
+                "the intervals do not tell"
+            )
     if whole.delayed is not None:
         notes.append(
             "the response is out of time with the drive (see below): F_k and c carry that error"

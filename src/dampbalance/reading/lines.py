@@ -114,8 +114,8 @@ def _aliased(steady: SteadyRecord, n: Integers) -> Array:
 def starts(lines: Sequence[Lines], k: float, *, wide: bool = False) -> Array:
     """(F_k, c, K_z, m) of oscillators that respond like the records, (n, 4), the closest first; each slips in one.
 
-    k : N/m.   wide : with masses over three decades beside those that the fundamental gives, which knows little of the
-    mass far below resonance.
+    k : N/m.   wide : the closest of each contact stiffness, with masses over three decades beside those that the
+    fundamental gives, which knows little of the mass far below resonance.
     """
     candidates = _candidates(lines, k, wide)
     if not len(candidates):
@@ -131,6 +131,8 @@ def starts(lines: Sequence[Lines], k: float, *, wide: bool = False) -> Array:
     possible = slips & np.isfinite(misfit)
     order = np.argsort(np.where(possible, misfit, math.inf), kind="stable")
     best: Array = candidates[order[: np.count_nonzero(possible)]]
+    if wide:  # the closest of each stiffness: a contact that rings has a minimum at many
+        best = best[np.sort(np.unique(best[:, 2], return_index=True)[1])]
     return best
 
 

@@ -38,7 +38,7 @@ NORMAL_95 = 1.959963984540054
 """97.5 % point of the normal distribution: standard errors on either side that hold 95 %."""
 
 _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
-_STARTS = (4, 8)  # of the candidates, the closest first, and of those of more masses
+_STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (
     1e-2,
     1e-3,

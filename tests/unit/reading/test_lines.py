@@ -84,11 +84,13 @@ def test_starts_balance_the_work_of_the_base():
     assert lost.sum(axis=0) / W.sum() == pytest.approx(1.0, abs=2e-3)
 
 
-def test_more_masses_are_there_when_asked_for():
+def test_the_wide_search_starts_once_from_each_stiffness_with_masses_beyond_the_fundamental():
     lines = [lines_of(orbit, 1e-6) for orbit in orbits_at(NEAR, (0.008,))]
-    few, many = (starts(lines, PAPER.k, wide=wide)[:, 3] for wide in (False, True))
-    assert len(many) > 3 * len(few)
-    assert few.max() / few.min() < 100.0 < many.max() / many.min()
+    few, many = (starts(lines, PAPER.k, wide=wide) for wide in (False, True))
+    assert len(np.unique(many[:, 2])) == len(many) < len(few)
+    # three decades of masses on the grid, each compared by its exact orbit
+    of_fundamental = {round(np.log(mass), 6) for mass in few[:, 3]}
+    assert any(round(np.log(mass), 6) not in of_fundamental for mass in many[:, 3])
 
 
 def test_no_start_where_no_work_goes_in():
