@@ -163,6 +163,30 @@ def test_the_spread_of_known_errors():
     assert math.isnan(nothing.coverage)
 
 
+def test_equal_weights_are_asked_for_and_told_apart(make):
+    document = copy.deepcopy(SMALL)
+    document["levels_m"] = [0.004, 0.008, 0.012]  # two levels are met exactly, whatever they weigh
+    document["axes"] = [
+        {"frequency_hz": {"values": [4.92]}},
+        {"noise": {"values": [0.01, 0.02]}},
+        {"run": {"values": [1]}},
+    ]
+    document["estimation"] = {"approaches": ["direct"], "weights": ["weighted", "equal"]}
+    study = make(document)
+    assert [fit.label for fit in study.fits] == [
+        "direct__least_squares",
+        "direct__equal__least_squares",
+    ]
+    (weighted,) = study.fits_of({"approach": "direct"})
+    (equal,) = study.fits_of({"approach": "direct", "weights": "equal"})
+    table = evaluate.evaluate(study, 0, study.cases)
+    errors = [
+        float(table[f"F_k_relative_standard_error__{fit.label}"][0]) for fit in (weighted, equal)
+    ]
+    # 16 % of the information is a standard error 2.5 times as large; 25 replicates know it to 14 %
+    assert 1.5 < errors[1] / errors[0] < 4.0
+
+
 def test_the_summary_tells_the_groups_apart(done):
     study, table, path = done
     found = summary.summary_of(path, study)

@@ -355,6 +355,10 @@ GOOD = {
         ({"axes": [{"zeta": {"values": [1]}}, {"zeta": {"values": [2]}}]}, "zeta is set twice"),
         ({"axes": [{"scheme": {"values": ["euler"]}}]}, "'euler' is not allowed"),
         ({"axes": [{"step_s": {"values": [1.0e-5]}}]}, "step_s means nothing to the route exact"),
+        (
+            {"estimation": {"weights": ["equal"]}},
+            "estimation.weights: means nothing to the route exact",
+        ),
         ({"route": {"kind": "fixed_step", "scheme": "rk4"}}, "needs step_s or steps_per_cycle"),
         ({"route": {"kind": "sampled"}}, "sampled needs sampling_hz"),
         ({"levels_m": [0.004]}, "levels_m"),
