@@ -25,6 +25,7 @@ YARDSTICK = "direct"
 
 _APART = 4.0  # standard errors
 _SHAPE_SHOWS = 0.5  # standard errors: an interval of 95 % holds the truth in 92 % of all cases then
+_FOLDED = 2.0  # of the noise
 _FAR = 3.0  # standard deviations of the rows
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly tell F_k and c apart
 
@@ -63,7 +64,7 @@ def _notes(estimated: ApproachResult, readings: Sequence[Reading], whole: Whole)
                 f"its rows lie {times(math.sqrt(estimated.misfit))} farther from the balance than noise explains, and "
                 "the intervals do not tell"
             )
-    if whole.delayed is not None:
+    if whole.late:
         notes.append(
             "the response is out of time with the drive (see below): F_k and c carry that error"
         )
@@ -122,6 +123,13 @@ def agreement(
             "the records together do not resolve the onset of slip: K_z has a lower limit only; sample faster, measure "
             "acceleration, or reduce the noise"
         )
+    folded = [str(i + 1) for i, r in enumerate(readings) if r.lines.aliased > _FOLDED]
+    if folded and not whole.linear:
+        warnings.append(
+            f"the sampling rate of record {', '.join(folded)} folds back harmonics that are larger than the noise: K_z "
+            "may be off by more than its interval tells; sample faster, or through an anti-alias filter that the "
+            "mapping names"
+        )
     apart = _apart(estimates.get(YARDSTICK), whole)
     if apart:
         warnings.append(apart)
@@ -161,7 +169,7 @@ def _on_the_oscillator(readings: Sequence[Reading], whole: Whole) -> list[str]:
             "of slip cannot be told; a channel may be skewed, coupled (AC) or filtered, a gain may be wrong, the "
             "levels may differ in more than their amplitude, or the oscillator is of another kind"
         )
-    if delayed is not None:
+    if whole.late and delayed is not None:
         said.append(
             f"the harmonics say that the response lags the drive by {1e6 * delayed.delay:.4g} ± "
             f"{1e6 * delayed.error('delay'):.2g} µs beside the motion; without that, F_k = {delayed.F_k:.4g} N and c = "

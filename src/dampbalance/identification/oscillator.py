@@ -19,13 +19,14 @@ class Whole:
 
     fit : the oscillator that responds most like them; None where none does that slips.
     linear : whether a linear oscillator explains them within their noise: nothing slips, or it does not show.
-    delayed : the fit with a delay between base and response, where that explains what noise does not.
+    delayed : the fit with a delay between base and response; late : whether that explains what noise does not.
     mass : kg, as given, or None.   mass_fits : whether the records agree with it; if not, the fit has its own.
     """
 
     fit: Fit | None
     linear: bool
     delayed: Fit | None
+    late: bool = False
     mass: float | None = None
     mass_fits: bool = True
 
@@ -51,16 +52,13 @@ def whole_oscillator(lines: Sequence[Lines], k: float, m: float | None = None) -
     explained = 0.0 if fit is None else chi_square - fit.chi_square
     linear = explained < _SHOWS and not slips
     if fit is None or linear:
-        return Whole(fit, linear, None, m)
+        return Whole(fit, linear, None, mass=m)
     known = None if m is None else with_mass(fit, m)
     fits = known is not None and known.chi_square - fit.chi_square < _SHOWS
     fit = known if known is not None and fits else fit
     delayed = with_delay(fit)
-    if delayed is not None and not (
-        delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS
-    ):
-        delayed = None
-    return Whole(fit, linear, delayed, m, m is None or fits)
+    late = delayed is not None and delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS
+    return Whole(fit, linear, delayed, late, m, m is None or fits)
 
 
 def joined(readings: Sequence[Reading], whole: Whole) -> list[Reading]:

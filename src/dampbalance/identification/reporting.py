@@ -137,11 +137,15 @@ def _implied(whole: Whole) -> list[str]:
     if fit is None or whole.linear:
         return []
     mass = "the mass given" if whole.mass_given else f"m = {_value(fit.m, fit.error('m'))} kg"
-    return [
+    said = [
         f"The oscillator of largest likelihood has {mass} and a natural frequency of {fit.natural_frequency_hz:.4g} Hz "
         "with the contact loose.",
         "If that is not your rig, a gain, a unit or the stiffness is wrong.",
     ]
+    if fit.adequate and whole.delayed is not None:
+        delay, error = 1e6 * whole.delayed.delay, 1e6 * whole.delayed.error("delay")
+        said.append(f"Left free, a delay of the response is {_value(delay, error)} µs.")
+    return said
 
 
 def _value(value: float, error: float) -> str:
@@ -173,6 +177,7 @@ def _approach(estimated: ApproachResult) -> dict[str, Any]:
 def _yardstick(whole: Whole) -> dict[str, Any] | None:
     """The fit of the whole oscillator; None where there is none."""
     fit, parameters, notes = whole.fit, parameters_of(whole), notes_of(whole)
+    delayed = whole.delayed
     if fit is None or not parameters:
         return None
     return _parameters(parameters, leave_out="_propagated_error") | {
@@ -182,7 +187,8 @@ def _yardstick(whole: Whole) -> dict[str, Any] | None:
         "natural_frequency_Hz": fit.natural_frequency_hz,
         "misfit": _number(fit.misfit),
         "misfit_of_records": [_number(misfit) for misfit in fit.misfits],
-        "delay_s": None if whole.delayed is None else whole.delayed.delay,
+        "delay_s": None if delayed is None else delayed.delay,
+        "delay_standard_error_s": None if delayed is None else delayed.error("delay"),
         "notes": list(notes),
     }
 

@@ -51,6 +51,7 @@ _COMPARED = (1, 3, 5)
 _POINTS = 256  # of a cycle, for the force of a contact
 _SLIPS = (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)
 _DERIVATIVES = {"displacement": 0, "velocity": 1, "acceleration": 2}
+_ROUNDING = 3e-6  # of the fundamental: noise below it is no transducer's
 _NEAR = 0.03  # of the fundamental: what a candidate may be off by
 
 
@@ -60,7 +61,8 @@ class Lines:
 
     omega : rad/s.   Y : amplitude of the base, m.   n : odd orders, (h,).   x : x_n, m, (h,).
     Y_error, x_error : standard deviations of the real and of the imaginary part of each, m.
-    rows : independent rows that the standard deviations come from.
+    rows : independent rows that the standard deviations come from.   aliased : what harmonics beyond half the sampling
+    rate add, as a part of the noise, at its largest; it is counted in x_error.
     """
 
     omega: float
@@ -70,6 +72,7 @@ class Lines:
     x: Complexes
     x_error: Array
     rows: int
+    aliased: float = 0.0
 
     @property
     def clear(self) -> Mask:
@@ -84,9 +87,17 @@ class Lines:
         n = np.arange(1, highest + 1, 2)
         base = steady.mean(steady.Y[:, 1:2])[0]
         x = steady.mean(steady.X)[n] * np.exp(-1j * n * np.angle(base))
-        error = np.hypot(steady.X_error[n], _aliased(steady, n))
-        Y_error = float(steady.Y_error[1])
-        return cls(steady.omega, float(abs(base)), Y_error, n, x, error, len(steady.weights))
+        noise, aliased = steady.X_error[n], _aliased(steady, n)
+        return cls(
+            omega=steady.omega,
+            Y=float(abs(base)),
+            Y_error=float(steady.Y_error[1]),
+            n=n,
+            x=x,
+            x_error=np.hypot(noise, aliased),
+            rows=len(steady.weights),
+            aliased=float(np.max(aliased / np.maximum(noise, _ROUNDING * abs(x[0])))),
+        )
 
 
 def _aliased(steady: SteadyRecord, n: Integers) -> Array:

@@ -452,3 +452,23 @@ def test_approaches_that_need_the_onset_of_slip_give_nothing_where_it_is_not_kno
         estimated = found.estimates[name]
         assert math.isnan(estimated.coefficients["F_k"].value)
         assert "needs the onset of slip" in estimated.notes[0]
+
+
+def test_harmonics_that_fold_back_are_told():
+    # a contact that sticks for a sample or two, accelerations sampled a whole number of times in a cycle
+    osc = replace(PAPER, c=3.0, F_k=1.0)
+    for per_cycle, told in ((250.0, True), (4000.0, False)):
+        found = identify(
+            readings(
+                6.9,
+                2e-4,
+                rate_hz=6.9 * per_cycle,
+                cycles=60.0,
+                channels=("base_acceleration", "acceleration"),
+                osc=osc,
+            ),
+            PAPER.k,
+            approaches={"direct": APPROACHES["direct"]},
+            replicates=20,
+        )
+        assert any("folds back harmonics" in words for words in found.warnings) == told

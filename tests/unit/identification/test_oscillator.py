@@ -26,7 +26,7 @@ def test_records_of_an_oscillator_are_one_and_nothing_else():
     whole = whole_oscillator(lines(), PAPER.k)
     assert whole.waveforms_hold
     assert not whole.linear
-    assert whole.delayed is None
+    assert not whole.late
     assert not whole.mass_given
     for name in ("F_k", "c", "m"):
         assert abs(getattr(whole.fit, name) - getattr(PAPER, name)) < 4.0 * whole.fit.error(name)
@@ -65,11 +65,15 @@ def test_a_mass_is_taken_where_the_records_agree_with_it(mass, fits):
 
 @pytest.mark.parametrize("mass", [None, PAPER.m])
 def test_a_delay_is_said_where_it_explains_more_than_noise_would(mass):
-    late = whole_oscillator(lines(late=1e-3, sigma=1e-7), PAPER.k, mass).delayed
+    whole = whole_oscillator(lines(late=1e-3, sigma=1e-7), PAPER.k, mass)
+    assert whole.late
+    late = whole.delayed
     assert abs(late.delay - 1e-3) < 4.0 * late.error("delay")
     assert abs(late.c - PAPER.c) < 4.0 * late.error("c")
-    found = [whole_oscillator(lines(seed=seed), PAPER.k, mass).delayed for seed in range(10)]
-    assert found == [None] * 10
+    found = [whole_oscillator(lines(seed=seed), PAPER.k, mass) for seed in range(10)]
+    assert not any(whole.late for whole in found)
+    sizes = np.array([whole.delayed.delay / whole.delayed.error("delay") for whole in found])
+    assert np.abs(sizes).max() < 4.0  # standard errors
 
 
 def test_readings_share_the_waveforms_that_hold_and_have_none_where_none_do():
