@@ -21,8 +21,9 @@ import pytest
 from rocrate.rocrate import ROCrate
 
 from dampbalance import __version__
+from dampbalance.project.files import sha256
 from dampbalance.publishing.provenance import archive
-from dampbalance.publishing.provenance.sources import digest_of, files_of, sha256
+from dampbalance.publishing.provenance.sources import digest_of, files_of
 from folders import ROOT
 from workflow.copies import SMALL, Checkout
 

@@ -22,7 +22,9 @@ import numpy as np
 
 from ..arrays import Array, Mask
 
-_MOST = 100  # evaluations
+MOST = 100
+"""Evaluations of a climb, at the most."""
+
 _GAIN = 1e-8
 _RELATIVE = 1e-11
 _KINK = 5e-3
@@ -89,6 +91,7 @@ def climb(
     *,
     longest: float = math.inf,
     gain: float = _GAIN,
+    most: int = MOST,
 ) -> Climb[E]:
     """Maximise the likelihood from `start`.
 
@@ -96,7 +99,7 @@ def climb(
     lower : least value of each unknown, −∞ for one that may be negative, a phase or a logarithm.
     scale : below it an unknown counts as zero, and steps are measured against it.
     longest : change of any unknown in one step.
-    gain : what a full step must promise in −log L for the climb to go on.
+    gain : what a full step must promise in −log L for the climb to go on.   most : evaluations.
 
     Raises NoStart; NoConvergence where no step helps or too many are needed.
     """
@@ -106,7 +109,7 @@ def climb(
         raise NoStart("the model does not apply where the climb starts")
     signed = np.isneginf(lower)
     damping = 1e-3
-    for count in range(1, _MOST + 1):
+    for count in range(1, most + 1):
         active = (point <= lower) & (here.gradient <= 0.0)
         full = _step(here, active, 0.0)
         step = _step(here, active, damping)

@@ -47,6 +47,10 @@ _SOFTENING = (
 _GAIN = 5e-8  # of half of χ², where the climb ends
 _STEP = 1e-6  # of the finite differences: orbits are exact to 1e-13
 _STIFFEST = 1e12  # of K_z/k: the contact that stands for a rigid one
+_MOST = 30  # evaluations at each softening: a climb to where the records are takes about ten
+_MOST_PHASES = (
+    64  # of half a cycle: a contact that rattles on takes long to follow, and no harmonic shows it
+)
 _SLIPS = (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)
 
 
@@ -253,7 +257,9 @@ def _climbed(
     for softening in softenings:
         problem = _Problem(lines, k, point, free, softening)
         try:
-            climbed = climb(problem.evaluate, point[free], lower[free], scale[free], gain=_GAIN)
+            climbed = climb(
+                problem.evaluate, point[free], lower[free], scale[free], gain=_GAIN, most=_MOST
+            )
         except NoStart:
             return None
         except NoConvergence as stuck:
@@ -322,13 +328,15 @@ class _Problem:
     softening: float
 
     def evaluate(self, free: Array) -> Evaluation | None:
-        """Half of χ² with its derivatives; None where nothing slips or there is no orbit."""
+        """Half of χ² with its derivatives; None where nothing slips, there is no orbit, or the contact rattles."""
         point = self.point.copy()
         point[self.free] = free
         residuals, slopes, slips = [], [], False
         for i, one in enumerate(self.lines):
             try:
                 orbit = _orbit(point, i, one, self.k)
+                if len(orbit.phases) > _MOST_PHASES:
+                    return None
                 x, by = _harmonics(point, i, one, self.k, orbit, one.n.size)
             except (NoSteadyOrbit, ValueError):
                 return None
