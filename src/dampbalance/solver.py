@@ -29,6 +29,9 @@ from .factorisation import solve_cases
 
 Pair = tuple[int, int]
 
+NORMAL_95 = 1.959963984540054
+"""Standard errors on either side that hold 95 % of a normal distribution."""
+
 _MOST_WEIGHINGS = 20  # each brings the weights nearer by a factor of 100 or so
 _SETTLED = 1e-9  # relative change of the weights
 

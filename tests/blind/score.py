@@ -21,7 +21,7 @@ from dampbalance.identification.result import (
     parameters_of,
 )
 from dampbalance.reading.noisy import read_features
-from dampbalance.reading.waveforms import NORMAL_95
+from dampbalance.solver import NORMAL_95
 
 from .records import levels, records
 from .truths import Truth, draw

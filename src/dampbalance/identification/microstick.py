@@ -17,6 +17,7 @@ from ..arrays import Array
 from ..features import Features, stack
 from ..reading.noisy import RESOLVED, Means, Reading
 from ..reading.waveforms import Fit
+from ..solver import NORMAL_95
 from .result import Microstick
 
 _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
@@ -80,7 +81,7 @@ def microstick(samples: Samples) -> Microstick:
         length=length,
         standard_error=float((2.0 * drawn.F_k * drawn.rho * np.abs(drawn.rho)).std(ddof=1)),
         resolved=rho > RESOLVED * error,
-        bound=2.0 * F_k * (rho + 1.96 * error) ** 2,
+        bound=2.0 * F_k * (rho + NORMAL_95 * error) ** 2,
     )
 
 

@@ -11,7 +11,7 @@ from ..arrays import Array
 from ..balance import Rows
 from ..features import Features, Phase
 from ..reading.noisy import Reading
-from ..reading.waveforms import NORMAL_95
+from ..solver import NORMAL_95
 from .oscillator import Whole
 
 CONFIDENCE = 0.95

@@ -89,7 +89,6 @@ def climb(
     lower: Array,
     scale: Array,
     *,
-    longest: float = math.inf,
     gain: float = _GAIN,
     most: int = MOST,
 ) -> Climb[E]:
@@ -98,7 +97,6 @@ def climb(
     evaluate : None where the model does not apply.
     lower : least value of each unknown, −∞ for one that may be negative, a phase or a logarithm.
     scale : below it an unknown counts as zero, and steps are measured against it.
-    longest : change of any unknown in one step.
     gain : what a full step must promise in −log L for the climb to go on.   most : evaluations.
 
     Raises NoStart; NoConvergence where no step helps or too many are needed.
@@ -113,7 +111,6 @@ def climb(
         active = (point <= lower) & (here.gradient <= 0.0)
         full = _step(here, active, 0.0)
         step = _step(here, active, damping)
-        step *= min(1.0, longest / max(float(np.abs(step).max()), 1e-300))
         size = float(np.max(np.abs(full) / np.maximum(np.abs(point), scale)))
         reached = Climb(point, here, active, step, count)
         if full @ here.gradient < 2.0 * gain or size < _RELATIVE:

@@ -33,6 +33,9 @@ from .conditioning import SteadyRecord
 CLEAR = 4.0
 """Standard deviations by which a harmonic stands out of the noise."""
 
+SLIPS = (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)
+"""Regimes in which a contact slips."""
+
 CHANCE = 1e-4
 """Probability in noise of a χ² so large that the records are not those of a model."""
 
@@ -49,7 +52,6 @@ _SHARES = (0.03, 0.2, 0.5, 0.8, 0.97)  # of friction in the work
 _RATIOS = np.geomspace(0.25, 8.0, 21)  # of the natural frequency to that of the drive
 _COMPARED = (1, 3, 5)
 _POINTS = 256  # of a cycle, for the force of a contact
-_SLIPS = (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)
 _DERIVATIVES = {"displacement": 0, "velocity": 1, "acceleration": 2}
 _ROUNDING = 3e-6  # of the fundamental: noise below it is no transducer's
 _NEAR = 0.03  # of the fundamental: what a candidate may be off by
@@ -157,7 +159,7 @@ def _all_responses(candidates: Array, lines: Sequence[Lines], k: float) -> tuple
         [getattr(orbits, f"X_{n}") * np.exp(-1j * getattr(orbits, f"phi_{n}")) for n in _COMPARED],
         axis=-1,
     )
-    slips: Mask = np.asarray(np.isin(orbits.regime, _SLIPS).any(axis=1))
+    slips: Mask = np.asarray(np.isin(orbits.regime, SLIPS).any(axis=1))
     return harmonics, slips
 
 

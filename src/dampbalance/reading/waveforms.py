@@ -27,31 +27,21 @@ import numpy as np
 from ..arrays import Array, Complexes, Integers, Mask
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
-from ..motion.regime import Regime
+from ..solver import NORMAL_95
 from .climb import Climb, Evaluation, NoConvergence, NoStart, climb
-from .lines import Lines, improbable, starts
+from .lines import SLIPS, Lines, improbable, starts
 
 COMMON = ("F_k", "c", "rho", "m", "delay")
 """Unknowns common to all records; those of each record, Y and ψ, follow."""
 
-NORMAL_95 = 1.959963984540054
-"""97.5 % point of the normal distribution: standard errors on either side that hold 95 %."""
-
 _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
-_SOFTENING = (
-    1e-2,
-    1e-3,
-    0.0,
-)  # parts of the amplitudes added to their errors: a smooth way down to the minimum
+_SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
 _GAIN = 5e-8  # of half of χ², where the climb ends
 _STEP = 1e-6  # of the finite differences: orbits are exact to 1e-13
 _STIFFEST = 1e12  # of K_z/k: the contact that stands for a rigid one
 _MOST = 30  # evaluations at each softening: a climb to where the records are takes about ten
-_MOST_PHASES = (
-    64  # of half a cycle: a contact that rattles on takes long to follow, and no harmonic shows it
-)
-_SLIPS = (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)
+_MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +144,7 @@ class Fit:
     @property
     def slips(self) -> Mask:
         """Which records slip."""
-        return np.array([orbit.regime in _SLIPS for orbit in self.orbits])
+        return np.array([orbit.regime in SLIPS for orbit in self.orbits])
 
     @cached_property
     def waveforms(self) -> tuple[Waveform, ...]:
@@ -340,7 +330,7 @@ class _Problem:
                 x, by = _harmonics(point, i, one, self.k, orbit, one.n.size)
             except (NoSteadyOrbit, ValueError):
                 return None
-            slips |= orbit.regime in _SLIPS
+            slips |= orbit.regime in SLIPS
             at = len(COMMON) + 2 * i
             Y, psi = point[at], point[at + 1]
             error = np.hypot(one.x_error, self.softening * abs(one.x[0]))

@@ -13,7 +13,7 @@ from ..arrays import Array, Integers, Words
 from ..balance import APPROACHES, TERMS, Rows
 from ..features import Features
 from ..replication.readout import ReadOut
-from ..solver import Estimate, solve
+from ..solver import NORMAL_95, Estimate, solve
 from .axes import case_values
 from .parameters import MECHANICAL, PARAMETERS, SI_COLUMNS, in_si
 from .plan import PART, columns_of
@@ -22,9 +22,6 @@ from .settings import RIGID, WEIGHTED, Fit, Study
 
 READ = ("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi")
 """What rules of reading change; the rows need no other feature that they do."""
-
-# Standard errors on either side that hold 95 % of a normal distribution.
-NORMAL_95 = 1.959963984540054
 
 _SLICE = 16_384  # cases worked on at a time: their arrays stay in the processor's cache
 

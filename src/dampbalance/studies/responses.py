@@ -11,13 +11,11 @@ from ..motion.regime import Regime
 
 NOT_READ = "not_read"
 STEP_TOO_COARSE = "the fixed step is too coarse for the stick phases, or unstable"
-RIGID_LIMIT = "the slip onset drowns in the noise: that of a rigid contact stands for it"
 
 REGIME_NAMES = {
     **{str(regime): regime.name.lower() for regime in Regime},
     STEP_TOO_COARSE: "step_too_coarse",
     "no slip onset could be read off the record": NOT_READ,
-    RIGID_LIMIT: "rigid_limit",
 }
 """What a response is, or why a feature is missing: words → name in the table of cases. Other words are reasons why a
 record could not be read."""

@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 from ...arrays import Array, Mask
 from ...balance import TERMS
 from ...project.wording import percent
-from ..evaluate import NORMAL_95
+from ...solver import NORMAL_95
 from ..settings import EQUAL, RIGID, Fit, Study
 from ..stretches import column_of
 from .bounds import bounds_of
