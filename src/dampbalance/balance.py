@@ -26,56 +26,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .arrays import Array, Mask
+from .law.terms import KNOWN_TERMS, Term
 
 if TYPE_CHECKING:
     from .features import Features
 
 
-@dataclass(frozen=True, slots=True)
-class Term:
-    """A way to lose energy: one column of the balance, and the coefficient that is identified.
-
-    symbol, unit, words : of the coefficient p, and what it is.
-    integral, integral_unit : of the factor g that its force contributes over a period, g p = energy.
-    """
-
-    symbol: str
-    unit: str
-    words: str
-    integral: str
-    integral_unit: str
-
-    @property
-    def column(self) -> str:
-        """Column of tables that holds the coefficient, named with its unit: F_k_N, c_N_s_per_m."""
-        return named_with_unit(self.symbol, self.unit)
-
-    @property
-    def error_column(self) -> str:
-        """Column of tables that holds its standard error."""
-        return named_with_unit(f"{self.symbol}_standard_error", self.unit)
-
-    @property
-    def integral_column(self) -> str:
-        """Column of tables that holds the integral: a_m, b_m2_per_s."""
-        return named_with_unit(self.integral, self.integral_unit)
-
-
-def named_with_unit(name: str, unit: str) -> str:
-    """A name for a column or key: what it holds, then its unit, as in c_N_s_per_m."""
-    return (
-        f"{name}_{unit.replace(' ', '_').replace('/', '_per_').replace('²', '2').replace('³', '3')}"
-    )
-
-
-TERMS: dict[str, Term] = {
-    term.symbol: term
-    for term in (
-        Term("F_k", "N", "friction force", "a", "m"),
-        Term("c", "N s/m", "viscous damping", "b", "m²/s"),
-    )
-}
-"""The terms that a balance can have, by symbol, in the order of columns in tables."""
+TERMS: dict[str, Term] = {symbol: KNOWN_TERMS[symbol] for symbol in ("F_k", "c")}
+"""The terms of the balance (6), by symbol, in the order of columns in tables; laws may have others of KNOWN_TERMS."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -19,6 +19,7 @@ FLOORS = (
     "model",
     "record",
     "motion",
+    "law",
     "features",
     "balance",
     "factorisation",

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Array
-from ..balance import TERMS, Term
+from ..balance import TERMS
+from ..law.terms import Term
 from ..model import Oscillator
 
 if TYPE_CHECKING:

@@ -8,8 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from ..balance import TERMS, named_with_unit
+from ..balance import TERMS
 from ..features import COLUMNS
+from ..law.terms import named_with_unit
 from ..reading.noisy import Reading
 from .limits import REFERENCE, limits, shown
 from .notes import notes_of

@@ -478,7 +478,7 @@ def test_a_new_approach_and_a_new_term_are_drawn_like_the_others(stand_in, monke
         balance.APPROACHES, "new", balance.Approach(balance.direct, "new", takes_phase=False)
     )
     monkeypatch.setitem(
-        balance.TERMS, "d", balance.Term("d", "kg/m", "quadratic damping", "g", "m³/s²")
+        balance.TERMS, "d", Term("d", "kg/m", "quadratic damping", "g", "m³/s²")
     )
     both = pd.concat([stand_in, stand_in.replace({"approach": "X_s", "phase": "common"}, "new")])
     both["phase"] = both["phase"].replace("new", "individual")

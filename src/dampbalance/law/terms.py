@@ -1,0 +1,175 @@
+"""The terms of a damping law: each a coefficient times a known function of the motion.
+
+    m ẍ + k(x − y) + Σ p_j h_j(ẋ, ẏ) = 0
+
+Over one period of a steady response each takes the energy p_j g_j with
+
+    g_j = ∮ h_j ẋ dt
+
+and the work put in is their sum, Σ g_j p_j = W: Eq. (6) of Liang & Feeny (2010) for any such law. Dry friction is the
+term with a memory: its force is that of a contact which sticks and slips, F_k z/Z_m, and its g the travel in slip.
+
+For a harmonic motion x = X cos(ωt − φ) under y = Y cos ωt the integrals have closed forms, given with each term.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from ..arrays import Array
+
+Force = Callable[[Array, Array, "Array | float", "Array | float"], Array]
+"""h, or ∂h/∂ẋ, of (ẋ, ẏ, k, ω); m/s, m/s, N/m, rad/s."""
+
+Harmonic = Callable[[Array, Array, Array, Array, "Array | float"], Array]
+"""g of (ω, X, Y, φ, k) for a harmonic motion; rad/s, m, m, rad, N/m."""
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """A way to lose energy: one column of the balance, and the coefficient that is identified.
+
+    symbol, unit, words : of the coefficient p, and what it is.   integral, integral_unit : of the factor g.
+    force, slope : h and ∂h/∂ẋ; None for friction, whose force has a memory.   harmonic : g of a harmonic motion.
+    linear : whether h is linear in ẋ and ẏ, so that the motion under it has a closed form between events.
+    """
+
+    symbol: str
+    unit: str
+    words: str
+    integral: str
+    integral_unit: str
+    force: Force | None = None
+    slope: Force | None = None
+    harmonic: Harmonic | None = None
+    linear: bool = False
+
+    @property
+    def column(self) -> str:
+        """Column of tables that holds the coefficient, named with its unit: F_k_N, c_N_s_per_m."""
+        return named_with_unit(self.symbol, self.unit)
+
+    @property
+    def error_column(self) -> str:
+        """Column of tables that holds its standard error."""
+        return named_with_unit(f"{self.symbol}_standard_error", self.unit)
+
+    @property
+    def integral_column(self) -> str:
+        """Column of tables that holds the integral: a_m, b_m2_per_s."""
+        return named_with_unit(self.integral, self.integral_unit)
+
+
+_EXPONENTS = str.maketrans("²³⁴", "234")
+
+
+def named_with_unit(name: str, unit: str) -> str:
+    """A name for a column or key: what it holds, then its unit, as in c_N_s_per_m; no unit, no ending."""
+    ending = unit.replace(" ", "_").replace("/", "_per_").translate(_EXPONENTS)
+    return f"{name}_{ending}" if ending else name
+
+
+def _viscous(omega: Array, X: Array, Y: Array, phi: Array, k: Array | float) -> Array:
+    return np.pi * omega * X**2
+
+
+KNOWN_TERMS: Mapping[str, Term] = MappingProxyType(
+    {
+        term.symbol: term
+        for term in (
+            Term("F_k", "N", "friction force", "a", "m"),
+            Term(
+                "c",
+                "N s/m",
+                "viscous damping",
+                "b",
+                "m²/s",
+                force=lambda v, w, k, omega: v,
+                slope=lambda v, w, k, omega: np.ones_like(v),
+                harmonic=_viscous,
+                linear=True,
+            ),
+            Term(
+                "c_r",
+                "N s/m",
+                "viscous damping on the velocity relative to the base",
+                "b_r",
+                "m²/s",
+                force=lambda v, w, k, omega: v - w,
+                slope=lambda v, w, k, omega: np.ones_like(v),
+                harmonic=lambda omega, X, Y, phi, k: np.pi * omega * (X**2 - X * Y * np.cos(phi)),
+                linear=True,
+            ),
+            Term(
+                "c_2",
+                "N s²/m²",
+                "quadratic damping",
+                "b_2",
+                "m³/s²",
+                force=lambda v, w, k, omega: np.abs(v) * v,
+                slope=lambda v, w, k, omega: 2.0 * np.abs(v),
+                harmonic=lambda omega, X, Y, phi, k: 8.0 / 3.0 * omega**2 * X**3,
+            ),
+            Term(
+                "c_3",
+                "N s³/m³",
+                "cubic damping",
+                "b_3",
+                "m⁴/s³",
+                force=lambda v, w, k, omega: v**3,
+                slope=lambda v, w, k, omega: 3.0 * v**2,
+                harmonic=lambda omega, X, Y, phi, k: 0.75 * np.pi * omega**3 * X**4,
+            ),
+            Term(
+                "eta",
+                "",
+                "structural damping",
+                "b_eta",
+                "J",
+                force=lambda v, w, k, omega: k / omega * v,
+                slope=lambda v, w, k, omega: k / omega * np.ones_like(v),
+                harmonic=lambda omega, X, Y, phi, k: np.pi * k * X**2,
+                linear=True,
+            ),
+        )
+    }
+)
+"""Every term that a law can have, by symbol, in the order of columns in tables: to add one is an entry here.
+
+c : force cẋ.   c_r : c_r(ẋ − ẏ).   c_2 : c_2|ẋ|ẋ.   c_3 : c_3ẋ³.   eta : η(k/ω)ẋ, the loss factor of the spring: at
+one frequency it cannot be told from c.
+"""
+
+FRICTION = "F_k"
+
+
+def term(key: str) -> Term:
+    """The term behind a key: a symbol, or a symbol and the group of records that it belongs to, as in F_k[250 g].
+
+    Raises ValueError for a symbol that is not known.
+    """
+    symbol, group = parted(key)
+    if symbol not in KNOWN_TERMS:
+        raise ValueError(f"unknown term {symbol!r}; known are {', '.join(KNOWN_TERMS)}")
+    return KNOWN_TERMS[symbol] if group is None else replace(KNOWN_TERMS[symbol], symbol=key)
+
+
+def of_group(symbol: str, group: str) -> str:
+    """The key of the coefficient that a term has for a group of records: F_k[250 g]."""
+    return f"{symbol}[{group}]"
+
+
+def parted(key: str) -> tuple[str, str | None]:
+    """The symbol and the group of a key; None where it belongs to all records."""
+    symbol, bracket, group = key.partition("[")
+    return symbol, group.removesuffix("]") if bracket else None
+
+
+def in_order(symbols: Iterable[str]) -> tuple[str, ...]:
+    """These terms, each once, in the order of `KNOWN_TERMS`. Raises ValueError for one that is not known."""
+    asked = {term(symbol).symbol for symbol in symbols}
+    return tuple(symbol for symbol in KNOWN_TERMS if symbol in asked)
