@@ -128,6 +128,13 @@ def phase_end(
     else:
         which, lower, upper = 1, -math.inf, 0.0
 
+    if par.Y == 0.0 and s == 0.0:  # does it have the energy to reach a limit?
+        rest = phase.f0 / phase.Omega2
+        reach = math.sqrt(rest * rest + v * v / phase.Omega2)
+        if lower <= rest - reach and rest + reach <= upper:
+            u, rate = move(limit, phase)
+            return limit, x + u, rate, z + u
+
     fastest = max(phase.omega, math.sqrt(phase.Omega2), phase.delta)
     n = max(1, math.ceil(_STEPS_PER_RADIAN * limit * fastest))
     low, at_low = 0.0, _motion(0.0, phase)

@@ -1,0 +1,270 @@
+"""Where the fit of free decays starts: each burst by itself, from a turn on, over a growing part of it.
+
+At a turn p of a free motion that slips, ẋ = 0 and z = ±F_k/K_z. Its next turns follow from the swings before and after,
+
+    D_{i+1} = e^{−βπ} D_i − 2(1 + e^{−βπ}) F_k/k,      β = ζ/√(1 − ζ²),
+
+for several shares of friction in what the swing loses, and for a few stiffnesses of the contact. The closest of these
+are climbed from over the first cycle, and the fit follows the burst to its end. A mass at rest may ring on the contact,
+and the line of that in the spectrum tells K_z to the phase. Then the start is moved back for as long as the samples
+follow the motion: whatever held or pushed the mass before is left out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..arrays import Array
+from .ringdown_bursts import Burst, Signal, bursts_of, sharpest
+from .ringdown_fit import (
+    COMMON,
+    STATE,
+    RingFit,
+    Stretch,
+    fit_stretches,
+    samples_of,
+    slips,
+    stuck_from,
+)
+
+_SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing loses
+_STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
+_MASSES = (0.85, 1.0, 1.15)  # beside that of the period
+_CLIMBED = 4  # candidates
+_FIRST = 1.0  # cycles that are fitted first
+_GROWTH = 2.0  # of the fitted part from one climb to the next
+_COARSE = 1e-2  # of half of χ², where a climb on the way ends
+_BACK = 24  # steps of a cycle in which the start moves back
+_AGREES = 4.5  # standard deviations that the mean of new samples may be off
+_LINE = 12.0  # times the mean of the spectrum: a line that is none by chance
+_ALIKE = 1.5  # χ² per sample of a fit that needs no other start
+
+
+def stretches_of(
+    source: str, signals: Sequence[Signal], k: float, offsets: Sequence[int]
+) -> list[RingFit]:
+    """A fit of each burst in the channels of a record by itself, in their order; those that no oscillator fits are
+    left out.
+
+    offsets : numbers of the offsets of the channels.   Raises NoDecay.
+    """
+    fits: list[RingFit] = []
+    lead = sharpest(signals)
+    for burst in bursts_of(lead):
+        since = fits[-1].stretches[0].start if fits else burst.earliest
+        whole = Stretch(source, burst.turn, burst.end, tuple(signals), tuple(offsets), burst.period)
+        fit = _grown(whole, burst, lead, k)
+        if fit is not None:
+            fits.append(_from_earlier(fit, whole, max(since, burst.earliest)))
+    return fits
+
+
+def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | None:
+    """The fit of a burst from its turn on."""
+    end = min(burst.turn + _FIRST * burst.period, burst.end)
+    part = whole.cut(burst.turn, end)
+    if part.samples < 4 * (len(COMMON) + STATE):
+        return None
+    fit = None
+    for start in _candidates(part, burst, lead, k)[:_CLIMBED]:
+        w = start.size - 1
+        reached = fit_stretches([part], k, start, given={w}, gain=_COARSE)
+        if reached is not None and (fit is None or reached.chi_square < fit.chi_square):
+            fit = reached
+            if fit.chi_square < _ALIKE * part.samples:
+                break
+    while fit is not None and end < burst.end:
+        end = min(burst.turn + _GROWTH * (end - burst.turn), burst.end)
+        if burst.end - end < 0.25 * burst.period:
+            end = burst.end
+        longer = _longer(fit, whole.cut(burst.turn, end))
+        if longer is None:
+            break
+        if not burst.last and not longer.adequate and fit.adequate:
+            # something else moves the mass before the next burst
+            return _until_disturbed(fit, whole, end)
+        fit = longer
+    return fit
+
+
+def _longer(fit: RingFit, part: Stretch) -> RingFit | None:
+    """The fit of a longer part, from a shorter one on."""
+    w = fit.point.size - 1
+    best = fit_stretches([part], fit.k, fit.point, given={w}, gain=_COARSE)
+    for rho in _ringing(fit if best is None else best, part):
+        start = (fit if best is None else best).point.copy()
+        start[2] = rho
+        other = fit_stretches([part], fit.k, start, given={w}, gain=_COARSE)
+        if other is not None and (best is None or other.chi_square < best.chi_square):
+            best = other
+    return best
+
+
+def _until_disturbed(fit: RingFit, whole: Stretch, end: float) -> RingFit:
+    """The fit up to where the samples leave the motion, before `end`."""
+    start, good = whole.start, fit.stretches[0].end
+    while end - good > 0.1 * whole.period:
+        middle = 0.5 * (good + end)
+        longer = _longer(fit, whole.cut(start, middle))
+        if longer is not None and longer.adequate:
+            fit, good = longer, middle
+        else:
+            end = middle
+    if good - start > 2.0 * whole.period:  # where the hand came may show late
+        shorter = _longer(fit, whole.cut(start, good - 0.5 * whole.period))
+        fit = fit if shorter is None else shorter
+    return fit
+
+
+def _candidates(part: Stretch, burst: Burst, lead: Signal, k: float) -> list[Array]:
+    """Start points from the swings before and after the turn, the closest first."""
+    omega = 2.0 * math.pi / burst.period
+    of_lead = next(s for s in part.signals if s.quantity == lead.quantity)
+    ahead = of_lead.values[of_lead.between(burst.turn, burst.turn + 0.6 * burst.period)]
+    next_swing = min(float(np.ptp(ahead)) / omega**lead.order, burst.swing)
+    lost = max(burst.swing - next_swing, 1e-3 * burst.swing)
+    found = []
+    for share in _SHARES:
+        ratio = min(max(1.0 - (1.0 - share) * lost / burst.swing, 0.5), 0.9999)
+        zeta = -math.log(ratio) / math.hypot(math.pi, math.log(ratio))
+        friction = share * lost / 4.0
+        x = burst.side * (next_swing / (1.0 + ratio) + friction)
+        for mass in _MASSES:
+            m = mass * k / omega**2
+            for stiffness in _STIFFNESSES:
+                common = (
+                    k * friction,
+                    2.0 * zeta * math.sqrt(k * m),
+                    1.0 / math.sqrt(stiffness * k),
+                    m,
+                )
+                state = np.array([x, 0.0, 1.0 + burst.side])
+                start = np.concatenate([common, np.zeros(max(part.offsets) + 1), state])
+                try:
+                    model = samples_of(start, state, k, part)
+                except ValueError:
+                    continue
+                misfit, at = 0.0, 0
+                for signal, offset in zip(part.signals, part.offsets, strict=True):
+                    off = signal.values - model[at : at + signal.t.size]
+                    at += signal.t.size
+                    start[len(COMMON) + offset] = off.mean()
+                    misfit += float(np.var(off)) * signal.t.size / signal.noise**2
+                found.append((misfit, start))
+    found.sort(key=lambda one: one[0])
+    return [start for _, start in found]
+
+
+def _ringing(fit: RingFit, part: Stretch) -> Iterator[float]:
+    """ρ of the contact on which the mass at rest rings, where that shows: K_z = mΩ² − k."""
+    phases = fit.phases(0)
+    still = part.start + stuck_from(phases, fit.stretches[0].end - part.start)
+    slipping = math.sqrt(fit.k / fit.m)
+    for signal in part.signals:
+        inside = signal.between(still + 0.25 * part.period, part.end)
+        values = signal.values[inside]
+        if values.size < 16:
+            continue
+        values = values - values.mean()
+        padded = 4 << (values.size - 1).bit_length()
+        power = np.abs(np.fft.rfft(values, padded)) ** 2
+        omega = np.arange(power.size) * (2.0 * math.pi / (padded * signal.dt))
+        power[omega < 1.2 * slipping] = 0.0
+        line = int(np.argmax(power))
+        if power[line] > _LINE * values.size * signal.noise**2:
+            K_z = fit.m * float(omega[line]) ** 2 - fit.k
+            if K_z > 0.0:
+                yield 1.0 / math.sqrt(K_z)
+
+
+def _from_earlier(fit: RingFit, whole: Stretch, earliest: float) -> RingFit:
+    """The fit with the start moved back for as long as the samples follow the motion."""
+    one = fit.stretches[0]
+    step = one.period / _BACK
+    w = fit.point.size - 1
+    common = set(range(w + 1 - STATE))
+    point = fit.point.copy()
+    start = one.start
+    while start - step >= earliest - 0.5 * min(s.dt for s in one.signals):
+        trial = point.copy()
+        trial[w - 2 :] = _before(point, fit.k, step)
+        part = whole.cut(start - step, min(start + 1.5 * one.period, one.end))
+        reached = fit_stretches([part], fit.k, trial, given=common, gain=_COARSE)
+        if reached is None or not _agrees(reached, start):
+            part = whole.cut(start - step, one.end)
+            reached = fit_stretches([part], fit.k, trial, gain=_COARSE)
+            if reached is None or not _agrees(reached, start):
+                break
+        start, point = start - step, reached.point
+    again = fit_stretches([whole.cut(start, one.end)], fit.k, point, gain=_COARSE)
+    return fit if again is None else again
+
+
+def _before(point: Array, k: float, step: float) -> Array:
+    """About the start state a step earlier: slipping backwards, or at the turn before."""
+    F_k, c, _, m = point[: len(COMMON)].tolist()
+    x, v, w = point[-STATE:].tolist()
+    side = 1.0 if w >= 1.0 else -1.0
+    n = 16
+    h = step / n
+    for _ in range(n):
+        a = -(k * x + side * F_k + c * v) / m
+        v_half = v - 0.5 * h * a
+        if v_half * side < 0.0:  # it turned there, or was let go
+            return np.array([x, 0.0, 1.0 - 0.5 * side])
+        x -= h * v_half
+        v = v_half - 0.5 * h * -(k * x + side * F_k + c * v_half) / m
+    return np.array([x, v, w])
+
+
+def _agrees(fit: RingFit, before: float) -> bool:
+    """Whether the samples before a time follow the motion within their noise."""
+    one = fit.stretches[0]
+    for signal, residual in zip(one.signals, fit.residuals()[0], strict=True):
+        new = residual[: int(np.searchsorted(signal.t, before))]
+        if not new.size:
+            continue
+        n = new.size
+        if abs(new.mean()) * math.sqrt(n) > _AGREES:
+            return False
+        if float(new @ new) / n > 1.0 + _AGREES * math.sqrt(2.0 / n):
+            return False
+    return True
+
+
+def joint_start(fits: Sequence[RingFit], offsets: int) -> Array:
+    """Where the fit of all bursts starts: the common unknowns weighted by their information, the rest as it is.
+
+    offsets : how many there are in all.
+    """
+    size = len(COMMON)
+    information, right = np.zeros((size, size)), np.zeros(size)
+    levels, weights = np.zeros(offsets), np.zeros(offsets)
+    unit = fits[0].point[:size]
+    for fit in fits:
+        some = fit.response[:size] / unit[:, None]
+        one = np.linalg.pinv(some @ some.T, rcond=1e-12)
+        information += one
+        right += one @ (fit.point[:size] / unit)
+        for number in fit.stretches[0].offsets:
+            levels[number] += fit.point[size + number] * fit.stretches[0].samples
+            weights[number] += fit.stretches[0].samples
+    common = unit * np.linalg.lstsq(information, right)[0]
+    if not (common > 0.0).all():
+        common = max(fits, key=lambda fit: fit.stretches[0].samples).point[:size]
+    levels = levels / np.maximum(weights, 1.0)
+    return np.concatenate([common, levels, *(fit.point[-STATE:] for fit in fits)])
+
+
+def fit_all(fits: Sequence[RingFit], offsets: int) -> RingFit | None:
+    """One oscillator for the bursts that were fitted each by itself."""
+    k = fits[0].k
+    stretches = [fit.stretches[0] for fit in fits]
+    return fit_stretches(stretches, k, joint_start(fits, offsets))
+
+
+__all__ = ["fit_all", "slips", "stretches_of"]
