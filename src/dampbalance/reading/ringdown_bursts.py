@@ -1,8 +1,8 @@
 """Where the free decays of a record are: its bursts, each from a push, a blow or a release until the next.
 
 What a burst looks like in any channel: over a little more than half a cycle the signal suddenly swings farther than
-before, and less and less from then on. The length of a cycle comes from the spectrum as that of a velocity, in which
-neither the displacement at which the mass was held nor the ringing of the contact in a mass at rest stands out.
+before, and less and less from then on. The length of a cycle comes from the spectrum, weighted so that neither the
+displacement at which the mass was held nor the ringing of a mass that sticks stands out.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ def _peaks(swing: Array, length: int, least: float) -> list[int]:
 
 
 def _frequency(signal: Signal) -> float:
-    """Frequency of the motion, Hz: of the band with the most energy of a velocity."""
+    """Frequency of the motion, Hz: of the band with the most energy, weighted."""
     values = signal.values - signal.values.mean()
     size = values.size
     power = np.abs(np.fft.rfft(values, 1 << (size - 1).bit_length())) ** 2
@@ -146,7 +146,7 @@ def _frequency(signal: Signal) -> float:
     clear = power > _LINE * size * signal.noise**2
     clear[f < 1.0 / (size * signal.dt)] = False
     energy = np.where(clear, power, 0.0)
-    energy[1:] *= f[1:] ** (2.0 - 2.0 * signal.order)
+    energy[1:] *= f[1:] ** (1.0 - signal.order)
     total = np.concatenate([[0.0], np.cumsum(energy)])
     low, high = np.searchsorted(f, f / _BAND), np.searchsorted(f, f * _BAND, side="right")
     band = total[high] - total[low]

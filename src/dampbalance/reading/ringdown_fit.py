@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array, Integers
+from ..arrays import Array, Integers, Mask
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
@@ -39,6 +39,7 @@ _MOST_PHASES = 4096  # of a stretch: a decay that slips more often than that is 
 _MOST = 30  # evaluations of a climb
 _GAIN = 5e-8  # of half of χ², where a climb ends
 _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
+_W_ERROR = 1.0  # of w, which lies between 0 and 2
 _BINS = 12  # of a cycle, in which the residual is averaged
 
 
@@ -76,6 +77,7 @@ class RingFit:
     """The oscillator whose free decays fit the samples of n stretches best.
 
     k : N/m.   point : the unknowns (COMMON, the offsets, x, ẋ, w of each stretch), SI, (p,).
+    covariance : of the point, (p, p).
     response : of the point to the samples in units of their noise, (p, samples): dp = response · d(sample)/σ.
     residual : (model − sample)/σ, stretch by stretch, channel by channel.   rigid : whether ρ is at zero.
     """
@@ -83,6 +85,7 @@ class RingFit:
     stretches: tuple[Stretch, ...]
     k: float
     point: Array
+    covariance: Array
     response: Array
     residual: Array
     rigid: bool
@@ -111,12 +114,6 @@ class RingFit:
     def m(self) -> float:
         """Mass, kg."""
         return float(self.point[3])
-
-    @cached_property
-    def covariance(self) -> Array:
-        """Of the unknowns, (p, p)."""
-        covariance: Array = self.response @ self.response.T
-        return covariance
 
     def error(self, name: str) -> float:
         """Standard error of a common unknown, in its unit."""
@@ -173,12 +170,17 @@ class RingFit:
         return self._likeness()[0]
 
     @property
-    def adequate(self) -> bool:
-        """Whether the residual is white: the records may be those of such an oscillator."""
+    def chance(self) -> float:
+        """Probability in white noise of a residual so much like a motion."""
         from scipy import special  # slow to import
 
         ratio, bins, rest = self._likeness()
-        return not bool(special.fdtrc(bins, rest, ratio) < _CHANCE)
+        return float(special.fdtrc(bins, rest, ratio))
+
+    @property
+    def adequate(self) -> bool:
+        """Whether the residual is white: the records may be those of such an oscillator."""
+        return self.chance >= _CHANCE
 
     def _likeness(self) -> tuple[float, int, int]:
         """F of the averages against what is left about them, and its two numbers of degrees of freedom."""
@@ -290,12 +292,36 @@ def fit_stretches(
     assert here.jacobian is not None
     point = start.copy()
     point[free] = climbed.point
-    response = np.zeros((point.size, here.residual.size))
-    inside = ~climbed.active  # an unknown at its limit stays there
-    response[free[inside]] = np.linalg.pinv(here.jacobian[:, inside], rcond=1e-13)
+    covariance, response = _errors(here.jacobian, free, climbed.point > rigid, first_state, point)
     return RingFit(
-        tuple(stretches), k, point, response, here.residual, rigid=bool(point[2] <= rigid)
+        tuple(stretches),
+        k,
+        point,
+        covariance,
+        response,
+        here.residual,
+        rigid=bool(point[2] <= rigid),
     )
+
+
+def _errors(
+    jacobian: Array, free: Integers, above: Mask, first_state: int, point: Array
+) -> tuple[Array, Array]:
+    """Covariance of the unknowns, and their response to the samples.
+
+    A damping at zero keeps its error. Of w it is known that it lies between 0 and 2: where the samples tell no more, its
+    error is that. above : which unknowns are not as small as a rigid contact's ρ.
+    """
+    size, samples = point.size, len(jacobian)
+    known = np.array([i >= first_state and (i - first_state) % STATE == 2 for i in free])
+    length = np.sqrt(np.sum(jacobian**2, axis=0) + known / _W_ERROR**2)
+    inside = (length > 0.0) & ((free != COMMON.index("rho")) | above)
+    rows = np.vstack([jacobian, np.diag(known / _W_ERROR)])[:, inside] / length[inside]
+    solution = np.linalg.pinv(rows, rcond=1e-10) / length[inside, None]
+    covariance, response = np.zeros((size, size)), np.zeros((size, samples))
+    covariance[np.ix_(free[inside], free[inside])] = solution @ solution.T
+    response[free[inside]] = solution[:, :samples]
+    return covariance, response
 
 
 def with_noise_of(fit: RingFit) -> RingFit:

@@ -19,6 +19,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import Array
+from ..motion.events import PHASE_S, PHASE_X
 from .ringdown_bursts import Burst, Signal, bursts_of, sharpest
 from .ringdown_fit import (
     COMMON,
@@ -39,8 +40,12 @@ _FIRST = 1.0  # cycles that are fitted first
 _GROWTH = 2.0  # of the fitted part from one climb to the next
 _COARSE = 1e-2  # of half of χ², where a climb on the way ends
 _BACK = 24  # steps of a cycle in which the start moves back
-_AGREES = 4.5  # standard deviations that the mean of new samples may be off
-_LINE = 12.0  # times the mean of the spectrum: a line that is none by chance
+_AGREES = 3.0  # standard deviations that new samples may be off
+_CHANCE = 1e-4  # probability of a line of the spectrum in noise
+_AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
+_OTHER = 6.0  # standard deviations
+_PART = 0.5  # of the swing of a burst, that its motion has at least
+_DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
 _ALIKE = 1.5  # χ² per sample of a fit that needs no other start
 
 
@@ -58,9 +63,30 @@ def stretches_of(
         since = fits[-1].stretches[0].start if fits else burst.earliest
         whole = Stretch(source, burst.turn, burst.end, tuple(signals), tuple(offsets), burst.period)
         fit = _grown(whole, burst, lead, k)
-        if fit is not None:
-            fits.append(_from_earlier(fit, whole, max(since, burst.earliest)))
-    return fits
+        if fit is None:
+            continue
+        fit = _from_earlier(fit, whole, max(since, burst.earliest))
+        if _moves(fit) > _PART * burst.swing:  # else the swing was none of a free motion
+            fits.append(fit)
+    for good in (lambda fit: fit.adequate, lambda fit: slips(fit.phases(0))):
+        fits = [fit for fit in fits if good(fit)] or fits
+    return _of_one_oscillator(fits)
+
+
+def _of_one_oscillator(fits: list[RingFit]) -> list[RingFit]:
+    """Without what turns once or twice only and is the motion of another oscillator: a hand that moves the mass."""
+    if len(fits) < 2:
+        return fits
+    turns = [int(np.count_nonzero(fit.phases(0)[:, PHASE_S])) for fit in fits]
+    longest = fits[int(np.argmax(turns))]
+
+    def alike(fit: RingFit) -> bool:
+        off = fit.point[: len(COMMON)] - longest.point[: len(COMMON)]
+        error = np.sqrt(np.diag(fit.covariance) + 0.0)[: len(COMMON)]
+        error = np.hypot(error, np.sqrt(np.diag(longest.covariance))[: len(COMMON)])
+        return bool((np.abs(off) <= _OTHER * error)[[0, 1, 3]].all())
+
+    return [fit for fit, n in zip(fits, turns, strict=True) if n > 2 or alike(fit)]
 
 
 def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | None:
@@ -77,6 +103,8 @@ def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | No
             fit = reached
             if fit.chi_square < _ALIKE * part.samples:
                 break
+    if fit is not None:
+        fit = _longer(fit, part)
     while fit is not None and end < burst.end:
         end = min(burst.turn + _GROWTH * (end - burst.turn), burst.end)
         if burst.end - end < 0.25 * burst.period:
@@ -84,7 +112,7 @@ def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | No
         longer = _longer(fit, whole.cut(burst.turn, end))
         if longer is None:
             break
-        if not burst.last and not longer.adequate and fit.adequate:
+        if not burst.last and longer.chance < _DISTURBED <= fit.chance:
             # something else moves the mass before the next burst
             return _until_disturbed(fit, whole, end)
         fit = longer
@@ -94,6 +122,7 @@ def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | No
 def _longer(fit: RingFit, part: Stretch) -> RingFit | None:
     """The fit of a longer part, from a shorter one on."""
     w = fit.point.size - 1
+    part = _without_ringing(fit, part)
     best = fit_stretches([part], fit.k, fit.point, given={w}, gain=_COARSE)
     for rho in _ringing(fit if best is None else best, part):
         start = (fit if best is None else best).point.copy()
@@ -110,7 +139,7 @@ def _until_disturbed(fit: RingFit, whole: Stretch, end: float) -> RingFit:
     while end - good > 0.1 * whole.period:
         middle = 0.5 * (good + end)
         longer = _longer(fit, whole.cut(start, middle))
-        if longer is not None and longer.adequate:
+        if longer is not None and longer.chance >= _DISTURBED:
             fit, good = longer, middle
         else:
             end = middle
@@ -161,8 +190,7 @@ def _candidates(part: Stretch, burst: Burst, lead: Signal, k: float) -> list[Arr
 
 def _ringing(fit: RingFit, part: Stretch) -> Iterator[float]:
     """ρ of the contact on which the mass at rest rings, where that shows: K_z = mΩ² − k."""
-    phases = fit.phases(0)
-    still = part.start + stuck_from(phases, fit.stretches[0].end - part.start)
+    still = _still(fit, part.end)
     slipping = math.sqrt(fit.k / fit.m)
     for signal in part.signals:
         inside = signal.between(still + 0.25 * part.period, part.end)
@@ -175,32 +203,69 @@ def _ringing(fit: RingFit, part: Stretch) -> Iterator[float]:
         omega = np.arange(power.size) * (2.0 * math.pi / (padded * signal.dt))
         power[omega < 1.2 * slipping] = 0.0
         line = int(np.argmax(power))
-        if power[line] > _LINE * values.size * signal.noise**2:
+        # of white noise, the power over n σ² is distributed as e^{−P}
+        if power[line] > math.log(values.size / _CHANCE) * values.size * signal.noise**2:
             K_z = fit.m * float(omega[line]) ** 2 - fit.k
             if K_z > 0.0:
                 yield 1.0 / math.sqrt(K_z)
+
+
+def _moves(fit: RingFit) -> float:
+    """From where to where the mass moves, m."""
+    x = fit.phases(0)[:, PHASE_X]
+    return float(np.ptp(x))
+
+
+def _still(fit: RingFit, end: float) -> float:
+    """The time from which on the mass sticks; `end` where it does not before."""
+    start = fit.stretches[0].start
+    return start + stuck_from(fit.phases(0, end), end - start)
+
+
+def _without_ringing(fit: RingFit, part: Stretch) -> Stretch:
+    """A stretch up to where the mass sticks, if no ringing shows after that: a K_z would follow from it by chance."""
+    if any(True for _ in _ringing(fit, part)):
+        return part
+    end = _still(fit, part.end) + _AFTER * part.period
+    return part if end >= part.end else part.cut(part.start, end)
 
 
 def _from_earlier(fit: RingFit, whole: Stretch, earliest: float) -> RingFit:
     """The fit with the start moved back for as long as the samples follow the motion."""
     one = fit.stretches[0]
     step = one.period / _BACK
-    w = fit.point.size - 1
-    common = set(range(w + 1 - STATE))
-    point = fit.point.copy()
-    start = one.start
-    while start - step >= earliest - 0.5 * min(s.dt for s in one.signals):
-        trial = point.copy()
-        trial[w - 2 :] = _before(point, fit.k, step)
-        part = whole.cut(start - step, min(start + 1.5 * one.period, one.end))
-        reached = fit_stretches([part], fit.k, trial, given=common, gain=_COARSE)
-        if reached is None or not _agrees(reached, start):
-            part = whole.cut(start - step, one.end)
-            reached = fit_stretches([part], fit.k, trial, gain=_COARSE)
-            if reached is None or not _agrees(reached, start):
-                break
-        start, point = start - step, reached.point
-    again = fit_stretches([whole.cut(start, one.end)], fit.k, point, gain=_COARSE)
+    near = min(one.start + 1.5 * one.period, one.end)
+    common = set(range(fit.point.size - STATE))
+    here = fit_stretches([one.cut(one.start, near)], fit.k, fit.point, given=common, gain=_COARSE)
+    start, stopped = one.start, False
+    points = [fit.point]
+    while here is not None and not stopped:
+        start -= step
+        if start < earliest - 0.5 * min(s.dt for s in one.signals):
+            break
+        trial = here.point.copy()
+        trial[-STATE:] = _before(here.point, fit.k, step)
+        part = whole.cut(start, near)
+        there = fit_stretches([part], fit.k, trial, given=common, gain=_COARSE)
+        stopped = there is None or not _agrees(there, here)
+        if stopped and there is not None:  # the common unknowns may have been off
+            here, there = (
+                fit_stretches([part], fit.k, at, gain=_COARSE)
+                for part, at in (
+                    (whole.cut(start + step, one.end), here.point),
+                    (whole.cut(start, one.end), there.point),
+                )
+            )
+            stopped = here is None or there is None or not _agrees(there, here)
+            if not stopped and there is not None:
+                there = fit_stretches([part], fit.k, there.point, given=common, gain=_COARSE)
+        if not stopped and there is not None:
+            points.append(there.point)
+        here = there
+    # what stopped it may have begun within the last step
+    kept = max(0, len(points) - 1 - stopped)
+    part = whole.cut(one.start - kept * step, one.end)
+    again = fit_stretches([part], fit.k, points[kept], gain=_COARSE)
     return fit if again is None else again
 
 
@@ -221,17 +286,16 @@ def _before(point: Array, k: float, step: float) -> Array:
     return np.array([x, v, w])
 
 
-def _agrees(fit: RingFit, before: float) -> bool:
-    """Whether the samples before a time follow the motion within their noise."""
-    one = fit.stretches[0]
-    for signal, residual in zip(one.signals, fit.residuals()[0], strict=True):
-        new = residual[: int(np.searchsorted(signal.t, before))]
-        if not new.size:
-            continue
-        n = new.size
-        if abs(new.mean()) * math.sqrt(n) > _AGREES:
-            return False
-        if float(new @ new) / n > 1.0 + _AGREES * math.sqrt(2.0 / n):
+def _agrees(there: RingFit, here: RingFit) -> bool:
+    """Whether the samples that one fit has before the start of another follow the motion within their noise."""
+    new = there.residual.size - here.residual.size
+    excess = there.chi_square - here.chi_square
+    if excess > new + _AGREES * math.sqrt(2.0 * max(new, 1)):
+        return False
+    (one,), (row,) = there.stretches, there.residuals()
+    for signal, residual in zip(one.signals, row, strict=True):
+        first = residual[: int(np.searchsorted(signal.t, here.stretches[0].start))]
+        if first.size and abs(first.mean()) * math.sqrt(first.size) > _AGREES:
             return False
     return True
 
@@ -244,7 +308,8 @@ def joint_start(fits: Sequence[RingFit], offsets: int) -> Array:
     size = len(COMMON)
     information, right = np.zeros((size, size)), np.zeros(size)
     levels, weights = np.zeros(offsets), np.zeros(offsets)
-    unit = fits[0].point[:size]
+    k, m = fits[0].k, fits[0].m
+    unit = np.array([fits[0].F_k, 1e-2 * math.sqrt(k * m), 1e-1 / math.sqrt(k), m])
     for fit in fits:
         some = fit.response[:size] / unit[:, None]
         one = np.linalg.pinv(some @ some.T, rcond=1e-12)
