@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 from .terms import FRICTION, KNOWN_TERMS, in_order, of_group, parted, term
+
+_ALIKE = 1.001  # of two frequencies: nearer ones are one
 
 
 @dataclass(frozen=True)
@@ -85,28 +87,27 @@ class Law:
         """The keys of all coefficients of a term."""
         return tuple(key for key in self.keys if parted(key)[0] == symbol)
 
-    def require(self, frequencies: Mapping[str, float]) -> None:
-        """ValueError where so many records at these frequencies cannot tell the terms apart, whatever they hold.
-
-        frequencies : of each record, Hz, by its name.
-        """
-        count = len(frequencies)
+    def require(self, frequencies_hz: Sequence[float]) -> None:
+        """ValueError where records at these frequencies cannot tell the terms apart, whatever they hold."""
+        count = len(frequencies_hz)
         for symbol, labels in self.groups.items():
             if len(labels) != count:
                 raise ValueError(
                     f"the groups of {symbol} name {len(labels)} records, and there are {count}: one label for each"
                 )
         alike = [s for s in ("c", "eta") if s in self.terms and s not in self.given]
-        values = list(frequencies.values())
-        if len(alike) > 1 and max(values) < 1.001 * min(values):
+        if len(alike) > 1 and max(frequencies_hz) < _ALIKE * min(frequencies_hz):
             raise ValueError(
-                f"at one frequency ({values[0]:.4g} Hz) structural damping eta and viscous damping c are the same "
-                "thing, c = eta k/omega: leave out one of them, or add records at another frequency"
+                f"at one frequency ({frequencies_hz[0]:.4g} Hz) structural damping eta and viscous damping c act "
+                "alike, c = eta k/omega: leave out one of them, or add records at another frequency"
             )
         if not self.unknowns:
             raise ValueError("every coefficient is given: there is nothing to identify")
         if count < len(self.unknowns):
+            needed = {1: "one level", 2: "two levels"}.get(
+                len(self.unknowns), f"{len(self.unknowns)} levels"
+            )
             raise ValueError(
-                f"{', '.join(self.unknowns)} need responses at {len(self.unknowns)} levels or more, got {count}: add "
-                "records at other amplitudes, or give coefficients that are known"
+                f"{' and '.join([', '.join(self.unknowns[:-1]), self.unknowns[-1]])} need responses at {needed} or "
+                f"more, got {count}: add records at other amplitudes"
             )

@@ -157,10 +157,11 @@ def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, f
 def _tables() -> tuple[Array, Array, Complexes, Array, Array]:
     """n; phases of half a cycle; e^{inθ} there; nodes and weights of Gauss's rule on (0, 1)."""
     n: Array = np.arange(1.0, 2.0 * _HARMONICS, 2.0)
-    theta: Array = np.arange(_POINTS) * (math.pi / _POINTS)
+    theta: Array = np.linspace(0.0, math.pi, _POINTS, endpoint=False)
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     turns: Complexes = np.exp(1j * np.outer(theta, n))
-    return n, theta, turns, 0.5 * (1.0 + nodes), 0.5 * weights
+    halves: Array = 0.5 * (1.0 + np.asarray(nodes, dtype=np.float64))
+    return n, theta, turns, halves, 0.5 * weights
 
 
 @dataclass(frozen=True, eq=False)

@@ -73,6 +73,7 @@ _EXPONENTS = str.maketrans("²³⁴", "234")
 
 def named_with_unit(name: str, unit: str) -> str:
     """A name for a column or key: what it holds, then its unit, as in c_N_s_per_m; no unit, no ending."""
+    name = name.replace("[", "_").replace("]", "").replace(" ", "_")
     ending = unit.replace(" ", "_").replace("/", "_per_").translate(_EXPONENTS)
     return f"{name}_{ending}" if ending else name
 
@@ -157,7 +158,12 @@ def term(key: str) -> Term:
     symbol, group = parted(key)
     if symbol not in KNOWN_TERMS:
         raise ValueError(f"unknown term {symbol!r}; known are {', '.join(KNOWN_TERMS)}")
-    return KNOWN_TERMS[symbol] if group is None else replace(KNOWN_TERMS[symbol], symbol=key)
+    found = KNOWN_TERMS[symbol]
+    return (
+        found
+        if group is None
+        else replace(found, symbol=key, integral=of_group(found.integral, group))
+    )
 
 
 def of_group(symbol: str, group: str) -> str:

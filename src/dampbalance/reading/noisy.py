@@ -25,6 +25,8 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 from ..features import COLUMNS, Features, of_numbers, wrapped
+from ..law.integrals import of_harmonics
+from ..law.terms import KNOWN_TERMS
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
 from .lines import Lines
@@ -62,13 +64,15 @@ class Reading:
 
     steady : the conditioned record.   joint : whether it was fitted together with others; else its waveform is fitted
     to this record alone.   shared : the waveform of that fit, None where none fits.   taken : λ = 4X − a, m, the travel
-    that sticking takes from 4X where no waveform tells.
+    that sticking takes from 4X where no waveform tells.   terms : of a law, beyond friction and a linear damper, whose
+    integrals are wanted.
     """
 
     steady: SteadyRecord
     joint: bool = False
     shared: Waveform | None = None
     taken: float = 0.0
+    terms: tuple[str, ...] = ()
 
     @cached_property
     def lines(self) -> Lines:
@@ -101,6 +105,17 @@ class Reading:
     def features(self) -> Features:
         """Features of the one response; where no waveform fits, X_s = −X (the rigid limit) and a = 4X − λ."""
         return self.features_of(self.mean)
+
+    @property
+    def exact_features(self) -> Features:
+        """Features of the waveform itself. Raises ValueError where none fits."""
+        waveform = self.waveform
+        if waveform is None:
+            raise ValueError(f"{self.steady.source}: no waveform fits")
+        at = waveform.fit.unknowns.at(waveform.index)
+        x = waveform.response.harmonics(self.lines.n.size)
+        means = Means(waveform.fit.point[[at["Y"]]], x[None], 0.0)
+        return self.features_of(means, np.zeros((self._unknowns, 1)))
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -269,6 +284,19 @@ def _features(reading: Reading, means: Means, moved: Array) -> Features:
         a=4.0 * X - taken,
         b=math.pi * steady.omega * (squares @ n**2),
         W=math.pi * steady.k * means.Y * amplitudes[:, 0] * np.sin(lag),
+        **{
+            KNOWN_TERMS[symbol].integral: of_harmonics(
+                symbol,
+                n,
+                x,
+                np.ones(1),
+                means.Y[:, None].astype(np.complex128),
+                steady.omega,
+                steady.k,
+                variance,
+            )
+            for symbol in reading.terms
+        },
     )
 
 
@@ -281,13 +309,18 @@ def _onset(reading: Reading, means: Means, moved: Array) -> tuple[str, Array, Ar
     if waveform is None:
         return UNKNOWN, np.zeros(count), np.array([[0.0], [0.0], [reading.taken]]) * np.ones(count)
     if not reading.slips:
-        return str(waveform.orbit.regime), np.full(count, math.nan), np.full((3, count), math.nan)
+        return (
+            str(waveform.response.orbit.regime),
+            np.full(count, math.nan),
+            np.full((3, count), math.nan),
+        )
     fit = waveform.fit
-    square = moved[2] ** 2 - means.bias * fit.error("rho") ** 2
-    length = 2.0 * fit.F_k * (fit.rho**2 + square) + waveform.length_slope @ moved
+    at = fit.unknowns.at(waveform.index)
+    square = moved[at["rho"]] ** 2 - means.bias * fit.error("rho") ** 2
+    length = 2.0 * waveform.F_k * (fit.rho**2 + square) + waveform.length_slope @ moved
     onset = waveform.onset[:, None] + waveform.onset_slope @ moved
-    onset[2] += 4.0 * fit.F_k * square
-    return str(waveform.orbit.regime), length, onset
+    onset[2] += 4.0 * waveform.F_k * square
+    return str(waveform.response.orbit.regime), length, onset
 
 
 def _peak(n: Array, x: Complexes) -> tuple[Array, Array]:
