@@ -91,10 +91,8 @@ def sensitivities(result: Identification) -> dict[str, dict[str, float]]:
 
 def _faulty(reading: Reading, faults: list[Fault]) -> Means:
     """The means of a record as read, and with each of the faults, a thousandth of each."""
-    lines = reading.lines
     drive, response, late, angle = (
         _STEP * np.array([0.0, *(getattr(fault, what) for fault in faults)])
         for what in ("drive", "response", "late", "angle")
     )
-    turn = np.exp(-1j * np.outer(late * lines.omega + angle, lines.n))
-    return Means(lines.Y * (1.0 + drive), lines.x * (1.0 + response)[:, None] * turn)
+    return reading.mean.changed(drive, response, late * reading.steady.omega + angle)
