@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from .identify import REPLICATES, SEED
 from .loading import NotDriven
 from .outputs import ALL_PICTURES, PICTURES, RING_DOWN_PICTURES
 from .ringdown_run import (
@@ -31,10 +30,8 @@ _OF_FORCED: Mapping[str, Any] = {
     "skip_cycles": 0,
     "approaches": None,
     "phase": "reversal",
-    "replicates": REPLICATES,
-    "seed": SEED,
 }
-"""Options that say nothing to free decays, and what they are where nobody gave them."""
+"""Options that would say something else to free decays, and what they are where nobody gave them."""
 
 _COMMON = ("mapping", "mass", "largest")
 _TERMS = ("F_k", "c")
@@ -57,11 +54,11 @@ def identify_records(
             if kind == FORCED:
                 raise
     for name, value in options.items():
-        terms = name == "terms" and (value is None or tuple(value) == _TERMS)
-        if name not in _COMMON and not terms and value != _OF_FORCED.get(name):
+        terms = name == "terms" and value is not None and tuple(value) != _TERMS
+        if terms or (name in _OF_FORCED and value != _OF_FORCED[name]):
             raise ValueError(
-                f"{name} = {value!r} is for forced records, and these are free decays, which tell F_k, c and K_z: leave "
-                "it out"
+                f"{name} = {value!r} is for forced records, and these are free decays, which tell F_k, c and K_z: "
+                "leave it out"
             )
     named = [Path(path) for path in paths]
     require_different(named)

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from ..arrays import Array
 from ..project.wording import visible
-from ..reading.frequency import stands_still
 from ..reading.conditioning import condition_blocks
+from ..reading.frequency import stands_still
 from ..reading.noisy import Reading, read_features
 from ..records.limits import LARGEST
 from ..records.mapping import MappingLike, mapping_for, parts_of

@@ -12,6 +12,8 @@ OUTPUTS = (*TABLES, *PICTURES)
 RING_DOWN_FIGURES = ("decays",)
 """The picture of an identification from free decays, in the place of FIGURES."""
 
-RING_DOWN_PICTURES = tuple(f"{name}.{suffix}" for name in RING_DOWN_FIGURES for suffix in ("svg", "png"))
+RING_DOWN_PICTURES = tuple(
+    f"{name}.{suffix}" for name in RING_DOWN_FIGURES for suffix in ("svg", "png")
+)
 
 ALL_PICTURES = (*PICTURES, *RING_DOWN_PICTURES)

@@ -23,7 +23,7 @@ from ..reading.ringdown_fit import RingFit, fit_stretches, with_noise_of
 from ..reading.ringdown_rows import A, B, D, RingRows, W, rows_of
 from ..reading.ringdown_starts import fit_all, stretches_of
 from ..reading.sampling import evenly_sampled
-from ..records.measurement import RESPONSES, Channel, Measurement
+from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from ..solver import NORMAL_95, solve
 from .result import Interval, ParameterEstimate
 
@@ -102,11 +102,11 @@ def identify_ring_downs(
         try:
             found = stretches_of(record.source, signals, k, numbers)
         except NoDecay as error:
-            raise ValueError(f"{record.source}: no free decay was found: {error}") from None
+            raise ValueError(f"{record.source}: {_unclear(record)}: {error}") from None
         if not found:
             raise ValueError(
-                f"{record.source}: no free decay was found: what moves in it is not the motion of a mass on a spring "
-                f"of {k:g} N/m with friction; give the record from the release or the blow on"
+                f"{record.source}: {_unclear(record)}: what moves in it is not the motion of a mass on a spring of "
+                f"{k:g} N/m with friction; give the record from the release or the blow on"
             )
         offsets += len(signals)
         fits += found
@@ -120,6 +120,13 @@ def identify_ring_downs(
     return _solved(fit, rows, tuple(r.source for r in records), mass is not None, warnings)
 
 
+def _unclear(record: Measurement) -> str:
+    """What there is to say of a record without a decay."""
+    if record.driven:
+        return f"{visible(record.excitation.name)} stands still, and no free decay was found"
+    return f"nothing drives it (one of {', '.join(EXCITATIONS)} would), and no free decay was found"
+
+
 def _signal(record: Measurement, channel: Channel, warnings: list[str]) -> Signal:
     """A channel of the mass, evenly sampled and with what is known of its gain and delay taken off."""
     correction = channel.correction
@@ -128,8 +135,8 @@ def _signal(record: Measurement, channel: Channel, warnings: list[str]) -> Signa
     if correction is not None:
         if correction.low_pass or correction.high_pass:
             raise ValueError(
-                f"{record.source}: {visible(channel.name)} has a filter in its mapping, which cannot be taken off a free "
-                "decay; give the channel as it was before the filter"
+                f"{record.source}: {visible(channel.name)} has a filter in its mapping, which cannot be taken off a "
+                "free decay; give the channel as it was before the filter"
             )
         t, values = t - correction.delay, values / correction.gain
     return Signal(channel.quantity, _ORDERS[channel.quantity], t, values, noise_of(values))
@@ -182,10 +189,8 @@ def _solved(
         fit_notes.append(words)
     errors = {symbol: math.sqrt(covariance[i, i]) for i, symbol in enumerate(found)}
     known = {s: _estimate(found[s], errors[s]) for s in ("F_k", "c") if s in found}
-    estimates = {**dict.fromkeys(("F_k", "c"), _NOTHING), **known, "K_z": _stiffness(fit)}
-    correlation = (
-        float(covariance[0, 1]) / (errors["F_k"] * errors["c"]) if known else math.nan
-    )
+    estimates = {s: known.get(s, _NOTHING) for s in ("F_k", "c")} | {"K_z": _stiffness(fit)}
+    correlation = float(covariance[0, 1]) / (errors["F_k"] * errors["c"]) if known else math.nan
     rest = {symbol: value / fit.k for symbol, value in found.items() if symbol not in known}
     return RingDown(
         k=fit.k,
@@ -224,7 +229,9 @@ def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Arra
         column = np.where(members, rows.columns[:, D], 0.0)
         if column.any():
             columns[name] = column
-    white = Rows({name: whitening @ g for name, g in columns.items()}, whitening @ rows.columns[:, W])
+    white = Rows(
+        {name: whitening @ g for name, g in columns.items()}, whitening @ rows.columns[:, W]
+    )
     estimate = solve(white)
     if math.isnan(estimate.residual):
         return nothing, np.empty((0, 0)), math.nan, 0

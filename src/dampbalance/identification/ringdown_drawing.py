@@ -48,7 +48,12 @@ def decays(result: RingDown) -> Figure:
             turns, _ = result.rows.turns[i]
             offset = float(result.fit.point[4 + one.offsets[-1]])
             axes.plot(
-                turns[:, 0], factor * (turns[:, 1] + offset), "o", color=STICK, markersize=2.5, fillstyle="none"
+                turns[:, 0],
+                factor * (turns[:, 1] + offset),
+                "o",
+                color=STICK,
+                markersize=2.5,
+                fillstyle="none",
             )
         below.plot(t, residual[kept], ".", **dots)
         below.axhline(0.0, color=SLIP, linewidth=0.6)
@@ -63,6 +68,4 @@ def decays(result: RingDown) -> Figure:
 
 def alternative_text(result: RingDown) -> str:
     """What the figure shows, in words."""
-    return (
-        f"{len(result.fit.stretches)} free decays with the motion fitted to them, their turns, and what the fit leaves"
-    )
+    return f"{len(result.fit.stretches)} free decays with the motion fitted to them, their turns and the residual"

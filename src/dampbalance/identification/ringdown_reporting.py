@@ -171,5 +171,3 @@ def _decays(result: RingDown, source: str) -> list[dict[str, Any]]:
 
 def _counted(n: int, what: str) -> str:
     return f"{n} {what}{'s' * (n != 1)}"
-
-

@@ -21,6 +21,7 @@ _WINDOW = 0.6  # of a cycle, in which a decay passes two turns
 _SMOOTH = 1.0 / 8.0  # of a cycle, over which the samples are smoothed
 _CLEAR = 8.0  # standard deviations of the smoothed signal
 _SMALLEST = 0.03  # of the largest burst
+_DECAYED = 0.85  # of its first swing: what a decay falls below
 _RISE = 0.6  # of a burst's swing: what came before is below it
 _THIRD = math.sqrt(20.0)  # of the standard deviation of the noise: that of its third differences
 
@@ -90,12 +91,18 @@ def bursts_of(signal: Signal) -> list[Burst]:
         raise NoDecay("it is shorter than a cycle of its own motion")
     smooth = savgol_filter(signal.values, width, 2)
     # of the samples from each on
-    ahead = {"size": length, "origin": -(length // 2), "mode": "nearest"}
-    swing = maximum_filter1d(smooth, **ahead) - minimum_filter1d(smooth, **ahead)
+    ahead = -(length // 2)
+    swing = maximum_filter1d(smooth, length, origin=ahead, mode="nearest")
+    swing -= minimum_filter1d(smooth, length, origin=ahead, mode="nearest")
     least = max(_SMALLEST * float(swing.max()), _CLEAR * 1.5 * signal.noise / math.sqrt(width))
-    peaks = [i for i in _peaks(swing, length, least)]
+    peaks = _peaks(swing, length, least)
     if not peaks:
         raise NoDecay("nothing in it stands out of the noise and decays")
+    if all(
+        swing[i:j].min() > _DECAYED * swing[i]
+        for i, j in zip(peaks, [*peaks[1:], swing.size], strict=True)
+    ):
+        raise NoDecay("it swings as far at its end as at its start")
     found = []
     for place, i in enumerate(peaks):
         stop = peaks[place + 1] if place + 1 < len(peaks) else signal.values.size - 1

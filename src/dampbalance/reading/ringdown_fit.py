@@ -236,9 +236,7 @@ def samples_of(point: Array, state: Array, k: float, one: Stretch) -> Array:
     longest = max(float(s.t[-1]) for s in one.signals if s.t.size)
     phases = phases_of(point, state, k, max(longest - one.start, 1e-9 * one.period))
     par = numbers_of(point, k)
-    parts = [
-        states_in_phases(s.t - one.start, phases, 0.0, par)[s.order] for s in one.signals
-    ]
+    parts = [states_in_phases(s.t - one.start, phases, 0.0, par)[s.order] for s in one.signals]
     return np.concatenate(parts)
 
 
@@ -309,8 +307,8 @@ def _errors(
 ) -> tuple[Array, Array]:
     """Covariance of the unknowns, and their response to the samples.
 
-    A damping at zero keeps its error. Of w it is known that it lies between 0 and 2: where the samples tell no more, its
-    error is that. above : which unknowns are not as small as a rigid contact's ρ.
+    A damping at zero keeps its error. Of w it is known that it lies between 0 and 2: where the samples tell no more,
+    its error is that. above : which unknowns are not as small as a rigid contact's ρ.
     """
     size, samples = point.size, len(jacobian)
     known = np.array([i >= first_state and (i - first_state) % STATE == 2 for i in free])

@@ -10,8 +10,8 @@ begins at the start state, with ½mẋ² and with Z_m (1 ∓ z/Z_m)²/2 in the p
 The turns are read off all samples: between two turns the motion is that of the fit, stretched to x_a and x_b, and these
 are found by least squares. The shape of the motion between its turns (how it fades, how long it sticks, how a mass that
 sticks for good rings on the contact) tells F_k and c, too: what it tells is found beside the turns, and makes two more
-rows of a stretch, F_k times the way it moves and c ∫ ẋ² dt. Neighbouring rows share a turn, and all share what the fit tells of m, K_z and the instants of the turns;
-the covariance holds both.
+rows of a stretch, F_k times the way it moves and c ∫ ẋ² dt. Neighbouring rows share a turn, and all share what the fit
+tells of m, K_z and the instants of the turns; the covariance holds both.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Integers, Mask
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
 from ..motion.states import states_in_phases
@@ -46,7 +46,7 @@ _PANEL = 4.0  # rad: the rule is then exact to rounding
 class Half(NamedTuple):
     """A half cycle of the fit's motion: from the turn at time t_a, s after the start, to that at t_b.
 
-    x_a, x_b : m.   v_a : m/s, zero but at a start.   lost : m, by which the friction travel is shorter than |x_b − x_a|.
+    x_a, x_b : m.   v_a : m/s, zero but at a start.   lost : of |x_b − x_a| for the friction travel, m.
     viscous : ∫ ẋ² dt, m²/s.
     """
 
@@ -98,8 +98,8 @@ class RingRows:
     columns: Array
     smooth: Array
     covariance: Array
-    stretch: Array
-    shape: Array
+    stretch: Integers
+    shape: Mask
     turns: tuple[tuple[Array, Array], ...]
 
 
@@ -139,12 +139,17 @@ def rows_of(fit: RingFit) -> RingRows:
         crossed.append(direct[-1] @ fit.response[:, here].T)
         which += [i] * n
         shape += [False] * len(course.halves) + [True] * len(_SHAPED)
-        times = [course.halves[0].t_a, *(half.t_b for half in course.halves)] if course.halves else []
-        sure = np.sqrt(np.sum((pulls + _turns_by_point(fit, i, own, one, theta) @ fit.response[:, here]) ** 2, axis=1))
-        count = len(times)
-        turns.append(
-            (np.column_stack([one.start + np.array(times), theta[:count]]), sure[:count])
+        times = (
+            [course.halves[0].t_a, *(half.t_b for half in course.halves)] if course.halves else []
         )
+        sure = np.sqrt(
+            np.sum(
+                (pulls + _turns_by_point(fit, i, own, one, theta) @ fit.response[:, here]) ** 2,
+                axis=1,
+            )
+        )
+        count = len(times)
+        turns.append((np.column_stack([one.start + np.array(times), theta[:count]]), sure[:count]))
     if not parts:
         empty = np.empty((0, 4))
         return RingRows(
@@ -299,15 +304,15 @@ def _quadrature(start: float, stop: float, omega: float) -> tuple[Array, Array]:
     return times, np.tile(0.5 * h * _WEIGHTS, panels)
 
 
-def _basis(
-    point: Array, own: slice, k: float, one: Stretch, course: Course
-) -> tuple[Array, Array]:
+def _basis(point: Array, own: slice, k: float, one: Stretch, course: Course) -> tuple[Array, Array]:
     """Derivatives of the samples by θ, and what the fit leaves of them, in units of their noise."""
     par = numbers_of(point, k)
     size = _turns(course).size
     blocks, rests = [], []
     beside = []
-    for symbol, step in zip(_SHAPED, (par.F_k, max(par.c, 2e-2 * math.sqrt(k * par.m))), strict=True):
+    for symbol, step in zip(
+        _SHAPED, (par.F_k, max(par.c, 2e-2 * math.sqrt(k * par.m))), strict=True
+    ):
         moved = point.copy()
         moved[COMMON.index(symbol)] += _STEP * step
         beside.append((numbers_of(moved, k), _STEP * step, _course(moved, moved[own], k, one)))

@@ -183,9 +183,7 @@ class _Plan:
         return [
             shortened(_full(raw))
             for i, raw in enumerate(self.channels)
-            if i not in known
-            and (sizes is None or raw.size in sizes)
-            and not _tells_time(raw)
+            if i not in known and (sizes is None or raw.size in sizes) and not _tells_time(raw)
         ]
 
     def find(self, which: Which, key: str) -> int:
@@ -228,8 +226,8 @@ class _Plan:
     def unclear(self, what: str) -> RecordError:
         """The error for channels that cannot be told apart, with what to write."""
         return RecordError(
-            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay, and at least one"
-            f" of {', '.join(RESPONSES)}. Its channels are {self.overview}. {self.suggested('Say which is which')}"
+            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay, and at least"
+            f" one of {', '.join(RESPONSES)}. Its channels are {self.overview}. {self.suggested('Say which is which')}"
         )
 
     def suggested(self, what: str) -> str:
