@@ -35,6 +35,7 @@ STATE = 3
 
 _STEP = 1e-6  # of the finite differences: motions are exact to 1e-12
 _STIFFEST = 1e8  # of K_z/k: the contact that stands for a rigid one
+_DAMPED, _MASSES = 4.0, 10.0  # of √(km); of the mass that a climb starts with: bounds of a decay that swings
 _MOST_PHASES = 4096  # of a stretch: a decay that slips more often than that is none
 _MOST = 30  # evaluations of a climb
 _GAIN = 5e-8  # of half of χ², where a climb ends
@@ -261,7 +262,8 @@ def fit_stretches(
     lower = np.full(start.size, -math.inf)
     upper = np.full(start.size, math.inf)
     scale = np.ones(start.size)
-    lower[:4] = 1e-9 * start[0], 0.0, rigid, 1e-6 * m
+    lower[:4] = 1e-9 * start[0], 0.0, rigid, m / _MASSES
+    upper[1], upper[3] = _DAMPED * math.sqrt(k * m), m * _MASSES
     scale[:4] = start[0], 1e-3 * math.sqrt(k * m), 1e-3 * start[2], m
     for one in stretches:
         for signal, offset in zip(one.signals, one.offsets, strict=True):

@@ -38,6 +38,7 @@ _CLIMBED = 4  # candidates
 _FIRST = 1.0  # cycles that are fitted first
 _GROWTH = 2.0  # of the fitted part from one climb to the next
 _COARSE = 1e-2  # of half of χ², where a climb on the way ends
+_PIECES = 12  # of a cycle, in which the mass is looked at for rest
 _BACK = 24  # steps of a cycle in which the start moves back
 _AGREES = 3.0  # standard deviations that new samples may be off
 _CHANCE = 1e-4  # probability of a line of the spectrum in noise
@@ -226,7 +227,21 @@ def _without_ringing(fit: RingFit, part: Stretch) -> Stretch:
     if any(True for _ in _ringing(fit, part)):
         return part
     end = _still(fit, part.end) + _AFTER * part.period
-    return part if end >= part.end else part.cut(part.start, end)
+    if end >= part.end or not all(_rests(one, end, part) for one in part.signals):
+        return part
+    return part.cut(part.start, end)
+
+
+def _rests(signal: Signal, since: float, part: Stretch) -> bool:
+    """Whether the samples from a time on are a level and noise."""
+    values = signal.values[signal.between(since, part.end)]
+    width = max(1, round(part.period / (_PIECES * signal.dt)))
+    n = values.size // width
+    if n < 2:
+        return True
+    means = values[: n * width].reshape(n, width).mean(axis=1)
+    excess = width * float(np.var(means)) / signal.noise**2
+    return excess < 1.0 + _AGREES * math.sqrt(2.0 / n)
 
 
 def _from_earlier(fit: RingFit, whole: Stretch, earliest: float) -> RingFit:
