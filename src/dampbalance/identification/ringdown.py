@@ -110,10 +110,15 @@ def identify_ring_downs(
             )
         offsets += len(signals)
         fits += found
-    fit = fit_all(fits, offsets)
-    if fit is None:
+    found_fit, left_out = fit_all(fits, offsets)
+    if found_fit is None:
         raise ValueError(f"{records[0].source}: no oscillator moves like its free decays")
-    fit = with_noise_of(fit)
+    warnings += [
+        f"{one.source}: what moves from {one.start:.4g} s to {one.end:.4g} s is no free decay of this oscillator, and "
+        "is left out"
+        for one in left_out
+    ]
+    fit = with_noise_of(found_fit)
     if mass is not None:
         fit = _with_mass(fit, mass, warnings)
     rows = rows_of(fit)

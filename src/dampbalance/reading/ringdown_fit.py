@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array, Integers, Mask
+from ..arrays import Array, Integers
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
@@ -35,11 +35,15 @@ STATE = 3
 
 _STEP = 1e-6  # of the finite differences: motions are exact to 1e-12
 _STIFFEST = 1e8  # of K_z/k: the contact that stands for a rigid one
-_DAMPED, _MASSES = 4.0, 10.0  # of √(km); of the mass that a climb starts with: bounds of a decay that swings
+_DAMPED, _MASSES = (
+    4.0,
+    10.0,
+)  # of √(km); of the mass that a climb starts with: bounds of a decay that swings
 _MOST_PHASES = 4096  # of a stretch: a decay that slips more often than that is none
 _MOST = 30  # evaluations of a climb
 _GAIN = 5e-8  # of half of χ², where a climb ends
 _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
+_CHORD = 3e-2  # of ρ√k: K_z = 1100 k
 _W_ERROR = 1.0  # of w, which lies between 0 and 2
 _BINS = 12  # of a cycle, in which the residual is averaged
 
@@ -292,7 +296,7 @@ def fit_stretches(
     assert here.jacobian is not None
     point = start.copy()
     point[free] = climbed.point
-    covariance, response = _errors(here.jacobian, free, climbed.point > rigid, first_state, point)
+    covariance, response = _errors(here.jacobian, free, first_state, point)
     return RingFit(
         tuple(stretches),
         k,
@@ -304,18 +308,16 @@ def fit_stretches(
     )
 
 
-def _errors(
-    jacobian: Array, free: Integers, above: Mask, first_state: int, point: Array
-) -> tuple[Array, Array]:
+def _errors(jacobian: Array, free: Integers, first_state: int, point: Array) -> tuple[Array, Array]:
     """Covariance of the unknowns, and their response to the samples.
 
     A damping at zero keeps its error. Of w it is known that it lies between 0 and 2: where the samples tell no more,
-    its error is that. above : which unknowns are not as small as a rigid contact's ρ.
+    its error is that.
     """
     size, samples = point.size, len(jacobian)
     known = np.array([i >= first_state and (i - first_state) % STATE == 2 for i in free])
     length = np.sqrt(np.sum(jacobian**2, axis=0) + known / _W_ERROR**2)
-    inside = (length > 0.0) & ((free != COMMON.index("rho")) | above)
+    inside = length > 0.0
     rows = np.vstack([jacobian, np.diag(known / _W_ERROR)])[:, inside] / length[inside]
     solution = np.linalg.pinv(rows, rcond=1e-10) / length[inside, None]
     covariance, response = np.zeros((size, size)), np.zeros((size, samples))
@@ -400,10 +402,11 @@ class _Problem:
         """Of the differences: a part of each unknown, or of what matters where it is close to zero."""
         F_k, c, rho, m = point[: len(COMMON)].tolist()
         steps = _STEP * np.maximum(np.abs(point), self.scale)
-        # a contact whose stick takes about 1e-2 of a cycle
-        shortest = 1e-2 / math.sqrt(self.k)
+        # close to a rigid contact nothing changes but with the square of ρ: a chord stands for the slope
+        chord = _CHORD / math.sqrt(self.k)
+        contact = chord if rho < 0.3 * chord else _STEP * rho
         damping = max(c, 2e-2 * math.sqrt(self.k * m))
-        steps[: len(COMMON)] = _STEP * np.array([F_k, damping, max(rho, shortest), m])
+        steps[: len(COMMON)] = _STEP * F_k, _STEP * damping, contact, _STEP * m
         first = point.size - STATE * len(self.stretches) + 2
         steps[first::STATE] = np.where(point[first::STATE] > 1.0, -_STEP, _STEP)
         return steps

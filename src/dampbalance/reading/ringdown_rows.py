@@ -37,7 +37,6 @@ _SHAPED = ("F_k", "c")
 _STEP = 1e-6
 _PART = 1e-3  # of a standard error, for differences of what is read
 _SEEN = 0.5  # of a last half cycle that the record must hold
-_SLIDES = 0.1  # of a half cycle's travel that must be in slip
 _RINGS = 1.0  # cycles of ringing that are read
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 _PANEL = 4.0  # rad: the rule is then exact to rounding
@@ -127,11 +126,15 @@ def rows_of(fit: RingFit) -> RingRows:
             moved[j] += step
             by_theta[:, j] = _misfit(fit, _columns(fit.point, fit.k, course, moved) - rows) / step
         by_point = np.zeros((n, p))
+        turns_by_point = np.zeros((theta.size, p))
         for j in _unknowns(fit, i):
-            moved, step = _beside(fit, j)
-            again = _read(moved, own, fit.k, one)
-            if again is not None and len(again[3]) == n:
-                by_point[:, j] = _misfit(fit, again[3] - rows) / step
+            for way in (1.0, -1.0):  # a half cycle may end just where it would not slip
+                moved, step = _beside(fit, j, way)
+                again = _read(moved, own, fit.k, one)
+                if again is not None and len(again[3]) == n:
+                    by_point[:, j] = _misfit(fit, again[3] - rows) / step
+                    turns_by_point[:, j] = (again[1] - theta) / step
+                    break
         parts.append(rows)
         smooth.append(_columns(fit.point, fit.k, course, _fitted(course, fit.point)))
         slopes.append(by_point)
@@ -142,12 +145,8 @@ def rows_of(fit: RingFit) -> RingRows:
         times = (
             [course.halves[0].t_a, *(half.t_b for half in course.halves)] if course.halves else []
         )
-        sure = np.sqrt(
-            np.sum(
-                (pulls + _turns_by_point(fit, i, own, one, theta) @ fit.response[:, here]) ** 2,
-                axis=1,
-            )
-        )
+        drawn = pulls + turns_by_point @ fit.response[:, here]
+        sure = np.sqrt(np.sum(drawn**2, axis=1))
         count = len(times)
         turns.append((np.column_stack([one.start + np.array(times), theta[:count]]), sure[:count]))
     if not parts:
@@ -185,26 +184,19 @@ def _misfit(fit: RingFit, change: Array) -> Array:
     return changed
 
 
-def _beside(fit: RingFit, j: int) -> tuple[Array, float]:
-    """A point with unknown j moved, and by how much."""
+def _beside(fit: RingFit, j: int, way: float) -> tuple[Array, float]:
+    """A point with unknown j moved, up (1) or down (−1), and by how much."""
     point = fit.point.copy()
     error = math.sqrt(fit.covariance[j, j])
     step = _PART * error if error > 0.0 else _STEP * max(abs(point[j]), 1e-300)
     if j >= point.size - STATE * len(fit.stretches) and (point.size - j) % STATE == 1:
-        step = -_PART if point[j] > 1.0 else _PART  # w, within its limits
-    point[j] += step
-    return point, step
-
-
-def _turns_by_point(fit: RingFit, i: int, own: slice, one: Stretch, theta: Array) -> Array:
-    """Derivatives of what `_read` finds by the unknowns of the fit, (theta, p)."""
-    slope = np.zeros((theta.size, fit.point.size))
-    for j in _unknowns(fit, i):
-        moved, step = _beside(fit, j)
-        again = _read(moved, own, fit.k, one)
-        if again is not None and again[1].size == theta.size:
-            slope[:, j] = (again[1] - theta) / step
-    return slope
+        step = _PART if way * (1.0 - point[j]) > 0.0 else -_PART  # w, within its limits
+        point[j] += step
+        return point, step
+    if j in (0, 2) and point[j] < 2.0 * step:  # these stay above zero
+        way = 1.0
+    point[j] += way * step
+    return point, way * step
 
 
 def _read(
@@ -259,8 +251,6 @@ def _course(point: Array, state: Array, k: float, one: Stretch) -> Course | None
         towards = math.copysign(1.0, phases[i, PHASE_Z])
         viscous = _viscous(phases[begin:i], t_b, par)
         lost = 0.5 * Z_m * (1.0 - towards * u) ** 2
-        if abs(x_b - x_a) - lost < _SLIDES * abs(x_b - x_a):
-            return Course(tuple(halves), None, phases, total) if halves else None
         halves.append(Half(t_a, t_b, x_a, x_b, float(phases[begin, PHASE_V]), lost, viscous))
         begin = i
     ringing = _ringing(phases[begin:], span, par) if begin == len(phases) - 1 else None
