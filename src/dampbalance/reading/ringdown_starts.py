@@ -343,8 +343,8 @@ def joint_start(fits: Sequence[RingFit], offsets: int) -> Array:
     k, m = fits[0].k, fits[0].m
     unit = np.array([fits[0].F_k, 1e-2 * math.sqrt(k * m), 1e-1 / math.sqrt(k), m])
     for fit in fits:
-        some = fit.response[:size] / unit[:, None]
-        one = np.linalg.pinv(some @ some.T, rcond=1e-12)
+        scaled = fit.covariance[:size, :size] / np.outer(unit, unit)
+        one = np.linalg.pinv(scaled, rcond=1e-12, hermitian=True)
         information += one
         right += one @ (fit.point[:size] / unit)
         for number in fit.stretches[0].offsets:
