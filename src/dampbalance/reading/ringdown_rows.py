@@ -178,21 +178,23 @@ def _rows(
     total = places[-1].stop
     parts, slopes, which, turns = [], [], [], []
     for i, (one, course) in enumerate(zip(fit.stretches, courses, strict=True)):
-        theta = nodes[i] + found[places[i]]
-        columns = _columns(fit.point, fit.k, course, theta)
-        slope = np.zeros((len(columns), found.size))
-        span = _STEP * max(float(np.ptp(theta)), 1e-300)
-        for j in range(theta.size if course.halves else 0):
-            moved = theta.copy()
+        columns = _columns(fit.point, fit.k, course, nodes[i])
+        slope = np.zeros((*columns.shape, found.size))
+        span = _STEP * max(float(np.ptp(nodes[i])), 1e-300)
+        for j in range(nodes[i].size if course.halves else 0):
+            moved = nodes[i].copy()
             moved[j] += span
-            change = _columns(fit.point, fit.k, course, moved) - columns
-            slope[:, places[i].start + j] = _misfit(fit, change) / span
+            slope[..., places[i].start + j] = (
+                _columns(fit.point, fit.k, course, moved) - columns
+            ) / span
         for (stretch, column), change in changes.items():
             if stretch == i:
-                columns = columns + change * found[column]
-                slope[:, column] += _misfit(fit, change)
+                slope[..., column] += change
+        # to first order about the fit: a level that hardly anything tells would bend the squares in W
+        columns = columns + slope @ found
+        theta = nodes[i] + found[places[i]]
         parts.append(columns)
-        slopes.append(slope)
+        slopes.append(_misfit(fit, slope))
         which += [i] * len(columns)
         times = (
             [course.halves[0].t_a, *(half.t_b for half in course.halves)] if course.halves else []
@@ -214,10 +216,10 @@ def _rows(
     return RingRows(np.vstack(parts), by_all @ covariance @ by_all.T, np.array(which), tuple(turns))
 
 
-def _misfit(fit: RingFit, change: Array) -> Array:
-    """Change of W − a F_k − b c, J, with the change of the columns."""
-    changed: Array = change[:, W] - change[:, A] * fit.F_k - change[:, B] * fit.c
-    return changed
+def _misfit(fit: RingFit, slope: Array) -> Array:
+    """Slope of W − a F_k − b c, J, from those of the columns, (n, 3, …)."""
+    slopes: Array = slope[:, W] - slope[:, A] * fit.F_k - slope[:, B] * fit.c
+    return slopes
 
 
 def _beside(fit: RingFit, i: int, j: int, halves: int) -> tuple[Course, float] | None:
