@@ -48,17 +48,15 @@ def whole_oscillator(
     k: float,
     m: float | None = None,
     law: Law | None = None,
-    near: Fit | None = None,
 ) -> Whole:
-    """The oscillator behind the records.   k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and
-    c. near : a fit with another law, from which alone to start.
+    """The oscillator behind the records.   k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k, c.
 
     The records tell the mass by themselves, nearly as well as a balance: one that contradicts them is left out.
     """
     law = law or Law()
     chi_square, freedom = linear_misfit(lines, k, law.terms)
     slips = improbable(chi_square, freedom, lines)
-    fit = fit_oscillator(lines, k, law, near=near, thorough=slips and near is None)
+    fit = fit_oscillator(lines, k, law, thorough=slips)
     explained = 0.0 if fit is None else chi_square - fit.chi_square
     linear = explained < _SHOWS and not slips
     if fit is None or linear:

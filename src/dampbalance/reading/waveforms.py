@@ -18,9 +18,9 @@ two channels) turns harmonic n by n times its angle, and can be left free.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -39,9 +39,11 @@ from .unknowns import Unknowns, worth
 _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
+_HOPELESS = 4.0  # χ² per datum, softened
 _GAIN = 5e-8  # of half of χ², where the climb ends
 _STIFFEST = 1e12  # of K_z/k: the contact that stands for a rigid one
 _MOST = 30  # evaluations at each softening: a climb to where the records are takes about ten
+_FEWER = 12  # to see whether it comes near them
 _MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
 
 
@@ -218,27 +220,43 @@ class Waveform:
 
 
 def fit_oscillator(
-    lines: Sequence[Lines],
-    k: float,
-    law: Law | None = None,
-    *,
-    near: Fit | None = None,
-    thorough: bool = True,
+    lines: Sequence[Lines], k: float, law: Law | None = None, *, thorough: bool = True
 ) -> Fit | None:
     """The oscillator of largest likelihood; None where no oscillator that slips responds like the records.
 
     lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
-    near : a fit with another law, to start from.   thorough : whether more and more starts are tried until one leads
-    to an oscillator that the records may be of.
+    thorough : whether more and more starts are tried until one leads to an oscillator that the records may be of.
     """
     unknowns = Unknowns(law or Law(), len(lines), k)
-    if near is None and unknowns.law.nonlinear:  # the way there is shorter with exact orbits alone
-        near = fit_oscillator(lines, k, Law(groups=_of_friction(unknowns.law)), thorough=thorough)
-    relative = _relative_friction(lines, unknowns.law)
+    relative = relative_friction(lines, unknowns.law)
+    wide = (True,) if thorough and not unknowns.law.nonlinear else ()  # else each climb takes long
+    points = (
+        unknowns.start(lines, candidate, relative)
+        for search in (False, *wide)
+        for candidate in starts(lines, k, relative, wide=search)[: _STARTS[search]]
+    )
+    return _best(lines, unknowns, points, math.inf)
+
+
+def fit_quickly(
+    lines: Sequence[Lines], k: float, law: Law, candidates: Array, near: Sequence[Fit]
+) -> Fit | None:
+    """As `fit_oscillator`, from two candidates of `lines.starts` and from fits with other laws, and not refined where
+    it does not come near the records."""
+    unknowns, relative = Unknowns(law, len(lines), k), relative_friction(lines, law)
+    known = [*candidates[:1], *(_as_candidate(fit) for fit in near), *candidates[1:2]]
+    points = (unknowns.start(lines, candidate, relative) for candidate in known)
+    return _best(lines, unknowns, points, _HOPELESS)
+
+
+def _best(
+    lines: Sequence[Lines], unknowns: Unknowns, points: Iterable[Array], hopeless: float
+) -> Fit | None:
+    """The fit with the smallest χ² of those that climbs from these points end in, up to one that is adequate."""
     best: Fit | None = None
     with interpreted(False) if unknowns.law.nonlinear else nullcontext():
-        for start in _starting_points(lines, unknowns, relative, near, thorough):
-            reached = _climbed(lines, unknowns, start, {"delay"}, _SOFTENING)
+        for point in points:
+            reached = _climbed(lines, unknowns, point, {"delay"}, _SOFTENING, hopeless)
             if reached is not None and (best is None or reached.chi_square < best.chi_square):
                 best = reached
                 if best.adequate:
@@ -246,34 +264,17 @@ def fit_oscillator(
     return best
 
 
-def _of_friction(law: Law) -> dict[str, tuple[str, ...]]:
-    return {FRICTION: law.groups[FRICTION]} if FRICTION in law.groups else {}
+def _as_candidate(fit: Fit) -> Array:
+    """(F_k, c, K_z, m) of an oscillator that loses about as much."""
+    worths = {key: worth(parted(key)[0], fit.lines[0], fit.k) for key in fit.law.keys}
+    damping = sum(
+        fit.value(key) / worths[key] for key in fit.law.keys if parted(key)[0] != FRICTION
+    )
+    rho = max(fit.rho, (_STIFFEST * fit.k) ** -0.5)
+    return np.array([fit.F_k, damping, rho**-2, fit.m])
 
 
-def _starting_points(
-    lines: Sequence[Lines], unknowns: Unknowns, relative: Array, near: Fit | None, thorough: bool
-) -> Iterator[Array]:
-    """Points from which to climb, one after the other."""
-    if near is not None:
-        damping = sum(
-            near.value(key) / worth(parted(key)[0], one, near.k)
-            for key in near.law.keys
-            for one in lines[:1]
-            if parted(key)[0] != FRICTION
-        )
-        rho = max(near.rho, _STIFFEST**-0.5 * near.k**-0.5)
-        candidate = np.array([near.F_k, damping, rho**-2, near.m])
-        yield unknowns.start(lines, candidate, relative)
-        if not thorough:
-            return
-    for wide in (False, True)[: 1 + thorough]:
-        if wide and unknowns.law.nonlinear:
-            return  # each climb takes seconds
-        for candidate in starts(lines, unknowns.k, relative, wide=wide)[: _STARTS[wide]]:
-            yield unknowns.start(lines, candidate, relative)
-
-
-def _relative_friction(lines: Sequence[Lines], law: Law) -> Array:
+def relative_friction(lines: Sequence[Lines], law: Law) -> Array:
     """Friction of the group of each record over the mean of all, were all work taken by friction, (n,)."""
     labels = law.groups.get(FRICTION)
     if labels is None:
@@ -304,8 +305,10 @@ def _climbed(
     start: Array,
     given: set[str],
     softenings: Sequence[float],
+    hopeless: float = math.inf,
 ) -> Fit | None:
-    """The fit that a climb from there ends in; Y and ψ start as they were read."""
+    """The fit that a climb from there ends in; Y and ψ start as they were read.   hopeless : χ² per datum from which on
+    it is not refined."""
     names, law = unknowns.names, unknowns.law
     point = start.copy()
     point[len(names) :] = np.ravel([(one.Y, 0.0) for one in lines])
@@ -316,9 +319,10 @@ def _climbed(
     climbed: Climb[Evaluation] | None = None
     for softening in softenings:
         problem = _Problem(lines, unknowns, point, free, softening)
+        most = _MOST if math.isinf(hopeless) or not softening else _FEWER
         try:
             climbed = climb(
-                problem.evaluate, point[free], lower[free], scale[free], gain=_GAIN, most=_MOST
+                problem.evaluate, point[free], lower[free], scale[free], gain=_GAIN, most=most
             )
         except NoStart:
             return None
@@ -326,8 +330,15 @@ def _climbed(
             climbed = stuck.best
         point = point.copy()
         point[free] = climbed.point
+        if 2.0 * climbed.evaluation.value > hopeless * sum(2 + 2 * one.n.size for one in lines):
+            break
     assert climbed is not None
     here = climbed.evaluation
+    if problem.softening:  # as the errors are
+        exact = replace(problem, softening=0.0).evaluate(climbed.point)
+        if exact is None:
+            return None
+        here = exact
     assert here.residual is not None
     assert here.jacobian is not None
     solution = np.linalg.pinv(here.jacobian)
