@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from ..arrays import Array
 from ..model import BaseMotion, Oscillator
-from .terms import FRICTION, Term, term
+from .terms import FRICTION, Term, parted, term
 
 _RTOL, _ATOL = 1e-13, 1e-15  # of a step; the latter of the size of the motion
 _STEP = 0.1  # rad of the fastest oscillation: dense output, of order 7, is then good to 1e-14
@@ -92,6 +92,8 @@ def equation(
     """
     for symbol, p in law.items():
         words = term(symbol).words
+        if parted(symbol)[1] is not None:
+            raise ValueError(f"{symbol} is the {words} of a group of records: name the term alone")
         if symbol in (FRICTION, "c"):
             raise ValueError(
                 f"the {words} is that of the oscillator: set Oscillator.{symbol}, not the law's"

@@ -26,6 +26,7 @@ _MOST_PHASES = 16384  # of half a period
 _MOST_MAPS = 200  # half periods; Newton's method takes five or so
 _CONVERGED = 1e-14  # energy norm of s + Φ(s), relative to that of s
 _ACCEPTED = 1e-12  # like `_CONVERGED`, where rounding stops the descent
+_SINGULAR = 1e-9  # of 1 + ∂Φ/∂s, about π times the damping ratio: less is rounding
 _EQUIVALENCES = 12  # repetitions of the equivalent damper, each of which halves its error or better
 _REACHED = 1e-15  # of half a period: what is left of it is rounding
 _NOTHING = np.empty((3, 0))
@@ -187,7 +188,7 @@ def law_orbit(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, floa
     state = _fixed_point(eq, motion, _nearby(eq, motion))
     if state is None:
         raise NoSteadyOrbit(
-            f"no steady response that is its own mirror image half a period later found for {oscillator} under {motion} "
+            f"found no steady response, mirrored half a period later, of {oscillator} under {motion} "
             f"and the law {dict(law)}: there is one wherever energy is lost; add damping, or leave the resonance"
         )
     # over a whole period both extremes occur
@@ -261,6 +262,9 @@ def _fixed_point(eq: Equation, motion: BaseMotion, start: Point) -> Point | None
         used, plain = used + plain, min(2 * plain, 32)
     else:
         return None
+    scaled = derivative * weights[:, None] / weights
+    if np.linalg.svd(scaled, compute_uv=False)[-1] < _SINGULAR:
+        return None  # any amplitude would do
     return float(s[0]), float(s[1]), float(s[2])
 
 
