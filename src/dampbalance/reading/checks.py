@@ -29,6 +29,7 @@ _GAIN_MATTERS = 1e-4
 _DRIFT_MATTERS, _DRIFT_WRONG = 2e-5, 0.1  # of the amplitude, over the record
 _DRIFT_CHANCE = 1e-6
 _HARMONIC_MATTERS = 1e-3  # of the fundamental
+_BASE_COUNTS = 1e-6  # of the fundamental: what the file or the rounding of a time may leave
 _CLIPPED_CYCLES = 0.5
 _LARGEST_AMPLITUDE = 0.5  # m
 _LARGEST_ACCELERATION = 1000.0  # m/s²: a hundred times gravity
@@ -263,13 +264,23 @@ def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[str]
 
 
 def harmonic_base(mean: Complexes, error: Array) -> Iterator[str]:
-    """A warning when the base moves at more than one frequency: the input work then needs its harmonics too."""
+    """A warning when the base moves at more than one frequency: not all that is read counts its harmonics."""
     relative = _significant(mean, error)[2:]
     if relative.any():
         yield (
             f"the base motion is not harmonic: {100.0 * math.hypot(*relative):.2g} % distortion, most of it harmonic "
-            f"{np.argmax(relative) + 2} ({100.0 * relative.max():.2g} %); the input work counts the fundamental only"
+            f"{np.argmax(relative) + 2} ({100.0 * relative.max():.2g} %); direct integration counts the work of "
+            "all its harmonics, everything else the fundamental only"
         )
+
+
+def highest_of_base(mean: Complexes, error: Array) -> int:
+    """The highest harmonic of the base that stands out of its error; 1 where there is none beyond the fundamental.
+
+    Its work is of first order in the harmonic, so that ones far too small for a warning are counted, too.
+    """
+    clear = np.abs(mean) > np.maximum(SIGNIFICANT * error, _BASE_COUNTS * abs(mean[1]))
+    return max(1, int(np.flatnonzero(clear)[-1]))
 
 
 def symmetry(mean: Complexes, error: Array) -> Iterator[str]:
@@ -278,7 +289,7 @@ def symmetry(mean: Complexes, error: Array) -> Iterator[str]:
     if even.any():
         yield (
             f"the response is not symmetric: harmonic {2 * np.argmax(even) + 2} is {100.0 * even.max():.2g} % of the "
-            "fundamental; features of the two directions are averaged"
+            "fundamental; direct integration counts the even harmonics, everything else is read off the symmetric part"
         )
 
 

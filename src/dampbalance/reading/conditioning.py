@@ -53,7 +53,8 @@ class SteadyRecord:
     Each signal is Re Σ s_n e^{inω(t − start)}.
     weights : usable cycles in each row.   X_error, Y_error : standard deviation of the real and of the imaginary part
     of the mean of each harmonic, m; infinite where no channel reaches.
-    bandwidth : N, the highest odd harmonic that stands out of the noise.
+    bandwidth : N, the highest odd harmonic that stands out of the noise.   even_bandwidth : the highest even one, 0
+    where the response is symmetric.   base_bandwidth : the highest harmonic of the base, 1 where it is harmonic.
     channels : harmonics of each channel, corrected, by quantity.
     noise_rms : of the samples, by quantity, in the unit of the channel.
     skew : by how much each response lags the first, s, as corrected (only where it is significant).
@@ -73,6 +74,8 @@ class SteadyRecord:
     X_error: Array
     Y_error: Array
     bandwidth: int
+    even_bandwidth: int
+    base_bandwidth: int
     channels: Mapping[str, CycleHarmonics]
     noise_rms: Mapping[str, float]
     skew: Mapping[str, float]
@@ -176,7 +179,8 @@ def _condition(
     warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
     warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, 2.0 * math.pi / base.omega)
     warnings += checks.harmonic_base(mean_Y, Y_error)
-    warnings += checks.symmetry(mean_X, X_error)
+    asymmetry = list(checks.symmetry(mean_X, X_error))
+    warnings += asymmetry
     warnings += checks.work(mean_Y[1], mean_X[1], Y_error[1], X_error[1])
     return SteadyRecord(
         source=source,
@@ -191,7 +195,9 @@ def _condition(
         weights=weights,
         X_error=X_error,
         Y_error=Y_error,
-        bandwidth=_bandwidth(mean_X, X_error),
+        bandwidth=_bandwidth(mean_X, X_error, 1),
+        even_bandwidth=_bandwidth(mean_X, X_error, 2) if asymmetry else 0,
+        base_bandwidth=checks.highest_of_base(mean_Y, Y_error),
         channels=harmonics,
         noise_rms={
             q: _noise_rms(_settled(h, usable, times, weights, offset), weights, h)
@@ -373,9 +379,10 @@ def _combined(moved: Mapping[str, Complexes], weights: Array) -> tuple[Complexes
     return total, 1.0 / np.sqrt(precision)
 
 
-def _bandwidth(mean: Complexes, error: Array) -> int:
-    """The highest odd harmonic that stands out of the noise by four standard deviations; two in a row may be hidden."""
-    odd = np.arange(1, len(mean), 2)
-    clear = odd[(odd == 1) | (np.abs(mean[odd]) > 4.0 * error[odd])]
+def _bandwidth(mean: Complexes, error: Array, lowest: int) -> int:
+    """The highest odd (lowest = 1) or even (2) harmonic that stands out of the noise by four standard deviations; two
+    in a row may be hidden."""
+    orders = np.arange(lowest, len(mean), 2)
+    clear = orders[(orders == lowest) | (np.abs(mean[orders]) > 4.0 * error[orders])]
     ends = clear[np.diff(clear, append=math.inf) > 6]
     return int(ends[0])

@@ -3,12 +3,15 @@
 All features are functions of the mean harmonics of base and response, relative to the phase of the base:
 
     X_n² = |x_n|² − var x_n              freed of the bias that noise gives a square
-    W = π k Y X₁ sin φ₁,  b = πω Σ n²X_n²     exact by orthogonality; n odd
-    X                                    largest value of Σ x_n e^{inωt}
+    W = −πk Σ n Im(y_n* x_n)             exact by orthogonality; πkYX₁ sin φ₁ of a harmonic base
+    b = πω Σ n²X_n²                      likewise
+    2X = x_max − x_min                   of Σ x_n e^{inωt}
     X_s, V_s, t_s, a = 4X − λ            from the exact waveform that fits (`waveforms.py`)
 
-A waveform that fits stands for the harmonics beyond the fifth, too: those of the record hold little there but noise.
-Where none fits, all harmonics up to the bandwidth are the record's own, and the onset of slip is not known: a = 4X.
+A waveform that fits stands for the odd harmonics beyond the fifth, too: those of the record hold little there but
+noise. Where none fits, all harmonics up to the bandwidth are the record's own, and the onset of slip is not known:
+a = 4X. Even harmonics of the response, and higher ones of the base, are taken where they stand out of the noise. What
+needs a symmetric motion (the onset, the zero crossing) is that of its symmetric part.
 
 Standard errors are those of the jackknife over cycles; replicates draw cycles with replacement. Both evaluate the same
 functions on many means at once, what comes from the waveform to first order.
@@ -18,17 +21,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array, Complexes
+from ..arrays import Array, Complexes, Integers
 from ..features import COLUMNS, Features, of_numbers, wrapped
+from ..law.integrals import of_harmonics
+from ..law.terms import KNOWN_TERMS
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
 from .lines import Lines
 from .one_thread import one_thread
+from .turning import Series, turning_points, upward_zero
 from .waveforms import Waveform, fit_oscillator
 
 RESOLVED = 2.0
@@ -39,8 +45,6 @@ UNKNOWN = "slip onset not known"
 _READ = 5  # the highest harmonic taken from a record that an exact waveform fits
 _JACKKNIFE_GROUPS = 400
 _OF_ONSET = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
-_POINTS = 1024  # of a cycle, where its peak is looked for
-_REACHED = 1e-9  # rad: the next of Newton's steps would be about its square
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +52,30 @@ class Means:
     """Means of r drawings of the rows of a record.
 
     Y : amplitude of the base, m, (r,).   x : x_n, m, relative to its phase, (r, h), n as in `Lines`.
+    even : x_n, n = 2, 4 …, and base : y_n, n = 2, 3 …, m, likewise, up to those that stand out of the noise.
     bias : how many variances of x_n the squares |x_n|² hold too much.
     """
 
     Y: Array
     x: Complexes
+    even: Complexes
+    base: Complexes
     bias: float = 1.0
+
+    def changed(self, drive: Array, response: Array, turn: Array) -> Means:
+        """One mean as r: base and response grown by the factors 1 + drive and 1 + response, the response turned by
+        `turn`, rad at the drive frequency, n times that at harmonic n; each (r,)."""
+
+        def turned(x: Complexes, n: Array) -> Complexes:
+            changed: Complexes = x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
+            return changed
+
+        return Means(
+            self.Y * (1.0 + drive),
+            turned(self.x, np.arange(1.0, 2.0 * self.x.shape[1], 2.0)),
+            turned(self.even, np.arange(2.0, 2.0 * self.even.shape[1] + 1.0, 2.0)),
+            self.base * (1.0 + drive)[:, None],
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +84,15 @@ class Reading:
 
     steady : the conditioned record.   joint : whether it was fitted together with others; else its waveform is fitted
     to this record alone.   shared : the waveform of that fit, None where none fits.   taken : λ = 4X − a, m, the travel
-    that sticking takes from 4X where no waveform tells.
+    that sticking takes from 4X where no waveform tells.   terms : of a law, beyond friction and a linear damper, whose
+    integrals are wanted.
     """
 
     steady: SteadyRecord
     joint: bool = False
     shared: Waveform | None = None
     taken: float = 0.0
+    terms: tuple[str, ...] = ()
 
     @cached_property
     def lines(self) -> Lines:
@@ -103,6 +127,18 @@ class Reading:
         return self.features_of(self.mean)
 
     @property
+    def exact_features(self) -> Features:
+        """Features of the waveform itself. Raises ValueError where none fits."""
+        waveform = self.waveform
+        if waveform is None:
+            raise ValueError(f"{self.steady.source}: no waveform fits")
+        at = waveform.fit.unknowns.at(waveform.index)
+        x = waveform.response.harmonics(self.lines.n.size)
+        none = np.zeros((1, 0), dtype=np.complex128)
+        means = Means(waveform.fit.point[[at["Y"]]], x[None], none, none, 0.0)
+        return self.features_of(means, np.zeros((self._unknowns, 1)))
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """What is wrong with the record, one sentence each."""
         return self.steady.warnings
@@ -122,7 +158,10 @@ class Reading:
     @cached_property
     def mean(self) -> Means:
         """The means over all rows."""
-        return Means(np.array([self.lines.Y]), self.lines.x[None])
+        every = np.ones((1, len(self.steady.weights))) * self.steady.weights
+        return replace(
+            self._drawn(every, 0.0, 1.0), Y=np.array([self.lines.Y]), x=self.lines.x[None]
+        )
 
     @one_thread
     def resampled(self, count: int, rng: np.random.Generator) -> Means:
@@ -181,11 +220,14 @@ class Reading:
 
         phase : ωt, the peak of the base at 0, rad.   x, v, acceleration : m, m/s, m/s².
         """
-        n, x, _ = _series(self, self.mean, np.zeros((self._unknowns, 1)))
+        parts = self.series(self.mean, np.zeros((self._unknowns, 1)))
+        n, x = (
+            np.concatenate([np.ravel(getattr(part, of)) for part in parts]) for of in ("n", "x")
+        )
         theta = np.linspace(0.0, 2.0 * math.pi, points, endpoint=False)
         turn, rate = np.exp(1j * np.outer(theta, n)), 1j * n * self.steady.omega
         moved = {
-            name: (turn @ (rate**order * x[0])).real
+            name: (turn @ (rate**order * x)).real
             for order, name in enumerate(("x", "v", "acceleration"))
         }
         return {"phase": theta, **moved}
@@ -194,14 +236,47 @@ class Reading:
     def _unknowns(self) -> int:
         return 0 if self.waveform is None else self.waveform.fit.point.size
 
+    def series(self, means: Means, moved: Array | None = None) -> tuple[Series, Series]:
+        """The odd and the even harmonics of r means of the response: the record's own, odd ones beyond them those of
+        the waveform.   moved : as for `features_of`."""
+        moved = self.moved(means) if moved is None else moved
+        waveform, lines = self.waveform, self.lines
+        if waveform is None:
+            # the third and fifth are taken as they are, whether they stand out of the noise or not
+            own = lines.n <= max(self.steady.bandwidth, _READ)
+            tail = np.zeros((len(means.Y), 0), dtype=np.complex128)
+        else:
+            own = lines.n <= min(max(self.steady.bandwidth, 1), _READ)
+            beyond = slice(np.count_nonzero(own), None)
+            tail = waveform.tail[beyond] + (waveform.tail_slope[beyond] @ moved).T
+        x = np.hstack([means.x[:, own], tail])
+        variance = np.append(means.bias * 2.0 * lines.x_error[own] ** 2, np.zeros(tail.shape[1]))
+        n = 2.0 * np.arange(1.0, means.even.shape[1] + 1.0)
+        of_even = means.bias * 2.0 * self.steady.X_error[n.astype(np.intp)] ** 2
+        return Series(np.arange(1.0, 2.0 * x.shape[1], 2.0), x, variance), Series(
+            n, means.even, of_even
+        )
+
     def _drawn(self, drawn: Array, stretch: float, bias: float) -> Means:
         """Means with the weights `drawn` of the rows, (r, rows), their deviations stretched."""
-        steady, n = self.steady, self.lines.n
-        total = drawn.sum(axis=1)
-        Y, x = steady.mean(steady.Y[:, 1:2]), steady.mean(steady.X[:, n])[None]
+        steady, total = self.steady, drawn.sum(axis=1)
+        Y = steady.mean(steady.Y[:, 1:2])
         Y = Y + stretch * (drawn @ steady.Y[:, 1] / total - Y)
-        x = x + stretch * (drawn @ steady.X[:, n] / total[:, None] - x)
-        return Means(np.abs(Y), x * np.exp(-1j * np.outer(np.angle(Y), n)), bias)
+        phase = np.angle(Y)
+
+        def of(rows: Complexes, n: Integers) -> Complexes:
+            mean = steady.mean(rows[:, n])[None]
+            stretched = mean + stretch * (drawn @ rows[:, n] / total[:, None] - mean)
+            turned: Complexes = stretched * np.exp(-1j * np.outer(phase, n))
+            return turned
+
+        return Means(
+            np.abs(Y),
+            of(steady.X, self.lines.n),
+            of(steady.X, np.arange(2, steady.even_bandwidth + 1, 2)),
+            of(steady.Y, np.arange(2, steady.base_bandwidth + 1)),
+            bias,
+        )
 
 
 def read_features(
@@ -219,35 +294,18 @@ def read_features(
     return Reading(condition(measurement, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles))
 
 
-def _series(reading: Reading, means: Means, moved: Array) -> tuple[Array, Complexes, Array]:
-    """Odd harmonics of r means: n, (h,); x_n, (r, h), m: the record's own, beyond them those of the waveform; variance
-    of x_n as a complex number, zero beyond, (h,), m²."""
-    waveform, lines = reading.waveform, reading.lines
-    if waveform is None:
-        # the third and fifth are taken as they are, whether they stand out of the noise or not
-        own = lines.n <= max(reading.steady.bandwidth, _READ)
-        tail = np.zeros((len(means.Y), 0), dtype=np.complex128)
-    else:
-        own = lines.n <= min(max(reading.steady.bandwidth, 1), _READ)
-        beyond = slice(np.count_nonzero(own), None)
-        tail = waveform.tail[beyond] + (waveform.tail_slope[beyond] @ moved).T
-    x = np.hstack([means.x[:, own], tail])
-    variance = np.append(means.bias * 2.0 * lines.x_error[own] ** 2, np.zeros(tail.shape[1]))
-    return np.arange(1.0, 2.0 * x.shape[1], 2.0), x, variance
-
-
 def _features(reading: Reading, means: Means, moved: Array) -> Features:
     """Features of r means over the rows."""
     steady = reading.steady
-    n, x, variance = _series(reading, means, moved)
-    # may fall below zero: cutting that off would be a bias in b
-    squares = np.abs(x) ** 2 - variance
+    odd, even = reading.series(means, moved)
+    n, x, squares = odd.n, odd.x, odd.squares
     amplitudes = np.zeros((len(squares), 3))  # of the first three, as far as the sampling reaches
     amplitudes[:, : squares.shape[1]] = np.sqrt(np.maximum(squares[:, :3], 0.0))
     lag = -np.angle(x[:, 0])
-    theta_peak, X = _peak(n, x)
+    theta_peak, X = turning_points(odd, even)
     reversal = wrapped(theta_peak)
     regime, length, (V_s, t_s, taken) = _onset(reading, means, moved)
+    variance = np.append(odd.variance, even.variance)
     return of_numbers(
         steady.omega,
         regime,
@@ -258,7 +316,7 @@ def _features(reading: Reading, means: Means, moved: Array) -> Features:
         t_s=t_s,
         phi=reversal,
         phi_reversal=reversal,
-        phi_zero_crossing=wrapped(_upward_zero(n, x, lag) + 0.5 * math.pi),
+        phi_zero_crossing=wrapped(upward_zero(odd, lag) + 0.5 * math.pi),
         phi_fundamental=wrapped(lag),
         X_r=X - length,
         V_r=-V_s,
@@ -267,9 +325,33 @@ def _features(reading: Reading, means: Means, moved: Array) -> Features:
         X_3=amplitudes[:, 1],
         X_5=amplitudes[:, 2],
         a=4.0 * X - taken,
-        b=math.pi * steady.omega * (squares @ n**2),
-        W=math.pi * steady.k * means.Y * amplitudes[:, 0] * np.sin(lag),
+        b=math.pi * steady.omega * (squares @ n**2 + even.squares @ even.n**2),
+        W=math.pi * steady.k * means.Y * amplitudes[:, 0] * np.sin(lag)
+        + math.pi * steady.k * _beyond(odd, even, means),
+        **{
+            KNOWN_TERMS[symbol].integral: of_harmonics(
+                symbol, *_all(odd, even, means), steady.omega, steady.k, variance
+            )
+            for symbol in reading.terms
+        },
     )
+
+
+def _all(odd: Series, even: Series, means: Means) -> tuple[Array, Complexes, Array, Complexes]:
+    """Orders and harmonics of the response, and of the base: (h,), (r, h), (l,), (r, l), m."""
+    base = np.hstack([means.Y[:, None], means.base])
+    n = np.concatenate([odd.n, even.n])
+    return n, np.hstack([odd.x, even.x]), np.arange(1.0, base.shape[1] + 1.0), base
+
+
+def _beyond(odd: Series, even: Series, means: Means) -> Array:
+    """−Σ n Im(y_n* x_n) over the harmonics n = 2, 3 … of the base, m², (r,)."""
+    x = np.zeros((len(means.Y), means.base.shape[1] + 2), dtype=np.complex128)
+    for part in (odd, even):
+        n = part.n[part.n < x.shape[1]].astype(np.intp)
+        x[:, n] = part.x[:, : n.size]
+    total: Array = -((means.base.conj() * x[:, 2:]).imag @ np.arange(2.0, x.shape[1]))
+    return total
 
 
 def _onset(reading: Reading, means: Means, moved: Array) -> tuple[str, Array, Array]:
@@ -281,45 +363,15 @@ def _onset(reading: Reading, means: Means, moved: Array) -> tuple[str, Array, Ar
     if waveform is None:
         return UNKNOWN, np.zeros(count), np.array([[0.0], [0.0], [reading.taken]]) * np.ones(count)
     if not reading.slips:
-        return str(waveform.orbit.regime), np.full(count, math.nan), np.full((3, count), math.nan)
+        return (
+            str(waveform.response.orbit.regime),
+            np.full(count, math.nan),
+            np.full((3, count), math.nan),
+        )
     fit = waveform.fit
-    square = moved[2] ** 2 - means.bias * fit.error("rho") ** 2
-    length = 2.0 * fit.F_k * (fit.rho**2 + square) + waveform.length_slope @ moved
+    at = fit.unknowns.at(waveform.index)
+    square = moved[at["rho"]] ** 2 - means.bias * fit.error("rho") ** 2
+    length = 2.0 * waveform.F_k * (fit.rho**2 + square) + waveform.length_slope @ moved
     onset = waveform.onset[:, None] + waveform.onset_slope @ moved
-    onset[2] += 4.0 * fit.F_k * square
-    return str(waveform.orbit.regime), length, onset
-
-
-def _peak(n: Array, x: Complexes) -> tuple[Array, Array]:
-    """(ωt, x) at the largest value of x, (r,): by Newton's method on the velocity, from the largest of 1,024 points."""
-    series = np.zeros(_POINTS // 2 + 1, dtype=np.complex128)
-    series[n.astype(np.intp)] = x.mean(axis=0)
-    at = np.full(len(x), 2.0 * math.pi / _POINTS * int(np.argmax(np.fft.irfft(series))))
-    limit = 2.0 * math.pi / _POINTS
-    for _ in range(4):
-        _, rate, bend = _motion(n, x, at)
-        step = np.where(bend < 0.0, -rate / np.where(bend < 0.0, bend, -1.0), 0.0)
-        at = at + np.clip(step, -limit, limit)
-        if np.all(np.abs(step) < _REACHED):
-            break
-    return at, _motion(n, x, at)[0]
-
-
-def _upward_zero(n: Array, x: Complexes, lag: Array) -> Array:
-    """ωt of the upward zero of x, (r,)."""
-    at = lag - 0.5 * math.pi
-    for _ in range(5):
-        value, rate, _ = _motion(n, x, at)
-        step = value / np.where(rate > 0.0, rate, np.inf)
-        at = at - np.clip(step, -0.5, 0.5)
-        if np.all(np.abs(step) < _REACHED):
-            break
-    return at
-
-
-def _motion(n: Array, x: Complexes, theta: Array) -> tuple[Array, Array, Array]:
-    """x, dx/dωt, d²x/dωt² at one phase for each mean, (r,)."""
-    turn = np.empty(x.shape, dtype=np.complex128)  # e^{inθ}: products cost less than exponentials
-    turn[:, 0], turn[:, 1:] = np.exp(1j * theta), np.exp(2j * theta)[:, None]
-    turn = np.multiply.accumulate(turn, axis=1) * x
-    return turn.real.sum(axis=1), -(turn.imag @ n), -(turn.real @ n**2)
+    onset[2] += 4.0 * waveform.F_k * square
+    return str(waveform.response.orbit.regime), length, onset

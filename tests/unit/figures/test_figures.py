@@ -24,6 +24,7 @@ from dampbalance import BaseMotion, balance, figures, steady_orbit
 from dampbalance.estimates import estimate_table
 from dampbalance.figures import looks, style
 from dampbalance.figures.cycle import branches
+from dampbalance.law.terms import Term
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, OMEGA, PAIRS, PAPER, features_at, orbits_at
 
 NAMES = ("figure1", "figure2", "figure3", "estimation_error")
