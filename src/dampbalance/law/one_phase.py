@@ -52,10 +52,9 @@ class Equation:
         """Amplitude of the base, m; 0 with the base at rest."""
         return self.motion.Y if self.motion else 0.0
 
-    def damping(self, v: Array | float, w: Array | float) -> Array:
+    def damping(self, v: Array | float, w: Array | float) -> Any:
         """Σ p_j h_j at velocities ẋ and ẏ, N."""
-        k, v, w = self.oscillator.k, np.asarray(v), np.asarray(w)
-        total = np.zeros(np.broadcast_shapes(v.shape, w.shape))
+        k, total = self.oscillator.k, 0.0
         for p, one in self.law:
             assert one.force is not None
             total = total + p * one.force(v, w, k, self.omega)
@@ -66,7 +65,7 @@ class Equation:
         k, total = self.oscillator.k, 0.0
         for p, one in self.law:
             assert one.slope is not None
-            total += p * float(one.slope(np.asarray(v), np.asarray(w), k, self.omega))
+            total += p * float(one.slope(v, w, k, self.omega))
         return total
 
     def base(self, theta: Array | float) -> tuple[Array, Array]:

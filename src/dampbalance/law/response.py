@@ -218,7 +218,7 @@ def _trajectory(
 def _nearby(eq: Equation, motion: BaseMotion) -> Point:
     """State at base phase 0 of the steady response with the linear damper that takes as much as the law does from a
     harmonic motion: exact for linear laws, some percent off for others."""
-    o, omega, X, at = eq.oscillator, motion.omega, motion.Y, np.asarray
+    o, omega, X = eq.oscillator, motion.omega, motion.Y
     # damping that goes with the velocity of the base turns and enlarges what drives
     dragged = -omega * float(eq.damping(0.0, 1.0)) / o.k
     base = BaseMotion(motion.Y * math.hypot(1.0, dragged), omega)
@@ -227,7 +227,7 @@ def _nearby(eq: Equation, motion: BaseMotion) -> Point:
             work = 0.0
             for p, one in eq.law:
                 assert one.harmonic is not None
-                work += p * float(one.harmonic(at(omega), at(X), at(0.0), at(0.0), o.k))
+                work += p * float(one.harmonic(omega, X, 0.0, 0.0, o.k))
             orbit = steady_orbit(replace(o, c=work / (math.pi * omega * X**2)), base)
             X = math.sqrt(X * orbit.X)
     except (NoSteadyOrbit, OverflowError):
