@@ -64,13 +64,15 @@ class Means:
         """One mean as r: base and response grown by the factors 1 + drive and 1 + response, the response turned by
         `turn`, rad at the drive frequency, n times that at harmonic n; each (r,)."""
 
-        def turned(x: Complexes, n: Array) -> Complexes:
-            return x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
+        def turned(x: Complexes, first: int) -> Complexes:
+            n = first + 2 * np.arange(x.shape[1])
+            of_response: Complexes = x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
+            return of_response
 
         return Means(
             self.Y * (1.0 + drive),
-            turned(self.x, 2.0 * np.arange(self.x.shape[1]) + 1.0),
-            turned(self.even, 2.0 * np.arange(self.even.shape[1]) + 2.0),
+            turned(self.x, 1),
+            turned(self.even, 2),
             self.base * (1.0 + drive)[:, None],
         )
 
