@@ -18,7 +18,7 @@ A row is NaN where its response lacks a feature (nothing slips). The solver of `
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +26,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .arrays import Array, Mask
-from .law.terms import KNOWN_TERMS, Term
+from .law.law import Law
+from .law.terms import KNOWN_TERMS, Term, of_group
 
 if TYPE_CHECKING:
     from .features import Features
@@ -85,6 +86,21 @@ class Rows:
         """Σ g_j p_j − W, J, for these coefficients, by symbol."""
         work = sum(np.asarray(p) * self.terms[symbol] for symbol, p in coefficients.items())
         return np.asarray(work - self.W)
+
+    def of_law(self, law: Law) -> Rows:
+        """The rows with a column for each coefficient of the law: where a term has groups, one for each of them, zero
+        in the rows of the others; its given coefficients are known."""
+        columns: dict[str, Array] = {}
+        for symbol in law.terms:
+            integral, labels = self.terms[symbol], law.groups.get(symbol)
+            if labels is None:
+                columns[symbol] = integral
+                continue
+            for label in dict.fromkeys(labels):
+                member = np.array([other == label for other in labels])
+                member = member.reshape(-1, *[1] * (integral.ndim - 1))
+                columns[of_group(symbol, label)] = np.where(member, integral, 0.0)
+        return replace(self, terms=columns, given={**self.given, **law.given})
 
     def scatter(self) -> Array:
         """Covariance of (g_1 … g_p, W) over the last axis, that of replicates of the rows: (p + 1, p + 1, L, …)."""
@@ -198,25 +214,70 @@ class Approach:
 
     rows : the function from features and the stiffness k, N/m, to rows.   label : its name in words or as a symbol.
     takes_phase : whether it depends on a choice of the phase φ, and on a φ and a t_s common to all levels.
-    terms : symbols of the coefficients that it identifies, of TERMS.
+    terms : symbols of the coefficients that it identifies unless a law asks for others.
+    integral : the function from features, the stiffness k and the symbol of a term to its g, for those others; None
+    where it has no form of them.
     """
 
     rows: Callable[[Features, ArrayLike], Rows]
     label: str
     takes_phase: bool = True
     terms: tuple[str, ...] = ("F_k", "c")
+    integral: Callable[[Features, ArrayLike, str], Array] | None = None
 
-    def __call__(self, features: Features, k: ArrayLike) -> Rows:
-        """The rows that this approach obtains from `features`, with the stiffness k, N/m."""
-        return self.rows(features, k)
+    def __call__(
+        self, features: Features, k: ArrayLike, terms: Sequence[str] | None = None
+    ) -> Rows:
+        """The rows that this approach obtains from `features`, with the stiffness k, N/m.
+
+        terms : symbols of KNOWN_TERMS; default, its own. Where it knows no form of a term, its column is NaN.
+        """
+        rows = self.rows(features, k)
+        if terms is None:
+            return rows
+        unknown = np.full(rows.W.shape, np.nan)
+        columns = {
+            symbol: rows.terms[symbol]
+            if symbol in rows.terms
+            else unknown
+            if self.integral is None
+            else self.integral(features, k, symbol)
+            for symbol in terms
+        }
+        return replace(rows, terms=columns)
+
+
+def _integrated(features: Features, k: ArrayLike, symbol: str) -> Array:
+    """g of a term as it was integrated from the records."""
+    integral: Array = getattr(features, KNOWN_TERMS[symbol].integral)
+    return integral
+
+
+def _of_harmonic_motion(features: Features, k: ArrayLike, symbol: str) -> Array:
+    """g of a term for x = X cos(ωt − φ)."""
+    harmonic = KNOWN_TERMS[symbol].harmonic
+    assert harmonic is not None
+    f = features
+    return np.asarray(harmonic(f.omega, f.X, f.Y, f.phi, np.asarray(k)))
+
+
+def _of_three_harmonics(features: Features, k: ArrayLike, symbol: str) -> Array:
+    """g of a term that the amplitudes of three harmonics tell: structural damping, and the relative velocity."""
+    b = viscous_integral(features.omega, {1: features.X_1, 3: features.X_3, 5: features.X_5})
+    if symbol == "eta":
+        return np.asarray(np.asarray(k) / features.omega * b)
+    if symbol == "c_r":
+        shared = features.Y * features.X_1 * np.cos(features.phi_fundamental)
+        return np.asarray(b - np.pi * features.omega * shared)
+    return np.full(np.shape(b), np.nan)
 
 
 APPROACHES: dict[str, Approach] = {
-    "direct": Approach(direct, "direct integration", takes_phase=False),
-    "X_s": Approach(slip_displacement, "X_s"),
-    "t_s": Approach(slip_time, "t_s"),
-    "V_s": Approach(slip_velocity, "V_s"),
-    "fourier": Approach(fourier, "Fourier", takes_phase=False),
+    "direct": Approach(direct, "direct integration", takes_phase=False, integral=_integrated),
+    "X_s": Approach(slip_displacement, "X_s", integral=_of_harmonic_motion),
+    "t_s": Approach(slip_time, "t_s", integral=_of_harmonic_motion),
+    "V_s": Approach(slip_velocity, "V_s", integral=_of_harmonic_motion),
+    "fourier": Approach(fourier, "Fourier", takes_phase=False, integral=_of_three_harmonics),
 }
 """Every approach by the name that configurations and tables know it by: to add one is a function and an entry here."""
 

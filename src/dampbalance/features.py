@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .arrays import Array, Words
+from .law.terms import KNOWN_TERMS
 from .motion.orbit import Orbit
 from .motion.orbits import Orbits
 from .motion.regime import Regime
@@ -45,6 +46,9 @@ COLUMNS = {
 }
 """Column of a data frame that holds each feature, named with its unit."""
 
+OF_LAWS = tuple(term.integral for term in KNOWN_TERMS.values() if term.integral not in COLUMNS)
+"""Integrals of terms beyond the paper's two: known where a law asks for them, else NaN; in no table."""
+
 _OMEGA, _REGIME = "omega_rad_per_s", "regime"
 _AT_ONSET = ("V_s", "t_s", "V_r", "t_r")  # zero where the contact is rigid
 
@@ -67,6 +71,7 @@ class Features:
     X_1, X_3, X_5 : amplitudes of the harmonics of x, m.
     a, b, W : friction travel (m), viscous integral (m²/s), input work (J) per cycle by direct integration, (5), (7).
     regime : in words, what kind each response is, or why something is missing.
+    b_r, b_2, b_3, b_eta : integrals of further terms of a law (`law/terms.py`), m²/s, m³/s², m⁴/s³, J.
 
     Raises ValueError naming the field whose shape does not fit.
     """
@@ -91,6 +96,10 @@ class Features:
     b: Array
     W: Array
     regime: Words
+    b_r: ArrayLike = np.nan
+    b_2: ArrayLike = np.nan
+    b_3: ArrayLike = np.nan
+    b_eta: ArrayLike = np.nan
 
     def __post_init__(self) -> None:
         shape = np.shape(self.Y)
@@ -115,9 +124,9 @@ class Features:
 
     def replaced(self, **values: ArrayLike) -> Self:
         """These features, except those given by name; they are broadcast as everywhere."""
-        unknown = sorted(set(values) - set(COLUMNS))
+        unknown = sorted(set(values) - {*COLUMNS, *OF_LAWS})
         if unknown:
-            raise ValueError(f"unknown features {unknown}; known are {list(COLUMNS)}")
+            raise ValueError(f"unknown features {unknown}; known are {[*COLUMNS, *OF_LAWS]}")
         return replace(self, **values)  # type: ignore[arg-type]
 
     def with_phase(self, phase: str) -> Self:
@@ -185,7 +194,7 @@ class Features:
         )
 
 
-_FIELDS = ("omega", *COLUMNS, _REGIME)
+_FIELDS = ("omega", *COLUMNS, _REGIME, *OF_LAWS)
 
 
 def of_orbit(orbit: Orbit) -> Features:

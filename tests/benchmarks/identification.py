@@ -126,7 +126,7 @@ def errors(samples: int) -> pd.DataFrame:
         )
     fit = found.whole.fit
     assert fit is not None
-    F_k_error, c_error, _ = fit.standard_errors
+    F_k_error, c_error = fit.error("F_k"), fit.error("c")
     rows.append(
         (FIT, *_relative(fit.F_k, F_k_error, PAPER.F_k), *_relative(fit.c, c_error, PAPER.c))
     )

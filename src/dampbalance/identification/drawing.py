@@ -70,7 +70,7 @@ def loops(loaded: Sequence[Loaded], result: Identification) -> Figure:
         axes.plot(np.append(x, x[0]), np.append(acceleration, acceleration[0]), color=SLIP)
         waveform = reading.waveform
         if shared.resolved and waveform is not None:
-            osc, X = waveform.orbit.oscillator, 1e3 * waveform.orbit.X
+            osc, X = waveform.response.orbit.oscillator, 1e3 * waveform.response.X
             length = 1e3 * shared.length
             drop = (osc.k * shared.length + 2.0 * osc.F_k) / osc.m
             start = float(acceleration[int(np.argmin(x))])  # at the reversal

@@ -18,19 +18,21 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..arrays import Array, Mask
 from ..balance import APPROACHES, Approach, Rows
-from ..features import Features, Phase, of_orbit, stack
+from ..features import Features, Phase, stack
+from ..law.law import Law
+from ..law.terms import FRICTION, parted
 from ..reading.noisy import Reading
 from ..reading.one_thread import one_thread
-from ..reading.waveforms import Fit
 from ..solver import Estimate, least_squares, solve
 from .microstick import Sample, Samples, microstick, read_samples
-from .notes import agreement, with_notes
+from .notes import YARDSTICK, agreement, with_notes
 from .oscillator import Whole, joined, whole_oscillator
 from .result import (
     CONFIDENCE,
@@ -55,36 +57,42 @@ def identify(
     readings: Sequence[Reading],
     k: float,
     *,
+    law: Law | None = None,
     approaches: Mapping[str, Approach] = APPROACHES,
     phase: Phase = "reversal",
     mass: float | None = None,
     replicates: int = REPLICATES,
     seed: int = SEED,
 ) -> Identification:
-    """F_k, c and K_z from the features of n ≥ 2 measured responses, by each approach, with intervals.
+    """The coefficients of a damping law and K_z from the features of n measured responses, by each approach, with
+    intervals.
 
-    readings : of `read_features`, one per level; levels that differ.   k : stiffness, N/m, that of the readings.
+    readings : of `read_features`, one per level; levels that differ, as many as there are unknowns.   k : stiffness,
+    N/m, that of the readings.   law : default, F_k and c.
     approaches : by name.   phase : that the harmonic approaches take.   mass : kg, if it is known.
     replicates : of the bootstrap.   seed : of its drawings.
 
-    Raises ValueError for fewer than two readings, two of the same signals, a stiffness or a mass that is not positive,
-    a stiffness that is not that of the readings, and too few or too many replicates. An approach whose rows cannot be
-    solved stays in the result with NaN and its reason.
+    Raises ValueError for fewer readings than unknowns, terms that act alike in all of them, two of the same signals, a
+    stiffness or a mass that is not positive, a stiffness that is not that of the readings, and too few or too many
+    replicates. An approach whose rows cannot be solved stays in the result with NaN and its reason.
     """
-    _require(readings, k, approaches, replicates)
+    law = law or Law()
+    _require(readings, k, law, approaches, replicates)
     if mass is not None and not (math.isfinite(mass) and mass > 0.0):
         raise ValueError(f"the mass must be a positive number of kg, got {mass}")
-    whole = whole_oscillator([reading.lines for reading in readings], k, mass)
-    readings = joined(readings, whole)
+    whole = whole_oscillator([reading.lines for reading in readings], k, mass, law)
+    readings = joined(readings, whole, law)
     samples = read_samples(readings, replicates, np.random.default_rng(seed))
     line = microstick(samples)
     estimates = {
-        name: _result(name, way, samples, line, whole, k, phase) for name, way in approaches.items()
+        name: _result(name, RowsOf(way, law, whole, k, phase), readings, samples, line)
+        for name, way in approaches.items()
     }
     estimates = with_notes(estimates, readings, whole)
     of_records = [f"{r.steady.source}: {words}" for r in readings for words in r.warnings]
     return Identification(
         k=k,
+        law=law,
         phase=phase,
         readings=tuple(readings),
         whole=whole,
@@ -98,14 +106,15 @@ def identify(
 
 
 def _require(
-    readings: Sequence[Reading], k: float, approaches: Mapping[str, Approach], replicates: int
+    readings: Sequence[Reading],
+    k: float,
+    law: Law,
+    approaches: Mapping[str, Approach],
+    replicates: int,
 ) -> None:
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"the stiffness k must be a positive number of N/m, got {k}")
-    if len(readings) < 2:
-        raise ValueError(
-            f"F_k and c need responses at two levels or more, got {len(readings)}: add records at other amplitudes"
-        )
+    law.require([reading.steady.frequency_hz for reading in readings])
     for reading in readings:
         if reading.steady.k != k:
             raise ValueError(
@@ -131,39 +140,69 @@ def _same(one: Reading, other: Reading) -> bool:
     return bool(np.abs(rows - others).max() < bound)
 
 
+_NO_FORM = "this approach has no form of a term of the law"
 _UNTOLD = "this approach needs the onset of slip, which these records do not tell"
 _NOTHING = ParameterEstimate(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
 
 
+@dataclass(frozen=True, eq=False)
+class RowsOf:
+    """How one approach makes rows of the balance of a law.
+
+    whole : the oscillator behind the records.   k : N/m.   phase : that the harmonic approaches take.
+    """
+
+    approach: Approach
+    law: Law
+    whole: Whole
+    k: float
+    phase: Phase
+
+    def __call__(self, features: Features, k: ArrayLike | None = None) -> Rows:
+        """The rows of features, with a column for each coefficient. Where nothing slips, friction has none; nor has a
+        coefficient whose records all lack rows.   k : N/m; default, that of the records."""
+        stiffness = self.k if k is None else k
+        rows = self.approach(features.with_phase(self.phase), stiffness, self.law.terms)
+        if self.whole.linear:
+            rows = replace(rows, terms={**rows.terms, FRICTION: np.zeros(rows.W.shape)})
+        rows = rows.of_law(self.law)
+        kept = rows.usable
+        empty = [key for key, g in rows.terms.items() if not np.where(kept, g, 0.0).any()]
+        return replace(rows, given={**rows.given, **dict.fromkeys(empty, 0.0)})
+
+
 def _result(
-    name: str,
-    approach: Approach,
-    samples: Samples,
-    line: Microstick,
-    whole: Whole,
-    k: float,
-    phase: Phase,
+    name: str, rows_of: RowsOf, readings: Sequence[Reading], samples: Samples, line: Microstick
 ) -> ApproachResult:
     """The estimates of one approach, with standard errors and intervals."""
-
-    def rows_of(sample: Sample) -> Rows:
-        return rows_with_onset(approach(sample.features.with_phase(phase), k), whole)
-
-    rows = rows_of(samples.point)
-    try:
-        least_squares(rows)
-    except ValueError as error:
-        nothing = dict.fromkeys(approach.terms, _NOTHING)
-        unknown = np.full(len(rows.W), math.nan)
-        untold = not (whole.waveforms_hold or whole.linear)
-        reason = (_UNTOLD if untold and not rows.usable.any() else str(error),)
-        return ApproachResult(
-            name, nothing, nothing, _NOTHING, {}, {}, math.nan, math.nan, rows, unknown, reason
-        )
-    drawn = rows_of(samples.drawn)
-    left = [rows_of(sample) for sample in samples.left]
+    whole, unknowns = rows_of.whole, rows_of.law.unknowns
+    rows = rows_of(samples.point.features)
+    drawn = rows_of(samples.drawn.features)
+    left = [rows_of(sample.features) for sample in samples.left]
     covariance = drawn.scatter()
-    estimate = solve(replace(rows, covariance=covariance))
+    try:
+        estimate = least_squares(replace(rows, covariance=covariance))
+    except ValueError as error:
+        untold = not whole.waveforms_hold and not whole.linear and name != YARDSTICK
+        unshaped = any(
+            np.isnan(g).all() and parted(key)[0] not in rows_of.approach.terms
+            for key, g in rows.terms.items()
+        )
+        reason = _NO_FORM if unshaped else _UNTOLD if untold else str(error)
+        nothing = dict.fromkeys(unknowns, _NOTHING)
+        return ApproachResult(
+            approach=name,
+            coefficients=nothing,
+            equal=nothing,
+            K_z=_NOTHING,
+            shape_bias={},
+            correlations={},
+            residual=math.nan,
+            misfit=math.nan,
+            rows=rows,
+            row_errors=np.full(len(rows.W), math.nan),
+            notes=(reason,),
+        )
     weights = replace(rows, covariance=covariance).weighted(estimate.values).weights
     assert weights is not None
     known = weights if np.isfinite(weights[rows.usable]).all() else np.ones(len(weights))
@@ -171,17 +210,17 @@ def _result(
     plain, plain_drawn, plain_left = solve(rows), solve(drawn), [solve(r) for r in left]
     values = {symbol: float(value) for symbol, value in estimate.values.items()}
     freedom = int(estimate.n) - len(values)
-    symbols = [symbol for symbol in approach.terms if symbol in values]
+    symbols = [symbol for symbol in unknowns if symbol in values]
     W = rows.W[rows.usable]
     off = rows.misfit({**rows.given, **values})[rows.usable]
     return ApproachResult(
         approach=name,
-        coefficients=dict.fromkeys(approach.terms, _NOTHING)
+        coefficients=dict.fromkeys(unknowns, _NOTHING)
         | _parameters(symbols, estimate, of_drawn, of_left),
-        equal=dict.fromkeys(approach.terms, _NOTHING)
+        equal=dict.fromkeys(unknowns, _NOTHING)
         | _parameters(symbols, plain, plain_drawn, plain_left),
-        K_z=_stiffness(samples, line, estimate, of_drawn, of_left),
-        shape_bias=_shape_bias(approach, whole.fit, k, phase, known, rows.usable)
+        K_z=_stiffness(samples, line, rows_of.law, estimate, of_drawn, of_left),
+        shape_bias=_shape_bias(rows_of, readings, known, rows.usable)
         if whole.waveforms_hold and whole.fit is not None
         else {},
         correlations={
@@ -195,14 +234,6 @@ def _result(
         rows=rows,
         row_errors=1.0 / np.sqrt(weights),
     )
-
-
-def rows_with_onset(rows: Rows, whole: Whole) -> Rows:
-    """The rows; where nothing slips, those of W = b c."""
-    if whole.linear:
-        none = {"F_k": np.zeros(rows.W.shape)}
-        return replace(rows, terms={**rows.terms, **none}, given={"F_k": 0.0})
-    return rows
 
 
 def _weighing(rows: Rows, weights: Array) -> Rows:
@@ -220,39 +251,50 @@ def _parameters(
 
 
 def _shape_bias(
-    approach: Approach, fit: Fit, k: float, phase: Phase, weights: Array, used: Mask
+    rows_of: RowsOf, readings: Sequence[Reading], weights: Array, used: Mask
 ) -> dict[str, float]:
     """What the approach makes of the exact responses of the oscillator found, relative to its coefficients."""
-    exact: Features = stack([of_orbit(orbit) for orbit in fit.orbits]).with_phase(phase)
-    found = solve(replace(approach(exact, k), weights=weights)[used])
+    fit = rows_of.whole.fit
+    assert fit is not None
+    exact = stack([reading.exact_features for reading in readings])
+    found = solve(replace(rows_of(exact), weights=weights)[used])
     return {
-        symbol: float(found[symbol]) / getattr(fit, symbol) - 1.0
-        for symbol in found.values
-        if getattr(fit, symbol, 0.0) > 0.0
+        key: float(found[key]) / fit.value(key) - 1.0
+        for key in found.values
+        if fit.value(key) > 0.0
     }
 
 
 def _stiffness(
     samples: Samples,
     line: Microstick,
+    law: Law,
     estimate: Estimate,
     drawn: Estimate,
     left: Sequence[Estimate],
 ) -> ParameterEstimate:
     """K_z = 2F_k/L (10), from the root of its inverse, whose errors are nearly normal; a lower limit where the line is
     not resolved."""
-    if "F_k" not in estimate.values or not float(estimate["F_k"]) > 0.0:
-        return _NOTHING
-    if not math.isfinite(line.length):
+
+    def friction(found: Estimate) -> Array:
+        known = [
+            found[key] if key in found.values else np.asarray(law.given.get(key, math.nan))
+            for key in law.keys_of(FRICTION)
+        ]
+        mean: Array = np.mean(np.broadcast_arrays(*known), axis=0)
+        return mean
+
+    if not float(friction(estimate)) > 0.0 or not math.isfinite(line.length):
         return _NOTHING
 
-    def root(sample: Sample, F_k: Array) -> Array:
+    def root(sample: Sample, found: Estimate) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(sample.rho * np.sqrt(np.maximum(sample.F_k / F_k, 0.0)))
+            ratio = np.maximum(sample.F_k / friction(found), 0.0)
+            return np.asarray(sample.rho * np.sqrt(ratio))
 
-    here = float(root(samples.point, estimate["F_k"])[0])
-    parts = [root(sample, e["F_k"]) for sample, e in zip(samples.left, left, strict=True)]
-    found = _parameter(here, root(samples.drawn, drawn["F_k"]), parts)
+    here = float(root(samples.point, estimate)[0])
+    parts = [root(sample, e) for sample, e in zip(samples.left, left, strict=True)]
+    found = _parameter(here, root(samples.drawn, drawn), parts)
     low, high = found.interval
     if not line.resolved:
         return ParameterEstimate(math.inf, math.nan, math.nan, Interval(high**-2, math.inf))

@@ -27,7 +27,7 @@ _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 class Sample:
     """Features of n records, (n,) as read or (n, r) of replicates, and two unknowns of their oscillator, (r,).
 
-    F_k : N.   rho : K_z^{−1/2}.   NaN where no oscillator holds.
+    F_k : N, the mean over its groups.   rho : K_z^{−1/2}.   NaN where no oscillator holds.
     """
 
     features: Features
@@ -122,7 +122,8 @@ def _sample(readings: Sequence[Reading], features: Features, moved: Array) -> Sa
     if fit is None:
         unknown = np.full(moved.shape[1], math.nan)
         return Sample(features.replaced(**dict.fromkeys(_UNKNOWN, math.nan)), unknown, unknown)
-    return Sample(features, fit.F_k + moved[0], fit.rho + moved[2])
+    rho = fit.rho + moved[fit.unknowns.names.index("rho")]
+    return Sample(features, fit.F_k + fit.unknowns.friction(moved), rho)
 
 
 def _fit(readings: Sequence[Reading]) -> Fit | None:

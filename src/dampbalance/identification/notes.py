@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..balance import TERMS, Rows
+from ..balance import Rows
+from ..law.terms import term
 from ..project.wording import listed, times
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ YARDSTICK = "direct"
 
 _APART = 4.0  # standard errors
 _SHAPE_SHOWS = 0.5  # standard errors: an interval of 95 % holds the truth in 92 % of all cases then
+_SHAPE_LEAST = 1e-6  # of a value: what the harmonics that a waveform leaves out are worth
 _FOLDED = 2.0  # of the noise
 _FAR = 3.0  # standard deviations of the rows
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly tell F_k and c apart
@@ -45,7 +47,7 @@ def _notes(estimated: ApproachResult, readings: Sequence[Reading], whole: Whole)
     for symbol, parameter in estimated.coefficients.items():
         if parameter.value < -_APART * parameter.standard_error:
             notes.append(
-                f"{symbol} = {parameter.value:.3g} {TERMS[symbol].unit} is negative: no such oscillator exists; "
+                f"{symbol} = {parameter.value:.3g} {term(symbol).unit} is negative: no such oscillator exists; "
                 "check signs, channels and the stiffness"
             )
     shape = _shape(estimated)
@@ -80,10 +82,10 @@ def notes_of(whole: Whole) -> tuple[str, ...]:
         notes.append(
             "the records are not those of such an oscillator: it is only the one that comes nearest"
         )
-    if fit.undamped:
-        notes.append(
-            "the best c is at its limit, zero: its standard error is not that of a normal distribution"
-        )
+    notes += [
+        f"the best {key} is at its limit, zero: its standard error is not that of a normal distribution"
+        for key in fit.undamped
+    ]
     return tuple(notes)
 
 
@@ -92,7 +94,8 @@ def _shape(estimated: ApproachResult) -> str:
     parts = []
     for symbol, bias in estimated.shape_bias.items():
         found = estimated.coefficients[symbol]
-        if not math.isfinite(bias) or abs(bias * found.value) > _SHAPE_SHOWS * found.standard_error:
+        least = max(_SHAPE_SHOWS * found.standard_error, _SHAPE_LEAST * abs(found.value))
+        if not abs(bias * found.value) <= least:  # nor is NaN
             sense = "small" if bias < 0.0 else "large"
             size = f"{100.0 * abs(bias):.2g} % too {sense}"
             parts.append(f"{symbol} {size if math.isfinite(bias) else 'impossible to find'}")
@@ -170,10 +173,11 @@ def _on_the_oscillator(readings: Sequence[Reading], whole: Whole) -> list[str]:
             "levels may differ in more than their amplitude, or the oscillator is of another kind"
         )
     if whole.late and delayed is not None:
+        without = [f"{key} = {delayed.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]
         said.append(
             f"the harmonics say that the response lags the drive by {1e6 * delayed.delay:.4g} ± "
-            f"{1e6 * delayed.error('delay'):.2g} µs beside the motion; without that, F_k = {delayed.F_k:.4g} N and c = "
-            f"{delayed.c:.4g} N s/m: give the delay in the mapping, or sample all channels at once"
+            f"{1e6 * delayed.error('delay'):.2g} µs beside the motion; without that, {listed(without)}: "
+            "give the delay in the mapping, or sample all channels at once"
         )
     return said
 
@@ -184,7 +188,7 @@ def _apart(estimated: ApproachResult | None, whole: Whole) -> str:
         return ""
     parts = []
     for symbol, own in estimated.coefficients.items():
-        of_fit = float(getattr(whole.fit, symbol))
+        of_fit = whole.fit.value(symbol)
         # the fit uses all that the balance uses: the variance of their difference is that of their variances
         error = math.sqrt(max(own.standard_error**2 - whole.fit.error(symbol) ** 2, 0.0))
         error = max(error, 0.5 * own.standard_error, 1e-7 * abs(of_fit))

@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from ..law.law import Law
+from ..law.terms import FRICTION
 from ..reading.lines import Lines, improbable, linear_misfit
 from ..reading.noisy import Reading
 from ..reading.waveforms import Fit, fit_oscillator, with_delay, with_mass
@@ -41,14 +43,22 @@ class Whole:
         return self.fit is not None and self.fit.adequate and not self.linear
 
 
-def whole_oscillator(lines: Sequence[Lines], k: float, m: float | None = None) -> Whole:
-    """The oscillator behind the records.   k : N/m.   m : kg, if it is known.
+def whole_oscillator(
+    lines: Sequence[Lines],
+    k: float,
+    m: float | None = None,
+    law: Law | None = None,
+    near: Fit | None = None,
+) -> Whole:
+    """The oscillator behind the records.   k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and
+    c. near : a fit with another law, from which alone to start.
 
     The records tell the mass by themselves, nearly as well as a balance: one that contradicts them is left out.
     """
-    chi_square, freedom = linear_misfit(lines, k)
+    law = law or Law()
+    chi_square, freedom = linear_misfit(lines, k, law.terms)
     slips = improbable(chi_square, freedom, lines)
-    fit = fit_oscillator(lines, k, thorough=slips)
+    fit = fit_oscillator(lines, k, law, near=near, thorough=slips and near is None)
     explained = 0.0 if fit is None else chi_square - fit.chi_square
     linear = explained < _SHOWS and not slips
     if fit is None or linear:
@@ -61,24 +71,24 @@ def whole_oscillator(lines: Sequence[Lines], k: float, m: float | None = None) -
     return Whole(fit, linear, delayed, late, m, m is None or fits)
 
 
-def joined(readings: Sequence[Reading], whole: Whole) -> list[Reading]:
+def joined(readings: Sequence[Reading], whole: Whole, law: Law | None = None) -> list[Reading]:
     """The readings with the waveforms of the fit; where they do not hold, without any, and with no more of the nearest
-    oscillator than the travel that its sticking takes."""
+    oscillator than the travel that its sticking takes.   law : the terms whose integrals are wanted."""
+    wanted = () if law is None else tuple(s for s in law.terms if s not in (FRICTION, "c"))
     if whole.fit is None or whole.linear:
-        return [replace(reading, joint=True, shared=None) for reading in readings]
+        return [replace(reading, joint=True, shared=None, terms=wanted) for reading in readings]
     if not whole.fit.adequate:
         return [
             replace(
                 reading,
                 joint=True,
                 shared=None,
-                taken=4.0 * orbit.X - orbit.a if slips else math.nan,
+                terms=wanted,
+                taken=response.taken if response.slips else math.nan,
             )
-            for reading, orbit, slips in zip(
-                readings, whole.fit.orbits, whole.fit.slips, strict=True
-            )
+            for reading, response in zip(readings, whole.fit.responses, strict=True)
         ]
     return [
-        replace(reading, joint=True, shared=waveform)
+        replace(reading, joint=True, shared=waveform, terms=wanted)
         for reading, waveform in zip(readings, whole.fit.waveforms, strict=True)
     ]

@@ -8,14 +8,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from ..balance import TERMS
 from ..features import COLUMNS
-from ..law.terms import named_with_unit
+from ..law.terms import named_with_unit, term
 from ..reading.noisy import Reading
 from .limits import REFERENCE, limits, shown
 from .notes import notes_of
 from .oscillator import Whole
-from .result import CONFIDENCE, ApproachResult, Identification, ParameterEstimate, parameters_of
+from .result import (
+    CONFIDENCE,
+    ApproachResult,
+    Identification,
+    ParameterEstimate,
+    parameters_of,
+    unit_of,
+)
 from .sensitivities import FAULTS, sensitivities
 from .verdicts import Verdict, in_one, judged_by_notes, verdicts_of
 
@@ -100,7 +106,7 @@ def text_table(result: Identification) -> str:
     thing once; for a screen."""
     symbols = list(dict.fromkeys(s for e in result.estimates.values() for s in e.coefficients))
     symbols.append("K_z")
-    table = [["", *(f"{symbol} ({_unit(symbol)})" for symbol in symbols), "verdict"]]
+    table = [["", *map(_headed, symbols), "verdict"]]
     lines: list[tuple[str, Mapping[str, ParameterEstimate], Mapping[str, Verdict]]] = [
         (name + (" *" if e.notes else ""), e.parameters, verdicts_of(e))
         for name, e in result.estimates.items()
@@ -163,8 +169,7 @@ def _approach(estimated: ApproachResult) -> dict[str, Any]:
         )
         for one, other in itertools.combinations(estimated.coefficients, 2)
     }
-    terms = estimated.rows.terms
-    columns = {TERMS[s].integral_column: terms[s] for s in TERMS if s in terms}
+    columns = {term(key).integral_column: g for key, g in estimated.rows.terms.items()}
     columns |= {"W_J": estimated.rows.W, "standard_error_J": estimated.row_errors}
     return entries | {
         "verdicts": _verdicts(verdicts_of(estimated)),
@@ -219,13 +224,15 @@ def _with_errors(parameter: ParameterEstimate) -> dict[str, float]:
     }
 
 
-def _unit(symbol: str) -> str:
-    return "N/m" if symbol == "K_z" else TERMS[symbol].unit
+def _headed(symbol: str) -> str:
+    """F_k (N): the head of a column of a table."""
+    unit = unit_of(symbol)
+    return f"{symbol} ({unit})" if unit else symbol
 
 
 def _key(symbol: str, what: str = "") -> str:
     """F_k_standard_error_N: what is said of a parameter, and its unit."""
-    return named_with_unit(f"{symbol}{what}", _unit(symbol))
+    return named_with_unit(f"{symbol}{what}", unit_of(symbol))
 
 
 def _record(reading: Reading, result: Identification, index: int) -> dict[str, Any]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..arrays import Array
 from ..balance import Rows
 from ..features import Features, Phase
+from ..law.law import Law
+from ..law.terms import term
 from ..reading.noisy import Reading
 from ..solver import NORMAL_95
 from .oscillator import Whole
@@ -42,14 +44,14 @@ class ParameterEstimate:
 class ApproachResult:
     """The estimates of one approach.
 
-    coefficients : of the balance's terms, by symbol, SI units, each row weighing as much as it is sure.   equal : the
-    same with all rows weighing alike, Eq. (9) as published.   K_z : N/m; its interval comes from that of K_z^{−1/2}.
-    correlations : of the errors of two coefficients, by their symbols.   shape_bias : relative error that the shape of
-    x(t) which the approach assumes makes in each coefficient, for the oscillator that was found; empty where none was.
-    residual : ‖A p − W‖/‖W‖ of the rows.   misfit : χ² of the rows about the fit, over their noise, per degree of
-    freedom: 1 where the balance holds for every level alike; NaN where there are no more rows than coefficients.
-    rows : of the balance, one per response.   row_errors : standard deviation of the misfit Σ g_j p_j − W, J, one per
-    response.   notes : what a reader of this approach must know; why something is missing.
+    coefficients : of the law's terms that are not given, by key, SI units, each row weighing as much as it is
+    sure.   equal : the same with all rows weighing alike, Eq. (9) as published.   K_z : N/m; its interval comes from
+    that of K_z^{−1/2}. correlations : of the errors of two coefficients, by their symbols.   shape_bias : relative
+    error that the shape of x(t) which the approach assumes makes in each coefficient, for the oscillator that was
+    found; empty where none was. residual : ‖A p − W‖/‖W‖ of the rows.   misfit : χ² of the rows about the fit, over
+    their noise, per degree of freedom: 1 where the balance holds for every level alike; NaN where there are no more
+    rows than coefficients. rows : of the balance, one per response.   row_errors : standard deviation of the misfit Σ
+    g_j p_j − W, J, one per response.   notes : what a reader of this approach must know; why something is missing.
     """
 
     approach: str
@@ -88,12 +90,13 @@ class Microstick:
 class Identification:
     """Estimates by approach, and all that they come from.
 
-    k : N/m.   phase : of the harmonic approaches.   whole : the fit of the oscillator to all records, the yardstick.
-    features : of the records, (n,), with the onset of slip of that oscillator.   warnings : of the records, and of how
-    the estimates agree.
+    k : N/m.   law : whose coefficients were identified.   phase : of the harmonic approaches.   whole : the fit of the
+    oscillator to all records, the yardstick. features : of the records, (n,), with the onset of slip of that
+    oscillator.   warnings : of the records, and of how the estimates agree.
     """
 
     k: float
+    law: Law
     phase: Phase
     readings: tuple[Reading, ...]
     whole: Whole
@@ -111,9 +114,15 @@ def parameters_of(whole: Whole) -> dict[str, ParameterEstimate]:
     if fit is None or whole.linear:
         return {}
     found = {}
-    for symbol, error in zip(("F_k", "c", "K_z"), fit.standard_errors, strict=True):
-        value = float(getattr(fit, symbol))
+    for key in fit.law.unknowns:
+        value, error = fit.value(key), fit.error(key)
         interval = Interval(value - NORMAL_95 * error, value + NORMAL_95 * error)
-        found[symbol] = ParameterEstimate(value, error, math.nan, interval)
-    found["K_z"] = replace(found["K_z"], interval=Interval(*fit.K_z_interval))
+        found[key] = ParameterEstimate(value, error, math.nan, interval)
+    of_contact = Interval(*fit.K_z_interval)
+    found["K_z"] = ParameterEstimate(fit.K_z, fit.K_z_error, math.nan, of_contact)
     return found
+
+
+def unit_of(key: str) -> str:
+    """SI unit of an identified parameter: a coefficient by its key, or K_z."""
+    return "N/m" if key == "K_z" else term(key).unit

@@ -16,10 +16,11 @@ from types import MappingProxyType
 import numpy as np
 
 from ..balance import APPROACHES
+from ..law.terms import FRICTION
 from ..reading.noisy import Means, Reading
 from ..reading.one_thread import one_thread
 from ..solver import solve
-from .identify import rows_with_onset
+from .identify import RowsOf
 from .microstick import sample_of
 from .notes import YARDSTICK
 from .result import Identification
@@ -69,8 +70,8 @@ def sensitivities(result: Identification) -> dict[str, dict[str, float]]:
     sample = sample_of(result.readings, [_faulty(reading, faults) for reading in result.readings])
     stiffer = 1.0 + _STEP * np.array([0.0, *(fault.stiffness for fault in faults)])
     features = sample.features.replaced(W=sample.features.W * stiffer)
-    approach = APPROACHES[YARDSTICK]
-    rows = rows_with_onset(approach(features.with_phase(result.phase), result.k), result.whole)
+    rows_of = RowsOf(APPROACHES[YARDSTICK], result.law, result.whole, result.k, result.phase)
+    rows = rows_of(features)
     weights = np.where(estimated.row_errors > 0.0, estimated.row_errors, 1.0) ** -2.0
     solved = solve(replace(rows, weights=np.broadcast_to(weights[:, None], rows.W.shape)))
     values = {
@@ -79,7 +80,8 @@ def sensitivities(result: Identification) -> dict[str, dict[str, float]]:
     with np.errstate(divide="ignore", invalid="ignore"):
         if math.isfinite(estimated.K_z.value):
             # 2F_k/L, the L of the waveforms, which does not know the stiffness
-            values["K_z"] = values["F_k"] / (sample.F_k * sample.rho**2)
+            friction = [values[key] for key in result.law.keys_of(FRICTION) if key in values]
+            values["K_z"] = np.mean(friction, axis=0) / (sample.F_k * sample.rho**2)
         changes = {symbol: (of[1:] / of[0] - 1.0) / _STEP for symbol, of in values.items()}
     return {
         name: {symbol: float(change[i]) for symbol, change in changes.items()}

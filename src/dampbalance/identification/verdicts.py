@@ -6,8 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from ..balance import TERMS
-from .result import ApproachResult, ParameterEstimate
+from .result import ApproachResult, ParameterEstimate, unit_of
 
 USABLE, DOUBTFUL, NONE = "usable", "doubtful", "none"
 
@@ -51,8 +50,7 @@ def _judged(symbol: str, parameter: ParameterEstimate, notes: Sequence[str]) -> 
 def _reasons(symbol: str, parameter: ParameterEstimate) -> Iterator[str]:
     """Why a number is doubtful by itself."""
     low, high = parameter.interval
-    unit = TERMS[symbol].unit if symbol in TERMS else "N/m"
     if math.isinf(parameter.value) or math.isinf(high):
-        yield f"a lower limit only: {symbol} is above {low:.4g} {unit}"
+        yield f"a lower limit only: {symbol} is above {low:.4g} {unit_of(symbol)}"
     elif not high - low <= abs(parameter.value):
         yield "its interval is wider than its value"

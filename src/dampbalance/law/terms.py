@@ -17,16 +17,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
+Force = Callable[[Any, Any, Any, Any], Any]
+"""h, or ∂h/∂ẋ, of (ẋ, ẏ, k, ω), numbers or arrays; m/s, m/s, N/m, rad/s."""
 
-Force = Callable[[Array, Array, "Array | float", "Array | float"], Array]
-"""h, or ∂h/∂ẋ, of (ẋ, ẏ, k, ω); m/s, m/s, N/m, rad/s."""
-
-Harmonic = Callable[[Array, Array, Array, Array, "Array | float"], Array]
-"""g of (ω, X, Y, φ, k) for a harmonic motion; rad/s, m, m, rad, N/m."""
+Harmonic = Callable[[Any, Any, Any, Any, Any], Any]
+"""g of (ω, X, Y, φ, k) for a harmonic motion, numbers or arrays; rad/s, m, m, rad, N/m."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +34,7 @@ class Term:
 
     symbol, unit, words : of the coefficient p, and what it is.   integral, integral_unit : of the factor g.
     force, slope : h and ∂h/∂ẋ; None for friction, whose force has a memory.   harmonic : g of a harmonic motion.
-    linear : whether h is linear in ẋ and ẏ, so that the motion under it has a closed form between events.
+    order : power of the velocity that h grows with: 0 for friction; 1 where the motion under it has a closed form.
     """
 
     symbol: str
@@ -46,7 +45,12 @@ class Term:
     force: Force | None = None
     slope: Force | None = None
     harmonic: Harmonic | None = None
-    linear: bool = False
+    order: int = 0
+
+    @property
+    def linear(self) -> bool:
+        """Whether h is linear in ẋ and ẏ, so that the motion under it has a closed form between events."""
+        return self.order == 1
 
     @property
     def column(self) -> str:
@@ -69,12 +73,9 @@ _EXPONENTS = str.maketrans("²³⁴", "234")
 
 def named_with_unit(name: str, unit: str) -> str:
     """A name for a column or key: what it holds, then its unit, as in c_N_s_per_m; no unit, no ending."""
+    name = name.replace("[", "_").replace("]", "").replace(" ", "_")
     ending = unit.replace(" ", "_").replace("/", "_per_").translate(_EXPONENTS)
     return f"{name}_{ending}" if ending else name
-
-
-def _viscous(omega: Array, X: Array, Y: Array, phi: Array, k: Array | float) -> Array:
-    return np.pi * omega * X**2
 
 
 KNOWN_TERMS: Mapping[str, Term] = MappingProxyType(
@@ -90,8 +91,8 @@ KNOWN_TERMS: Mapping[str, Term] = MappingProxyType(
                 "m²/s",
                 force=lambda v, w, k, omega: v,
                 slope=lambda v, w, k, omega: np.ones_like(v),
-                harmonic=_viscous,
-                linear=True,
+                harmonic=lambda omega, X, Y, phi, k: np.pi * omega * X**2,
+                order=1,
             ),
             Term(
                 "c_r",
@@ -102,7 +103,7 @@ KNOWN_TERMS: Mapping[str, Term] = MappingProxyType(
                 force=lambda v, w, k, omega: v - w,
                 slope=lambda v, w, k, omega: np.ones_like(v),
                 harmonic=lambda omega, X, Y, phi, k: np.pi * omega * (X**2 - X * Y * np.cos(phi)),
-                linear=True,
+                order=1,
             ),
             Term(
                 "c_2",
@@ -113,6 +114,7 @@ KNOWN_TERMS: Mapping[str, Term] = MappingProxyType(
                 force=lambda v, w, k, omega: np.abs(v) * v,
                 slope=lambda v, w, k, omega: 2.0 * np.abs(v),
                 harmonic=lambda omega, X, Y, phi, k: 8.0 / 3.0 * omega**2 * X**3,
+                order=2,
             ),
             Term(
                 "c_3",
@@ -123,6 +125,7 @@ KNOWN_TERMS: Mapping[str, Term] = MappingProxyType(
                 force=lambda v, w, k, omega: v**3,
                 slope=lambda v, w, k, omega: 3.0 * v**2,
                 harmonic=lambda omega, X, Y, phi, k: 0.75 * np.pi * omega**3 * X**4,
+                order=3,
             ),
             Term(
                 "eta",
@@ -133,7 +136,7 @@ KNOWN_TERMS: Mapping[str, Term] = MappingProxyType(
                 force=lambda v, w, k, omega: k / omega * v,
                 slope=lambda v, w, k, omega: k / omega * np.ones_like(v),
                 harmonic=lambda omega, X, Y, phi, k: np.pi * k * X**2,
-                linear=True,
+                order=1,
             ),
         )
     }
@@ -155,7 +158,12 @@ def term(key: str) -> Term:
     symbol, group = parted(key)
     if symbol not in KNOWN_TERMS:
         raise ValueError(f"unknown term {symbol!r}; known are {', '.join(KNOWN_TERMS)}")
-    return KNOWN_TERMS[symbol] if group is None else replace(KNOWN_TERMS[symbol], symbol=key)
+    found = KNOWN_TERMS[symbol]
+    return (
+        found
+        if group is None
+        else replace(found, symbol=key, integral=of_group(found.integral, group))
+    )
 
 
 def of_group(symbol: str, group: str) -> str:

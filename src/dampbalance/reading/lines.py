@@ -25,6 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
+from ..law.terms import KNOWN_TERMS
 from ..motion.jit import interpreted
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
@@ -124,16 +125,21 @@ def _aliased(steady: SteadyRecord, n: Integers) -> Array:
     return total
 
 
-def starts(lines: Sequence[Lines], k: float, *, wide: bool = False) -> Array:
+def starts(
+    lines: Sequence[Lines], k: float, relative: Array | None = None, *, wide: bool = False
+) -> Array:
     """(F_k, c, K_z, m) of oscillators that respond like the records, (n, 4), the closest first; each slips in one.
 
-    k : N/m.   wide : the closest of each contact stiffness, with masses over three decades beside those that the
-    fundamental gives, which knows little of the mass far below resonance.
+    k : N/m.   relative : friction of each record over F_k, (n,); default, the same in all.   wide : the closest of
+    each contact stiffness, with masses over three decades beside those that the fundamental gives, which knows little
+    of the mass far below resonance.
     """
-    candidates = _candidates(lines, k, wide)
+    relative = np.ones(len(lines)) if relative is None else relative
+    candidates = _candidates(lines, k, relative, wide)
     if not len(candidates):
         return candidates
-    harmonics, slips = (_all_responses if wide else _responses_to_contact)(candidates, lines, k)
+    respond = _all_responses if wide else _responses_to_contact
+    harmonics, slips = respond(candidates, lines, k, relative)
     misfit = np.zeros(len(candidates))
     for i, one in enumerate(lines):
         near = _NEAR * abs(one.x[0])
@@ -149,12 +155,14 @@ def starts(lines: Sequence[Lines], k: float, *, wide: bool = False) -> Array:
     return best
 
 
-def _all_responses(candidates: Array, lines: Sequence[Lines], k: float) -> tuple[Complexes, Mask]:
+def _all_responses(
+    candidates: Array, lines: Sequence[Lines], k: float, relative: Array
+) -> tuple[Complexes, Mask]:
     """x_1, x_3, x_5 of each candidate under the base of each record, (n, L, 3), m, and which slip in one of them."""
     F_k, c, K_z, m = candidates.T[:, :, None]
     omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
     with interpreted(False):  # thousands
-        orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
+        orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k * relative, Y=Y, omega=omega)
     harmonics = np.stack(
         [getattr(orbits, f"X_{n}") * np.exp(-1j * getattr(orbits, f"phi_{n}")) for n in _COMPARED],
         axis=-1,
@@ -164,17 +172,17 @@ def _all_responses(candidates: Array, lines: Sequence[Lines], k: float) -> tuple
 
 
 def _responses_to_contact(
-    candidates: Array, lines: Sequence[Lines], k: float
+    candidates: Array, lines: Sequence[Lines], k: float, relative: Array
 ) -> tuple[Complexes, Mask]:
     """As `_all_responses`, without an orbit: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics f_n of the
     force K_z z that the contact has in the motion as it was read."""
     F_k, c, K_z, m = candidates.T
     n = np.array(_COMPARED)
-    Z_m = F_k / K_z
     theta = np.arange(2 * _POINTS) * (2.0 * math.pi / _POINTS)  # the second cycle is steady
     turn = np.exp(-1j * np.outer(n, theta[_POINTS:]))
     harmonics, slips = [], []
-    for one in lines:
+    for one, share in zip(lines, relative, strict=True):
+        Z_m = share * F_k / K_z
         wave = (np.exp(1j * np.outer(theta, one.n)) @ np.where(one.clear, one.x, 0.0)).real
         z = np.zeros((theta.size, m.size))
         for i, step in enumerate(np.diff(wave), start=1):
@@ -188,25 +196,32 @@ def _responses_to_contact(
     return np.stack(harmonics, axis=1), slip
 
 
-def linear_misfit(lines: Sequence[Lines], k: float) -> tuple[float, int]:
+def linear_misfit(
+    lines: Sequence[Lines], k: float, terms: Sequence[str] = ("c",)
+) -> tuple[float, int]:
     """χ² of the records about a linear oscillator, and its degrees of freedom.
 
-    It has (k + K − mω² + icω) x_1 = kY, K ≥ 0 the stiffness of a contact that only sticks, and no other harmonics.
+    It has (k + K − mω² + iωΣ p_j h_j) x_1 = kY, K ≥ 0 the stiffness of a contact that only sticks, and no other
+    harmonics.   terms : of its damping, of which those that are linear count.
     """
     x_1 = np.array([one.x[0] for one in lines])
     omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
     z = k * Y / x_1 - k
     relative = [math.hypot(one.x_error[0] / abs(one.x[0]), one.Y_error / one.Y) for one in lines]
     error = np.abs(k * Y / x_1) * relative
-    elastic = np.column_stack([np.ones(omega.size), (omega / omega.max()) ** 2]) / error[:, None]
-    viscous = (omega / omega.max() / error)[:, None]
-    chi_square, rank = 0.0, 0
-    for columns, right in ((elastic, z.real / error), (viscous, z.imag / error)):
-        solution, _, columns_rank, _ = np.linalg.lstsq(columns, right, rcond=1e-6)
-        chi_square += float(np.sum((columns @ solution - right) ** 2))
-        rank += int(columns_rank)
+    columns = [np.ones(omega.size), (omega / omega.max()) ** 2]
+    for symbol in terms:
+        force = KNOWN_TERMS[symbol].force
+        if force is not None and KNOWN_TERMS[symbol].linear:
+            columns.append(1j * omega * force(1.0, Y / x_1, k, omega))
+    matrix = np.column_stack(columns) / error[:, None]
+    matrix = np.vstack([matrix.real, matrix.imag])
+    size = np.linalg.norm(matrix, axis=0)
+    right = np.concatenate([z.real / error, z.imag / error])
+    solution, _, rank, _ = np.linalg.lstsq(matrix / size, right, rcond=1e-6)
+    chi_square = float(np.sum((matrix / size @ solution - right) ** 2))
     chi_square += sum(float(np.sum(np.abs(one.x / one.x_error)[1:] ** 2)) for one in lines)
-    return chi_square, 2 * sum(one.n.size for one in lines) - rank
+    return chi_square, 2 * sum(one.n.size for one in lines) - int(rank)
 
 
 def improbable(chi_square: float, freedom: int, lines: Sequence[Lines]) -> bool:
@@ -222,7 +237,7 @@ def improbable(chi_square: float, freedom: int, lines: Sequence[Lines]) -> bool:
     return bool(special.fdtrc(freedom, known, chi_square / freedom) < CHANCE)
 
 
-def _candidates(lines: Sequence[Lines], k: float, wide: bool) -> Array:
+def _candidates(lines: Sequence[Lines], k: float, relative: Array, wide: bool) -> Array:
     """(F_k, c, K_z, m) that balance the work, (n, 4)."""
     fundamental = np.array([one.x[0] for one in lines])
     omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
@@ -237,17 +252,17 @@ def _candidates(lines: Sequence[Lines], k: float, wide: bool) -> Array:
         for share in (None, *_SHARES):
             F_k = c = 0.0
             for _ in range(8):  # the travel a depends on F_k through Z_m
-                slid = np.maximum(X - F_k / K_z, 0.0)
+                slid = np.maximum(X - F_k * relative / K_z, 0.0)
                 if not slid[known].any():
                     slid = np.maximum(slid, 0.05 * X)
-                a = 4.0 * slid
+                a = 4.0 * relative * slid
                 if share is None:
                     columns = np.column_stack([a, b])[known] / W[known, None]
                     F_k, c = _not_negative(columns)
                 else:
                     F_k = share * float(np.sum(W[known]) / np.sum(a[known]))
                     c = (1.0 - share) * float(np.sum(W[known]) / np.sum(b[known]))
-            theta = np.arccos(np.clip(1.0 - 2.0 * F_k / (K_z * X), -1.0, 1.0))
+            theta = np.arccos(np.clip(1.0 - 2.0 * F_k * relative / (K_z * X), -1.0, 1.0))
             contact = K_z / math.pi * (theta - np.sin(theta) * np.cos(theta))
             m = float(np.sum((apparent + contact) / omega**2 * X**2) / np.sum(X**2))
             masses = [m, *(k / (float(omega.max()) * _RATIOS) ** 2)] if wide else [m]

@@ -28,6 +28,8 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Integers
 from ..features import COLUMNS, Features, of_numbers, wrapped
+from ..law.integrals import of_harmonics
+from ..law.terms import KNOWN_TERMS
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
 from .lines import Lines
@@ -64,15 +66,14 @@ class Means:
         """One mean as r: base and response grown by the factors 1 + drive and 1 + response, the response turned by
         `turn`, rad at the drive frequency, n times that at harmonic n; each (r,)."""
 
-        def turned(x: Complexes, first: int) -> Complexes:
-            n = first + 2 * np.arange(x.shape[1])
-            of_response: Complexes = x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
-            return of_response
+        def turned(x: Complexes, n: Array) -> Complexes:
+            changed: Complexes = x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
+            return changed
 
         return Means(
             self.Y * (1.0 + drive),
-            turned(self.x, 1),
-            turned(self.even, 2),
+            turned(self.x, np.arange(1.0, 2.0 * self.x.shape[1], 2.0)),
+            turned(self.even, np.arange(2.0, 2.0 * self.even.shape[1] + 1.0, 2.0)),
             self.base * (1.0 + drive)[:, None],
         )
 
@@ -83,13 +84,15 @@ class Reading:
 
     steady : the conditioned record.   joint : whether it was fitted together with others; else its waveform is fitted
     to this record alone.   shared : the waveform of that fit, None where none fits.   taken : λ = 4X − a, m, the travel
-    that sticking takes from 4X where no waveform tells.
+    that sticking takes from 4X where no waveform tells.   terms : of a law, beyond friction and a linear damper, whose
+    integrals are wanted.
     """
 
     steady: SteadyRecord
     joint: bool = False
     shared: Waveform | None = None
     taken: float = 0.0
+    terms: tuple[str, ...] = ()
 
     @cached_property
     def lines(self) -> Lines:
@@ -122,6 +125,18 @@ class Reading:
     def features(self) -> Features:
         """Features of the one response; where no waveform fits, X_s = −X (the rigid limit) and a = 4X − λ."""
         return self.features_of(self.mean)
+
+    @property
+    def exact_features(self) -> Features:
+        """Features of the waveform itself. Raises ValueError where none fits."""
+        waveform = self.waveform
+        if waveform is None:
+            raise ValueError(f"{self.steady.source}: no waveform fits")
+        at = waveform.fit.unknowns.at(waveform.index)
+        x = waveform.response.harmonics(self.lines.n.size)
+        none = np.zeros((1, 0), dtype=np.complex128)
+        means = Means(waveform.fit.point[[at["Y"]]], x[None], none, none, 0.0)
+        return self.features_of(means, np.zeros((self._unknowns, 1)))
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -290,6 +305,7 @@ def _features(reading: Reading, means: Means, moved: Array) -> Features:
     theta_peak, X = turning_points(odd, even)
     reversal = wrapped(theta_peak)
     regime, length, (V_s, t_s, taken) = _onset(reading, means, moved)
+    variance = np.append(odd.variance, even.variance)
     return of_numbers(
         steady.omega,
         regime,
@@ -312,7 +328,20 @@ def _features(reading: Reading, means: Means, moved: Array) -> Features:
         b=math.pi * steady.omega * (squares @ n**2 + even.squares @ even.n**2),
         W=math.pi * steady.k * means.Y * amplitudes[:, 0] * np.sin(lag)
         + math.pi * steady.k * _beyond(odd, even, means),
+        **{
+            KNOWN_TERMS[symbol].integral: of_harmonics(
+                symbol, *_all(odd, even, means), steady.omega, steady.k, variance
+            )
+            for symbol in reading.terms
+        },
     )
+
+
+def _all(odd: Series, even: Series, means: Means) -> tuple[Array, Complexes, Array, Complexes]:
+    """Orders and harmonics of the response, and of the base: (h,), (r, h), (l,), (r, l), m."""
+    base = np.hstack([means.Y[:, None], means.base])
+    n = np.concatenate([odd.n, even.n])
+    return n, np.hstack([odd.x, even.x]), np.arange(1.0, base.shape[1] + 1.0), base
 
 
 def _beyond(odd: Series, even: Series, means: Means) -> Array:
@@ -334,10 +363,15 @@ def _onset(reading: Reading, means: Means, moved: Array) -> tuple[str, Array, Ar
     if waveform is None:
         return UNKNOWN, np.zeros(count), np.array([[0.0], [0.0], [reading.taken]]) * np.ones(count)
     if not reading.slips:
-        return str(waveform.orbit.regime), np.full(count, math.nan), np.full((3, count), math.nan)
+        return (
+            str(waveform.response.orbit.regime),
+            np.full(count, math.nan),
+            np.full((3, count), math.nan),
+        )
     fit = waveform.fit
-    square = moved[2] ** 2 - means.bias * fit.error("rho") ** 2
-    length = 2.0 * fit.F_k * (fit.rho**2 + square) + waveform.length_slope @ moved
+    at = fit.unknowns.at(waveform.index)
+    square = moved[at["rho"]] ** 2 - means.bias * fit.error("rho") ** 2
+    length = 2.0 * waveform.F_k * (fit.rho**2 + square) + waveform.length_slope @ moved
     onset = waveform.onset[:, None] + waveform.onset_slope @ moved
-    onset[2] += 4.0 * fit.F_k * square
-    return str(waveform.orbit.regime), length, onset
+    onset[2] += 4.0 * waveform.F_k * square
+    return str(waveform.response.orbit.regime), length, onset

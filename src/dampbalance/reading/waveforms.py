@@ -1,9 +1,9 @@
 """One oscillator for all records: the exact steady waveforms that fit their harmonics best.
 
-The waveform of a record is the steady orbit of the oscillator (m, c, k, K_z, F_k) under y = Y cos ωt. The stiffness k
-is given; F_k, c, ρ = K_z^{−1/2} and, unless it is given, the mass m are common to all records, Y and the phase ψ of the
-base are each record's own. Where the noise is white, harmonics taken by least squares over whole cycles hold all that a
-record tells of a steady motion, so that
+The waveform of a record is the steady response of the oscillator (m, k, K_z, F_k) with a damping law, F_k and c unless
+told otherwise, under y = Y cos ωt. The stiffness k is given; the coefficients of the law, ρ = K_z^{−1/2} and, unless
+it is given, the mass m are common to all records, Y and the phase ψ of the base are each record's own. Where the noise
+is white, harmonics taken by least squares over whole cycles hold all that a record tells of a steady motion, so that
 
     χ² = Σ |x_n(model) e^{inψ} − x_n|²/σ_n² + (Y(model) − Y)²/σ_Y² + (Yψ)²/σ_Y²
 
@@ -18,27 +18,28 @@ two channels) turns harmonic n by n times its angle, and can be left free.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
-from ..model import BaseMotion, Oscillator
-from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
+from ..law.law import Law
+from ..law.steady import Response
+from ..law.terms import FRICTION, parted
+from ..motion.jit import interpreted
+from ..motion.orbit import NoSteadyOrbit
 from ..solver import NORMAL_95
 from .climb import Climb, Evaluation, NoConvergence, NoStart, climb
-from .lines import SLIPS, Lines, improbable, starts
-
-COMMON = ("F_k", "c", "rho", "m", "delay")
-"""Unknowns common to all records; those of each record, Y and ψ, follow."""
+from .lines import Lines, improbable, starts
+from .unknowns import Unknowns, worth
 
 _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
 _GAIN = 5e-8  # of half of χ², where the climb ends
-_STEP = 1e-6  # of the finite differences: orbits are exact to 1e-13
 _STIFFEST = 1e12  # of K_z/k: the contact that stands for a rigid one
 _MOST = 30  # evaluations at each softening: a climb to where the records are takes about ten
 _MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
@@ -48,16 +49,16 @@ _MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes 
 class Fit:
     """The oscillator whose waveforms fit the harmonics of n records best.
 
-    lines : of the records.   k : N/m.   point : the unknowns (COMMON, then Y, ψ of each record), SI, (p,).
+    lines : of the records.   unknowns : names and places of its p unknowns.   point : their values, SI, (p,).
     covariance : of the point, (p, p); zero where an unknown was given.
     response : of the point to the data in units of their errors, (p, data): dp = response · d(data)/σ; the data of a
     record are |Y|, its phase, Re x_n, Im x_n.   places : where the data of each record are.
     residual : (model − data)/σ, (data,).   chi_square : its square.   freedom : its degrees of freedom.
-    rigid, undamped : whether ρ, c are at zero.
+    rigid : whether ρ is at zero.   undamped : keys of the coefficients that are at zero.
     """
 
     lines: tuple[Lines, ...]
-    k: float
+    unknowns: Unknowns
     point: Array
     covariance: Array
     response: Array
@@ -66,22 +67,36 @@ class Fit:
     chi_square: float
     freedom: int
     rigid: bool
-    undamped: bool
+    undamped: tuple[str, ...]
+
+    @property
+    def law(self) -> Law:
+        """Whose coefficients were fitted."""
+        return self.unknowns.law
+
+    @property
+    def k(self) -> float:
+        """Stiffness, N/m."""
+        return self.unknowns.k
+
+    def value(self, name: str) -> float:
+        """A common unknown, in its unit: a coefficient by its key, rho, m or delay."""
+        return float(self.point[self.unknowns.names.index(name)])
 
     @property
     def F_k(self) -> float:
-        """Friction force, N."""
-        return float(self.point[0])
+        """Friction force, N; the mean over the groups where it has some."""
+        return float(self.unknowns.friction(self.point))
 
     @property
     def c(self) -> float:
-        """Viscous damping, N s/m."""
-        return float(self.point[1])
+        """Viscous damping, N s/m; 0 where the law has none."""
+        return self.value("c") if "c" in self.unknowns.names else 0.0
 
     @property
     def rho(self) -> float:
         """K_z^{−1/2}, (m/N)^{1/2}; 0 for a rigid contact."""
-        return 0.0 if self.rigid else float(self.point[2])
+        return 0.0 if self.rigid else self.value("rho")
 
     @property
     def K_z(self) -> float:
@@ -91,23 +106,22 @@ class Fit:
     @property
     def m(self) -> float:
         """Mass, kg."""
-        return float(self.point[3])
+        return self.value("m")
 
     @property
     def delay(self) -> float:
         """Time by which the response lags the base in the records beside what the motion makes it, s."""
-        return float(self.point[4])
+        return self.value("delay")
 
     def error(self, name: str) -> float:
         """Standard error of a common unknown, in its unit; 0 where it was given."""
-        at = COMMON.index(name)
+        at = self.unknowns.names.index(name)
         return math.sqrt(self.covariance[at, at])
 
     @property
-    def standard_errors(self) -> tuple[float, float, float]:
-        """Of F_k (N), c (N s/m), K_z (N/m); infinite where the contact is rigid."""
-        K_z = math.inf if self.rigid else 2.0 * self.K_z**1.5 * self.error("rho")
-        return self.error("F_k"), self.error("c"), K_z
+    def K_z_error(self) -> float:
+        """Standard error of K_z, N/m; infinite where the contact is rigid."""
+        return math.inf if self.rigid else 2.0 * self.K_z**1.5 * self.error("rho")
 
     @property
     def K_z_interval(self) -> tuple[float, float]:
@@ -137,14 +151,17 @@ class Fit:
         return np.array([np.mean(self.residual[place] ** 2) for place in self.places])
 
     @cached_property
-    def orbits(self) -> tuple[Orbit, ...]:
+    def responses(self) -> tuple[Response, ...]:
         """The motion of each record."""
-        return tuple(_orbit(self.point, i, one, self.k) for i, one in enumerate(self.lines))
+        responses: list[Response] = []
+        for i, one in enumerate(self.lines):
+            responses.append(self.unknowns.response(self.point, i, one.omega))
+        return tuple(responses)
 
     @property
     def slips(self) -> Mask:
         """Which records slip."""
-        return np.array([orbit.regime in SLIPS for orbit in self.orbits])
+        return np.array([response.slips for response in self.responses])
 
     @cached_property
     def waveforms(self) -> tuple[Waveform, ...]:
@@ -156,7 +173,7 @@ class Fit:
 class Waveform:
     """What features take from the motion of one record, with derivatives by the unknowns of the fit.
 
-    fit : that it belongs to.   index : of the record.   orbit : its motion.
+    fit : that it belongs to.   index : of the record.   response : its motion.
     onset : (V_s, t_s, λ), SI, λ = 4X − a the travel that sticking takes from 4X: 2L for one slip onset per half cycle.
     onset_slope : (3, p).   tail : harmonics x_n, n = 1, 3, 5 …, phases counted from the peak of y, m; tail_slope :
     their derivatives, (harmonics, p).
@@ -164,16 +181,21 @@ class Waveform:
 
     fit: Fit
     index: int
-    orbit: Orbit
+    response: Response
     onset: Array
     onset_slope: Array
     tail: Complexes
     tail_slope: Complexes
 
     @property
+    def F_k(self) -> float:
+        """Friction force of the record, N."""
+        return float(self.fit.point[self.fit.unknowns.at(self.index)[FRICTION]])
+
+    @property
     def length(self) -> float:
         """L = 2F_k/K_z, m, freed of its bias of second order."""
-        return 2.0 * self.fit.F_k * (self.fit.rho**2 - self.fit.error("rho") ** 2)
+        return 2.0 * self.F_k * (self.fit.rho**2 - self.fit.error("rho") ** 2)
 
     @property
     def length_error(self) -> float:
@@ -184,27 +206,39 @@ class Waveform:
     @property
     def length_slope(self) -> Array:
         """Derivatives of L by the unknowns, (p,)."""
-        slope = np.zeros(self.fit.point.size)
-        slope[0], slope[2] = 2.0 * self.fit.rho**2, 4.0 * self.fit.F_k * self.fit.rho
+        slope, at = np.zeros(self.fit.point.size), self.fit.unknowns.at(self.index)
+        slope[at[FRICTION]] = 2.0 * self.fit.rho**2
+        slope[at["rho"]] = 4.0 * self.F_k * self.fit.rho
         return slope
 
     @property
     def length_bound(self) -> float:
         """L is below it with 97.5 % confidence, m."""
-        return 2.0 * self.fit.F_k * (self.fit.rho + NORMAL_95 * self.fit.error("rho")) ** 2
+        return 2.0 * self.F_k * (self.fit.rho + NORMAL_95 * self.fit.error("rho")) ** 2
 
 
-def fit_oscillator(lines: Sequence[Lines], k: float, *, thorough: bool = True) -> Fit | None:
+def fit_oscillator(
+    lines: Sequence[Lines],
+    k: float,
+    law: Law | None = None,
+    *,
+    near: Fit | None = None,
+    thorough: bool = True,
+) -> Fit | None:
     """The oscillator of largest likelihood; None where no oscillator that slips responds like the records.
 
-    lines : of n ≥ 1 records.   k : stiffness, N/m.   thorough : whether more and more starts are tried until one leads
+    lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
+    near : a fit with another law, to start from.   thorough : whether more and more starts are tried until one leads
     to an oscillator that the records may be of.
     """
+    unknowns = Unknowns(law or Law(), len(lines), k)
+    if near is None and unknowns.law.nonlinear:  # the way there is shorter with exact orbits alone
+        near = fit_oscillator(lines, k, Law(groups=_of_friction(unknowns.law)), thorough=thorough)
+    relative = _relative_friction(lines, unknowns.law)
     best: Fit | None = None
-    for wide in (False, True)[: 1 + thorough]:
-        for F_k, c, K_z, m in starts(lines, k, wide=wide)[: _STARTS[wide]]:
-            start = np.array([F_k, c, K_z**-0.5, m, 0.0])
-            reached = _climbed(lines, k, start, {"delay"}, _SOFTENING)
+    with interpreted(False) if unknowns.law.nonlinear else nullcontext():
+        for start in _starting_points(lines, unknowns, relative, near, thorough):
+            reached = _climbed(lines, unknowns, start, {"delay"}, _SOFTENING)
             if reached is not None and (best is None or reached.chi_square < best.chi_square):
                 best = reached
                 if best.adequate:
@@ -212,40 +246,76 @@ def fit_oscillator(lines: Sequence[Lines], k: float, *, thorough: bool = True) -
     return best
 
 
+def _of_friction(law: Law) -> dict[str, tuple[str, ...]]:
+    return {FRICTION: law.groups[FRICTION]} if FRICTION in law.groups else {}
+
+
+def _starting_points(
+    lines: Sequence[Lines], unknowns: Unknowns, relative: Array, near: Fit | None, thorough: bool
+) -> Iterator[Array]:
+    """Points from which to climb, one after the other."""
+    if near is not None:
+        damping = sum(
+            near.value(key) / worth(parted(key)[0], one, near.k)
+            for key in near.law.keys
+            for one in lines[:1]
+            if parted(key)[0] != FRICTION
+        )
+        rho = max(near.rho, _STIFFEST**-0.5 * near.k**-0.5)
+        candidate = np.array([near.F_k, damping, rho**-2, near.m])
+        yield unknowns.start(lines, candidate, relative)
+        if not thorough:
+            return
+    for wide in (False, True)[: 1 + thorough]:
+        if wide and unknowns.law.nonlinear:
+            return  # each climb takes seconds
+        for candidate in starts(lines, unknowns.k, relative, wide=wide)[: _STARTS[wide]]:
+            yield unknowns.start(lines, candidate, relative)
+
+
+def _relative_friction(lines: Sequence[Lines], law: Law) -> Array:
+    """Friction of the group of each record over the mean of all, were all work taken by friction, (n,)."""
+    labels = law.groups.get(FRICTION)
+    if labels is None:
+        return np.ones(len(lines))
+    alone = np.array([max(-one.Y * one.x[0].imag / abs(one.x[0]), 1e-9 * one.Y) for one in lines])
+    means = {label: alone[[other == label for other in labels]].mean() for label in labels}
+    force = np.array([means[label] for label in labels])
+    relative: Array = force / np.mean(list(means.values()))
+    return relative
+
+
 def with_delay(fit: Fit) -> Fit | None:
     """The fit with the delay between base and response left free, from there on."""
     given = set() if fit.error("m") else {"m"}
-    return _climbed(fit.lines, fit.k, fit.point[: len(COMMON)], given, (0.0,))
+    return _climbed(fit.lines, fit.unknowns, fit.point, given, (0.0,))
 
 
 def with_mass(fit: Fit, m: float) -> Fit | None:
     """The fit with the mass given, kg, from there on; None where nothing slips with that mass."""
-    start = fit.point[: len(COMMON)].copy()
-    start[3] = m
-    return _climbed(fit.lines, fit.k, start, {"m", "delay"}, _SOFTENING)
+    start = fit.point.copy()
+    start[fit.unknowns.names.index("m")] = m
+    return _climbed(fit.lines, fit.unknowns, start, {"m", "delay"}, _SOFTENING)
 
 
 def _climbed(
     lines: Sequence[Lines],
-    k: float,
-    common: Array,
+    unknowns: Unknowns,
+    start: Array,
     given: set[str],
     softenings: Sequence[float],
 ) -> Fit | None:
-    """The fit that a climb from there ends in."""
-    own = [(one.Y, 0.0) for one in lines]
-    point = np.concatenate([common, np.ravel(own)])
-    m = float(common[3])
-    omega = max(one.omega for one in lines)
-    least = [(1e-3 * one.Y, -math.inf) for one in lines]
-    rigid = 1.0 / math.sqrt(_STIFFEST * k)
-    lower = np.array([1e-9 * common[0], 0.0, rigid, 1e-6 * m, -math.inf, *np.ravel(least)])
-    small = [common[0], 1e-3 * math.sqrt(k * m), 1e-3 * common[2], m, 1e-3 / omega]
-    scale = np.array([*small, *np.ravel([(one.Y, 1.0) for one in lines])])
-    free = np.array([i for i in range(point.size) if not given & set(COMMON[i : i + 1])])
+    """The fit that a climb from there ends in; Y and ψ start as they were read."""
+    names, law = unknowns.names, unknowns.law
+    point = start.copy()
+    point[len(names) :] = np.ravel([(one.Y, 0.0) for one in lines])
+    rigid = 1.0 / math.sqrt(_STIFFEST * unknowns.k)
+    lower, scale = unknowns.lower(point, lines, rigid), unknowns.scale(point, lines)
+    fixed = given | set(law.given)
+    free = np.array([i for i in range(point.size) if not fixed & set(names[i : i + 1])])
     climbed: Climb[Evaluation] | None = None
     for softening in softenings:
-        problem = _Problem(lines, k, point, free, softening)
+        problem = _Problem(lines, unknowns, point, free, softening)
         try:
             climbed = climb(
                 problem.evaluate, point[free], lower[free], scale[free], gain=_GAIN, most=_MOST
@@ -269,7 +339,7 @@ def _climbed(
     starts_at = [0, *ends[:-1]]
     return Fit(
         lines=tuple(lines),
-        k=k,
+        unknowns=unknowns,
         point=point,
         covariance=covariance,
         response=response,
@@ -277,31 +347,9 @@ def _climbed(
         residual=here.residual,
         chi_square=2.0 * here.value,
         freedom=here.residual.size - free.size,
-        rigid=bool(point[2] <= rigid),
-        undamped=bool(point[1] <= 0.0),
+        rigid=bool(point[names.index("rho")] <= rigid),
+        undamped=tuple(key for key in law.unknowns if point[names.index(key)] <= 0.0),
     )
-
-
-def _orbit(point: Array, i: int, one: Lines, k: float) -> Orbit:
-    """The motion of record i."""
-    F_k, c, rho, m = point[:4].tolist()
-    Y = float(point[len(COMMON) + 2 * i])
-    return steady_orbit(Oscillator(m=m, c=c, k=k, K_z=rho**-2, F_k=F_k), BaseMotion(Y, one.omega))
-
-
-def _steps(point: Array, one: Lines, k: float) -> list[float]:
-    """Steps of the differences by F_k, c, ρ, m: a part of each, or of what matters where it is close to zero."""
-    F_k, c, rho, m = point[:4].tolist()
-    shortest = 1e-2 / (one.omega * math.sqrt(m))  # sticks for about 1e-2 of a cycle
-    parts = (F_k, max(c, 2e-2 * math.sqrt(k * m)), max(rho, shortest), m)
-    return [_STEP * part for part in parts]
-
-
-def _moved(point: Array, j: int, step: float) -> Array:
-    """The point with one unknown moved."""
-    moved = point.copy()
-    moved[j] += step
-    return moved
 
 
 @dataclass(frozen=True, eq=False)
@@ -312,34 +360,35 @@ class _Problem:
     """
 
     lines: Sequence[Lines]
-    k: float
+    unknowns: Unknowns
     point: Array
     free: Integers
     softening: float
 
     def evaluate(self, free: Array) -> Evaluation | None:
         """Half of χ² with its derivatives; None where nothing slips, there is no orbit, or the contact rattles."""
-        point = self.point.copy()
+        point, unknowns = self.point.copy(), self.unknowns
         point[self.free] = free
+        delay = unknowns.names.index("delay")
         residuals, slopes, slips = [], [], False
         for i, one in enumerate(self.lines):
             try:
-                orbit = _orbit(point, i, one, self.k)
-                if len(orbit.phases) > _MOST_PHASES:
+                response = unknowns.response(point, i, one.omega)
+                if len(response.orbit.phases) > _MOST_PHASES:
                     return None
-                x, by = _harmonics(point, i, one, self.k, orbit, one.n.size)
+                x, by = unknowns.harmonics(point, i, one, response, one.n.size)
             except (NoSteadyOrbit, ValueError):
                 return None
-            slips |= orbit.regime in SLIPS
-            at = len(COMMON) + 2 * i
-            Y, psi = point[at], point[at + 1]
+            slips |= response.slips
+            at = unknowns.at(i)
+            Y, psi = point[at["Y"]], point[at["psi"]]
             error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
             Y_error = math.hypot(one.Y_error, self.softening * one.Y)
             off, slope = (x - one.x) / error, by / error[:, None]
-            lag = psi + one.omega * point[4]
+            lag = psi + one.omega * point[delay]
             of_base = np.zeros((2, point.size))
-            of_base[0, at] = 1.0 / Y_error
-            of_base[1, at + 1], of_base[1, 4] = one.Y / Y_error, one.omega * one.Y / Y_error
+            of_base[0, at["Y"]] = 1.0 / Y_error
+            of_base[1, at["psi"]], of_base[1, delay] = one.Y / Y_error, one.omega * one.Y / Y_error
             base = [(Y - one.Y) / Y_error, lag * one.Y / Y_error]
             residuals += [base, off.real, off.imag]
             slopes += [of_base, slope.real, slope.imag]
@@ -348,40 +397,9 @@ class _Problem:
         return Evaluation.of_residuals(np.concatenate(residuals), np.vstack(slopes)[:, self.free])
 
 
-def _harmonics(
-    point: Array, i: int, one: Lines, k: float, orbit: Orbit, count: int
-) -> tuple[Complexes, Complexes]:
-    """Harmonics of record i, turned by ψ, m, (h,), and their derivatives by all unknowns, (h, p).
-
-    By F_k, c, ρ, m from orbits beside this one; by Y from ∂x/∂Y = (x − F_k ∂x/∂F_k)/Y, the motion being homogeneous of
-    degree one in (Y, F_k).
-    """
-    at = len(COMMON) + 2 * i
-    n = np.arange(1, 2 * count, 2)
-    turn = np.exp(1j * n * point[at + 1])
-    x = orbit.harmonics(count)
-    slope = np.zeros((count, point.size), dtype=np.complex128)
-    for j, step in enumerate(_steps(point, one, k)):
-        beside = _orbit(_moved(point, j, step), i, one, k)
-        slope[:, j] = (beside.harmonics(count) - x) / step
-    slope[:, at] = (x - point[0] * slope[:, 0]) / point[at]
-    slope[:, at + 1] = 1j * n * x
-    return x * turn, slope * turn[:, None]
-
-
 def _waveform(fit: Fit, i: int) -> Waveform:
     """What features take from the motion of record i."""
-    one, orbit, point = fit.lines[i], fit.orbits[i], fit.point
-    at = len(COMMON) + 2 * i
-    onset, slope = _onset(orbit), np.zeros((3, point.size))
-    for j, step in enumerate(_steps(point, one, fit.k)):
-        slope[:, j] = (_onset(_orbit(_moved(point, j, step), i, one, fit.k)) - onset) / step
-    degree = np.array([1.0, 0.0, 1.0])  # of V_s, t_s, λ in (Y, F_k)
-    slope[:, at] = (degree * onset - point[0] * slope[:, 0]) / point[at]
-    tail, tail_slope = _harmonics(point, i, one, fit.k, orbit, _HARMONICS)
-    return Waveform(fit, i, orbit, onset, slope, tail, tail_slope)
-
-
-def _onset(orbit: Orbit) -> Array:
-    """(V_s, t_s, λ)."""
-    return np.array([orbit.V_s, orbit.t_s, 4.0 * orbit.X - orbit.a])
+    one, response = fit.lines[i], fit.responses[i]
+    onset, slope = fit.unknowns.onset(fit.point, i, one, response)
+    tail, tail_slope = fit.unknowns.harmonics(fit.point, i, one, response, _HARMONICS)
+    return Waveform(fit, i, response, onset, slope, tail, tail_slope)

@@ -24,6 +24,7 @@ from dampbalance import BaseMotion, balance, figures, steady_orbit
 from dampbalance.estimates import estimate_table
 from dampbalance.figures import looks, style
 from dampbalance.figures.cycle import branches
+from dampbalance.law.terms import Term
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, OMEGA, PAIRS, PAPER, features_at, orbits_at
 
 NAMES = ("figure1", "figure2", "figure3", "estimation_error")
@@ -477,9 +478,7 @@ def test_a_new_approach_and_a_new_term_are_drawn_like_the_others(stand_in, monke
     monkeypatch.setitem(
         balance.APPROACHES, "new", balance.Approach(balance.direct, "new", takes_phase=False)
     )
-    monkeypatch.setitem(
-        balance.TERMS, "d", Term("d", "kg/m", "quadratic damping", "g", "m³/s²")
-    )
+    monkeypatch.setitem(balance.TERMS, "d", Term("d", "kg/m", "quadratic damping", "g", "m³/s²"))
     both = pd.concat([stand_in, stand_in.replace({"approach": "X_s", "phase": "common"}, "new")])
     both["phase"] = both["phase"].replace("new", "individual")
     oscillator = SimpleNamespace(F_k=1.28, c=90.0, d=2.0)

@@ -1,0 +1,113 @@
+"""Which terms a law has, which of their coefficients are known, and which belong to a group of records only."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from .terms import FRICTION, KNOWN_TERMS, in_order, of_group, parted, term
+
+_ALIKE = 1.001  # of two frequencies: nearer ones are one
+
+
+@dataclass(frozen=True)
+class Law:
+    """A damping law that is to be identified: terms of `KNOWN_TERMS`, friction among them.
+
+    terms : symbols.   given : symbol → coefficient that is known, SI.   groups : symbol → for each record the label of
+    the group that its coefficient belongs to; a term that is not named has one coefficient for all records.
+
+    Raises ValueError naming the term: unknown, no friction among them, a given value that no oscillator has, a given
+    term with groups.
+    """
+
+    terms: tuple[str, ...] = (FRICTION, "c")
+    given: Mapping[str, float] = field(default_factory=dict)
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "terms", in_order(self.terms))
+        if FRICTION not in self.terms:
+            raise ValueError(
+                f"a law needs the friction force {FRICTION}, got the terms {', '.join(self.terms) or 'none'}"
+            )
+        for what, named in (("given", self.given), ("grouped", self.groups)):
+            for symbol in named:
+                if term(symbol).symbol not in self.terms:
+                    raise ValueError(
+                        f"{symbol} is {what} and no term of the law: add it to the terms {', '.join(self.terms)}"
+                    )
+        for symbol, value in self.given.items():
+            if not (math.isfinite(value) and value >= 0.0) or (symbol == FRICTION and value == 0.0):
+                least = "positive" if symbol == FRICTION else "zero or more"
+                raise ValueError(
+                    f"the given {symbol} must be {least}, {KNOWN_TERMS[symbol].unit or 'a number'}, got {value}"
+                )
+            if symbol in self.groups:
+                raise ValueError(
+                    f"{symbol} is given and cannot have groups: leave out one of the two"
+                )
+        for symbol, labels in self.groups.items():
+            if not all(label and not set(label) & set("[]") for label in labels):
+                raise ValueError(
+                    f"the groups of {symbol} must be names without brackets, one for each record, got {list(labels)}"
+                )
+
+    @cached_property
+    def keys(self) -> tuple[str, ...]:
+        """Of all coefficients, in order: a symbol, or one for each group of its records, F_k[250 g]."""
+        return tuple(
+            key
+            for symbol in self.terms
+            for key in (
+                [of_group(symbol, label) for label in dict.fromkeys(self.groups[symbol])]
+                if symbol in self.groups
+                else [symbol]
+            )
+        )
+
+    @property
+    def unknowns(self) -> tuple[str, ...]:
+        """The keys of the coefficients that are to be identified."""
+        return tuple(key for key in self.keys if key not in self.given)
+
+    @property
+    def nonlinear(self) -> tuple[str, ...]:
+        """The terms under which the motion between two events has no closed form."""
+        return tuple(s for s in self.terms if s != FRICTION and not KNOWN_TERMS[s].linear)
+
+    def key(self, symbol: str, record: int) -> str:
+        """The key of the coefficient that a term has for a record, counted from 0."""
+        labels = self.groups.get(symbol)
+        return symbol if labels is None else of_group(symbol, labels[record])
+
+    def keys_of(self, symbol: str) -> tuple[str, ...]:
+        """The keys of all coefficients of a term."""
+        return tuple(key for key in self.keys if parted(key)[0] == symbol)
+
+    def require(self, frequencies_hz: Sequence[float]) -> None:
+        """ValueError where records at these frequencies cannot tell the terms apart, whatever they hold."""
+        count = len(frequencies_hz)
+        for symbol, labels in self.groups.items():
+            if len(labels) != count:
+                raise ValueError(
+                    f"the groups of {symbol} name {len(labels)} records, and there are {count}: one label for each"
+                )
+        alike = [s for s in ("c", "eta") if s in self.terms and s not in self.given]
+        if len(alike) > 1 and max(frequencies_hz) < _ALIKE * min(frequencies_hz):
+            raise ValueError(
+                f"at one frequency ({frequencies_hz[0]:.4g} Hz) structural damping eta and viscous damping c act "
+                "alike, c = eta k/omega: leave out one of them, or add records at another frequency"
+            )
+        if not self.unknowns:
+            raise ValueError("every coefficient is given: there is nothing to identify")
+        if count < len(self.unknowns):
+            needed = {1: "one level", 2: "two levels"}.get(
+                len(self.unknowns), f"{len(self.unknowns)} levels"
+            )
+            raise ValueError(
+                f"{' and '.join([', '.join(self.unknowns[:-1]), self.unknowns[-1]])} need responses at {needed} or "
+                f"more, got {count}: add records at other amplitudes"
+            )
