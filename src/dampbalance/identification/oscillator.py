@@ -64,7 +64,8 @@ def whole_oscillator(
     known = None if m is None else with_mass(fit, m)
     fits = known is not None and known.chi_square - fit.chi_square < _SHOWS
     fit = known if known is not None and fits else fit
-    delayed = with_delay(fit)
+    # a damper to the base and one to the ground together make up for any delay
+    delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
     late = delayed is not None and delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS
     return Whole(fit, linear, delayed, late, m, m is None or fits)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from ..arrays import Array
 from ..balance import Rows
@@ -15,6 +15,9 @@ from ..law.terms import term
 from ..reading.noisy import Reading
 from ..solver import NORMAL_95
 from .oscillator import Whole
+
+if TYPE_CHECKING:
+    from .laws import Comparison
 
 CONFIDENCE = 0.95
 
@@ -91,8 +94,9 @@ class Identification:
     """Estimates by approach, and all that they come from.
 
     k : N/m.   law : whose coefficients were identified.   phase : of the harmonic approaches.   whole : the fit of the
-    oscillator to all records, the yardstick. features : of the records, (n,), with the onset of slip of that
-    oscillator.   warnings : of the records, and of how the estimates agree.
+    oscillator to all records, the yardstick.   features : of the records, (n,), with the onset of slip of that
+    oscillator.   warnings : of the records, and of how the estimates agree.   laws : which laws the records support,
+    where that was asked.
     """
 
     k: float
@@ -106,6 +110,7 @@ class Identification:
     replicates: int
     seed: int
     warnings: tuple[str, ...]
+    laws: Comparison | None = None
 
 
 def parameters_of(whole: Whole) -> dict[str, ParameterEstimate]:

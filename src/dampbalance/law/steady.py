@@ -241,8 +241,7 @@ class _System:
 
     @cached_property
     def _rate(self) -> Complexes:
-        rate: Complexes = 1j * _tables()[0] * self.orbit.motion.omega
-        return rate
+        return np.asarray(1j * _tables()[0] * self.orbit.motion.omega)
 
     @cached_property
     def _at_reversal(self) -> Array:
@@ -266,7 +265,7 @@ class _System:
         rates = ((turns * self._rate) @ self.basis).real
         jacobian = self.impedance[:, None] * self.basis
         jacobian = jacobian + (2.0 / _POINTS) * (turns.conj().T @ (slope[:, None] * rates))
-        matrix = np.eye(2 * n.size + 1)
+        matrix: Array = np.eye(2 * n.size + 1)
         of_contact: Complexes = np.zeros(n.size, dtype=np.complex128)
         if self.contact is not None:
             of_contact, by_change = self.contact.force_and_slope(change)
