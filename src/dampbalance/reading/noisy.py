@@ -31,10 +31,11 @@ from ..features import COLUMNS, Features, of_numbers, wrapped
 from ..law.integrals import of_harmonics
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
+from .fitting import fit_oscillator
 from .lines import Lines
 from .one_thread import one_thread
 from .turning import Series, turning_points, upward_zero
-from .waveforms import Waveform, fit_oscillator
+from .waveforms import Waveform
 
 RESOLVED = 2.0
 """Standard errors by which the root of the microstick line's length must exceed zero to count as resolved."""
