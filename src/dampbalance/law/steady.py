@@ -18,8 +18,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
+from typing import Self
 
 import numpy as np
 
@@ -35,7 +36,7 @@ _NODES = (
     40  # of Gauss's rule in the stick phase: exact for the 63rd harmonic over half a cycle and more
 )
 _RIGID = 1e-11  # of X: microstick lines below it are rounding
-_MOST = 30
+_MOST, _CHORDS = 30, 3  # steps, and how many of them with the matrix of another response
 _REACHED = 1e-13  # of the amplitude
 _EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
 
@@ -47,7 +48,7 @@ class Response:
     orbit : exact, of the oscillator with the equivalent linear damper.   advance : phase by which the base of that
     orbit is before the real one, rad.   change : δ_n, n = 1, 3, 5 …, with the phases of the orbit, m; None where there
     is none.   turned : β, rad.   onset : phase ωt of the onset of slip after the reversal at −X, in those of the orbit,
-    rad; NaN without slip.
+    rad; NaN without slip.   matrix : of the last of Newton's steps that led to it.
     """
 
     orbit: Orbit
@@ -55,6 +56,7 @@ class Response:
     change: Complexes | None = None
     turned: float = 0.0
     onset: float = math.nan
+    matrix: Array | None = field(default=None, repr=False)
 
     @property
     def slips(self) -> bool:
@@ -107,33 +109,34 @@ def steady_response(
     law: Mapping[str, float],
     near: Response | None = None,
 ) -> Response:
-    """The steady response of an oscillator whose damping is that of `law`, not its own c.
+    """The steady response of an oscillator under a law.
 
-    law : symbol → coefficient of the terms other than friction, SI.   near : a response from which to start.
+    law : symbol → coefficient of the terms besides friction and c, which are the oscillator's, SI.
+    near : a response from which to start.
 
     Raises NoSteadyOrbit where there is none, or none with one onset of slip per half cycle under quadratic or cubic
     damping.
     """
     omega, k = motion.omega, oscillator.k
-    linear, others = 0.0, {}
+    linear, to_base, others = oscillator.c, 0.0, {}
     for symbol, p in law.items():
         force = KNOWN_TERMS[symbol].force
         if force is not None and KNOWN_TERMS[symbol].linear:
             linear += p * float(force(1.0, 0.0, k, omega))
+            to_base -= p * float(force(0.0, 1.0, k, omega))
         elif force is not None and p:
             others[symbol] = p
-    c_r = law.get("c_r", 0.0)
-    base = BaseMotion(motion.Y * math.hypot(1.0, omega * c_r / k), omega)
-    advance = math.atan2(omega * c_r, k)
+    base = BaseMotion(motion.Y * math.hypot(1.0, omega * to_base / k), omega)
+    advance = math.atan2(omega * to_base, k)
     if not others:
         return Response(steady_orbit(replace(oscillator, c=linear), base), advance)
     if near is not None and near.change is not None:
         extra = near.orbit.oscillator.c - linear
         orbit = steady_orbit(replace(oscillator, c=linear + max(extra, 0.0)), base)
-        found = _solved(orbit, linear, others, near.change, near.turned)
+        found = _solved(orbit, linear, others, near)
     else:
         orbit = _equivalent(replace(oscillator, c=linear), base, others)
-        found = _solved(orbit, linear, others, np.zeros(_HARMONICS, dtype=np.complex128), 0.0)
+        found = _solved(orbit, linear, others, None)
     return replace(found, advance=advance - found.turned)
 
 
@@ -184,70 +187,135 @@ class _Motion:
 
 
 def _solved(
-    orbit: Orbit, linear: float, others: Mapping[str, float], change: Complexes, turned: float
+    orbit: Orbit, linear: float, others: Mapping[str, float], near: Response | None
 ) -> Response:
-    """The response, by Newton's method on δ and β from there on."""
-    osc, omega = orbit.oscillator, orbit.motion.omega
-    if orbit.regime not in (Regime.ONE_SLIP, Regime.NO_SLIP):
-        raise NoSteadyOrbit(
-            "under quadratic or cubic damping only one onset of slip per half cycle can be followed, not: "
-            f"{orbit.regime}"
-        )
-    slips = orbit.regime == Regime.ONE_SLIP
-    n, _, turns, _, _ = _tables()
-    rate = 1j * n * omega
-    stiffness = osc.k if slips else osc.k + osc.K_z
-    impedance = stiffness - (n * omega) ** 2 * osc.m + rate * linear
-    basis = np.hstack([np.eye(n.size), -1j * np.eye(n.size)])  # δ = basis @ (A, B)
-    rates, projected = ((turns * rate) @ basis).real, (2.0 / _POINTS) * turns.conj().T
-    motion, drive = _Motion(orbit), osc.k * orbit.motion.Y
-    contact = _Contact(orbit, basis) if slips else None
-    matrix = np.zeros((2 * n.size + 1, 2 * n.size + 1))
-    matrix[-1, :-1] = ((rate * np.exp(1j * n * orbit.theta)) @ basis).real
-    if not slips:
-        matrix[-1] = np.eye(2 * n.size + 1)[-1]
-    right = np.zeros(2 * n.size + 1)
-    for _ in range(_MOST):
-        v = motion.velocity + (turns @ (rate * change)).real
-        still = np.zeros_like(v)
-        force, slope = -(osc.c - linear) * motion.velocity, np.zeros_like(v)
-        for symbol, p in others.items():
+    """The response, by Newton's method on δ and β; beside another with its matrix, as long as that leads there."""
+    system = _System.of(orbit, linear, others)
+    change, turned, matrix = np.zeros(_HARMONICS, dtype=np.complex128), 0.0, None
+    if near is not None and near.change is not None:
+        change, turned, matrix = near.change, near.turned, near.matrix
+    for repetition in range(_MOST):
+        if matrix is None or repetition >= _CHORDS:
+            right, matrix = system.equations(change, turned)
+        else:
+            right = system.residual(change, turned)
+        step = np.linalg.solve(matrix, right)
+        size = float(np.abs(step[:-1]).max())
+        if not size < 10.0 * orbit.X:
+            break
+        change, turned = change + system.basis @ step[:-1], turned + float(step[-1])
+        if size < _REACHED * orbit.X:
+            return _checked(orbit, change, turned, system.contact, matrix)
+    raise NoSteadyOrbit(f"the response under {dict(others)} was not found from {orbit.oscillator}")
+
+
+@dataclass(frozen=True, eq=False)
+class _System:
+    """The equations of δ and β, and of δ̇ = 0 at −X.
+
+    linear : c_l, N s/m.   others : the other terms.   basis : δ = basis @ (its real parts A, B).   impedance : of δ_n,
+    N/m.   contact : None where it sticks.
+    """
+
+    orbit: Orbit
+    linear: float
+    others: Mapping[str, float]
+    basis: Complexes
+    impedance: Complexes
+    contact: _Contact | None
+
+    @classmethod
+    def of(cls, orbit: Orbit, linear: float, others: Mapping[str, float]) -> Self:
+        """The equations of the response near an orbit. Raises NoSteadyOrbit for one of a kind that is not followed."""
+        osc, omega, n = orbit.oscillator, orbit.motion.omega, _tables()[0]
+        if orbit.regime not in (Regime.ONE_SLIP, Regime.NO_SLIP):
+            raise NoSteadyOrbit(
+                "under quadratic or cubic damping only one onset of slip per half cycle can be followed, not: "
+                f"{orbit.regime}"
+            )
+        slips = orbit.regime == Regime.ONE_SLIP
+        basis = np.hstack([np.eye(n.size), -1j * np.eye(n.size)])
+        stiffness = osc.k if slips else osc.k + osc.K_z
+        impedance = stiffness - (n * omega) ** 2 * osc.m + 1j * n * omega * linear
+        contact = _Contact(orbit, basis) if slips else None
+        return cls(orbit, linear, others, basis, impedance, contact)
+
+    @cached_property
+    def _rate(self) -> Complexes:
+        return np.asarray(1j * _tables()[0] * self.orbit.motion.omega)
+
+    @cached_property
+    def _at_reversal(self) -> Array:
+        """Of δ̇ at −X, by the real parts of δ."""
+        turn = np.exp(1j * _tables()[0] * self.orbit.theta)
+        return np.asarray(((self._rate * turn) @ self.basis).real)
+
+    @cached_property
+    def _velocity(self) -> Array:
+        return _Motion(self.orbit).velocity
+
+    def residual(self, change: Complexes, turned: float) -> Array:
+        """What is left of the equations, its sign changed."""
+        of_contact = 0.0 if self.contact is None else self.contact.force(change)
+        return self._right(change, turned, of_contact, self._forces(change, slopes=False)[0])
+
+    def equations(self, change: Complexes, turned: float) -> tuple[Array, Array]:
+        """The same, and the matrix of its derivatives."""
+        n, _, turns, _, _ = _tables()
+        force, slope = self._forces(change, slopes=True)
+        rates = ((turns * self._rate) @ self.basis).real
+        jacobian = self.impedance[:, None] * self.basis
+        jacobian = jacobian + (2.0 / _POINTS) * (turns.conj().T @ (slope[:, None] * rates))
+        matrix: Array = np.eye(2 * n.size + 1)
+        of_contact: Complexes = np.zeros(n.size, dtype=np.complex128)
+        if self.contact is not None:
+            of_contact, by_change = self.contact.force_and_slope(change)
+            jacobian = jacobian + by_change
+            by_turn = -1j * self.orbit.oscillator.k * self.orbit.motion.Y * np.exp(1j * turned)
+            matrix[0, -1], matrix[n.size, -1] = by_turn.real, by_turn.imag
+            matrix[-1] = np.append(self._at_reversal, 0.0)
+        matrix[: n.size, :-1], matrix[n.size : -1, :-1] = jacobian.real, jacobian.imag
+        return self._right(change, turned, of_contact, force), matrix
+
+    def _forces(self, change: Complexes, *, slopes: bool) -> tuple[Array, Array]:
+        """N − c_e ẋ of the orbit, and ∂N/∂ẋ, at the phases of half a cycle."""
+        turns, osc, omega = _tables()[2], self.orbit.oscillator, self.orbit.motion.omega
+        v = self._velocity + (turns @ (self._rate * change)).real
+        force, slope = -(osc.c - self.linear) * self._velocity, np.zeros_like(v)
+        for symbol, p in self.others.items():
             of_term = KNOWN_TERMS[symbol]
             assert of_term.force is not None
             assert of_term.slope is not None
-            force = force + p * of_term.force(v, still, osc.k, omega)
-            slope = slope + p * of_term.slope(v, still, osc.k, omega)
-        residual = impedance * change + projected @ force
-        jacobian = impedance[:, None] * basis + projected @ (slope[:, None] * rates)
-        residual[0] -= drive * np.expm1(1j * turned)
-        if contact is not None:
-            of_contact, by_change = contact.force(change)
-            residual, jacobian = residual + of_contact, jacobian + by_change
-            right[-1] = -matrix[-1, :-1] @ np.concatenate([change.real, -change.imag])
-            by_turn = -1j * drive * np.exp(1j * turned)
-            matrix[0, -1], matrix[n.size, -1] = by_turn.real, by_turn.imag
-        matrix[: n.size, :-1], matrix[n.size : -1, :-1] = jacobian.real, jacobian.imag
-        right[: n.size], right[n.size : -1] = -residual.real, -residual.imag
-        step = np.linalg.solve(matrix, right)
-        if not np.abs(step[:-1]).max() < 10.0 * orbit.X:
-            break
-        change, turned = change + basis @ step[:-1], turned + float(step[-1])
-        if np.abs(step[:-1]).max() < _REACHED * orbit.X:
-            return _checked(orbit, change, turned, contact)
-    raise NoSteadyOrbit(f"the response under {dict(others)} was not found from {osc}")
+            force = force + p * of_term.force(v, 0.0, osc.k, omega)
+            if slopes:
+                slope = slope + p * of_term.slope(v, 0.0, osc.k, omega)
+        return force, slope
+
+    def _right(
+        self, change: Complexes, turned: float, of_contact: Complexes | float, force: Array
+    ) -> Array:
+        projected = (2.0 / _POINTS) * (_tables()[2].conj().T @ force)
+        residual = self.impedance * change + projected + of_contact
+        last = 0.0
+        if self.contact is not None:
+            residual[0] -= self.orbit.oscillator.k * self.orbit.motion.Y * np.expm1(1j * turned)
+            last = float(self._at_reversal @ np.concatenate([change.real, -change.imag]))
+        return -np.concatenate([residual.real, residual.imag, [last]])
 
 
-def _checked(orbit: Orbit, change: Complexes, turned: float, contact: _Contact | None) -> Response:
+def _checked(
+    orbit: Orbit, change: Complexes, turned: float, contact: _Contact | None, matrix: Array
+) -> Response:
     """The response, if it is one of the kind that was assumed."""
     motion = _Motion(orbit)
     if contact is None:
         if np.abs(motion.at(_tables()[1], change)[0]).max() > orbit.oscillator.Z_m:
             raise NoSteadyOrbit("the contact begins to slip under quadratic or cubic damping")
-        return Response(orbit, 0.0, change, turned)
+        return Response(orbit, 0.0, change, turned, matrix=matrix)
     between = orbit.theta + np.linspace(0.0, math.pi, 66)[1:-1]
     if not (motion.at(between, change)[1] > 0.0).all():
         raise NoSteadyOrbit("the velocity changes its sign inside a half cycle")
-    return Response(orbit, 0.0, change, turned, contact.onset(change))
+    return Response(orbit, 0.0, change, turned, contact.onset(change), matrix)
 
 
 @dataclass(frozen=True, eq=False)
@@ -292,15 +360,24 @@ class _Contact:
     def _of_orbit(self) -> Complexes:
         return self._harmonics(np.zeros(_HARMONICS, dtype=np.complex128))[0]
 
-    def force(self, change: Complexes) -> tuple[Complexes, Complexes]:
-        """f_n[x + δ] − f_n[x], N, (h,), and its derivatives by the real parts of δ_n, (h, 2h)."""
+    def force(self, change: Complexes) -> Complexes:
+        """f_n[x + δ] − f_n[x], N, (h,)."""
+        if self.rigid:
+            return np.zeros_like(change)
+        return self._harmonics(change)[0] - self._of_orbit
+
+    def force_and_slope(self, change: Complexes) -> tuple[Complexes, Complexes]:
+        """The same, and its derivatives by the real parts of δ_n, (h, 2h)."""
         if self.rigid:
             return np.zeros_like(change), np.zeros_like(self.basis)
-        f, by_change = self._harmonics(change)
+        f, turns, weighted = self._harmonics(change)
+        moved = (turns @ self.basis).real
+        by_change = self.orbit.oscillator.K_z * weighted.T @ (moved[:-1] - moved[-1])
         return f - self._of_orbit, by_change
 
-    def _harmonics(self, change: Complexes) -> tuple[Complexes, Complexes]:
-        """As `force`, of (2/π) ∫ (f − F_k) e^{−inθ} dθ over the stick phase; the rest is the same in both."""
+    def _harmonics(self, change: Complexes) -> tuple[Complexes, Complexes, Complexes]:
+        """(2/π) ∫ (f − F_k) e^{−inθ} dθ over the stick phase, N, (h,): the rest is the same in both; e^{inθ} at the
+        nodes and at the reversal; the weights of the nodes in the integral."""
         osc, reversal, (n, _, _, nodes, weights) = (
             self.orbit.oscillator,
             self.orbit.theta,
@@ -311,6 +388,4 @@ class _Contact:
         x = self.motion.at(theta, change)[0]
         turns = np.exp(1j * np.outer(theta, n))
         weighted = (2.0 / math.pi) * length * weights[:, None] * turns[:-1].conj()
-        f = (osc.K_z * (x[:-1] - x[-1]) - 2.0 * osc.F_k) @ weighted
-        moved = (turns @ self.basis).real
-        return f, osc.K_z * weighted.T @ (moved[:-1] - moved[-1])
+        return (osc.K_z * (x[:-1] - x[-1]) - 2.0 * osc.F_k) @ weighted, turns, weighted

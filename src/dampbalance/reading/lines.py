@@ -225,16 +225,21 @@ def linear_misfit(
 
 
 def improbable(chi_square: float, freedom: int, lines: Sequence[Lines]) -> bool:
-    """Whether noise makes a χ² as large as this hardly ever (`CHANCE`).
+    """Whether noise makes a χ² as large as this hardly ever (`CHANCE`)."""
+    return probability(chi_square, freedom, lines) < CHANCE
+
+
+def probability(chi_square: float, freedom: int, lines: Sequence[Lines]) -> float:
+    """Probability of a χ² as large as this in noise; 1 without freedom.
 
     The errors come from a number of rows, and so it has an F distribution.
     """
     from scipy import special  # slow to import, as scipy.stats with the same functions is
 
     if freedom < 1:
-        return False
+        return 1.0
     known = sum(_NEIGHBOURS * max(1, one.rows - 1) for one in lines)
-    return bool(special.fdtrc(freedom, known, chi_square / freedom) < CHANCE)
+    return float(special.fdtrc(freedom, known, chi_square / freedom))
 
 
 def _candidates(lines: Sequence[Lines], k: float, relative: Array, wide: bool) -> Array:
