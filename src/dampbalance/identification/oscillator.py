@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 from ..law.law import Law
 from ..law.terms import FRICTION
+from ..reading.fitting import fit_oscillator, with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
 from ..reading.noisy import Reading
-from ..reading.waveforms import Fit, fit_oscillator, with_delay, with_mass
+from ..reading.waveforms import Fit
 
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 
@@ -64,7 +65,8 @@ def whole_oscillator(
     known = None if m is None else with_mass(fit, m)
     fits = known is not None and known.chi_square - fit.chi_square < _SHOWS
     fit = known if known is not None and fits else fit
-    delayed = with_delay(fit)
+    # a damper to the base and one to the ground together make up for any delay
+    delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
     late = delayed is not None and delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS
     return Whole(fit, linear, delayed, late, m, m is None or fits)
 

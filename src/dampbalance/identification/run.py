@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from ..records.limits import LARGEST
 from ..records.mapping import MappingLike, mapping_file, mapping_for, parts_of
 from . import reporting
 from .identify import REPLICATES, SEED, identify
+from .laws import compare_laws
 from .loading import Loaded, load
 from .outputs import FIGURES
 from .result import Identification
@@ -109,6 +110,16 @@ def identify_files(
         replicates=replicates,
         seed=seed,
     )
+    if laws:
+        compared = compare_laws(
+            [one.reading for one in records],
+            k,
+            law=law,
+            mass=mass,
+            replicates=replicates,
+            seed=seed,
+        )
+        result = replace(result, laws=compared)
     options = {
         "stiffness_N_per_m": k,
         "frequency_hz": frequency_hz,
