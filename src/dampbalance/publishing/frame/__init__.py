@@ -33,7 +33,7 @@ def frame_page(
         "signed": signed,
         "shares": shares,
         "interval": lambda ends, digits: " to ".join(number(end, digits) for end in ends),
-        "span": lambda values: " to ".join(f"{end:.0f}" for end in (min(values), max(values))),
+        "span": lambda values: minus(" to ".join(f"{f(values):.0f}" for f in (min, max))),
     }
     rows = document["loads"]
     given = measured.get("given") or {}
@@ -44,7 +44,8 @@ def frame_page(
         k=measured["stiffness_N_per_m"],
         given=listed([f"{symbol} = {value:g} N s/m" for symbol, value in given.items()]),
         ripples_mN=[1e3 * row["loop"]["ripple"] * row["F_k_N"] for row in rows],
-        creeps_um=[1e6 * row["loop"]["creep_m"] for row in rows],
+        lower_um=[1e6 * row["loop"]["given_way_m"][0] for row in rows],
+        upper_um=[1e6 * row["loop"]["given_way_m"][1] for row in rows],
         limits=limits,
     )
 

@@ -85,14 +85,15 @@ def viscous(
     return total
 
 
-def shape(loop: Loop, F_k: float) -> dict[str, float]:
+def shape(loop: Loop, F_k: float) -> dict[str, float | list[float]]:
     """How the loop departs from that of a contact of constant friction force F_k, N.
 
     Where the mass slides, well away from its stops: `rms`, `highest` and `lowest` of |f|/F_k − 1, the first per length;
     `along` and `speed`, by how much it changes from one end to the other and from rest to the largest speed, by least
     squares; `ripple_hz`, the frequency that, beside a constant in each direction, explains most of it, with its
-    amplitude `ripple` and the `explained` share of the mean square. At rest: `part_at_rest` of the cycle, and
-    `creep_m`, by how much the mass moves there, in the mean of both ends.
+    amplitude `ripple` and the `explained` share of the mean square. `part_at_rest` of the cycle is spent at rest;
+    `given_way_m`: by how far the mass moves there, at the lower and at the upper stop, while the force grows by 2F_k,
+    by least squares; an elastic contact gives way by 2F_k/K_z.
     """
     slid = np.abs(loop.v)
     off = np.sign(loop.v) * loop.force / F_k - 1.0
@@ -100,7 +101,7 @@ def shape(loop: Loop, F_k: float) -> dict[str, float]:
     ends = np.column_stack([np.ones(on.sum()), loop.x[on] / loop.X, slid[on] / slid.max()])
     _, along, speed = np.linalg.lstsq(ends, off[on])[0]
     frequency, amplitude, explained = _ripple(loop, off)
-    creeps = [float(np.ptp(loop.x[loop.at_rest & (sign * loop.x > 0.0)])) for sign in (1.0, -1.0)]
+    stops = [loop.at_rest & (sign * loop.x > 0.0) for sign in (-1.0, 1.0)]
     return {
         "rms": math.sqrt(float(np.sum(off[on] ** 2 * slid[on]) / np.sum(slid[on]))),
         "highest": float(off[on].max()),
@@ -111,7 +112,10 @@ def shape(loop: Loop, F_k: float) -> dict[str, float]:
         "ripple": amplitude,
         "explained": explained,
         "part_at_rest": float(np.mean(loop.at_rest)),
-        "creep_m": float(np.mean(creeps)),
+        "given_way_m": [
+            2.0 * F_k * float(np.polynomial.polynomial.polyfit(loop.force[at], loop.x[at], 1)[1])
+            for at in stops
+        ],
     }
 
 
