@@ -38,6 +38,7 @@ _NODES = (
 _RIGID = 1e-11  # of X: microstick lines below it are rounding
 _MOST, _CHORDS = 30, 3  # steps, and how many of them with the matrix of another response
 _REACHED = 1e-13  # of the amplitude
+_ROUNDING = 1e-15  # of X: what the displacement at an onset is known to
 _EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
 
 
@@ -349,7 +350,7 @@ class _Contact:
             step = omega * float((x[0] - x_r - 2.0 * osc.Z_m) / v[0]) if v[0] > 0.0 else -length
             step = min(max(step, -length), 0.5 * length)
             length = min(length - step, math.pi)
-            if abs(step) < 1e-14 * length:
+            if abs(step) <= max(1e-14 * length, _ROUNDING * abs(omega * x_r / v[0])):
                 break
         if not 0.0 < length < math.pi:
             raise NoSteadyOrbit("the contact does not slip in every half cycle")
