@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..law.terms import named_with_unit
-from .laws import ALPHA, Comparison, Evidence, Probability
+from .evidence import ALPHA, Comparison, Evidence, Probability
 from .result import unit_of
 
 

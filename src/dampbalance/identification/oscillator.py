@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 from ..law.law import Law
 from ..law.terms import FRICTION
+from ..reading.fitting import fit_oscillator, with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
 from ..reading.noisy import Reading
-from ..reading.waveforms import Fit, fit_oscillator, with_delay, with_mass
+from ..reading.waveforms import Fit
 
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 

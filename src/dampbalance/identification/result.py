@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from ..arrays import Array
 from ..balance import Rows
@@ -14,10 +14,8 @@ from ..law.law import Law
 from ..law.terms import term
 from ..reading.noisy import Reading
 from ..solver import NORMAL_95
+from .evidence import Comparison
 from .oscillator import Whole
-
-if TYPE_CHECKING:
-    from .laws import Comparison
 
 CONFIDENCE = 0.95
 

@@ -110,24 +110,25 @@ def steady_response(
     law: Mapping[str, float],
     near: Response | None = None,
 ) -> Response:
-    """The steady response of an oscillator whose damping is that of `law`, not its own c.
+    """The steady response of an oscillator under a law.
 
-    law : symbol → coefficient of the terms other than friction, SI.   near : a response from which to start.
+    law : symbol → coefficient of the terms besides friction and c, which are the oscillator's, SI.
+    near : a response from which to start.
 
     Raises NoSteadyOrbit where there is none, or none with one onset of slip per half cycle under quadratic or cubic
     damping.
     """
     omega, k = motion.omega, oscillator.k
-    linear, others = 0.0, {}
+    linear, to_base, others = oscillator.c, 0.0, {}
     for symbol, p in law.items():
         force = KNOWN_TERMS[symbol].force
         if force is not None and KNOWN_TERMS[symbol].linear:
             linear += p * float(force(1.0, 0.0, k, omega))
+            to_base -= p * float(force(0.0, 1.0, k, omega))
         elif force is not None and p:
             others[symbol] = p
-    c_r = law.get("c_r", 0.0)
-    base = BaseMotion(motion.Y * math.hypot(1.0, omega * c_r / k), omega)
-    advance = math.atan2(omega * c_r, k)
+    base = BaseMotion(motion.Y * math.hypot(1.0, omega * to_base / k), omega)
+    advance = math.atan2(omega * to_base, k)
     if not others:
         return Response(steady_orbit(replace(oscillator, c=linear), base), advance)
     if near is not None and near.change is not None:

@@ -158,11 +158,8 @@ def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
     def check(_: Any, kind: str, value: Any, __: Any) -> Iterable[ValidationError]:
         names = {"approach": approaches, "term": list(KNOWN_TERMS)}[kind]
         if value not in names:
-            near, known = _nearest(value, names), ", ".join(names)
-            article = "an" if kind == "approach" else "a"
-            yield ValidationError(
-                f"{shortened(value)} is not {article} {kind}{near}; known: {known}"
-            )
+            words = f"{'an' if kind == 'approach' else 'a'} {kind}{_nearest(value, names)}"
+            yield ValidationError(f"{shortened(value)} is not {words}; known: {', '.join(names)}")
 
     def unique(_: Any, wanted: bool, value: Any, __: Any) -> Iterable[ValidationError]:
         if wanted and isinstance(value, list):

@@ -73,10 +73,14 @@ class Unknowns:
         at = self.at(record)
         value = {name: float(point[place]) for name, place in at.items()}
         oscillator = Oscillator(
-            m=value["m"], c=0.0, k=self.k, K_z=value["rho"] ** -2, F_k=value[FRICTION]
+            m=value["m"],
+            c=value.get("c", 0.0),
+            k=self.k,
+            K_z=value["rho"] ** -2,
+            F_k=value[FRICTION],
         )
-        damping = {symbol: value[symbol] for symbol in self.law.terms if symbol != FRICTION}
-        return steady_response(oscillator, BaseMotion(value["Y"], omega), damping, near)
+        law = {symbol: value[symbol] for symbol in self.law.terms if symbol not in (FRICTION, "c")}
+        return steady_response(oscillator, BaseMotion(value["Y"], omega), law, near)
 
     def steps(self, point: Array, record: int, one: Lines) -> dict[str, float]:
         """Steps of differences by the common unknowns of a record: a part of each, or of what matters near zero."""
