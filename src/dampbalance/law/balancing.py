@@ -23,6 +23,7 @@ _NODES = (
     40  # of Gauss's rule in the stick phase: exact for the 63rd harmonic over half a cycle and more
 )
 _RIGID = 1e-11  # of X: microstick lines below it are rounding
+_ROUNDING = 1e-15  # of X: what the displacement at an onset is known to
 
 
 @cache
@@ -214,7 +215,7 @@ class Contact:
             step = omega * float((x[0] - x_r - 2.0 * osc.Z_m) / v[0]) if v[0] > 0.0 else -length
             step = min(max(step, -length), 0.5 * length)
             length = min(length - step, math.pi)
-            if abs(step) < 1e-14 * length:
+            if abs(step) <= max(1e-14 * length, _ROUNDING * abs(omega * x_r / v[0])):
                 break
         if not 0.0 < length < math.pi:
             raise NoSteadyOrbit("the contact does not slip in every half cycle")
