@@ -248,9 +248,8 @@ class Approach:
 
 
 def _integrated(features: Features, k: ArrayLike, symbol: str) -> Array:
-    """g of a term as it was integrated from the records."""
-    integral: Array = getattr(features, KNOWN_TERMS[symbol].integral)
-    return integral
+    """g of a term as it was integrated from the records; NaN where it was not."""
+    return features.integrals.get(symbol, np.full(features.W.shape, np.nan))
 
 
 def _of_harmonic_motion(features: Features, k: ArrayLike, symbol: str) -> Array:

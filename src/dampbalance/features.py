@@ -6,15 +6,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .arrays import Array, Words
-from .law.terms import KNOWN_TERMS
 from .motion.orbit import Orbit
 from .motion.orbits import Orbits
 from .motion.regime import Regime
@@ -46,9 +46,6 @@ COLUMNS = {
 }
 """Column of a data frame that holds each feature, named with its unit."""
 
-OF_LAWS = tuple(term.integral for term in KNOWN_TERMS.values() if term.integral not in COLUMNS)
-"""Integrals of terms beyond the paper's two: known where a law asks for them, else NaN; in no table."""
-
 _OMEGA, _REGIME = "omega_rad_per_s", "regime"
 _AT_ONSET = ("V_s", "t_s", "V_r", "t_r")  # zero where the contact is rigid
 
@@ -71,7 +68,7 @@ class Features:
     X_1, X_3, X_5 : amplitudes of the harmonics of x, m.
     a, b, W : friction travel (m), viscous integral (m²/s), input work (J) per cycle by direct integration, (5), (7).
     regime : in words, what kind each response is, or why something is missing.
-    b_r, b_2, b_3, b_eta : integrals of further terms of a law (`law/terms.py`), m²/s, m³/s², m⁴/s³, J.
+    integrals : symbol of a further term of a law → its integral over a period (`law/terms.py`), where it was asked.
 
     Raises ValueError naming the field whose shape does not fit.
     """
@@ -96,37 +93,25 @@ class Features:
     b: Array
     W: Array
     regime: Words
-    b_r: ArrayLike = np.nan
-    b_2: ArrayLike = np.nan
-    b_3: ArrayLike = np.nan
-    b_eta: ArrayLike = np.nan
+    integrals: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         shape = np.shape(self.Y)
         for name in _FIELDS:
-            values = np.asarray(
-                getattr(self, name), dtype=object if name == _REGIME else np.float64
-            )
-            if values.shape == shape:  # faster than broadcasting, of which many are made
-                values = values.view()
-                values.flags.writeable = False
-            else:
-                try:
-                    values = np.broadcast_to(values, shape)  # read-only
-                except ValueError:
-                    raise ValueError(
-                        f"Features.{name} has shape {values.shape}, Y has {shape}"
-                    ) from None
-            object.__setattr__(self, name, values)
+            kind = object if name == _REGIME else np.float64
+            object.__setattr__(self, name, _fitted(name, getattr(self, name), kind, shape))
+        if self.integrals:
+            fitted = {s: _fitted(s, g, np.float64, shape) for s, g in self.integrals.items()}
+            object.__setattr__(self, "integrals", MappingProxyType(fitted))
 
     def __len__(self) -> int:
         return len(self.Y)
 
     def replaced(self, **values: ArrayLike) -> Self:
         """These features, except those given by name; they are broadcast as everywhere."""
-        unknown = sorted(set(values) - {*COLUMNS, *OF_LAWS})
+        unknown = sorted(set(values) - set(COLUMNS))
         if unknown:
-            raise ValueError(f"unknown features {unknown}; known are {[*COLUMNS, *OF_LAWS]}")
+            raise ValueError(f"unknown features {unknown}; known are {list(COLUMNS)}")
         return replace(self, **values)  # type: ignore[arg-type]
 
     def with_phase(self, phase: str) -> Self:
@@ -164,7 +149,11 @@ class Features:
 
     def __getitem__(self, index: Any) -> Self:
         """The responses at `index`, an index of arrays: [[1, 0]] is two levels in that order, [:, i] a case."""
-        return replace(self, **{name: getattr(self, name)[index] for name in _FIELDS})
+        return replace(
+            self,
+            **{name: getattr(self, name)[index] for name in _FIELDS},
+            integrals={symbol: g[index] for symbol, g in self.integrals.items()},
+        )
 
     def to_columns(self) -> dict[str, Any]:
         """The features by column, named with their units (`COLUMNS`), ω first and the regime last."""
@@ -188,13 +177,26 @@ class Features:
             )
         if frame.empty:
             raise ValueError("there are no responses: give at least one")
-        return cls(
-            regime=frame[_REGIME].to_numpy(dtype=object),
-            **{name: frame[column].to_numpy(dtype=np.float64) for name, column in columns.items()},
-        )
+        values: dict[str, Any] = {
+            name: frame[column].to_numpy(dtype=np.float64) for name, column in columns.items()
+        }
+        return cls(regime=frame[_REGIME].to_numpy(dtype=object), **values)
 
 
-_FIELDS = ("omega", *COLUMNS, _REGIME, *OF_LAWS)
+_FIELDS = ("omega", *COLUMNS, _REGIME)
+
+
+def _fitted(name: str, given: Any, kind: Any, shape: tuple[int, ...]) -> Any:
+    """Values as a read-only array of that shape."""
+    values = np.asarray(given, dtype=kind)
+    if values.shape == shape:  # faster than broadcasting, of which many are made
+        values = values.view()
+        values.flags.writeable = False
+        return values
+    try:
+        return np.broadcast_to(values, shape)  # read-only
+    except ValueError:
+        raise ValueError(f"Features.{name} has shape {values.shape}, Y has {shape}") from None
 
 
 def of_orbit(orbit: Orbit) -> Features:
@@ -234,7 +236,7 @@ def _of_either(orbit: Orbit | Orbits) -> dict[str, Any]:
     return numbers | mirrored | {"phi_reversal": numbers["phi"]}
 
 
-def of_numbers(omega: ArrayLike, regime: ArrayLike, **numbers: ArrayLike) -> Features:
+def of_numbers(omega: ArrayLike, regime: ArrayLike, **numbers: Any) -> Features:
     """Features from their numbers by name, of one response or of arrays; one that is not given does not exist (NaN)."""
     values: dict[str, Any] = {"omega": omega, "regime": regime, **dict.fromkeys(COLUMNS, np.nan)}
     values |= numbers
@@ -250,7 +252,10 @@ def wrapped(angle: ArrayLike) -> Array:
 def beside(parts: Sequence[Features]) -> Features:
     """The responses of all parts, each of shape (n,), as cases: shape (n, number of parts)."""
     return Features(
-        **{name: np.stack([getattr(part, name) for part in parts], axis=1) for name in _FIELDS}
+        **{name: np.stack([getattr(part, name) for part in parts], axis=1) for name in _FIELDS},
+        integrals={
+            s: np.stack([part.integrals[s] for part in parts], axis=1) for s in _shared(parts)
+        },
     )
 
 
@@ -259,4 +264,10 @@ def stack(parts: Sequence[Features]) -> Features:
     if not parts:
         raise ValueError("there are no responses: give at least one")
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _FIELDS}
-    return Features(**arrays)
+    integrals = {s: np.concatenate([p.integrals[s] for p in parts]) for s in _shared(parts)}
+    return Features(**arrays, integrals=integrals)
+
+
+def _shared(parts: Sequence[Features]) -> list[str]:
+    """Symbols of the terms whose integrals all parts have."""
+    return [s for s in parts[0].integrals if all(s in part.integrals for part in parts)]

@@ -23,8 +23,8 @@ from dampbalance.balance import APPROACHES
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
 from dampbalance.identification.identify import REPLICATES, identify
 from dampbalance.project.files import write_csv, write_text
+from dampbalance.reading.fitting import fit_oscillator
 from dampbalance.reading.noisy import read_features
-from dampbalance.reading.waveforms import fit_oscillator
 from dampbalance.record import Record
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
@@ -59,7 +59,7 @@ start = clocks()
 from dampbalance.identification.identify import identify
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.reading.noisy import read_features
-from dampbalance.reading.waveforms import fit_oscillator
+from dampbalance.reading.fitting import fit_oscillator
 loaded = clocks()
 import numpy as np
 readings = []

@@ -14,7 +14,7 @@ from typing import Any
 
 import pandas as pd
 
-from . import efficiency, faults, others, score
+from . import efficiency, faults, laws, others, score
 
 
 def _rows(
@@ -62,7 +62,22 @@ def other(options: argparse.Namespace) -> str:
     return others.table(rows)
 
 
-PARTS = {"blind": blind, "efficiency": efficient, "faults": faulty, "others": other}
+def confused(options: argparse.Namespace) -> str:
+    """Identify records of six laws; which law is chosen for each."""
+    drawings = range(options.first, options.first + options.drawings)
+    runs = [(law, drawing) for drawing in drawings for law in laws.LAWS]
+    rows = _rows(laws.outcome, runs, options.processes)
+    rows.to_csv(options.output / "laws.csv", index=False)
+    return laws.table(rows)
+
+
+PARTS = {
+    "blind": blind,
+    "efficiency": efficient,
+    "faults": faulty,
+    "others": other,
+    "laws": confused,
+}
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -71,7 +86,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("part", nargs="?", default="blind", choices=PARTS)
     parser.add_argument("--sets", type=int, default=900)
     parser.add_argument("--first", type=int, default=0, help="number of the first set, or drawing")
-    parser.add_argument("--drawings", type=int, default=200, help="of each truth, for efficiency")
+    parser.add_argument("--drawings", type=int, default=200, help="of each truth or law")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--approach", default="direct", help="whose errors faults shows")
     parser.add_argument("--output", type=Path, default=Path("results/blind"))

@@ -68,7 +68,12 @@ def draw(index: int, seed: int = SEED) -> Decay:
     m, f_n = spread(0.1, 10.0), spread(1.0, 50.0)
     omega_n = 2.0 * math.pi * f_n
     k = m * omega_n**2
-    zeta, K, height, x = spread(0.002, 0.1), spread(3.0, 300.0), spread(5.0, 50.0), spread(1e-4, 1e-2)
+    zeta, K, height, x = (
+        spread(0.002, 0.1),
+        spread(3.0, 300.0),
+        spread(5.0, 50.0),
+        spread(1e-4, 1e-2),
+    )
     count = int(random.integers(1, 4))
     kinds = random.permutation(["pluck", "blow", "both"])[0]
     starts, lasts = [], []
@@ -153,7 +158,9 @@ def record(decay: Decay, seed: int | None = None) -> tuple[Measurement, list[flo
         order = ANSWERS.index(quantity)
         values = signals[order]
         largest = float(np.abs(values).max())
-        random = np.random.default_rng((_DECAYS, SEED if seed is None else seed, decay.index, order))
+        random = np.random.default_rng(
+            (_DECAYS, SEED if seed is None else seed, decay.index, order)
+        )
         noisy = values + decay.noise * largest * random.standard_normal(t.size)
         channels.append(Channel(quantity, t, noisy + decay.offset * largest))
     return Measurement.of(f"decay {decay.index}", channels), free

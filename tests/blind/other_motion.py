@@ -1,6 +1,8 @@
-"""Motion of oscillators that are not of the model, in fixed steps: what the fault table disturbs the mechanics with.
+"""Motion of oscillators that are not of the model, in fixed steps: what the fault table disturbs the mechanics with,
+and the records of other damping laws.
 
-    m x″ + c x′ + c₂ |x′| x′ + k x + k₂ x² + k₃ x³ + K_z z = k (y + y₃),   y = Y cos ωt,   y₃ = Y₃ cos 3ωt
+    m x″ + c x′ + c_r (x′ − y′) + c₂ |x′| x′ + c₃ x′³ + η (k/ω) x′ + k x + k₂ x² + k₃ x³ + K_z z = k (y + y₃),
+    y = Y cos ωt,   y₃ = Y₃ cos 3ωt
 
 z′ = x′ within |z| ≤ (F_k/K_z)(1 + s e^(−|x′|/v_s)), a Jenkins contact whose friction falls with speed where s > 0;
 or z′ = x′ (1 − |z K_z/F_k|ⁿ (1 + sgn(z x′))/2), a Bouc–Wen contact. Runge–Kutta of order 4, 8192 steps a period; at the
@@ -28,6 +30,7 @@ class Departure(NamedTuple):
 
     quadratic : c₂, N s²/m².   even, cubic : k₂, N/m², k₃, N/m³.   third : Y₃/Y.
     falling, speed : s and v_s, m/s.   bouc_wen : n, 0 for a Jenkins contact.
+    relative : c_r, N s/m.   third_power : c₃, N s³/m³.   structural : η.
     """
 
     quadratic: float = 0.0
@@ -37,6 +40,9 @@ class Departure(NamedTuple):
     falling: float = 0.0
     speed: float = 1.0
     bouc_wen: float = 0.0
+    relative: float = 0.0
+    third_power: float = 0.0
+    structural: float = 0.0
 
 
 @njit(cache=True)
@@ -48,7 +54,7 @@ def _limit(v, numbers, departure):
 @njit(cache=True)
 def _rate(t, x, v, z, numbers, departure):
     m, c, k, K_z, F_k, Y, omega = numbers
-    quadratic, even, cubic, third, _, _, n = departure
+    quadratic, even, cubic, third, _, _, n, relative, third_power, structural = departure
     slope = v
     if n > 0.0:
         if z * v > 0.0:
@@ -57,7 +63,9 @@ def _rate(t, x, v, z, numbers, departure):
         limit = _limit(v, numbers, departure)
         z = min(max(z, -limit), limit)
     drive = k * Y * (math.cos(omega * t) + third * math.cos(3.0 * omega * t))
-    force = c * v + quadratic * abs(v) * v + (k + even * x + cubic * x * x) * x + K_z * z
+    base = -omega * Y * (math.sin(omega * t) + 3.0 * third * math.sin(3.0 * omega * t))
+    damping = c + structural * k / omega + quadratic * abs(v) + third_power * v * v
+    force = damping * v + relative * (v - base) + (k + even * x + cubic * x * x) * x + K_z * z
     return v, (drive - force) / m, slope
 
 
@@ -95,8 +103,13 @@ def _numbers(truth: Truth, level: int) -> tuple[float, ...]:
 
 
 def steady_signals(truth: Truth, level: int, departure: Departure) -> CubicSpline:
-    """(x, x′, x″) of the steady period as a periodic function of ωt, SI."""
-    numbers, state = _numbers(truth, level), (0.0, 0.0, 0.0)
+    """(x, x′, x″) of the steady period of a level as a periodic function of ωt, SI."""
+    return steady(_numbers(truth, level), departure)
+
+
+def steady(numbers: tuple[float, ...], departure: Departure) -> CubicSpline:
+    """As `steady_signals`, of (m, c, k, K_z, F_k, Y, ω)."""
+    state = (0.0, 0.0, 0.0)
     out = np.empty((3, STEPS))
     for _ in range(_MOST_PERIODS):
         after = _run(numbers, departure, state, 1, out)

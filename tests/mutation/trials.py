@@ -42,6 +42,7 @@ TESTS: dict[str, tuple[str, ...]] = {
     "reading/clean.py": ("unit/test_features.py", "paper/test_as_published.py"),
     "reading/climb.py": ("unit/reading/test_climb.py", "unit/reading/test_waveforms.py"),
     "reading/noisy.py": ("unit/reading", "unit/identification"),
+    "reading/turning.py": ("unit/reading/test_turning.py", "unit/reading/test_noisy.py"),
     "reading/lines.py": ("unit/reading/test_lines.py", "unit/reading/test_waveforms.py"),
     "reading/waveforms.py": ("unit/reading/test_waveforms.py", "unit/reading/test_noisy.py"),
     "reading/quadrature.py": ("unit/test_features.py",),

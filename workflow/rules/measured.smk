@@ -5,6 +5,7 @@ from dampbalance.project.documents import refuse
 from dampbalance.records.errors import RecordError
 from dampbalance.records.mapping import mapping_file, mapping_for, parts_of
 from dampbalance.identification.outputs import OUTPUTS
+from dampbalance.law.law import law_of
 
 MEASURED = {one["name"]: one for one in config.get("measured") or []}
 MEASURED_FILES = f"{RESULTS}/measured"
@@ -41,8 +42,12 @@ if MEASURED and workflow.is_main_process:
     try:
         if len(MEASURED) < len(config["measured"]):
             refuse(("measured",), "two sets have the same name; rename one", CONFIG_FILES)
-        for name in MEASURED:
+        for place, (name, one) in enumerate(MEASURED.items()):
             record_files(name)
+            try:
+                law_of(one.get("terms"), one.get("given"), one.get("groups"))
+            except ValueError as error:
+                refuse(("measured", place), str(error), CONFIG_FILES)
     except ConfigurationError as error:
         raise WorkflowError(str(error)) from None
 

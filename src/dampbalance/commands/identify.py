@@ -13,7 +13,9 @@ from ..balance import APPROACHES
 from ..features import Phase
 from ..identification.identify import MOST_REPLICATES, REPLICATES, SEED
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, TABLES
+from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, write_json
+from ..project.wording import shortened
 from ..records.limits import LARGEST
 from .options import count, number, whole
 
@@ -33,10 +35,14 @@ or blows:
 
 
 _HELP = f"""\
-records         a file, one per level; two or more; of a free decay one is enough
+records         a file, one per level; as many as there are coefficients, or more; of a free decay one is enough
 --kind          forced records or free decays (default: as the first record is recognised)
 --stiffness     stiffness k, N/m
 --frequency     drive frequency as known, Hz; compared with the one found in each record
+--terms         of the damping law, such as F_k,c,c_2 (default: F_k,c); known: {", ".join(KNOWN_TERMS)}
+--given         a coefficient that is known, such as c=0.669, SI; may be repeated
+--groups        a coefficient for each group of records: F_k=A,A,B, a label per record; may be repeated
+--laws          compare the laws of one or two terms beside friction, and tell which the records support
 --approach      an approach; may be repeated (default: all)
 --phase         phase φ that the approaches X_s, t_s and V_s take (default: reversal)
 --mass          mass, kg, if it is known: the fit of the whole oscillator then takes it as it is
@@ -78,6 +84,10 @@ def run(options: argparse.Namespace) -> None:
         mapping=options.mapping,
         frequency_hz=options.frequency,
         skip_cycles=options.skip_cycles,
+        terms=options.terms,
+        given=_once(options.given, "--given"),
+        groups=_once(options.groups, "--groups"),
+        laws=options.laws,
         approaches=options.approach,
         phase=options.phase,
         mass=options.mass,
@@ -120,11 +130,62 @@ def _require_room(folder: Path, names: Sequence[str], overwrite: bool) -> None:
         )
 
 
+def _names(text: str) -> list[str]:
+    """A type of argument: symbols of terms with commas between them."""
+    names = [name.strip() for name in text.split(",")]
+    for name in names:
+        _require_term(name, text)
+    return names
+
+
+def _value(text: str) -> tuple[str, float]:
+    """A type of argument: a term and its coefficient, c=0.669."""
+    name, equals, value = text.partition("=")
+    _require_term(name.strip(), text)
+    if not equals:
+        raise argparse.ArgumentTypeError(
+            f"must be TERM=VALUE, as in c=0.669, got {shortened(text)}"
+        )
+    return name.strip(), number(0.0)(value)
+
+
+def _labels(text: str) -> tuple[str, list[str]]:
+    """A type of argument: a term and a label for each record, F_k=A,A,B."""
+    name, equals, labels = text.partition("=")
+    _require_term(name.strip(), text)
+    if not equals or not all(label.strip() for label in labels.split(",")):
+        raise argparse.ArgumentTypeError(
+            f"must be TERM=LABELS with a label for each record, as in F_k=A,A,B, got {shortened(text)}"
+        )
+    return name.strip(), [label.strip() for label in labels.split(",")]
+
+
+def _require_term(name: str, text: str) -> None:
+    if name not in KNOWN_TERMS:
+        raise argparse.ArgumentTypeError(
+            f"{shortened(name)} in {shortened(text)} is no term of a damping law; known are {', '.join(KNOWN_TERMS)}"
+        )
+
+
+def _once(named: Sequence[tuple[str, Any]] | None, option: str) -> dict[str, Any]:
+    """Options of one term each as a mapping. Raises ValueError for a term that is named twice."""
+    found: dict[str, Any] = {}
+    for name, value in named or ():
+        if name in found:
+            raise ValueError(f"{option} names {name} twice: leave out one of the two")
+        found[name] = value
+    return found
+
+
 _OPTIONS: dict[str, dict[str, Any]] = {
     "records": {"nargs": "+", "type": Path, "metavar": "RECORD"},
     "--kind": {"choices": ("forced", "ring-down"), "default": "recognised"},
     "--stiffness": {"type": number(), "required": True, "metavar": "K"},
     "--frequency": {"type": number(1e-9, 1e9), "metavar": "HZ"},
+    "--terms": {"type": _names, "metavar": "TERMS"},
+    "--given": {"type": _value, "action": "append", "metavar": "TERM=VALUE"},
+    "--groups": {"type": _labels, "action": "append", "metavar": "TERM=LABELS"},
+    "--laws": {"action": "store_true"},
     "--approach": {"action": "append", "choices": list(APPROACHES)},
     "--phase": {"choices": get_args(Phase), "default": "reversal"},
     "--mass": {"type": number(), "metavar": "M"},

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Callable
 from typing import Any
 
+from ..law.terms import term
 from ..project.wording import shortened
 
 SMALLEST, LARGEST = 1e-15, 1e15
@@ -25,6 +26,27 @@ def whole(low: int = 0, high: int = 2**63 - 1) -> Callable[[str], int]:
 def count(text: str) -> int:
     """A type of argument: a positive whole number that may be written as 5e8."""
     return int(number(1.0, 1e12)(text))
+
+
+def coefficients(text: str) -> dict[str, float]:
+    """A type of argument: coefficients of the terms of a law by symbol, SI, as in c_2=40,eta=0.02."""
+    found: dict[str, float] = {}
+    for part in text.split(","):
+        symbol, equals, value = (piece.strip() for piece in part.partition("="))
+        if not (symbol and equals):
+            raise argparse.ArgumentTypeError(
+                f"must be symbols with their coefficients, as in c_2=40,eta=0.02, got {shortened(part)}"
+            )
+        try:
+            symbol = term(symbol).symbol
+            if symbol in found:
+                raise ValueError(f"{symbol} stands there twice: give it once")
+            found[symbol] = float(number(0.0)(value))
+        except argparse.ArgumentTypeError as error:
+            raise argparse.ArgumentTypeError(f"{symbol} {error}") from None
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error)) from None
+    return found
 
 
 def _within(

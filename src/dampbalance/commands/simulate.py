@@ -5,26 +5,36 @@ from __future__ import annotations
 import argparse
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..model import BaseMotion, Oscillator
-from ..motion.orbit import steady_orbit
+from ..motion.orbit import Orbit, steady_orbit
 from ..records.errors import RecordError
 from ..records.limits import HIGHEST_RATE, LATEST, LOWEST_RATE
 from ..records.measurement import QUANTITIES, Channel, Measurement
 from ..records.synthetic import measured_orbit
 from ..records.writers import write
-from .options import LARGEST, SMALLEST, number, whole
+from .options import LARGEST, SMALLEST, coefficients, number, whole
+
+if TYPE_CHECKING:
+    from ..law.response import LawOrbit
 
 EPILOG = """\
 Each record is exact except for its noise, which is white, of every channel by itself. The oscillator is that of the
 paper unless told otherwise.
 
+With --law the damping is that of its terms, c among them (c is 0 unless the law or --damping gives it); the contact
+keeps its --friction unless the law gives F_k. The terms, their coefficients in SI units: c on the velocity of the mass,
+c_r on that relative to the base, c_2 quadratic, c_3 cubic, eta structural, a loss factor.
+
   dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --noise 0.01 --seed 1
+  dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --law c_2=40,eta=0.02
 """
 _MOST_SWINGS = 300_000  # a second or two of computing
+_MOST_SWINGS_OF_LAW = 3_000  # a minute or two
+_DAMPING, _FRICTION = 90.0, 1.28
 _CHANNELS = ("base_displacement", "displacement")
 
 
@@ -45,10 +55,18 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     },
     "--amplitude": {"type": number(), "required": True, "metavar": "Y", "help": "of the base, m"},
     "--mass": _quantity(2.42, "m, kg"),
-    "--damping": _quantity(90.0, "c, N s/m", 0.0),
+    "--damping": {
+        "type": number(0.0),
+        "help": f"c, N s/m (default: {_DAMPING:g}; with --law 0)",
+    },
     "--stiffness": _quantity(2310.0, "k, N/m"),
     "--contact-stiffness": _quantity(208000.0, "K_z, N/m"),
-    "--friction": _quantity(1.28, "F_k, N", 0.0),
+    "--friction": {"type": number(0.0), "help": f"F_k, N (default: {_FRICTION:g})"},
+    "--law": {
+        "type": coefficients,
+        "metavar": "SYMBOL=VALUE,…",
+        "help": "terms of the damping with their coefficients, see below (default: c alone)",
+    },
     "--rate": _quantity(5000.0, "samples per second", LOWEST_RATE, HIGHEST_RATE),
     "--cycles": _quantity(100.0, "of the drive"),
     "--start": _quantity(0.0, "time of the first sample, s", -LATEST, LATEST),
@@ -74,22 +92,17 @@ def run(options: argparse.Namespace) -> None:
     path: Path = options.record
     if path.exists() and not options.overwrite:
         raise ValueError(f"{path} exists already: choose another name, or add --overwrite")
-    osc = Oscillator(
-        m=options.mass,
-        c=options.damping,
-        k=options.stiffness,
-        K_z=options.contact_stiffness,
-        F_k=options.friction,
-    )
+    osc, law = _of_options(options)
     motion = BaseMotion(Y=options.amplitude, omega=2.0 * math.pi * options.frequency)
     swings = math.sqrt((osc.k + osc.K_z) / osc.m) / motion.omega
-    if swings > _MOST_SWINGS:
+    most = _MOST_SWINGS_OF_LAW if law else _MOST_SWINGS
+    if swings > most:
         raise ValueError(
             f"the oscillator swings {swings:.2g} times in a cycle of {options.frequency:g} Hz, and no more than "
-            f"{_MOST_SWINGS:,} can be followed; ask for a higher --frequency, or more --mass"
+            f"{most:,} can be followed{' under such a law' * bool(law)}; ask for a higher --frequency, or more --mass"
         )
     measurement = measured_orbit(
-        steady_orbit(osc, motion),
+        _steady(osc, motion, law),
         rate_hz=options.rate,
         cycles=options.cycles,
         noise=options.noise,
@@ -101,6 +114,33 @@ def run(options: argparse.Namespace) -> None:
         measurement = _rounded(measurement, options.decimals)
     for written in write(path, measurement, options.format):
         print(f"Written: {written}")
+
+
+def _of_options(options: argparse.Namespace) -> tuple[Oscillator, dict[str, float]]:
+    """The oscillator, and the terms of its law besides friction and c."""
+    law = dict(options.law or {})
+    given = {"c": options.damping, "F_k": options.friction}
+    for symbol, option in (("c", "--damping"), ("F_k", "--friction")):
+        if symbol in law and given[symbol] is not None:
+            raise ValueError(f"{symbol} is in --law and given by {option} as well: leave out one")
+    default = {"c": 0.0 if law else _DAMPING, "F_k": _FRICTION}
+    c, F_k = (
+        law.pop(symbol, default[symbol] if given[symbol] is None else given[symbol])
+        for symbol in ("c", "F_k")
+    )
+    osc = Oscillator(
+        m=options.mass, c=c, k=options.stiffness, K_z=options.contact_stiffness, F_k=F_k
+    )
+    return osc, law
+
+
+def _steady(osc: Oscillator, motion: BaseMotion, law: dict[str, float]) -> Orbit | LawOrbit:
+    """The steady response: exact where the law is friction and c."""
+    if not law:
+        return steady_orbit(osc, motion)
+    from ..law.response import law_orbit  # loads scipy, which an exact orbit does not need
+
+    return law_orbit(osc, motion, law)
 
 
 def _rounded(measurement: Measurement, decimals: int) -> Measurement:

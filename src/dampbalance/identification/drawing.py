@@ -48,7 +48,12 @@ def cycles(loaded: Sequence[Loaded], result: Identification) -> Figure:
         dots: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
         axes.plot(np.degrees(theta), factor * values[kept], ".", **dots)
         averaged = reading.averaged_cycle()
-        axes.plot(np.degrees(averaged["phase"]), factor * averaged[column], color=STICK)
+        channel = steady.channels[
+            quantity
+        ]  # an averaged cycle has no mean, a transducer's zero has
+        level = float(np.average(channel.coefficients[:, 0].real, weights=channel.weights))
+        line = factor * (averaged[column] + level)
+        axes.plot(np.degrees(averaged["phase"]), line, color=STICK)
         axes.set_xlim(0.0, 360.0)
         axes.set_xticks([0, 90, 180, 270, 360])
         axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
@@ -88,33 +93,39 @@ def balance(result: Identification) -> Figure:
     """The rows of the balance, and their residuals.
 
     (a) W/b against a/b: a F_k + b c = W is a straight line of slope F_k that meets the axis at c. The line is that of
-    the direct balance. (b) what each row leaves, over its standard deviation, for every approach.
+    the direct balance. Of another law, what its terms take, Σ g_j p_j, against W; the line is where they are equal.
+    (b) what each row leaves, over its standard deviation, for every approach.
     """
     figure = page(DOUBLE_COLUMN, 78.0)
     left, right = place(figure, 17.0, 20.0, 68.0, 50.0), place(figure, 107.0, 20.0, 70.0, 50.0)
     for axes in (left, right):
         axes.set_title("", y=1.0)
+    two = set(result.law.keys) == {"F_k", "c"}
     for index, (name, estimated) in enumerate(result.estimates.items()):
         rows, usable = estimated.rows, estimated.rows.usable
         look = look_of(name)
         marks: dict[str, Any] = {"color": look.colour, "fillstyle": "none"}
         marks["label"] = in_maths(label_of(name))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            along, height = rows.terms["F_k"] / rows.terms["c"], rows.W / rows.terms["c"]
-        left.plot(along[usable], height[usable], look.marker, **marks)
         values = {symbol: p.value for symbol, p in estimated.coefficients.items()}
-        if index == 0 and np.isfinite(values["F_k"]):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            if two:
+                along, height = rows.terms["F_k"] / rows.terms["c"], rows.W / rows.terms["c"]
+            else:
+                along, height = rows.W, rows.W + rows.misfit({**rows.given, **values})
+        left.plot(along[usable], height[usable], look.marker, **marks)
+        if index == 0 and np.isfinite(list(values.values())).all():
             ends = np.array([0.0, 1.06 * float(np.max(along[usable]))])
-            left.plot(ends, values["F_k"] * ends + values["c"], color=FAINT, zorder=0)
-        off = rows.misfit(values)
+            line = values["F_k"] * ends + values["c"] if two else ends
+            left.plot(ends, line, color=FAINT, zorder=0)
+        off = rows.misfit({**rows.given, **values})
         with np.errstate(divide="ignore", invalid="ignore"):
             scaled = off / estimated.row_errors
         places = np.arange(len(scaled)) + 1 + 0.12 * (index - 0.5 * (len(result.estimates) - 1))
         bars: dict[str, Any] = {"yerr": 1.0, "fmt": look.marker, "elinewidth": 0.6, **marks}
         right.errorbar(places[usable], scaled[usable], **bars)
     left.set_xlim(left=0.0)
-    left.set_xlabel("$a/b$ (s/m)")
-    left.set_ylabel("$W/b$ (N s/m)")
+    left.set_xlabel("$a/b$ (s/m)" if two else "$W$ (J)")
+    left.set_ylabel("$W/b$ (N s/m)" if two else "energy lost, by the law (J)")
     right.axhline(0.0, color=FAINT, linewidth=0.6, zorder=0)
     right.set_xlabel("record")
     right.set_ylabel("residual / standard deviation")
@@ -130,10 +141,12 @@ def balance(result: Identification) -> Figure:
 def alternative_texts(result: Identification) -> Mapping[str, str]:
     """What each figure shows, in words."""
     count = len(result.readings)
+    two = set(result.law.keys) == {"F_k", "c"}
+    line = "on a line of slope F_k" if two else "on the line where the law takes the input work"
     return {
         "cycles": f"{count} records folded onto one cycle of the drive, with their averaged cycle",
         "loops": f"acceleration against displacement of {count} records, with the fitted microstick lines",
-        "balance": "rows of the energy balance on a line of slope F_k, and the residual of each row by approach",
+        "balance": f"rows of the energy balance {line}, and the residual of each row by approach",
     }
 
 

@@ -55,7 +55,8 @@ def identify_records(
                 raise
     for name, value in options.items():
         terms = name == "terms" and value is not None and tuple(value) != _TERMS
-        if terms or (name in _OF_FORCED and value != _OF_FORCED[name]):
+        unknown = name in ("given", "groups", "laws") and value
+        if terms or unknown or (name in _OF_FORCED and value != _OF_FORCED[name]):
             raise ValueError(
                 f"{name} = {value!r} is for forced records, and these are free decays, which tell F_k, c and K_z: "
                 "leave it out"

@@ -133,6 +133,12 @@ def agreement(
             "may be off by more than its interval tells; sample faster, or through an anti-alias filter that the "
             "mapping names"
         )
+    fit = whole.fit
+    if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
+        warnings.append(
+            f"c and c_r together cannot be told from a skew of the channels: if the response lags by 1 µs, c_r is "
+            f"{1e-6 * fit.k:.2g} N s/m too small and c as much too large"
+        )
     apart = _apart(estimates.get(YARDSTICK), whole)
     if apart:
         warnings.append(apart)

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 from ..law.law import Law
 from ..law.terms import FRICTION
+from ..reading.fitting import fit_oscillator, with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
 from ..reading.noisy import Reading
-from ..reading.waveforms import Fit, fit_oscillator, with_delay, with_mass
+from ..reading.waveforms import Fit
 
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 
@@ -48,17 +49,15 @@ def whole_oscillator(
     k: float,
     m: float | None = None,
     law: Law | None = None,
-    near: Fit | None = None,
 ) -> Whole:
-    """The oscillator behind the records.   k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and
-    c. near : a fit with another law, from which alone to start.
+    """The oscillator behind the records.   k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k, c.
 
     The records tell the mass by themselves, nearly as well as a balance: one that contradicts them is left out.
     """
     law = law or Law()
     chi_square, freedom = linear_misfit(lines, k, law.terms)
     slips = improbable(chi_square, freedom, lines)
-    fit = fit_oscillator(lines, k, law, near=near, thorough=slips and near is None)
+    fit = fit_oscillator(lines, k, law, thorough=slips)
     explained = 0.0 if fit is None else chi_square - fit.chi_square
     linear = explained < _SHOWS and not slips
     if fit is None or linear:
@@ -66,7 +65,8 @@ def whole_oscillator(
     known = None if m is None else with_mass(fit, m)
     fits = known is not None and known.chi_square - fit.chi_square < _SHOWS
     fit = known if known is not None and fits else fit
-    delayed = with_delay(fit)
+    # a damper to the base and one to the ground together make up for any delay
+    delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
     late = delayed is not None and delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS
     return Whole(fit, linear, delayed, late, m, m is None or fits)
 

@@ -11,6 +11,7 @@ from typing import Any
 from ..features import COLUMNS
 from ..law.terms import named_with_unit, term
 from ..reading.noisy import Reading
+from .lawtable import aligned, laws_document, laws_in_lines
 from .limits import REFERENCE, limits, shown
 from .notes import notes_of
 from .oscillator import Whole
@@ -41,11 +42,17 @@ def document(
         "dampbalance": version,
         "options": dict(options or {}),
         "k_N_per_m": result.k,
+        "law": {
+            "terms": list(result.law.terms),
+            "given": dict(result.law.given),
+            "groups": {symbol: list(labels) for symbol, labels in result.law.groups.items()},
+        },
         "phase": result.phase,
         "confidence": CONFIDENCE,
         "bootstrap": {"replicates": result.replicates, "seed": result.seed},
         "approaches": {name: _approach(e) for name, e in result.estimates.items()},
         "maximum_likelihood": _yardstick(result.whole),
+        **({} if result.laws is None else {"laws": laws_document(result.laws)}),
         "microstick": {
             "length_m": _number(result.microstick.length),
             "standard_error_m": _number(result.microstick.standard_error),
@@ -118,11 +125,7 @@ def text_table(result: Identification) -> str:
     for name, parameters, verdicts in lines:
         cells = (_with_interval(parameters[s]) if s in parameters else "" for s in symbols)
         table.append([name, *cells, in_one(verdicts)])
-    widths = [max(len(line[i]) for line in table) for i in range(len(table[0]))]
-    shown_lines = [
-        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
-        for line in table
-    ]
+    shown_lines = aligned(table)
     hz = sorted({round(r.steady.frequency_hz, 4) for r in result.readings})
     head = (
         f"{len(result.readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; values with 95 % intervals from "
@@ -135,7 +138,8 @@ def text_table(result: Identification) -> str:
         for limit in limits(result)
     ]
     told = ["", "What limits the answer:", *said] if said else []
-    return "\n".join([head, "", *shown_lines, *told]) + "\n"
+    laws = [] if result.laws is None else ["", *laws_in_lines(result.laws)]
+    return "\n".join([head, "", *shown_lines, *laws, *told]) + "\n"
 
 
 def _implied(whole: Whole) -> list[str]:

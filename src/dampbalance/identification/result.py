@@ -14,6 +14,7 @@ from ..law.law import Law
 from ..law.terms import term
 from ..reading.noisy import Reading
 from ..solver import NORMAL_95
+from .evidence import Comparison
 from .oscillator import Whole
 
 CONFIDENCE = 0.95
@@ -91,8 +92,9 @@ class Identification:
     """Estimates by approach, and all that they come from.
 
     k : N/m.   law : whose coefficients were identified.   phase : of the harmonic approaches.   whole : the fit of the
-    oscillator to all records, the yardstick. features : of the records, (n,), with the onset of slip of that
-    oscillator.   warnings : of the records, and of how the estimates agree.
+    oscillator to all records, the yardstick.   features : of the records, (n,), with the onset of slip of that
+    oscillator.   warnings : of the records, and of how the estimates agree.   laws : which laws the records support,
+    where that was asked.
     """
 
     k: float
@@ -106,6 +108,7 @@ class Identification:
     replicates: int
     seed: int
     warnings: tuple[str, ...]
+    laws: Comparison | None = None
 
 
 def parameters_of(whole: Whole) -> dict[str, ParameterEstimate]:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from .. import __version__
 from ..balance import APPROACHES
 from ..features import Phase
+from ..law.law import law_of
 from ..motion.jit import interpreted
 from ..project.files import sha256, write_json, write_rows, write_text
 from ..project.wording import visible
@@ -19,6 +20,7 @@ from ..records.limits import LARGEST
 from ..records.mapping import MappingLike, mapping_file, mapping_for, parts_of
 from . import reporting
 from .identify import REPLICATES, SEED, identify
+from .laws import compare_laws
 from .loading import Loaded, load
 from .outputs import FIGURES
 from .result import Identification
@@ -57,6 +59,10 @@ def identify_files(
     mapping: MappingLike = None,
     frequency_hz: float | None = None,
     skip_cycles: int = 0,
+    terms: Sequence[str] | None = None,
+    given: Mapping[str, float] | None = None,
+    groups: Mapping[str, Sequence[str]] | None = None,
+    laws: bool = False,
     approaches: Sequence[str] | None = None,
     phase: Phase = "reversal",
     mass: float | None = None,
@@ -64,9 +70,12 @@ def identify_files(
     seed: int = SEED,
     largest: int = LARGEST,
 ) -> IdentificationRun:
-    """F_k, c and K_z from record files, one per level.
+    """The coefficients of a damping law and K_z from record files, one per level.
 
-    k : stiffness, N/m.   mapping, frequency_hz, skip_cycles : as for `load`.   approaches : names; default, all.
+    k : stiffness, N/m.   mapping, frequency_hz, skip_cycles : as for `load`.   terms : of the law, symbols of
+    `KNOWN_TERMS`; default, F_k, c and those that are given.   given : symbol → coefficient that is known, SI.
+    groups : symbol → label for each record, in their order, of the group that has a coefficient of its own.
+    laws : whether all laws of one or two terms beside friction are compared, too.   approaches : names; default, all.
     phase : of the harmonic approaches.   mass : m, kg, if it is known.
     replicates, seed : of the bootstrap.   largest : numbers (samples × channels) that may be read of a record.
 
@@ -75,6 +84,7 @@ def identify_files(
     unknown = sorted(set(approaches or ()) - set(APPROACHES))
     if unknown:
         raise ValueError(f"unknown approaches {unknown}; known are {', '.join(APPROACHES)}")
+    law = law_of(terms, given, groups)
     named = [Path(path) for path in paths]
     require_different(named)
     chosen = {name: APPROACHES[name] for name in APPROACHES if not approaches or name in approaches}
@@ -93,16 +103,31 @@ def identify_files(
     result = identify(
         [one.reading for one in records],
         k,
+        law=law,
         approaches=chosen,
         phase=phase,
         mass=mass,
         replicates=replicates,
         seed=seed,
     )
+    if laws:
+        compared = compare_laws(
+            [one.reading for one in records],
+            k,
+            law=law,
+            mass=mass,
+            replicates=replicates,
+            seed=seed,
+        )
+        result = replace(result, laws=compared)
     options = {
         "stiffness_N_per_m": k,
         "frequency_hz": frequency_hz,
         "mass_kg": mass,
+        "terms": list(law.terms),
+        "given": dict(law.given),
+        "groups": {symbol: list(labels) for symbol, labels in law.groups.items()},
+        "laws": laws,
         "approaches": list(chosen),
         "phase": phase,
         "mapping": str(mapping) if isinstance(mapping, str | Path) else None,

@@ -111,3 +111,15 @@ class Law:
                 f"{' and '.join([', '.join(self.unknowns[:-1]), self.unknowns[-1]])} need responses at {needed} or "
                 f"more, got {count}: add records at other amplitudes"
             )
+
+
+def law_of(
+    terms: Sequence[str] | None,
+    given: Mapping[str, float] | None,
+    groups: Mapping[str, Sequence[str]] | None,
+) -> Law:
+    """The law that is asked for.
+
+    terms : default, F_k, c and those that are given; the others as in `Law`. Raises ValueError naming what is wrong."""
+    known, labels = dict(given or {}), {s: tuple(map(str, of)) for s, of in (groups or {}).items()}
+    return Law(tuple(terms) if terms else (*Law().terms, *known), known, labels)

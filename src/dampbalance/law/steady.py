@@ -17,9 +17,8 @@ kink is sampled, and the jumps of a stiff contact are in x. What is left out are
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -27,15 +26,10 @@ from ..arrays import Array, Complexes
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
+from .balancing import HARMONICS, Contact, Motion, System, tables
 from .terms import KNOWN_TERMS
 
-_HARMONICS = 32  # odd ones of δ
-_POINTS = 256  # of half a cycle, where N is taken
-_NODES = (
-    40  # of Gauss's rule in the stick phase: exact for the 63rd harmonic over half a cycle and more
-)
-_RIGID = 1e-11  # of X: microstick lines below it are rounding
-_MOST = 30
+_MOST, _CHORDS = 30, 3  # steps, and how many of them with the matrix of another response
 _REACHED = 1e-13  # of the amplitude
 _EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
 
@@ -47,7 +41,8 @@ class Response:
     orbit : exact, of the oscillator with the equivalent linear damper.   advance : phase by which the base of that
     orbit is before the real one, rad.   change : δ_n, n = 1, 3, 5 …, with the phases of the orbit, m; None where there
     is none.   turned : β, rad.   onset : phase ωt of the onset of slip after the reversal at −X, in those of the orbit,
-    rad; NaN without slip.
+    rad; NaN without slip.   matrix : of the last of Newton's steps that led to it.
+    system : the equations that δ and β solve.   Y : amplitude of the base, m, where there are such.
     """
 
     orbit: Orbit
@@ -55,6 +50,9 @@ class Response:
     change: Complexes | None = None
     turned: float = 0.0
     onset: float = math.nan
+    matrix: Array | None = field(default=None, repr=False)
+    system: System | None = field(default=None, repr=False)
+    Y: float = math.nan
 
     @property
     def slips(self) -> bool:
@@ -90,14 +88,27 @@ class Response:
         n = np.arange(1, 2 * count, 2)
         x = self.orbit.harmonics(count)
         if self.change is not None:
-            x = x + np.pad(self.change, (0, max(0, count - _HARMONICS)))[:count]
+            x = x + np.pad(self.change, (0, max(0, count - HARMONICS)))[:count]
         turned: Complexes = x * np.exp(1j * n * self.advance)
         return turned
+
+    def slopes(self, count: int, symbols: Sequence[str]) -> dict[str, Complexes] | None:
+        """∂x_n by the coefficients of these terms, K_z and m, (count,), n as in `harmonics`: from the equations of δ,
+        for nothing of the motion is computed again. None where there are no such equations."""
+        if self.system is None or self.change is None or self.matrix is None:
+            return None
+        n, x = np.arange(1, 2 * count, 2), self.harmonics(count)
+        moved = self.system.slopes(self.change, -self.advance, self.Y, self.matrix, symbols)
+        found = {}
+        for name, (by, lag) in moved.items():
+            padded = np.pad(by, (0, max(0, count - HARMONICS)))[:count]
+            found[name] = padded * np.exp(1j * n * self.advance) - 1j * n * lag * x
+        return found
 
     def _at(self, theta: float) -> tuple[float, float]:
         """x and ẋ at a phase of the orbit, m and m/s."""
         assert self.change is not None
-        x, v = _Motion(self.orbit).at(np.array([theta]), self.change)
+        x, v = Motion(self.orbit).at(np.array([theta]), self.change)
         return float(x[0]), float(v[0])
 
 
@@ -107,34 +118,35 @@ def steady_response(
     law: Mapping[str, float],
     near: Response | None = None,
 ) -> Response:
-    """The steady response of an oscillator whose damping is that of `law`, not its own c.
+    """The steady response of an oscillator under a law.
 
-    law : symbol → coefficient of the terms other than friction, SI.   near : a response from which to start.
+    law : symbol → coefficient of the terms besides friction and c, which are the oscillator's, SI.
+    near : a response from which to start.
 
     Raises NoSteadyOrbit where there is none, or none with one onset of slip per half cycle under quadratic or cubic
     damping.
     """
     omega, k = motion.omega, oscillator.k
-    linear, others = 0.0, {}
+    linear, to_base, others = oscillator.c, 0.0, {}
     for symbol, p in law.items():
         force = KNOWN_TERMS[symbol].force
         if force is not None and KNOWN_TERMS[symbol].linear:
             linear += p * float(force(1.0, 0.0, k, omega))
+            to_base -= p * float(force(0.0, 1.0, k, omega))
         elif force is not None and p:
             others[symbol] = p
-    c_r = law.get("c_r", 0.0)
-    base = BaseMotion(motion.Y * math.hypot(1.0, omega * c_r / k), omega)
-    advance = math.atan2(omega * c_r, k)
+    base = BaseMotion(motion.Y * math.hypot(1.0, omega * to_base / k), omega)
+    advance = math.atan2(omega * to_base, k)
     if not others:
         return Response(steady_orbit(replace(oscillator, c=linear), base), advance)
     if near is not None and near.change is not None:
         extra = near.orbit.oscillator.c - linear
         orbit = steady_orbit(replace(oscillator, c=linear + max(extra, 0.0)), base)
-        found = _solved(orbit, linear, others, near.change, near.turned)
+        found = _solved(orbit, linear, others, near)
     else:
         orbit = _equivalent(replace(oscillator, c=linear), base, others)
-        found = _solved(orbit, linear, others, np.zeros(_HARMONICS, dtype=np.complex128), 0.0)
-    return replace(found, advance=advance - found.turned)
+        found = _solved(orbit, linear, others, None)
+    return replace(found, advance=advance - found.turned, Y=motion.Y)
 
 
 def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, float]) -> Orbit:
@@ -153,164 +165,39 @@ def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, f
     return orbit
 
 
-@cache
-def _tables() -> tuple[Array, Array, Complexes, Array, Array]:
-    """n; phases of half a cycle; e^{inθ} there; nodes and weights of Gauss's rule on (0, 1)."""
-    n: Array = np.arange(1.0, 2.0 * _HARMONICS, 2.0)
-    theta: Array = np.linspace(0.0, math.pi, _POINTS, endpoint=False)
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    turns: Complexes = np.exp(1j * np.outer(theta, n))
-    halves: Array = 0.5 * (1.0 + np.asarray(nodes, dtype=np.float64))
-    return n, theta, turns, halves, 0.5 * weights
-
-
-@dataclass(frozen=True, eq=False)
-class _Motion:
-    """x + δ at any phases: the orbit without truncation, and the harmonics of δ."""
-
-    orbit: Orbit
-
-    def at(self, theta: Array, change: Complexes) -> tuple[Array, Array]:
-        """x, ẋ, m, m/s."""
-        omega, n = self.orbit.motion.omega, _tables()[0]
-        state = self.orbit.state(theta / omega)
-        turn = np.exp(1j * np.outer(theta, n)) * change
-        return state.x + turn.real.sum(axis=1), state.v + (turn @ (1j * n * omega)).real
-
-    @cached_property
-    def velocity(self) -> Array:
-        """ẋ of the orbit at the phases of half a cycle, m/s."""
-        return self.orbit.state(_tables()[1] / self.orbit.motion.omega).v
-
-
 def _solved(
-    orbit: Orbit, linear: float, others: Mapping[str, float], change: Complexes, turned: float
+    orbit: Orbit, linear: float, others: Mapping[str, float], near: Response | None
 ) -> Response:
-    """The response, by Newton's method on δ and β from there on."""
-    osc, omega = orbit.oscillator, orbit.motion.omega
-    if orbit.regime not in (Regime.ONE_SLIP, Regime.NO_SLIP):
-        raise NoSteadyOrbit(
-            "under quadratic or cubic damping only one onset of slip per half cycle can be followed, not: "
-            f"{orbit.regime}"
-        )
-    slips = orbit.regime == Regime.ONE_SLIP
-    n, _, turns, _, _ = _tables()
-    rate = 1j * n * omega
-    stiffness = osc.k if slips else osc.k + osc.K_z
-    impedance = stiffness - (n * omega) ** 2 * osc.m + rate * linear
-    basis = np.hstack([np.eye(n.size), -1j * np.eye(n.size)])  # δ = basis @ (A, B)
-    rates, projected = ((turns * rate) @ basis).real, (2.0 / _POINTS) * turns.conj().T
-    motion, drive = _Motion(orbit), osc.k * orbit.motion.Y
-    contact = _Contact(orbit, basis) if slips else None
-    matrix = np.zeros((2 * n.size + 1, 2 * n.size + 1))
-    matrix[-1, :-1] = ((rate * np.exp(1j * n * orbit.theta)) @ basis).real
-    if not slips:
-        matrix[-1] = np.eye(2 * n.size + 1)[-1]
-    right = np.zeros(2 * n.size + 1)
-    for _ in range(_MOST):
-        v = motion.velocity + (turns @ (rate * change)).real
-        still = np.zeros_like(v)
-        force, slope = -(osc.c - linear) * motion.velocity, np.zeros_like(v)
-        for symbol, p in others.items():
-            of_term = KNOWN_TERMS[symbol]
-            assert of_term.force is not None
-            assert of_term.slope is not None
-            force = force + p * of_term.force(v, still, osc.k, omega)
-            slope = slope + p * of_term.slope(v, still, osc.k, omega)
-        residual = impedance * change + projected @ force
-        jacobian = impedance[:, None] * basis + projected @ (slope[:, None] * rates)
-        residual[0] -= drive * np.expm1(1j * turned)
-        if contact is not None:
-            of_contact, by_change = contact.force(change)
-            residual, jacobian = residual + of_contact, jacobian + by_change
-            right[-1] = -matrix[-1, :-1] @ np.concatenate([change.real, -change.imag])
-            by_turn = -1j * drive * np.exp(1j * turned)
-            matrix[0, -1], matrix[n.size, -1] = by_turn.real, by_turn.imag
-        matrix[: n.size, :-1], matrix[n.size : -1, :-1] = jacobian.real, jacobian.imag
-        right[: n.size], right[n.size : -1] = -residual.real, -residual.imag
+    """The response, by Newton's method on δ and β; beside another with its matrix, as long as that leads there."""
+    system = System.of(orbit, linear, others)
+    change, turned, matrix = np.zeros(HARMONICS, dtype=np.complex128), 0.0, None
+    if near is not None and near.change is not None:
+        change, turned, matrix = near.change, near.turned, near.matrix
+    for repetition in range(_MOST):
+        if matrix is None or repetition >= _CHORDS:
+            right, matrix = system.equations(change, turned)
+        else:
+            right = system.residual(change, turned)
         step = np.linalg.solve(matrix, right)
-        if not np.abs(step[:-1]).max() < 10.0 * orbit.X:
+        size = float(np.abs(step[:-1]).max())
+        if not size < 10.0 * orbit.X:
             break
-        change, turned = change + basis @ step[:-1], turned + float(step[-1])
-        if np.abs(step[:-1]).max() < _REACHED * orbit.X:
-            return _checked(orbit, change, turned, contact)
-    raise NoSteadyOrbit(f"the response under {dict(others)} was not found from {osc}")
+        change, turned = change + system.basis @ step[:-1], turned + float(step[-1])
+        if size < _REACHED * orbit.X:
+            return replace(
+                _checked(orbit, change, turned, system.contact), matrix=matrix, system=system
+            )
+    raise NoSteadyOrbit(f"the response under {dict(others)} was not found from {orbit.oscillator}")
 
 
-def _checked(orbit: Orbit, change: Complexes, turned: float, contact: _Contact | None) -> Response:
+def _checked(orbit: Orbit, change: Complexes, turned: float, contact: Contact | None) -> Response:
     """The response, if it is one of the kind that was assumed."""
-    motion = _Motion(orbit)
+    motion = Motion(orbit)
     if contact is None:
-        if np.abs(motion.at(_tables()[1], change)[0]).max() > orbit.oscillator.Z_m:
+        if np.abs(motion.at(tables()[1], change)[0]).max() > orbit.oscillator.Z_m:
             raise NoSteadyOrbit("the contact begins to slip under quadratic or cubic damping")
         return Response(orbit, 0.0, change, turned)
     between = orbit.theta + np.linspace(0.0, math.pi, 66)[1:-1]
     if not (motion.at(between, change)[1] > 0.0).all():
         raise NoSteadyOrbit("the velocity changes its sign inside a half cycle")
     return Response(orbit, 0.0, change, turned, contact.onset(change))
-
-
-@dataclass(frozen=True, eq=False)
-class _Contact:
-    """The force of the contact in a motion with one onset of slip per half cycle, less that in the orbit.
-
-    basis : of δ, from its real parts.
-    """
-
-    orbit: Orbit
-    basis: Complexes
-
-    @property
-    def rigid(self) -> bool:
-        """Whether the microstick lines are but rounding."""
-        return self.orbit.oscillator.Z_m < _RIGID * self.orbit.X
-
-    @cached_property
-    def motion(self) -> _Motion:
-        """Whose contact it is."""
-        return _Motion(self.orbit)
-
-    def onset(self, change: Complexes) -> float:
-        """Phase of the onset of slip after the reversal at −X, rad."""
-        osc, omega, reversal = self.orbit.oscillator, self.orbit.motion.omega, self.orbit.theta
-        if self.rigid:
-            return reversal
-        x_r = self.motion.at(np.array([reversal]), change)[0][0]
-        length = omega * self.orbit.t_s
-        for _ in range(40):
-            x, v = self.motion.at(np.array([reversal + length]), change)
-            step = omega * float((x[0] - x_r - 2.0 * osc.Z_m) / v[0]) if v[0] > 0.0 else -length
-            step = min(max(step, -length), 0.5 * length)
-            length = min(length - step, math.pi)
-            if abs(step) < 1e-14 * length:
-                break
-        if not 0.0 < length < math.pi:
-            raise NoSteadyOrbit("the contact does not slip in every half cycle")
-        return reversal + length
-
-    @cached_property
-    def _of_orbit(self) -> Complexes:
-        return self._harmonics(np.zeros(_HARMONICS, dtype=np.complex128))[0]
-
-    def force(self, change: Complexes) -> tuple[Complexes, Complexes]:
-        """f_n[x + δ] − f_n[x], N, (h,), and its derivatives by the real parts of δ_n, (h, 2h)."""
-        if self.rigid:
-            return np.zeros_like(change), np.zeros_like(self.basis)
-        f, by_change = self._harmonics(change)
-        return f - self._of_orbit, by_change
-
-    def _harmonics(self, change: Complexes) -> tuple[Complexes, Complexes]:
-        """As `force`, of (2/π) ∫ (f − F_k) e^{−inθ} dθ over the stick phase; the rest is the same in both."""
-        osc, reversal, (n, _, _, nodes, weights) = (
-            self.orbit.oscillator,
-            self.orbit.theta,
-            _tables(),
-        )
-        length = self.onset(change) - reversal
-        theta = reversal + length * np.append(nodes, 0.0)
-        x = self.motion.at(theta, change)[0]
-        turns = np.exp(1j * np.outer(theta, n))
-        weighted = (2.0 / math.pi) * length * weights[:, None] * turns[:-1].conj()
-        f = (osc.K_z * (x[:-1] - x[-1]) - 2.0 * osc.F_k) @ weighted
-        moved = (turns @ self.basis).real
-        return f, osc.K_z * weighted.T @ (moved[:-1] - moved[-1])

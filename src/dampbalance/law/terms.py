@@ -68,7 +68,7 @@ class Term:
         return named_with_unit(self.integral, self.integral_unit)
 
 
-_EXPONENTS = str.maketrans("²³⁴", "234")
+_EXPONENTS = str.maketrans("²³⁴⁵⁶", "23456")
 
 
 def named_with_unit(name: str, unit: str) -> str:

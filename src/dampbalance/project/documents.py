@@ -19,6 +19,7 @@ import jsonschema
 import yaml
 from jsonschema import ValidationError
 
+from ..law.terms import KNOWN_TERMS
 from .wording import shortened
 
 Key = tuple[str | int, ...]
@@ -135,7 +136,7 @@ def against_schema(
 ) -> list[Problem]:
     """What is wrong with a document by its JSON schema, or because a number is not finite; in a fixed order.
 
-    approaches : names that the schema's `registered: approach` allows.
+    approaches : names that the schema's `registered: approach` allows; `registered: term` allows those of KNOWN_TERMS.
 
     The texts say what is wrong and, from the `description` of the key in the schema, what would be right.
     """
@@ -148,16 +149,17 @@ def against_schema(
 
 
 def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
-    """A validator that knows our keyword `registered: approach`: the value is the name of an approach.
+    """A validator that knows our keyword `registered`: the value is the name of an approach, or of a term of a law.
 
     An integer is one to Python (2.0 is none), a pattern holds for the whole text, its last line end too, and items are
     compared in a time that grows with their number only.
     """
 
     def check(_: Any, kind: str, value: Any, __: Any) -> Iterable[ValidationError]:
-        if value not in approaches:
-            near, known = _nearest(value, approaches), ", ".join(approaches)
-            yield ValidationError(f"{shortened(value)} is not an {kind}{near}; known: {known}")
+        names = {"approach": approaches, "term": list(KNOWN_TERMS)}[kind]
+        if value not in names:
+            words = f"{'an' if kind == 'approach' else 'a'} {kind}{_nearest(value, names)}"
+            yield ValidationError(f"{shortened(value)} is not {words}; known: {', '.join(names)}")
 
     def unique(_: Any, wanted: bool, value: Any, __: Any) -> Iterable[ValidationError]:
         if wanted and isinstance(value, list):

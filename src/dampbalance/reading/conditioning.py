@@ -195,8 +195,8 @@ def _condition(
         weights=weights,
         X_error=X_error,
         Y_error=Y_error,
-        bandwidth=_bandwidth(mean_X, X_error, 1),
-        even_bandwidth=_bandwidth(mean_X, X_error, 2) if asymmetry else 0,
+        bandwidth=_bandwidth(mean_X, X_error),
+        even_bandwidth=_bandwidth(mean_X, X_error, lowest=2) if asymmetry else 0,
         base_bandwidth=checks.highest_of_base(mean_Y, Y_error),
         channels=harmonics,
         noise_rms={
@@ -379,7 +379,7 @@ def _combined(moved: Mapping[str, Complexes], weights: Array) -> tuple[Complexes
     return total, 1.0 / np.sqrt(precision)
 
 
-def _bandwidth(mean: Complexes, error: Array, lowest: int) -> int:
+def _bandwidth(mean: Complexes, error: Array, lowest: int = 1) -> int:
     """The highest odd (lowest = 1) or even (2) harmonic that stands out of the noise by four standard deviations; two
     in a row may be hidden."""
     orders = np.arange(lowest, len(mean), 2)

@@ -30,6 +30,15 @@ _CYCLES_AT_ONCE = 256
 _MOST_AT_ONCE = 1 << 20  # samples worked on at once: 8 MB an array
 _OUTLYING = 1.5  # mean square of a cycle about its harmonics, beside that of the others
 _HELD = 5  # equal samples in a row that may be a drop-out
+_JUMPS = (
+    2.0  # of its steps nearby: a signal that was held goes on with a jump of five of them or more
+)
+_CLEAR_STEPS = (
+    6.0  # of a converter: farther from a level, rounding does not hide how a signal nears it
+)
+_CLEAR_SAMPLES = 4  # likewise
+_STOPPING = 2.85  # ratio of distances, between the 2.2 to 2.8 of a cut, whose end lies between two samples, and 4
+_SCATTERED = 1.25  # samples at the level over those in a row: noise on a cut scatters them
 _AROUND = 8  # cycles that a cycle is compared with
 _HARMLESS = 1e-3  # of the range: rms of what a signal without noise may have beside its harmonics (drift, say)
 _LONGEST_CYCLE = 1 << 22  # samples; beyond it the drive is not what it seems
@@ -255,10 +264,15 @@ class _Accumulator:
             at_top = high == top[highest, None]
             count = at_top.sum(axis=1)
             # A sinusoid in steps of a converter dwells at its top level at most 1/(√2 − 1) = 2.4 times as long as at
-            # the next; noise shortens that. A clipped one dwells there alone.
+            # the next; noise shortens that. A clipped one dwells there alone, and so does a motion that stops.
             below = np.where(at_top, -np.inf, high)
-            next_count = (below == below.max(axis=1)[:, None]).sum(axis=1)
-            clipped[highest] |= _three_in_a_row(at_top) & (count > 4 * next_count)
+            next_level = below.max(axis=1)
+            next_count = (below == next_level[:, None]).sum(axis=1)
+            held = _three_in_a_row(at_top) & (count > 4 * next_count)
+            for j in np.flatnonzero(held).tolist():
+                size = int(inside[highest[j]].sum())
+                held[j] = not _comes_to_rest(high[j, :size], top[highest[j]] - next_level[j])
+            clipped[highest] |= held
         self.held_at_extreme += int(clipped.sum())
 
     def _gather(self, harmonics: Complexes, whole: Mask) -> None:
@@ -324,8 +338,48 @@ def _held(s: Array, others: Array, rms: float) -> str:
     starts, stops = starts[long], stops[long]
     moved = np.abs(np.median(others[:, stops - 2] - others[:, starts + 1], axis=0))
     held = moved > np.fmin(steps[starts], steps[stops]) + 5.0 * rms
+    # A motion that stops goes on as it came, gently; what is held jumps to where the signal has gone meanwhile, by
+    # more than it moves there from sample to sample. Stops begin and end a little earlier or later in each cycle.
+    pace = np.abs(np.diff(others[:, : s.size], axis=1)).max(axis=0)
+    for i in np.flatnonzero(held).tolist():
+        jump = np.fmax(steps[starts[i]], steps[stops[i]])
+        length = stops[i] - starts[i]
+        near = pace[max(starts[i] - length, 0) : stops[i] + length]
+        held[i] = jump > _JUMPS * near.max() + 5.0 * rms
     if not held.any():
         return ""
     longest = int(np.argmax(np.where(held, stops - starts, 0)))
     value = s[starts[longest]]
     return f"a drop-out: {stops[longest] - starts[longest]} samples hold the value {value:.6g}"
+
+
+def _comes_to_rest(s: Array, step: float) -> bool:
+    """Whether the longest run of samples at the highest value is a stop, which the signal nears and leaves without
+    speed, and no cut through its peak.
+
+    At q and 2q samples from a stop the signal is lower by amounts in the ratio of 1 to 4, or more; from the ends of a
+    cut of p samples by 1 to 2(p + 2q)/(p + q), 2.2 for q = p/8. q is long enough for four samples and for six steps of
+    the converter, which round the ends away, and p at least 4q: a shorter one is taken for a cut.
+
+    s : samples of a cycle, (n,), its first following its last.   step : to the next lower value.
+    """
+    size, drop = s.size, s.max() - s
+    ends = np.flatnonzero(drop == 0.0)
+    gaps = np.diff(ends, append=ends[0] + size)
+    breaks = np.flatnonzero(gaps > 1)
+    if not breaks.size:
+        return False
+    lengths = np.diff(breaks, prepend=breaks[-1] - ends.size)
+    last = int(np.argmax(lengths))
+    length, stop = int(lengths[last]), int(ends[breaks[last]])
+    if ends.size > _SCATTERED * length:
+        return False
+    ratios = []
+    for edge, way in ((stop, 1), (stop - length + 1, -1)):
+        along = drop[(edge + way * np.arange(1, size - length + 1)) % size]
+        far = np.flatnonzero(along >= _CLEAR_STEPS * step)
+        q = max(length // 8, _CLEAR_SAMPLES, int(far[0]) + 1 if far.size else size)
+        if 4 * q > length or 2 * q > along.size or not along[q - 1] > 0.0:
+            return False
+        ratios.append(along[2 * q - 1] / along[q - 1])
+    return bool(min(ratios) > _STOPPING)

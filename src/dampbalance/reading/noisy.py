@@ -29,13 +29,13 @@ import numpy as np
 from ..arrays import Array, Complexes, Integers
 from ..features import COLUMNS, Features, of_numbers, wrapped
 from ..law.integrals import of_harmonics
-from ..law.terms import KNOWN_TERMS
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
+from .fitting import fit_oscillator
 from .lines import Lines
 from .one_thread import one_thread
 from .turning import Series, turning_points, upward_zero
-from .waveforms import Waveform, fit_oscillator
+from .waveforms import Waveform
 
 RESOLVED = 2.0
 """Standard errors by which the root of the microstick line's length must exceed zero to count as resolved."""
@@ -328,10 +328,8 @@ def _features(reading: Reading, means: Means, moved: Array) -> Features:
         b=math.pi * steady.omega * (squares @ n**2 + even.squares @ even.n**2),
         W=math.pi * steady.k * means.Y * amplitudes[:, 0] * np.sin(lag)
         + math.pi * steady.k * _beyond(odd, even, means),
-        **{
-            KNOWN_TERMS[symbol].integral: of_harmonics(
-                symbol, *_all(odd, even, means), steady.omega, steady.k, variance
-            )
+        integrals={
+            symbol: of_harmonics(symbol, *_all(odd, even, means), steady.omega, steady.k, variance)
             for symbol in reading.terms
         },
     )

@@ -18,31 +18,20 @@ two channels) turns harmonic n by n times its angle, and can be left free.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array, Complexes, Integers, Mask
+from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
 from ..law.steady import Response
-from ..law.terms import FRICTION, parted
-from ..motion.jit import interpreted
-from ..motion.orbit import NoSteadyOrbit
+from ..law.terms import FRICTION
 from ..solver import NORMAL_95
-from .climb import Climb, Evaluation, NoConvergence, NoStart, climb
-from .lines import Lines, improbable, starts
-from .unknowns import Unknowns, worth
+from .lines import Lines, improbable
+from .unknowns import Unknowns
 
 _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
-_STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
-_SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
-_GAIN = 5e-8  # of half of χ², where the climb ends
-_STIFFEST = 1e12  # of K_z/k: the contact that stands for a rigid one
-_MOST = 30  # evaluations at each softening: a climb to where the records are takes about ten
-_MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,186 +204,6 @@ class Waveform:
     def length_bound(self) -> float:
         """L is below it with 97.5 % confidence, m."""
         return 2.0 * self.F_k * (self.fit.rho + NORMAL_95 * self.fit.error("rho")) ** 2
-
-
-def fit_oscillator(
-    lines: Sequence[Lines],
-    k: float,
-    law: Law | None = None,
-    *,
-    near: Fit | None = None,
-    thorough: bool = True,
-) -> Fit | None:
-    """The oscillator of largest likelihood; None where no oscillator that slips responds like the records.
-
-    lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
-    near : a fit with another law, to start from.   thorough : whether more and more starts are tried until one leads
-    to an oscillator that the records may be of.
-    """
-    unknowns = Unknowns(law or Law(), len(lines), k)
-    if near is None and unknowns.law.nonlinear:  # the way there is shorter with exact orbits alone
-        near = fit_oscillator(lines, k, Law(groups=_of_friction(unknowns.law)), thorough=thorough)
-    relative = _relative_friction(lines, unknowns.law)
-    best: Fit | None = None
-    with interpreted(False) if unknowns.law.nonlinear else nullcontext():
-        for start in _starting_points(lines, unknowns, relative, near, thorough):
-            reached = _climbed(lines, unknowns, start, {"delay"}, _SOFTENING)
-            if reached is not None and (best is None or reached.chi_square < best.chi_square):
-                best = reached
-                if best.adequate:
-                    return best
-    return best
-
-
-def _of_friction(law: Law) -> dict[str, tuple[str, ...]]:
-    return {FRICTION: law.groups[FRICTION]} if FRICTION in law.groups else {}
-
-
-def _starting_points(
-    lines: Sequence[Lines], unknowns: Unknowns, relative: Array, near: Fit | None, thorough: bool
-) -> Iterator[Array]:
-    """Points from which to climb, one after the other."""
-    if near is not None:
-        damping = sum(
-            near.value(key) / worth(parted(key)[0], one, near.k)
-            for key in near.law.keys
-            for one in lines[:1]
-            if parted(key)[0] != FRICTION
-        )
-        rho = max(near.rho, _STIFFEST**-0.5 * near.k**-0.5)
-        candidate = np.array([near.F_k, damping, rho**-2, near.m])
-        yield unknowns.start(lines, candidate, relative)
-        if not thorough:
-            return
-    for wide in (False, True)[: 1 + thorough]:
-        if wide and unknowns.law.nonlinear:
-            return  # each climb takes seconds
-        for candidate in starts(lines, unknowns.k, relative, wide=wide)[: _STARTS[wide]]:
-            yield unknowns.start(lines, candidate, relative)
-
-
-def _relative_friction(lines: Sequence[Lines], law: Law) -> Array:
-    """Friction of the group of each record over the mean of all, were all work taken by friction, (n,)."""
-    labels = law.groups.get(FRICTION)
-    if labels is None:
-        return np.ones(len(lines))
-    alone = np.array([max(-one.Y * one.x[0].imag / abs(one.x[0]), 1e-9 * one.Y) for one in lines])
-    means = {label: alone[[other == label for other in labels]].mean() for label in labels}
-    force = np.array([means[label] for label in labels])
-    relative: Array = force / np.mean(list(means.values()))
-    return relative
-
-
-def with_delay(fit: Fit) -> Fit | None:
-    """The fit with the delay between base and response left free, from there on."""
-    given = set() if fit.error("m") else {"m"}
-    return _climbed(fit.lines, fit.unknowns, fit.point, given, (0.0,))
-
-
-def with_mass(fit: Fit, m: float) -> Fit | None:
-    """The fit with the mass given, kg, from there on; None where nothing slips with that mass."""
-    start = fit.point.copy()
-    start[fit.unknowns.names.index("m")] = m
-    return _climbed(fit.lines, fit.unknowns, start, {"m", "delay"}, _SOFTENING)
-
-
-def _climbed(
-    lines: Sequence[Lines],
-    unknowns: Unknowns,
-    start: Array,
-    given: set[str],
-    softenings: Sequence[float],
-) -> Fit | None:
-    """The fit that a climb from there ends in; Y and ψ start as they were read."""
-    names, law = unknowns.names, unknowns.law
-    point = start.copy()
-    point[len(names) :] = np.ravel([(one.Y, 0.0) for one in lines])
-    rigid = 1.0 / math.sqrt(_STIFFEST * unknowns.k)
-    lower, scale = unknowns.lower(point, lines, rigid), unknowns.scale(point, lines)
-    fixed = given | set(law.given)
-    free = np.array([i for i in range(point.size) if not fixed & set(names[i : i + 1])])
-    climbed: Climb[Evaluation] | None = None
-    for softening in softenings:
-        problem = _Problem(lines, unknowns, point, free, softening)
-        try:
-            climbed = climb(
-                problem.evaluate, point[free], lower[free], scale[free], gain=_GAIN, most=_MOST
-            )
-        except NoStart:
-            return None
-        except NoConvergence as stuck:
-            climbed = stuck.best
-        point = point.copy()
-        point[free] = climbed.point
-    assert climbed is not None
-    here = climbed.evaluation
-    assert here.residual is not None
-    assert here.jacobian is not None
-    solution = np.linalg.pinv(here.jacobian)
-    size = point.size
-    covariance, response = np.zeros((size, size)), np.zeros((size, here.residual.size))
-    covariance[np.ix_(free, free)] = solution @ solution.T
-    response[free] = solution
-    ends = np.cumsum([2 + 2 * one.n.size for one in lines])
-    starts_at = [0, *ends[:-1]]
-    return Fit(
-        lines=tuple(lines),
-        unknowns=unknowns,
-        point=point,
-        covariance=covariance,
-        response=response,
-        places=tuple(slice(int(a), int(b)) for a, b in zip(starts_at, ends, strict=True)),
-        residual=here.residual,
-        chi_square=2.0 * here.value,
-        freedom=here.residual.size - free.size,
-        rigid=bool(point[names.index("rho")] <= rigid),
-        undamped=tuple(key for key in law.unknowns if point[names.index(key)] <= 0.0),
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class _Problem:
-    """Residuals (model − data)/σ of all records as functions of the unknowns that are free.
-
-    point : all unknowns.   free : which of them are.   softening : part of the amplitudes added to the errors.
-    """
-
-    lines: Sequence[Lines]
-    unknowns: Unknowns
-    point: Array
-    free: Integers
-    softening: float
-
-    def evaluate(self, free: Array) -> Evaluation | None:
-        """Half of χ² with its derivatives; None where nothing slips, there is no orbit, or the contact rattles."""
-        point, unknowns = self.point.copy(), self.unknowns
-        point[self.free] = free
-        delay = unknowns.names.index("delay")
-        residuals, slopes, slips = [], [], False
-        for i, one in enumerate(self.lines):
-            try:
-                response = unknowns.response(point, i, one.omega)
-                if len(response.orbit.phases) > _MOST_PHASES:
-                    return None
-                x, by = unknowns.harmonics(point, i, one, response, one.n.size)
-            except (NoSteadyOrbit, ValueError):
-                return None
-            slips |= response.slips
-            at = unknowns.at(i)
-            Y, psi = point[at["Y"]], point[at["psi"]]
-            error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
-            Y_error = math.hypot(one.Y_error, self.softening * one.Y)
-            off, slope = (x - one.x) / error, by / error[:, None]
-            lag = psi + one.omega * point[delay]
-            of_base = np.zeros((2, point.size))
-            of_base[0, at["Y"]] = 1.0 / Y_error
-            of_base[1, at["psi"]], of_base[1, delay] = one.Y / Y_error, one.omega * one.Y / Y_error
-            base = [(Y - one.Y) / Y_error, lag * one.Y / Y_error]
-            residuals += [base, off.real, off.imag]
-            slopes += [of_base, slope.real, slope.imag]
-        if not slips:
-            return None
-        return Evaluation.of_residuals(np.concatenate(residuals), np.vstack(slopes)[:, self.free])
 
 
 def _waveform(fit: Fit, i: int) -> Waveform:

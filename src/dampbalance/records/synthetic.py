@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,9 +17,12 @@ from ..motion.orbit import Orbit
 from .limits import LARGEST
 from .measurement import QUANTITIES, Channel, Measurement
 
+if TYPE_CHECKING:
+    from ..law.response import LawOrbit
+
 
 def measured_orbit(
-    orbit: Orbit,
+    orbit: Orbit | LawOrbit,
     *,
     rate_hz: float,
     cycles: float,

@@ -124,6 +124,10 @@ def test_the_document_says_from_what_it_was_made(tmp_path):
         "stiffness_N_per_m": 2310.0,
         "frequency_hz": None,
         "mass_kg": None,
+        "terms": ["F_k", "c"],
+        "given": {},
+        "groups": {},
+        "laws": False,
         "approaches": ["direct"],
         "phase": "reversal",
         "mapping": None,
@@ -232,9 +236,43 @@ def test_a_simulated_record_is_not_overwritten_unasked(tmp_path, capsys):
     assert path.read_text(encoding="utf-8") == "mine"
 
 
+def test_a_law_is_what_damps_a_simulated_record(tmp_path):
+    # ω = 2π 4.92/s: a loss factor ωc/k is a damper c; and quadratic damping takes what harmonic balance gives it
+    omega = 2.0 * np.pi * 4.92
+    made = {}
+    for name, arguments in {
+        "c": [],
+        "law": ["--law", "c=90"],
+        "eta": ["--law", f"eta={omega * 90.0 / 2310.0!r}"],
+        "both": ["--law", f"eta={omega * 40.0 / 2310.0!r}", "--damping", "50"],
+        "F_k": ["--law", f"eta={omega * 90.0 / 2310.0!r},F_k=2.5"],
+        "friction": ["--friction", "2.5"],
+    }.items():
+        path = tmp_path / f"{name}.csv"
+        assert simulate(path, *SMALL, *arguments) == 0
+        made[name] = read(path)["displacement"].values
+    np.testing.assert_array_equal(made["law"], made["c"])
+    for one, other in (("eta", "c"), ("both", "c"), ("F_k", "friction")):
+        np.testing.assert_allclose(made[one], made[other], rtol=0, atol=1e-10 * 0.004)
+    assert np.abs(made["F_k"] - made["c"]).max() > 1e-5
+    path = tmp_path / "quadratic.csv"
+    assert simulate(path, *SMALL[:4], "--law", "c_2=300", "--friction", "0") == 0
+    x = read(path)["displacement"].values
+    X = 0.5 * np.ptp(x)
+    stiff = 2310.0 - 2.42 * omega**2
+    # the third harmonic is 1/5 of the damper's force against 8k, 1 % of X; sampled 200 times a cycle
+    assert np.hypot(stiff * X, 8.0 / (3.0 * np.pi) * 300.0 * (omega * X) ** 2) == pytest.approx(
+        2310.0 * 0.004, rel=0.03
+    )
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["--law", "c=1", "--damping", "2"], "c is in --law and given by --damping as well"),
+        (["--law", "F_k=1,c_2=3", "--friction", "2"], "F_k is in --law and given by --friction"),
+        (["--law", "c_2[a]=1"], "name the term alone"),
+        (["--law", "c_2=1", "--frequency", "1e-4"], "no more than 3,000 can be followed"),
         (["--cycles", "1e-4"], "at least 2 are needed"),
         (["--cycles", "1e9"], "ask for fewer"),
         (["--rate", "1e12"], "ask for fewer"),
@@ -261,6 +299,9 @@ def test_a_simulation_that_makes_no_sense_is_refused(arguments, message, tmp_pat
         ("--seed", "-1", "a whole number, 0 to"),
         ("--seed", "9" * 5000, "a whole number, 0 to"),
         ("--decimals", "400", "a whole number, -15 to 30"),
+        ("--law", "c_2", "symbols with their coefficients, as in c_2=40,eta=0.02, got 'c_2'"),
+        ("--law", "c_2=40,", "symbols with their coefficients"),
+        ("--law", "", "symbols with their coefficients"),
     ],
 )
 def test_options_of_a_simulation_have_bounds(option, value, wanted, tmp_path, capsys):
@@ -270,6 +311,25 @@ def test_options_of_a_simulation_have_bounds(option, value, wanted, tmp_path, ca
     said = capsys.readouterr().err.splitlines()[-1]
     assert f"argument {option}: must be {wanted}" in said
     assert len(said) < 200
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("law", "said"),
+    [
+        ("c_7=1", "unknown term 'c_7'; known are F_k, c, c_r, c_2, c_3, eta"),
+        ("c_2=-1", "c_2 must be a number, 0 to 1e+15, got '-1'"),
+        ("c_2=nan", "c_2 must be a number"),
+        ("eta=", "eta must be a number"),
+        ("c_2=1,c_2=3", "c_2 stands there twice"),
+        ("F_k=1,c=2,F_k=1", "F_k stands there twice"),
+    ],
+)
+def test_a_law_that_makes_no_sense_is_refused(law, said, tmp_path, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        simulate(tmp_path / "a.csv", "--law", law)
+    assert stopped.value.code == 2
+    assert f"argument --law: {said}" in capsys.readouterr().err.splitlines()[-1]
     assert list(tmp_path.iterdir()) == []
 
 

@@ -11,8 +11,9 @@ import pytest
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.likelihood.information import cramer_rao
 from dampbalance.motion.regime import Regime
+from dampbalance.reading.fitting import fit_oscillator, with_delay, with_mass
 from dampbalance.reading.lines import Lines
-from dampbalance.reading.waveforms import Fit, fit_oscillator, with_delay, with_mass
+from dampbalance.reading.waveforms import Fit
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
 from unit.reading.harmonics import lines_of
 

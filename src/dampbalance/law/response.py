@@ -1,0 +1,272 @@
+"""How an oscillator moves under any damping law: integrated phase by phase, its steady response by Newton's method.
+
+Every known h grows with ẋ. The difference of two motions under the same excitation therefore loses energy whatever the
+law, as `motion/period_map.py` shows for h = cẋ, and what follows there holds here: one steady velocity, which is its
+own mirror image half a period later, and Newton's method on  s ↦ −Φ(s)  to find it, Φ the motion over half a period.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array
+from ..model import BaseMotion, Oscillator, finite_number
+from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
+from ..motion.orbit import NoSteadyOrbit, steady_orbit
+from ..motion.states import State
+from .one_phase import Equation, Piece, Point, equation, follow
+
+_MOST_PHASES = 16384  # of half a period
+_MOST_STEPS = 50  # Newton's method takes four or so, and ten from a state far off
+_CONVERGED = 1e-14  # energy norm of s + Φ(s), relative to that of s
+_ACCEPTED = 1e-12  # like `_CONVERGED`, where rounding stops the descent
+_SINGULAR = 1e-9  # of 1 + ∂Φ/∂s, about π times the damping ratio: less is rounding
+_EQUIVALENCES = 12  # repetitions of the equivalent damper, each of which halves its error or better
+_REACHED = 1e-15  # of half a period: what is left of it is rounding
+_NOTHING = np.empty((3, 0))
+
+
+@dataclass(frozen=True, eq=False)
+class LawTrajectory:
+    """Motion from an initial state under any law, phase by phase.
+
+    oscillator, motion : what moves, and its base; None for a base at rest.   law : symbol → coefficient, SI, of the
+    terms besides friction and c, which are the oscillator's.   theta : phase of the base at t = 0, rad.
+    phases : (n, 5), rows (t, s, x, ẋ, z) at the start of each phase as in `motion.transient.Trajectory`, except that a
+    reversal within stick begins a phase as well.   end : time up to which the motion was computed, s.
+    """
+
+    oscillator: Oscillator
+    motion: BaseMotion | None
+    law: Mapping[str, float]
+    theta: float
+    phases: Array = field(repr=False)
+    end: float
+    _pieces: tuple[Piece, ...] = field(repr=False)
+
+    def __post_init__(self) -> None:
+        self.phases.flags.writeable = False
+
+    @cached_property
+    def _equation(self) -> Equation:
+        return equation(self.oscillator, self.motion, self.law)
+
+    @property
+    def turns(self) -> Array:
+        """The rows of `phases` that begin with a velocity reversal: the turning points."""
+        turns: Array = self.phases[1:][self.phases[1:, PHASE_V] == 0.0]
+        return turns
+
+    @property
+    def onsets(self) -> Array:
+        """The rows of `phases` that begin with an onset of slip."""
+        slips = self.phases[:, PHASE_S] != 0.0
+        onsets: Array = self.phases[1:][slips[1:] & ~slips[:-1]]
+        return onsets
+
+    def state(self, t: ArrayLike) -> State:
+        """(x, ẋ, ẍ, z) at the times t, s, any shape, within the span of the trajectory; ValueError outside it."""
+        times = np.asarray(t, dtype=float)
+        start = self.phases[0, PHASE_T]
+        if times.size and not (times.min() >= start and times.max() <= self.end):
+            raise ValueError(f"times must lie within [{start}, {self.end}] s")
+        flat = times.ravel()
+        x, v, z = np.empty((3, flat.size))
+        rows = np.searchsorted(self.phases[:, PHASE_T], flat, side="right") - 1
+        for i in np.unique(rows):
+            here, began, piece = rows == i, self.phases[i, PHASE_T], self._pieces[i]
+            gain, v[here] = piece.gain(flat[here] - began)
+            x[here] = self.phases[i, PHASE_X] + gain
+            z[here] = piece.z + gain * (piece.s == 0.0)
+        theta = self.theta + self._equation.omega * flat
+        acceleration = self._equation.acceleration(x, v, z, theta)
+        return State(*(row.reshape(times.shape) for row in (x, v, acceleration, z)))
+
+
+@dataclass(frozen=True, eq=False)
+class LawOrbit:
+    """Steady response under any law, in place of an `Orbit` where a motion is sampled or integrated.
+
+    half : its half cycle from the reversal at x = −X on, t from there; the other is the mirror image,
+    x(t + T/2) = −x(t).
+    """
+
+    half: LawTrajectory
+
+    @property
+    def oscillator(self) -> Oscillator:
+        """What moves; its c is the coefficient of the term c."""
+        return self.half.oscillator
+
+    @property
+    def motion(self) -> BaseMotion:
+        """That of the base."""
+        assert self.half.motion is not None
+        return self.half.motion
+
+    @property
+    def law(self) -> Mapping[str, float]:
+        """Symbol → coefficient, SI, of the terms besides friction and c."""
+        return self.half.law
+
+    @property
+    def theta(self) -> float:
+        """Phase of the base, ωt, at the reversal at −X, rad."""
+        return self.half.theta
+
+    @property
+    def phases(self) -> Array:
+        """(n, 5), rows (t, s, x, ẋ, z) at the start of each phase of the half cycle; t from the reversal, s."""
+        return self.half.phases
+
+    @property
+    def X(self) -> float:
+        """Peak displacement, m."""
+        return -float(self.phases[0, PHASE_X])
+
+    @property
+    def a(self) -> float:
+        """Distance slid per cycle, m: Eq. (7a)."""
+        gained = np.diff(np.append(self.phases[:, PHASE_X], self.X))
+        return 2.0 * float(np.abs(gained[self.phases[:, PHASE_S] != 0.0]).sum())
+
+    def state(self, t: ArrayLike) -> State:
+        """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
+        times = np.asarray(t, dtype=float)
+        half = 0.5 * self.motion.period
+        since = np.mod(times - self.theta / self.motion.omega, 2.0 * half)
+        mirrored = since >= half
+        state = self.half.state(np.clip(since - half * mirrored, 0.0, self.half.end))
+        return State(*(np.where(mirrored, -row, row) for row in state))
+
+
+def law_transient(
+    oscillator: Oscillator,
+    motion: BaseMotion | None,
+    law: Mapping[str, float],
+    end: float,
+    *,
+    x: float = 0.0,
+    v: float = 0.0,
+    z: float = 0.0,
+    start: float = 0.0,
+) -> LawTrajectory:
+    """The motion under a law from the state (x, ẋ, z) at time `start` to `end`, s.
+
+    motion : y = Y cos ωt; None for a base at rest.
+    law : symbol → coefficient, SI, of the terms besides friction and c, which are the oscillator's.
+    x : displacement, m.   v : velocity, m/s.   z : deflection of the contact spring, m, |z| ≤ Z_m.
+
+    Raises ValueError for a law that makes no sense (see `one_phase.equation`), a state that the contact cannot have or
+    an end before the start, TypeError for a value that is not a number.
+    """
+    state = finite_number("x", x), finite_number("v", v), finite_number("z", z)
+    start, end = finite_number("start", start), finite_number("end", end)
+    if abs(z) > oscillator.Z_m:
+        raise ValueError(f"z must lie within ±Z_m = ±{oscillator.Z_m:.6g} m, got {z!r}")
+    if not end > start:
+        raise ValueError(f"end must be later than start = {start!r}, got {end!r}")
+    eq = equation(oscillator, motion, law)
+    return _trajectory(eq, law, state, (start, end), 0.0)
+
+
+def law_orbit(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, float]) -> LawOrbit:
+    """The steady response under a law, in any regime, closed to 1e-12 of its size or better.
+
+    law : symbol → coefficient, SI, of the terms besides friction and c, which are the oscillator's.
+
+    Raises NoSteadyOrbit where there is none (nothing is lost, at resonance) or none was found, ValueError for a law
+    that makes no sense (see `one_phase.equation`).
+    """
+    eq = equation(oscillator, motion, law)
+    state = _fixed_point(eq, motion, _nearby(eq, motion))
+    if state is None:
+        raise NoSteadyOrbit(
+            f"found no steady response, mirrored half a period later, of {oscillator} under {motion} "
+            f"and the law {dict(law)}: there is one wherever energy is lost; add damping, or leave the resonance"
+        )
+    # over a whole period both extremes occur
+    turns = _trajectory(eq, law, state, (0.0, motion.period), 0.0).turns
+    lowest = turns[np.argmin(turns[:, PHASE_X])]
+    reversal = float(lowest[PHASE_X]), 0.0, float(lowest[PHASE_Z])
+    theta = motion.omega * float(lowest[PHASE_T])
+    return LawOrbit(_trajectory(eq, law, reversal, (0.0, 0.5 * motion.period), theta))
+
+
+def _trajectory(
+    eq: Equation, law: Mapping[str, float], state: Point, span: tuple[float, float], theta: float
+) -> LawTrajectory:
+    """The motion over a span of time from a state at its start.   theta : phase of the base at t = 0, rad."""
+    rows, pieces = [], []
+    t, end = span
+    while t < end:
+        piece = follow(eq, state, theta + eq.omega * t, end - t, _NOTHING)
+        rows.append((t, piece.s, *state[:2], piece.z))
+        pieces.append(piece)
+        state, t = piece.end, end if piece.duration >= end - t else t + piece.duration
+    return LawTrajectory(
+        eq.oscillator, eq.motion, dict(law), theta, np.array(rows), end, tuple(pieces)
+    )
+
+
+def _nearby(eq: Equation, motion: BaseMotion) -> Point:
+    """State at base phase 0 of the steady response with the linear damper that takes as much as the law does from a
+    harmonic motion: exact for linear laws, some percent off for others."""
+    o, omega, X = eq.oscillator, motion.omega, motion.Y
+    # damping that goes with the velocity of the base turns and enlarges what drives
+    dragged = -omega * float(eq.damping(0.0, 1.0)) / o.k
+    base = BaseMotion(motion.Y * math.hypot(1.0, dragged), omega)
+    try:
+        for _ in range(_EQUIVALENCES):
+            work = 0.0
+            for p, one in eq.law:
+                assert one.harmonic is not None
+                work += p * float(one.harmonic(omega, X, 0.0, 0.0, o.k))
+            orbit = steady_orbit(replace(o, c=work / (math.pi * omega * X**2)), base)
+            X = math.sqrt(X * orbit.X)
+    except (NoSteadyOrbit, OverflowError):
+        return 0.0, 0.0, 0.0
+    state = orbit.state(math.atan(dragged) / omega)
+    return float(state.x), float(state.v), float(np.clip(state.z, -o.Z_m, o.Z_m))
+
+
+def _fixed_point(eq: Equation, motion: BaseMotion, start: Point) -> Point | None:
+    """The state s at base phase 0 with Φ(s) = −s, by Newton's method from there; None if it is not found."""
+    o = eq.oscillator
+    weights = np.sqrt([o.k, o.m, o.K_z])
+    s = np.array(start)
+    residual, derivative = _closure(eq, motion, s)
+    for _ in range(_MOST_STEPS):
+        size, error = np.linalg.norm(weights * s), np.linalg.norm(weights * residual)
+        if error <= _CONVERGED * size:
+            break
+        trial = s - np.linalg.lstsq(derivative, residual)[0]
+        nearer = _closure(eq, motion, trial)
+        if error <= _ACCEPTED * size and np.linalg.norm(weights * nearer[0]) >= 0.5 * error:
+            break  # rounding keeps it from going lower
+        s, (residual, derivative) = trial, nearer
+    else:
+        return None
+    scaled = derivative * weights[:, None] / weights
+    if np.linalg.svd(scaled, compute_uv=False)[-1] < _SINGULAR:
+        return None  # any amplitude would do
+    return float(s[0]), float(s[1]), float(s[2])
+
+
+def _closure(eq: Equation, motion: BaseMotion, s: Array) -> tuple[Array, Array]:
+    """s + Φ(s) and its derivative, (3, 3). The forces are continuous across events, so that changes of the state pass
+    them as they are, except that of z, which slip wipes out."""
+    half, t = 0.5 * motion.period, 0.0
+    state, derivative = (float(s[0]), float(s[1]), float(s[2])), np.eye(3)
+    for _ in range(_MOST_PHASES):
+        piece = follow(eq, state, motion.omega * t, half - t, derivative)
+        state, derivative, t = piece.end, piece.derivative, t + piece.duration
+        if t >= half * (1.0 - _REACHED):
+            return s + np.array(state), np.eye(3) + derivative
+    raise NoSteadyOrbit(f"more than {_MOST_PHASES} events in half a period of {eq.oscillator}")

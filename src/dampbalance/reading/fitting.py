@@ -1,0 +1,227 @@
+"""The climbs to the oscillator of largest likelihood, from several starts: the search behind `waveforms.Fit`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..arrays import Array, Integers
+from ..law.law import Law
+from ..law.steady import Response
+from ..law.terms import FRICTION, parted
+from ..motion.jit import interpreted
+from ..motion.orbit import NoSteadyOrbit
+from .climb import Climb, Evaluation, NoConvergence, NoStart, climb
+from .lines import Lines, Shares, starts
+from .unknowns import Unknowns, worth
+from .waveforms import Fit
+
+_STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
+_SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
+_HOPELESS = 4.0  # χ² per datum, softened
+_GAIN = 5e-8  # of half of χ², where the climb ends
+_STIFFEST = 1e12  # of K_z/k: the contact that stands for a rigid one
+_MOST = 30  # evaluations at each softening: a climb to where the records are takes about ten
+_FEWER = 12  # to see whether it comes near them
+_MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
+
+
+def fit_oscillator(
+    lines: Sequence[Lines], k: float, law: Law | None = None, *, thorough: bool = True
+) -> Fit | None:
+    """The oscillator of largest likelihood; None where no oscillator that slips responds like the records.
+
+    lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
+    thorough : whether more and more starts are tried until one leads to an oscillator that the records may be of.
+    """
+    unknowns = Unknowns(law or Law(), len(lines), k)
+    shares = shares_of(lines, unknowns.law, k)
+    wide = (True,) if thorough and not unknowns.law.nonlinear else ()  # else each climb takes long
+    points = (
+        unknowns.start(lines, candidate, shares.friction)
+        for search in (False, *wide)
+        for candidate in starts(lines, k, shares, wide=search)[: _STARTS[search]]
+    )
+    return _best(lines, unknowns, points, math.inf)
+
+
+def fit_quickly(lines: Sequence[Lines], k: float, law: Law, near: Sequence[Fit]) -> Fit | None:
+    """As `fit_oscillator`, from two candidates of `lines.starts` and from fits with other laws, and not refined where
+    it does not come near the records."""
+    unknowns, shares = Unknowns(law, len(lines), k), shares_of(lines, law, k)
+    candidates = starts(lines, k, shares)
+    known = [*candidates[:1], *(_as_candidate(fit) for fit in near), *candidates[1:2]]
+    points = (unknowns.start(lines, candidate, shares.friction) for candidate in known)
+    return _best(lines, unknowns, points, _HOPELESS)
+
+
+def _best(
+    lines: Sequence[Lines], unknowns: Unknowns, points: Iterable[Array], hopeless: float
+) -> Fit | None:
+    """The fit with the smallest χ² of those that climbs from these points end in, up to one that is adequate."""
+    best: Fit | None = None
+    with interpreted(False) if unknowns.law.nonlinear else nullcontext():
+        for point in points:
+            reached = _climbed(lines, unknowns, point, {"delay"}, _SOFTENING, hopeless)
+            if reached is not None and (best is None or reached.chi_square < best.chi_square):
+                best = reached
+                if best.adequate:
+                    return best
+    return best
+
+
+def _as_candidate(fit: Fit) -> Array:
+    """(F_k, c, K_z, m) of an oscillator that loses about as much."""
+    worths = {key: worth(parted(key)[0], fit.lines[0], fit.k) for key in fit.law.keys}
+    damping = sum(
+        fit.value(key) / worths[key] for key in fit.law.keys if parted(key)[0] != FRICTION
+    )
+    rho = max(fit.rho, (_STIFFEST * fit.k) ** -0.5)
+    return np.array([fit.F_k, damping, rho**-2, fit.m])
+
+
+def shares_of(lines: Sequence[Lines], law: Law, k: float) -> Shares:
+    """Of friction, that of the group of each record over the mean of all, were all work taken by friction; of a damper,
+    what the terms that are not given take in each record, over the median."""
+    labels = law.groups.get(FRICTION, ("",) * len(lines))
+    alone = np.array([max(-one.Y * one.x[0].imag / abs(one.x[0]), 1e-9 * one.Y) for one in lines])
+    means = {label: alone[[other == label for other in labels]].mean() for label in labels}
+    force = np.array([means[label] for label in labels])
+    free = [s for s in law.terms if s != FRICTION and s not in law.given]
+    worths = np.array([[worth(s, one, k) for one in lines] for s in free])
+    damping = np.ones(len(lines))
+    if free:
+        damping = np.mean(np.median(worths, axis=1, keepdims=True) / worths, axis=0)
+    return Shares(force / np.mean(list(means.values())), damping)
+
+
+def with_delay(fit: Fit) -> Fit | None:
+    """The fit with the delay between base and response left free, from there on."""
+    given = set() if fit.error("m") else {"m"}
+    return _climbed(fit.lines, fit.unknowns, fit.point, given, (0.0,))
+
+
+def with_mass(fit: Fit, m: float) -> Fit | None:
+    """The fit with the mass given, kg, from there on; None where nothing slips with that mass."""
+    start = fit.point.copy()
+    start[fit.unknowns.names.index("m")] = m
+    return _climbed(fit.lines, fit.unknowns, start, {"m", "delay"}, _SOFTENING)
+
+
+def _climbed(
+    lines: Sequence[Lines],
+    unknowns: Unknowns,
+    start: Array,
+    given: set[str],
+    softenings: Sequence[float],
+    hopeless: float = math.inf,
+) -> Fit | None:
+    """The fit that a climb from there ends in; Y and ψ start as they were read.   hopeless : χ² per datum from which on
+    it is not refined."""
+    names, law = unknowns.names, unknowns.law
+    point = start.copy()
+    point[len(names) :] = np.ravel([(one.Y, 0.0) for one in lines])
+    rigid = 1.0 / math.sqrt(_STIFFEST * unknowns.k)
+    lower, scale = unknowns.lower(point, lines, rigid), unknowns.scale(point, lines)
+    fixed = given | set(law.given)
+    free = np.array([i for i in range(point.size) if not fixed & set(names[i : i + 1])])
+    climbed: Climb[Evaluation] | None = None
+    for softening in softenings:
+        problem = _Problem(lines, unknowns, point, free, softening)
+        most = _MOST if math.isinf(hopeless) or not softening else _FEWER
+        try:
+            climbed = climb(
+                problem.evaluate, point[free], lower[free], scale[free], gain=_GAIN, most=most
+            )
+        except NoStart:
+            return None
+        except NoConvergence as stuck:
+            climbed = stuck.best
+        point = point.copy()
+        point[free] = climbed.point
+        if 2.0 * climbed.evaluation.value > hopeless * sum(2 + 2 * one.n.size for one in lines):
+            break
+    assert climbed is not None
+    here = climbed.evaluation
+    if problem.softening or law.nonlinear:  # as the errors are, with derivatives that hold to 1e-6
+        exact = replace(problem, softening=0.0, quickly=False).evaluate(climbed.point)
+        if exact is None:
+            return None
+        here = exact
+    assert here.residual is not None
+    assert here.jacobian is not None
+    solution = np.linalg.pinv(here.jacobian)
+    size = point.size
+    covariance, response = np.zeros((size, size)), np.zeros((size, here.residual.size))
+    covariance[np.ix_(free, free)] = solution @ solution.T
+    response[free] = solution
+    ends = np.cumsum([2 + 2 * one.n.size for one in lines])
+    starts_at = [0, *ends[:-1]]
+    return Fit(
+        lines=tuple(lines),
+        unknowns=unknowns,
+        point=point,
+        covariance=covariance,
+        response=response,
+        places=tuple(slice(int(a), int(b)) for a, b in zip(starts_at, ends, strict=True)),
+        residual=here.residual,
+        chi_square=2.0 * here.value,
+        freedom=here.residual.size - free.size,
+        rigid=bool(point[names.index("rho")] <= rigid),
+        undamped=tuple(key for key in law.unknowns if point[names.index(key)] <= 0.0),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """Residuals (model − data)/σ of all records as functions of the unknowns that are free.
+
+    point : all unknowns.   free : which of them are.   softening : part of the amplitudes added to the errors.
+    near : the last motion of each record, from which the next starts.   quickly : as for `Unknowns.harmonics`.
+    """
+
+    lines: Sequence[Lines]
+    unknowns: Unknowns
+    point: Array
+    free: Integers
+    softening: float
+    near: dict[int, Response] = field(default_factory=dict)
+    quickly: bool = True
+
+    def evaluate(self, free: Array) -> Evaluation | None:
+        """Half of χ² with its derivatives; None where nothing slips, there is no orbit, or the contact rattles."""
+        point, unknowns = self.point.copy(), self.unknowns
+        point[self.free] = free
+        delay = unknowns.names.index("delay")
+        residuals, slopes, slips = [], [], False
+        for i, one in enumerate(self.lines):
+            try:
+                response = unknowns.response(point, i, one.omega, self.near.get(i))
+                if len(response.orbit.phases) > _MOST_PHASES:
+                    return None
+                self.near[i] = replace(response, matrix=None)
+                x, by = unknowns.harmonics(
+                    point, i, one, response, one.n.size, quickly=self.quickly
+                )
+            except (NoSteadyOrbit, ValueError):
+                return None
+            slips |= response.slips
+            at = unknowns.at(i)
+            Y, psi = point[at["Y"]], point[at["psi"]]
+            error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
+            Y_error = math.hypot(one.Y_error, self.softening * one.Y)
+            off, slope = (x - one.x) / error, by / error[:, None]
+            lag = psi + one.omega * point[delay]
+            of_base = np.zeros((2, point.size))
+            of_base[0, at["Y"]] = 1.0 / Y_error
+            of_base[1, at["psi"]], of_base[1, delay] = one.Y / Y_error, one.omega * one.Y / Y_error
+            base = [(Y - one.Y) / Y_error, lag * one.Y / Y_error]
+            residuals += [base, off.real, off.imag]
+            slopes += [of_base, slope.real, slope.imag]
+        if not slips:
+            return None
+        return Evaluation.of_residuals(np.concatenate(residuals), np.vstack(slopes)[:, self.free])

@@ -1,0 +1,202 @@
+"""Integrals of the terms against exact orbits, quadrature of harmonic motions, and the laws of clean responses."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+
+from analytic.cases import SEVERAL_SLIPS, case
+from dampbalance import BaseMotion, Oscillator, steady_orbit
+from dampbalance.balance import Rows
+from dampbalance.law.integrals import input_work, of_harmonics, of_motion
+from dampbalance.law.response import law_orbit
+from dampbalance.law.terms import FRICTION, KNOWN_TERMS
+from dampbalance.solver import solve
+from paper_case import PAPER, motions_at
+
+OTHERS = tuple(symbol for symbol in KNOWN_TERMS if symbol != FRICTION)
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [(0.6, 1.0, 90.0, 0.14), (0.05, 1.2, 1e6, 0.2), (0.3, 0.7, 20.0, 0.98), *SEVERAL_SLIPS],
+    ids=str,
+)
+def test_integrals_of_an_exact_orbit_are_its_own(numbers):
+    # a, b and W have closed forms; tolerance: the promise of 1e-12, on motions that are located to 1e-13
+    oscillator, motion = case(*numbers)
+    orbit = steady_orbit(oscillator, motion)
+    assert of_motion("F_k", orbit) == orbit.a
+    assert of_motion("c", orbit) == pytest.approx(orbit.b, rel=1e-12)
+    assert input_work(orbit) == pytest.approx(orbit.W, rel=1e-11)
+    assert of_motion("eta", orbit) == pytest.approx(
+        oscillator.k / motion.omega * orbit.b, rel=1e-12
+    )
+    X_1, phi_1 = orbit.harmonic(1)  # of ∮ẏẋ dt only the fundamental is left
+    shared = math.pi * motion.omega * motion.Y * X_1 * math.cos(phi_1)
+    assert of_motion("c_r", orbit) == pytest.approx(
+        orbit.b - shared, rel=0, abs=1e-11 * (orbit.b + abs(shared))
+    )
+
+
+@pytest.mark.parametrize("numbers", SEVERAL_SLIPS, ids=str)
+def test_reversals_in_stick_are_no_loss_to_an_integral(numbers):
+    # |ẋ|³ has a kink there; the phases of an integrated response end at it, those of an orbit do not. Measured 3e-13.
+    oscillator, motion = case(*numbers)
+    orbit, integrated = steady_orbit(oscillator, motion), law_orbit(oscillator, motion, {})
+    assert of_motion("c_2", orbit) == pytest.approx(of_motion("c_2", integrated), rel=1e-11)
+
+
+def test_powers_of_the_velocity_of_an_exact_orbit_are_those_of_a_fine_sum():
+    # the trapezoidal rule on 2¹⁷ points of a motion that kinks in ẍ: measured 1e-9
+    orbit = steady_orbit(PAPER, motions_at()[1])
+    t = np.arange(2**17) / 2**17 * orbit.motion.period
+    v = orbit.state(t).v
+    for symbol, power in (("c_2", 3), ("c_3", 4)):
+        expected = orbit.motion.period * np.mean(np.abs(v) ** power)
+        assert of_motion(symbol, orbit) == pytest.approx(expected, rel=1e-8)
+
+
+@pytest.mark.parametrize("symbol", OTHERS)
+def test_the_harmonic_form_of_a_term_is_its_integral_of_a_harmonic_motion(symbol):
+    omega, k, X, Y, phi = 7.0, 300.0, 0.013, 0.02, 0.8
+    term = KNOWN_TERMS[symbol]
+    # equidistant points: exact for trigonometric polynomials, 2e-13 for |cos|³
+    theta = np.arange(4096) / 4096.0 * 2.0 * math.pi
+    v, w = -omega * X * np.sin(theta - phi), -omega * Y * np.sin(theta)
+    expected = 2.0 * math.pi / omega * np.mean(term.force(v, w, k, omega) * v)
+    assert term.harmonic(omega, X, Y, phi, k) == pytest.approx(expected, rel=1e-11)
+    n, x = np.array([1.0]), np.array([[X * np.exp(-1j * phi)]])
+    found = of_harmonics(symbol, n, x, n, np.array([[Y + 0j]]), omega, k)
+    assert found.shape == (1,)
+    # of 512 points; |cos|³ loses 1e-9
+    assert found[0] == pytest.approx(expected, rel=2e-9 if symbol == "c_2" else 1e-12)
+
+
+@pytest.mark.parametrize("symbol", OTHERS)
+def test_harmonics_of_any_motion_give_the_integral_of_its_velocity(symbol):
+    # even ones among them, in the response and in the base
+    omega, k, rng = 5.0, 90.0, np.random.default_rng(4)
+    n, y_n = np.array([1.0, 2.0, 3.0, 6.0]), np.array([1.0, 2.0, 4.0])
+    x = rng.normal(size=(3, 4)) + 1j * rng.normal(size=(3, 4))
+    y = rng.normal(size=(3, 3)) + 1j * rng.normal(size=(3, 3))
+    theta = np.arange(2**14) / 2**14 * 2.0 * math.pi
+    v, w = (
+        (np.exp(1j * np.outer(theta, orders)) @ (1j * omega * orders * part).T).real.T
+        for orders, part in ((n, x), (y_n, y))
+    )
+    expected = (
+        2.0 * math.pi / omega * np.mean(KNOWN_TERMS[symbol].force(v, w, k, omega) * v, axis=1)
+    )
+    found = of_harmonics(symbol, n, x, y_n, y, omega, k)
+    size = 2.0 * math.pi / omega * np.mean(np.abs(KNOWN_TERMS[symbol].force(v, w, k, omega) * v))
+    # |ẋ|³ of six harmonics of one size, which no response has, loses 1.8e-7 at 512 points
+    tolerance = 1e-6 if symbol == "c_2" else 1e-12
+    np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance * size)
+
+
+@pytest.mark.parametrize("symbol", OTHERS)
+def test_what_noise_adds_to_an_integral_is_taken_off(symbol):
+    # in the mean over drawings: within four standard errors of the true integral, beyond which the raw ones are
+    omega, k, rng, count = 5.0, 90.0, np.random.default_rng(7), 4000
+    n, clean = np.array([1.0, 2.0, 3.0]), np.array([1.0 - 0.5j, 0.02j, 0.05])
+    deviation = np.array([0.04, 0.03, 0.03])
+    noise = rng.normal(size=(count, 3)) + 1j * rng.normal(size=(count, 3))
+    x, y = clean + deviation * noise, np.full((count, 1), 1.3 + 0j)
+    (true,) = of_harmonics(symbol, n, clean[None], n[:1], y[:1], omega, k)
+    drawn = of_harmonics(symbol, n, x, n[:1], y, omega, k, 2.0 * deviation**2)
+    raw = of_harmonics(symbol, n, x, n[:1], y, omega, k)
+    error = drawn.std() / math.sqrt(count)
+    assert abs(drawn.mean() - true) < 4.0 * error
+    assert abs(raw.mean() - true) > 8.0 * error
+
+
+def test_the_travel_of_friction_is_no_matter_of_harmonics():
+    n = np.ones(1)
+    with pytest.raises(ValueError, match="F_k has no integral that harmonics tell"):
+        of_harmonics("F_k", n, n[None] + 0j, n, n[None] + 0j, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("symbol", KNOWN_TERMS)
+def test_a_coefficient_times_its_integral_is_an_energy(symbol):
+    # lengths times 2, times times 3, masses times 5: a work becomes 5·2²/3² of itself, and a unit says how p does
+    length, time, mass = 2.0, 3.0, 5.0
+    of_unit = {"N": mass * length / time**2, "m": length, "s": time, "kg": mass, "": 1.0}
+    of_unit["J"] = of_unit["N"] * length
+
+    def size(unit):
+        factor = 1.0
+        for i, side in enumerate(unit.split("/")):
+            for name in side.split():
+                base = name.rstrip("²³⁴")
+                power = {"²": 2, "³": 3, "⁴": 4}.get(name[len(base) :], 1)
+                factor *= of_unit[base] ** (power if i == 0 else -power)
+        return factor
+
+    term = KNOWN_TERMS[symbol]
+    assert size(term.unit) * size(term.integral_unit) == pytest.approx(of_unit["J"], rel=1e-14)
+    oscillator, motion = case(0.1, 0.8, 20.0, 0.2)
+    o, b = oscillator, motion
+    scaled = steady_orbit(
+        Oscillator(m=mass * o.m, c=mass / time * o.c, k=mass / time**2 * o.k,
+                   K_z=mass / time**2 * o.K_z, F_k=of_unit["N"] * o.F_k),
+        BaseMotion(Y=length * b.Y, omega=b.omega / time),
+    )  # fmt: skip
+    expected = size(term.integral_unit) * of_motion(symbol, steady_orbit(oscillator, motion))
+    assert of_motion(symbol, scaled) == pytest.approx(expected, rel=1e-11)
+
+
+# Coefficients that take 20 to 60 % of the work at some level each.
+LAWS = {
+    "F_k+c": {"c": 12.0},
+    "F_k+c_r": {"c_r": 12.0},
+    "F_k+c_2": {"c_2": 80.0},
+    "F_k+c_3": {"c_3": 600.0},
+    "F_k+eta": {"eta": 0.1},
+    "F_k+c+c_2": {"c": 6.0, "c_2": 40.0},
+}
+FREQUENCIES_HZ = (4.0, 6.2)  # below and above the resonance at 4.92 Hz
+
+
+@cache
+def rows(name):
+    """The rows of clean responses under a law: three amplitudes at two frequencies."""
+    law = dict(LAWS[name])
+    oscillator = Oscillator(m=2.42, c=law.pop("c", 0.0), k=2310.0, K_z=70000.0, F_k=1.28)
+    orbits = [
+        law_orbit(oscillator, motion, law)
+        for hertz in FREQUENCIES_HZ
+        for motion in motions_at(hertz, (0.003, 0.006, 0.012))
+    ]
+    symbols = (FRICTION, *LAWS[name])
+    terms = {s: np.array([of_motion(s, orbit) for orbit in orbits]) for s in symbols}
+    return Rows(terms, np.array([input_work(orbit) for orbit in orbits]))
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_the_energy_balance_closes_under_any_law(name):
+    lost = rows(name).misfit({FRICTION: 1.28, **LAWS[name]})
+    # each integral by itself; measured 1e-13 of the work
+    assert np.abs(lost / rows(name).W).max() < 1e-11
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_each_term_is_recovered_from_clean_responses_of_its_law(name):
+    found = solve(rows(name))
+    for symbol, true in {FRICTION: 1.28, **LAWS[name]}.items():
+        assert float(found[symbol]) == pytest.approx(true, rel=1e-9)
+    assert float(found.residual) < 1e-11
+
+
+def test_the_terms_of_another_law_do_not_fit_clean_responses():
+    # what gives a law back to 1e-9 tells it from others: quadratic damping is no viscous one
+    orbits = [
+        law_orbit(Oscillator(m=2.42, c=0.0, k=2310.0, K_z=70000.0, F_k=1.28), motion, {"c_2": 80.0})
+        for motion in motions_at(4.0, (0.003, 0.006, 0.012))
+    ]
+    terms = {s: np.array([of_motion(s, orbit) for orbit in orbits]) for s in (FRICTION, "c")}
+    wrong = solve(Rows(terms, np.array([input_work(orbit) for orbit in orbits])))
+    assert float(wrong.residual) > 1e-3

@@ -1,0 +1,325 @@
+"""Motion under any law against closed forms: exact orbits where the law is linear, turning points, harmonic limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from analytic.cases import SEVERAL_SLIPS, case
+from dampbalance import BaseMotion, NoSteadyOrbit, Oscillator, Regime, steady_orbit, transient
+from dampbalance.law import response
+from dampbalance.law.one_phase import equation, follow
+from dampbalance.law.response import law_orbit, law_transient
+from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
+from dampbalance.records.synthetic import measured_orbit
+from paper_case import PAPER, motions_at
+
+# What is asked for is 1e-10 of the motion. Measured: 1e-12 or better.
+TOLERANCE = 1e-10
+
+# ζ, ω/ω_n, K_z/k, F_k/kY
+REGIMES = {
+    (0.6, 1.0, 90.0, 0.14): Regime.ONE_SLIP,
+    (0.05, 1.2, 1e6, 0.2): Regime.ONE_SLIP,  # a contact that is all but rigid
+    (0.02, 1.0, 2.0, 0.01): Regime.ONE_SLIP,  # large amplitude, hardly damped
+    (2.0, 0.7, 30.0, 0.1): Regime.ONE_SLIP,  # over-damped slip phase
+    (0.3, 0.7, 20.0, 0.98): Regime.NO_SLIP,
+    (0.4, 0.8, 10.0, 0.0): Regime.NO_FRICTION,
+    next(iter(SEVERAL_SLIPS)): Regime.SEVERAL_SLIPS,
+}
+
+
+def assert_same_motion(found, orbit, lead=0.0):
+    """The motion is that of the orbit, which a base ahead by `lead` (rad) drives."""
+    omega = orbit.motion.omega
+    t = np.linspace(-1.3, 2.1, 300) * orbit.motion.period
+    one, other = found.state(t), orbit.state(t + lead / omega)
+    for name, scale in (("x", orbit.X), ("v", omega * orbit.X), ("z", orbit.oscillator.Z_m)):
+        np.testing.assert_allclose(
+            getattr(one, name), getattr(other, name), rtol=0, atol=TOLERANCE * scale
+        )
+    # K_z z is all but a jump where the contact is stiff
+    force = orbit.oscillator.k * orbit.X + orbit.oscillator.F_k
+    np.testing.assert_allclose(
+        one.acceleration, other.acceleration, rtol=0, atol=TOLERANCE * force / orbit.oscillator.m
+    )
+    assert abs(found.X - orbit.X) < TOLERANCE * orbit.X
+    assert abs(np.exp(1j * (found.theta - orbit.theta + lead)) - 1.0) < TOLERANCE
+
+
+@pytest.mark.parametrize("numbers", REGIMES, ids=str)
+def test_friction_and_c_give_the_exact_orbit(numbers):
+    oscillator, motion = case(*numbers)
+    orbit = steady_orbit(oscillator, motion)
+    assert orbit.regime is REGIMES[numbers]
+    found = law_orbit(oscillator, motion, {})
+    assert_same_motion(found, orbit)
+    if oscillator.F_k > 0.0:
+        assert found.a == pytest.approx(orbit.a, rel=TOLERANCE)
+        assert len(found.half.onsets) == np.count_nonzero(np.diff(np.abs(orbit.phases[:, 1])) > 0)
+
+
+@pytest.mark.parametrize("numbers", REGIMES, ids=str)
+def test_damping_relative_to_the_base_is_another_base(numbers):
+    # m ẍ + c_r(ẋ − ẏ) + k(x − y) + … = 0: k y + c_r ẏ drives an oscillator with c = c_r
+    oscillator, motion = case(*numbers)
+    turn = complex(1.0, motion.omega * oscillator.c / oscillator.k)
+    base = replace(motion, Y=motion.Y * abs(turn))
+    found = law_orbit(replace(oscillator, c=0.0), motion, {"c_r": oscillator.c})
+    assert_same_motion(found, steady_orbit(oscillator, base), np.angle(turn))
+
+
+@pytest.mark.parametrize("numbers", REGIMES, ids=str)
+def test_structural_damping_is_a_damper_at_its_frequency(numbers):
+    oscillator, motion = case(*numbers)
+    eta = 0.7 * oscillator.c * motion.omega / oscillator.k
+    found = law_orbit(replace(oscillator, c=0.3 * oscillator.c), motion, {"eta": eta})
+    assert_same_motion(found, steady_orbit(oscillator, motion))
+
+
+@pytest.mark.parametrize(
+    ("symbol", "amplitude"),
+    [
+        ("c_2", lambda p, force, omega: math.sqrt(3.0 * math.pi * force / (8.0 * p * omega**2))),
+        ("c_3", lambda p, force, omega: (4.0 * force / (3.0 * p * omega**3)) ** (1.0 / 3.0)),
+    ],
+)
+def test_the_amplitude_at_resonance_is_that_of_harmonic_balance(symbol, amplitude):
+    # ω = ω_n: the damper balances kY. The third harmonic of its force, a third of it or less, meets the impedance 8k:
+    # a velocity of Y/8X of the fundamental's at most, and so much less the change of the fundamental.
+    oscillator = Oscillator(m=1.0, c=0.0, k=400.0, K_z=4000.0, F_k=0.0)
+    motion = BaseMotion(Y=1e-5, omega=20.0)
+    p = {"c_2": 0.01, "c_3": 0.05}[symbol]
+    expected = amplitude(p, oscillator.k * motion.Y, motion.omega)
+    third = motion.Y / 8.0 / expected
+    assert third < 1e-4
+    found = law_orbit(oscillator, motion, {symbol: p})
+    t = np.arange(256) / 256.0 * motion.period
+    fundamental = 2.0 * np.mean(found.state(t).x * np.exp(-1j * motion.omega * t))
+    assert abs(fundamental) == pytest.approx(expected, rel=third)
+    assert np.angle(fundamental) == pytest.approx(-math.pi / 2.0, abs=third)
+
+
+LAWS = {
+    "quadratic": ({"c_2": 60.0}, (0.02, 0.8, 30.0, 0.1)),
+    "cubic and relative": ({"c_3": 300.0, "c_r": 9.0}, (0.05, 1.4, 12.0, 0.2)),
+    "all, several slips": ({"c_2": 3.0, "c_3": 5.0, "c_r": 2.0, "eta": 0.02}, (0.02, 0.31, 70.0, 0.34)),
+    "no friction": ({"c_2": 100.0}, (0.05, 1.0, 5.0, 0.0)),
+    "no slip": ({"c_2": 100.0, "c_3": 1e3}, (0.05, 1.1, 5.0, 3.0)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_run_from_rest_ends_on_the_steady_response(name):
+    # Newton's method, its derivative and its start do not enter the run
+    law, numbers = LAWS[name]
+    oscillator, motion = case(*numbers)
+    orbit = law_orbit(oscillator, motion, law)
+    decay = 2.0 * math.pi * numbers[0] / numbers[1]  # of a period, by c alone
+    periods = math.ceil(8.0 / decay) + 1
+    run = law_transient(oscillator, motion, law, periods * motion.period)
+    t = (periods - 1 + np.linspace(0.0, 1.0, 50)) * motion.period
+    one, other = run.state(t), orbit.state(t)
+    left = 2.0 * math.exp(-decay * (periods - 1))
+    np.testing.assert_allclose(other.v, one.v, rtol=0, atol=left * np.abs(one.v).max())
+    # and it repeats, mirrored, after half a period
+    begin = orbit.theta / motion.omega
+    again = law_transient(
+        oscillator, motion, law, begin + 0.5 * motion.period,
+        x=-orbit.X, z=float(orbit.phases[0, PHASE_Z]), start=begin,
+    )  # fmt: skip
+    last = again.state(again.end)
+    assert float(last.x) == pytest.approx(orbit.X, rel=TOLERANCE)
+    assert float(last.v) == pytest.approx(0.0, abs=TOLERANCE * motion.omega * orbit.X)
+
+
+def test_a_law_that_does_not_damp_at_resonance_has_no_steady_response():
+    oscillator, motion = case(0.0, 1.0, 10.0, 0.0)
+    with pytest.raises(NoSteadyOrbit, match="add damping"):
+        law_orbit(oscillator, motion, {"c_2": 0.0})
+
+
+def test_phases_begin_at_reversals_and_onsets():
+    oscillator, motion = case(*LAWS["quadratic"][1])
+    orbit = law_orbit(oscillator, motion, LAWS["quadratic"][0])
+    assert list(orbit.phases[:, PHASE_S]) == [0.0, 1.0]
+    (onset,) = orbit.half.onsets
+    assert onset[PHASE_X] == pytest.approx(-orbit.X + 2.0 * oscillator.Z_m, rel=1e-12)
+    whole = law_transient(oscillator, motion, orbit.law, 3.0 * motion.period, x=0.01)
+    turns = whole.state(whole.turns[:, PHASE_T])
+    assert len(turns.x) == 5
+    assert np.abs(turns.v).max() < 1e-12 * motion.omega * orbit.X
+    np.testing.assert_allclose(turns.x, whole.turns[:, PHASE_X], rtol=1e-12)
+    np.testing.assert_allclose(np.abs(whole.onsets[:, PHASE_Z]), oscillator.Z_m, rtol=1e-15)
+
+
+def test_turning_points_of_a_quadratic_ring_down():
+    # m v dv/dx + k x + c₂v² = 0 from −X_0 to X_1 is linear in v²: e^(aX)(aX − 1) is the same at both, a = 2c₂/m
+    m, c_2, start = 2.0, 0.9, -0.5
+    oscillator = Oscillator(m=m, c=0.0, k=300.0, K_z=1e4, F_k=0.0)
+    run = law_transient(oscillator, None, {"c_2": c_2}, 5.0, x=start)
+    a, X = 2.0 * c_2 / m, -start
+    for turn in run.turns[:8]:
+        before = math.exp(-a * X) * (-a * X - 1.0)
+        X = brentq(lambda x: math.exp(a * x) * (a * x - 1.0) - before, 0.0, X, xtol=1e-16)  # noqa: B023
+        assert abs(turn[PHASE_X]) == pytest.approx(X, rel=1e-11)
+
+
+def test_a_linear_ring_down_with_friction_is_the_exact_one():
+    oscillator, motion = case(0.02, 1.0, 60.0, 0.3)
+    still = replace(motion, Y=1e-30)
+    end, start = 6.0 * motion.period, {"x": 5.0 * motion.Y, "z": oscillator.Z_m}
+    exact = transient(oscillator, still, end, **start)
+    found = law_transient(replace(oscillator, c=0.0), None, {"c_r": oscillator.c}, end, **start)
+    t = np.linspace(0.0, end, 300)
+    for name, scale in (("x", motion.Y), ("v", motion.Y * motion.omega), ("z", oscillator.Z_m)):
+        np.testing.assert_allclose(
+            getattr(found.state(t), name), getattr(exact.state(t), name), rtol=0, atol=1e-10 * scale
+        )
+
+
+@pytest.mark.parametrize("x", [0.0, 1e-4])
+def test_a_mass_in_balance_stays_where_it_is(x):
+    oscillator = Oscillator(m=1.0, c=1.0, k=100.0, K_z=1000.0, F_k=1.0)
+    run = law_transient(
+        oscillator, None, {"c_2": 1.0}, 10.0, x=x, z=-oscillator.k * x / oscillator.K_z
+    )
+    state = run.state(np.linspace(0.0, 10.0, 7))
+    assert list(state.x) == [x] * 7
+    assert not state.v.any()
+
+
+@pytest.mark.parametrize("before", np.linspace(0.5, 0.6, 5))
+def test_a_velocity_that_dips_below_zero_within_a_step_is_a_reversal(before):
+    # in stick, k + K_z = m = 1: v = cos t − q cos 2t, the base 3q/2 ahead of its displacement, is just below zero for
+    # |t| < √(2(q − 1)/3) = 0.01 s; a step lasts 0.05 s
+    q, low = 1.00015, math.sqrt(2.0 * 0.00015 / 3.0)
+    motion, oscillator = BaseMotion(Y=3.0 * q, omega=2.0), Oscillator(1.0, 0.0, 0.5, 0.5, 2.0)
+    x = -math.sin(before) + 0.5 * q * math.sin(2.0 * before)
+    v = math.cos(before) - q * math.cos(2.0 * before)
+    middle = -0.25 * math.pi  # ωt = −π/2, where the motion has t = 0
+    found = law_transient(
+        oscillator, motion, {}, middle + 0.5, x=x, v=v, z=x, start=middle - before
+    )
+    first, second = found.turns[:, PHASE_T] - middle
+    # by the expansion of v to second order, (1 − q) + 3t²/2; the next term is t⁴
+    assert first == pytest.approx(-low, rel=1e-3)
+    assert second == pytest.approx(low, rel=1e-3)
+
+
+def test_a_reversal_that_follows_another_at_once_is_located():
+    # from rest with an acceleration of 1e-4 that falls by 1 a second, the next reversal is 2e-4 s away
+    motion = BaseMotion(Y=2.0, omega=1.0)
+    oscillator = Oscillator(m=1.0, c=0.0, k=0.5, K_z=0.5, F_k=1.0)
+    start = {"x": -2e-4, "start": 0.5 * math.pi}
+    found = law_transient(oscillator, motion, {}, 3.0, **start)
+    exact = transient(oscillator, motion, 3.0, **start)
+    assert found.turns[0, PHASE_T] - start["start"] == pytest.approx(2e-4, rel=1e-3)
+    t = np.linspace(start["start"], 3.0, 100)
+    np.testing.assert_allclose(found.state(t).x, exact.state(t).x, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("eighth", [-1, 0, 1])
+def test_a_mass_in_balance_moves_on_with_the_base(eighth):
+    # at rest where the base is: nothing moves it but what the base does next
+    oscillator, motion = case(0.1, 0.8, 20.0, 0.2)
+    start = eighth / 8.0 * motion.period
+    given = {"x": float(motion.y(start)), "start": start}
+    found = law_transient(oscillator, motion, {}, 2.0 * motion.period, **given)
+    exact = transient(oscillator, motion, 2.0 * motion.period, **given)
+    t = np.linspace(start, 2.0 * motion.period, 100)
+    np.testing.assert_allclose(
+        found.state(t).x, exact.state(t).x, rtol=0, atol=TOLERANCE * motion.Y
+    )
+
+
+def test_changes_of_the_state_are_carried_along_as_difference_quotients_say():
+    oscillator, motion = case(*LAWS["all, several slips"][1])
+    eq = equation(oscillator, motion, LAWS["all, several slips"][0])
+    units = np.array([motion.Y, motion.omega * motion.Y, oscillator.Z_m])
+
+    def moved(start, periods, carried):
+        """The state so many periods later, and the changes."""
+        t, end, state = 0.0, periods * motion.period, tuple(start)
+        while end - t > 1e-14 * end:
+            piece = follow(eq, state, motion.omega * t, end - t, carried)
+            t, state, carried = t + piece.duration, piece.end, piece.derivative
+        return np.array(state), carried
+
+    kinds = set()
+    for start, periods in (
+        ([0.3, 0.001, 0.2], 0.002),
+        ([-1.0, 0.4, -0.9], 0.25),
+        ([2.0, 0.0, 0.5], 0.4),
+        ([1.0, -2.0, -1.0], 0.3),
+    ):
+        begin = np.array(start) * units
+        state, derivative = moved(begin, periods, np.eye(3))
+        kinds.add(abs(state[2]) == oscillator.Z_m)
+        for j, unit in enumerate(units):
+            step = np.zeros(3)
+            step[j] = 1e-6 * unit * (-1.0 if start[j] > 0.0 else 1.0)  # z stays within its limits
+            difference = (moved(begin + step, periods, np.eye(3))[0] - state) / step[j]
+            # of the first order in the step
+            np.testing.assert_allclose(
+                difference * unit / units, derivative[:, j] * unit / units, rtol=0, atol=1e-4
+            )
+    assert kinds == {True, False}  # some end in slip, some in stick
+
+
+@pytest.mark.parametrize("start", [(0.0, 0.0, 0.0), (5.0, -3.0, 0.5)])
+def test_the_steady_response_is_found_from_anywhere(start, monkeypatch):
+    oscillator, motion = case(0.0213, 1.0154, 20.5, 0.618)
+    law = {"c_2": 5.0}
+    expected = law_orbit(oscillator, motion, law)
+    units = (expected.X, motion.omega * expected.X, oscillator.Z_m)
+    state = tuple(one * unit for one, unit in zip(start, units, strict=True))
+    monkeypatch.setattr(response, "_nearby", lambda eq, motion: state)
+    found = law_orbit(oscillator, motion, law)
+    assert abs(found.X - expected.X) < 1e-12 * expected.X
+
+
+@pytest.mark.parametrize(
+    ("law", "motion", "message"),
+    [
+        ({"c_7": 1.0}, BaseMotion(1.0, 1.0), "unknown term 'c_7'; known are F_k, c"),
+        ({"F_k": 1.0}, BaseMotion(1.0, 1.0), "friction force is that of the oscillator"),
+        ({"c": 1.0}, BaseMotion(1.0, 1.0), "set Oscillator.c"),
+        ({"c_2": -1.0}, BaseMotion(1.0, 1.0), "c_2 .quadratic damping. must be .* zero or more, got -1"),
+        ({"c_3": math.inf}, BaseMotion(1.0, 1.0), "must be finite"),
+        ({"c_2[a]": 1.0}, BaseMotion(1.0, 1.0), "name the term alone"),
+        ({"eta": 0.1}, None, "set Oscillator.c to eta k/ω"),
+    ],
+)  # fmt: skip
+def test_a_law_that_makes_no_sense_is_refused(law, motion, message):
+    with pytest.raises(ValueError, match=message):
+        law_transient(PAPER, motion, law, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [({"z": 1.0}, "within ±Z_m"), ({"start": 2.0}, "later than start"), ({"x": math.nan}, "x must be finite")],
+)  # fmt: skip
+def test_a_start_that_makes_no_sense_is_refused(given, message):
+    with pytest.raises(ValueError, match=message):
+        law_transient(PAPER, None, {"c_2": 1.0}, 1.0, **given)
+    with pytest.raises(ValueError, match="times must lie within"):
+        law_transient(PAPER, None, {"c_2": 1.0}, 1.0).state(1.1)
+
+
+def test_records_are_drawn_from_it_as_from_an_orbit():
+    motion = motions_at()[2]
+    given = {"rate_hz": 997.0, "cycles": 3.5, "start": 0.7, "noise": 0.01, "seed": 3}
+    channels = ("force", "displacement", "velocity", "acceleration")
+    exact = measured_orbit(steady_orbit(PAPER, motion), channels=channels, **given)
+    found = measured_orbit(law_orbit(PAPER, motion, {}), channels=channels, **given)
+    for quantity in channels:
+        size = np.abs(exact[quantity].values).max()
+        np.testing.assert_allclose(
+            found[quantity].values, exact[quantity].values, rtol=0, atol=1e-10 * size
+        )
+    assert steady_orbit(PAPER, motion).phases[1, PHASE_V] > 0.0

@@ -1,0 +1,111 @@
+"""The fast steady response under a law, against the integrator and against limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dampbalance import BaseMotion, NoSteadyOrbit, Oscillator, steady_orbit
+from dampbalance.law.response import law_orbit
+from dampbalance.law.steady import steady_response
+from paper_case import PAPER
+
+MOTION = BaseMotion(0.004, 2.0 * math.pi * 4.92)
+BARE = replace(PAPER, c=0.0)
+LAWS = {
+    "c_2": {"c_2": 400.0},
+    "c_3": {"c_3": 8000.0},
+    "all": {"c_r": 10.0, "c_2": 300.0, "c_3": 1000.0, "eta": 0.05},
+}
+
+
+def integrated(osc, motion, law, count):
+    """Odd harmonics of the response that the integrator finds."""
+    points = 4096
+    t = np.arange(points) * (motion.period / points)
+    series = 2.0 / points * np.fft.fft(law_orbit(osc, motion, law).state(t).x)
+    return series[1 : 2 * count : 2]
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize(
+    # harmonics of the change beyond the 63rd are left out: the stiffer the contact the more they hold
+    ("K_z", "tolerance"),
+    [(2e3, 1e-7), (208_000.0, 3e-6), (1e7, 3e-5)],
+)
+def test_it_is_that_of_the_integrator(law, K_z, tolerance):
+    osc = replace(BARE, K_z=K_z, c=20.0)
+    found = steady_response(osc, MOTION, LAWS[law])
+    expected = integrated(osc, MOTION, LAWS[law], 16)
+    off = np.abs(found.harmonics(16) - expected).max()
+    assert off < tolerance * abs(expected[0])
+    # and not what a linear damper makes of it
+    third = abs(found.orbit.harmonics(2)[1]) / abs(found.orbit.harmonics(1)[0])
+    assert abs(abs(expected[1] / expected[0]) - third) > 20.0 * tolerance
+    exact = law_orbit(osc, MOTION, LAWS[law])
+    assert pytest.approx(exact.X, rel=30.0 * tolerance) == found.X
+    assert pytest.approx(4.0 * exact.X - exact.a, rel=1e-9) == found.taken
+
+
+def test_a_contact_that_is_all_but_rigid_is_the_limit_of_stiffer_and_stiffer_ones():
+    X = [
+        steady_response(replace(BARE, K_z=K_z), MOTION, {"c_2": 400.0}).X
+        for K_z in (1e10, 1e12, 1e15)
+    ]
+    # the microstick line is 2F_k/K_z long, and the time it takes grows with its root
+    assert abs(X[1] / X[2] - 1.0) < 2e-6
+    assert abs(X[1] / X[2] - 1.0) < abs(X[0] / X[2] - 1.0)
+
+
+def test_a_contact_that_only_sticks_is_a_spring():
+    osc = Oscillator(m=2.42, c=5.0, k=2310.0, K_z=4000.0, F_k=50.0)
+    found = steady_response(osc, MOTION, {"c_2": 60.0})
+    assert not found.slips
+    expected = integrated(osc, MOTION, {"c_2": 60.0}, 4)
+    assert np.abs(found.harmonics(4) - expected).max() < 1e-8 * abs(expected[0])
+
+
+def test_linear_terms_leave_an_exact_orbit():
+    found = steady_response(replace(BARE, c=30.0), MOTION, {"eta": 0.2, "c_r": 15.0})
+    assert found.change is None
+    osc = found.orbit.oscillator
+    assert osc.c == pytest.approx(45.0 + 0.2 * PAPER.k / MOTION.omega, rel=1e-14)
+    assert (
+        pytest.approx(MOTION.Y * math.hypot(1.0, MOTION.omega * 15.0 / PAPER.k), rel=1e-14)
+        == found.orbit.motion.Y
+    )
+    expected = integrated(replace(BARE, c=30.0), MOTION, {"eta": 0.2, "c_r": 15.0}, 8)
+    # 4,096 points of a motion whose harmonics fall as n⁻⁴ hold 1e-12 of those beyond
+    assert np.abs(found.harmonics(8) - expected).max() < 1e-9 * abs(expected[0])
+
+
+def test_no_law_is_the_orbit_of_the_oscillator_itself():
+    found, orbit = steady_response(PAPER, MOTION, {"c_2": 0.0}), steady_orbit(PAPER, MOTION)
+    np.testing.assert_array_equal(found.harmonics(20), orbit.harmonics(20))
+    assert (found.X, found.V_s, found.t_s) == (orbit.X, orbit.V_s, orbit.t_s)
+
+
+def test_from_a_response_beside_it_the_way_leads_to_the_same():
+    there = steady_response(BARE, MOTION, {"c_2": 400.0})
+    near = steady_response(replace(BARE, F_k=1.2801), MOTION, {"c_2": 400.04}, there)
+    straight = steady_response(replace(BARE, F_k=1.2801), MOTION, {"c_2": 400.04})
+    # the two differ in the equivalent damper, and so in what the harmonics beyond the 63rd leave out
+    assert np.abs(near.harmonics(20) - straight.harmonics(20)).max() < 1e-8 * near.X
+
+
+def test_onset_and_velocity_are_those_of_the_motion():
+    osc, law = replace(BARE, c=20.0), {"c_2": 300.0}
+    found, exact = steady_response(osc, MOTION, law), law_orbit(osc, MOTION, law)
+    reversal, onset = exact.phases[0], exact.phases[1]
+    # the acceleration after the reversal takes up all harmonics of the change, also those beyond the 63rd
+    assert found.t_s == pytest.approx(onset[0] - reversal[0], rel=1e-3)
+    assert found.V_s == pytest.approx(onset[3], rel=1e-3)
+
+
+def test_several_onsets_of_slip_under_a_nonlinear_law_are_refused():
+    weak = Oscillator(m=2.42, c=3.0, k=2310.0, K_z=69_300.0, F_k=1.28)
+    with pytest.raises(NoSteadyOrbit, match="only one onset of slip"):
+        steady_response(weak, BaseMotion(0.0014, 2.0 * math.pi * 1.6), {"c_2": 1.0})
