@@ -330,7 +330,8 @@ def linear_solution(design: Array, errors: Array) -> Array:
     length = np.sqrt(np.sum(design**2, axis=0) + known**2)
     length[length == 0.0] = 1.0
     solution: Array = np.linalg.pinv(np.vstack([design, np.diag(known)]) / length, rcond=1e-9)
-    return solution / length[:, None]
+    solution /= length[:, None]
+    return solution
 
 
 def with_noise_of(fit: RingFit) -> RingFit:
