@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
@@ -68,7 +68,7 @@ def stretches_of(
         fit = _grown(whole, burst, lead, k)
         if fit is None:
             continue
-        fit = _from_earlier(fit, whole, max(since, burst.earliest))
+        fit = _surer(_from_earlier(fit, whole, max(since, burst.earliest)))
         if _moves(fit) > _PART * burst.swing:  # else the swing was none of a free motion
             fits.append(fit)
     for good in (lambda fit: fit.adequate, lambda fit: slips(fit.phases(0))):
@@ -103,11 +103,17 @@ def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | No
             # something else moves the mass before the next burst
             return _until_disturbed(fit, whole, end)
         fit = longer
-    return fit if fit is None or fit.chance > _DISTURBED else _from_other_shares(fit)
+    return fit if fit is None else _surer(fit, {fit.point.size - 1})
 
 
-def _from_other_shares(fit: RingFit) -> RingFit:
-    """The best of the fits that start from other shares of friction in what this one loses."""
+def _surer(fit: RingFit, given: Collection[int] = ()) -> RingFit:
+    """The fit, or where what it leaves is hardly noise the best of those that start from other shares of friction in
+    what it loses, and from the contact at either end.
+
+    given : numbers of the unknowns that keep their values.
+    """
+    if fit.chance > _DISTURBED:
+        return fit
     phases = fit.phases(0)
     travel = float(np.abs(np.diff(phases[:, PHASE_X])).sum())
     speed = float(np.abs(phases[:, PHASE_V]).max())
@@ -115,12 +121,14 @@ def _from_other_shares(fit: RingFit) -> RingFit:
     ratio = 0.25 * math.pi * speed
     loss = (fit.F_k + ratio * fit.c) * travel
     best = fit
-    for share in _SHARES:
-        start = fit.point.copy()
-        start[0], start[1] = share * loss / travel, (1.0 - share) * loss / (ratio * travel)
-        other = fit_stretches(fit.stretches, fit.k, start, given={start.size - 1}, gain=_COARSE)
-        if other is not None and other.chi_square < best.chi_square:
-            best = other
+    for share in _SHARES if loss > 0.0 else ():
+        for w in (fit.point[-1],) if given else (0.0, 2.0):
+            start = fit.point.copy()
+            start[0], start[1] = share * loss / travel, (1.0 - share) * loss / (ratio * travel)
+            start[-1] = w
+            other = fit_stretches(fit.stretches, fit.k, start, given=given, gain=_COARSE)
+            if other is not None and other.chi_square < best.chi_square:
+                best = other
     return best
 
 
