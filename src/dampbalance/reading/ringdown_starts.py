@@ -21,16 +21,8 @@ import numpy as np
 from ..arrays import Array
 from ..motion.events import PHASE_S, PHASE_V, PHASE_X
 from .ringdown_bursts import Burst, Signal, bursts_of, sharpest
-from .ringdown_fit import (
-    COMMON,
-    STATE,
-    RingFit,
-    Stretch,
-    fit_stretches,
-    samples_of,
-    slips,
-    stuck_from,
-)
+from .ringdown_fit import RingFit, fit_stretches
+from .ringdown_motion import COMMON, STATE, Stretch, samples_of, slips, stuck_from
 
 _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing loses
 _STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
