@@ -38,8 +38,10 @@ _SEVERAL = 3  # steps back that are looked at together
 _AGREES = 3.0  # standard deviations of the scatter of a mass at rest
 _CHANCE = 1e-4  # probability of a line of the spectrum in noise
 _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
+_FEW = 16  # samples
+_GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
 _MOST_TURNS = 4  # half cycles that slip, of what may be the work of a hand
-_PART = 0.5  # of the swing of a burst, that its motion has at least
+_PART = 0.1  # of the swing of a burst, that its motion has at least
 _DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
 _ALIKE = 1.5  # χ² per sample of a fit that needs no other start
 
@@ -61,6 +63,8 @@ def stretches_of(
         if fit is None:
             continue
         fit = _surer(_from_earlier(fit, whole, max(since, burst.earliest)))
+        if not burst.last:
+            fit = _until_grasped(fit)
         if _moves(fit) > _PART * burst.swing:  # else the swing was none of a free motion
             fits.append(fit)
     for good in (lambda fit: fit.adequate, lambda fit: slips(fit.phases(0))):
@@ -100,7 +104,7 @@ def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | No
 
 def _surer(fit: RingFit, given: Collection[int] = ()) -> RingFit:
     """The fit, or where what it leaves is hardly noise the best of those that start from other shares of friction in
-    what it loses, and from the contact at either end.
+    what it loses, and for a single decay from the contact at either end.
 
     given : numbers of the unknowns that keep their values.
     """
@@ -114,7 +118,7 @@ def _surer(fit: RingFit, given: Collection[int] = ()) -> RingFit:
     loss = (fit.F_k + ratio * fit.c) * travel
     best = fit
     for share in _SHARES if loss > 0.0 else ():
-        for w in (fit.point[-1],) if given else (0.0, 2.0):
+        for w in (fit.point[-1],) if given or len(fit.stretches) > 1 else (0.0, 2.0):
             start = fit.point.copy()
             start[0], start[1] = share * loss / travel, (1.0 - share) * loss / (ratio * travel)
             start[-1] = w
@@ -152,6 +156,29 @@ def _until_disturbed(fit: RingFit, whole: Stretch, end: float) -> RingFit:
         shorter = _longer(fit, whole.cut(start, good - 0.5 * whole.period))
         fit = fit if shorter is None else shorter
     return fit
+
+
+def _until_grasped(fit: RingFit) -> RingFit:
+    """The fit up to where the mass, which rang, stands: a hand has grasped it for the next burst."""
+    (one,), (row,) = fit.stretches, fit.residuals()
+    still = _still(fit, one.end)
+    ends = []
+    for signal, residual in zip(one.signals, row, strict=True):
+        first = int(np.searchsorted(signal.t, still))
+        tail, off = signal.values[first:], residual[first:]
+        if tail.size < _FEW:
+            continue
+        level = tail[-(tail.size // 4) :].mean()
+        # what the samples from each on say for a level, against the motion
+        gain = off**2 - ((tail - level) / signal.noise) ** 2
+        after = np.cumsum(gain[::-1])[::-1]
+        best = int(np.argmax(after))
+        if after[best] > 2.0 * math.log(tail.size) + _GRASPED:
+            ends.append(float(signal.t[first + best]))
+    if not ends:
+        return fit
+    again = fit_stretches([one.cut(one.start, min(ends))], fit.k, fit.point, gain=_COARSE)
+    return fit if again is None else again
 
 
 def _candidates(part: Stretch, burst: Burst, lead: Signal, k: float) -> list[Array]:
@@ -364,6 +391,13 @@ def fit_all(fits: Sequence[RingFit], offsets: int) -> tuple[RingFit | None, list
     bursts together are not of one, those that slip least are left out, the fewest possible, if the others then are.
     """
     whole = _joined(fits, offsets)
+    if whole is not None and whole.chance < _DISTURBED:
+        # from the oscillator of each alone, and from other shares of friction
+        others = [_joined(fits, offsets, fit.point[: len(COMMON)]) for fit in fits]
+        whole = min(
+            (_surer(whole), *(other for other in others if other is not None)),
+            key=lambda one: one.chi_square,
+        )
     if whole is None or whole.adequate or len(fits) == 1:
         return whole, []
     turns = [int(np.count_nonzero(fit.phases(0)[:, PHASE_S])) for fit in fits]
@@ -381,7 +415,10 @@ def fit_all(fits: Sequence[RingFit], offsets: int) -> tuple[RingFit | None, list
     return whole, []
 
 
-def _joined(fits: Sequence[RingFit], offsets: int) -> RingFit | None:
-    """The fit of all bursts."""
+def _joined(fits: Sequence[RingFit], offsets: int, common: Array | None = None) -> RingFit | None:
+    """The fit of all bursts.   common : unknowns that it starts from, instead of the mean of all."""
     stretches = [fit.stretches[0] for fit in fits]
-    return fit_stretches(stretches, fits[0].k, joint_start(fits, offsets))
+    start = joint_start(fits, offsets)
+    if common is not None:
+        start[: len(COMMON)] = common
+    return fit_stretches(stretches, fits[0].k, start)
