@@ -16,7 +16,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 import pandas as pd
 
-from dampbalance.identification.identify import identify
+from dampbalance.identification.laws import compare_laws
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.measurement import Channel, Measurement
 
@@ -201,7 +201,7 @@ def outcome(run: tuple[str, int]) -> list[dict[str, object]]:
     began = time.process_time()
     try:
         readings = [read_features(measurement, k) for measurement in measurements]
-        compared = identify(readings, k, approaches={}, laws=True).laws
+        compared = compare_laws(readings, k)
         chosen = NONE if compared.chosen is None else named(compared.chosen)
     except (ValueError, ArithmeticError) as error:  # a refusal is an outcome, too
         chosen = f"refused: {error}"
