@@ -74,7 +74,8 @@ class RecordMapping:
 
 
 MappingLike = RecordMapping | Mapping[str, Any] | str | Path | None
-"""A mapping, as an object, a document or a file; None for the one beside the record, if any."""
+"""A mapping, as an object, a document or a file, or a folder of files named as beside the record; None for the one
+beside the record, if any."""
 
 
 def find_mapping(record: str | Path) -> Path | None:
@@ -98,9 +99,13 @@ def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMappin
 
 
 def mapping_file(record: str | Path, mapping: MappingLike = None) -> Path | None:
-    """The file that the mapping of a record stands in, the one given or the one beside the record; None for none."""
+    """The file that the mapping of a record stands in, the one given or the one beside the record; None for none.
+
+    Where records stand in a folder that is not yours, their mappings stand in another, which is given instead of one.
+    """
     if isinstance(mapping, str | Path):
-        return Path(mapping)
+        given = Path(mapping)
+        return find_mapping(given / Path(record).name) if given.is_dir() else given
     return find_mapping(record) if mapping is None else None
 
 
@@ -172,11 +177,12 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
     for quantity, rule in channels.items():
         for part, problem in _wrong_correction(rule):
             yield ("channels", quantity, part), problem
-    if any("file" in rule for rule in channels.values()):
-        driving = sum(quantity in channels for quantity in EXCITATIONS)
-        if driving != 1 or not any(quantity in channels for quantity in RESPONSES):
-            needed = f"one of {', '.join(EXCITATIONS)} and at least one of {', '.join(RESPONSES)}"
-            yield ("channels",), f"needs {needed}, in whatever file"
+    driving = sum(quantity in channels for quantity in EXCITATIONS)
+    several = any("file" in rule for rule in channels.values())
+    answered = any(quantity in channels for quantity in RESPONSES)
+    if channels and (not answered or (several and driving > 1)):
+        needed = f"one of {', '.join(EXCITATIONS)}, or none for a free decay"
+        yield ("channels",), f"needs {needed}, and at least one of {', '.join(RESPONSES)}"
     holder: dict[tuple[str | int, str | None], str] = {}
     for quantity, rule in channels.items():
         other = holder.setdefault((rule["channel"], rule.get("file")), quantity)

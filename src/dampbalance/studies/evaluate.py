@@ -12,12 +12,14 @@ import pandas as pd
 from ..arrays import Array, Integers, Words
 from ..balance import APPROACHES, TERMS, Rows
 from ..features import Features
+from ..motion.regime import Regime
 from ..replication.readout import ReadOut
 from ..solver import NORMAL_95, Estimate, solve
 from .axes import case_values
 from .parameters import MECHANICAL, PARAMETERS, SI_COLUMNS, in_si
 from .plan import PART, columns_of
 from .responses import NOT_READ, REGIME_NAMES, exact_responses
+from .routes import LAWS
 from .settings import RIGID, WEIGHTED, Fit, Study
 
 READ = ("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi")
@@ -55,6 +57,8 @@ def case_parameters(study: Study, start: int, stop: int) -> dict[str, Words]:
 
 def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[str, Any]:
     values = case_parameters(study, start, stop)
+    if study.route == LAWS:
+        return _chosen(study, start, values)
     si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
     levels = np.array(study.levels)[:, None]
     Y = levels * si["Y"] if study.levels_relative else np.repeat(levels, stop - start, axis=1)
@@ -93,6 +97,20 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
         residual = np.full(stop - start, np.nan) if only_rounding else estimate.residual
         table[f"residual__{fit.label}"] = residual
     return table
+
+
+def _chosen(study: Study, start: int, values: Mapping[str, Words]) -> dict[str, Any]:
+    """The law that is chosen in each case; all of its records slip once per half cycle."""
+    from .laws import chosen_laws  # slow to import
+
+    count = len(values["law"])
+    runs = {"run": np.zeros(count)} | dict(values)
+    return {
+        "case": np.arange(start, start + count),
+        **{name: values[name] for name in study.axis_names},
+        "regime": np.full(count, REGIME_NAMES[str(Regime.ONE_SLIP)], dtype=object),
+        "chosen": chosen_laws(runs, study.levels, study.cycles, study.seed),
+    }
 
 
 def _relative(value: Array, true: Array) -> Array:

@@ -50,6 +50,7 @@ def _decimals(feature: str, unit: str) -> Parameter:
 
 _NOISE = "rms of the noise of each channel over that of its signal"
 _RUN = "number of the run: the same but for its noise"
+_LAW = "damping law of the oscillator, drawn anew in each run"
 
 PARAMETERS: dict[str, Parameter] = {
     "m_kg": Parameter("oscillator", "kg", "mass m", "m"),
@@ -79,6 +80,7 @@ PARAMETERS: dict[str, Parameter] = {
         "numerics", "1", _NOISE, r"\sigma", zero_allowed=True, low=1e-12, high=100.0
     ),
     "run": Parameter("numerics", "1", _RUN, zero_allowed=True, whole=True),
+    "law": Parameter("numerics", "", _LAW, "law"),
     "X_decimals": _decimals("X", "m"),
     "X_s_decimals": _decimals("X_s", "m"),
     "X_s_mark_m": Parameter("read_out", "m", "marks in which X + X_s is counted"),

@@ -11,6 +11,7 @@ from ..project.documents import ConfigurationError
 from .axes import Sampled
 from .parameters import PARAMETERS, SI_COLUMNS
 from .responses import REGIME_NAMES
+from .routes import LAWS
 from .settings import Study
 
 PART = 131_072
@@ -56,7 +57,7 @@ def columns_of(study: Study) -> list[Column]:
     for name in study.axis_names:
         p = PARAMETERS[name]
         columns.append(Column(name, p.unit, p.meaning, words=p.unit == ""))
-    if "parameters" in study.columns:
+    if "parameters" in study.columns and study.route != LAWS:
         columns += [
             Column(name, unit, meaning)
             for name, unit, meaning in SI_COLUMNS.values()
@@ -65,6 +66,8 @@ def columns_of(study: Study) -> list[Column]:
     kinds = ", ".join(REGIME_NAMES.values())
     regimes = f"kind of response at each level, one word if all are alike: {kinds}"
     columns.append(Column("regime", "", regimes, words=True))
+    if study.route == LAWS:
+        columns.append(Column("chosen", "", "law that the records support, or none", words=True))
     for fit in study.fits:
         terms = [TERMS[symbol] for symbol in APPROACHES[fit.approach].terms]
         how = " ".join(part.replace("_", " ") for part in fit.label.split("__"))

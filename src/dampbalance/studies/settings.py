@@ -12,7 +12,7 @@ from ..balance import APPROACHES, takes_phase
 from ..reading.clean import ReadAt
 from .axes import Block, Listed, Range, Sampled, number_of_cases, spread
 from .parameters import PARAMETERS, synonyms
-from .routes import REPLICATES, ROUTES
+from .routes import LAWS, REPLICATES, ROUTES
 
 COMPLIANT, RIGID = "compliant", "rigid"
 """Models of the contact: with the slip onset as it was read, or without one (`Features.rigid`)."""
@@ -23,6 +23,9 @@ WEIGHTED, EQUAL = "weighted", "equal"
 OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high")
 SPREADS = ("bias", "rms", *OF_INTERVALS)
 """Facts about a whole set of runs, each by one fit: see `groups.Spread`."""
+
+CHOICES = ("right", "right_low", "right_high", "extra", "extra_low", "extra_high", "none")
+"""Facts about the laws that are chosen: see `confusion.Part`."""
 
 BANDS = ("band", "from")
 """Facts about a stretch of an axis: both its ends, or the lower one."""
@@ -106,7 +109,7 @@ class Study:
     def seeds(self) -> list[int]:
         """Seeds of the samples, in the order of the file, and of the noise."""
         samples = [block.seed for block in self.blocks if isinstance(block, Sampled)]
-        return [*samples, self.seed] if self.route == "measured" else samples
+        return [*samples, self.seed] if "seed" in ROUTES[self.route].settings else samples
 
     def fits_of(self, spec: Mapping[str, Any]) -> list[Fit]:
         """The fits that a fact or a figure selects by approach, phase, sharing, contact, weights and fit, as far as it
@@ -158,7 +161,7 @@ class Study:
             fixed=fixed,
             levels=tuple(levels),
             levels_relative="levels_of_Y" in document,
-            fits=tuple(_fits(estimation, kind == "measured")),
+            fits=() if kind == LAWS else tuple(_fits(estimation, kind == "measured")),
             route=kind,
             cycles=route.get("cycles", ROUTES[kind].cycles),
             reading=route["reading"],
