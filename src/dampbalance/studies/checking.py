@@ -169,9 +169,9 @@ def _wrong_for_laws(document: Mapping[str, Any], study: Study) -> Iterator[Probl
         if name not in ROUTES[LAWS].parameters:
             yield ("axes",), f"{name} means nothing to the route laws, which draws oscillators"
     for block in study.blocks:
-        for name in block.values.get("law", ()) if isinstance(block, Listed) else ():
+        for law in block.values.get("law", ()) if isinstance(block, Listed) else ():
             try:
-                terms_named(name)
+                terms_named(str(law))
             except ValueError as error:
                 yield ("axes",), str(error)
 
