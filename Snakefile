@@ -28,6 +28,7 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/studies.smk"
 include: "workflow/rules/measured.smk"
+include: "workflow/rules/frame.smk"
 include: "workflow/rules/article.smk"
 include: "workflow/rules/page.smk"
 include: "workflow/rules/notebook.smk"
@@ -73,5 +74,6 @@ rule all:
         [*rules.match.output, *rules.notebook.output] if config["published"] else [],
         [*rules.page.output, *rules.manifest.output, *rules.crate.output] if not MEASURED else [],
         [*rules.measured.output, *expand(rules.identify.output, set=MEASURED)] if MEASURED else [],
+        [*FRAME_FILES.values()],
     message:
         "Everything is rebuilt"

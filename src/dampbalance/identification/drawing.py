@@ -48,7 +48,12 @@ def cycles(loaded: Sequence[Loaded], result: Identification) -> Figure:
         dots: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
         axes.plot(np.degrees(theta), factor * values[kept], ".", **dots)
         averaged = reading.averaged_cycle()
-        axes.plot(np.degrees(averaged["phase"]), factor * averaged[column], color=STICK)
+        channel = steady.channels[
+            quantity
+        ]  # an averaged cycle has no mean, a transducer's zero has
+        level = float(np.average(channel.coefficients[:, 0].real, weights=channel.weights))
+        line = factor * (averaged[column] + level)
+        axes.plot(np.degrees(averaged["phase"]), line, color=STICK)
         axes.set_xlim(0.0, 360.0)
         axes.set_xticks([0, 90, 180, 270, 360])
         axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)

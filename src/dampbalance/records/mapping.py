@@ -74,7 +74,8 @@ class RecordMapping:
 
 
 MappingLike = RecordMapping | Mapping[str, Any] | str | Path | None
-"""A mapping, as an object, a document or a file; None for the one beside the record, if any."""
+"""A mapping, as an object, a document or a file, or a folder of files named as beside the record; None for the one
+beside the record, if any."""
 
 
 def find_mapping(record: str | Path) -> Path | None:
@@ -98,9 +99,13 @@ def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMappin
 
 
 def mapping_file(record: str | Path, mapping: MappingLike = None) -> Path | None:
-    """The file that the mapping of a record stands in, the one given or the one beside the record; None for none."""
+    """The file that the mapping of a record stands in, the one given or the one beside the record; None for none.
+
+    Where records stand in a folder that is not yours, their mappings stand in another, which is given instead of one.
+    """
     if isinstance(mapping, str | Path):
-        return Path(mapping)
+        given = Path(mapping)
+        return find_mapping(given / Path(record).name) if given.is_dir() else given
     return find_mapping(record) if mapping is None else None
 
 

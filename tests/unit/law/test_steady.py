@@ -44,7 +44,7 @@ def test_it_is_that_of_the_integrator(law, K_z, tolerance):
     assert off < tolerance * abs(expected[0])
     # and not what a linear damper makes of it
     third = abs(found.orbit.harmonics(2)[1]) / abs(found.orbit.harmonics(1)[0])
-    assert abs(abs(expected[1] / expected[0]) - third) > 50.0 * tolerance
+    assert abs(abs(expected[1] / expected[0]) - third) > 20.0 * tolerance
     exact = law_orbit(osc, MOTION, LAWS[law])
     assert pytest.approx(exact.X, rel=30.0 * tolerance) == found.X
     assert pytest.approx(4.0 * exact.X - exact.a, rel=1e-9) == found.taken
@@ -101,8 +101,8 @@ def test_onset_and_velocity_are_those_of_the_motion():
     found, exact = steady_response(osc, MOTION, law), law_orbit(osc, MOTION, law)
     reversal, onset = exact.phases[0], exact.phases[1]
     # the acceleration after the reversal takes up all harmonics of the change, also those beyond the 63rd
-    assert found.t_s == pytest.approx(onset[0] - reversal[0], rel=3e-4)
-    assert found.V_s == pytest.approx(onset[3], rel=3e-4)
+    assert found.t_s == pytest.approx(onset[0] - reversal[0], rel=1e-3)
+    assert found.V_s == pytest.approx(onset[3], rel=1e-3)
 
 
 def test_several_onsets_of_slip_under_a_nonlinear_law_are_refused():

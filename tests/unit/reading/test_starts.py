@@ -11,7 +11,7 @@ from scipy.optimize import nnls
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.motion.regime import Regime
 from dampbalance.reading import lines as lines_module
-from dampbalance.reading import waveforms
+from dampbalance.reading import fitting
 from dampbalance.reading.lines import Lines, _not_negative, starts
 from paper_case import PAPER
 
@@ -48,7 +48,7 @@ def test_a_fit_holds_from_starts_that_need_no_orbits(name, monkeypatch):
     lines, regimes = lines_of(osc, hz, (0.004, 0.008, 0.012))
     assert regimes[-1] == regime
     monkeypatch.setattr(lines_module, "_all_responses", None)  # the orbits of many candidates
-    fit = waveforms.fit_oscillator(lines, osc.k)
+    fit = fitting.fit_oscillator(lines, osc.k)
     assert fit is not None
     assert fit.adequate
     # the harmonics are exact; the climb ends 3e-4 standard errors from the best

@@ -14,6 +14,7 @@ from dampbalance.records.mapping import (
     ChannelRule,
     RecordMapping,
     find_mapping,
+    mapping_file,
     mapping_for,
     mapping_from,
     parts_of,
@@ -75,6 +76,17 @@ def test_the_nearest_file_counts(tmp_path):
     other.write_text("sample_rate_hz: 200\n", encoding="utf-8")
     assert mapping_for(record, other).sample_rate_hz == 200
     assert mapping_for(record, {"sample_rate_hz": 300}).sample_rate_hz == 300
+
+
+def test_a_folder_holds_the_mappings_of_records_that_stand_elsewhere(tmp_path):
+    record, folder = tmp_path / "theirs" / "run1.mat", tmp_path / "mine"
+    folder.mkdir()
+    assert mapping_file(record, folder) is None
+    assert mapping_for(record, folder) == RecordMapping()
+    (folder / "run1.mat.yaml").write_text("sample_rate_hz: 400\n", encoding="utf-8")
+    assert mapping_file(record, str(folder)) == folder / "run1.mat.yaml"
+    assert mapping_for(record, folder).sample_rate_hz == 400
+    assert mapping_for(tmp_path / "theirs" / "run2.mat", folder) == RecordMapping()
 
 
 def test_an_empty_mapping_says_nothing(tmp_path):

@@ -1,0 +1,63 @@
+"""The page of the real rig: what its records say, in words, tables and figures, every number from the findings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import jinja2
+
+from ...project.wording import in_words, listed, minus, number, percent
+
+
+def frame_page(
+    document: Mapping[str, Any], measured: Mapping[str, Any], limits: Sequence[str]
+) -> str:
+    """The page, in Markdown.
+
+    document : of the findings.   measured : the set of records in the configuration.   limits : what limits the
+    identification, by its own account, a sentence each.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("dampbalance.publishing.frame"),
+        autoescape=False,  # Markdown, of nothing but numbers and names of the configuration
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {
+        "percent": percent,
+        "number": number,
+        "in_words": in_words,
+        "signed": signed,
+        "shares": shares,
+        "interval": lambda ends, digits: " to ".join(number(end, digits) for end in ends),
+        "span": lambda values: minus(" to ".join(f"{f(values):.0f}" for f in (min, max))),
+    }
+    rows = document["loads"]
+    given = measured.get("given") or {}
+    return environment.get_template("frame.md.j2").render(
+        document=document,
+        rows=rows,
+        line=document["line"],
+        k=measured["stiffness_N_per_m"],
+        given=listed([f"{symbol} = {value:g} N s/m" for symbol, value in given.items()]),
+        ripples_mN=[1e3 * row["loop"]["ripple"] * row["F_k_N"] for row in rows],
+        lower_um=[1e6 * row["loop"]["given_way_m"][0] for row in rows],
+        upper_um=[1e6 * row["loop"]["given_way_m"][1] for row in rows],
+        limits=limits,
+    )
+
+
+def signed(share: float) -> str:
+    """A share in percent with its sign and one digit."""
+    return minus(f"{100.0 * share:+.1f} %")
+
+
+def shares(values: Sequence[float]) -> str:
+    """The least and the greatest of shares as percentages of two digits, with signs where they differ in it."""
+    low, high = min(values), max(values)
+    if low < 0.0 < high:
+        return f"{signed(low)} to {signed(high)}"
+    return f"{number(100.0 * low, 2)} to {number(100.0 * high, 2)} %"

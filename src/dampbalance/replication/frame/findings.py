@@ -1,0 +1,194 @@
+"""What the records of the frame say: the friction force at each load, the loops, and cycles foretold from others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...arrays import Array
+from ...balance import APPROACHES
+from ...identification.identify import identify
+from ...identification.loading import Loaded, load
+from ...identification.notes import YARDSTICK
+from ...law.law import Law, law_of
+from ...law.terms import FRICTION, named_with_unit, term
+from ...reading.noisy import Reading, read_features
+from ...records.measurement import Channel, Measurement
+from .line import load_line
+from .loops import Loop, friction_loop, shape
+from .prediction import Mass, predicted
+
+_AT_REST = 0.02  # of the largest speed
+_REPLICATES = 2  # of an identification whose intervals nobody asks for
+
+
+@dataclass(frozen=True, eq=False)
+class Foretold:
+    """Cycles that were not identified from: times, s, displacement as measured and as predicted, m, (n,)."""
+
+    t: Array
+    measured: Array
+    predicted: Array
+    repeated: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """document : all numbers, for JSON.   loops, foretold : of each record."""
+
+    document: dict[str, Any]
+    loops: tuple[Loop, ...]
+    foretold: tuple[Foretold, ...]
+
+
+def findings(
+    files: Sequence[str | Path],
+    measured: Mapping[str, Any],
+    frame: Mapping[str, Any],
+    identified: Mapping[str, Any],
+) -> Findings:
+    """What is shown of the frame.
+
+    files : of the records.   measured : their set in the configuration.   frame : the section of that name.
+    identified : the document of their identification.
+
+    Raises ValueError where the section does not fit the records.
+    """
+    k, m = measured["stiffness_N_per_m"], measured.get("mass_kg")
+    if m is None:
+        raise ValueError("frame: needs the mass of the records; give mass_kg for their set")
+    law = law_of(measured.get("terms"), measured.get("given"), measured.get("groups"))
+    loads = frame["loads_kg"]
+    if len(loads) != len(files):
+        raise ValueError(
+            f"frame: loads_kg names {len(loads)} loads for {len(files)} records; give one for each"
+        )
+    records = [load(file, k, mapping=measured.get("mapping")) for file in files]
+    readings = [Reading(one.reading.steady, joint=True) for one in records]
+    forces = [_force(identified, law, i) for i in range(len(files))]
+    loops = [friction_loop(reading, m, law.given) for reading in readings]
+    learnt = _learnt(records, k, law, frame["cycles_identified"])
+    foretold = [
+        _foretold(one, part, Mass(m, k, F_k, law.given))
+        for one, (part, F_k) in zip(records, learnt, strict=True)
+    ]
+    errors = [force["standard_error_N"] for force in forces]
+    line, off = load_line(loads, [force["F_k_N"] for force in forces], errors)
+    rows = [
+        {
+            "record": one.label,
+            "load_kg": loads[i],
+            **forces[i],
+            "off_line": off[i],
+            "lost_to_damper": _share(identified, law, i),
+            "X_m": loops[i].X,
+            "loop": shape(loops[i], forces[i]["F_k_N"]),
+            "foretold": _errors(foretold[i], loops[i].X) | {"F_k_N": learnt[i][1]},
+        }
+        for i, one in enumerate(records)
+    ]
+    document = {
+        "files": _digests(identified),
+        "line": line,
+        "mass_kg": m,
+        "loads": rows,
+        "cycles_identified": frame["cycles_identified"],
+    }
+    return Findings(document, tuple(loops), tuple(foretold))
+
+
+def _force(identified: Mapping[str, Any], law: Law, i: int) -> dict[str, Any]:
+    """F_k of record i with its standard error and interval, N, by direct integration."""
+    estimates, key = identified["approaches"][YARDSTICK], law.key(FRICTION, i)
+    ends = {"F_k_N": "", "standard_error_N": "_standard_error", "interval_N": "_interval"}
+    return {name: estimates[named_with_unit(f"{key}{end}", "N")] for name, end in ends.items()}
+
+
+def _share(identified: Mapping[str, Any], law: Law, i: int) -> float:
+    """The share of the work of record i that goes to the terms whose coefficients are given."""
+    rows = identified["approaches"][YARDSTICK]["rows"]
+    lost = sum(p * rows[term(key).integral_column][i] for key, p in law.given.items())
+    return float(lost / rows["W_J"][i])
+
+
+def _learnt(
+    records: Sequence[Loaded], k: float, law: Law, cycles: int
+) -> list[tuple[Reading, float]]:
+    """Each record's first cycles as they are read, and the F_k that all of them identify."""
+    parts = []
+    for one in records:
+        steady = one.reading.steady
+        if not cycles < steady.cycles:
+            raise ValueError(f"{one.path}: has {steady.cycles} cycles; identify from fewer")
+        end = steady.start + 2.0 * math.pi / steady.omega * cycles
+        assert one.measurement is not None
+        channels = [one.measurement[quantity] for quantity in one.measurement]
+        kept = [
+            Channel(c.quantity, c.t[c.t < end + _steps(c)], c.values[c.t < end + _steps(c)])
+            for c in channels
+        ]
+        parts.append(read_features(Measurement.of(str(one.path), kept), k))
+    direct = {YARDSTICK: APPROACHES[YARDSTICK]}
+    result = identify(parts, k, law=law, approaches=direct, replicates=_REPLICATES)
+    values = result.estimates[YARDSTICK].coefficients
+    return [
+        (replace(part, joint=True), values[law.key(FRICTION, i)].value)
+        for i, part in enumerate(parts)
+    ]
+
+
+def _steps(channel: Channel) -> float:
+    """Two samples of a channel, s: for the last cycle to be whole."""
+    return 2.0 * float(channel.t[1] - channel.t[0])
+
+
+def _foretold(one: Loaded, learnt: Reading, mass: Mass) -> Foretold:
+    """The cycles after those that were learnt from, from the displacement and velocity at their beginning on."""
+    assert one.measurement is not None
+    steady = learnt.steady
+    base, response = one.measurement.excitation, one.measurement["displacement"]
+    period = 2.0 * math.pi / steady.omega
+    begin = steady.start + steady.cycles * period
+    kept = (response.t >= begin) & (response.t < begin + steady.cycles * period)
+    t, x = response.t[kept], response.values[kept]
+    loop = friction_loop(learnt, mass.m, mass.damping)
+    X_0, Y_0 = (float(steady.mean(rows)[0].real) for rows in (steady.X, steady.Y))
+    zero = X_0 - Y_0 - loop.level / mass.k
+    speed = float(np.gradient(response.values, response.t)[kept][0])
+    speed = speed if abs(speed) > _AT_REST * np.abs(loop.v).max() else 0.0
+    y = np.interp(t, base.t, base.values)
+    foretold = predicted(replace(mass, zero=zero), t, y, float(x[0]), speed, steady.omega)
+    phase = steady.omega * (t - steady.start) + float(np.angle(steady.mean(steady.Y)[1]))
+    again = np.interp(phase % (2.0 * math.pi), *_wrapped(loop)) + X_0
+    return Foretold(t, x, foretold, again)
+
+
+def _wrapped(loop: Loop) -> tuple[Array, Array]:
+    """Phases of a loop, the first again at their end, rad, and its displacements, m."""
+    phases = np.linspace(0.0, 2.0 * math.pi, loop.x.size + 1)
+    return phases, np.append(loop.x, loop.x[0])
+
+
+def _errors(foretold: Foretold, X: float) -> dict[str, float]:
+    """Root mean squares over X: of the prediction's error, and of what the mean of the other cycles is off by."""
+    off = foretold.predicted - foretold.measured
+    again = foretold.repeated - foretold.measured
+    return {
+        "rms": float(np.sqrt(np.mean(off**2))) / X,
+        "rms_of_mean_cycle": float(np.sqrt(np.mean(again**2))) / X,
+        "range": float(np.ptp(foretold.predicted) / np.ptp(foretold.measured)) - 1.0,
+    }
+
+
+def _digests(identified: Mapping[str, Any]) -> dict[str, str]:
+    """Name → SHA-256 of each file of the records."""
+    found = {}
+    for record in identified["records"]:
+        found[Path(record["record"]).name] = record["sha256"]
+        found |= {Path(other["file"]).name: other["sha256"] for other in record.get("others", ())}
+    return dict(sorted(found.items()))

@@ -1,0 +1,96 @@
+"""What an identified law makes of a base motion as it was measured: the displacement of cycles it was not found from.
+
+The contact is rigid, the limit of a stiff one: the mass slides against ∓F_k, and where it comes to rest it stays until
+
+    |k(y − x + d) − Σ p_j h_j(0, ẏ)| > F_k,
+
+d the difference of the zeros of the two transducers. The ends of slip are events of scipy's DOP853, those of rest are
+roots of the push; the base between samples is a cubic spline through them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
+
+from ...arrays import Array
+from .loops import viscous
+
+_RTOL, _ATOL = 1e-9, 1e-13
+
+
+@dataclass(frozen=True)
+class Mass:
+    """What moves: m, kg, k, N/m, the friction force F_k, N, the other coefficients, SI, and the zero d, m."""
+
+    m: float
+    k: float
+    F_k: float
+    damping: Mapping[str, float]
+    zero: float = 0.0
+
+
+def predicted(mass: Mass, t: Array, y: Array, x: float, v: float, omega: float) -> Array:
+    """Displacement at the times t under the base y measured there, m, (n,), from x and v at the first of them.
+
+    t : s, increasing.   y : m.   x, v : m, m/s.   omega : drive frequency, rad/s.
+    """
+    base = CubicSpline(t, y)
+    speed = base.derivative()
+    out = np.full(t.size, np.nan)
+    now, end = float(t[0]), float(t[-1])
+
+    def push(at: float, x: float, v: float) -> float:
+        of_terms = viscous(mass.damping, np.asarray(v), speed(at), mass.k, omega)
+        return float(mass.k * (base(at) - x + mass.zero) - of_terms)
+
+    sign = float(np.sign(v))
+    while now < end:
+        if sign == 0.0:
+            last = _released(mass.F_k, partial(push, x=x, v=0.0), t[t > now], now)
+            out[(t >= now) & (t <= last)] = x
+            sign, now = float(np.sign(push(last, x, 0.0))), last
+            continue
+
+        def rate(at: float, state: Array, sign: float = sign) -> list[float]:
+            force = push(at, float(state[0]), float(state[1])) - sign * mass.F_k
+            return [float(state[1]), force / mass.m]
+
+        def still(at: float, state: Array, sign: float = sign) -> float:
+            return sign * float(state[1])
+
+        still.terminal, still.direction = True, -1.0  # type: ignore[attr-defined]
+        run = solve_ivp(
+            rate,
+            (now, end),
+            [x, v],
+            method="DOP853",
+            events=still,
+            dense_output=True,
+            rtol=_RTOL,
+            atol=_ATOL,
+        )
+        assert run.sol is not None
+        last = float(run.t[-1])
+        inside = (t >= now) & (t <= last)
+        out[inside] = run.sol(t[inside])[0]
+        x, v, now = float(run.y[0, -1]), 0.0, last
+        outward = push(now, x, 0.0)
+        sign = float(np.sign(outward)) if abs(outward) > mass.F_k else 0.0
+    return out
+
+
+def _released(F_k: float, push: Callable[[float], float], times: Array, now: float) -> float:
+    """When a rest that began `now` ends: where the push first exceeds F_k, the last time at the latest."""
+    before = now
+    for at in times.tolist():
+        if abs(push(at)) > F_k:
+            return float(brentq(lambda t: abs(push(t)) - F_k, before, at, xtol=1e-12))
+        before = at
+    return before

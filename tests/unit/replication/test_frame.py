@@ -1,0 +1,133 @@
+"""What is shown of the frame, against motions and numbers known from elsewhere."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from dampbalance.reading.conditioning import condition
+from dampbalance.reading.noisy import Reading
+from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.replication.frame.findings import findings
+from dampbalance.replication.frame.line import GRAVITY, load_line
+from dampbalance.replication.frame.loops import Loop, friction_loop, shape
+from dampbalance.replication.frame.prediction import Mass, predicted
+from unit.reading.stopping import Steady, Stopping, steady
+
+TWO = {1: 1.82e-3, 2: 2e-5j, 3: 1e-4}
+ZERO = 3e-4  # m: of the transducer of the mass
+
+
+def record(of: Steady, cycles: float = 10.2) -> Measurement:
+    t = np.arange(int(cycles * 1000.0 * 2.0 * math.pi / of.of.omega)) / 1000.0
+    values = {"base_displacement": of.of.y(t), "displacement": of.x(t) + ZERO}
+    return Measurement.of("synthetic", [Channel(q, t, v) for q, v in values.items()])
+
+
+def loop_of(of: Stopping) -> Loop:
+    reading = Reading(condition(record(steady(of)), of.k), joint=True)
+    return friction_loop(reading, of.m, {"c_r": of.c_r})
+
+
+def test_the_line_is_that_of_linear_regression():
+    load, force = [0.25, 0.35, 0.45, 0.55], [0.68, 0.99, 1.29, 1.62]
+    line, off = load_line(load, force, [0.01] * 4)
+    known = stats.linregress(load, force)
+    t = stats.t.ppf(0.975, 2)
+    assert line["slope_N_per_kg"] == pytest.approx(known.slope, rel=1e-12)
+    assert line["coefficient"] == pytest.approx(known.slope / GRAVITY, rel=1e-12)
+    for name, value, error in (
+        ("slope_interval_N_per_kg", known.slope, known.stderr),
+        ("intercept_interval_N", known.intercept, known.intercept_stderr),
+    ):
+        assert line[name] == pytest.approx([value - t * error, value + t * error], rel=1e-10)
+    left = np.array(force) - known.intercept - known.slope * np.array(load)
+    assert off == pytest.approx(list(left / force), abs=1e-12)
+
+
+def test_the_scatter_about_the_line_is_one_where_the_errors_make_it():
+    rng, load = np.random.default_rng(3), np.array([0.2, 0.3, 0.45, 0.6])
+    errors = np.array([0.01, 0.02, 0.005, 0.01])
+    scatters = [
+        load_line(load, 0.1 + 3.0 * load + errors * rng.standard_normal(4), errors)[0]["scatter"]
+        for _ in range(4000)
+    ]
+    # 4,000 values know their mean square, of two degrees of freedom or fewer, to 3 %
+    assert np.mean(np.square(scatters)) == pytest.approx(1.0, rel=0.08)
+
+
+def test_the_loop_of_a_constant_friction_force_is_that_force():
+    of = Stopping(base=TWO, forward=0.9, back=0.9)
+    loop = loop_of(of)
+    found = shape(loop, 0.9)
+    # 31 harmonics of an acceleration that jumps at the stops ring by a few per cent near them, and less between
+    assert found["rms"] < 0.02
+    for name in ("along", "speed"):
+        assert abs(found[name]) < 0.02
+    # the law is rigid: at rest nothing moves but the ringing
+    assert np.abs(found["given_way_m"]) == pytest.approx(0.0, abs=3e-3 * loop.X)
+    assert found["part_at_rest"] == pytest.approx(steady(of).stopped, abs=0.06)
+
+
+def test_the_level_of_the_force_takes_a_difference_between_the_directions():
+    of = Stopping(base=TWO, forward=1.0, back=0.8)
+    loop = loop_of(of)
+    # half the difference between the directions, and what the spring holds in the mean, which the harmonics leave out
+    held = of.k * steady(of).x(np.arange(4096) / 4096.0).mean()
+    assert loop.level == pytest.approx(0.1 + held, abs=2e-3)
+    assert shape(loop, 0.9)["rms"] < 0.02
+
+
+def test_friction_that_grows_along_the_way_is_seen():
+    of = Stopping(base=TWO, slope=60.0)
+    loop = loop_of(of)
+    x = loop.x + steady(of).x(np.arange(4096) / 4096.0).mean()
+    middle = 0.5 * (x.max() + x.min())
+    F = 1.0 + 60.0 * middle
+    expected = 2.0 * 60.0 * loop.X / F
+    # the straight line is through where the mass slides, and the ringing is in it
+    forward = loop.sliding & (loop.v > 0.0)
+    slope = np.polyfit(loop.x[forward], loop.force[forward], 1)[0]
+    assert slope == pytest.approx(60.0, rel=0.05)
+    assert shape(loop, F)["along"] == pytest.approx(expected, rel=0.1)
+
+
+@pytest.mark.parametrize("hz", [9.0, 13.0, 22.0])
+def test_a_ripple_is_found_with_its_frequency_and_size(hz):
+    omega, F_k = 2.0 * math.pi, 2.0
+    theta = np.linspace(0.0, 2.0 * math.pi, 4096, endpoint=False)
+    x, v = -np.cos(theta), omega * np.sin(theta)
+    wave = 0.1 * np.cos(2.0 * math.pi * hz * theta / omega + 0.4)
+    loop = Loop(omega, x, v, F_k * np.sign(v) * (1.0 + wave), 0.0)
+    found = shape(loop, F_k)
+    assert found["ripple_hz"] == pytest.approx(hz, abs=0.11)  # steps of 0.1 Hz
+    assert found["ripple"] == pytest.approx(0.1, rel=1e-3)
+    assert found["explained"] == pytest.approx(1.0, abs=1e-3)
+    assert found["rms"] == pytest.approx(0.1 * math.sqrt(0.5), rel=0.02)
+
+
+@pytest.mark.parametrize(
+    "of", [Stopping(base=TWO), Stopping(base={1: 6e-3}, c_r=2.0)], ids=["stops", "short stops"]
+)
+def test_a_motion_is_predicted_as_another_integrator_has_it(of):
+    known = steady(of)
+    t = 0.1 + np.arange(2200) / 1000.0
+    x = known.x(t)
+    v = float(np.gradient(x, t)[0]) if abs(x[1] - x[0]) > 1e-12 else 0.0
+    mass = Mass(of.m, of.k, 1.0, {"c_r": of.c_r}, zero=-ZERO)
+    found = predicted(mass, t, of.y(t) + ZERO, x[0], v, of.omega)
+    # the first velocity is a difference of samples, wrong by ẍ dt/2 at the most
+    np.testing.assert_allclose(found, x, atol=2e-3 * known.range)
+    assert np.sqrt(np.mean((found - x) ** 2)) < 1e-3 * known.range
+
+
+def test_what_does_not_fit_is_refused():
+    measured = {"stiffness_N_per_m": 1191.0, "mass_kg": None}
+    frame = {"loads_kg": [0.1, 0.2, 0.3], "cycles_identified": 5}
+    with pytest.raises(ValueError, match="frame: needs the mass of the records"):
+        findings(["a", "b", "c"], measured, frame, {})
+    with pytest.raises(ValueError, match="loads_kg names 3 loads for 2 records"):
+        findings(["a", "b"], measured | {"mass_kg": 3.0}, frame, {})

@@ -1,0 +1,104 @@
+"""The records of the real rig: the numbers recorded with the digests of the files, wherever the files are."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+import yaml
+
+from dampbalance.identification.run import identify_files
+from dampbalance.project.files import sha256
+from dampbalance.publishing.frame import frame_page
+from dampbalance.replication.frame.findings import Findings, findings
+from folders import ROOT
+
+CONFIG = yaml.safe_load((ROOT / "config/frame.yaml").read_text(encoding="utf-8"))
+(MEASURED,) = CONFIG["measured"]
+RECORDED = yaml.safe_load((ROOT / "config/records/frame/results.yaml").read_text(encoding="utf-8"))
+(PATTERN,) = MEASURED["records"]
+FOLDER = (ROOT / PATTERN).parent
+FILES = sorted(FOLDER.glob(Path(PATTERN).name))
+
+there = pytest.mark.skipif(
+    not FILES, reason=f"no records {PATTERN}: see config/records/frame/README.md"
+)
+
+
+def measured() -> dict:
+    return MEASURED | {"mapping": str(ROOT / MEASURED["mapping"])}
+
+
+@cache
+def found() -> Findings:
+    given = {k: v for k, v in measured().items() if k not in ("name", "records")}
+    k, mass = given.pop("stiffness_N_per_m"), given.pop("mass_kg")
+    identified = identify_files(FILES, k, mass=mass, **given).document()
+    return findings(FILES, measured(), CONFIG["frame"], identified)
+
+
+def numbers(document: object, at: tuple = ()) -> dict[tuple, object]:
+    """Every entry of a document by its place."""
+    if isinstance(document, dict):
+        items = document.items()
+    elif isinstance(document, list):
+        items = enumerate(document)
+    else:
+        return {at: document}
+    return {place: one for key, of in items for place, one in numbers(of, (*at, key)).items()}
+
+
+@there
+def test_the_files_are_those_that_were_recorded():
+    assert {file.name: sha256(file) for file in sorted(FOLDER.glob("*.mat"))} == RECORDED["files"]
+
+
+@there
+@pytest.mark.slow
+def test_the_numbers_are_those_that_were_recorded():
+    computed, recorded = numbers(found().document), numbers(RECORDED)
+    assert computed.keys() == recorded.keys()
+    for place, value in recorded.items():
+        if isinstance(value, float):
+            # four digits are recorded; shares are differences, and other processors round a fit by parts in a million
+            least = 1e-9 if str(place[-1]).endswith("_m") or "given_way_m" in place else 1e-5
+            assert computed[place] == pytest.approx(value, rel=1e-3, abs=least), place
+        else:
+            assert computed[place] == value, place
+
+
+@there
+@pytest.mark.slow
+def test_the_cycles_foretold_follow_those_identified_from():
+    for one in found().foretold:
+        assert one.t.size == pytest.approx(5 * 250, abs=3)
+        assert one.measured.shape == one.predicted.shape == one.repeated.shape == one.t.shape
+        assert one.predicted[0] == one.measured[0]
+
+
+def test_the_recorded_numbers_agree_with_each_other():
+    line, loads = RECORDED["line"], RECORDED["loads"]
+    assert max(abs(row["off_line"]) for row in loads) < 0.01
+    assert line["slope_N_per_kg"] / line["coefficient"] == pytest.approx(9.80665, rel=1e-3)
+    for row in loads:
+        low, high = row["interval_N"]
+        assert low < row["F_k_N"] < high
+        assert row["lost_to_damper"] < 0.01
+        # nothing foretells cycles better than cycles repeat
+        assert row["foretold"]["rms"] > row["foretold"]["rms_of_mean_cycle"] > 0.0
+
+
+def test_the_page_takes_its_numbers_from_the_findings():
+    page = frame_page(RECORDED, MEASURED, ["the records say so"])
+    for row in RECORDED["loads"]:
+        assert f"| {row['record']} | {row['F_k_N']:.4g}" in page or f"{row['F_k_N']:.3f}" in page
+        assert f"{100.0 * row['foretold']['rms']:.2f} %" in page
+    changed = RECORDED | {"line": RECORDED["line"] | {"coefficient": 0.777}}
+    assert "coefficient of friction of 0.777" in frame_page(changed, MEASURED, [])
+    assert "- the records say so\n" in page
+    for name, digest in RECORDED["files"].items():
+        assert f"| {name} | `{digest}` |" in page
+    through = RECORDED["line"] | {"intercept_interval_N": [-0.1, 0.1]}
+    assert "not proportional" in page
+    assert "not proportional" not in frame_page(RECORDED | {"line": through}, MEASURED, [])

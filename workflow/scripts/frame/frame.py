@@ -1,0 +1,27 @@
+"""What the records of the frame say: page, numbers and figures."""
+
+import json
+import sys
+from pathlib import Path
+
+from dampbalance.figures.style import save
+from dampbalance.project.files import write_json, write_text
+from dampbalance.project.troubles import brief_troubles
+from dampbalance.publishing.frame import frame_page
+from dampbalance.replication.frame import pictures
+from dampbalance.replication.frame.findings import findings
+
+if __name__ == "__main__":
+    brief_troubles()
+    files, measured = snakemake.input, snakemake.params.measured
+    identified = json.loads(Path(files.identification).read_text(encoding="utf-8"))
+    try:
+        found = findings(list(files.records), measured, snakemake.params.frame, identified)
+    except ValueError as error:
+        sys.exit(f"error: {error}")
+    for name, alt in pictures.ALTERNATIVE_TEXTS.items():
+        svg, png = snakemake.output[name], snakemake.output[f"{name}_png"]
+        save(getattr(pictures, name)(found), svg, png, alt)
+    limits = [limit["words"] for limit in identified["limits"]]
+    write_text(snakemake.output.page, frame_page(found.document, measured, limits))
+    write_json(snakemake.output.numbers, found.document)
