@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from ...arrays import Mask, Words
 from ...figures.style import DOUBLE_COLUMN, FAINT, INK, note, page, place, styled
 from ...project.wording import percent
+from ..parameters import in_maths
 from ..routes import NONE, terms_named
 from ..settings import Study
 from ..stretches import column_of
@@ -204,4 +205,4 @@ def _axes(axes: Axes, laws: list[str], chosen: list[str]) -> None:
 
 
 def _in_maths(law: str) -> str:
-    return law if law == NONE else "$" + law.replace("eta", r"\eta").replace(" ", "") + "$"
+    return law if law == NONE else f"${in_maths(law).replace(' ', '')}$"
