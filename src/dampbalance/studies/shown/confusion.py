@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from ...arrays import Mask, Words
 from ...figures.style import DOUBLE_COLUMN, FAINT, INK, note, page, place, styled
 from ...project.wording import percent
+from ..parameters import in_maths
 from ..routes import NONE, terms_named
 from ..settings import Study
 from ..stretches import column_of
@@ -27,18 +28,18 @@ _DARK = 0.5  # share of a row from which on its number is white
 class Part(NamedTuple):
     """How many of so many cases are of a kind, as a share of them; its 95 % interval."""
 
-    count: int
+    those: int
     cases: int
 
     @property
     def share(self) -> float:
         """The share itself; NaN of no case."""
-        return self.count / self.cases if self.cases else np.nan
+        return self.those / self.cases if self.cases else np.nan
 
     @property
     def interval(self) -> tuple[float, float]:
         """What the number of cases leaves open of it (`share_interval`)."""
-        return share_interval(self.count, self.cases)
+        return share_interval(self.those, self.cases)
 
     def __str__(self) -> str:
         low, high = self.interval
@@ -111,7 +112,8 @@ def confusion(cases: str | Path) -> pd.DataFrame:
 
 def laws_in(summary: pd.DataFrame) -> list[str]:
     """The columns of `confusion` that hold numbers of cases by the law that is chosen."""
-    return [name for name in summary if name not in ("law", "cases") and "percent" not in name]
+    names = [str(name) for name in summary]
+    return [name for name in names if name not in ("law", "cases") and "percent" not in name]
 
 
 def confusion_markdown(summary: pd.DataFrame) -> list[str]:
@@ -175,7 +177,9 @@ def confusion_matrix(study: Study, cases: str | Path) -> Figure:
         left = columns + (0.12 + place_at) * _WORDS / cell
         axes.text(left, -0.25, head, ha="left", va="bottom", clip_on=False)
         for i, row in enumerate(summary.to_dict("records")):
-            axes.text(left, i + 0.5, _part_in_words(row, name), va="center", size=7.5)
+            part, low, high = (row[f"{name}{end}_percent"] for end in ("", "_low", "_high"))
+            text = f"{part:.3g} % ({low:.3g} to {high:.3g})"
+            axes.text(left, i + 0.5, text, va="center", size=7.5)
     return figure
 
 
@@ -201,4 +205,4 @@ def _axes(axes: Axes, laws: list[str], chosen: list[str]) -> None:
 
 
 def _in_maths(law: str) -> str:
-    return law if law == NONE else "$" + law.replace("eta", r"\eta").replace(" ", "") + "$"
+    return law if law == NONE else f"${in_maths(law).replace(' ', '')}$"
