@@ -106,10 +106,11 @@ class Parameters(NamedTuple):
     omega: float
 
 
-def parameters(oscillator: Oscillator, motion: BaseMotion) -> Parameters:
-    """The numbers of an oscillator and its excitation."""
+def parameters(oscillator: Oscillator, motion: BaseMotion | None) -> Parameters:
+    """The numbers of an oscillator and its excitation; None for a base at rest, Y = 0."""
     o = oscillator
-    return Parameters(o.m, o.c, o.k, o.K_z, o.F_k, motion.Y, motion.omega)
+    Y, omega = (0.0, 0.0) if motion is None else (motion.Y, motion.omega)
+    return Parameters(o.m, o.c, o.k, o.K_z, o.F_k, Y, omega)
 
 
 def finite_number(name: str, value: object, remedy: str = "") -> float:

@@ -66,7 +66,7 @@ def test_a_release_in_fixed_steps_loses_what_viscous_and_dry_friction_take():
     q = math.exp(-math.pi * truth.zeta / math.sqrt(1.0 - truth.zeta**2))
     begin, dry = 40.0 * truth.F_k / truth.k, truth.F_k / truth.k
     half = math.pi / (truth.omega_n * math.sqrt(1.0 - truth.zeta**2))
-    x = ring_down(truth, begin, half / 100.0, 4.0 * half)
+    x = ring_down(truth, begin, half / 100.0, 4.0 * half)[0]
     reversals = [np.abs(x[i : i + 60]).max() for i in (70, 170, 270)]
     expected = [begin]
     for _ in reversals:

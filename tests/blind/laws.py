@@ -16,7 +16,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 import pandas as pd
 
-from dampbalance.identification.identify import identify
+from dampbalance.identification.laws import compare_laws
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.measurement import Channel, Measurement
 
@@ -195,18 +195,18 @@ def law_records(law: str, drawing: int, seed: int = SEED) -> list[Measurement]:
 
 
 def outcome(run: tuple[str, int]) -> list[dict[str, object]]:
-    """Which law `identify` chooses for the records of a set.   run : law and number of the set."""
+    """Which law `compare_laws` chooses for the records of a set.   run : law and number of the set."""
     law, drawing = run
     measurements, k = law_records(law, drawing), draw(law, drawing).k
     began = time.process_time()
     try:
         readings = [read_features(measurement, k) for measurement in measurements]
-        compared = identify(readings, k, approaches={}, laws=True).laws
-        chosen = NONE if compared.chosen is None else named(compared.chosen)
+        chosen = compare_laws(readings, k).chosen
+        found = NONE if chosen is None else named(chosen)
     except (ValueError, ArithmeticError) as error:  # a refusal is an outcome, too
-        chosen = f"refused: {error}"
+        found = f"refused: {error}"
     seconds = time.process_time() - began
-    return [{"law": law, "set": drawing, "chosen": chosen, "seconds": seconds}]
+    return [{"law": law, "set": drawing, "chosen": found, "seconds": seconds}]
 
 
 def named(symbols: Iterable[str]) -> str:

@@ -130,14 +130,19 @@ def from_rest(truth: Truth, level: int, periods: int) -> CubicSpline:
     return CubicSpline(phases, out, axis=1)
 
 
-def ring_down(truth: Truth, x: float, step: float, duration: float) -> np.ndarray:
-    """x of a release from rest at x > 0, sampled each `step` seconds; no drive, m."""
+def ring_down(
+    truth: Truth, x: float, step: float, duration: float, v: float = 0.0, z: float | None = None
+) -> np.ndarray:
+    """(x, x′, x″) of a free motion from (x, v) on, sampled each `step` seconds, (3, n), SI; no drive.
+
+    z : deflection of the contact; by default that after a pull to x > 0.
+    """
     finer = max(1, math.ceil(step * truth.omega_n * STEPS / (2.0 * math.pi)))
     count = math.ceil(duration / step) * finer
     out = np.empty((3, -(-count // STEPS) * STEPS))
     # the period of a drive that does not move only sets the step
     omega = 2.0 * math.pi * finer / (STEPS * step)
     numbers = (truth.m, truth.c, truth.k, truth.K_z, truth.F_k, 0.0, omega)
-    state = (x, 0.0, min(x, truth.F_k / truth.K_z))
+    state = (x, v, min(x, truth.F_k / truth.K_z) if z is None else z)
     _run(numbers, Departure(), state, out.shape[1] // STEPS, out)
-    return out[0, :count:finer]
+    return out[:, :count:finer]

@@ -114,7 +114,7 @@ def free_decay(truth: Truth, measured: list[Measurement]) -> Found:
     swing = 2.0 * math.pi / truth.omega_n
     lasts = swing * min(60.0, 1.0 / truth.zeta + 2.0)
     given = sum(float(one["displacement"].t[-1]) for one in measured)
-    clean = ring_down(truth, begin, step, lasts)
+    clean = ring_down(truth, begin, step, lasts)[0]
     random = np.random.default_rng((SEED, truth.index, 7))
     pairs, durations = [], []
     window = max(5, round(0.1 * swing / step) | 1)

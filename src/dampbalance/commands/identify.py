@@ -1,4 +1,4 @@
-"""dampbalance identify: F_k, c and K_z from records of steady responses at several levels."""
+"""dampbalance identify: F_k, c and K_z from records of steady responses at several levels, or of free decays."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any, get_args
 from ..balance import APPROACHES
 from ..features import Phase
 from ..identification.identify import MOST_REPLICATES, REPLICATES, SEED
-from ..identification.outputs import OUTPUTS, PICTURES, TABLES
+from ..identification.outputs import ALL_PICTURES, OUTPUTS, TABLES
 from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, write_json
 from ..project.wording import shortened
@@ -26,11 +26,17 @@ file 58, TDMS, LabVIEW's text, WAV, spreadsheets. What a file does not say of it
 beside it, NAME.yaml or channels.yaml.
 
   dampbalance identify level*.csv --stiffness 2310 --frequency 3.5 --output found
+
+A record without a driving channel, or with one that stands still, is one of free decays, one or several after releases
+or blows:
+
+  dampbalance identify decay.csv --stiffness 2310
 """
 
 
 _HELP = f"""\
-records         a file, one per level; as many as there are coefficients, or more
+records         a file, one per level; as many as there are coefficients, or more; of a free decay one is enough
+--kind          forced records or free decays (default: as the first record is recognised)
 --stiffness     stiffness k, N/m
 --frequency     drive frequency as known, Hz; compared with the one found in each record
 --terms         of the damping law, such as F_k,c,c_2 (default: F_k,c); known: {", ".join(KNOWN_TERMS)}
@@ -57,18 +63,24 @@ _SCREEN = Path("-")
 def run(options: argparse.Namespace) -> None:
     """Identify, show the table or the document, write the results."""
     # slow to import, not needed for help
-    from ..identification.run import identify_files, write_figures, write_tables
+    from ..identification.kinds import (
+        identify_records,
+        pictures_of,
+        write_figures,
+        write_tables,
+    )
 
     folder: Path | None = options.output
     shown_as_json = options.json == _SCREEN
     document: Path | None = None if shown_as_json else options.json
     if folder is not None:
-        _require_room(folder, OUTPUTS, options.overwrite)
+        _require_room(folder, (*TABLES, *ALL_PICTURES), options.overwrite)
     if document is not None:
         _require_room(document.parent, [document.name], options.overwrite)
-    result = identify_files(
+    result = identify_records(
         options.records,
         options.stiffness,
+        options.kind,
         mapping=options.mapping,
         frequency_hz=options.frequency,
         skip_cycles=options.skip_cycles,
@@ -89,13 +101,13 @@ def run(options: argparse.Namespace) -> None:
         write_json(document, result.document())
         places.append(str(document))
     if folder is not None:
-        if options.no_figures:
-            for name in PICTURES:
-                (folder / name).unlink(missing_ok=True)  # of earlier records
-        else:
+        pictures = () if options.no_figures else pictures_of(result)
+        for name in set(ALL_PICTURES) - set(pictures):
+            (folder / name).unlink(missing_ok=True)  # of earlier records
+        if pictures:
             write_figures(result, folder)
         write_tables(result, folder)
-        places.append(f"{folder}: {', '.join(TABLES if options.no_figures else OUTPUTS)}")
+        places.append(f"{folder}: {', '.join((*TABLES, *pictures))}")
     if places:
         said = f"\nWritten to {'; '.join(places)}."
         print(said, file=sys.stderr if shown_as_json else sys.stdout)
@@ -167,6 +179,7 @@ def _once(named: Sequence[tuple[str, Any]] | None, option: str) -> dict[str, Any
 
 _OPTIONS: dict[str, dict[str, Any]] = {
     "records": {"nargs": "+", "type": Path, "metavar": "RECORD"},
+    "--kind": {"choices": ("forced", "ring-down"), "default": "recognised"},
     "--stiffness": {"type": number(), "required": True, "metavar": "K"},
     "--frequency": {"type": number(1e-9, 1e9), "metavar": "HZ"},
     "--terms": {"type": _names, "metavar": "TERMS"},

@@ -25,8 +25,8 @@ from ..arrays import Array
 from ..balance import APPROACHES, Rows
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS
-from ..reading.fitting import fit_quickly, relative_friction, with_mass
-from ..reading.lines import probability, starts
+from ..reading.fitting import fit_quickly, with_mass
+from ..reading.lines import probability
 from ..reading.noisy import Means, Reading
 from ..reading.one_thread import one_thread
 from ..reading.waveforms import Fit
@@ -67,7 +67,6 @@ def compare_laws(
     random = np.random.default_rng(seed)
     means = [reading.resampled(replicates, random) for reading in readings]
     lines = [reading.lines for reading in readings]
-    candidates = starts(lines, k, relative_friction(lines, asked))
     found: list[tuple[Evidence, Fit | None]] = []
     count = sum(math.comb(len(terms), size) for size in range(MOST_TERMS + 1))
     for size in range(MOST_TERMS + 1):
@@ -84,7 +83,7 @@ def compare_laws(
                 continue
             within = [f for e, f in found if f is not None and set(e.terms) < set(tried.terms)]
             near = sorted(within, key=lambda fit: fit.chi_square)[:1]
-            fit = fit_quickly(lines, k, tried, candidates, near)
+            fit = fit_quickly(lines, k, tried, near)
             known = None if mass is None or fit is None else with_mass(fit, mass)
             found.append((_tested(tried, readings, means, known or fit), known or fit))
     evidence = _judged([e for e, _ in found])

@@ -10,10 +10,11 @@ from pathlib import Path
 from ..arrays import Array
 from ..project.wording import visible
 from ..reading.conditioning import condition_blocks
+from ..reading.frequency import stands_still
 from ..reading.noisy import Reading, read_features
 from ..records.limits import LARGEST
 from ..records.mapping import MappingLike, mapping_for, parts_of
-from ..records.measurement import Measurement
+from ..records.measurement import EXCITATIONS, Measurement
 from ..records.readers import RecordWarning, open_channels, read, stated_numbers
 
 LARGE = 256_000_000
@@ -22,6 +23,10 @@ LARGE = 256_000_000
 _NUMBER = 8  # bytes
 
 EXCERPT = 16_384  # leading samples of each channel that are kept for plots
+
+
+class NotDriven(ValueError):
+    """A record without a drive, or with one that stands still: a free decay."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +71,7 @@ def load(
         stored = sum(file.stat().st_size for file in parts_of(path, rules))
         if max(stated, stored) > LARGE:
             channels = open_channels(path, rules, largest=largest)
+            _require_driven(path, any(q in EXCITATIONS for q in channels))
             steady = condition_blocks(
                 str(path),
                 channels,
@@ -78,6 +84,8 @@ def load(
             first = {q: next(iter(blocks())) for q, blocks in channels.items()}
         else:
             measurement = replace(read(path, rules, largest), source=str(path))
+            moves = measurement.driven and not stands_still(measurement.excitation.values)
+            _require_driven(path, moves)
             reading = read_features(measurement, k, frequency_hz=nominal, skip_cycles=skip_cycles)
             first = {q: (measurement[q].t, measurement[q].values) for q in measurement}
     messages = (w.message for w in caught if issubclass(w.category, RecordWarning))
@@ -86,3 +94,12 @@ def load(
     reading = Reading(replace(steady, warnings=(*notes, *steady.warnings)))
     excerpt = {q: (t[:EXCERPT], values[:EXCERPT]) for q, (t, values) in first.items()}
     return Loaded(path, visible(rules.level or path.name), reading, excerpt, measurement)
+
+
+def _require_driven(path: Path, driven: bool) -> None:
+    """NotDriven for a record of a free decay."""
+    if not driven:
+        raise NotDriven(
+            f"{path}: nothing drives it: a record at a level of excitation needs a drive that moves "
+            f"({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
+        )

@@ -8,3 +8,12 @@ TABLES = ("identification.json", "identification.csv", "features.csv", "summary.
 PICTURES = tuple(f"{name}.{suffix}" for name in FIGURES for suffix in ("svg", "png"))
 
 OUTPUTS = (*TABLES, *PICTURES)
+
+RING_DOWN_FIGURES = ("decays",)
+"""The picture of an identification from free decays, in the place of FIGURES."""
+
+RING_DOWN_PICTURES = tuple(
+    f"{name}.{suffix}" for name in RING_DOWN_FIGURES for suffix in ("svg", "png")
+)
+
+ALL_PICTURES = (*PICTURES, *RING_DOWN_PICTURES)

@@ -86,7 +86,7 @@ def identify_files(
         raise ValueError(f"unknown approaches {unknown}; known are {', '.join(APPROACHES)}")
     law = law_of(terms, given, groups)
     named = [Path(path) for path in paths]
-    _require_different(named)
+    require_different(named)
     chosen = {name: APPROACHES[name] for name in APPROACHES if not approaches or name in approaches}
     records = tuple(
         load(
@@ -136,11 +136,11 @@ def identify_files(
         "seed": seed,
         "largest": largest,
     }
-    files = tuple(_digests(path, mapping) for path in named)
+    files = tuple(digests(path, mapping) for path in named)
     return IdentificationRun(records, result, options, files)
 
 
-def _digests(path: Path, mapping: MappingLike) -> dict[str, Any]:
+def digests(path: Path, mapping: MappingLike) -> dict[str, Any]:
     """The SHA-256 digest of a record's file, of the file that names its channels, and of others that hold some."""
     file = mapping_file(path, mapping)
     others = [part for part in parts_of(path, mapping_for(path, mapping)) if part != path]
@@ -151,7 +151,7 @@ def _digests(path: Path, mapping: MappingLike) -> dict[str, Any]:
     }
 
 
-def _require_different(paths: Sequence[Path]) -> None:
+def require_different(paths: Sequence[Path]) -> None:
     """ValueError for a file that is named twice, also by a link or another spelling of its path."""
     known: dict[tuple[int, int], Path] = {}
     for path in paths:

@@ -25,7 +25,10 @@ from .terms import FRICTION, Term, parted, term
 _RTOL, _ATOL = 1e-13, 1e-15  # of a step; the latter of the size of the motion
 _STEP = 0.1  # rad of the fastest oscillation: dense output, of order 7, is then good to 1e-14
 _SHORTER = 0.1  # what a step is multiplied by where a phase would end as it begins
-_AT_REST = 8.0 * np.finfo(float).eps  # of the forces: their sum is rounding
+_ROUNDING = (
+    8.0 * np.finfo(float).eps
+)  # of the forces: their sum is no more than that where they balance
+_LATER = 1e-3  # rad
 
 Point = tuple[float, float, float]
 """(x, ẋ, z); m, m/s, m."""
@@ -190,14 +193,13 @@ def follow(eq: Equation, start: Point, theta: float, limit: float, carried: Arra
         longest *= _SHORTER
     q = found.sol(tau)
     turned, slipped = missed is not None or turns.size > 0, missed is None and onsets.size > 0
-    change = d * o.Z_m - (z + q[0]) if slipped else 0.0  # of rounding
     end = (
-        float(x + q[0] + change),
+        float(x + q[0]),
         0.0 if turned else float(q[1]),
         d * o.Z_m if slipped else float(z + q[0] * sticks),
     )
     dx, dv = q[2 : 2 + n], q[2 + n :]
-    dz = (dx + apart) * (sticks and not slipped)
+    dz = (dx + apart) * sticks
     return Piece(s, z, float(tau) / clock, end, np.stack([dx, dv, dz]), found.sol, clock)
 
 
@@ -230,6 +232,8 @@ def _direction(eq: Equation, start: Point, theta: float) -> float:
     if v != 0.0:
         return math.copysign(1.0, v)
     a = float(eq.acceleration(x, v, z, theta))
-    if eq.motion is None and o.m * abs(a) <= _AT_REST * (o.k * abs(x) + o.K_z * abs(z)):
-        return 0.0
-    return math.copysign(1.0, a if a != 0.0 else -math.sin(theta))
+    if o.m * abs(a) <= _ROUNDING * (o.k * (abs(x) + eq.Y) + o.K_z * abs(z)):
+        if eq.motion is None:
+            return 0.0
+        a = float(eq.acceleration(x, v, z, theta + _LATER))  # in balance, until the base moves on
+    return math.copysign(1.0, a)

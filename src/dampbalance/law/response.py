@@ -23,7 +23,7 @@ from ..motion.states import State
 from .one_phase import Equation, Piece, Point, equation, follow
 
 _MOST_PHASES = 16384  # of half a period
-_MOST_MAPS = 200  # half periods; Newton's method takes five or so
+_MOST_STEPS = 50  # Newton's method takes four or so, and ten from a state far off
 _CONVERGED = 1e-14  # energy norm of s + Φ(s), relative to that of s
 _ACCEPTED = 1e-12  # like `_CONVERGED`, where rounding stops the descent
 _SINGULAR = 1e-9  # of 1 + ∂Φ/∂s, about π times the damping ratio: less is rounding
@@ -237,29 +237,20 @@ def _nearby(eq: Equation, motion: BaseMotion) -> Point:
 
 
 def _fixed_point(eq: Equation, motion: BaseMotion, start: Point) -> Point | None:
-    """The state s at base phase 0 with Φ(s) = −s, by Newton's method from there; None if it is not found. Where a
-    Newton step does not help, plain iteration moves on."""
+    """The state s at base phase 0 with Φ(s) = −s, by Newton's method from there; None if it is not found."""
     o = eq.oscillator
-    weights, limits = np.sqrt([o.k, o.m, o.K_z]), np.array([np.inf, np.inf, o.Z_m])
+    weights = np.sqrt([o.k, o.m, o.K_z])
     s = np.array(start)
     residual, derivative = _closure(eq, motion, s)
-    used = plain = 1
-    while used < _MOST_MAPS:
+    for _ in range(_MOST_STEPS):
         size, error = np.linalg.norm(weights * s), np.linalg.norm(weights * residual)
         if error <= _CONVERGED * size:
             break
-        trial = np.clip(s - np.linalg.lstsq(derivative, residual)[0], -limits, limits)
+        trial = s - np.linalg.lstsq(derivative, residual)[0]
         nearer = _closure(eq, motion, trial)
-        used += 1
-        if np.linalg.norm(weights * nearer[0]) < 0.5 * error:
-            s, (residual, derivative) = trial, nearer
-            continue
-        if error <= _ACCEPTED * size:  # rounding keeps it from going lower
-            break
-        for _ in range(plain):
-            s = s - residual  # −Φ(s)
-            residual, derivative = _closure(eq, motion, s)
-        used, plain = used + plain, min(2 * plain, 32)
+        if error <= _ACCEPTED * size and np.linalg.norm(weights * nearer[0]) >= 0.5 * error:
+            break  # rounding keeps it from going lower
+        s, (residual, derivative) = trial, nearer
     else:
         return None
     scaled = derivative * weights[:, None] / weights

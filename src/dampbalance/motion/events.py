@@ -110,6 +110,14 @@ def _just_inside(which: int, lower: float, upper: float, before: float, phase: P
 
 
 @jit
+def _stays(u: float, v: float, lower: float, upper: float, phase: Phase) -> bool:
+    """Whether a free motion at u, m, with velocity v, m/s, has too little energy to leave [lower, upper]."""
+    rest = phase.f0 / phase.Omega2
+    reach = math.sqrt((u - rest) ** 2 + v * v / phase.Omega2)
+    return lower <= rest - reach and rest + reach <= upper
+
+
+@jit
 def phase_end(
     s: float, x: float, v: float, z: float, theta: float, limit: float, par: Parameters
 ) -> tuple[float, float, float, float]:
@@ -127,6 +135,10 @@ def phase_end(
         which, lower, upper = 1, 0.0, math.inf
     else:
         which, lower, upper = 1, -math.inf, 0.0
+
+    if par.Y == 0.0 and s == 0.0 and _stays(0.0, v, lower, upper, phase):
+        u, rate = move(limit, phase)
+        return limit, x + u, rate, z + u
 
     fastest = max(phase.omega, math.sqrt(phase.Omega2), phase.delta)
     n = max(1, math.ceil(_STEPS_PER_RADIAN * limit * fastest))
@@ -152,6 +164,9 @@ def phase_end(
                 return t, x + level, _motion(t, phase)[1], (Z_m if level == upper else -Z_m)
             return t, x + _motion(t, phase)[0], 0.0, s * Z_m
         low, at_low = high, at_high
+        if par.Y == 0.0 and s == 0.0 and _stays(at_low[0], at_low[1], lower, upper, phase):
+            at_low = _motion(limit, phase)
+            break
     return limit, x + at_low[0], at_low[1], (z + at_low[0] if s == 0.0 else s * Z_m)
 
 

@@ -201,6 +201,8 @@ def move(t: float, phase: Phase) -> tuple[float, float]:
     """Displacement gained u, m, and velocity, m/s, a time t after the start of a phase."""
     v0, f0, A, delta, Omega2, omega = phase
     J, S, R = step_response(t, delta, Omega2)
+    if A == 0j:  # the base is at rest
+        return v0 * S + f0 * J, v0 * R + f0 * S
     P, P_rate = harmonic_response(t, omega, delta, Omega2, J, S)
     return (
         v0 * S + f0 * J + A.real * P.real - A.imag * P.imag,

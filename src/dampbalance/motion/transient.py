@@ -19,12 +19,13 @@ _CHUNK = 1024  # phases computed per call
 class Trajectory:
     """Motion from an initial state, phase by phase.
 
+    motion : of the base; None where it is at rest.
     phases : (n, 5), rows (t, s, x, ẋ, z) at the start of each phase, absolute time; s = ±1 in slip, 0 in stick.
     end : time up to which the motion was computed, s.
     """
 
     oscillator: Oscillator
-    motion: BaseMotion
+    motion: BaseMotion | None
     phases: Array = field(repr=False)
     end: float
 
@@ -41,7 +42,7 @@ class Trajectory:
 
 def transient(
     oscillator: Oscillator,
-    motion: BaseMotion,
+    motion: BaseMotion | None,
     end: float,
     *,
     x: float = 0.0,
@@ -51,6 +52,7 @@ def transient(
 ) -> Trajectory:
     """The exact motion from the state (x, ẋ, z) at time `start` to `end`, s; y = Y cos ωt.
 
+    motion : of the base; None for a free decay, y = 0.
     x : displacement, m.   v : velocity, m/s.   z : deflection of the contact spring, m, |z| ≤ Z_m.
 
     Raises ValueError for a state that the contact cannot have or an end before the start, TypeError for a value that

@@ -4,7 +4,7 @@ At a point p the caller gives −log L, its information I and its gradient g = �
 
     (I + λ diag I) δ = g
 
-over the unknowns that the gradient does not hold at their lower limit. λ falls after a step that helps, and rises after
+over the unknowns that the gradient does not hold at a limit. λ falls after a step that helps, and rises after
 one that does not. The climb ends when a full step (λ ≈ 0) would gain less than a given amount in −log L: 10⁻⁸ unless
 the caller says otherwise, that is, move less than 10⁻⁴ of a standard error; or no unknown by more than 10⁻¹¹ of itself.
 −log L may have kinks, as where the onset of slip passes a sample: a maximum at a kink, where no step helps, counts as
@@ -65,7 +65,7 @@ E = TypeVar("E", bound=Evaluation)
 class Climb(Generic[E]):
     """Where a climb ended.
 
-    active : which unknowns are at their lower limit.   step : the next one, not taken.
+    active : which unknowns are held at a limit.   step : the next one, not taken.
     """
 
     point: Array
@@ -88,6 +88,7 @@ def climb(
     start: Array,
     lower: Array,
     scale: Array,
+    upper: Array | float = math.inf,
     *,
     gain: float = _GAIN,
     most: int = MOST,
@@ -96,12 +97,12 @@ def climb(
 
     evaluate : None where the model does not apply.
     lower : least value of each unknown, −∞ for one that may be negative, a phase or a logarithm.
-    scale : below it an unknown counts as zero, and steps are measured against it.
+    scale : below it an unknown counts as zero, and steps are measured against it.   upper : greatest values.
     gain : what a full step must promise in −log L for the climb to go on.   most : evaluations.
 
     Raises NoStart; NoConvergence where no step helps or too many are needed.
     """
-    point = np.maximum(start, lower)
+    point = np.clip(start, lower, upper)
     here = evaluate(point)
     if here is None:
         raise NoStart("the model does not apply where the climb starts")
@@ -109,6 +110,7 @@ def climb(
     damping = 1e-3
     for count in range(1, most + 1):
         active = (point <= lower) & (here.gradient <= 0.0)
+        active |= (point >= upper) & (here.gradient >= 0.0)
         full = _step(here, active, 0.0)
         step = _step(here, active, damping)
         size = float(np.max(np.abs(full) / np.maximum(np.abs(point), scale)))
@@ -116,7 +118,7 @@ def climb(
         if full @ here.gradient < 2.0 * gain or size < _RELATIVE:
             return reached
         least = np.where(signed | (lower == 0.0), lower, np.maximum(lower, _SHRINK * point))
-        trial = np.maximum(point + step, least)
+        trial = np.clip(point + step, least, upper)
         there = evaluate(trial)
         if there is not None and there.value < here.value:
             point, here = trial, there

@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..arrays import Array, Integers
 from ..law.law import Law
+from ..law.steady import Response
 from ..law.terms import FRICTION, parted
 from ..motion.jit import interpreted
 from ..motion.orbit import NoSteadyOrbit
 from .climb import Climb, Evaluation, NoConvergence, NoStart, climb
-from .lines import Lines, starts
+from .lines import Lines, Shares, starts
 from .unknowns import Unknowns, worth
 from .waveforms import Fit
 
@@ -38,24 +39,23 @@ def fit_oscillator(
     thorough : whether more and more starts are tried until one leads to an oscillator that the records may be of.
     """
     unknowns = Unknowns(law or Law(), len(lines), k)
-    relative = relative_friction(lines, unknowns.law)
+    shares = shares_of(lines, unknowns.law, k)
     wide = (True,) if thorough and not unknowns.law.nonlinear else ()  # else each climb takes long
     points = (
-        unknowns.start(lines, candidate, relative)
+        unknowns.start(lines, candidate, shares.friction)
         for search in (False, *wide)
-        for candidate in starts(lines, k, relative, wide=search)[: _STARTS[search]]
+        for candidate in starts(lines, k, shares, wide=search)[: _STARTS[search]]
     )
     return _best(lines, unknowns, points, math.inf)
 
 
-def fit_quickly(
-    lines: Sequence[Lines], k: float, law: Law, candidates: Array, near: Sequence[Fit]
-) -> Fit | None:
+def fit_quickly(lines: Sequence[Lines], k: float, law: Law, near: Sequence[Fit]) -> Fit | None:
     """As `fit_oscillator`, from two candidates of `lines.starts` and from fits with other laws, and not refined where
     it does not come near the records."""
-    unknowns, relative = Unknowns(law, len(lines), k), relative_friction(lines, law)
+    unknowns, shares = Unknowns(law, len(lines), k), shares_of(lines, law, k)
+    candidates = starts(lines, k, shares)
     known = [*candidates[:1], *(_as_candidate(fit) for fit in near), *candidates[1:2]]
-    points = (unknowns.start(lines, candidate, relative) for candidate in known)
+    points = (unknowns.start(lines, candidate, shares.friction) for candidate in known)
     return _best(lines, unknowns, points, _HOPELESS)
 
 
@@ -84,16 +84,19 @@ def _as_candidate(fit: Fit) -> Array:
     return np.array([fit.F_k, damping, rho**-2, fit.m])
 
 
-def relative_friction(lines: Sequence[Lines], law: Law) -> Array:
-    """Friction of the group of each record over the mean of all, were all work taken by friction, (n,)."""
-    labels = law.groups.get(FRICTION)
-    if labels is None:
-        return np.ones(len(lines))
+def shares_of(lines: Sequence[Lines], law: Law, k: float) -> Shares:
+    """Of friction, that of the group of each record over the mean of all, were all work taken by friction; of a damper,
+    what the terms that are not given take in each record, over the median."""
+    labels = law.groups.get(FRICTION, ("",) * len(lines))
     alone = np.array([max(-one.Y * one.x[0].imag / abs(one.x[0]), 1e-9 * one.Y) for one in lines])
     means = {label: alone[[other == label for other in labels]].mean() for label in labels}
     force = np.array([means[label] for label in labels])
-    relative: Array = force / np.mean(list(means.values()))
-    return relative
+    free = [s for s in law.terms if s != FRICTION and s not in law.given]
+    worths = np.array([[worth(s, one, k) for one in lines] for s in free])
+    damping = np.ones(len(lines))
+    if free:
+        damping = np.mean(np.median(worths, axis=1, keepdims=True) / worths, axis=0)
+    return Shares(force / np.mean(list(means.values())), damping)
 
 
 def with_delay(fit: Fit) -> Fit | None:
@@ -144,8 +147,8 @@ def _climbed(
             break
     assert climbed is not None
     here = climbed.evaluation
-    if problem.softening:  # as the errors are
-        exact = replace(problem, softening=0.0).evaluate(climbed.point)
+    if problem.softening or law.nonlinear:  # as the errors are, with derivatives that hold to 1e-6
+        exact = replace(problem, softening=0.0, quickly=False).evaluate(climbed.point)
         if exact is None:
             return None
         here = exact
@@ -178,6 +181,7 @@ class _Problem:
     """Residuals (model − data)/σ of all records as functions of the unknowns that are free.
 
     point : all unknowns.   free : which of them are.   softening : part of the amplitudes added to the errors.
+    near : the last motion of each record, from which the next starts.   quickly : as for `Unknowns.harmonics`.
     """
 
     lines: Sequence[Lines]
@@ -185,6 +189,8 @@ class _Problem:
     point: Array
     free: Integers
     softening: float
+    near: dict[int, Response] = field(default_factory=dict)
+    quickly: bool = True
 
     def evaluate(self, free: Array) -> Evaluation | None:
         """Half of χ² with its derivatives; None where nothing slips, there is no orbit, or the contact rattles."""
@@ -194,10 +200,13 @@ class _Problem:
         residuals, slopes, slips = [], [], False
         for i, one in enumerate(self.lines):
             try:
-                response = unknowns.response(point, i, one.omega)
+                response = unknowns.response(point, i, one.omega, self.near.get(i))
                 if len(response.orbit.phases) > _MOST_PHASES:
                     return None
-                x, by = unknowns.harmonics(point, i, one, response, one.n.size)
+                self.near[i] = replace(response, matrix=None)
+                x, by = unknowns.harmonics(
+                    point, i, one, response, one.n.size, quickly=self.quickly
+                )
             except (NoSteadyOrbit, ValueError):
                 return None
             slips |= response.slips

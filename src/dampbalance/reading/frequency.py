@@ -20,6 +20,8 @@ from .cycles import CycleHarmonics, accumulate
 FEWEST_CYCLES = 3
 _LONGEST_SPECTRUM = 1 << 18
 _REFINEMENTS = 4
+_LEADING = 1 << 16  # samples that tell whether a drive moves
+_LINE_OF_NOISE = 25.0  # times its mean, that no line of 32,768 in white noise has by chance
 
 
 def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
@@ -52,6 +54,13 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
         if abs(correction) <= 0.1 * error or abs(correction) < 1e-13 * omega:
             break
     return omega, error
+
+
+def stands_still(values: Array) -> bool:
+    """Whether a drive does not move beside its noise: the spectrum of its leading samples has no line."""
+    values = values[:_LEADING] - np.mean(values[:_LEADING])
+    power = np.abs(np.fft.rfft(values)[1:]) ** 2
+    return bool(power.max() < _LINE_OF_NOISE * power.mean())
 
 
 def frequency_offset(harmonics: CycleHarmonics) -> tuple[float, float]:

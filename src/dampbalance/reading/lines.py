@@ -21,6 +21,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -56,6 +57,14 @@ _POINTS = 256  # of a cycle, for the force of a contact
 _DERIVATIVES = {"displacement": 0, "velocity": 1, "acceleration": 2}
 _ROUNDING = 3e-6  # of the fundamental: noise below it is no transducer's
 _NEAR = 0.03  # of the fundamental: what a candidate may be off by
+
+
+class Shares(NamedTuple):
+    """What part of F_k, and what part of c, an oscillator has in each record, (n,): loads differ, and so do amplitudes,
+    with which a nonlinear damper grows."""
+
+    friction: Array
+    damping: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,20 +135,20 @@ def _aliased(steady: SteadyRecord, n: Integers) -> Array:
 
 
 def starts(
-    lines: Sequence[Lines], k: float, relative: Array | None = None, *, wide: bool = False
+    lines: Sequence[Lines], k: float, shares: Shares | None = None, *, wide: bool = False
 ) -> Array:
     """(F_k, c, K_z, m) of oscillators that respond like the records, (n, 4), the closest first; each slips in one.
 
-    k : N/m.   relative : friction of each record over F_k, (n,); default, the same in all.   wide : the closest of
+    k : N/m.   shares : of F_k and of c that each record has; default, all of both.   wide : the closest of
     each contact stiffness, with masses over three decades beside those that the fundamental gives, which knows little
     of the mass far below resonance.
     """
-    relative = np.ones(len(lines)) if relative is None else relative
-    candidates = _candidates(lines, k, relative, wide)
+    shares = shares or Shares(np.ones(len(lines)), np.ones(len(lines)))
+    candidates = _candidates(lines, k, shares, wide)
     if not len(candidates):
         return candidates
     respond = _all_responses if wide else _responses_to_contact
-    harmonics, slips = respond(candidates, lines, k, relative)
+    harmonics, slips = respond(candidates, lines, k, shares)
     misfit = np.zeros(len(candidates))
     for i, one in enumerate(lines):
         near = _NEAR * abs(one.x[0])
@@ -156,13 +165,21 @@ def starts(
 
 
 def _all_responses(
-    candidates: Array, lines: Sequence[Lines], k: float, relative: Array
+    candidates: Array, lines: Sequence[Lines], k: float, shares: Shares
 ) -> tuple[Complexes, Mask]:
     """x_1, x_3, x_5 of each candidate under the base of each record, (n, L, 3), m, and which slip in one of them."""
     F_k, c, K_z, m = candidates.T[:, :, None]
     omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
     with interpreted(False):  # thousands
-        orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k * relative, Y=Y, omega=omega)
+        orbits = steady_orbits(
+            m=m,
+            c=c * shares.damping,
+            k=k,
+            K_z=K_z,
+            F_k=F_k * shares.friction,
+            Y=Y,
+            omega=omega,
+        )
     harmonics = np.stack(
         [getattr(orbits, f"X_{n}") * np.exp(-1j * getattr(orbits, f"phi_{n}")) for n in _COMPARED],
         axis=-1,
@@ -172,7 +189,7 @@ def _all_responses(
 
 
 def _responses_to_contact(
-    candidates: Array, lines: Sequence[Lines], k: float, relative: Array
+    candidates: Array, lines: Sequence[Lines], k: float, shares: Shares
 ) -> tuple[Complexes, Mask]:
     """As `_all_responses`, without an orbit: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics f_n of the
     force K_z z that the contact has in the motion as it was read."""
@@ -181,15 +198,15 @@ def _responses_to_contact(
     theta = np.arange(2 * _POINTS) * (2.0 * math.pi / _POINTS)  # the second cycle is steady
     turn = np.exp(-1j * np.outer(n, theta[_POINTS:]))
     harmonics, slips = [], []
-    for one, share in zip(lines, relative, strict=True):
-        Z_m = share * F_k / K_z
+    for one, rubbed, damped in zip(lines, *shares, strict=True):
+        Z_m = rubbed * F_k / K_z
         wave = (np.exp(1j * np.outer(theta, one.n)) @ np.where(one.clear, one.x, 0.0)).real
         z = np.zeros((theta.size, m.size))
         for i, step in enumerate(np.diff(wave), start=1):
             z[i] = np.clip(z[i - 1] + step, -Z_m, Z_m)
         force = (2.0 / _POINTS) * K_z * (turn @ z[_POINTS:].astype(np.complex128))  # (3, n)
         drive = np.where(n == 1, k * one.Y, 0.0)
-        impedance = k - np.outer((n * one.omega) ** 2, m) + 1j * np.outer(n * one.omega, c)
+        impedance = k - np.outer((n * one.omega) ** 2, m) + 1j * np.outer(n * one.omega, damped * c)
         harmonics.append(((drive[:, None] - force) / impedance).T)
         slips.append(np.ptp(wave) > 2.0 * Z_m)
     slip: Mask = np.asarray(np.array(slips).any(axis=0))
@@ -242,12 +259,13 @@ def probability(chi_square: float, freedom: int, lines: Sequence[Lines]) -> floa
     return float(special.fdtrc(freedom, known, chi_square / freedom))
 
 
-def _candidates(lines: Sequence[Lines], k: float, relative: Array, wide: bool) -> Array:
+def _candidates(lines: Sequence[Lines], k: float, shares: Shares, wide: bool) -> Array:
     """(F_k, c, K_z, m) that balance the work, (n, 4)."""
     fundamental = np.array([one.x[0] for one in lines])
     omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
     X, b = np.array([_peak_and_viscous(one) for one in lines]).T
     W = -math.pi * k * Y * fundamental.imag
+    b = b * shares.damping
     known = W > 0.0  # noise may hide the work of a low level
     if not known.any():
         return np.empty((0, 4))
@@ -257,17 +275,17 @@ def _candidates(lines: Sequence[Lines], k: float, relative: Array, wide: bool) -
         for share in (None, *_SHARES):
             F_k = c = 0.0
             for _ in range(8):  # the travel a depends on F_k through Z_m
-                slid = np.maximum(X - F_k * relative / K_z, 0.0)
+                slid = np.maximum(X - F_k * shares.friction / K_z, 0.0)
                 if not slid[known].any():
                     slid = np.maximum(slid, 0.05 * X)
-                a = 4.0 * relative * slid
+                a = 4.0 * shares.friction * slid
                 if share is None:
                     columns = np.column_stack([a, b])[known] / W[known, None]
                     F_k, c = _not_negative(columns)
                 else:
                     F_k = share * float(np.sum(W[known]) / np.sum(a[known]))
                     c = (1.0 - share) * float(np.sum(W[known]) / np.sum(b[known]))
-            theta = np.arccos(np.clip(1.0 - 2.0 * F_k * relative / (K_z * X), -1.0, 1.0))
+            theta = np.arccos(np.clip(1.0 - 2.0 * F_k * shares.friction / (K_z * X), -1.0, 1.0))
             contact = K_z / math.pi * (theta - np.sin(theta) * np.cos(theta))
             m = float(np.sum((apparent + contact) / omega**2 * X**2) / np.sum(X**2))
             masses = [m, *(k / (float(omega.max()) * _RATIOS) ** 2)] if wide else [m]

@@ -96,21 +96,35 @@ class Unknowns:
         return {name: _STEP * part for name, part in parts.items()}
 
     def harmonics(
-        self, point: Array, record: int, one: Lines, response: Response, count: int
+        self,
+        point: Array,
+        record: int,
+        one: Lines,
+        response: Response,
+        count: int,
+        *,
+        quickly: bool = False,
     ) -> tuple[Complexes, Complexes]:
         """Harmonics n = 1, 3 … of a record, turned by ψ, m, (count,), and their derivatives, (count, unknowns).
 
         By the common unknowns from motions beside this one. By Y from x being homogeneous: of degree one in Y and in
         p_j^{1/(1 − d_j)}, d_j the order of the term, so that Y ∂x/∂Y = x − Σ (1 − d_j) p_j ∂x/∂p_j.
+        quickly : by the equations of a nonlinear law where there are some, good to 1e-3 or so of each.
         """
         at = self.at(record)
         n = np.arange(1, 2 * count, 2)
         turn = np.exp(1j * n * point[at["psi"]])
         x = response.harmonics(count)
         slope = np.zeros((count, point.size), dtype=np.complex128)
-        for name, step in self.steps(point, record, one).items():
-            beside = self.response(_moved(point, at[name], step), record, one.omega, response)
-            slope[:, at[name]] = (beside.harmonics(count) - x) / step
+        known = response.slopes(count, self.law.terms) if quickly else None
+        if known is not None:
+            known["rho"] = -2.0 * point[at["rho"]] ** -3 * known.pop("K_z")
+            for name, by in known.items():
+                slope[:, at[name]] = by
+        else:
+            for name, step in self.steps(point, record, one).items():
+                beside = self.response(_moved(point, at[name], step), record, one.omega, response)
+                slope[:, at[name]] = (beside.harmonics(count) - x) / step
         slope[:, at["Y"]] = self._by_base(point, record, x, slope)
         slope[:, at["psi"]] = 1j * n * x
         return x * turn, slope * turn[:, None]

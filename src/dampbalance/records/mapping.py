@@ -177,11 +177,12 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
     for quantity, rule in channels.items():
         for part, problem in _wrong_correction(rule):
             yield ("channels", quantity, part), problem
-    if any("file" in rule for rule in channels.values()):
-        driving = sum(quantity in channels for quantity in EXCITATIONS)
-        if driving != 1 or not any(quantity in channels for quantity in RESPONSES):
-            needed = f"one of {', '.join(EXCITATIONS)} and at least one of {', '.join(RESPONSES)}"
-            yield ("channels",), f"needs {needed}, in whatever file"
+    driving = sum(quantity in channels for quantity in EXCITATIONS)
+    several = any("file" in rule for rule in channels.values())
+    answered = any(quantity in channels for quantity in RESPONSES)
+    if channels and (not answered or (several and driving > 1)):
+        needed = f"one of {', '.join(EXCITATIONS)}, or none for a free decay"
+        yield ("channels",), f"needs {needed}, and at least one of {', '.join(RESPONSES)}"
     holder: dict[tuple[str | int, str | None], str] = {}
     for quantity, rule in channels.items():
         other = holder.setdefault((rule["channel"], rule.get("file")), quantity)

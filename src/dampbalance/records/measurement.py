@@ -17,7 +17,7 @@ from .correction import Correction
 from .limits import LARGEST_VALUE, LATEST
 
 EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
-"""What drives the oscillator, one of these; a force f stands for the base motion y = f/k."""
+"""What drives the oscillator, one of these, or none in a free decay; a force f stands for the base motion y = f/k."""
 
 RESPONSES = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}
 """What the mass does, at least one of these; absolute, not relative to the base."""
@@ -89,11 +89,11 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """The channels of one response: one excitation and at least one response.
+    """The channels of one response: an excitation, unless it is a free decay, and at least one response.
 
     source : where it comes from (a path), for messages.   channels : by quantity.
 
-    Raises ValueError naming the source when a channel is missing, or the excitation is there more than once.
+    Raises ValueError naming the source when there is no response, or more than one excitation.
     """
 
     source: str
@@ -107,10 +107,10 @@ class Measurement:
                     f"{self.source}: the channel under {quantity!r} holds {channel.quantity!r}"
                 )
         driving = [q for q in EXCITATIONS if q in self.channels]
-        if len(driving) != 1:
-            present = " and ".join(driving) or "none"
+        if len(driving) > 1:
             raise ValueError(
-                f"{self.source}: needs one excitation ({', '.join(EXCITATIONS)}), found {present}"
+                f"{self.source}: needs one excitation ({', '.join(EXCITATIONS)}), or none for a free decay, found "
+                f"{' and '.join(driving)}"
             )
         if not any(q in self.channels for q in RESPONSES):
             raise ValueError(
@@ -139,9 +139,19 @@ class Measurement:
         return iter(self.channels)
 
     @property
+    def driven(self) -> bool:
+        """Whether there is an excitation."""
+        return any(q in self.channels for q in EXCITATIONS)
+
+    @property
     def excitation(self) -> Channel:
-        """The channel that drives the oscillator."""
-        return next(self.channels[q] for q in EXCITATIONS if q in self.channels)
+        """The channel that drives the oscillator. Raises ValueError where there is none."""
+        found = [channel for q, channel in self.channels.items() if q in EXCITATIONS]
+        if not found:
+            raise ValueError(
+                f"{self.source}: needs one excitation ({', '.join(EXCITATIONS)}), found none"
+            )
+        return found[0]
 
     @property
     def responses(self) -> tuple[Channel, ...]:

@@ -201,7 +201,7 @@ def _wav_mapping(path: Path, measurement: Measurement) -> str:
 
 
 def _channels(measurement: Measurement) -> list[Channel]:
-    return [measurement.excitation, *measurement.responses]
+    return [*([measurement.excitation] if measurement.driven else []), *measurement.responses]
 
 
 def _frame(measurement: Measurement) -> pd.DataFrame:

@@ -9,6 +9,7 @@ responses.py    features of the exact orbits of many cases at several levels, as
 routes.py       what each way to the responses needs
 stepwise.py     features of fixed-step simulations and of sampled records, response by response
 noisy.py        features of noisy records, with bootstrap replicates
+laws.py         records of oscillators with a known law, and the law that is chosen for them
 evaluate.py     one chunk: cases → responses → rows → errors, as a table
 outputs.py      the chunks as one Parquet file, and a manifest
 stretches.py    the table of cases read a stretch at a time, and sizes of errors counted along the way

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..balance import APPROACHES
+from ..law.law import Law
 from ..project.documents import (
     ConfigurationError,
     Key,
@@ -16,10 +17,10 @@ from ..project.documents import (
     read_schema,
     read_yaml,
 )
-from .axes import SOBOL_BITS, spread
-from .parameters import MECHANICAL, PARAMETERS, objection, synonyms
+from .axes import SOBOL_BITS, Listed, spread
+from .parameters import MECHANICAL, OF_LAW, PARAMETERS, objection, synonyms
 from .references import wrong_references
-from .routes import ROUTES
+from .routes import LAWS, ROUTES, terms_named
 from .settings import Study, paper_defaults
 from .sizes import wrong_sizes
 
@@ -148,12 +149,56 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
     yield from _wrong_route(document.get("route", {}), used, study.columns)
     if {"X_s_mark_m", "X_s_decimals"} <= used:
         yield ("read_out",), "X_s_mark_m and X_s_decimals say the same; keep one"
+    if study.route == LAWS:
+        yield from _wrong_for_laws(document, study)
+    yield from _wrong_terms(document.get("estimation", {}), study)
     for i, fit in enumerate(document.get("estimation", {}).get("fits", [])):
         if fit != "least_squares" and max(fit) > len(study.levels):
             yield ("estimation", "fits", i), f"there are only {len(study.levels)} levels"
     if "weights" in document.get("estimation", {}) and study.route != "measured":
         text = f"means nothing to the route {study.route}: without noise all rows weigh alike"
         yield ("estimation", "weights"), text
+
+
+def _wrong_terms(estimation: Mapping[str, Any], study: Study) -> Iterator[Problem]:
+    """What is wrong with the terms of the balance, and with those of the oscillator's law."""
+    if study.route != "exact":
+        for name in OF_LAW:
+            if name in (*study.fixed, *study.axis_names) and study.route != LAWS:
+                yield ("route",), f"{name} needs the route exact, not {study.route}"
+        if "terms" in estimation:
+            yield ("estimation", "terms"), f"needs the route exact, not {study.route}"
+    for i, terms in enumerate(estimation.get("terms", [])):
+        key: Key = ("estimation", "terms", i)
+        try:
+            law = Law(tuple(terms))
+            law.require([1.0] * len(study.levels))  # a case has one frequency
+        except ValueError as error:
+            yield key, str(error)
+            continue
+        if len(terms) > 2 and any(fit.levels for fit in study.fits):
+            yield (
+                key,
+                f"a pair of levels tells two terms apart, not {len(terms)}: take fits: [least_squares]",
+            )
+
+
+def _wrong_for_laws(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
+    """What does not fit the route that draws oscillators of its own, and asks for their law."""
+    if not study.levels_relative:
+        yield ("levels_of_Y",), "missing; the levels of the route laws, in parts of the highest"
+    for key in ("base", "estimation", "columns", "summary_by"):
+        if key in document:
+            yield (key,), "means nothing to the route laws, which draws oscillators; leave it out"
+    for name in study.axis_names:
+        if name not in ROUTES[LAWS].parameters:
+            yield ("axes",), f"{name} means nothing to the route laws, which draws oscillators"
+    for block in study.blocks:
+        for law in block.values.get("law", ()) if isinstance(block, Listed) else ():
+            try:
+                terms_named(str(law))
+            except ValueError as error:
+                yield ("axes",), str(error)
 
 
 def _wrong_route(
@@ -173,13 +218,13 @@ def _wrong_route(
     for name in sorted(used):
         if PARAMETERS[name].kind == "numerics" and name not in wanted.parameters:
             yield ("route",), f"{name} means nothing to the route {kind}"
-        if PARAMETERS[name].kind == "read_out" and kind == "measured":
-            yield ("read_out", name), "means nothing to the route measured: noise is its limit"
+        if PARAMETERS[name].kind == "read_out" and "seed" in wanted.settings:
+            yield ("read_out", name), f"means nothing to the route {kind}: noise is its limit"
     settings = {key for each in ROUTES.values() for key in each.settings}
     for name in route:
         if name in settings and name not in wanted.settings:
             yield ("route", name), f"means nothing to the route {kind}; leave it out"
-    if kind == "measured" and "seed" not in route:
+    if "seed" in wanted.settings and "seed" not in route:
         yield ("route", "seed"), "missing; the seed of the noise, an integer of at least 0"
     if "intervals" in columns and kind != "measured":
         yield ("columns",), "intervals are those of noisy records: they need the route measured"

@@ -11,7 +11,9 @@ from ..project.documents import Key, Problem
 from ..project.wording import shortened
 from .axes import Listed
 from .parameters import PARAMETERS
-from .settings import BANDS, OF_INTERVALS, SPREADS, Study
+from .plan import columns_of
+from .routes import LAWS
+from .settings import BANDS, CHOICES, OF_INTERVALS, SPREADS, Study
 from .sizes import extent
 
 MOST_POINTS = 50_000
@@ -26,6 +28,10 @@ FAR = 100.0
 
 def wrong_references(study: Study) -> Iterator[Problem]:
     """Everything that a figure, a fact, the text or the summary speaks of and that the study lacks."""
+    if study.route == LAWS:
+        yield from _wrong_of_laws(study)
+        yield from _wrong_text(study)
+        return
     groups = 1
     for i, axis in enumerate(study.summary_by):
         if axis not in study.axis_names:
@@ -40,6 +46,17 @@ def wrong_references(study: Study) -> Iterator[Problem]:
     for fact, spec in study.facts.items():
         yield from _wrong_fact(study, ("facts", fact), spec)
     yield from _wrong_text(study)
+
+
+def _wrong_of_laws(study: Study) -> Iterator[Problem]:
+    """What the figure and the facts of a study of laws have that they cannot show."""
+    if study.figure and (study.figure["kind"], study.figure["x"]) != ("confusion", "law"):
+        yield ("figure",), "a study of laws has the figure {kind: confusion, x: law}"
+    for fact, spec in study.facts.items():
+        if spec["of"] != "law" or spec["take"] not in CHOICES:
+            text = f"of a study of laws, take {', '.join(CHOICES)} of law"
+            yield ("facts", fact), text
+        yield from _wrong_selection(study, ("facts", fact), spec)
 
 
 def _wrong_text(study: Study) -> Iterator[Problem]:
@@ -57,6 +74,9 @@ def _wrong_text(study: Study) -> Iterator[Problem]:
 
 
 def _wrong_figure(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
+    if figure["kind"] == "confusion":
+        yield ("figure", "kind"), "a confusion is that of laws, which the route laws alone compares"
+        return
     kind, places = figure["kind"], ["x", "y"] if figure["kind"] == "map" else ["x"]
     if kind == "map" and "y" not in figure:
         yield ("figure", "y"), "missing; a map has two axes, x and y"
@@ -125,13 +145,17 @@ def _wrong_panels(study: Study, figure: Mapping[str, Any], kind: str) -> Iterato
 
 
 def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    for where in ("at", "between"):
-        for name, wanted in spec.get(where, {}).items():
-            if text := _not_selected(study, name, wanted):
-                yield (*key, where, name), text
+    yield from _wrong_selection(study, key, spec)
     take, fits = spec["take"], study.fits_of(spec)
+    if spec["of"] == "law" or take in CHOICES:
+        yield key, "is about laws, which the route laws alone compares"
+        return
     if not fits:
         yield key, "no fit of this study is meant: see estimation"
+    held = {column.name for column in columns_of(study)}
+    if any(f"{spec['of']}_relative_error__{fit.label}" not in held for fit in fits):
+        text = f"{spec['of']} is not identified, or the oscillator has none: see estimation.terms"
+        yield (*key, "of"), text
     if take in SPREADS and len(fits) > 1:
         labels = ", ".join(fit.label for fit in fits)
         yield key, f"{take} is that of one fit, and {labels} are meant"
@@ -142,6 +166,13 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
     along = spec.get("along")
     if take in BANDS and not (_is_listed(study, along) and PARAMETERS[str(along)].unit):
         yield (*key, "along"), "must be an axis of this study whose values are listed numbers"
+
+
+def _wrong_selection(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
+    for where in ("at", "between"):
+        for name, wanted in spec.get(where, {}).items():
+            if text := _not_selected(study, name, wanted):
+                yield (*key, where, name), text
 
 
 def _not_selected(study: Study, name: str, wanted: Any) -> str:

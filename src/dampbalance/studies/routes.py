@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+
+from ..law.terms import FRICTION, in_order
+
+LAWS = "laws"
+"""The route whose cases end in a law that is chosen, not in coefficients."""
+
+NONE = "none"
+"""Where no law is chosen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +50,27 @@ ROUTES = {
         cycles=100,
         chunk_cases=60,
     ),
+    LAWS: Route(
+        numerics=(("law",), ("noise",)),
+        optional=("run",),
+        settings=("cycles", "seed"),
+        cycles=100,
+        chunk_cases=2,
+    ),
 }
 
 REPLICATES = 200
 """Bootstrap replicates if the file does not say: a standard error from them is good to 5 %."""
+
+
+def law_named(terms: Iterable[str]) -> str:
+    """The name of a law by its terms, friction first: F_k + c + c_2."""
+    return " + ".join(in_order((FRICTION, *terms)))
+
+
+def terms_named(name: str) -> tuple[str, ...]:
+    """The terms of a law by its name. Raises ValueError for a term that is not known, or a name of another form."""
+    terms = in_order(name.split(" + "))
+    if law_named(terms) != name:
+        raise ValueError(f"the law {name!r} should be written {law_named(terms)!r}")
+    return terms

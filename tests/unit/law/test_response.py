@@ -11,6 +11,8 @@ from scipy.optimize import brentq
 
 from analytic.cases import SEVERAL_SLIPS, case
 from dampbalance import BaseMotion, NoSteadyOrbit, Oscillator, Regime, steady_orbit, transient
+from dampbalance.law import response
+from dampbalance.law.one_phase import equation, follow
 from dampbalance.law.response import law_orbit, law_transient
 from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
 from dampbalance.records.synthetic import measured_orbit
@@ -191,20 +193,94 @@ def test_a_mass_in_balance_stays_where_it_is(x):
     assert not state.v.any()
 
 
-def test_a_velocity_that_dips_below_zero_within_a_step_is_a_reversal():
-    # as in tests/analytic/test_against_integrator.py: ẋ < 0 from t = 0.086 to 0.114 s, while a step lasts 0.1 s
-    v, a, jerk = 0.0049, -0.1, 1.0
-    highest = v * 0.086 + a * 0.086**2 / 2.0 + jerk * 0.086**3 / 6.0
-    motion = BaseMotion(Y=(jerk + v) / 0.5, omega=1.0)
-    oscillator = Oscillator(m=1.0, c=0.0, k=0.5, K_z=0.5, F_k=0.5 * (highest + 1e-6))
-    state, start = {"x": -a / 0.5, "v": v, "z": 0.0}, -0.5 * math.pi
-    found = law_transient(oscillator, motion, {}, start + 0.3, start=start, **state)
-    first, second = found.turns[:2, PHASE_T] - start
-    assert first == pytest.approx(0.086, abs=1e-3)  # of the expansion to third order
-    assert second == pytest.approx(0.114, abs=1e-3)
-    exact = transient(oscillator, motion, start + 0.3, start=start, **state)
-    speed = exact.state(found.turns[:, PHASE_T]).v
-    assert np.abs(speed).max() < 1e-12
+@pytest.mark.parametrize("before", np.linspace(0.5, 0.6, 5))
+def test_a_velocity_that_dips_below_zero_within_a_step_is_a_reversal(before):
+    # in stick, k + K_z = m = 1: v = cos t − q cos 2t, the base 3q/2 ahead of its displacement, is just below zero for
+    # |t| < √(2(q − 1)/3) = 0.01 s; a step lasts 0.05 s
+    q, low = 1.00015, math.sqrt(2.0 * 0.00015 / 3.0)
+    motion, oscillator = BaseMotion(Y=3.0 * q, omega=2.0), Oscillator(1.0, 0.0, 0.5, 0.5, 2.0)
+    x = -math.sin(before) + 0.5 * q * math.sin(2.0 * before)
+    v = math.cos(before) - q * math.cos(2.0 * before)
+    middle = -0.25 * math.pi  # ωt = −π/2, where the motion has t = 0
+    found = law_transient(
+        oscillator, motion, {}, middle + 0.5, x=x, v=v, z=x, start=middle - before
+    )
+    first, second = found.turns[:, PHASE_T] - middle
+    # by the expansion of v to second order, (1 − q) + 3t²/2; the next term is t⁴
+    assert first == pytest.approx(-low, rel=1e-3)
+    assert second == pytest.approx(low, rel=1e-3)
+
+
+def test_a_reversal_that_follows_another_at_once_is_located():
+    # from rest with an acceleration of 1e-4 that falls by 1 a second, the next reversal is 2e-4 s away
+    motion = BaseMotion(Y=2.0, omega=1.0)
+    oscillator = Oscillator(m=1.0, c=0.0, k=0.5, K_z=0.5, F_k=1.0)
+    start = {"x": -2e-4, "start": 0.5 * math.pi}
+    found = law_transient(oscillator, motion, {}, 3.0, **start)
+    exact = transient(oscillator, motion, 3.0, **start)
+    assert found.turns[0, PHASE_T] - start["start"] == pytest.approx(2e-4, rel=1e-3)
+    t = np.linspace(start["start"], 3.0, 100)
+    np.testing.assert_allclose(found.state(t).x, exact.state(t).x, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("eighth", [-1, 0, 1])
+def test_a_mass_in_balance_moves_on_with_the_base(eighth):
+    # at rest where the base is: nothing moves it but what the base does next
+    oscillator, motion = case(0.1, 0.8, 20.0, 0.2)
+    start = eighth / 8.0 * motion.period
+    given = {"x": float(motion.y(start)), "start": start}
+    found = law_transient(oscillator, motion, {}, 2.0 * motion.period, **given)
+    exact = transient(oscillator, motion, 2.0 * motion.period, **given)
+    t = np.linspace(start, 2.0 * motion.period, 100)
+    np.testing.assert_allclose(
+        found.state(t).x, exact.state(t).x, rtol=0, atol=TOLERANCE * motion.Y
+    )
+
+
+def test_changes_of_the_state_are_carried_along_as_difference_quotients_say():
+    oscillator, motion = case(*LAWS["all, several slips"][1])
+    eq = equation(oscillator, motion, LAWS["all, several slips"][0])
+    units = np.array([motion.Y, motion.omega * motion.Y, oscillator.Z_m])
+
+    def moved(start, periods, carried):
+        """The state so many periods later, and the changes."""
+        t, end, state = 0.0, periods * motion.period, tuple(start)
+        while end - t > 1e-14 * end:
+            piece = follow(eq, state, motion.omega * t, end - t, carried)
+            t, state, carried = t + piece.duration, piece.end, piece.derivative
+        return np.array(state), carried
+
+    kinds = set()
+    for start, periods in (
+        ([0.3, 0.001, 0.2], 0.002),
+        ([-1.0, 0.4, -0.9], 0.25),
+        ([2.0, 0.0, 0.5], 0.4),
+        ([1.0, -2.0, -1.0], 0.3),
+    ):
+        begin = np.array(start) * units
+        state, derivative = moved(begin, periods, np.eye(3))
+        kinds.add(abs(state[2]) == oscillator.Z_m)
+        for j, unit in enumerate(units):
+            step = np.zeros(3)
+            step[j] = 1e-6 * unit * (-1.0 if start[j] > 0.0 else 1.0)  # z stays within its limits
+            difference = (moved(begin + step, periods, np.eye(3))[0] - state) / step[j]
+            # of the first order in the step
+            np.testing.assert_allclose(
+                difference * unit / units, derivative[:, j] * unit / units, rtol=0, atol=1e-4
+            )
+    assert kinds == {True, False}  # some end in slip, some in stick
+
+
+@pytest.mark.parametrize("start", [(0.0, 0.0, 0.0), (5.0, -3.0, 0.5)])
+def test_the_steady_response_is_found_from_anywhere(start, monkeypatch):
+    oscillator, motion = case(0.0213, 1.0154, 20.5, 0.618)
+    law = {"c_2": 5.0}
+    expected = law_orbit(oscillator, motion, law)
+    units = (expected.X, motion.omega * expected.X, oscillator.Z_m)
+    state = tuple(one * unit for one, unit in zip(start, units, strict=True))
+    monkeypatch.setattr(response, "_nearby", lambda eq, motion: state)
+    found = law_orbit(oscillator, motion, law)
+    assert abs(found.X - expected.X) < 1e-12 * expected.X
 
 
 @pytest.mark.parametrize(

@@ -96,3 +96,10 @@ def test_places_where_the_model_does_not_apply_are_stepped_back_from():
     assert found.point == pytest.approx([3.0, -2.0], abs=1e-4)
     with pytest.raises(NoStart, match="does not apply where the climb starts"):
         climb(evaluate, np.array([4.0, 0.0]), FREE, ONES)
+
+
+def test_an_upper_limit_holds_and_is_reported():
+    found = climb(parabola(np.array([3.0, 5.0])), np.ones(2), FREE, ONES, np.array([2.0, math.inf]))
+    # along p_0 = 2 the least value is where H_10 (2 − 3) + H_11 (p_1 − 5) = 0
+    assert found.point == pytest.approx((2.0, 5.5), abs=1e-4)
+    assert found.active.tolist() == [True, False]

@@ -10,8 +10,8 @@ from scipy.optimize import nnls
 
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.motion.regime import Regime
-from dampbalance.reading import lines as lines_module
 from dampbalance.reading import fitting
+from dampbalance.reading import lines as lines_module
 from dampbalance.reading.lines import Lines, _not_negative, starts
 from paper_case import PAPER
 

@@ -319,7 +319,7 @@ def test_channels_of_several_files_are_looked_for_where_the_mapping_says(tmp_pat
         (
             "acceleration:",
             "force:",
-            r"run\.yaml: line 1: channels: needs one of .*, in whatever file",
+            r"run\.yaml: line 1: channels: needs one of .*, and at least one of displacement",
         ),
     ):
         mapping.write_text(text.replace(old, new), encoding="utf-8")

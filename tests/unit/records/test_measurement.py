@@ -48,15 +48,21 @@ def test_a_channel_that_is_no_signal_is_refused_by_name(arguments, message):
 @pytest.mark.parametrize(
     ("quantities", "message"),
     [
-        (["displacement"], "needs one excitation .* found none"),
         (["force", "base_displacement", "velocity"], "found base_displacement and force"),
         (["force"], "needs a response"),
         (["force", "velocity", "velocity"], "both hold velocity"),
     ],
 )
-def test_a_measurement_needs_one_excitation_and_a_response(quantities, message):
+def test_a_measurement_has_one_excitation_at_most_and_a_response(quantities, message):
     with pytest.raises(ValueError, match=f"run7: .*{message}|run7: the channels .*{message}"):
         Measurement.of("run7", [channel(q, name=f"c{i}") for i, q in enumerate(quantities)])
+
+
+def test_a_free_decay_has_no_excitation():
+    free = Measurement.of("run7", [channel("displacement")])
+    assert not free.driven
+    with pytest.raises(ValueError, match=r"run7: needs one excitation .* found none"):
+        _ = free.excitation
 
 
 def test_the_simulated_signals_are_those_of_the_exact_orbit():
@@ -102,7 +108,7 @@ def test_the_noise_is_white_of_the_size_asked_for_and_the_same_for_the_same_seed
         ({"cycles": math.nan}, "nan cycles"),
         ({"noise": -0.1}, "noise of base_displacement"),
         ({"noise": {"jerk": 0.1}}, "unknown quantities"),
-        ({"channels": ("displacement",)}, "needs one excitation"),
+        ({"channels": ("force",)}, "needs a response"),
     ],
 )
 def test_a_simulation_that_makes_no_sense_is_refused(arguments, message):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ...project.wording import shortened
@@ -65,7 +65,8 @@ class Pick:
 def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -> tuple[Pick, ...]:
     """What to read from a file, in the order of QUANTITIES.
 
-    entire : whether it holds all of the record, an excitation and a response.
+    entire : whether it holds all of the record, a response and an excitation; none of these in a free decay, if no
+    channel is left that could be one, or the mapping names none.
 
     Raises RecordError naming the channel and the remedy: one that is not there, is there twice or has no unit or no
     time, a unit that does not fit; channels that cannot be told apart, with the mapping to write.
@@ -78,9 +79,14 @@ def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -
         chosen = plan.recognised()
         rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
     driving = [q for q in EXCITATIONS if q in chosen]
-    if entire and len(driving) != 1:
-        raise plan.unclear(f"finds {' and '.join(driving) or 'no excitation'}")
-    if entire and not any(q in chosen for q in RESPONSES):
+    if entire and len(driving) > 1:
+        raise plan.unclear(f"finds {' and '.join(driving)}")
+    answered = any(q in chosen for q in RESPONSES)
+    # a channel without a name may drive: only where there is none left is it a free decay
+    lacking = not mapping.channels and plan.unnamed(chosen.values())
+    if entire and not driving and (lacking or not answered):
+        raise plan.unclear("finds no excitation")
+    if entire and not answered:
         raise plan.unclear("finds no response")
     picks = tuple(plan.pick(q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
     if not mapping.channels:
@@ -158,13 +164,8 @@ class _Plan:
 
         A mapping that names channels leaves the others out on purpose.
         """
-        used = {i for pick in picks for i in (pick.index, pick.time)}
-        sizes = {self.channels[pick.index].size for pick in picks}
-        names = [
-            shortened(_full(raw))
-            for i, raw in enumerate(self.channels)
-            if i not in used and raw.size in sizes and not _tells_time(raw)
-        ]
+        used = [i for pick in picks for i in (pick.index, pick.time) if i is not None]
+        names = self.unnamed(used, {self.channels[pick.index].size for pick in picks})
         if names:
             more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
             warnings.warn(
@@ -173,6 +174,17 @@ class _Plan:
                 RecordWarning,
                 stacklevel=2,
             )
+
+    def unnamed(
+        self, used: Iterable[int], sizes: Collection[int | None] | None = None
+    ) -> list[str]:
+        """The signals that are not used, of one of some sizes if these are given."""
+        known = set(used)
+        return [
+            shortened(_full(raw))
+            for i, raw in enumerate(self.channels)
+            if i not in known and (sizes is None or raw.size in sizes) and not _tells_time(raw)
+        ]
 
     def find(self, which: Which, key: str) -> int:
         """The channel of that name or number."""
@@ -214,8 +226,8 @@ class _Plan:
     def unclear(self, what: str) -> RecordError:
         """The error for channels that cannot be told apart, with what to write."""
         return RecordError(
-            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)} and at least one of {', '.join(RESPONSES)}."
-            f" Its channels are {self.overview}. {self.suggested('Say which is which')}"
+            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay, and at least"
+            f" one of {', '.join(RESPONSES)}. Its channels are {self.overview}. {self.suggested('Say which is which')}"
         )
 
     def suggested(self, what: str) -> str:

@@ -30,6 +30,7 @@ from ...project.wording import in_figure
 from ..parameters import PARAMETERS
 from ..settings import Study
 from . import series
+from .confusion import confusion_matrix
 from .groups import joined
 from .logarithmic import logarithmic_ticks
 from .maps import share_map
@@ -39,12 +40,14 @@ from .scatter import errors_of_runs
 def study_figure(study: Study, cases: str | Path) -> Figure:
     """The figure that the study's file asks for, from its table of cases."""
     kinds = {"curves": error_curves, "steps": error_of_steps}
-    kinds |= {"map": share_map, "scatter": errors_of_runs}
+    kinds |= {"map": share_map, "scatter": errors_of_runs, "confusion": confusion_matrix}
     return kinds[study.figure["kind"]](study, cases)
 
 
 def alternative_text(study: Study) -> str:
     """What the figure shows, in one sentence."""
+    if study.figure["kind"] == "confusion":
+        return f"{study.title}: how often each law is chosen for records of each true law."
     axis, identified = PARAMETERS[study.figure["x"]].meaning, f"the identified {joined(TERMS)}"
     shown = f"size of the error of {identified} against {axis}"
     if study.figure["kind"] == "map":

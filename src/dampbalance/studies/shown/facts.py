@@ -12,8 +12,9 @@ import pandas as pd
 
 from ...arrays import Array, Words
 from ...project.wording import percent
-from ..settings import BANDS, SPREADS, Study
+from ..settings import BANDS, CHOICES, SPREADS, Study
 from ..stretches import Sizes, stretches
+from .confusion import choice_fact
 from .groups import spread_of
 
 
@@ -27,6 +28,8 @@ def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
     """One number in words: a percentage, or for a band the values of the axis between which, or from which on, it
     lies."""
     take = spec["take"]
+    if take in CHOICES:
+        return choice_fact(cases, spec)
     if take in SPREADS:
         (fit,) = study.fits_of(spec)
         kept = np.concatenate([part["case"] for part in _cases_of(cases, spec, ["case"])])

@@ -8,8 +8,10 @@ from pathlib import Path
 import pandas as pd
 
 from ...project.wording import in_markdown, percent
+from ..routes import LAWS
 from ..settings import Study
 from ..stretches import Sizes, stretches
+from .confusion import confusion, confusion_markdown
 from .groups import fit_cells, grouped_markdown, grouped_summary, joined, terms_of, which
 
 WITHIN = 0.01  # relative error that the summary counts as good
@@ -17,7 +19,9 @@ SHARE = f"within_{100 * WITHIN:g}_percent_share"
 
 
 def summary_of(cases: str | Path, study: Study) -> pd.DataFrame:
-    """The table of errors that the study asks for: by the values of some axes, or over all cases."""
+    """The table that the study asks for: of errors, by the values of some axes or over all cases, or of laws."""
+    if study.route == LAWS:
+        return confusion(cases)
     return grouped_summary(cases, study) if study.summary_by else overall_summary(cases, study)
 
 
@@ -29,7 +33,9 @@ def overall_summary(cases: str | Path, study: Study) -> pd.DataFrame:
     """
     records = []
     for fit in study.fits:
-        for quantity in terms_of(cases):  # a column at a time: a file may have hundreds
+        for quantity in [
+            s for s in terms_of(cases) if s in fit.identified
+        ]:  # a column at a time: a file may have hundreds
             name = f"{quantity}_relative_error__{fit.label}"
             sizes = Sizes(WITHIN)
             for stretch in stretches(cases, [name]):
@@ -53,7 +59,12 @@ def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure
     lines += [f"{study.cases:,} cases; varied: {', '.join(study.axis_names)}.", ""]
     lines += [in_markdown(paragraph), ""] if paragraph else []
     lines += [f"![{title}]({figure})", ""] if figure else []
-    lines += grouped_markdown(study, summary) if study.summary_by else _overall_markdown(summary)
+    if study.route == LAWS:
+        lines += confusion_markdown(summary)
+    else:
+        lines += (
+            grouped_markdown(study, summary) if study.summary_by else _overall_markdown(summary)
+        )
     lines += ["", "All numbers: `cases.parquet`; what they are: `manifest.json`.", ""]
     return "\n".join(lines)
 

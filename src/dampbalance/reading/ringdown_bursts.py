@@ -1,0 +1,171 @@
+"""Where the free decays of a record are: its bursts, each from a push, a blow or a release until the next.
+
+What a burst looks like in any channel: over a little more than half a cycle the signal suddenly swings farther than
+before, and less and less from then on. The length of a cycle comes from the spectrum, weighted so that neither the
+displacement at which the mass was held nor the ringing of a mass that sticks stands out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+
+_LINE = 15.0  # times the noise, that a line of the spectrum must have
+_BAND = 1.25  # half of its width as a ratio: a decay is no sharp line
+_WINDOW = 0.6  # of a cycle, in which a decay passes two turns
+_SMOOTH = 1.0 / 8.0  # of a cycle, over which the samples are smoothed
+_CLEAR = 8.0  # standard deviations of the smoothed signal
+_SMALLEST = 0.03  # of the largest burst
+_DECAYED = 0.85  # of its first swing: what a decay falls below
+_RISE = 0.6  # of a burst's swing: what came before is below it
+_THIRD = math.sqrt(20.0)  # of the standard deviation of the noise: that of its third differences
+
+
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """A channel of the mass with the order of its derivative.
+
+    order : 0 displacement, 1 velocity, 2 acceleration.   t : s.   values : SI.   noise : standard deviation.
+    """
+
+    quantity: str
+    order: int
+    t: Array
+    values: Array
+    noise: float
+
+    @property
+    def dt(self) -> float:
+        """Sampling interval, s."""
+        return float(self.t[-1] - self.t[0]) / (self.t.size - 1)
+
+    def between(self, start: float, end: float) -> slice:
+        """The samples from `start` to `end`, s."""
+        first, last = np.searchsorted(self.t, [start, end])
+        return slice(int(first), int(last))
+
+
+@dataclass(frozen=True, slots=True)
+class Burst:
+    """A free decay, roughly.
+
+    turn : time of a turn of the free motion, s.   side : ±1, where it turns.   swing : of the motion to the next turn,
+    m.   period : of the motion, s.   earliest, end : the burst begins and ends between these times, s.
+    last : whether no other burst follows.
+    """
+
+    turn: float
+    side: float
+    swing: float
+    period: float
+    earliest: float
+    end: float
+    last: bool
+
+
+class NoDecay(ValueError):
+    """Nothing in a record decays."""
+
+
+def noise_of(values: Array) -> float:
+    """Standard deviation of white noise on a smooth signal, from its third differences; at least what rounding is."""
+    third = np.abs(np.diff(values, 3))
+    floor = 3e-6 * float(np.ptp(values))
+    return max(1.4826 * float(np.median(third)) / _THIRD, floor)
+
+
+def bursts_of(signal: Signal) -> list[Burst]:
+    """The bursts of a channel in their order. Raises NoDecay, which says why."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow to import, all of them
+    from scipy.signal import savgol_filter
+
+    period = 1.0 / _frequency(signal)
+    width = max(5, 2 * round(0.5 * _SMOOTH * period / signal.dt) + 1)
+    length = max(4, round(_WINDOW * period / signal.dt))
+    if signal.values.size < 2 * max(width, length):
+        raise NoDecay("it is shorter than a cycle of its own motion")
+    smooth = savgol_filter(signal.values, width, 2)
+    # of the samples from each on
+    ahead = -(length // 2)
+    swing = maximum_filter1d(smooth, length, origin=ahead, mode="nearest")
+    swing -= minimum_filter1d(smooth, length, origin=ahead, mode="nearest")
+    least = max(_SMALLEST * float(swing.max()), _CLEAR * 1.5 * signal.noise / math.sqrt(width))
+    peaks = _peaks(swing, length, least)
+    if not peaks:
+        raise NoDecay("nothing in it stands out of the noise and decays")
+    # over two windows lies a whole cycle, and its largest swing
+    widest = maximum_filter1d(swing, length, origin=ahead, mode="nearest")
+    if all(
+        widest[i : max(j - 2 * length, i + 1)].min() > _DECAYED * swing[i]
+        for i, j in zip(peaks, [*peaks[1:], swing.size], strict=True)
+    ):
+        raise NoDecay("it swings as far at its end as at its start")
+    found = []
+    for place, i in enumerate(peaks):
+        stop = peaks[place + 1] if place + 1 < len(peaks) else signal.values.size - 1
+        before = peaks[place - 1] if place else 0
+        part = smooth[i : i + length]
+        one, other = sorted((int(np.argmax(part)) + i, int(np.argmin(part)) + i))
+        turn = other
+        if signal.order == 1:
+            half = 0.5 * (smooth[one] + smooth[other]) * (smooth[one] * smooth[other] > 0.0)
+            turn = one + int(np.argmax((smooth[one:other] - half) * (smooth[one] - half) <= 0.0))
+        side = math.copysign(1.0, smooth[other] - smooth[one])
+        if signal.order > 0:
+            side = -side
+        found.append(
+            Burst(
+                turn=float(signal.t[turn]),
+                side=side,
+                swing=float(swing[i]) * (period / (2.0 * math.pi)) ** signal.order,
+                period=period,
+                earliest=float(signal.t[before]),
+                end=float(signal.t[stop]),
+                last=place + 1 == len(peaks),
+            )
+        )
+    return found
+
+
+def _peaks(swing: Array, length: int, least: float) -> list[int]:
+    """Where the swing is the largest all around, above `least`, and was much less before."""
+    from scipy.ndimage import maximum_filter1d
+
+    around = maximum_filter1d(swing, 4 * length + 1, mode="nearest")
+    peaks: list[int] = []
+    for i in np.flatnonzero((swing >= around) & (swing >= least)):
+        before = swing[max(0, i - 5 * length) : i + 1]
+        rises = i < length or before.min() < _RISE * swing[i]
+        if rises and (not peaks or i - peaks[-1] > 2 * length):
+            peaks.append(int(i))
+    return peaks
+
+
+def _frequency(signal: Signal) -> float:
+    """Frequency of the motion, Hz: of the band with the most energy, weighted."""
+    values = signal.values - signal.values.mean()
+    size = values.size
+    power = np.abs(np.fft.rfft(values, 1 << (size - 1).bit_length())) ** 2
+    f = np.arange(power.size) / (2.0 * (power.size - 1) * signal.dt)
+    clear = power > _LINE * size * signal.noise**2
+    clear[f < 1.0 / (size * signal.dt)] = False
+    energy = np.where(clear, power, 0.0)
+    energy[1:] *= f[1:] ** (1.0 - signal.order)
+    total = np.concatenate([[0.0], np.cumsum(energy)])
+    low, high = np.searchsorted(f, f / _BAND), np.searchsorted(f, f * _BAND, side="right")
+    band = total[high] - total[low]
+    best = int(np.argmax(band))
+    if not band[best] > 0.0:
+        raise NoDecay("no oscillation in it stands out of the noise")
+    inside = slice(low[best], high[best])
+    return float(np.sum(f[inside] * energy[inside]) / np.sum(energy[inside]))
+
+
+def sharpest(signals: Sequence[Signal]) -> Signal:
+    """The channel that stands out of its noise most."""
+    return max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)

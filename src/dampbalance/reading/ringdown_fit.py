@@ -1,0 +1,422 @@
+"""One oscillator for all free decays: the exact motions that fit their samples best.
+
+From the start of a stretch on, the base being at rest, the mass follows
+
+    m ẍ + c ẋ + k x + K_z z = 0,   ż = ẋ within |z| ≤ F_k/K_z
+
+with x counted from where the spring is slack. F_k, c, ρ = K_z^{−1/2} and m are common to all stretches; each channel of
+a record has an offset of its own, which for a displacement holds the rest position of the spring; each stretch has its
+start state (x, ẋ, w), z = (w − 1) F_k/K_z with 0 ≤ w ≤ 2. The noise is white, and the maximum of the likelihood is the
+least sum of squares over all samples. The stiffness k is given.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ..arrays import Array, Integers
+from ..model import Parameters
+from ..motion.events import PHASE_S, PHASE_T, run
+from ..motion.states import states_in_phases
+from ..solver import NORMAL_95
+from .climb import Climb, Evaluation, NoConvergence, NoStart, climb
+from .ringdown_bursts import Signal
+
+COMMON = ("F_k", "c", "rho", "m")
+"""Unknowns common to all stretches; the offsets and the start states follow."""
+
+STATE = 3
+"""Unknowns of a start state: x, ẋ, w."""
+
+_STEP = 1e-6  # of the finite differences: motions are exact to 1e-12
+_STIFFEST = 1e8  # of K_z/k: the contact that stands for a rigid one
+_DAMPED, _MASSES = (
+    4.0,
+    10.0,
+)  # of √(km); of the mass that a climb starts with: bounds of a decay that swings
+_MOST_PHASES = 4096  # of a stretch: a decay that slips more often than that is none
+_MOST = 30  # evaluations of a climb
+_GAIN = 5e-8  # of half of χ², where a climb ends
+_CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
+_CHORD = 3e-2  # of ρ√k: K_z = 1100 k
+_W_ERROR = 1.0  # of w, which lies between 0 and 2
+_BINS = 12  # of a cycle, in which the residual is averaged
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """The samples of one free decay.
+
+    source : of its record.   start, end : s.   signals : its channels, cut to the stretch.   offsets : number of each
+    channel's offset, counted through all records.   period : of the motion, s, about.
+    """
+
+    source: str
+    start: float
+    end: float
+    signals: tuple[Signal, ...]
+    offsets: tuple[int, ...]
+    period: float
+
+    def cut(self, start: float, end: float) -> Stretch:
+        """A part of it."""
+        parts = []
+        for one in self.signals:
+            inside = one.between(start, end)
+            parts.append(replace(one, t=one.t[inside], values=one.values[inside]))
+        return replace(self, start=start, end=end, signals=tuple(parts))
+
+    @property
+    def samples(self) -> int:
+        """In all channels."""
+        return sum(one.t.size for one in self.signals)
+
+
+@dataclass(frozen=True, eq=False)
+class RingFit:
+    """The oscillator whose free decays fit the samples of n stretches best.
+
+    k : N/m.   point : the unknowns (COMMON, the offsets, x, ẋ, w of each stretch), SI, (p,).
+    covariance : of the point, (p, p).
+    jacobian : derivatives of the residual by the unknowns, (samples, p); zero where one was given.
+    residual : (model − sample)/σ, stretch by stretch, channel by channel.   rigid : whether ρ is at zero.
+    """
+
+    stretches: tuple[Stretch, ...]
+    k: float
+    point: Array
+    covariance: Array
+    jacobian: Array
+    residual: Array
+    rigid: bool
+
+    @property
+    def F_k(self) -> float:
+        """Friction force, N."""
+        return float(self.point[0])
+
+    @property
+    def c(self) -> float:
+        """Viscous damping, N s/m."""
+        return float(self.point[1])
+
+    @property
+    def rho(self) -> float:
+        """K_z^{−1/2}, (m/N)^{1/2}; 0 for a rigid contact."""
+        return 0.0 if self.rigid else float(self.point[2])
+
+    @property
+    def K_z(self) -> float:
+        """Contact stiffness, N/m; infinite for a rigid contact."""
+        return math.inf if self.rigid else self.rho**-2
+
+    @property
+    def m(self) -> float:
+        """Mass, kg."""
+        return float(self.point[3])
+
+    def error(self, name: str) -> float:
+        """Standard error of a common unknown, in its unit."""
+        at = COMMON.index(name)
+        return math.sqrt(self.covariance[at, at])
+
+    @property
+    def K_z_interval(self) -> tuple[float, float]:
+        """95 % interval of K_z, N/m, from ρ ± 1.96 standard errors; unbounded above where ρ = 0 is within."""
+        spread = NORMAL_95 * self.error("rho")
+        low, high = self.rho - spread, self.rho + spread
+        return high**-2, (low**-2 if low > 0.0 else math.inf)
+
+    @property
+    def natural_frequency_hz(self) -> float:
+        """√(k/m)/2π, Hz: of the oscillator while its contact slips."""
+        return math.sqrt(self.k / self.m) / (2.0 * math.pi)
+
+    @property
+    def chi_square(self) -> float:
+        """Sum of the squares of the residuals."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom."""
+        return self.residual.size - self.point.size
+
+    def state(self, i: int) -> Array:
+        """x, ẋ, w at the start of stretch i."""
+        at = self.point.size - STATE * (len(self.stretches) - i)
+        return self.point[at : at + STATE]
+
+    def phases(self, i: int, end: float | None = None) -> Array:
+        """Rows (t, s, x, ẋ, z) of the motion of stretch i, t from its start on, to its end or to another one, s."""
+        one = self.stretches[i]
+        until = (one.end if end is None else end) - one.start
+        return phases_of(self.point, self.state(i), self.k, until)
+
+    def residuals(self) -> list[list[Array]]:
+        """Of each stretch, of each of its channels."""
+        parts, at = [], 0
+        for one in self.stretches:
+            row = []
+            for signal in one.signals:
+                row.append(self.residual[at : at + signal.t.size])
+                at += signal.t.size
+            parts.append(row)
+        return parts
+
+    @cached_property
+    def misfit(self) -> float:
+        """Mean square of the residual averaged over parts of a cycle, beside what noise leaves: 1 for white noise."""
+        return self._likeness()[0]
+
+    @property
+    def chance(self) -> float:
+        """Probability in white noise of a residual so much like a motion."""
+        from scipy import special  # slow to import
+
+        ratio, bins, rest = self._likeness()
+        return float(special.fdtrc(bins, rest, ratio))
+
+    @property
+    def adequate(self) -> bool:
+        """Whether the residual is white: the records may be those of such an oscillator."""
+        return self.chance >= _CHANCE
+
+    def _likeness(self) -> tuple[float, int, int]:
+        """F of the averages against what is left about them, and its two numbers of degrees of freedom."""
+        between = within = 0.0
+        bins = count = 0
+        for one, row in zip(self.stretches, self.residuals(), strict=True):
+            for signal, residual in zip(one.signals, row, strict=True):
+                per_bin = max(2, round(one.period / (_BINS * signal.dt)))
+                n = residual.size // per_bin
+                parts = residual[: n * per_bin].reshape(n, per_bin)
+                means = parts.mean(axis=1)
+                between += per_bin * float(means @ means)
+                within += float(np.sum((parts - means[:, None]) ** 2))
+                bins, count = bins + n, count + n * per_bin
+        first, rest = max(1, bins - self.point.size), max(1, count - bins)
+        return (between / first) / (within / rest), first, rest
+
+
+def numbers_of(point: Array, k: float) -> Parameters:
+    """The oscillator of a point."""
+    F_k, c, rho, m = point[: len(COMMON)].tolist()
+    return Parameters(m, c, k, rho**-2, F_k, 0.0, 0.0)
+
+
+def contact_step(point: Array, k: float) -> float:
+    """Step of a difference by ρ: close to a rigid contact nothing changes but with its square, and a chord stands for
+    the slope."""
+    rho, chord = float(point[COMMON.index("rho")]), _CHORD / math.sqrt(k)
+    return chord if rho < 0.3 * chord else _STEP * rho
+
+
+def phases_of(point: Array, state: Array, k: float, until: float) -> Array:
+    """Rows (t, s, x, ẋ, z) of the motion from a start state (x, ẋ, w) at t = 0 on.
+
+    Raises ValueError where the contact rattles on.
+    """
+    par = numbers_of(point, k)
+    x, v, w = state.tolist()
+    rows = np.empty((_MOST_PHASES, 5))
+    Z_m = par.F_k / par.K_z
+    z = min(max((w - 1.0) * Z_m, -Z_m), Z_m)
+    count, t, *_ = run(x, v, z, 0.0, until, 0.0, par, rows)
+    if t < until:
+        raise ValueError("the contact slips on and on")
+    return rows[:count]
+
+
+def slips(phases: Array) -> bool:
+    """Whether a motion slips."""
+    return bool(np.any(phases[:, PHASE_S] != 0.0))
+
+
+def stuck_from(phases: Array, end: float) -> float:
+    """The time from which on the mass sticks for good, `end` where it does not."""
+    return float(phases[-1, PHASE_T]) if phases[-1, PHASE_S] == 0.0 else end
+
+
+def samples_of(point: Array, state: Array, k: float, one: Stretch) -> Array:
+    """What the channels of a stretch would hold without noise and offset, (samples,)."""
+    longest = max(float(s.t[-1]) for s in one.signals if s.t.size)
+    phases = phases_of(point, state, k, max(longest - one.start, 1e-9 * one.period))
+    par = numbers_of(point, k)
+    parts = [states_in_phases(s.t - one.start, phases, 0.0, par)[s.order] for s in one.signals]
+    return np.concatenate(parts)
+
+
+def fit_stretches(
+    stretches: Sequence[Stretch],
+    k: float,
+    start: Array,
+    *,
+    given: Collection[int] = (),
+    gain: float = _GAIN,
+    most: int = _MOST,
+) -> RingFit | None:
+    """The fit that a climb from a start point ends in; None where no such oscillator moves there.
+
+    given : numbers of the unknowns that keep their values.
+    """
+    free = np.array([i for i in range(start.size) if i not in set(given)])
+    rigid = 1.0 / math.sqrt(_STIFFEST * k)
+    first_state = start.size - STATE * len(stretches)
+    m = float(start[3])
+    omega = math.sqrt(k / m)
+    lower = np.full(start.size, -math.inf)
+    upper = np.full(start.size, math.inf)
+    scale = np.ones(start.size)
+    lower[:4] = 1e-9 * start[0], 0.0, rigid, m / _MASSES
+    upper[1], upper[3] = _DAMPED * math.sqrt(k * m), m * _MASSES
+    scale[:4] = start[0], 1e-3 * math.sqrt(k * m), 1e-3 * start[2], m
+    for one in stretches:
+        for signal, offset in zip(one.signals, one.offsets, strict=True):
+            scale[len(COMMON) + offset] = max(float(np.ptp(signal.values)), signal.noise)
+    for i in range(first_state, start.size, STATE):
+        size = max(abs(start[i]), abs(start[i + 1]) / omega, 1e-300)
+        scale[i : i + STATE] = size, size * omega, 1.0
+        lower[i + 2], upper[i + 2] = 0.0, 2.0
+    problem = _Problem(tuple(stretches), k, start, free, scale)
+    try:
+        climbed: Climb[Evaluation] = climb(
+            problem.evaluate,
+            start[free],
+            lower[free],
+            scale[free],
+            upper[free],
+            gain=gain,
+            most=most,
+        )
+    except NoStart:
+        return None
+    except NoConvergence as stuck:
+        climbed = stuck.best
+    here = climbed.evaluation
+    assert here.residual is not None
+    assert here.jacobian is not None
+    point = start.copy()
+    point[free] = climbed.point
+    jacobian = np.zeros((here.residual.size, point.size))
+    jacobian[:, free] = here.jacobian
+    solution = linear_solution(jacobian, w_errors(point.size, first_state))
+    rigid_contact = bool(point[2] <= rigid)
+    return RingFit(
+        tuple(stretches), k, point, solution @ solution.T, jacobian, here.residual, rigid_contact
+    )
+
+
+def w_errors(size: int, first_state: int) -> Array:
+    """Standard errors that unknowns have before any sample tells more, (p,): w lies between 0 and 2, of the others
+    nothing is known."""
+    errors = np.full(size, math.inf)
+    errors[first_state + 2 :: STATE] = _W_ERROR
+    return errors
+
+
+def linear_solution(design: Array, errors: Array) -> Array:
+    """The pseudo-inverse, (p, samples + p), of a design (samples, p) and what is known before, (p,); zero for what
+    nothing depends on.
+
+    Its product with (residuals, 0) is the least-squares solution, that with its own transpose the covariance.
+    """
+    known = np.where(np.any(design != 0.0, axis=0), 1.0 / errors, 0.0)
+    length = np.sqrt(np.sum(design**2, axis=0) + known**2)
+    length[length == 0.0] = 1.0
+    solution: Array = np.linalg.pinv(np.vstack([design, np.diag(known)]) / length, rcond=1e-9)
+    solution /= length[:, None]
+    return solution
+
+
+def with_noise_of(fit: RingFit) -> RingFit:
+    """The fit with the noise of each channel as its residual has it."""
+    sums: dict[int, list[float]] = {}
+    for one, row in zip(fit.stretches, fit.residuals(), strict=True):
+        for signal, offset, residual in zip(one.signals, one.offsets, row, strict=True):
+            total = sums.setdefault(offset, [0.0, 0.0])
+            total[0] += float(residual @ residual) * signal.noise**2
+            total[1] += residual.size
+    share = fit.residual.size / max(1, fit.freedom)
+    noise = {offset: math.sqrt(square / n * share) for offset, (square, n) in sums.items()}
+    stretches = []
+    for one in fit.stretches:
+        signals = []
+        for signal, offset in zip(one.signals, one.offsets, strict=True):
+            floor = 3e-6 * float(np.ptp(signal.values))  # rounding
+            signals.append(replace(signal, noise=max(noise[offset], floor)))
+        stretches.append(replace(one, signals=tuple(signals)))
+    again = fit_stretches(stretches, fit.k, fit.point)
+    return fit if again is None else again
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """Residuals (model − sample)/σ as functions of the unknowns that are free.
+
+    point : all unknowns.   free : which of them are.   scale : of all.
+    """
+
+    stretches: tuple[Stretch, ...]
+    k: float
+    point: Array
+    free: Integers
+    scale: Array
+
+    def evaluate(self, free: Array) -> Evaluation | None:
+        """Half of χ² with its derivatives; None where the contact rattles."""
+        point = self.point.copy()
+        point[self.free] = free
+        wanted = set(self.free.tolist())
+        sizes = [one.samples for one in self.stretches]
+        residual, jacobian = np.empty(sum(sizes)), np.zeros((sum(sizes), point.size))
+        first = point.size - STATE * len(self.stretches)
+        steps = self._steps(point)
+        at = 0
+        for i, one in enumerate(self.stretches):
+            here = slice(at, at + sizes[i])
+            own = slice(first + STATE * i, first + STATE * (i + 1))
+            error = np.repeat([s.noise for s in one.signals], [s.t.size for s in one.signals])
+            offset = np.empty(sizes[i])
+            place = 0
+            for signal, number in zip(one.signals, one.offsets, strict=True):
+                part = slice(place, place + signal.t.size)
+                offset[part] = point[len(COMMON) + number]
+                jacobian[at + place : at + part.stop, len(COMMON) + number] = 1.0 / signal.noise
+                place = part.stop
+            values = np.concatenate([s.values for s in one.signals])
+            try:
+                model = samples_of(point, point[own], self.k, one)
+                for j in (*range(len(COMMON)), *range(own.start, own.stop)):
+                    if j in wanted:
+                        moved = point.copy()
+                        moved[j] += steps[j]
+                        beside = samples_of(moved, moved[own], self.k, one)
+                        jacobian[here, j] = (beside - model) / (steps[j] * error)
+            except (ValueError, ArithmeticError):
+                return None
+            residual[here] = (model + offset - values) / error
+            at += sizes[i]
+        if not (np.isfinite(residual).all() and np.isfinite(jacobian).all()):
+            return None
+        return Evaluation.of_residuals(residual, jacobian[:, self.free])
+
+    def _steps(self, point: Array) -> Array:
+        """Of the differences: a part of each unknown, or of what matters where it is close to zero."""
+        F_k, c, _, m = point[: len(COMMON)].tolist()
+        steps = _STEP * np.maximum(np.abs(point), self.scale)
+        damping = max(c, 2e-2 * math.sqrt(self.k * m))
+        steps[: len(COMMON)] = (
+            _STEP * F_k,
+            _STEP * damping,
+            contact_step(point, self.k),
+            _STEP * m,
+        )
+        first = point.size - STATE * len(self.stretches) + 2
+        steps[first::STATE] = np.where(point[first::STATE] > 1.0, -_STEP, _STEP)
+        return steps

@@ -1,0 +1,361 @@
+"""From free decays to rows of the energy balance, one for each half cycle between turns, with their covariance.
+
+Between two turns a and b of a free motion that slips the energy of the spring goes into friction and damper,
+
+    ½k (x_a² − x_b²) = F_k (|x_a − x_b| − 2Z_m) + c ∫ ẋ² dt
+
+with x counted from the rest position of the spring. The first row begins at the start state, with ½mẋ² and with
+Z_m (1 ∓ z/Z_m)²/2 in the place of 2Z_m.
+
+The turns are read off all samples: between two turns the motion is that of the fit, stretched to x_a and x_b, and these
+are found by least squares together with all that the shape and the instants of the motion tell: of m, K_z, the start,
+and of F_k and c, too (how the motion fades and sticks between its turns, how a mass that sticks for good rings on the
+contact). What the shape tells of F_k and c makes two more rows, F_k times the way and c ∫ ẋ² dt. Neighbouring rows
+share a turn, and all share m, K_z and the rest position, which hardly anything but the rows tells; the covariance of
+what was found makes that of the rows.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import Array, Integers, Mask
+from ..model import Parameters
+from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
+from ..motion.states import states_in_phases
+from .ringdown_fit import (
+    COMMON,
+    STATE,
+    RingFit,
+    Stretch,
+    contact_step,
+    linear_solution,
+    numbers_of,
+    phases_of,
+    stuck_from,
+    w_errors,
+)
+
+W, A, B = range(3)
+"""Columns of a row: W (J), a (m), b (m²/s)."""
+
+_STEP = 1e-6
+_PART = 1e-3  # of a standard error, for differences of what is read
+_WEAK = 10.0  # times its error in the fit: what is known of a level before
+_SEEN = 0.5  # of a last half cycle that the record must hold
+_RINGS = 1.0  # cycles of ringing that are read
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+_PANEL = 4.0  # rad: the rule is then exact to rounding
+
+
+class Half(NamedTuple):
+    """A half cycle of the fit's motion: from the turn at time t_a, s after the start, to that at t_b.
+
+    x_a, x_b : m.   v_a : m/s, zero but at a start.   lost : of |x_b − x_a| for the friction travel, m.
+    viscous : ∫ ẋ² dt, m²/s.
+    """
+
+    t_a: float
+    t_b: float
+    x_a: float
+    x_b: float
+    v_a: float
+    lost: float
+    viscous: float
+
+
+class Ringing(NamedTuple):
+    """The mass at rest, ringing: from its last turn at t_a, with amplitude q about `rest`, m.
+
+    share : of the contact in the stiffness, K_z/(k + K_z).
+    """
+
+    t_a: float
+    q: float
+    rest: float
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """The motion of the fit in one stretch as rows see it.
+
+    halves : that slip.   ringing : of the mass at rest; None where it cannot be seen.   phases : of the motion.
+    viscous : ∫ ẋ² dt to the end, m²/s.
+    """
+
+    halves: tuple[Half, ...]
+    ringing: Ringing | None
+    phases: Array
+    viscous: float
+
+
+@dataclass(frozen=True, eq=False)
+class RingRows:
+    """Rows of all stretches.
+
+    columns : (n, 3), see W, A, B, as read.   covariance : of W − a F_k − b c with the F_k and c of the fit, J²,
+    (n, n).   stretch : number of the stretch that each is of, (n,), −1 for the two of the shape, the last ones.
+    turns : of each stretch, its start and turns as read, rows (t, x), s and m, and their standard errors, m.
+    """
+
+    columns: Array
+    covariance: Array
+    stretch: Integers
+    turns: tuple[tuple[Array, Array], ...]
+
+    @property
+    def halves(self) -> int:
+        """How many are of half cycles."""
+        return int(np.count_nonzero(self.stretch >= 0))
+
+
+def rows_of(fit: RingFit) -> RingRows:
+    """The rows of all stretches of a fit."""
+    p, first = fit.point.size, fit.point.size - STATE * len(fit.stretches)
+    courses = [_course(fit.point, fit.state(i), fit.k, one) for i, one in enumerate(fit.stretches)]
+    nodes = [_turns(course) for course in courses]
+    counts = [node.size for node in nodes]
+    ends = np.cumsum(counts)
+    places = [slice(end - count, end) for end, count in zip(ends.tolist(), counts, strict=True)]
+    total = sum(counts)
+    design, rest = np.zeros((fit.residual.size, total + p)), -fit.residual
+    changes: dict[tuple[int, int], Array] = {}  # of the columns of a stretch, by what is found
+    at = 0
+    for i, (one, course) in enumerate(zip(fit.stretches, courses, strict=True)):
+        here = slice(at, at + one.samples)
+        at += one.samples
+        block, seen = _basis(fit.point, fit.k, one, course)
+        start = first + STATE * i
+        told = np.where(seen[:, None], fit.jacobian[here], 0.0)
+        design[here, total : total + p] = told
+        design[here, places[i]] = block
+        # the start is the first of the turns, and moves the shape as well
+        design[here, places[i].start] += told[:, start]
+        design[here, total + start] = 0.0
+        rest[here] = np.where(seen, rest[here], 0.0)
+        for j in (*range(len(COMMON)), *range(start, start + STATE)):
+            beside = _beside(fit, i, j, len(course.halves))
+            if beside is None or not fit.jacobian[:, j].any():
+                continue
+            other, step = beside
+            at_column = places[i].start if j == start else total + j
+            design[here, at_column] -= block @ ((_turns(other) - nodes[i]) / step)
+            moved = fit.point.copy()
+            moved[j] += step
+            changes[i, at_column] = (
+                _columns(moved, fit.k, other, nodes[i])
+                - _columns(fit.point, fit.k, course, nodes[i])
+            ) / step
+    errors = np.concatenate([np.full(total, math.inf), w_errors(p, first)])
+    for i, place in enumerate(places):
+        # nothing but the rows may tell the level of the turns: it must not be taken for known
+        level = fit.covariance[first + STATE * i, first + STATE * i]
+        errors[place.start] = _WEAK * math.sqrt(level) if level > 0.0 else math.inf
+    solution = linear_solution(design, errors)
+    found = solution[:, : rest.size] @ rest
+    return _rows(fit, courses, nodes, places, changes, found, solution @ solution.T)
+
+
+def _rows(
+    fit: RingFit,
+    courses: Sequence[Course],
+    nodes: Sequence[Array],
+    places: Sequence[slice],
+    changes: Mapping[tuple[int, int], Array],
+    found: Array,
+    covariance: Array,
+) -> RingRows:
+    """The rows with what was found of turns and unknowns beside the fit, and the covariance of that.
+
+    changes : of the columns of a stretch, by what was found.
+    """
+    total = places[-1].stop
+    parts, slopes, which, turns = [], [], [], []
+    for i, (one, course) in enumerate(zip(fit.stretches, courses, strict=True)):
+        columns = _columns(fit.point, fit.k, course, nodes[i])
+        slope = np.zeros((*columns.shape, found.size))
+        span = _STEP * max(float(np.ptp(nodes[i])), 1e-300)
+        for j in range(nodes[i].size if course.halves else 0):
+            moved = nodes[i].copy()
+            moved[j] += span
+            slope[..., places[i].start + j] = (
+                _columns(fit.point, fit.k, course, moved) - columns
+            ) / span
+        for (stretch, column), change in changes.items():
+            if stretch == i:
+                slope[..., column] += change
+        # to first order about the fit: a level that hardly anything tells would bend the squares in W
+        columns = columns + slope @ found
+        theta = nodes[i] + found[places[i]]
+        parts.append(columns)
+        slopes.append(_misfit(fit, slope))
+        which += [i] * len(columns)
+        times = (
+            [course.halves[0].t_a, *(half.t_b for half in course.halves)] if course.halves else []
+        )
+        at = one.start + np.array(times)
+        sure = np.sqrt(np.diag(covariance)[places[i]])[: at.size]
+        turns.append((np.column_stack([at, theta[: at.size]]), sure))
+    travel = sum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)
+    viscous = sum(course.viscous for course in courses)
+    for column, (j, size) in {A: (0, travel), B: (1, viscous)}.items():
+        row, slope = np.zeros((1, 3)), np.zeros((1, found.size))
+        row[0, column], row[0, W] = size, size * (fit.point[j] + found[total + j])
+        slope[0, total + j] = size
+        if covariance[total + j, total + j] > 0.0 and size > 0.0:
+            parts.append(row)
+            slopes.append(slope)
+            which.append(-1)
+    by_all = np.vstack(slopes)
+    return RingRows(np.vstack(parts), by_all @ covariance @ by_all.T, np.array(which), tuple(turns))
+
+
+def _misfit(fit: RingFit, slope: Array) -> Array:
+    """Slope of W − a F_k − b c, J, from those of the columns, (n, 3, …)."""
+    slopes: Array = slope[:, W] - slope[:, A] * fit.F_k - slope[:, B] * fit.c
+    return slopes
+
+
+def _beside(fit: RingFit, i: int, j: int, halves: int) -> tuple[Course, float] | None:
+    """The motion of stretch i with unknown j moved, as many half cycles of it, and by how much; None where there are
+    fewer either way."""
+    first = fit.point.size - STATE * (len(fit.stretches) - i)
+    step = _PART * math.sqrt(fit.covariance[j, j])
+    if j == first + 2:
+        step = _PART
+    elif j == COMMON.index("rho"):
+        step = contact_step(fit.point, fit.k)
+    for way in (-step, step) if j == first + 2 and fit.point[j] > 1.0 else (step, -step):
+        point = fit.point.copy()
+        point[j] += way
+        if (j < len(COMMON) and point[j] <= 0.0) or step == 0.0:
+            continue
+        course = _course(point, point[first : first + STATE], fit.k, fit.stretches[i], halves)
+        if len(course.halves) == halves:
+            return course, way
+    return None
+
+
+def _turns(course: Course) -> Array:
+    """x at the start and the turns, m; of a mass that only rings, its start."""
+    if course.halves:
+        return np.array([course.halves[0].x_a, *(half.x_b for half in course.halves)])
+    return np.array([float(course.phases[0, PHASE_X])])
+
+
+def _course(point: Array, state: Array, k: float, one: Stretch, most: int | None = None) -> Course:
+    """The half cycles, `most` of them at the most, and the ringing of a motion."""
+    par = numbers_of(point, k)
+    Z_m, span = par.F_k / par.K_z, one.end - one.start
+    phases = phases_of(point, state, k, span + one.period)
+    turns = [i for i in range(1, len(phases)) if phases[i, PHASE_V] == 0.0]
+    total = _viscous(phases[phases[:, PHASE_T] < span], span, par)
+    halves: list[Half] = []
+    begin = 0
+    for i in turns[:most]:
+        t_a, t_b = float(phases[begin, PHASE_T]), float(phases[i, PHASE_T])
+        if t_b > span and span - t_a < _SEEN * (t_b - t_a):
+            break
+        x_a, x_b = float(phases[begin, PHASE_X]), float(phases[i, PHASE_X])
+        u = (state[2] - 1.0) if begin == 0 else math.copysign(1.0, phases[begin, PHASE_Z])
+        if begin == 0:
+            u = min(max(u, -1.0), 1.0)
+        towards = math.copysign(1.0, phases[i, PHASE_Z])
+        viscous = _viscous(phases[begin:i], t_b, par)
+        lost = 0.5 * Z_m * (1.0 - towards * u) ** 2
+        halves.append(Half(t_a, t_b, x_a, x_b, float(phases[begin, PHASE_V]), lost, viscous))
+        begin = i
+    ringing = _ringing(phases[begin:], span, par) if begin == len(phases) - 1 else None
+    return Course(tuple(halves), ringing, phases, total)
+
+
+def _ringing(phases: Array, end: float, par: Parameters) -> Ringing | None:
+    """The ringing from the last phase of a motion on, if it is one."""
+    t_a, s, x, v, z = phases[0]
+    Omega = math.sqrt((par.k + par.K_z) / par.m)
+    if s != 0.0 or v != 0.0 or (end - t_a) * Omega < 2.0 * math.pi * _RINGS:
+        return None
+    q = (par.k * x + par.K_z * z) / (par.k + par.K_z)
+    return Ringing(t_a, q, x - q, par.K_z / (par.k + par.K_z))
+
+
+def _viscous(phases: Array, end: float, par: Parameters) -> float:
+    """∫ ẋ² dt over phases, up to `end`."""
+    total = 0.0
+    for i in range(len(phases)):
+        start = float(phases[i, PHASE_T])
+        stop = float(phases[i + 1, PHASE_T]) if i + 1 < len(phases) else end
+        if stop <= start:
+            continue
+        stiff = par.k + (par.K_z if phases[i, PHASE_S] == 0.0 else 0.0)
+        times, weights = _quadrature(start, stop, math.sqrt(stiff / par.m))
+        # a time on the border may belong to the next phase: taken from this one alone
+        speed = states_in_phases(times, phases[i : i + 1], 0.0, par)[1]
+        total += float(weights @ speed**2)
+    return total
+
+
+def _quadrature(start: float, stop: float, omega: float) -> tuple[Array, Array]:
+    """Times and weights of Gauss's rule, in panels of a part of a cycle."""
+    panels = 1 + int((stop - start) * omega / _PANEL)
+    h = (stop - start) / panels
+    middles = start + h * (np.arange(panels) + 0.5)
+    times = (middles[:, None] + 0.5 * h * _NODES).ravel()
+    return times, np.tile(0.5 * h * _WEIGHTS, panels)
+
+
+def _basis(point: Array, k: float, one: Stretch, course: Course) -> tuple[Array, Mask]:
+    """Derivatives of the samples by the turns, in units of their noise, and which samples lie in what rows are of."""
+    par = numbers_of(point, k)
+    size = _turns(course).size
+    blocks, masks = [], []
+    for signal in one.signals:
+        times = signal.t - one.start
+        motion = states_in_phases(times, course.phases, 0.0, par)
+        block = np.zeros((times.size, size))
+        seen = np.zeros(times.size, dtype=np.bool_)
+        for j, half in enumerate(course.halves):
+            inside = slice(*np.searchsorted(times, [half.t_a, half.t_b]))
+            travel = half.x_b - half.x_a
+            along = motion[signal.order, inside] / travel
+            if signal.order == 0:
+                along = along - half.x_a / travel
+            block[inside, j + 1] = along
+            block[inside, j] = (1.0 if signal.order == 0 else 0.0) - along
+            seen[inside] = True
+        if course.ringing is not None:
+            ring = course.ringing
+            inside = slice(int(np.searchsorted(times, ring.t_a)), times.size)
+            wave = motion[signal.order, inside] - (ring.rest if signal.order == 0 else 0.0)
+            block[inside, -1] = (1.0 - ring.share) * wave / ring.q
+            if signal.order == 0:
+                block[inside, -1] += ring.share
+            seen[inside] = True
+        blocks.append(block / signal.noise)
+        masks.append(seen)
+    return np.vstack(blocks), np.concatenate(masks)
+
+
+def _columns(point: Array, k: float, course: Course, turns: Array) -> Array:
+    """The rows (W, a, b) with these turns, (n, 3)."""
+    m = point[COMMON.index("m")]
+    rows = []
+    for j, half in enumerate(course.halves):
+        x_a, x_b = float(turns[j]), float(turns[j + 1])
+        stretched = ((x_b - x_a) / (half.x_b - half.x_a)) ** 2
+        work = 0.5 * k * (x_a - x_b) * (x_a + x_b) + 0.5 * m * half.v_a**2 * stretched
+        rows.append((work, abs(x_a - x_b) - half.lost, half.viscous * stretched))
+    return np.array(rows).reshape(-1, 3)
+
+
+def at_rest(fit: RingFit, i: int) -> float | None:
+    """The time from which on the mass of a stretch sticks, s after its start; None where the record ends before."""
+    span = fit.stretches[i].end - fit.stretches[i].start
+    still = stuck_from(fit.phases(i), span)
+    return still if still < span else None

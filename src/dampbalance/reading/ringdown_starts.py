@@ -1,0 +1,387 @@
+"""Where the fit of free decays starts: each burst by itself, from a turn on, over a growing part of it.
+
+At a turn p of a free motion that slips, ẋ = 0 and z = ±F_k/K_z. Its next turns follow from the swings before and after,
+
+    D_{i+1} = e^{−βπ} D_i − 2(1 + e^{−βπ}) F_k/k,      β = ζ/√(1 − ζ²),
+
+for several shares of friction in what the swing loses, and for a few stiffnesses of the contact. The closest of these
+are climbed from over the first cycle, and the fit follows the burst to its end. A mass at rest may ring on the contact,
+and the line of that in the spectrum tells K_z to the phase. Then the start is moved back for as long as the samples
+follow the motion: whatever held or pushed the mass before is left out.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ..arrays import Array
+from ..motion.events import PHASE_S, PHASE_V, PHASE_X
+from .ringdown_bursts import Burst, Signal, bursts_of, sharpest
+from .ringdown_fit import (
+    COMMON,
+    STATE,
+    RingFit,
+    Stretch,
+    fit_stretches,
+    samples_of,
+    slips,
+    stuck_from,
+)
+
+_SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing loses
+_STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
+_MASSES = (0.85, 1.0, 1.15)  # beside that of the period
+_CLIMBED = 4  # candidates
+_FIRST = 1.0  # cycles that are fitted first
+_GROWTH = 2.0  # of the fitted part from one climb to the next
+_COARSE = 1e-2  # of half of χ², where a climb on the way ends
+_PIECES = 12  # of a cycle, in which the mass is looked at for rest
+_BACK = 24  # steps of a cycle in which the start moves back
+_LEFT = 3e-4  # probability of what new samples add to χ²
+_SEVERAL = 3  # steps back that are looked at together
+_AGREES = 3.0  # standard deviations of the scatter of a mass at rest
+_CHANCE = 1e-4  # probability of a line of the spectrum in noise
+_AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
+_MOST_TURNS = 4  # half cycles that slip, of what may be the work of a hand
+_PART = 0.5  # of the swing of a burst, that its motion has at least
+_DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
+_ALIKE = 1.5  # χ² per sample of a fit that needs no other start
+
+
+def stretches_of(
+    source: str, signals: Sequence[Signal], k: float, offsets: Sequence[int]
+) -> list[RingFit]:
+    """A fit of each burst in the channels of a record by itself, in their order; those that no oscillator fits are
+    left out.
+
+    offsets : numbers of the offsets of the channels.   Raises NoDecay.
+    """
+    fits: list[RingFit] = []
+    lead = sharpest(signals)
+    for burst in bursts_of(lead):
+        since = fits[-1].stretches[0].start if fits else burst.earliest
+        whole = Stretch(source, burst.turn, burst.end, tuple(signals), tuple(offsets), burst.period)
+        fit = _grown(whole, burst, lead, k)
+        if fit is None:
+            continue
+        fit = _from_earlier(fit, whole, max(since, burst.earliest))
+        if _moves(fit) > _PART * burst.swing:  # else the swing was none of a free motion
+            fits.append(fit)
+    for good in (lambda fit: fit.adequate, lambda fit: slips(fit.phases(0))):
+        fits = [fit for fit in fits if good(fit)] or fits
+    return fits
+
+
+def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | None:
+    """The fit of a burst from its turn on."""
+    end = min(burst.turn + _FIRST * burst.period, burst.end)
+    part = whole.cut(burst.turn, end)
+    if part.samples < 4 * (len(COMMON) + STATE):
+        return None
+    fit = None
+    for start in _candidates(part, burst, lead, k)[:_CLIMBED]:
+        w = start.size - 1
+        reached = fit_stretches([part], k, start, given={w}, gain=_COARSE)
+        if reached is not None and (fit is None or reached.chi_square < fit.chi_square):
+            fit = reached
+            if fit.chi_square < _ALIKE * part.samples:
+                break
+    if fit is not None:
+        fit = _longer(fit, part)
+    while fit is not None and end < burst.end:
+        end = min(burst.turn + _GROWTH * (end - burst.turn), burst.end)
+        if burst.end - end < 0.25 * burst.period:
+            end = burst.end
+        longer = _longer(fit, whole.cut(burst.turn, end))
+        if longer is None:
+            break
+        if not burst.last and longer.chance < _DISTURBED <= fit.chance:
+            # something else moves the mass before the next burst
+            return _until_disturbed(fit, whole, end)
+        fit = longer
+    return fit if fit is None or fit.chance > _DISTURBED else _from_other_shares(fit)
+
+
+def _from_other_shares(fit: RingFit) -> RingFit:
+    """The best of the fits that start from other shares of friction in what this one loses."""
+    phases = fit.phases(0)
+    travel = float(np.abs(np.diff(phases[:, PHASE_X])).sum())
+    speed = float(np.abs(phases[:, PHASE_V]).max())
+    # ∫ ẋ² dt of half a cycle is π/4 of the top speed times the travel
+    ratio = 0.25 * math.pi * speed
+    loss = (fit.F_k + ratio * fit.c) * travel
+    best = fit
+    for share in _SHARES:
+        start = fit.point.copy()
+        start[0], start[1] = share * loss / travel, (1.0 - share) * loss / (ratio * travel)
+        other = fit_stretches(fit.stretches, fit.k, start, given={start.size - 1}, gain=_COARSE)
+        if other is not None and other.chi_square < best.chi_square:
+            best = other
+    return best
+
+
+def _longer(fit: RingFit, part: Stretch) -> RingFit | None:
+    """The fit of a longer part, from a shorter one on."""
+    w = fit.point.size - 1
+    part = _without_ringing(fit, part)
+    best = fit_stretches([part], fit.k, fit.point, given={w}, gain=_COARSE)
+    for rho in _ringing(fit if best is None else best, part):
+        start = (fit if best is None else best).point.copy()
+        start[2] = rho
+        other = fit_stretches([part], fit.k, start, given={w}, gain=_COARSE)
+        if other is not None and (best is None or other.chi_square < best.chi_square):
+            best = other
+    return best
+
+
+def _until_disturbed(fit: RingFit, whole: Stretch, end: float) -> RingFit:
+    """The fit up to where the samples leave the motion, before `end`."""
+    start, good = whole.start, fit.stretches[0].end
+    while end - good > 0.1 * whole.period:
+        middle = 0.5 * (good + end)
+        longer = _longer(fit, whole.cut(start, middle))
+        if longer is not None and longer.chance >= _DISTURBED:
+            fit, good = longer, middle
+        else:
+            end = middle
+    if good - start > 2.0 * whole.period:  # where the hand came may show late
+        shorter = _longer(fit, whole.cut(start, good - 0.5 * whole.period))
+        fit = fit if shorter is None else shorter
+    return fit
+
+
+def _candidates(part: Stretch, burst: Burst, lead: Signal, k: float) -> list[Array]:
+    """Start points from the swings before and after the turn, the closest first."""
+    omega = 2.0 * math.pi / burst.period
+    of_lead = next(s for s in part.signals if s.quantity == lead.quantity)
+    ahead = of_lead.values[of_lead.between(burst.turn, burst.turn + 0.6 * burst.period)]
+    next_swing = min(float(np.ptp(ahead)) / omega**lead.order, burst.swing)
+    lost = max(burst.swing - next_swing, 1e-3 * burst.swing)
+    found = []
+    for share in _SHARES:
+        ratio = min(max(1.0 - (1.0 - share) * lost / burst.swing, 0.5), 0.9999)
+        zeta = -math.log(ratio) / math.hypot(math.pi, math.log(ratio))
+        friction = share * lost / 4.0
+        x = burst.side * (next_swing / (1.0 + ratio) + friction)
+        for mass in _MASSES:
+            m = mass * k / omega**2
+            for stiffness in _STIFFNESSES:
+                common = (
+                    k * friction,
+                    2.0 * zeta * math.sqrt(k * m),
+                    1.0 / math.sqrt(stiffness * k),
+                    m,
+                )
+                state = np.array([x, 0.0, 1.0 + burst.side])
+                start = np.concatenate([common, np.zeros(max(part.offsets) + 1), state])
+                try:
+                    model = samples_of(start, state, k, part)
+                except ValueError:
+                    continue
+                misfit, at = 0.0, 0
+                for signal, offset in zip(part.signals, part.offsets, strict=True):
+                    off = signal.values - model[at : at + signal.t.size]
+                    at += signal.t.size
+                    start[len(COMMON) + offset] = off.mean()
+                    misfit += float(np.var(off)) * signal.t.size / signal.noise**2
+                found.append((misfit, start))
+    found.sort(key=lambda one: one[0])
+    return [start for _, start in found]
+
+
+def _ringing(fit: RingFit, part: Stretch) -> Iterator[float]:
+    """ρ of the contact on which the mass at rest rings, where that shows: K_z = mΩ² − k."""
+    still = _still(fit, part.end)
+    slipping = math.sqrt(fit.k / fit.m)
+    for signal in part.signals:
+        inside = signal.between(still + 0.25 * part.period, part.end)
+        values = signal.values[inside]
+        if values.size < 16:
+            continue
+        values = values - values.mean()
+        padded = 4 << (values.size - 1).bit_length()
+        power = np.abs(np.fft.rfft(values, padded)) ** 2
+        omega = np.arange(power.size) * (2.0 * math.pi / (padded * signal.dt))
+        power[omega < 1.2 * slipping] = 0.0
+        line = int(np.argmax(power))
+        # of white noise, the power over n σ² is distributed as e^{−P}
+        if power[line] > math.log(values.size / _CHANCE) * values.size * signal.noise**2:
+            K_z = fit.m * float(omega[line]) ** 2 - fit.k
+            if K_z > 0.0:
+                yield 1.0 / math.sqrt(K_z)
+
+
+def _moves(fit: RingFit) -> float:
+    """From where to where the mass moves, m."""
+    x = fit.phases(0)[:, PHASE_X]
+    return float(np.ptp(x))
+
+
+def _still(fit: RingFit, end: float) -> float:
+    """The time from which on the mass sticks; `end` where it does not before."""
+    start = fit.stretches[0].start
+    return start + stuck_from(fit.phases(0, end), end - start)
+
+
+def _without_ringing(fit: RingFit, part: Stretch) -> Stretch:
+    """A stretch up to where the mass sticks, if no ringing shows after that: a K_z would follow from it by chance."""
+    if any(True for _ in _ringing(fit, part)):
+        return part
+    end = _still(fit, part.end) + _AFTER * part.period
+    if end >= part.end or not all(_rests(one, end, part) for one in part.signals):
+        return part
+    return part.cut(part.start, end)
+
+
+def _rests(signal: Signal, since: float, part: Stretch) -> bool:
+    """Whether the samples from a time on are a level and noise."""
+    values = signal.values[signal.between(since, part.end)]
+    width = max(1, round(part.period / (_PIECES * signal.dt)))
+    n = values.size // width
+    if n < 2:
+        return True
+    means = values[: n * width].reshape(n, width).mean(axis=1)
+    excess = width * float(np.var(means)) / signal.noise**2
+    return excess < 1.0 + _AGREES * math.sqrt(2.0 / n)
+
+
+def _from_earlier(fit: RingFit, whole: Stretch, earliest: float) -> RingFit:
+    """The fit with the start moved back for as long as the samples follow the motion."""
+    one = fit.stretches[0]
+    step = one.period / _BACK
+    near = min(one.start + 1.5 * one.period, one.end)
+    common = set(range(fit.point.size - STATE))
+    here = fit_stretches([one.cut(one.start, near)], fit.k, fit.point, given=common, gain=_COARSE)
+    start, doubted = one.start, 0
+    points, gained = [fit.point], [(0, 0.0)]
+    while here is not None and not doubted:
+        start -= step
+        if start < earliest - 0.5 * min(s.dt for s in one.signals):
+            break
+        trial = here.point.copy()
+        trial[-STATE:] = _before(here.point, fit.k, step)
+        part = whole.cut(start, near)
+        there = fit_stretches([part], fit.k, trial, given=common, gain=_COARSE)
+        doubted = _doubted(there, here, gained)
+        if doubted and there is not None:  # the common unknowns may have been off
+            here, there = (
+                fit_stretches([part], fit.k, at, gain=_COARSE)
+                for part, at in (
+                    (whole.cut(start + step, one.end), here.point),
+                    (whole.cut(start, one.end), there.point),
+                )
+            )
+            doubted = _doubted(there, here, gained[:1])
+            if not doubted and there is not None:
+                gained = gained[:1]
+                there = fit_stretches([part], fit.k, there.point, given=common, gain=_COARSE)
+        if not doubted and there is not None and here is not None:
+            points.append(there.point)
+            new = there.residual.size - here.residual.size
+            gained.append((new, there.chi_square - here.chi_square))
+        here = there
+    # what stopped it may have begun within the steps that are in doubt
+    kept = max(0, len(points) - 1 - doubted)
+    part = whole.cut(one.start - kept * step, one.end)
+    again = fit_stretches([part], fit.k, points[kept], gain=_COARSE)
+    return fit if again is None else again
+
+
+def _doubted(
+    there: RingFit | None, here: RingFit | None, gained: Sequence[tuple[int, float]]
+) -> int:
+    """How many steps back are in doubt, 0 where the samples follow the motion: by what the last step, or the last
+    three, add to χ².
+
+    gained : samples and what they added to χ², of the steps before.
+    """
+    from scipy import special  # slow to import
+
+    if there is None or here is None:
+        return 1
+    steps = [
+        *gained,
+        (there.residual.size - here.residual.size, there.chi_square - here.chi_square),
+    ]
+    for count in (1, _SEVERAL):
+        new = sum(n for n, _ in steps[-count:])
+        excess = sum(chi_square for _, chi_square in steps[-count:])
+        if new and special.chdtrc(new, max(excess, 0.0)) < _LEFT:
+            return count
+    return 0
+
+
+def _before(point: Array, k: float, step: float) -> Array:
+    """About the start state a step earlier: slipping backwards, or at the turn before."""
+    F_k, c, _, m = point[: len(COMMON)].tolist()
+    x, v, w = point[-STATE:].tolist()
+    side = 1.0 if w >= 1.0 else -1.0
+    n = 16
+    h = step / n
+    for _ in range(n):
+        a = -(k * x + side * F_k + c * v) / m
+        v_half = v - 0.5 * h * a
+        if v_half * side < 0.0:  # it turned there, or was let go
+            return np.array([x, 0.0, 1.0 - 0.5 * side])
+        x -= h * v_half
+        v = v_half - 0.5 * h * -(k * x + side * F_k + c * v_half) / m
+    return np.array([x, v, w])
+
+
+def joint_start(fits: Sequence[RingFit], offsets: int) -> Array:
+    """Where the fit of all bursts starts: the common unknowns weighted by their information, the rest as it is.
+
+    offsets : how many there are in all.
+    """
+    size = len(COMMON)
+    information, right = np.zeros((size, size)), np.zeros(size)
+    levels, weights = np.zeros(offsets), np.zeros(offsets)
+    k, m = fits[0].k, fits[0].m
+    unit = np.array([fits[0].F_k, 1e-2 * math.sqrt(k * m), 1e-1 / math.sqrt(k), m])
+    for fit in fits:
+        scaled = fit.covariance[:size, :size] / np.outer(unit, unit)
+        one = np.linalg.pinv(scaled, rcond=1e-12, hermitian=True)
+        information += one
+        right += one @ (fit.point[:size] / unit)
+        for number in fit.stretches[0].offsets:
+            levels[number] += fit.point[size + number] * fit.stretches[0].samples
+            weights[number] += fit.stretches[0].samples
+    common = unit * np.linalg.lstsq(information, right)[0]
+    if not (common > 0.0).all():
+        common = max(fits, key=lambda fit: fit.stretches[0].samples).point[:size]
+    levels = levels / np.maximum(weights, 1.0)
+    return np.concatenate([common, levels, *(fit.point[-STATE:] for fit in fits)])
+
+
+def fit_all(fits: Sequence[RingFit], offsets: int) -> tuple[RingFit | None, list[Stretch]]:
+    """One oscillator for the bursts that were fitted each by itself, and those that are none of its decays.
+
+    A hand that moves the mass from one place to another can look like half a cycle of another oscillator: where all
+    bursts together are not of one, those that slip least are left out, the fewest possible, if the others then are.
+    """
+    whole = _joined(fits, offsets)
+    if whole is None or whole.adequate or len(fits) == 1:
+        return whole, []
+    turns = [int(np.count_nonzero(fit.phases(0)[:, PHASE_S])) for fit in fits]
+    order = np.argsort(turns, kind="stable").tolist()
+    for count in range(1, len(fits)):
+        if turns[order[count - 1]] > _MOST_TURNS:
+            break
+        for some in itertools.combinations(order[: count + 1], count):
+            rest = [fit for i, fit in enumerate(fits) if i not in some]
+            if not rest or any(turns[i] > _MOST_TURNS for i in some):
+                continue
+            fit = _joined(rest, offsets)
+            if fit is not None and fit.adequate:
+                return fit, [fits[i].stretches[0] for i in sorted(some)]
+    return whole, []
+
+
+def _joined(fits: Sequence[RingFit], offsets: int) -> RingFit | None:
+    """The fit of all bursts."""
+    stretches = [fit.stretches[0] for fit in fits]
+    return fit_stretches(stretches, fits[0].k, joint_start(fits, offsets))

@@ -1,0 +1,178 @@
+"""Records of a known damping law, and which law `identify` finds in them.
+
+Each case is one experiment: an oscillator is drawn, its steady motion under its law followed by `law/response.py`,
+sampled with noise at every level and at two frequencies, one below the resonance and one above it, and read as a
+laboratory's records are. It is drawn so that each term of the law takes a part of the work that matters at one level or
+more, and that the contact slips once per half cycle at all of them. A case follows from seed, law and run alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array, Words
+from ..identification.laws import compare_laws
+from ..law.integrals import of_harmonics
+from ..law.response import law_orbit
+from ..law.steady import Response, steady_response
+from ..law.terms import FRICTION, KNOWN_TERMS
+from ..model import BaseMotion, Oscillator
+from ..motion.orbit import NoSteadyOrbit
+from ..motion.regime import Regime
+from ..reading.noisy import Reading, read_features
+from ..records.synthetic import measured_orbit
+from .routes import NONE, law_named, terms_named
+
+SHARE = (0.2, 0.6)
+"""Of the work put in: what each term takes at one level or more."""
+
+MASSES, NATURAL_HZ = (0.1, 10.0), (1.0, 50.0)  # kg, Hz
+HIGHEST = (1e-4, 1e-2)  # m, amplitude of the base at the highest level
+ZETA = (0.01, 0.08)  # damping ratio of a damper that takes as much as all terms together
+STIFFNESSES = (10.0, 200.0)  # K_z/k
+BELOW, ABOVE = (0.6, 0.9), (1.1, 1.6)  # ω/ω_n
+
+_SAMPLES = (190.0, 210.0)  # per cycle
+_HARMONICS = 64
+_MOST_DRAWINGS = 1000
+_STICKS = 2.0  # Z_m: a motion up to so much hardly slips
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What the records of a case are made of.
+
+    oscillator : with its c.   law : symbol → coefficient of the terms besides friction and c, SI.   motions : of the
+    base, one for each record.
+    """
+
+    oscillator: Oscillator
+    law: Mapping[str, float]
+    motions: tuple[BaseMotion, ...]
+
+    def responses(self) -> list[Response] | None:
+        """The steady motions, where each slips once per half cycle; else None."""
+        found = []
+        for motion in self.motions:
+            try:
+                response = steady_response(self.oscillator, motion, self.law)
+            except NoSteadyOrbit:
+                return None
+            once = response.orbit.regime == Regime.ONE_SLIP
+            if not (once and _STICKS * self.oscillator.Z_m < response.X):
+                return None
+            found.append(response)
+        return found
+
+    def shares(self, responses: Sequence[Response]) -> dict[str, Array]:
+        """Part of the work put in that each term takes, by symbol, each (records,); friction takes the rest."""
+        k, n = self.oscillator.k, np.arange(1.0, 2.0 * _HARMONICS, 2.0)
+        parts: dict[str, list[float]] = {s: [] for s in self.coefficients}
+        for motion, response in zip(self.motions, responses, strict=True):
+            x = response.harmonics(_HARMONICS)[None]
+            base = np.ones(1), np.full((1, 1), complex(motion.Y))
+            W = -math.pi * k * motion.Y * float(x[0, 0].imag)
+            for symbol, p in self.coefficients.items():
+                lost = of_harmonics(symbol, n, x, *base, motion.omega, k)
+                parts[symbol].append(p * float(lost[0]) / W)
+        taken = {symbol: np.array(part) for symbol, part in parts.items()}
+        return {FRICTION: 1.0 - np.sum(list(taken.values()), axis=0), **taken}
+
+    @property
+    def coefficients(self) -> dict[str, float]:
+        """Of the terms besides friction."""
+        c = {"c": self.oscillator.c} if self.oscillator.c else {}
+        return {**c, **self.law}
+
+
+def drawn(law: str, levels: Sequence[float], random: np.random.Generator) -> Truth:
+    """An oscillator with a law, by its name, as described above.   levels : parts of the highest amplitude."""
+    for _ in range(_MOST_DRAWINGS):
+        truth = _candidate(terms_named(law), levels, random)
+        responses = truth.responses()
+        if responses is not None and all(
+            ((part >= SHARE[0]) & (part <= SHARE[1])).any()
+            for part in truth.shares(responses).values()
+        ):
+            return truth
+    raise ArithmeticError(f"no oscillator with the law {law} slips once per half cycle as wanted")
+
+
+def _candidate(terms: Sequence[str], levels: Sequence[float], random: np.random.Generator) -> Truth:
+    """An oscillator whose terms share the work as wanted at one of its levels, were its motion harmonic."""
+
+    def spread(within: tuple[float, float]) -> float:
+        return math.exp(random.uniform(math.log(within[0]), math.log(within[1])))
+
+    m, omega_n = spread(MASSES), 2.0 * math.pi * spread(NATURAL_HZ)
+    k = m * omega_n**2
+    frequencies = [omega_n * random.uniform(*within) for within in (BELOW, ABOVE)]
+    highest, zeta = spread(HIGHEST), spread(ZETA)
+    omega = frequencies[int(random.integers(2))]
+    Y = highest * sorted(levels)[len(levels) // 2]
+    damper = 2.0 * zeta * math.sqrt(k * m)
+    x = k * Y / complex(k - m * omega**2, damper * omega)
+    X, phi = abs(x), -float(np.angle(x))
+    work = math.pi * damper * omega * X**2
+    friction, *others = _parts(len(terms), random)
+    law = {}
+    for symbol, share in zip(terms[1:], others, strict=True):
+        harmonic = KNOWN_TERMS[symbol].harmonic
+        assert harmonic is not None
+        law[symbol] = float(share) * work / float(harmonic(omega, X, Y, phi, k))
+    return Truth(
+        Oscillator(m, law.pop("c", 0.0), k, k * spread(STIFFNESSES), friction * work / (4.0 * X)),
+        law,
+        tuple(BaseMotion(highest * level, float(f)) for f in frequencies for level in levels),
+    )
+
+
+def _parts(count: int, random: np.random.Generator) -> Array:
+    """Parts of a whole, each within SHARE."""
+    while True:
+        parts: Array = random.dirichlet(np.full(count, 4.0))
+        if parts.min() >= SHARE[0] and parts.max() <= SHARE[1]:
+            return parts
+
+
+def chosen_law(
+    law: str, levels: Sequence[float], cycles: int, noise: float, random: np.random.Generator
+) -> str:
+    """The law that `compare_laws` chooses for the records of an oscillator with `law`, by name; NONE where it rejects
+    all, or cannot read the records."""
+    truth = drawn(law, levels, random)
+    readings: list[Reading] = []
+    for motion in truth.motions:
+        try:
+            orbit = law_orbit(truth.oscillator, motion, truth.law)
+            measurement = measured_orbit(
+                orbit,
+                rate_hz=random.uniform(*_SAMPLES) / motion.period,
+                cycles=cycles,
+                noise=noise,
+                seed=random,
+                start=random.random() * motion.period,
+            )
+            readings.append(read_features(measurement, truth.oscillator.k))
+        except (ValueError, NoSteadyOrbit):
+            return NONE
+    chosen = compare_laws(readings, truth.oscillator.k).chosen
+    return NONE if chosen is None else law_named(chosen)
+
+
+def chosen_laws(
+    values: Mapping[str, Words], levels: Sequence[float], cycles: int, seed: int
+) -> Words:
+    """The law that is chosen in each of n cases, (n,).
+
+    values : law, noise and run of each, (n,).
+    """
+    found = []
+    for law, noise, run in zip(values["law"], values["noise"], values["run"], strict=True):
+        random = np.random.default_rng([seed, *str(law).encode(), int(run)])
+        found.append(chosen_law(str(law), levels, cycles, float(noise), random))
+    return np.array(found, dtype=object)

@@ -1,0 +1,166 @@
+"""Records of free decays: each set drawn by (seed, index) alone, its motion from an integrator of another make."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from dampbalance.records.measurement import Channel, Measurement
+
+from .other_motion import ring_down
+from .truths import ANSWERS, NOISE, SEED
+
+_DECAYS = 2  # so that the draws are not those of the forced sets
+_SETTLES = 3.0  # time constants of the slowest decay that a burst lasts at the most
+
+
+@dataclass(frozen=True)
+class Decay:
+    """One record of one to three free decays. SI units.
+
+    starts : of each, ("pluck", x) for a release from x or ("blow", v) for a velocity added at rest.   lead : time that
+    the mass is held, or rests, before each, s.   lasts : of each, s.   pull : time that a hand takes to pull it, s.
+    answers : channels.   noise : as a part of the largest value.   offset : of a channel, of its largest value.
+    """
+
+    index: int
+    m: float
+    c: float
+    k: float
+    K_z: float
+    F_k: float
+    starts: tuple[tuple[str, float], ...]
+    lead: tuple[float, ...]
+    lasts: tuple[float, ...]
+    pull: tuple[float, ...]
+    rate_hz: float
+    answers: tuple[str, ...]
+    noise: float
+    offset: float
+
+    @property
+    def omega_n(self) -> float:
+        """√(k/m), rad/s."""
+        return math.sqrt(self.k / self.m)
+
+    @property
+    def zeta(self) -> float:
+        """c/(2 √(k m))."""
+        return self.c / (2.0 * math.sqrt(self.k * self.m))
+
+    @property
+    def height(self) -> float:
+        """The first amplitude over F_k/k."""
+        kind, size = self.starts[0]
+        return abs(size) / (1.0 if kind == "pluck" else self.omega_n) * self.k / self.F_k
+
+
+def draw(index: int, seed: int = SEED) -> Decay:
+    """Set number `index` ≥ 0: ζ 0.002–0.1, K_z/k 3–300, a first amplitude of 5–50 F_k/k, m 0.1–10 kg, f_n 1–50 Hz, all
+    log-uniform; 50–400 samples per free cycle."""
+    random = np.random.default_rng((_DECAYS, seed, index))
+
+    def spread(low: float, high: float) -> float:
+        return float(math.exp(random.uniform(math.log(low), math.log(high))))
+
+    m, f_n = spread(0.1, 10.0), spread(1.0, 50.0)
+    omega_n = 2.0 * math.pi * f_n
+    k = m * omega_n**2
+    zeta, K, height, x = (
+        spread(0.002, 0.1),
+        spread(3.0, 300.0),
+        spread(5.0, 50.0),
+        spread(1e-4, 1e-2),
+    )
+    count = int(random.integers(1, 4))
+    kinds = random.permutation(["pluck", "blow", "both"])[0]
+    starts, lasts = [], []
+    cycles = min(0.25 * height, _SETTLES / (2.0 * math.pi * zeta)) + 4.0
+    for i in range(count):
+        kind = str(random.choice(["pluck", "blow"])) if kinds == "both" else str(kinds)
+        size = x * (1.0 if i == 0 else random.uniform(0.5, 1.0)) * random.choice([-1.0, 1.0])
+        starts.append((kind, float(size * (1.0 if kind == "pluck" else omega_n))))
+        lasts.append(cycles / f_n * random.uniform(0.8, 1.6))
+    led = bool(random.random() < 0.5)
+    lead = [random.uniform(0.5, 3.0) / f_n * (led or i > 0) for i in range(count)]
+    answers = random.permutation(ANSWERS)[: 2 if random.random() < 0.15 else 1].tolist()
+    return Decay(
+        index=index,
+        m=m,
+        c=2.0 * zeta * math.sqrt(k * m),
+        k=k,
+        K_z=K * k,
+        F_k=k * x / height,
+        starts=tuple(starts),
+        lead=tuple(float(t) for t in lead),
+        lasts=tuple(float(t) for t in lasts),
+        pull=tuple(random.uniform(1.0, 3.0) / f_n for _ in range(count)),
+        rate_hz=spread(50.0, 400.0) * f_n,
+        answers=tuple(answer for answer in ANSWERS if answer in answers),
+        noise=float(random.choice(NOISE)),
+        offset=float(random.uniform(-0.3, 0.3)),
+    )
+
+
+def clean(decay: Decay) -> tuple[np.ndarray, list[float]]:
+    """(x, x′, x″) of the record, (3, n), and the times at which the mass comes free, s."""
+    step, Z_m = 1.0 / decay.rate_hz, decay.F_k / decay.K_z
+    parts: list[np.ndarray] = []
+    x = z = 0.0
+    free, count = [], 0
+    for i, (kind, size) in enumerate(decay.starts):
+        v = size if kind == "blow" else 0.0
+        if kind == "pluck":
+            if i:
+                parts.append(_pulled(x, size, decay.pull[i], step))
+            x, z = size, math.copysign(Z_m, size)
+        parts.append(_held(x, round(decay.lead[i] / step)))
+        count = sum(part.shape[1] for part in parts)
+        free.append(count * step)
+        moved = ring_down(decay, x, step, decay.lasts[i], v=v, z=z)
+        parts.append(moved)
+        # at rest the spring holds against the contact, whatever it still rings
+        x = float(moved[0, -1])
+        z = min(max(-decay.k * x / decay.K_z, -Z_m), Z_m)
+    return np.hstack(parts), free
+
+
+def _held(x: float, count: int) -> np.ndarray:
+    held = np.zeros((3, count))
+    held[0] = x
+    return held
+
+
+def _pulled(start: float, end: float, lasts: float, step: float) -> np.ndarray:
+    """A hand that moves the mass from one place to another, after it has grasped it for as long."""
+    n = max(4, round(lasts / step))
+    turn = np.arange(n) * (math.pi / n)
+    rate = math.pi / (n * step)
+    half = 0.5 * (end - start)
+    moved = np.stack(
+        [
+            start + half * (1.0 - np.cos(turn)),
+            half * rate * np.sin(turn),
+            half * rate**2 * np.cos(turn),
+        ]
+    )
+    return np.hstack([_held(start, n), moved])
+
+
+def record(decay: Decay, seed: int | None = None) -> tuple[Measurement, list[float]]:
+    """The record with its noise, and the times at which the mass comes free, s.   seed : default, that of the set."""
+    signals, free = clean(decay)
+    t = np.arange(signals.shape[1]) / decay.rate_hz
+    channels = []
+    for quantity in decay.answers:
+        order = ANSWERS.index(quantity)
+        values = signals[order]
+        largest = float(np.abs(values).max())
+        random = np.random.default_rng(
+            (_DECAYS, SEED if seed is None else seed, decay.index, order)
+        )
+        noisy = values + decay.noise * largest * random.standard_normal(t.size)
+        channels.append(Channel(quantity, t, noisy + decay.offset * largest))
+    return Measurement.of(f"decay {decay.index}", channels), free

@@ -1,0 +1,234 @@
+"""Free decays to F_k, c and K_z, on records of an integrator of another make, and against the forced result."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from blind.decays import draw, record
+from dampbalance import BaseMotion, Oscillator, steady_orbit
+from dampbalance.commands.main import main
+from dampbalance.identification.identify import identify
+from dampbalance.identification.kinds import identify_records
+from dampbalance.identification.ringdown import identify_ring_downs
+from dampbalance.motion.jit import interpreted
+from dampbalance.reading.noisy import read_features
+from dampbalance.records.correction import Correction
+from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.synthetic import measured_orbit
+from dampbalance.records.writers import write
+
+SYMBOLS = ("F_k", "c", "K_z")
+# of an estimate: once in 16,000 of normal errors; the records are fixed
+FAR = 4.0
+PLUCKED = replace(
+    draw(0),
+    m=1.0,
+    c=0.3,
+    k=400.0,
+    K_z=6000.0,
+    F_k=0.1,
+    starts=(("pluck", 0.005),),
+    lead=(0.2,),
+    lasts=(5.0,),
+    pull=(0.4,),
+    rate_hz=500.0,
+    answers=("displacement",),
+    noise=0.01,
+)
+OSCILLATOR = Oscillator(PLUCKED.m, PLUCKED.c, PLUCKED.k, PLUCKED.K_z, PLUCKED.F_k)
+
+
+@pytest.fixture(autouse=True)
+def compiled():
+    """Thousands of samples, hundreds of times."""
+    with interpreted(False):
+        yield
+
+
+def holds(result, decay, far=FAR):
+    """Whether F_k, c and K_z of balance and fit are those of the truth within their errors."""
+    for found in (result.coefficients, result.of_fit):
+        for symbol in ("F_k", "c"):
+            off = found[symbol].value - getattr(decay, symbol)
+            assert abs(off) < far * found[symbol].standard_error, symbol
+    low, high = (1.0 / math.sqrt(end) for end in reversed(result.of_fit["K_z"].interval))
+    middle, spread = 0.5 * (low + high), 0.5 * (high - low)
+    assert abs(decay.K_z**-0.5 - middle) < far / 1.96 * spread
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+def test_a_release_tells_friction_damping_and_contact(quantity):
+    decay = replace(PLUCKED, answers=(quantity,))
+    result = identify_ring_downs([record(decay)[0]], decay.k)
+    holds(result, decay)
+    assert result.fit.adequate
+    # what 1 % noise over 12 half cycles leaves
+    assert result.coefficients["F_k"].standard_error < 0.02 * decay.F_k
+    assert result.fit.m == pytest.approx(decay.m, abs=FAR * result.fit.error("m"))
+
+
+def test_the_balance_uses_what_the_samples_hold():
+    result = identify_ring_downs([record(PLUCKED)[0]], PLUCKED.k)
+    for symbol in ("F_k", "c"):
+        bound = result.of_fit[symbol].standard_error
+        assert bound**2 > 0.8 * result.coefficients[symbol].standard_error ** 2
+    # χ² of rows that share turns: their covariance is full
+    assert 0.1 < result.misfit < 3.0
+
+
+def test_what_held_the_mass_before_is_left_out():
+    measured, (free,) = record(PLUCKED)
+    (start,) = (one.start for one in identify_ring_downs([measured], PLUCKED.k).fit.stretches)
+    # from the release on, and within a tenth of a cycle of it
+    assert -0.5 / PLUCKED.rate_hz < start - free < 0.1 * 2.0 * math.pi / PLUCKED.omega_n
+
+
+def test_several_blows_and_releases_in_one_record():
+    decay = replace(
+        PLUCKED,
+        starts=(("blow", 0.08), ("pluck", -0.004), ("blow", -0.1)),
+        lead=(0.2, 0.3, 0.1),
+        lasts=(3.0, 3.5, 3.0),
+        pull=(0.4, 0.5, 0.4),
+    )
+    measured, free = record(decay)
+    result = identify_ring_downs([measured], decay.k)
+    starts = [one.start for one in result.fit.stretches]
+    # within an eighth of a cycle after each
+    assert np.subtract(starts, free) == pytest.approx([0.02] * 3, abs=0.025)
+    holds(result, decay)
+
+
+def test_records_go_together():
+    records = [record(replace(PLUCKED, index=i))[0] for i in range(3)]
+    one, all_of_them = (identify_ring_downs(some, PLUCKED.k) for some in (records[:1], records))
+    holds(all_of_them, PLUCKED)
+    ratio = all_of_them.of_fit["F_k"].standard_error / one.of_fit["F_k"].standard_error
+    # the starts are found within a tenth of a cycle, the first tenth of the largest of 12 half cycles
+    assert ratio == pytest.approx(3.0**-0.5, rel=0.12)
+    assert len(all_of_them.sources) == 3
+
+
+def test_it_agrees_with_the_forced_result_for_the_same_oscillator():
+    forced = []
+    for i, Y in enumerate((1e-3, 2e-3, 4e-3)):
+        orbit = steady_orbit(OSCILLATOR, BaseMotion(Y, 0.7 * OSCILLATOR.omega_n))
+        measured = measured_orbit(orbit, rate_hz=500.0, cycles=60.0, noise=0.01, seed=i)
+        forced.append(read_features(measured, PLUCKED.k))
+    driven = identify(forced, PLUCKED.k, replicates=100).estimates["direct"]
+    free = identify_ring_downs([record(PLUCKED)[0]], PLUCKED.k)
+    for symbol in ("F_k", "c"):
+        one, other = driven.coefficients[symbol], free.coefficients[symbol]
+        error = math.hypot(one.standard_error, other.standard_error)
+        assert abs(one.value - other.value) < FAR * error
+
+
+def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
+    measured, _ = record(PLUCKED)
+    free, given = (identify_ring_downs([measured], PLUCKED.k, mass=m) for m in (None, PLUCKED.m))
+    assert given.fit.m == PLUCKED.m
+    assert given.of_fit["K_z"].standard_error < free.of_fit["K_z"].standard_error
+    wrong = identify_ring_downs([measured], PLUCKED.k, mass=1.3 * PLUCKED.m)
+    assert wrong.fit.m == pytest.approx(free.fit.m)
+    assert "is not that of these decays" in wrong.warnings[0]
+
+
+def test_a_contact_of_another_kind_is_told():
+    measured, _ = record(replace(PLUCKED, noise=0.001))
+    channel = measured["displacement"]
+    # a friction that grows with the displacement: the decay bends
+    bent = channel.values + 30.0 * np.abs(channel.values) * channel.values
+    other = Measurement.of("bent", [Channel("displacement", channel.t, bent)])
+    result = identify_ring_downs([other], PLUCKED.k)
+    assert not result.fit.adequate
+    assert any("not those of one mass on a spring" in words for words in result.notes)
+
+
+def test_gain_and_delay_are_taken_off_and_a_filter_is_refused():
+    measured, _ = record(PLUCKED)
+    channel = measured["displacement"]
+
+    def corrected(correction, factor=1.0):
+        changed = Channel("displacement", channel.t, factor * channel.values, "x", correction)
+        return identify_ring_downs([Measurement.of("run", [changed])], PLUCKED.k)
+
+    plain, gained = corrected(None), corrected(Correction(gain=1.25, delay=0.01), 1.25)
+    assert gained.of_fit["F_k"].value == pytest.approx(plain.of_fit["F_k"].value, rel=1e-4)
+    with pytest.raises(ValueError, match=r"run: x has a filter .* as it was before the filter"):
+        corrected(Correction(low_pass=(-300.0 + 0j,)))
+
+
+def steady(noise=0.01):
+    orbit = steady_orbit(OSCILLATOR, BaseMotion(2e-3, 0.7 * OSCILLATOR.omega_n))
+    return measured_orbit(orbit, rate_hz=500.0, cycles=60.0, noise=noise)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (lambda t, x: 1e-3 * np.sin(14.0 * t), "swings as far at its end as at its start"),
+        (lambda t, x: np.random.default_rng(1).standard_normal(t.size), "stands out of the noise"),
+        (lambda t, x: x[-1] + 1e-6 * np.random.default_rng(1).standard_normal(t.size), "noise"),
+    ],
+)
+def test_a_record_without_a_decay_is_refused_in_a_sentence(values, message):
+    measured, _ = record(PLUCKED)
+    t, x = measured["displacement"].t, measured["displacement"].values
+    none = Measurement.of("run", [Channel("displacement", t, values(t, x))])
+    with pytest.raises(ValueError, match=rf"run: nothing drives it .* no free decay .*{message}"):
+        identify_ring_downs([none], PLUCKED.k)
+
+
+def test_a_forced_record_is_not_taken_for_a_decay(tmp_path):
+    path, free = tmp_path / "level.csv", tmp_path / "decay.csv"
+    write(path, steady())
+    write(free, record(PLUCKED)[0])
+    for names in ([path], [free, path], [path, free]):
+        with pytest.raises(ValueError, match=r"level\.csv: .* moves: .* not identified together"):
+            identify_records(names, PLUCKED.k, "ring-down" if len(names) == 1 else "recognised")
+    with pytest.raises(ValueError, match=r"decay\.csv: nothing drives it"):
+        identify_records([free], PLUCKED.k, "forced")
+
+
+def test_a_drive_that_stands_still_is_none(tmp_path):
+    measured, _ = record(PLUCKED)
+    t = measured["displacement"].t
+    still = 1e-6 * np.random.default_rng(3).standard_normal(t.size)
+    both = [Channel("base_displacement", t, still), measured["displacement"]]
+    write(tmp_path / "run.csv", Measurement.of("run", both))
+    result = identify_records([tmp_path / "run.csv"], PLUCKED.k)
+    holds(result.result, PLUCKED)
+
+
+def test_options_of_forced_records_are_refused(tmp_path):
+    write(tmp_path / "decay.csv", record(PLUCKED)[0])
+    for options in ({"frequency_hz": 3.0}, {"skip_cycles": 2}, {"approaches": ["X_s"]}):
+        with pytest.raises(ValueError, match="is for forced records"):
+            identify_records([tmp_path / "decay.csv"], PLUCKED.k, **options)
+
+
+def test_the_command_writes_everything_and_the_same_bytes(tmp_path, capsys):
+    write(tmp_path / "decay.csv", record(PLUCKED)[0])
+    arguments = ["identify", str(tmp_path / "decay.csv"), "--stiffness", "400", "--output"]
+    for folder in ("one", "other"):
+        assert main([*arguments, str(tmp_path / folder)]) == 0
+    said = capsys.readouterr().out
+    assert "1 record with 1 free decay, " in said
+    assert "maximum likelihood" in said
+    names = sorted(path.name for path in (tmp_path / "one").iterdir())
+    assert names == sorted(path.name for path in (tmp_path / "other").iterdir())
+    assert {"decays.svg", "decays.png", "identification.json"} <= set(names)
+    for name in names:
+        contents = [(tmp_path / folder / name).read_bytes() for folder in ("one", "other")]
+        assert contents[0] == contents[1], name
+    found = json.loads((tmp_path / "one" / "identification.json").read_text(encoding="utf-8"))
+    balance = found["approaches"]["balance"]
+    low, high = balance["F_k_interval_N"]
+    assert low < PLUCKED.F_k < high
+    assert balance["verdicts"]["F_k"]["verdict"] == "usable"
+    assert len(found["records"][0]["decays"][0]["turns_m"]) > 5
