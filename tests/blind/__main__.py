@@ -14,7 +14,7 @@ from typing import Any
 
 import pandas as pd
 
-from . import efficiency, faults, laws, others, score
+from . import decrements, efficiency, faults, laws, others, score
 
 
 def _rows(
@@ -71,7 +71,19 @@ def confused(options: argparse.Namespace) -> str:
     return laws.table(rows)
 
 
+def decays(options: argparse.Namespace) -> str:
+    """Identify free decays, beside what laboratories do; goes on where an earlier run stopped."""
+    file = options.output / "decays.csv"
+    done = pd.read_csv(file) if file.exists() else pd.DataFrame({"set": []})
+    wanted = range(options.first, options.first + options.sets)
+    for index in sorted(set(wanted) - set(done["set"].astype(int))):
+        done = pd.concat([done, pd.DataFrame(decrements.tried(index))], ignore_index=True)
+        done.to_csv(file, index=False)
+    return decrements.table(done)
+
+
 PARTS = {
+    "decays": decays,
     "blind": blind,
     "efficiency": efficient,
     "faults": faulty,

@@ -1,4 +1,4 @@
-"""Records of free decays: each set drawn by (seed, index) alone, its motion from the integrator of `other_motion.py`."""
+"""Records of free decays: each set drawn by (seed, index) alone, its motion from an integrator of another make."""
 
 from __future__ import annotations
 

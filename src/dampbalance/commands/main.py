@@ -15,6 +15,7 @@ from ..project.wording import cut, visible
 COMMANDS = {
     "identify": "identify F_k, c and K_z from records",
     "simulate": "write a record with known truth",
+    "release": "write a record of a free decay with known truth",
 }
 """Each is a module of this room, loaded when it is called: what it needs takes longer to load than help to show."""
 

@@ -34,7 +34,9 @@ c_r on that relative to the base, c_2 quadratic, c_3 cubic, eta structural, a lo
 """
 _MOST_SWINGS = 300_000  # a second or two of computing
 _MOST_SWINGS_OF_LAW = 3_000  # a minute or two
-_DAMPING, _FRICTION = 90.0, 1.28
+DAMPING, FRICTION = 90.0, 1.28
+"""Of the oscillator of the paper, N s/m and N."""
+
 _CHANNELS = ("base_displacement", "displacement")
 
 
@@ -57,11 +59,11 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     "--mass": _quantity(2.42, "m, kg"),
     "--damping": {
         "type": number(0.0),
-        "help": f"c, N s/m (default: {_DAMPING:g}; with --law 0)",
+        "help": f"c, N s/m (default: {DAMPING:g}; with --law 0)",
     },
     "--stiffness": _quantity(2310.0, "k, N/m"),
     "--contact-stiffness": _quantity(208000.0, "K_z, N/m"),
-    "--friction": {"type": number(0.0), "help": f"F_k, N (default: {_FRICTION:g})"},
+    "--friction": {"type": number(0.0), "help": f"F_k, N (default: {FRICTION:g})"},
     "--law": {
         "type": coefficients,
         "metavar": "SYMBOL=VALUE,…",
@@ -123,7 +125,7 @@ def _of_options(options: argparse.Namespace) -> tuple[Oscillator, dict[str, floa
     for symbol, option in (("c", "--damping"), ("F_k", "--friction")):
         if symbol in law and given[symbol] is not None:
             raise ValueError(f"{symbol} is in --law and given by {option} as well: leave out one")
-    default = {"c": 0.0 if law else _DAMPING, "F_k": _FRICTION}
+    default = {"c": 0.0 if law else DAMPING, "F_k": FRICTION}
     c, F_k = (
         law.pop(symbol, default[symbol] if given[symbol] is None else given[symbol])
         for symbol in ("c", "F_k")

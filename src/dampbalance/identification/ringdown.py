@@ -1,8 +1,8 @@
 """F_k, c and K_z from free decays: rows of half cycles, weighted with their covariance, beside the fit of all samples.
 
-Every half cycle between turns gives a row a F_k + b c + d k x_0 = W (`reading/ringdown_rows.py`), x_0 the rest position
-of the spring in the channel of a record; where no displacement is measured, the level is one unknown of each decay.
-Neighbouring rows share a turn: rows are made independent by the root of their covariance before they are solved.
+Every half cycle between turns gives a row a F_k + b c = W (`reading/ringdown_rows.py`). Neighbouring rows share a turn,
+and all share the rest position of the spring: rows are made independent by the root of their covariance before they are
+solved.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..reading.frequency import stands_still
 from ..reading.one_thread import one_thread
 from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
 from ..reading.ringdown_fit import RingFit, fit_stretches, with_noise_of
-from ..reading.ringdown_rows import A, B, D, RingRows, W, rows_of
+from ..reading.ringdown_rows import A, B, RingRows, W, rows_of
 from ..reading.ringdown_starts import fit_all, stretches_of
 from ..reading.sampling import evenly_sampled
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
@@ -42,7 +42,6 @@ class RingDown:
 
     k : N/m.   fit : of one oscillator to all samples, the yardstick.   rows : of the balance.
     coefficients : F_k and c of the rows, K_z of the fit, by symbol.   correlation : of the errors of F_k and c.
-    rest : x_0 of each record, m, NaN where no displacement tells it.
     misfit : χ² of the rows about their solution per degree of freedom; NaN where there are no more rows than unknowns.
     freedom : degrees of freedom.   mass_given : whether the mass was.
     sources : of the records.   notes : what a reader of the balance must know.   fit_notes : and of the fit.
@@ -53,7 +52,6 @@ class RingDown:
     rows: RingRows
     coefficients: Mapping[str, ParameterEstimate]
     correlation: float
-    rest: Mapping[str, float]
     misfit: float
     freedom: int
     mass_given: bool
@@ -110,10 +108,15 @@ def identify_ring_downs(
             )
         offsets += len(signals)
         fits += found
-    fit = fit_all(fits, offsets)
-    if fit is None:
+    found_fit, left_out = fit_all(fits, offsets)
+    if found_fit is None:
         raise ValueError(f"{records[0].source}: no oscillator moves like its free decays")
-    fit = with_noise_of(fit)
+    warnings += [
+        f"{one.source}: what moves from {one.start:.4g} s to {one.end:.4g} s is no free decay of this oscillator, and "
+        "is left out"
+        for one in left_out
+    ]
+    fit = with_noise_of(found_fit)
     if mass is not None:
         fit = _with_mass(fit, mass, warnings)
     rows = rows_of(fit)
@@ -174,11 +177,11 @@ def _solved(
         fit_notes.append(reason)
     if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < _CHANCE:
         notes.append(f"the half cycles do not share one F_k and c: χ² is {misfit:.3g} per row")
-    halves = int(np.count_nonzero(~rows.shape))
+    halves = rows.halves
     if not found:
         notes.append(
-            f"{halves} half cycle{'s' * (halves != 1)} that slip{'s' * (halves == 1)} do not tell F_k, c and the rest "
-            "position apart: start the decay higher, or give more of them"
+            f"{halves} half cycle{'s' * (halves != 1)} that slip{'s' * (halves == 1)} do not tell F_k and c apart: "
+            "start the decay higher, or give more of them"
         )
     if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
         words = (
@@ -191,14 +194,12 @@ def _solved(
     known = {s: _estimate(found[s], errors[s]) for s in ("F_k", "c") if s in found}
     estimates = {s: known.get(s, _NOTHING) for s in ("F_k", "c")} | {"K_z": _stiffness(fit)}
     correlation = float(covariance[0, 1]) / (errors["F_k"] * errors["c"]) if known else math.nan
-    rest = {symbol: value / fit.k for symbol, value in found.items() if symbol not in known}
     return RingDown(
         k=fit.k,
         fit=fit,
         rows=rows,
         coefficients=estimates,
         correlation=correlation,
-        rest=rest,
         misfit=misfit,
         freedom=freedom,
         mass_given=mass_given,
@@ -213,7 +214,7 @@ _BIN = "twelfth"
 
 
 def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Array, float, int]:
-    """(F_k, c and the k x_0 by symbol, their covariance, χ² per degree of freedom, degrees of freedom)."""
+    """(F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom)."""
     nothing: dict[str, float] = {}
     count = len(rows.columns)
     if not count:
@@ -225,10 +226,6 @@ def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Arra
     values, vectors = np.linalg.eigh(correlations)
     whitening = (vectors / np.sqrt(np.maximum(values, 1e-10 * values[-1]))).T / scale
     columns = {"F_k": rows.columns[:, A], "c": rows.columns[:, B]}
-    for name, members in _levels(fit, rows).items():
-        column = np.where(members, rows.columns[:, D], 0.0)
-        if column.any():
-            columns[name] = column
     white = Rows(
         {name: whitening @ g for name, g in columns.items()}, whitening @ rows.columns[:, W]
     )
@@ -243,17 +240,6 @@ def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Arra
     left = white.misfit(found)
     misfit = float(left @ left) / freedom if freedom > 0 else math.nan
     return found, covariance, misfit, freedom
-
-
-def _levels(fit: RingFit, rows: RingRows) -> dict[str, Array]:
-    """Which rows share a rest position, by a name: those of a record, of a decay where no displacement is measured."""
-    shared: dict[str, Array] = {}
-    for i, one in enumerate(fit.stretches):
-        displaced = any(signal.order == 0 for signal in one.signals)
-        name = f"rest of {one.source}" if displaced else f"rest of decay {i + 1}"
-        mine = rows.stretch == i
-        shared[name] = shared.get(name, np.zeros(len(mine), dtype=np.bool_)) | mine
-    return shared
 
 
 def _estimate(value: float, error: float) -> ParameterEstimate:

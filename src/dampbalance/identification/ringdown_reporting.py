@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..reading.ringdown_rows import A, B, D, W, at_rest
+from ..reading.ringdown_fit import COMMON
+from ..reading.ringdown_rows import A, B, W, at_rest
 from .limits import REFERENCE
 from .reporting import (
     _headed,
@@ -109,7 +110,7 @@ def text_table(result: RingDown) -> str:
         for line in table
     ]
     records, decays = len(result.sources), len(fit.stretches)
-    halves = int(np.count_nonzero(~rows.shape))
+    halves = rows.halves
     head = (
         f"{_counted(records, 'record')} with {_counted(decays, 'free decay')}, {_counted(halves, 'half cycle')} that "
         f"slip{'s' * (halves == 1)}; values with 95 % intervals"
@@ -128,19 +129,17 @@ def text_table(result: RingDown) -> str:
 
 def _balance(result: RingDown) -> dict[str, Any]:
     rows = result.rows
-    columns = {"a_m": A, "b_m2_per_s": B, "W_J": W, "travel_m": D}
+    columns = {"a_m": A, "b_m2_per_s": B, "W_J": W}
     errors = np.sqrt(np.diag(rows.covariance))
     return _parameters(result.coefficients, leave_out="_propagated_error") | {
         "correlation_of_F_k_and_c": _number(result.correlation),
         "verdicts": _verdicts(judged_by_notes(result.coefficients, result.notes)),
         "misfit": _number(result.misfit),
         "degrees_of_freedom": result.freedom,
-        "rest_m": {name: _number(value) for name, value in result.rest.items()},
         "rows": {key: [float(v) for v in rows.columns[:, at]] for key, at in columns.items()}
         | {
             "standard_error_J": [float(v) for v in errors],
-            "decay": [int(i) + 1 for i in rows.stretch],
-            "of_the_shape": [bool(v) for v in rows.shape],
+            "decay": [int(i) + 1 if i >= 0 else None for i in rows.stretch],
         },
         "notes": list(result.notes),
     }
@@ -160,6 +159,7 @@ def _decays(result: RingDown, source: str) -> list[dict[str, Any]]:
                 "start_s": one.start,
                 "end_s": one.end,
                 "sticks_from_s": None if still is None else one.start + still,
+                "rest_m": _rest(result, i),
                 "noise_rms": {signal.quantity: signal.noise for signal in one.signals},
                 "turns_s": [float(t) for t in turns[:, 0]],
                 "turns_m": [float(x) for x in turns[:, 1]],
@@ -167,6 +167,14 @@ def _decays(result: RingDown, source: str) -> list[dict[str, Any]]:
             }
         )
     return found
+
+
+def _rest(result: RingDown, i: int) -> float | None:
+    """Where the spring of a decay is slack in its displacement channel; None where there is none."""
+    one = result.fit.stretches[i]
+    offsets = zip(one.signals, one.offsets, strict=True)
+    at = next((number for signal, number in offsets if signal.order == 0), None)
+    return None if at is None else float(result.fit.point[len(COMMON) + at])
 
 
 def _counted(n: int, what: str) -> str:

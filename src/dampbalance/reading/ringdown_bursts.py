@@ -98,8 +98,10 @@ def bursts_of(signal: Signal) -> list[Burst]:
     peaks = _peaks(swing, length, least)
     if not peaks:
         raise NoDecay("nothing in it stands out of the noise and decays")
+    # over two windows lies a whole cycle, and its largest swing
+    widest = maximum_filter1d(swing, length, origin=ahead, mode="nearest")
     if all(
-        swing[i:j].min() > _DECAYED * swing[i]
+        widest[i : max(j - 2 * length, i + 1)].min() > _DECAYED * swing[i]
         for i, j in zip(peaks, [*peaks[1:], swing.size], strict=True)
     ):
         raise NoDecay("it swings as far at its end as at its start")

@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array, Integers, Mask
+from ..arrays import Array, Integers
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
@@ -43,6 +43,7 @@ _MOST_PHASES = 4096  # of a stretch: a decay that slips more often than that is 
 _MOST = 30  # evaluations of a climb
 _GAIN = 5e-8  # of half of χ², where a climb ends
 _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
+_CHORD = 3e-2  # of ρ√k: K_z = 1100 k
 _W_ERROR = 1.0  # of w, which lies between 0 and 2
 _BINS = 12  # of a cycle, in which the residual is averaged
 
@@ -82,7 +83,7 @@ class RingFit:
 
     k : N/m.   point : the unknowns (COMMON, the offsets, x, ẋ, w of each stretch), SI, (p,).
     covariance : of the point, (p, p).
-    response : of the point to the samples in units of their noise, (p, samples): dp = response · d(sample)/σ.
+    jacobian : derivatives of the residual by the unknowns, (samples, p); zero where one was given.
     residual : (model − sample)/σ, stretch by stretch, channel by channel.   rigid : whether ρ is at zero.
     """
 
@@ -90,7 +91,7 @@ class RingFit:
     k: float
     point: Array
     covariance: Array
-    response: Array
+    jacobian: Array
     residual: Array
     rigid: bool
 
@@ -209,6 +210,13 @@ def numbers_of(point: Array, k: float) -> Parameters:
     return Parameters(m, c, k, rho**-2, F_k, 0.0, 0.0)
 
 
+def contact_step(point: Array, k: float) -> float:
+    """Step of a difference by ρ: close to a rigid contact nothing changes but with its square, and a chord stands for
+    the slope."""
+    rho, chord = float(point[COMMON.index("rho")]), _CHORD / math.sqrt(k)
+    return chord if rho < 0.3 * chord else _STEP * rho
+
+
 def phases_of(point: Array, state: Array, k: float, until: float) -> Array:
     """Rows (t, s, x, ẋ, z) of the motion from a start state (x, ẋ, w) at t = 0 on.
 
@@ -295,36 +303,35 @@ def fit_stretches(
     assert here.jacobian is not None
     point = start.copy()
     point[free] = climbed.point
-    covariance, response = _errors(here.jacobian, free, climbed.point > rigid, first_state, point)
+    jacobian = np.zeros((here.residual.size, point.size))
+    jacobian[:, free] = here.jacobian
+    solution = linear_solution(jacobian, w_errors(point.size, first_state))
+    rigid_contact = bool(point[2] <= rigid)
     return RingFit(
-        tuple(stretches),
-        k,
-        point,
-        covariance,
-        response,
-        here.residual,
-        rigid=bool(point[2] <= rigid),
+        tuple(stretches), k, point, solution @ solution.T, jacobian, here.residual, rigid_contact
     )
 
 
-def _errors(
-    jacobian: Array, free: Integers, above: Mask, first_state: int, point: Array
-) -> tuple[Array, Array]:
-    """Covariance of the unknowns, and their response to the samples.
+def w_errors(size: int, first_state: int) -> Array:
+    """Standard errors that unknowns have before any sample tells more, (p,): w lies between 0 and 2, of the others
+    nothing is known."""
+    errors = np.full(size, math.inf)
+    errors[first_state + 2 :: STATE] = _W_ERROR
+    return errors
 
-    A damping at zero keeps its error. Of w it is known that it lies between 0 and 2: where the samples tell no more,
-    its error is that. above : which unknowns are not as small as a rigid contact's ρ.
+
+def linear_solution(design: Array, errors: Array) -> Array:
+    """The pseudo-inverse, (p, samples + p), of a design (samples, p) and what is known before, (p,); zero for what
+    nothing depends on.
+
+    Its product with (residuals, 0) is the least-squares solution, that with its own transpose the covariance.
     """
-    size, samples = point.size, len(jacobian)
-    known = np.array([i >= first_state and (i - first_state) % STATE == 2 for i in free])
-    length = np.sqrt(np.sum(jacobian**2, axis=0) + known / _W_ERROR**2)
-    inside = (length > 0.0) & ((free != COMMON.index("rho")) | above)
-    rows = np.vstack([jacobian, np.diag(known / _W_ERROR)])[:, inside] / length[inside]
-    solution = np.linalg.pinv(rows, rcond=1e-10) / length[inside, None]
-    covariance, response = np.zeros((size, size)), np.zeros((size, samples))
-    covariance[np.ix_(free[inside], free[inside])] = solution @ solution.T
-    response[free[inside]] = solution[:, :samples]
-    return covariance, response
+    known = np.where(np.any(design != 0.0, axis=0), 1.0 / errors, 0.0)
+    length = np.sqrt(np.sum(design**2, axis=0) + known**2)
+    length[length == 0.0] = 1.0
+    solution: Array = np.linalg.pinv(np.vstack([design, np.diag(known)]) / length, rcond=1e-9)
+    solution /= length[:, None]
+    return solution
 
 
 def with_noise_of(fit: RingFit) -> RingFit:
@@ -401,12 +408,15 @@ class _Problem:
 
     def _steps(self, point: Array) -> Array:
         """Of the differences: a part of each unknown, or of what matters where it is close to zero."""
-        F_k, c, rho, m = point[: len(COMMON)].tolist()
+        F_k, c, _, m = point[: len(COMMON)].tolist()
         steps = _STEP * np.maximum(np.abs(point), self.scale)
-        # a contact whose stick takes about 1e-2 of a cycle
-        shortest = 1e-2 / math.sqrt(self.k)
         damping = max(c, 2e-2 * math.sqrt(self.k * m))
-        steps[: len(COMMON)] = _STEP * np.array([F_k, damping, max(rho, shortest), m])
+        steps[: len(COMMON)] = (
+            _STEP * F_k,
+            _STEP * damping,
+            contact_step(point, self.k),
+            _STEP * m,
+        )
         first = point.size - STATE * len(self.stretches) + 2
         steps[first::STATE] = np.where(point[first::STATE] > 1.0, -_STEP, _STEP)
         return steps

@@ -1,22 +1,24 @@
 """From free decays to rows of the energy balance, one for each half cycle between turns, with their covariance.
 
-Between two turns a and b of a free motion that slips the energy of spring and contact goes into friction and damper,
+Between two turns a and b of a free motion that slips the energy of the spring goes into friction and damper,
 
-    ½k (x_a² − x_b²) = F_k (|x_a − x_b| − 2Z_m) + c ∫ ẋ² dt + k x_0 (x_a − x_b)
+    ½k (x_a² − x_b²) = F_k (|x_a − x_b| − 2Z_m) + c ∫ ẋ² dt
 
-where x_0, by which the channel's zero is off the rest position of the spring, is one unknown of a record. The first row
-begins at the start state, with ½mẋ² and with Z_m (1 ∓ z/Z_m)²/2 in the place of 2Z_m.
+with x counted from the rest position of the spring. The first row begins at the start state, with ½mẋ² and with
+Z_m (1 ∓ z/Z_m)²/2 in the place of 2Z_m.
 
 The turns are read off all samples: between two turns the motion is that of the fit, stretched to x_a and x_b, and these
-are found by least squares. The shape of the motion between its turns (how it fades, how long it sticks, how a mass that
-sticks for good rings on the contact) tells F_k and c, too: what it tells is found beside the turns, and makes two more
-rows of a stretch, F_k times the way it moves and c ∫ ẋ² dt. Neighbouring rows share a turn, and all share what the fit
-tells of m, K_z and the instants of the turns; the covariance holds both.
+are found by least squares together with all that the shape and the instants of the motion tell: of m, K_z, the start,
+and of F_k and c, too (how the motion fades and sticks between its turns, how a mass that sticks for good rings on the
+contact). What the shape tells of F_k and c makes two more rows, F_k times the way and c ∫ ẋ² dt. Neighbouring rows
+share a turn, and all share m, K_z and the rest position, which hardly anything but the rows tells; the covariance of
+what was found makes that of the rows.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -26,18 +28,26 @@ from ..arrays import Array, Integers, Mask
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
 from ..motion.states import states_in_phases
-from .ringdown_fit import COMMON, STATE, RingFit, Stretch, numbers_of, phases_of, stuck_from
+from .ringdown_fit import (
+    COMMON,
+    STATE,
+    RingFit,
+    Stretch,
+    contact_step,
+    linear_solution,
+    numbers_of,
+    phases_of,
+    stuck_from,
+    w_errors,
+)
 
-W, A, B, D = range(4)
-"""Columns of a row: W (J), a (m), b (m²/s), and x_a − x_b (m), the factor of k x_0."""
-
-_SHAPED = ("F_k", "c")
-"""What the shape of the motion between its turns tells, too."""
+W, A, B = range(3)
+"""Columns of a row: W (J), a (m), b (m²/s)."""
 
 _STEP = 1e-6
 _PART = 1e-3  # of a standard error, for differences of what is read
+_WEAK = 10.0  # times its error in the fit: what is known of a level before
 _SEEN = 0.5  # of a last half cycle that the record must hold
-_SLIDES = 0.1  # of a half cycle's travel that must be in slip
 _RINGS = 1.0  # cycles of ringing that are read
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 _PANEL = 4.0  # rad: the rule is then exact to rounding
@@ -89,158 +99,158 @@ class Course:
 class RingRows:
     """Rows of all stretches.
 
-    columns : (n, 4), see W, A, B, D, as read.   smooth : the same of the fit's motion.   covariance : of
-    W − a F_k − b c with the F_k and c of the fit, J², (n, n).
-    stretch : number of the stretch that each is of, (n,).   shape : which rows are of the shape.
-    turns : of each stretch, its turns read off the record, rows (t, x), s and m, and their standard errors, m.
+    columns : (n, 3), see W, A, B, as read.   covariance : of W − a F_k − b c with the F_k and c of the fit, J²,
+    (n, n).   stretch : number of the stretch that each is of, (n,), −1 for the two of the shape, the last ones.
+    turns : of each stretch, its start and turns as read, rows (t, x), s and m, and their standard errors, m.
     """
 
     columns: Array
-    smooth: Array
     covariance: Array
     stretch: Integers
-    shape: Mask
     turns: tuple[tuple[Array, Array], ...]
+
+    @property
+    def halves(self) -> int:
+        """How many are of half cycles."""
+        return int(np.count_nonzero(self.stretch >= 0))
 
 
 def rows_of(fit: RingFit) -> RingRows:
     """The rows of all stretches of a fit."""
-    p = fit.point.size
-    parts, smooth, slopes, direct, crossed, which, shape, turns = [], [], [], [], [], [], [], []
+    p, first = fit.point.size, fit.point.size - STATE * len(fit.stretches)
+    courses = [_course(fit.point, fit.state(i), fit.k, one) for i, one in enumerate(fit.stretches)]
+    nodes = [_turns(course) for course in courses]
+    counts = [node.size for node in nodes]
+    ends = np.cumsum(counts)
+    places = [slice(end - count, end) for end, count in zip(ends.tolist(), counts, strict=True)]
+    total = sum(counts)
+    design, rest = np.zeros((fit.residual.size, total + p)), -fit.residual
+    changes: dict[tuple[int, int], Array] = {}  # of the columns of a stretch, by what is found
     at = 0
-    for i, one in enumerate(fit.stretches):
-        own = slice(p - STATE * (len(fit.stretches) - i), p - STATE * (len(fit.stretches) - i - 1))
+    for i, (one, course) in enumerate(zip(fit.stretches, courses, strict=True)):
         here = slice(at, at + one.samples)
         at += one.samples
-        read = _read(fit.point, own, fit.k, one)
-        if read is None:
-            turns.append((np.empty((0, 2)), np.empty(0)))
-            continue
-        course, theta, pulls, rows = read
-        n = len(rows)
-        by_theta = np.empty((n, theta.size))
-        for j in range(theta.size):
-            turns_span = float(np.ptp(theta[:-2]))
-            scale = turns_span if j < theta.size - 2 else fit.F_k if j < theta.size - 1 else fit.c
-            step = _STEP * max(scale, 1e-300)
-            moved = theta.copy()
+        block, seen = _basis(fit.point, fit.k, one, course)
+        start = first + STATE * i
+        told = np.where(seen[:, None], fit.jacobian[here], 0.0)
+        design[here, total : total + p] = told
+        design[here, places[i]] = block
+        # the start is the first of the turns, and moves the shape as well
+        design[here, places[i].start] += told[:, start]
+        design[here, total + start] = 0.0
+        rest[here] = np.where(seen, rest[here], 0.0)
+        for j in (*range(len(COMMON)), *range(start, start + STATE)):
+            beside = _beside(fit, i, j, len(course.halves))
+            if beside is None or not fit.jacobian[:, j].any():
+                continue
+            other, step = beside
+            at_column = places[i].start if j == start else total + j
+            design[here, at_column] -= block @ ((_turns(other) - nodes[i]) / step)
+            moved = fit.point.copy()
             moved[j] += step
-            by_theta[:, j] = _misfit(fit, _columns(fit.point, fit.k, course, moved) - rows) / step
-        by_point = np.zeros((n, p))
-        for j in _unknowns(fit, i):
-            moved, step = _beside(fit, j)
-            again = _read(moved, own, fit.k, one)
-            if again is not None and len(again[3]) == n:
-                by_point[:, j] = _misfit(fit, again[3] - rows) / step
-        parts.append(rows)
-        smooth.append(_columns(fit.point, fit.k, course, _fitted(course, fit.point)))
-        slopes.append(by_point)
-        direct.append(by_theta @ pulls)
-        crossed.append(direct[-1] @ fit.response[:, here].T)
-        which += [i] * n
-        shape += [False] * len(course.halves) + [True] * len(_SHAPED)
+            changes[i, at_column] = (
+                _columns(moved, fit.k, other, nodes[i])
+                - _columns(fit.point, fit.k, course, nodes[i])
+            ) / step
+    errors = np.concatenate([np.full(total, math.inf), w_errors(p, first)])
+    for i, place in enumerate(places):
+        # nothing but the rows may tell the level of the turns: it must not be taken for known
+        level = fit.covariance[first + STATE * i, first + STATE * i]
+        errors[place.start] = _WEAK * math.sqrt(level) if level > 0.0 else math.inf
+    solution = linear_solution(design, errors)
+    found = solution[:, : rest.size] @ rest
+    return _rows(fit, courses, nodes, places, changes, found, solution @ solution.T)
+
+
+def _rows(
+    fit: RingFit,
+    courses: Sequence[Course],
+    nodes: Sequence[Array],
+    places: Sequence[slice],
+    changes: Mapping[tuple[int, int], Array],
+    found: Array,
+    covariance: Array,
+) -> RingRows:
+    """The rows with what was found of turns and unknowns beside the fit, and the covariance of that.
+
+    changes : of the columns of a stretch, by what was found.
+    """
+    total = places[-1].stop
+    parts, slopes, which, turns = [], [], [], []
+    for i, (one, course) in enumerate(zip(fit.stretches, courses, strict=True)):
+        columns = _columns(fit.point, fit.k, course, nodes[i])
+        slope = np.zeros((*columns.shape, found.size))
+        span = _STEP * max(float(np.ptp(nodes[i])), 1e-300)
+        for j in range(nodes[i].size if course.halves else 0):
+            moved = nodes[i].copy()
+            moved[j] += span
+            slope[..., places[i].start + j] = (
+                _columns(fit.point, fit.k, course, moved) - columns
+            ) / span
+        for (stretch, column), change in changes.items():
+            if stretch == i:
+                slope[..., column] += change
+        # to first order about the fit: a level that hardly anything tells would bend the squares in W
+        columns = columns + slope @ found
+        theta = nodes[i] + found[places[i]]
+        parts.append(columns)
+        slopes.append(_misfit(fit, slope))
+        which += [i] * len(columns)
         times = (
             [course.halves[0].t_a, *(half.t_b for half in course.halves)] if course.halves else []
         )
-        sure = np.sqrt(
-            np.sum(
-                (pulls + _turns_by_point(fit, i, own, one, theta) @ fit.response[:, here]) ** 2,
-                axis=1,
-            )
-        )
-        count = len(times)
-        turns.append((np.column_stack([one.start + np.array(times), theta[:count]]), sure[:count]))
-    if not parts:
-        empty = np.empty((0, 4))
-        return RingRows(
-            empty, empty, np.empty((0, 0)), np.empty(0, int), np.empty(0, bool), tuple(turns)
-        )
-    slope, cross = np.vstack(slopes), np.vstack(crossed)
-    covariance = slope @ fit.covariance @ slope.T + cross @ slope.T + slope @ cross.T
-    place = 0
-    for some in direct:
-        block = slice(place, place + len(some))
-        covariance[block, block] += some @ some.T
-        place += len(some)
-    return RingRows(
-        np.vstack(parts),
-        np.vstack(smooth),
-        covariance,
-        np.array(which),
-        np.array(shape),
-        tuple(turns),
-    )
+        at = one.start + np.array(times)
+        sure = np.sqrt(np.diag(covariance)[places[i]])[: at.size]
+        turns.append((np.column_stack([at, theta[: at.size]]), sure))
+    travel = sum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)
+    viscous = sum(course.viscous for course in courses)
+    for column, (j, size) in {A: (0, travel), B: (1, viscous)}.items():
+        row, slope = np.zeros((1, 3)), np.zeros((1, found.size))
+        row[0, column], row[0, W] = size, size * (fit.point[j] + found[total + j])
+        slope[0, total + j] = size
+        if covariance[total + j, total + j] > 0.0 and size > 0.0:
+            parts.append(row)
+            slopes.append(slope)
+            which.append(-1)
+    by_all = np.vstack(slopes)
+    return RingRows(np.vstack(parts), by_all @ covariance @ by_all.T, np.array(which), tuple(turns))
 
 
-def _unknowns(fit: RingFit, i: int) -> list[int]:
-    """Numbers of the unknowns of a fit that stretch i depends on."""
+def _misfit(fit: RingFit, slope: Array) -> Array:
+    """Slope of W − a F_k − b c, J, from those of the columns, (n, 3, …)."""
+    slopes: Array = slope[:, W] - slope[:, A] * fit.F_k - slope[:, B] * fit.c
+    return slopes
+
+
+def _beside(fit: RingFit, i: int, j: int, halves: int) -> tuple[Course, float] | None:
+    """The motion of stretch i with unknown j moved, as many half cycles of it, and by how much; None where there are
+    fewer either way."""
     first = fit.point.size - STATE * (len(fit.stretches) - i)
-    offsets = [len(COMMON) + number for number in fit.stretches[i].offsets]
-    return [*range(len(COMMON)), *offsets, *range(first, first + STATE)]
-
-
-def _misfit(fit: RingFit, change: Array) -> Array:
-    """Change of W − a F_k − b c, J, with the change of the columns."""
-    changed: Array = change[:, W] - change[:, A] * fit.F_k - change[:, B] * fit.c
-    return changed
-
-
-def _beside(fit: RingFit, j: int) -> tuple[Array, float]:
-    """A point with unknown j moved, and by how much."""
-    point = fit.point.copy()
-    error = math.sqrt(fit.covariance[j, j])
-    step = _PART * error if error > 0.0 else _STEP * max(abs(point[j]), 1e-300)
-    if j >= point.size - STATE * len(fit.stretches) and (point.size - j) % STATE == 1:
-        step = -_PART if point[j] > 1.0 else _PART  # w, within its limits
-    point[j] += step
-    return point, step
-
-
-def _turns_by_point(fit: RingFit, i: int, own: slice, one: Stretch, theta: Array) -> Array:
-    """Derivatives of what `_read` finds by the unknowns of the fit, (theta, p)."""
-    slope = np.zeros((theta.size, fit.point.size))
-    for j in _unknowns(fit, i):
-        moved, step = _beside(fit, j)
-        again = _read(moved, own, fit.k, one)
-        if again is not None and again[1].size == theta.size:
-            slope[:, j] = (again[1] - theta) / step
-    return slope
-
-
-def _read(
-    point: Array, own: slice, k: float, one: Stretch
-) -> tuple[Course, Array, Array, Array] | None:
-    """(course, θ, its derivatives by the samples in units of their noise, rows) of a stretch; None without a row.
-
-    θ : x at the start and the turns, m, and the F_k and c of the shape, N and N s/m.
-    """
-    course = _course(point, point[own], k, one)
-    if course is None:
-        return None
-    basis, rest = _basis(point, own, k, one, course)
-    # without a displacement nothing tells the level, which then stays that of the fit
-    length = np.linalg.norm(basis, axis=0)
-    length[length == 0.0] = 1.0
-    pulls = np.linalg.pinv(basis / length, rcond=1e-9) / length[:, None]
-    theta = _fitted(course, point) + pulls @ rest
-    return course, theta, pulls, _columns(point, k, course, theta)
-
-
-def _fitted(course: Course, point: Array) -> Array:
-    """θ of the fit itself."""
-    return np.append(_turns(course), [point[COMMON.index(symbol)] for symbol in _SHAPED])
+    step = _PART * math.sqrt(fit.covariance[j, j])
+    if j == first + 2:
+        step = _PART
+    elif j == COMMON.index("rho"):
+        step = contact_step(fit.point, fit.k)
+    for way in (-step, step) if j == first + 2 and fit.point[j] > 1.0 else (step, -step):
+        point = fit.point.copy()
+        point[j] += way
+        if (j < len(COMMON) and point[j] <= 0.0) or step == 0.0:
+            continue
+        course = _course(point, point[first : first + STATE], fit.k, fit.stretches[i], halves)
+        if len(course.halves) == halves:
+            return course, way
+    return None
 
 
 def _turns(course: Course) -> Array:
-    """x at the start and the turns, m."""
+    """x at the start and the turns, m; of a mass that only rings, its start."""
     if course.halves:
         return np.array([course.halves[0].x_a, *(half.x_b for half in course.halves)])
-    assert course.ringing is not None
-    return np.array([course.ringing.rest + course.ringing.q])
+    return np.array([float(course.phases[0, PHASE_X])])
 
 
-def _course(point: Array, state: Array, k: float, one: Stretch) -> Course | None:
-    """The half cycles and the ringing of a motion; None where there is neither."""
+def _course(point: Array, state: Array, k: float, one: Stretch, most: int | None = None) -> Course:
+    """The half cycles, `most` of them at the most, and the ringing of a motion."""
     par = numbers_of(point, k)
     Z_m, span = par.F_k / par.K_z, one.end - one.start
     phases = phases_of(point, state, k, span + one.period)
@@ -248,7 +258,7 @@ def _course(point: Array, state: Array, k: float, one: Stretch) -> Course | None
     total = _viscous(phases[phases[:, PHASE_T] < span], span, par)
     halves: list[Half] = []
     begin = 0
-    for i in turns:
+    for i in turns[:most]:
         t_a, t_b = float(phases[begin, PHASE_T]), float(phases[i, PHASE_T])
         if t_b > span and span - t_a < _SEEN * (t_b - t_a):
             break
@@ -259,13 +269,9 @@ def _course(point: Array, state: Array, k: float, one: Stretch) -> Course | None
         towards = math.copysign(1.0, phases[i, PHASE_Z])
         viscous = _viscous(phases[begin:i], t_b, par)
         lost = 0.5 * Z_m * (1.0 - towards * u) ** 2
-        if abs(x_b - x_a) - lost < _SLIDES * abs(x_b - x_a):
-            return Course(tuple(halves), None, phases, total) if halves else None
         halves.append(Half(t_a, t_b, x_a, x_b, float(phases[begin, PHASE_V]), lost, viscous))
         begin = i
     ringing = _ringing(phases[begin:], span, par) if begin == len(phases) - 1 else None
-    if not halves and ringing is None:
-        return None
     return Course(tuple(halves), ringing, phases, total)
 
 
@@ -304,21 +310,14 @@ def _quadrature(start: float, stop: float, omega: float) -> tuple[Array, Array]:
     return times, np.tile(0.5 * h * _WEIGHTS, panels)
 
 
-def _basis(point: Array, own: slice, k: float, one: Stretch, course: Course) -> tuple[Array, Array]:
-    """Derivatives of the samples by θ, and what the fit leaves of them, in units of their noise."""
+def _basis(point: Array, k: float, one: Stretch, course: Course) -> tuple[Array, Mask]:
+    """Derivatives of the samples by the turns, in units of their noise, and which samples lie in what rows are of."""
     par = numbers_of(point, k)
     size = _turns(course).size
-    blocks, rests = [], []
-    beside = []
-    for symbol, step in zip(
-        _SHAPED, (par.F_k, max(par.c, 2e-2 * math.sqrt(k * par.m))), strict=True
-    ):
-        moved = point.copy()
-        moved[COMMON.index(symbol)] += _STEP * step
-        beside.append((numbers_of(moved, k), _STEP * step, _course(moved, moved[own], k, one)))
-    for signal, number in zip(one.signals, one.offsets, strict=True):
+    blocks, masks = [], []
+    for signal in one.signals:
         times = signal.t - one.start
-        motion = states_in_phases(times, course.phases, 0.0, par)[:3]
+        motion = states_in_phases(times, course.phases, 0.0, par)
         block = np.zeros((times.size, size))
         seen = np.zeros(times.size, dtype=np.bool_)
         for j, half in enumerate(course.halves):
@@ -333,39 +332,26 @@ def _basis(point: Array, own: slice, k: float, one: Stretch, course: Course) -> 
         if course.ringing is not None:
             ring = course.ringing
             inside = slice(int(np.searchsorted(times, ring.t_a)), times.size)
-            x = (motion[0, inside] - ring.rest, motion[1, inside], motion[2, inside])
-            last = len(course.halves)
-            block[inside, last] = (1.0 - ring.share) * x[signal.order] / ring.q
+            wave = motion[signal.order, inside] - (ring.rest if signal.order == 0 else 0.0)
+            block[inside, -1] = (1.0 - ring.share) * wave / ring.q
             if signal.order == 0:
-                block[inside, last] += ring.share
+                block[inside, -1] += ring.share
             seen[inside] = True
-        shapes = []
-        for other_par, step, other in beside:
-            shapes.append(np.zeros(times.size))
-            if other is not None and len(other.halves) == len(course.halves):
-                moved_motion = states_in_phases(times, other.phases, 0.0, other_par)
-                shapes[-1] = (moved_motion[signal.order] - motion[signal.order]) / step
-                shapes[-1] -= block @ ((_turns(other) - _turns(course)) / step)
-        block = np.column_stack([block, *shapes])
-        left = signal.values - motion[signal.order] - point[len(COMMON) + number]
-        blocks.append(np.where(seen[:, None], block, 0.0) / signal.noise)
-        rests.append(np.where(seen, left, 0.0) / signal.noise)
-    return np.vstack(blocks), np.concatenate(rests)
+        blocks.append(block / signal.noise)
+        masks.append(seen)
+    return np.vstack(blocks), np.concatenate(masks)
 
 
-def _columns(point: Array, k: float, course: Course, theta: Array) -> Array:
-    """The rows (W, a, b, x_a − x_b) with these turns and these coefficients of the shape, (n, 4)."""
+def _columns(point: Array, k: float, course: Course, turns: Array) -> Array:
+    """The rows (W, a, b) with these turns, (n, 3)."""
+    m = point[COMMON.index("m")]
     rows = []
     for j, half in enumerate(course.halves):
-        x_a, x_b = float(theta[j]), float(theta[j + 1])
+        x_a, x_b = float(turns[j]), float(turns[j + 1])
         stretched = ((x_b - x_a) / (half.x_b - half.x_a)) ** 2
-        m = point[COMMON.index("m")]
         work = 0.5 * k * (x_a - x_b) * (x_a + x_b) + 0.5 * m * half.v_a**2 * stretched
-        rows.append((work, abs(x_a - x_b) - half.lost, half.viscous * stretched, x_a - x_b))
-    travel = max(float(np.ptp(_turns(course))), math.ulp(1.0))
-    rows.append((float(theta[-2]) * travel, travel, 0.0, 0.0))
-    rows.append((float(theta[-1]) * course.viscous, 0.0, course.viscous, 0.0))
-    return np.array(rows)
+        rows.append((work, abs(x_a - x_b) - half.lost, half.viscous * stretched))
+    return np.array(rows).reshape(-1, 3)
 
 
 def at_rest(fit: RingFit, i: int) -> float | None:

@@ -12,13 +12,14 @@ follow the motion: whatever held or pushed the mass before is left out.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from ..arrays import Array
-from ..motion.events import PHASE_S, PHASE_X
+from ..motion.events import PHASE_S, PHASE_V, PHASE_X
 from .ringdown_bursts import Burst, Signal, bursts_of, sharpest
 from .ringdown_fit import (
     COMMON,
@@ -40,10 +41,12 @@ _GROWTH = 2.0  # of the fitted part from one climb to the next
 _COARSE = 1e-2  # of half of χ², where a climb on the way ends
 _PIECES = 12  # of a cycle, in which the mass is looked at for rest
 _BACK = 24  # steps of a cycle in which the start moves back
-_AGREES = 3.0  # standard deviations that new samples may be off
+_LEFT = 3e-4  # probability of what new samples add to χ²
+_SEVERAL = 3  # steps back that are looked at together
+_AGREES = 3.0  # standard deviations of the scatter of a mass at rest
 _CHANCE = 1e-4  # probability of a line of the spectrum in noise
 _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
-_OTHER = 6.0  # standard deviations
+_MOST_TURNS = 4  # half cycles that slip, of what may be the work of a hand
 _PART = 0.5  # of the swing of a burst, that its motion has at least
 _DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
 _ALIKE = 1.5  # χ² per sample of a fit that needs no other start
@@ -70,23 +73,7 @@ def stretches_of(
             fits.append(fit)
     for good in (lambda fit: fit.adequate, lambda fit: slips(fit.phases(0))):
         fits = [fit for fit in fits if good(fit)] or fits
-    return _of_one_oscillator(fits)
-
-
-def _of_one_oscillator(fits: list[RingFit]) -> list[RingFit]:
-    """Without what turns once or twice only and is the motion of another oscillator: a hand that moves the mass."""
-    if len(fits) < 2:
-        return fits
-    turns = [int(np.count_nonzero(fit.phases(0)[:, PHASE_S])) for fit in fits]
-    longest = fits[int(np.argmax(turns))]
-
-    def alike(fit: RingFit) -> bool:
-        off = fit.point[: len(COMMON)] - longest.point[: len(COMMON)]
-        error = np.sqrt(np.diag(fit.covariance) + 0.0)[: len(COMMON)]
-        error = np.hypot(error, np.sqrt(np.diag(longest.covariance))[: len(COMMON)])
-        return bool((np.abs(off) <= _OTHER * error)[[0, 1, 3]].all())
-
-    return [fit for fit, n in zip(fits, turns, strict=True) if n > 2 or alike(fit)]
+    return fits
 
 
 def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | None:
@@ -116,7 +103,25 @@ def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | No
             # something else moves the mass before the next burst
             return _until_disturbed(fit, whole, end)
         fit = longer
-    return fit
+    return fit if fit is None or fit.chance > _DISTURBED else _from_other_shares(fit)
+
+
+def _from_other_shares(fit: RingFit) -> RingFit:
+    """The best of the fits that start from other shares of friction in what this one loses."""
+    phases = fit.phases(0)
+    travel = float(np.abs(np.diff(phases[:, PHASE_X])).sum())
+    speed = float(np.abs(phases[:, PHASE_V]).max())
+    # ∫ ẋ² dt of half a cycle is π/4 of the top speed times the travel
+    ratio = 0.25 * math.pi * speed
+    loss = (fit.F_k + ratio * fit.c) * travel
+    best = fit
+    for share in _SHARES:
+        start = fit.point.copy()
+        start[0], start[1] = share * loss / travel, (1.0 - share) * loss / (ratio * travel)
+        other = fit_stretches(fit.stretches, fit.k, start, given={start.size - 1}, gain=_COARSE)
+        if other is not None and other.chi_square < best.chi_square:
+            best = other
+    return best
 
 
 def _longer(fit: RingFit, part: Stretch) -> RingFit | None:
@@ -251,9 +256,9 @@ def _from_earlier(fit: RingFit, whole: Stretch, earliest: float) -> RingFit:
     near = min(one.start + 1.5 * one.period, one.end)
     common = set(range(fit.point.size - STATE))
     here = fit_stretches([one.cut(one.start, near)], fit.k, fit.point, given=common, gain=_COARSE)
-    start, stopped = one.start, False
-    points = [fit.point]
-    while here is not None and not stopped:
+    start, doubted = one.start, 0
+    points, gained = [fit.point], [(0, 0.0)]
+    while here is not None and not doubted:
         start -= step
         if start < earliest - 0.5 * min(s.dt for s in one.signals):
             break
@@ -261,8 +266,8 @@ def _from_earlier(fit: RingFit, whole: Stretch, earliest: float) -> RingFit:
         trial[-STATE:] = _before(here.point, fit.k, step)
         part = whole.cut(start, near)
         there = fit_stretches([part], fit.k, trial, given=common, gain=_COARSE)
-        stopped = there is None or not _agrees(there, here)
-        if stopped and there is not None:  # the common unknowns may have been off
+        doubted = _doubted(there, here, gained)
+        if doubted and there is not None:  # the common unknowns may have been off
             here, there = (
                 fit_stretches([part], fit.k, at, gain=_COARSE)
                 for part, at in (
@@ -270,17 +275,44 @@ def _from_earlier(fit: RingFit, whole: Stretch, earliest: float) -> RingFit:
                     (whole.cut(start, one.end), there.point),
                 )
             )
-            stopped = here is None or there is None or not _agrees(there, here)
-            if not stopped and there is not None:
+            doubted = _doubted(there, here, gained[:1])
+            if not doubted and there is not None:
+                gained = gained[:1]
                 there = fit_stretches([part], fit.k, there.point, given=common, gain=_COARSE)
-        if not stopped and there is not None:
+        if not doubted and there is not None and here is not None:
             points.append(there.point)
+            new = there.residual.size - here.residual.size
+            gained.append((new, there.chi_square - here.chi_square))
         here = there
-    # what stopped it may have begun within the last step
-    kept = max(0, len(points) - 1 - stopped)
+    # what stopped it may have begun within the steps that are in doubt
+    kept = max(0, len(points) - 1 - doubted)
     part = whole.cut(one.start - kept * step, one.end)
     again = fit_stretches([part], fit.k, points[kept], gain=_COARSE)
     return fit if again is None else again
+
+
+def _doubted(
+    there: RingFit | None, here: RingFit | None, gained: Sequence[tuple[int, float]]
+) -> int:
+    """How many steps back are in doubt, 0 where the samples follow the motion: by what the last step, or the last
+    three, add to χ².
+
+    gained : samples and what they added to χ², of the steps before.
+    """
+    from scipy import special  # slow to import
+
+    if there is None or here is None:
+        return 1
+    steps = [
+        *gained,
+        (there.residual.size - here.residual.size, there.chi_square - here.chi_square),
+    ]
+    for count in (1, _SEVERAL):
+        new = sum(n for n, _ in steps[-count:])
+        excess = sum(chi_square for _, chi_square in steps[-count:])
+        if new and special.chdtrc(new, max(excess, 0.0)) < _LEFT:
+            return count
+    return 0
 
 
 def _before(point: Array, k: float, step: float) -> Array:
@@ -300,20 +332,6 @@ def _before(point: Array, k: float, step: float) -> Array:
     return np.array([x, v, w])
 
 
-def _agrees(there: RingFit, here: RingFit) -> bool:
-    """Whether the samples that one fit has before the start of another follow the motion within their noise."""
-    new = there.residual.size - here.residual.size
-    excess = there.chi_square - here.chi_square
-    if excess > new + _AGREES * math.sqrt(2.0 * max(new, 1)):
-        return False
-    (one,), (row,) = there.stretches, there.residuals()
-    for signal, residual in zip(one.signals, row, strict=True):
-        first = residual[: int(np.searchsorted(signal.t, here.stretches[0].start))]
-        if first.size and abs(first.mean()) * math.sqrt(first.size) > _AGREES:
-            return False
-    return True
-
-
 def joint_start(fits: Sequence[RingFit], offsets: int) -> Array:
     """Where the fit of all bursts starts: the common unknowns weighted by their information, the rest as it is.
 
@@ -325,8 +343,8 @@ def joint_start(fits: Sequence[RingFit], offsets: int) -> Array:
     k, m = fits[0].k, fits[0].m
     unit = np.array([fits[0].F_k, 1e-2 * math.sqrt(k * m), 1e-1 / math.sqrt(k), m])
     for fit in fits:
-        some = fit.response[:size] / unit[:, None]
-        one = np.linalg.pinv(some @ some.T, rcond=1e-12)
+        scaled = fit.covariance[:size, :size] / np.outer(unit, unit)
+        one = np.linalg.pinv(scaled, rcond=1e-12, hermitian=True)
         information += one
         right += one @ (fit.point[:size] / unit)
         for number in fit.stretches[0].offsets:
@@ -339,11 +357,31 @@ def joint_start(fits: Sequence[RingFit], offsets: int) -> Array:
     return np.concatenate([common, levels, *(fit.point[-STATE:] for fit in fits)])
 
 
-def fit_all(fits: Sequence[RingFit], offsets: int) -> RingFit | None:
-    """One oscillator for the bursts that were fitted each by itself."""
-    k = fits[0].k
+def fit_all(fits: Sequence[RingFit], offsets: int) -> tuple[RingFit | None, list[Stretch]]:
+    """One oscillator for the bursts that were fitted each by itself, and those that are none of its decays.
+
+    A hand that moves the mass from one place to another can look like half a cycle of another oscillator: where all
+    bursts together are not of one, those that slip least are left out, the fewest possible, if the others then are.
+    """
+    whole = _joined(fits, offsets)
+    if whole is None or whole.adequate or len(fits) == 1:
+        return whole, []
+    turns = [int(np.count_nonzero(fit.phases(0)[:, PHASE_S])) for fit in fits]
+    order = np.argsort(turns, kind="stable").tolist()
+    for count in range(1, len(fits)):
+        if turns[order[count - 1]] > _MOST_TURNS:
+            break
+        for some in itertools.combinations(order[: count + 1], count):
+            rest = [fit for i, fit in enumerate(fits) if i not in some]
+            if not rest or any(turns[i] > _MOST_TURNS for i in some):
+                continue
+            fit = _joined(rest, offsets)
+            if fit is not None and fit.adequate:
+                return fit, [fits[i].stretches[0] for i in sorted(some)]
+    return whole, []
+
+
+def _joined(fits: Sequence[RingFit], offsets: int) -> RingFit | None:
+    """The fit of all bursts."""
     stretches = [fit.stretches[0] for fit in fits]
-    return fit_stretches(stretches, k, joint_start(fits, offsets))
-
-
-__all__ = ["fit_all", "slips", "stretches_of"]
+    return fit_stretches(stretches, fits[0].k, joint_start(fits, offsets))

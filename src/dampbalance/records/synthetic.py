@@ -1,4 +1,4 @@
-"""Simulated measurements: the exact steady motion, sampled, with noise. Always labelled as such.
+"""Simulated measurements: the exact steady motion or a free decay, sampled, with noise. Always labelled as such.
 
 They serve to try an estimator on records whose truth is known. The channels are what transducers would give: white
 noise on each, independent of the others.
@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Array
+from ..model import Oscillator
 from ..motion.orbit import Orbit
+from ..motion.transient import transient
 from .limits import LARGEST
-from .measurement import QUANTITIES, Channel, Measurement
+from .measurement import QUANTITIES, RESPONSES, Channel, Measurement
 
 if TYPE_CHECKING:
     from ..law.response import LawOrbit
@@ -86,3 +88,50 @@ def measured_orbit(
             values = values + part * rms * random.standard_normal(count)
         measured.append(Channel(quantity, t, values))
     return Measurement.of(source or f"simulated, Y = {motion.Y:g} m", measured)
+
+
+def measured_ring_down(
+    oscillator: Oscillator,
+    *,
+    x: float = 0.0,
+    v: float = 0.0,
+    rate_hz: float,
+    duration: float,
+    held: float = 0.0,
+    noise: float = 0.0,
+    seed: int | np.random.Generator = 0,
+    channels: Sequence[str] = ("displacement",),
+) -> Measurement:
+    """A free decay from the displacement x (m), to which the mass was pulled, with velocity v (m/s), for `duration` s.
+
+    held : time for which the mass stands at x before, s.   noise : standard deviation of the white noise of each
+    channel, as a part of the largest value of its clean signal.   seed : of the noise, channel by channel.
+
+    Raises ValueError for a channel that is none of the mass, and where the mass does not start or no sample is left.
+    """
+    unknown = sorted(set(channels) - set(RESPONSES))
+    if unknown:
+        raise ValueError(f"{unknown} are no signals of the mass; known are {', '.join(RESPONSES)}")
+    if x == 0.0 and v == 0.0:
+        raise ValueError("a free decay needs a displacement x or a velocity v to start with")
+    samples = (duration + held) * rate_hz
+    if not 4.0 <= samples * (1 + len(channels)) <= LARGEST:
+        raise ValueError(
+            f"{duration:g} s at {rate_hz:g} samples per second are {samples:.3g} samples; ask for 4 to {LARGEST:,} "
+            "numbers with their times"
+        )
+    random = np.random.default_rng(seed)
+    t = np.arange(round(samples)) / rate_hz
+    free = t >= held
+    Z_m = oscillator.Z_m
+    z = min(max(x, -Z_m), Z_m)
+    state = transient(oscillator, None, float(t[-1]) + 1.0 / rate_hz, x=x, v=v, z=z, start=held)
+    moved = state.state(t[free])
+    measured = []
+    for quantity, signal in zip(RESPONSES, (moved.x, moved.v, moved.acceleration), strict=True):
+        if quantity in channels:
+            values = np.full(t.size, x if quantity == "displacement" else 0.0)
+            values[free] = signal
+            spread = noise * float(np.abs(values).max())
+            measured.append(Channel(quantity, t, values + spread * random.standard_normal(t.size)))
+    return Measurement.of(f"simulated, x = {x:g} m, v = {v:g} m/s", measured)

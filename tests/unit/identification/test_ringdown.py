@@ -109,8 +109,9 @@ def test_records_go_together():
     one, all_of_them = (identify_ring_downs(some, PLUCKED.k) for some in (records[:1], records))
     holds(all_of_them, PLUCKED)
     ratio = all_of_them.of_fit["F_k"].standard_error / one.of_fit["F_k"].standard_error
-    assert ratio == pytest.approx(3.0**-0.5, rel=0.05)  # noise is that of each record
-    assert len(all_of_them.rest) == 3
+    # the starts are found within a tenth of a cycle, the first tenth of the largest of 12 half cycles
+    assert ratio == pytest.approx(3.0**-0.5, rel=0.12)
+    assert len(all_of_them.sources) == 3
 
 
 def test_it_agrees_with_the_forced_result_for_the_same_oscillator():

@@ -1,0 +1,223 @@
+"""What a laboratory makes of free decays today, beside `identify`: the decrements of successive peaks.
+
+Peaks are read off each decay about the mean of its end, from a smoothed record; of a velocity or an acceleration they
+are divided by ω or ω², as for a harmonic motion. The methods are told when the mass came free.
+
+    logarithmic decrement    ln X_i falls by βπ: all damping is viscous
+    envelope                 X(t) = X_0 e^{−δt} − (2/π) ω (F_k/k) t, exponential and linear decay added
+    two decrements           X_{i+1} = e^{−βπ} X_i − (1 + e^{−βπ}) F_k/k (Liang and Feeny), a line through the pairs
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import curve_fit
+from scipy.signal import find_peaks, savgol_filter
+
+from dampbalance.identification.ringdown import identify_ring_downs
+from dampbalance.motion.jit import interpreted
+from dampbalance.records.measurement import Measurement
+
+from .decays import Decay, draw, record
+from .truths import ANSWERS
+
+Found = dict[str, float]
+"""Value by symbol, SI; NaN for what a way cannot tell."""
+
+Peaks = list[tuple[np.ndarray, np.ndarray]]
+"""Of each decay: times, s, and sizes, m."""
+
+_CLEAR = 5.0  # standard deviations of the noise
+_STUCK = 2.0  # times the last peak that may be one of a mass that sticks
+
+
+def peaks_of(decay: Decay, measured: Measurement, free: list[float]) -> tuple[Peaks, float]:
+    """The peaks of each decay in the first channel, and the mean frequency between them, rad/s."""
+    channel = measured.responses[0]
+    order = ANSWERS.index(channel.quantity)
+    width = max(5, round(0.1 * decay.rate_hz * 2.0 * math.pi / decay.omega_n) | 1)
+    found: Peaks = []
+    halves: list[float] = []
+    for i, start in enumerate(free):
+        first = round(start * decay.rate_hz)
+        last = first + round(decay.lasts[i] * decay.rate_hz) - 1
+        part = channel.values[first:last]
+        level = part[-max(3, part.size // 10) :].mean()
+        smooth = savgol_filter(part - level, width, 2)
+        sigma = decay.noise * float(np.abs(part - level).max())
+        places = np.sort(
+            np.concatenate(
+                [
+                    find_peaks(s * smooth, height=_CLEAR * sigma, distance=2 * width)[0]
+                    for s in (1.0, -1.0)
+                ]
+            )
+        )
+        # peaks of alternating sign only
+        kept = [
+            p
+            for p, q in zip(places, np.append(places[1:], -1), strict=True)
+            if q < 0 or smooth[p] * smooth[q] < 0.0
+        ]
+        places = np.array(kept, dtype=int)
+        if decay.starts[i][0] == "pluck" and order == 0:
+            places = np.insert(places, 0, 0)
+        if places.size < 2:
+            continue
+        halves += np.diff(places[places > 0]).tolist()
+        found.append((places / decay.rate_hz, np.abs(smooth[places])))
+    omega = math.pi * decay.rate_hz / float(np.median(halves)) if halves else math.nan
+    return [(t, size / omega**order) for t, size in found], omega
+
+
+def _damping(ratio: float, omega: float, k: float) -> float:
+    """c of a decay by `ratio` from peak to peak, ω_d = omega."""
+    beta = -math.log(min(max(ratio, 1e-9), 1.0)) / math.pi
+    zeta = beta / math.hypot(1.0, beta)
+    return 2.0 * zeta * k / (omega / math.sqrt(1.0 - zeta * zeta))
+
+
+def logarithmic(peaks: Peaks, omega: float, k: float) -> Found:
+    """The logarithmic decrement."""
+    slopes = [np.polyfit(np.arange(x.size), np.log(x), 1)[0] for _, x in peaks if x.size > 1]
+    c = _damping(math.exp(float(np.mean(slopes))), omega, k) if slopes else math.nan
+    return {"F_k": math.nan, "c": c}
+
+
+def envelope(peaks: Peaks, omega: float, k: float) -> Found:
+    """Exponential and linear decay added, fitted to the peaks of each decay; the mean of them."""
+    found = []
+    for t, x in peaks:
+        if x.size < 4:
+            continue
+
+        def model(t: np.ndarray, top: float, delta: float, dry: float) -> np.ndarray:
+            return top * np.exp(-delta * t) - 2.0 / math.pi * omega * dry * t
+
+        start = (x[0], 0.01 * omega, 0.1 * (x[0] - x[1]))
+        try:
+            (_, delta, dry), _ = curve_fit(
+                model, t - t[0], x, p0=start, bounds=(0.0, np.inf), max_nfev=2000
+            )
+        except (RuntimeError, ValueError):
+            continue
+        found.append((k * dry, _damping(math.exp(-math.pi * delta / omega), omega, k)))
+    F_k, c = np.mean(found, axis=0) if found else (math.nan, math.nan)
+    return {"F_k": float(F_k), "c": float(c)}
+
+
+def two_decrements(peaks: Peaks, omega: float, k: float) -> Found:
+    """The line through the pairs of successive peaks that the contact slips between."""
+    pairs = [pair for _, x in peaks for pair in itertools.pairwise(x) if pair[1] > _STUCK * x[-1]]
+    if len(pairs) < 2:
+        return {"F_k": math.nan, "c": math.nan}
+    before, after = np.array(pairs).T
+    ratio, offset = np.polyfit(before, after, 1)
+    return {"F_k": -k * offset / (1.0 + ratio), "c": _damping(float(ratio), omega, k)}
+
+
+WAYS = {
+    "logarithmic decrement": logarithmic,
+    "envelope": envelope,
+    "two decrements": two_decrements,
+}
+
+
+def tried(index: int) -> list[dict[str, object]]:
+    """Rows of all ways on one set: value, standard error and interval of F_k, c and K_z."""
+    decay = draw(index)
+    measured, free = record(decay)
+    of_set: dict[str, object] = {
+        "set": index,
+        "answer": "+".join(decay.answers),
+        "noise": decay.noise,
+        "zeta": decay.zeta,
+        "stiffness": decay.K_z / decay.k,
+        "height": decay.height,
+        "samples": sum(len(channel) for channel in measured.responses),
+    }
+    rows: list[dict[str, object]] = []
+    began = time.process_time()
+    try:
+        with interpreted(False):
+            result = identify_ring_downs([measured], decay.k)
+    except ValueError as error:
+        rows.append(of_set | {"way": "balance", "refused": str(error)})
+    else:
+        lasted = time.process_time() - began
+        noted = {
+            "balance": bool(result.notes),
+            "maximum likelihood": bool(result.fit_notes),
+        }
+        ways = {"balance": result.coefficients, "maximum likelihood": result.of_fit}
+        for way, parameters in ways.items():
+            for symbol, p in parameters.items():
+                rows.append(
+                    of_set
+                    | {"way": way, "symbol": symbol, "true": getattr(decay, symbol)}
+                    | {"value": p.value, "standard_error": p.standard_error}
+                    | {"low": p.interval.low, "high": p.interval.high}
+                    | {"seconds": lasted, "noted": noted[way]}
+                )
+    peaks, omega = peaks_of(decay, measured, free)
+    for way, method in WAYS.items():
+        for symbol, value in method(peaks, omega, decay.k).items():
+            rows.append(
+                of_set
+                | {"way": way, "symbol": symbol, "true": getattr(decay, symbol), "value": value}
+            )
+    return rows
+
+
+def table(rows: pd.DataFrame) -> str:
+    """Errors by way, coverage and efficiency by channel, in markdown."""
+    known = rows.dropna(subset=["symbol"]).copy()
+    known["error"] = (known["value"] / known["true"] - 1.0).abs()
+    lines = [
+        "| way | told F_k | median error | worst tenth | told c | median error | worst tenth |"
+    ]
+    lines.append("|---|--:|--:|--:|--:|--:|--:|")
+    sets = rows["set"].nunique()
+    for way in ("balance", "maximum likelihood", *WAYS):
+        cells = []
+        for symbol in ("F_k", "c"):
+            error = known[(known["way"] == way) & (known["symbol"] == symbol)]["error"].dropna()
+            if error.empty:
+                cells += ["–", "–", "–"]
+                continue
+            cells += [f"{100 * error.size / sets:.0f} %"]
+            cells += [f"{100 * error.quantile(q):.2g} %" for q in (0.5, 0.9)]
+        lines.append(f"| {way} | {' | '.join(cells)} |")
+    lines += [
+        "",
+        "| way | symbol | 95 % intervals hold | the same without notes |",
+        "|---|---|--:|--:|",
+    ]
+    for way in ("balance", "maximum likelihood"):
+        for symbol in ("F_k", "c", "K_z"):
+            some = known[(known["way"] == way) & (known["symbol"] == symbol)]
+            some = some[some["value"].notna()]
+            held = (some["low"] <= some["true"]) & (some["true"] <= some["high"])
+            plain = held[~some["noted"].astype(bool)]
+            shares = [f"{100 * h.mean():.1f} % of {h.size}" for h in (held, plain)]
+            lines.append(f"| {way} | {symbol} | {' | '.join(shares)} |")
+    one, other = (
+        known[known["way"] == way].set_index(["set", "symbol"])["standard_error"]
+        for way in ("balance", "maximum likelihood")
+    )
+    share = ((other / one) ** 2).drop("K_z", level="symbol").dropna()
+    seconds = known[known["way"] == "balance"].groupby("set")[["seconds", "samples"]].first()
+    per_sample = 2e4 * seconds["seconds"] / seconds["samples"].clip(lower=5000)
+    lines += [
+        "",
+        f"{sets} sets, {rows['refused'].notna().sum() if 'refused' in rows else 0} of them refused. The balance uses "
+        f"{100 * share.median():.0f} % of the bound of the fit (median; {100 * share.quantile(0.1):.0f} % in the worst "
+        f"tenth). Processor time for 20,000 samples: {per_sample.median():.1f} s (median), {per_sample.max():.1f} s at "
+        "the most.",
+    ]
+    return "\n".join(lines) + "\n"
