@@ -229,8 +229,8 @@ def _fits(estimation: Mapping[str, Any], noisy: bool) -> Iterator[Fit]:
     sharings = estimation.get("sharing", ["individual"])
     contacts = estimation.get("contact", [COMPLIANT])
     weights = estimation.get("weights", [WEIGHTED]) if noisy else [""]
+    terms = [in_order(some) for some in estimation.get("terms", [()])]
     for approach in estimation.get("approaches", APPROACHES):
         choices = (phases, sharings) if takes_phase(approach) else ([""], [""])
-        for choice in product(*choices, contacts, weights, chosen_levels):
-            for terms in estimation.get("terms", [()]):
-                yield Fit(approach, *choice, terms=in_order(terms))
+        for choice in product(*choices, contacts, weights, chosen_levels, terms):
+            yield Fit(approach, *choice)
