@@ -126,7 +126,8 @@ class Reading:
         """Features of the one response; where no waveform fits, X_s = −X (the rigid limit) and a = 4X − λ."""
         return self.features_of(self.mean)
 
-    @property
+    @cached_property
+    @one_thread
     def exact_features(self) -> Features:
         """Features of the waveform itself. Raises ValueError where none fits."""
         waveform = self.waveform
