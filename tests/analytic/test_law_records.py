@@ -96,5 +96,8 @@ def test_the_table_counts_what_was_chosen():
         ]
     )
     text = laws.table(rows)
-    assert "| F_k + c | 6 | 4 |  |  |  |  | 1 |  | 1 | 66.7% | 16.7% |" in text
-    assert "The right law in 85.7% of 28 sets, a term too many in 7.1%." in text
+    assert "| F_k + c | 6 | 4 |  |  |  |  | 1 |  | 1 | 66.7% (22–96) | 16.7% (0–64) |" in text
+    assert (
+        "The right law in 85.7% (67–96) of 28 sets, a term too many in 7.1% (1–24), no law in 3.6% (0–18)."
+        in text
+    )

@@ -15,6 +15,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 import pandas as pd
+from scipy.stats import binomtest
 
 from dampbalance.identification.laws import compare_laws
 from dampbalance.reading.noisy import read_features
@@ -220,7 +221,8 @@ def confusion(count: int, laws: Sequence[str] = tuple(LAWS)) -> pd.DataFrame:
 
 
 def table(rows: pd.DataFrame) -> str:
-    """True law × chosen law, in sets, with the parts that are right and that have a term too many."""
+    """True law × chosen law, in sets, with the parts that are right and that have a term too many, each with its own
+    95 % interval."""
     counts = pd.crosstab(rows["law"], rows["chosen"])
     others = sorted(set(counts.columns) - set(LAWS))
     columns = [*LAWS, *others]
@@ -236,14 +238,23 @@ def table(rows: pd.DataFrame) -> str:
     ]
     for law in LAWS:
         cells = " | ".join(str(counts.loc[law, other] or "") for other in columns)
-        parts = (f"{part / max(sets[law], 1):.1%}" for part in (counts.loc[law, law], extra[law]))
+        parts = (_share(part, sets[law]) for part in (counts.loc[law, law], extra[law]))
         lines.append(f"| {law} | {sets[law]} | {cells} | {' | '.join(parts)} |")
     right = sum(counts.loc[law, law] for law in LAWS)
     lines.append(
-        f"\nThe right law in {right / sets.sum():.1%} of {sets.sum()} sets, a term too many in "
-        f"{sum(extra.values()) / sets.sum():.1%}."
+        f"\nThe right law in {_share(right, sets.sum())} of {sets.sum()} sets, a term too many in "
+        f"{_share(sum(extra.values()), sets.sum())}, no law in "
+        f"{_share((rows['chosen'] == NONE).sum(), sets.sum())}."
     )
     return "\n".join(lines) + "\n"
+
+
+def _share(count: int, sets: int) -> str:
+    """A part of so many sets, %, with its own 95 % interval."""
+    if not sets:
+        return "–"
+    interval = binomtest(int(count), int(sets)).proportion_ci()
+    return f"{count / sets:.1%} ({100 * interval.low:.0f}–{100 * interval.high:.0f})"
 
 
 def _terms(law: str) -> frozenset[str]:

@@ -12,16 +12,16 @@ follow the motion: whatever held or pushed the mass before is left out.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import Array
-from ..motion.events import PHASE_S, PHASE_V, PHASE_X
+from ..motion.events import PHASE_V, PHASE_X
 from .ringdown_bursts import Burst, Signal, bursts_of, sharpest
-from .ringdown_fit import RingFit, fit_stretches
+from .ringdown_fit import RingFit, fit_stretches, with_noise_of
 from .ringdown_motion import COMMON, STATE, Stretch, samples_of, slips, stuck_from
 
 _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing loses
@@ -40,9 +40,8 @@ _CHANCE = 1e-4  # probability of a line of the spectrum in noise
 _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
 _FEW = 16  # samples
 _GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
-_MOST_TURNS = 4  # half cycles that slip, of what may be the work of a hand
 _PART = 0.1  # of the swing of a burst, that its motion has at least
-_DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
+DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
 _ALIKE = 1.5  # χ² per sample of a fit that needs no other start
 
 
@@ -62,7 +61,12 @@ def stretches_of(
         fit = _grown(whole, burst, lead, k)
         if fit is None:
             continue
-        fit = _surer(_from_earlier(fit, whole, max(since, burst.earliest)))
+        if fit.adequate:  # its residual tells the noise better than the samples alone
+            fit = with_noise_of(fit)
+            known = zip(whole.signals, fit.stretches[0].signals, strict=True)
+            signals_of = tuple(replace(one, noise=other.noise) for one, other in known)
+            whole = replace(whole, signals=signals_of)
+        fit = surer(_from_earlier(fit, whole, max(since, burst.earliest)))
         if not burst.last:
             fit = _until_grasped(fit)
         if _moves(fit) > _PART * burst.swing:  # else the swing was none of a free motion
@@ -95,20 +99,20 @@ def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | No
         longer = _longer(fit, whole.cut(burst.turn, end))
         if longer is None:
             break
-        if not burst.last and longer.chance < _DISTURBED <= fit.chance:
+        if not burst.last and longer.chance < DISTURBED <= fit.chance:
             # something else moves the mass before the next burst
             return _until_disturbed(fit, whole, end)
         fit = longer
-    return fit if fit is None else _surer(fit, {fit.point.size - 1})
+    return fit if fit is None else surer(fit, {fit.point.size - 1})
 
 
-def _surer(fit: RingFit, given: Collection[int] = ()) -> RingFit:
+def surer(fit: RingFit, given: Collection[int] = ()) -> RingFit:
     """The fit, or where what it leaves is hardly noise the best of those that start from other shares of friction in
     what it loses, and for a single decay from the contact at either end.
 
     given : numbers of the unknowns that keep their values.
     """
-    if fit.chance > _DISTURBED:
+    if fit.chance > DISTURBED:
         return fit
     phases = fit.phases(0)
     travel = float(np.abs(np.diff(phases[:, PHASE_X])).sum())
@@ -148,7 +152,7 @@ def _until_disturbed(fit: RingFit, whole: Stretch, end: float) -> RingFit:
     while end - good > 0.1 * whole.period:
         middle = 0.5 * (good + end)
         longer = _longer(fit, whole.cut(start, middle))
-        if longer is not None and longer.chance >= _DISTURBED:
+        if longer is not None and longer.chance >= DISTURBED:
             fit, good = longer, middle
         else:
             end = middle
@@ -357,68 +361,3 @@ def _before(point: Array, k: float, step: float) -> Array:
         x -= h * v_half
         v = v_half - 0.5 * h * -(k * x + side * F_k + c * v_half) / m
     return np.array([x, v, w])
-
-
-def joint_start(fits: Sequence[RingFit], offsets: int) -> Array:
-    """Where the fit of all bursts starts: the common unknowns weighted by their information, the rest as it is.
-
-    offsets : how many there are in all.
-    """
-    size = len(COMMON)
-    information, right = np.zeros((size, size)), np.zeros(size)
-    levels, weights = np.zeros(offsets), np.zeros(offsets)
-    k, m = fits[0].k, fits[0].m
-    unit = np.array([fits[0].F_k, 1e-2 * math.sqrt(k * m), 1e-1 / math.sqrt(k), m])
-    for fit in fits:
-        scaled = fit.covariance[:size, :size] / np.outer(unit, unit)
-        one = np.linalg.pinv(scaled, rcond=1e-12, hermitian=True)
-        information += one
-        right += one @ (fit.point[:size] / unit)
-        for number in fit.stretches[0].offsets:
-            levels[number] += fit.point[size + number] * fit.stretches[0].samples
-            weights[number] += fit.stretches[0].samples
-    common = unit * np.linalg.lstsq(information, right)[0]
-    if not (common > 0.0).all():
-        common = max(fits, key=lambda fit: fit.stretches[0].samples).point[:size]
-    levels = levels / np.maximum(weights, 1.0)
-    return np.concatenate([common, levels, *(fit.point[-STATE:] for fit in fits)])
-
-
-def fit_all(fits: Sequence[RingFit], offsets: int) -> tuple[RingFit | None, list[Stretch]]:
-    """One oscillator for the bursts that were fitted each by itself, and those that are none of its decays.
-
-    A hand that moves the mass from one place to another can look like half a cycle of another oscillator: where all
-    bursts together are not of one, those that slip least are left out, the fewest possible, if the others then are.
-    """
-    whole = _joined(fits, offsets)
-    if whole is not None and whole.chance < _DISTURBED:
-        # from the oscillator of each alone, and from other shares of friction
-        others = [_joined(fits, offsets, fit.point[: len(COMMON)]) for fit in fits]
-        whole = min(
-            (_surer(whole), *(other for other in others if other is not None)),
-            key=lambda one: one.chi_square,
-        )
-    if whole is None or whole.adequate or len(fits) == 1:
-        return whole, []
-    turns = [int(np.count_nonzero(fit.phases(0)[:, PHASE_S])) for fit in fits]
-    order = np.argsort(turns, kind="stable").tolist()
-    for count in range(1, len(fits)):
-        if turns[order[count - 1]] > _MOST_TURNS:
-            break
-        for some in itertools.combinations(order[: count + 1], count):
-            rest = [fit for i, fit in enumerate(fits) if i not in some]
-            if not rest or any(turns[i] > _MOST_TURNS for i in some):
-                continue
-            fit = _joined(rest, offsets)
-            if fit is not None and fit.adequate:
-                return fit, [fits[i].stretches[0] for i in sorted(some)]
-    return whole, []
-
-
-def _joined(fits: Sequence[RingFit], offsets: int, common: Array | None = None) -> RingFit | None:
-    """The fit of all bursts.   common : unknowns that it starts from, instead of the mean of all."""
-    stretches = [fit.stretches[0] for fit in fits]
-    start = joint_start(fits, offsets)
-    if common is not None:
-        start[: len(COMMON)] = common
-    return fit_stretches(stretches, fits[0].k, start)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..balance import APPROACHES
+from ..law.law import Law
 from ..project.documents import (
     ConfigurationError,
     Key,
@@ -17,7 +18,7 @@ from ..project.documents import (
     read_yaml,
 )
 from .axes import SOBOL_BITS, Listed, spread
-from .parameters import MECHANICAL, PARAMETERS, objection, synonyms
+from .parameters import MECHANICAL, OF_LAW, PARAMETERS, objection, synonyms
 from .references import wrong_references
 from .routes import LAWS, ROUTES, terms_named
 from .settings import Study, paper_defaults
@@ -150,12 +151,36 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
         yield ("read_out",), "X_s_mark_m and X_s_decimals say the same; keep one"
     if study.route == LAWS:
         yield from _wrong_for_laws(document, study)
+    yield from _wrong_terms(document.get("estimation", {}), study)
     for i, fit in enumerate(document.get("estimation", {}).get("fits", [])):
         if fit != "least_squares" and max(fit) > len(study.levels):
             yield ("estimation", "fits", i), f"there are only {len(study.levels)} levels"
     if "weights" in document.get("estimation", {}) and study.route != "measured":
         text = f"means nothing to the route {study.route}: without noise all rows weigh alike"
         yield ("estimation", "weights"), text
+
+
+def _wrong_terms(estimation: Mapping[str, Any], study: Study) -> Iterator[Problem]:
+    """What is wrong with the terms of the balance, and with those of the oscillator's law."""
+    if study.route != "exact":
+        for name in OF_LAW:
+            if name in (*study.fixed, *study.axis_names) and study.route != LAWS:
+                yield ("route",), f"{name} needs the route exact, not {study.route}"
+        if "terms" in estimation:
+            yield ("estimation", "terms"), f"needs the route exact, not {study.route}"
+    for i, terms in enumerate(estimation.get("terms", [])):
+        key: Key = ("estimation", "terms", i)
+        try:
+            law = Law(tuple(terms))
+            law.require([1.0] * len(study.levels))  # a case has one frequency
+        except ValueError as error:
+            yield key, str(error)
+            continue
+        if len(terms) > 2 and any(fit.levels for fit in study.fits):
+            yield (
+                key,
+                f"a pair of levels tells two terms apart, not {len(terms)}: take fits: [least_squares]",
+            )
 
 
 def _wrong_for_laws(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
@@ -169,9 +194,9 @@ def _wrong_for_laws(document: Mapping[str, Any], study: Study) -> Iterator[Probl
         if name not in ROUTES[LAWS].parameters:
             yield ("axes",), f"{name} means nothing to the route laws, which draws oscillators"
     for block in study.blocks:
-        for name in block.values.get("law", ()) if isinstance(block, Listed) else ():
+        for law in block.values.get("law", ()) if isinstance(block, Listed) else ():
             try:
-                terms_named(name)
+                terms_named(str(law))
             except ValueError as error:
                 yield ("axes",), str(error)
 

@@ -12,11 +12,12 @@ import pandas as pd
 from ..arrays import Array, Integers, Words
 from ..balance import APPROACHES, TERMS, Rows
 from ..features import Features
+from ..law.terms import KNOWN_TERMS
 from ..motion.regime import Regime
 from ..replication.readout import ReadOut
 from ..solver import NORMAL_95, Estimate, solve
 from .axes import case_values
-from .parameters import MECHANICAL, PARAMETERS, SI_COLUMNS, in_si
+from .parameters import MECHANICAL, OF_LAW, PARAMETERS, SI_COLUMNS, in_si
 from .plan import PART, columns_of
 from .responses import NOT_READ, REGIME_NAMES, exact_responses
 from .routes import LAWS
@@ -69,10 +70,11 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
     table: dict[str, Any] = {"case": cases}
     table |= {name: values[name] for name in study.axis_names}
     table |= {name: si[key] for key, (name, _, _) in SI_COLUMNS.items() if name not in table}
+    table |= {name: si[key] for name, key in OF_LAW.items() if key in si and name not in table}
     table["regime"] = _regime_names(responses.regime)
-    cached: dict[tuple[str, str, str, str], Rows] = {}
+    cached: dict[tuple[Any, ...], Rows] = {}
     for fit in study.fits:
-        key = (fit.approach, fit.phase, fit.sharing, fit.contact)
+        key = (fit.approach, fit.phase, fit.sharing, fit.contact, fit.terms)
         if key not in cached:
             cached[key] = _rows(fit, responses, si["k"], rules)
         rows = _of_levels(cached[key], fit)
@@ -83,7 +85,7 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
                 rows = replace(rows, covariance=drawn.scatter())
         estimate = solve(rows)
         for symbol, found in estimate.values.items():
-            table[f"{TERMS[symbol].column}__{fit.label}"] = found
+            table[f"{KNOWN_TERMS[symbol].column}__{fit.label}"] = found
             if symbol in si:  # a term that the oscillator has
                 error = _relative(found, si[symbol]) - 1.0
                 table[f"{symbol}_relative_error__{fit.label}"] = error
@@ -149,6 +151,11 @@ def _responses(
     threads: int | None,
 ) -> tuple[Features, Features | None]:
     """The responses, and of noisy records bootstrap replicates. What a route alone needs is slow to import."""
+    terms = {symbol for fit in study.fits for symbol in fit.terms} - TERMS.keys()
+    if study.route == "exact" and (terms or si.keys() & set(OF_LAW.values())):
+        from .responses_of_laws import law_responses
+
+        return law_responses(si, Y, terms), None
     if study.route == "exact":
         return exact_responses(si, Y, threads), None
     if study.route == "measured":
@@ -173,7 +180,7 @@ def _rows(
         seen = seen.with_common("phi", "t_s")
     if fit.contact == RIGID:
         seen = seen.rigid()
-    return APPROACHES[fit.approach](seen, k)
+    return APPROACHES[fit.approach](seen, k, fit.terms or None)
 
 
 def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut]]:

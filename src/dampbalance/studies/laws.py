@@ -2,8 +2,8 @@
 
 Each case is one experiment: an oscillator is drawn, its steady motion under its law followed by `law/response.py`,
 sampled with noise at every level and at two frequencies, one below the resonance and one above it, and read as a
-laboratory's records are. It is drawn so that each term of the law takes a part of the work that matters at one level or more, and
-that the contact slips once per half cycle at all of them. A case follows from seed, law and run alone.
+laboratory's records are. It is drawn so that each term of the law takes a part of the work that matters at one level or
+more, and that the contact slips once per half cycle at all of them. A case follows from seed, law and run alone.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ def _candidate(terms: Sequence[str], levels: Sequence[float], random: np.random.
     """An oscillator whose terms share the work as wanted at one of its levels, were its motion harmonic."""
 
     def spread(within: tuple[float, float]) -> float:
-        return math.exp(random.uniform(*map(math.log, within)))
+        return math.exp(random.uniform(math.log(within[0]), math.log(within[1])))
 
     m, omega_n = spread(MASSES), 2.0 * math.pi * spread(NATURAL_HZ)
     k = m * omega_n**2

@@ -17,6 +17,8 @@ from typing import Any, Literal
 import numpy as np
 
 from ..arrays import Array
+from ..balance import TERMS
+from ..law.terms import KNOWN_TERMS
 from ..model import Oscillator
 from ..project.wording import shortened
 
@@ -48,6 +50,11 @@ def _decimals(feature: str, unit: str) -> Parameter:
     return Parameter("read_out", "1", meaning, zero_allowed=True, whole=True, high=15)
 
 
+def in_maths(symbol: str) -> str:
+    """The symbol of a term, or several, in TeX."""
+    return symbol.replace("eta", r"\eta")
+
+
 _NOISE = "rms of the noise of each channel over that of its signal"
 _RUN = "number of the run: the same but for its noise"
 _LAW = "damping law of the oscillator, drawn anew in each run"
@@ -58,6 +65,13 @@ PARAMETERS: dict[str, Parameter] = {
     "k_N_per_m": Parameter("oscillator", "N/m", "stiffness k of the spring to the base", "k"),
     "K_z_N_per_m": Parameter("oscillator", "N/m", "contact stiffness K_z", "K_z"),
     "F_k_N": Parameter("oscillator", "N", "friction force F_k in slip", "F_k", zero_allowed=True),
+    **{
+        term.column: Parameter(
+            "oscillator", term.unit or "1", f"{term.words} {symbol}", in_maths(symbol), "", True
+        )
+        for symbol, term in KNOWN_TERMS.items()
+        if symbol not in TERMS
+    },
     "frequency_hz": Parameter("excitation", "Hz", "drive frequency f = ω/2π", "f"),
     "Y_m": Parameter("excitation", "m", "reference amplitude Y of the base", "Y"),
     "omega_over_omega_n": Parameter(
@@ -93,6 +107,9 @@ PARAMETERS: dict[str, Parameter] = {
 }
 """Every name that an axis can have."""
 
+OF_LAW = {term.column: symbol for symbol, term in KNOWN_TERMS.items() if symbol not in TERMS}
+"""Parameters that are coefficients of a law's further terms, zero where they are not set → their symbols."""
+
 MECHANICAL = tuple(name for name, p in PARAMETERS.items() if p.kind in ("oscillator", "excitation"))
 
 
@@ -123,7 +140,8 @@ def objection(name: str, value: Any) -> str | None:
 def in_si(given: Mapping[str, Array]) -> dict[str, Array]:
     """m, c, k, K_z, F_k, Y, omega of cases whose parameters are given by the names of PARAMETERS, each an array (n,).
 
-    Of each quantity exactly one name is given. ω in rad/s, the rest as in `dampbalance.model`.
+    Further terms of the law are added by their symbols, where they are given. Of each quantity else exactly one name is
+    given. ω in rad/s, the rest as in `dampbalance.model`.
     """
     m, k, Y = given["m_kg"], given["k_N_per_m"], given["Y_m"]
     c = 2.0 * given["zeta"] * np.sqrt(k * m) if "zeta" in given else given["c_N_s_per_m"]
@@ -133,7 +151,8 @@ def in_si(given: Mapping[str, Array]) -> dict[str, Array]:
         omega = given["omega_over_omega_n"] * np.sqrt(k / m)
     else:
         omega = 2.0 * np.pi * given["frequency_hz"]
-    return {"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k, "Y": Y, "omega": omega}
+    law = {symbol: given[name] for name, symbol in OF_LAW.items() if name in given}
+    return {"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k, "Y": Y, "omega": omega, **law}
 
 
 def oscillator_of(si: Mapping[str, Array], case: int) -> Oscillator:

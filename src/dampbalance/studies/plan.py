@@ -6,10 +6,10 @@ import shutil
 from pathlib import Path
 from typing import NamedTuple
 
-from ..balance import APPROACHES, TERMS
+from ..law.terms import KNOWN_TERMS
 from ..project.documents import ConfigurationError
 from .axes import Sampled
-from .parameters import PARAMETERS, SI_COLUMNS
+from .parameters import OF_LAW, PARAMETERS, SI_COLUMNS
 from .responses import REGIME_NAMES
 from .routes import LAWS
 from .settings import Study
@@ -54,6 +54,7 @@ _OF_TERMS = {
 def columns_of(study: Study) -> list[Column]:
     """The columns of the table of cases, in their order."""
     columns = [Column("case", "1", "number of the case, counted from 0")]
+    parameters = {*study.fixed, *study.axis_names}
     for name in study.axis_names:
         p = PARAMETERS[name]
         columns.append(Column(name, p.unit, p.meaning, words=p.unit == ""))
@@ -63,20 +64,26 @@ def columns_of(study: Study) -> list[Column]:
             for name, unit, meaning in SI_COLUMNS.values()
             if name not in study.axis_names and (name != "Y_m" or study.levels_relative)
         ]
+        columns += [
+            Column(name, PARAMETERS[name].unit, PARAMETERS[name].meaning)
+            for name in OF_LAW
+            if name in study.fixed
+        ]
     kinds = ", ".join(REGIME_NAMES.values())
     regimes = f"kind of response at each level, one word if all are alike: {kinds}"
     columns.append(Column("regime", "", regimes, words=True))
     if study.route == LAWS:
         columns.append(Column("chosen", "", "law that the records support, or none", words=True))
+    had = {*SI_COLUMNS, *(OF_LAW[name] for name in OF_LAW if name in parameters)}
     for fit in study.fits:
-        terms = [TERMS[symbol] for symbol in APPROACHES[fit.approach].terms]
+        terms = [KNOWN_TERMS[symbol] for symbol in fit.identified]
         how = " ".join(part.replace("_", " ") for part in fit.label.split("__"))
         asked = [(key, of_term) for key, of_term in _OF_TERMS.items() if key in study.columns]
         described = [
             (*texts, term)
             for key, of_term in asked
             for term in terms
-            if key == "estimates" or term.symbol in SI_COLUMNS  # what the oscillator has
+            if key == "estimates" or term.symbol in had
             for texts in of_term
         ]
         columns += [

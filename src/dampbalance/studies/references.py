@@ -11,6 +11,7 @@ from ..project.documents import Key, Problem
 from ..project.wording import shortened
 from .axes import Listed
 from .parameters import PARAMETERS
+from .plan import columns_of
 from .routes import LAWS
 from .settings import BANDS, CHOICES, OF_INTERVALS, SPREADS, Study
 from .sizes import extent
@@ -151,6 +152,10 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
         return
     if not fits:
         yield key, "no fit of this study is meant: see estimation"
+    held = {column.name for column in columns_of(study)}
+    if any(f"{spec['of']}_relative_error__{fit.label}" not in held for fit in fits):
+        text = f"{spec['of']} is not identified, or the oscillator has none: see estimation.terms"
+        yield (*key, "of"), text
     if take in SPREADS and len(fits) > 1:
         labels = ", ".join(fit.label for fit in fits)
         yield key, f"{take} is that of one fit, and {labels} are meant"

@@ -9,6 +9,7 @@ from itertools import product
 from typing import Any, Self
 
 from ..balance import APPROACHES, takes_phase
+from ..law.terms import in_order
 from ..reading.clean import ReadAt
 from .axes import Block, Listed, Range, Sampled, number_of_cases, spread
 from .parameters import PARAMETERS, synonyms
@@ -38,7 +39,8 @@ class Fit:
     phase : reversal, zero_crossing or fundamental.   sharing : φ and t_s individual or common.   Both are empty for
     an approach that knows no phase.   contact : compliant, with the slip onset as it was read, or rigid, a = 4X.
     weights : of the rows, weighted or equal; empty where no noise tells them apart, and all weigh alike.
-    levels : positions of two levels counted from 0, None for least squares of all.
+    levels : positions of two levels counted from 0, None for least squares of all.   terms : of the balance, where the
+    study says them; else empty, and those of the approach.
     """
 
     approach: str
@@ -47,6 +49,12 @@ class Fit:
     contact: str
     weights: str
     levels: tuple[int, int] | None
+    terms: tuple[str, ...] = ()
+
+    @property
+    def identified(self) -> tuple[str, ...]:
+        """Symbols of the coefficients that it identifies."""
+        return self.terms or APPROACHES[self.approach].terms
 
     @property
     def kind(self) -> str:
@@ -57,11 +65,19 @@ class Fit:
 
     @property
     def label(self) -> str:
-        """How the columns of this fit are told apart, e.g. X_s__reversal__individual__least_squares; a rigid contact
-        and equal weights of noisy records are named, direct__rigid__equal__least_squares."""
+        """How the columns of this fit are told apart, e.g. X_s__reversal__individual__least_squares; a rigid contact,
+        equal weights of noisy records and terms are named, direct__F_k+c+c_2__rigid__equal__least_squares."""
         contact = "" if self.contact == COMPLIANT else self.contact
         weights = EQUAL if self.weights == EQUAL else ""
-        parts = (self.approach, contact, weights, self.phase, self.sharing, self.kind)
+        parts = (
+            self.approach,
+            "+".join(self.terms),
+            contact,
+            weights,
+            self.phase,
+            self.sharing,
+            self.kind,
+        )
         return "__".join(part for part in parts if part)
 
 
@@ -118,6 +134,7 @@ class Study:
         contact : compliant or rigid; if it is missing, compliant, or else all.   weights : weighted or equal; if they
         are missing, weighted, or else all.
         fit : least_squares, pair_i_j, or pairs for all pairs; if it is missing, least squares, or else all.
+        terms : of the balance; if they are missing, the first that the study has.
         """
         keys, kind = ("approach", "phase", "sharing"), spec.get("fit")
         fits = [
@@ -125,6 +142,9 @@ class Study:
             for fit in self.fits
             if all(getattr(fit, key) in ("", spec.get(key, getattr(fit, key))) for key in keys)
         ]
+        lists = dict.fromkeys(fit.terms for fit in self.fits)
+        terms = in_order(spec["terms"]) if "terms" in spec else next(iter(lists), ())
+        fits = [fit for fit in fits if fit.terms == terms]
         for key, usual in (("contact", COMPLIANT), ("weights", WEIGHTED)):
             those = [fit for fit in fits if getattr(fit, key) in ("", spec.get(key, usual))]
             fits = those if key in spec else those or fits
@@ -209,7 +229,8 @@ def _fits(estimation: Mapping[str, Any], noisy: bool) -> Iterator[Fit]:
     sharings = estimation.get("sharing", ["individual"])
     contacts = estimation.get("contact", [COMPLIANT])
     weights = estimation.get("weights", [WEIGHTED]) if noisy else [""]
+    terms = [in_order(some) for some in estimation.get("terms", [()])]
     for approach in estimation.get("approaches", APPROACHES):
         choices = (phases, sharings) if takes_phase(approach) else ([""], [""])
-        for choice in product(*choices, contacts, weights, chosen_levels):
+        for choice in product(*choices, contacts, weights, chosen_levels, terms):
             yield Fit(approach, *choice)

@@ -171,7 +171,9 @@ def test_gain_and_delay_are_taken_off_and_a_filter_is_refused():
         return identify_ring_downs([Measurement.of("run", [changed])], PLUCKED.k)
 
     plain, gained = corrected(None), corrected(Correction(gain=1.25, delay=0.01), 1.25)
-    assert gained.of_fit["F_k"].value == pytest.approx(plain.of_fit["F_k"].value, rel=1e-4)
+    one, other = (result.of_fit["F_k"] for result in (plain, gained))
+    # the start may be found at another sample; without the gain F_k would be 25 % off, 20 standard errors
+    assert abs(one.value - other.value) < 0.5 * one.standard_error
     with pytest.raises(ValueError, match=r"run: x has a filter .* as it was before the filter"):
         corrected(Correction(low_pass=(-300.0 + 0j,)))
 

@@ -80,17 +80,15 @@ def predicted(mass: Mass, t: Array, y: Array, x: float, v: float, omega: float) 
         last = float(run.t[-1])
         inside = (t >= now) & (t <= last)
         out[inside] = run.sol(t[inside])[0]
-        x, v, now = float(run.y[0, -1]), 0.0, last
-        outward = push(now, x, 0.0)
-        sign = float(np.sign(outward)) if abs(outward) > mass.F_k else 0.0
+        x, v, sign, now = float(run.y[0, -1]), 0.0, 0.0, last
     return out
 
 
 def _released(F_k: float, push: Callable[[float], float], times: Array, now: float) -> float:
-    """When a rest that began `now` ends: where the push first exceeds F_k, the last time at the latest."""
+    """When a rest that began `now` ends: where the push first exceeds F_k, at the last time at the latest."""
     before = now
-    for at in times.tolist():
+    for at in [now, *times.tolist()]:
         if abs(push(at)) > F_k:
-            return float(brentq(lambda t: abs(push(t)) - F_k, before, at, xtol=1e-12))
+            return before if at == now else float(brentq(lambda t: abs(push(t)) - F_k, before, at))
         before = at
     return before

@@ -1,4 +1,4 @@
-"""Which law is chosen for records of each: a table of true law × chosen law, a figure of it, and its numbers."""
+"""Which law is chosen for records of each: a table of true law × chosen law, and its numbers."""
 
 from __future__ import annotations
 
@@ -8,37 +8,29 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from ...arrays import Mask, Words
-from ...figures.style import DOUBLE_COLUMN, FAINT, INK, note, page, place, styled
 from ...project.wording import percent
 from ..routes import NONE, terms_named
-from ..settings import Study
 from ..stretches import column_of
 from .groups import share_interval
-
-LEFT, BOTTOM, TOP, CELL = 34.0, 4.0, 20.0, 9.0  # mm
-_WORDS = 33.0  # mm, of a column of words beside the cells
-_DARK = 0.5  # share of a row from which on its number is white
 
 
 class Part(NamedTuple):
     """How many of so many cases are of a kind, as a share of them; its 95 % interval."""
 
-    count: int
+    those: int
     cases: int
 
     @property
     def share(self) -> float:
         """The share itself; NaN of no case."""
-        return self.count / self.cases if self.cases else np.nan
+        return self.those / self.cases if self.cases else np.nan
 
     @property
     def interval(self) -> tuple[float, float]:
         """What the number of cases leaves open of it (`share_interval`)."""
-        return share_interval(self.count, self.cases)
+        return share_interval(self.those, self.cases)
 
     def __str__(self) -> str:
         low, high = self.interval
@@ -111,7 +103,8 @@ def confusion(cases: str | Path) -> pd.DataFrame:
 
 def laws_in(summary: pd.DataFrame) -> list[str]:
     """The columns of `confusion` that hold numbers of cases by the law that is chosen."""
-    return [name for name in summary if name not in ("law", "cases") and "percent" not in name]
+    names = [str(name) for name in summary]
+    return [name for name in names if name not in ("law", "cases") and "percent" not in name]
 
 
 def confusion_markdown(summary: pd.DataFrame) -> list[str]:
@@ -146,59 +139,3 @@ def choice_fact(cases: str | Path, spec: Mapping[str, Any]) -> str:
         found = found.of(spec["at"]["law"])
     part: Part = getattr(found, take)
     return percent(dict(zip(("low", "high"), part.interval, strict=True)).get(end, part.share))
-
-
-@styled()
-def confusion_matrix(study: Study, cases: str | Path) -> Figure:
-    """Numbers of cases, a row for each true law and a column for each that is chosen; shares in words beside them.
-
-    The shade of a cell is its share of the row. Right choices are framed.
-    """
-    summary = confusion(cases)
-    laws, chosen = list(summary["law"]), laws_in(summary)
-    rows, columns = len(laws), len(chosen)
-    cell = min(CELL, (DOUBLE_COLUMN - LEFT - 2.0 * _WORDS) / columns)
-    figure = page(LEFT + columns * cell + 2.0 * _WORDS, BOTTOM + rows * CELL + TOP)
-    axes = place(figure, LEFT, BOTTOM, columns * cell, rows * CELL)
-    shares = summary[chosen].to_numpy(dtype=float) / summary["cases"].to_numpy(dtype=float)[:, None]
-    axes.pcolormesh(
-        np.arange(columns + 1), np.arange(rows + 1), shares, cmap="Blues", vmin=0.0, vmax=1.2
-    )
-    for i, j in np.ndindex(rows, columns):
-        count, share = summary[chosen[j]].iloc[i], shares[i, j]
-        colour = "white" if share >= _DARK else INK if count else FAINT
-        axes.text(j + 0.5, i + 0.5, f"{count}", ha="center", va="center", color=colour)
-        if chosen[j] == laws[i]:
-            axes.add_patch(_frame(j, i))
-    _axes(axes, laws, chosen)
-    for place_at, (name, head) in enumerate((("right", "right"), ("extra", "a term too many"))):
-        left = columns + (0.12 + place_at) * _WORDS / cell
-        axes.text(left, -0.25, head, ha="left", va="bottom", clip_on=False)
-        for i, row in enumerate(summary.to_dict("records")):
-            axes.text(left, i + 0.5, _part_in_words(row, name), va="center", size=7.5)
-    return figure
-
-
-def _frame(x: float, y: float) -> Any:
-    """The border of a cell."""
-    from matplotlib.patches import Rectangle
-
-    return Rectangle((x, y), 1.0, 1.0, fill=False, ec=INK, lw=0.9, clip_on=False, zorder=3)
-
-
-def _axes(axes: Axes, laws: list[str], chosen: list[str]) -> None:
-    """Names of the laws at the cells."""
-    axes.set_ylim(len(laws), 0.0)
-    axes.set_yticks(np.arange(len(laws)) + 0.5, [_in_maths(law) for law in laws])
-    axes.set_xticks(np.arange(len(chosen)) + 0.5, [_in_maths(law) for law in chosen], rotation=50)
-    axes.tick_params(length=0.0, labelbottom=False, labeltop=True)
-    for label in axes.get_xticklabels():
-        label.set(ha="left", rotation_mode="anchor")
-    axes.set_ylabel("true law")
-    note(axes, "law chosen", (0.0, 1.0), (-8.0, 8.0), ha="right", xycoords="axes fraction")
-    for i in range(1, len(laws)):
-        axes.axhline(i, color="white", lw=0.8)
-
-
-def _in_maths(law: str) -> str:
-    return law if law == NONE else "$" + law.replace("eta", r"\eta").replace(" ", "") + "$"

@@ -30,10 +30,10 @@ from ...project.wording import in_figure
 from ..parameters import PARAMETERS
 from ..settings import Study
 from . import series
-from .confusion import confusion_matrix
 from .groups import joined
 from .logarithmic import logarithmic_ticks
 from .maps import share_map
+from .matrix import confusion_matrix
 from .scatter import errors_of_runs
 
 

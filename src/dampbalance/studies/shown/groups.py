@@ -11,7 +11,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 
 from ...arrays import Array, Mask
-from ...balance import TERMS
+from ...law.terms import KNOWN_TERMS
 from ...project.wording import percent
 from ...solver import NORMAL_95
 from ..settings import EQUAL, RIGID, Fit, Study
@@ -81,7 +81,12 @@ def share_interval(count: int, runs: int) -> tuple[float, float]:
 def terms_of(cases: str | Path) -> list[str]:
     """Symbols of the terms whose errors the table of cases holds."""
     held = {column.partition("_relative_error__")[0] for column in pq.read_schema(cases).names}
-    return [symbol for symbol in TERMS if symbol in held]
+    return [symbol for symbol in KNOWN_TERMS if symbol in held]
+
+
+def fits_with(study: Study, symbol: str) -> list[Fit]:
+    """The fits that identify a coefficient."""
+    return [fit for fit in study.fits if symbol in fit.identified]
 
 
 def joined(names: Iterable[str]) -> str:
@@ -118,7 +123,7 @@ def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
     for where, kept in groups(study, cases, study.summary_by):
         bounds = bounds_of(study, np.flatnonzero(kept))
         for quantity in terms_of(cases):
-            for fit in study.fits:
+            for fit in fits_with(study, quantity):
                 found = spread_of(study, cases, quantity, fit, kept)
                 shares = found._asdict()
                 counts = {name: shares.pop(name) for name in ("runs", "identified")}
@@ -136,6 +141,7 @@ def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
 def which(quantity: str, fit: Fit) -> dict[str, str]:
     """The columns of a table that say which quantity and which fit a line is about."""
     by = {"approach": fit.approach, "phase": fit.phase, "sharing": fit.sharing}
+    by |= {"terms": ", ".join(fit.terms)} if fit.terms else {}
     return (
         {"quantity": quantity}
         | by
@@ -183,7 +189,8 @@ def fit_cells(row: Mapping[Any, Any]) -> list[str]:
     phase, fit = (row[name].replace("_", " ") for name in ("phase", "fit"))
     rigid = ", rigid" if row["contact"] == RIGID else ""
     equal = ", equal weights" if row["weights"] == EQUAL else ""
-    return [row["quantity"], f"{row['approach']}{rigid}{equal}", phase, row["sharing"], fit]
+    terms = f", {row['terms']}" if row.get("terms") else ""
+    return [row["quantity"], f"{row['approach']}{terms}{rigid}{equal}", phase, row["sharing"], fit]
 
 
 def _line(row: Mapping[Any, Any]) -> str:

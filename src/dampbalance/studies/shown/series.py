@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Array, Integers
-from ...balance import APPROACHES, takes_phase
+from ...balance import takes_phase
 from ...figures.looks import SCHEME_LOOKS
 from ...figures.series import EXACT, decades
 from ...model import Oscillator
@@ -145,14 +145,15 @@ def error_curves(study: Study, cases: str | Path) -> ErrorCurves:
     sharings = [name for name in SHARINGS if any(fit.sharing == name for fit in fits)]
     approaches = tuple(dict.fromkeys(fit.approach for fit in fits))
     panels = tuple(_panels(study, cases))
-    symbols = terms_of(cases)
+    identified = {fit.approach: fit.identified for fit in fits}
+    symbols = [s for s in terms_of(cases) if any(s in of for of in identified.values())]
     curves: dict[tuple[str, int], list[Curve]] = {}
     exact: dict[str, float] = {}
     for symbol in symbols:
         for number, panel in enumerate(panels):
             drawn = curves[symbol, number] = []
             for approach in approaches:
-                if symbol not in APPROACHES[approach].terms:
+                if symbol not in identified[approach]:
                     continue
                 for sharing in sharings if takes_phase(approach) else ("",):
                     which = {"of": symbol, "approach": approach, "sharing": sharing}

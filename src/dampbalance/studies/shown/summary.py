@@ -33,7 +33,9 @@ def overall_summary(cases: str | Path, study: Study) -> pd.DataFrame:
     """
     records = []
     for fit in study.fits:
-        for quantity in terms_of(cases):  # a column at a time: a file may have hundreds
+        for quantity in [
+            s for s in terms_of(cases) if s in fit.identified
+        ]:  # a column at a time: a file may have hundreds
             name = f"{quantity}_relative_error__{fit.label}"
             sizes = Sizes(WITHIN)
             for stretch in stretches(cases, [name]):
