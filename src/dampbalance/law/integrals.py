@@ -98,8 +98,8 @@ def of_harmonics(
         factor, of_base = (float(of_term.force(*at, k, omega)) for at in ((1.0, 0.0), (0.0, 1.0)))
         if not of_base:
             return np.asarray(factor * square)
-        shared = np.isin(n, y_n), np.isin(y_n, n)
-        product = (x[:, shared[0]] * y[:, shared[1]].conj()).real @ n[shared[0]] ** 2
+        shared, of_x, of_y = np.intersect1d(n, y_n, assume_unique=True, return_indices=True)
+        product = (x[:, of_x] * y[:, of_y].conj()).real @ shared**2
         return np.asarray(factor * square + of_base * math.pi * omega * product)
     points = max(_POINTS, 1 << math.ceil(math.log2(_PER_HARMONIC * float(n.max()))))
     spectrum = np.zeros((len(x), points // 2 + 1), dtype=np.complex128)

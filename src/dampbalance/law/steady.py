@@ -85,8 +85,10 @@ class Response:
 
     def harmonics(self, count: int) -> Complexes:
         """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); y = Y cos ωt."""
-        n = np.arange(1, 2 * count, 2)
         x = self.orbit.harmonics(count)
+        if not self.advance and self.change is None:
+            return x
+        n = np.arange(1, 2 * count, 2)
         if self.change is not None:
             x = x + np.pad(self.change, (0, max(0, count - HARMONICS)))[:count]
         turned: Complexes = x * np.exp(1j * n * self.advance)
@@ -126,6 +128,8 @@ def steady_response(
     Raises NoSteadyOrbit where there is none, or none with one onset of slip per half cycle under quadratic or cubic
     damping.
     """
+    if not law:
+        return Response(steady_orbit(oscillator, motion), 0.0)
     omega, k = motion.omega, oscillator.k
     linear, to_base, others = oscillator.c, 0.0, {}
     for symbol, p in law.items():

@@ -5,7 +5,7 @@ All features are functions of the mean harmonics of base and response, relative 
     X_n² = |x_n|² − var x_n              freed of the bias that noise gives a square
     W = −πk Σ n Im(y_n* x_n)             exact by orthogonality; πkYX₁ sin φ₁ of a harmonic base
     b = πω Σ n²X_n²                      likewise
-    2X = x_max − x_min                   of Σ x_n e^{inωt}
+    2X = x_max − x_min                   of Σ x_n e^{inωt}; of the levels of its rests, where it has such (`turning.py`)
     X_s, V_s, t_s, a = 4X − λ            from the exact waveform that fits (`waveforms.py`)
 
 A waveform that fits stands for the odd harmonics beyond the fifth, too: those of the record hold little there but
@@ -126,7 +126,8 @@ class Reading:
         """Features of the one response; where no waveform fits, X_s = −X (the rigid limit) and a = 4X − λ."""
         return self.features_of(self.mean)
 
-    @property
+    @cached_property
+    @one_thread
     def exact_features(self) -> Features:
         """Features of the waveform itself. Raises ValueError where none fits."""
         waveform = self.waveform
@@ -302,7 +303,7 @@ def _features(reading: Reading, means: Means, moved: Array) -> Features:
     amplitudes = np.zeros((len(squares), 3))  # of the first three, as far as the sampling reaches
     amplitudes[:, : squares.shape[1]] = np.sqrt(np.maximum(squares[:, :3], 0.0))
     lag = -np.angle(x[:, 0])
-    theta_peak, X = turning_points(odd, even)
+    theta_peak, X = turning_points(odd, even, rests=reading.waveform is None)
     reversal = wrapped(theta_peak)
     regime, length, (V_s, t_s, taken) = _onset(reading, means, moved)
     variance = np.append(odd.variance, even.variance)

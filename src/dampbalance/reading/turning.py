@@ -2,6 +2,9 @@
 
 A symmetric motion, x(t + T/2) = −x(t), has odd harmonics alone: its lowest point is the mirror image of its highest.
 Even harmonics have the period T/2, so that they shift both ends alike; each is then looked for by itself.
+
+Where the mass rests at an end, harmonics as they were measured ring about its level, with what noise they have, and the
+highest of that would be too far out: the level is then the mean over the middle half of the rest.
 """
 
 from __future__ import annotations
@@ -14,6 +17,9 @@ import numpy as np
 from ..arrays import Array, Complexes
 
 _POINTS = 1024  # of a cycle, where its peak is looked for
+_NEAR_END = 0.005  # of the range: so close to an end, and four times the noise, a mass counts as resting there
+_NOISE = 4.0
+_RESTING = 2.0  # times as long as a harmonic motion is as close to its end
 _REACHED = 1e-9  # rad: the next of Newton's steps would be about its square
 
 
@@ -46,14 +52,23 @@ class Series:
         turn = np.multiply.accumulate(turn, axis=1) * self.x
         return turn.real.sum(axis=1), -(turn.imag @ self.n), -(turn.real @ self.n**2)
 
+    def mean_between(self, begin: float, end: float) -> Array:
+        """Mean of x from one phase ωt to the other, rad, for each mean, (r,)."""
+        turned = (np.exp(1j * self.n * end) - np.exp(1j * self.n * begin)) / (1j * self.n)
+        mean: Array = (self.x @ turned).real / (end - begin)
+        return mean
 
-def turning_points(odd: Series, even: Series) -> tuple[Array, Array]:
+
+def turning_points(odd: Series, even: Series, *, rests: bool) -> tuple[Array, Array]:
     """(ωt, X) of r means, (r,): X is half the way from the lowest to the highest point, and ωt, with even harmonics,
-    halfway between the phase of the highest and that of the lowest, half a cycle before."""
+    halfway between the phase of the highest and that of the lowest, half a cycle before.
+
+    rests : whether the mass may rest at its ends, and the harmonics are as they were measured.
+    """
     if not even.n.size:
-        return _peak([odd], 1.0)
-    high, top = _peak([odd, even], 1.0)
-    low, depth = _peak([odd, even], -1.0)
+        return _end([odd], 1.0, rests)
+    high, top = _end([odd, even], 1.0, rests)
+    low, depth = _end([odd, even], -1.0, rests)
     asymmetry = (low - high) % (2.0 * math.pi) - math.pi  # of the times from one to the other
     return high + 0.5 * asymmetry, 0.5 * (top + depth)
 
@@ -70,14 +85,42 @@ def upward_zero(odd: Series, lag: Array) -> Array:
     return at
 
 
-def _peak(parts: list[Series], sign: float) -> tuple[Array, Array]:
+def _end(parts: list[Series], sign: float, rests: bool) -> tuple[Array, Array]:
     """(ωt, x) at the largest value of sign·x, (r,): by Newton's method on the velocity, from the largest of 1,024
-    points."""
+    points; where the mass rests there, the middle of the rest and its level."""
     series = np.zeros(_POINTS // 2 + 1, dtype=np.complex128)
     for part in parts:
         series[part.n.astype(np.intp)] = sign * part.x.mean(axis=0)
-    count = len(parts[0].x)
-    at = np.full(count, 2.0 * math.pi / _POINTS * int(np.argmax(np.fft.irfft(series))))
+    values = np.fft.irfft(series) * (0.5 * _POINTS)
+    highest = int(np.argmax(values))
+    noise = math.sqrt(0.5 * sum(float(part.variance.sum()) for part in parts))
+    rest = _rest(values, highest, noise) if rests else None
+    if rest is not None:
+        begin, end = (2.0 * math.pi / _POINTS * place for place in rest)
+        middle = np.full(len(parts[0].x), 0.5 * (begin + end))
+        return middle, sign * np.sum([part.mean_between(begin, end) for part in parts], axis=0)
+    return _peak(parts, sign, highest)
+
+
+def _rest(values: Array, highest: int, noise: float) -> tuple[float, float] | None:
+    """Where the middle half of the rest about the highest point begins and ends, in points; None for no rest.
+
+    noise : standard deviation of the values.
+    """
+    reach = float(np.ptp(values))
+    near = min(_NEAR_END * reach + _NOISE * noise, 0.5 * reach)
+    off = np.roll(values, -highest) < values[highest] - near
+    after, before = int(np.argmax(off)), int(np.argmax(off[::-1]))
+    harmonic = math.acos(1.0 - 2.0 * near / reach) / math.pi * values.size
+    if after + before < _RESTING * harmonic:
+        return None
+    middle, quarter = highest + 0.5 * (after - before), 0.25 * (after + before)
+    return middle - quarter, middle + quarter
+
+
+def _peak(parts: list[Series], sign: float, highest: int) -> tuple[Array, Array]:
+    """(ωt, x) at the largest value of sign·x, (r,), close to that of the 1,024 points."""
+    at = np.full(len(parts[0].x), 2.0 * math.pi / _POINTS * highest)
     limit = 2.0 * math.pi / _POINTS
 
     def motion(at: Array) -> Array:

@@ -56,6 +56,10 @@ class Unknowns:
             places.append(common | others | {"Y": own, "psi": own + 1})
         return places
 
+    @cached_property
+    def _further(self) -> tuple[str, ...]:
+        return tuple(symbol for symbol in self.law.terms if symbol not in (FRICTION, "c"))
+
     def at(self, record: int) -> dict[str, int]:
         """Where the unknowns of a record are: those of its law by symbol, ρ, m, delay, Y and ψ."""
         return self._places[record]
@@ -70,17 +74,13 @@ class Unknowns:
         self, point: Array, record: int, omega: float, near: Response | None = None
     ) -> Response:
         """The motion of a record at ω, rad/s.   near : a motion from which to start."""
-        at = self.at(record)
-        value = {name: float(point[place]) for name, place in at.items()}
+        at, value = self.at(record), point.tolist()
+        c = value[at["c"]] if "c" in at else 0.0
         oscillator = Oscillator(
-            m=value["m"],
-            c=value.get("c", 0.0),
-            k=self.k,
-            K_z=value["rho"] ** -2,
-            F_k=value[FRICTION],
+            m=value[at["m"]], c=c, k=self.k, K_z=value[at["rho"]] ** -2, F_k=value[at[FRICTION]]
         )
-        law = {symbol: value[symbol] for symbol in self.law.terms if symbol not in (FRICTION, "c")}
-        return steady_response(oscillator, BaseMotion(value["Y"], omega), law, near)
+        law = {symbol: value[at[symbol]] for symbol in self._further}
+        return steady_response(oscillator, BaseMotion(value[at["Y"]], omega), law, near)
 
     def steps(self, point: Array, record: int, one: Lines) -> dict[str, float]:
         """Steps of differences by the common unknowns of a record: a part of each, or of what matters near zero."""

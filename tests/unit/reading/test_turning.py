@@ -27,7 +27,7 @@ def of_time(theta, *parts):
 def test_half_the_range_and_the_middle_of_the_turning_points(even):
     theta = np.linspace(0.0, 2.0 * math.pi, 2_000_001)
     x = of_time(theta, ODD, even)
-    at, X = turning_points(ODD, even)
+    at, X = turning_points(ODD, even, rests=True)
     # a grid of two million points misses a peak of curvature ~1 by (1.6e-6)²/2
     assert X[0] == pytest.approx(0.5 * np.ptp(x), abs=1e-11)
     turns = np.exp(1j * theta[[np.argmax(x), np.argmin(x)]]) * [1.0, -1.0]
@@ -39,13 +39,51 @@ def test_half_the_range_and_the_middle_of_the_turning_points(even):
 def test_each_mean_has_its_own():
     many = Series(ODD.n, ODD.x * np.array([[1.0], [2.0], [1.5]]), ODD.variance)
     even = Series(np.array([2.0]), np.array([[0.1j], [0.2j], [-0.1]]), np.zeros(1))
-    at, X = turning_points(many, even)
+    at, X = turning_points(many, even, rests=True)
     for i in range(3):
         one = turning_points(
             Series(many.n, many.x[i : i + 1], many.variance),
             Series(even.n, even.x[i : i + 1], even.variance),
+            rests=True,
         )
         assert (at[i], X[i]) == pytest.approx((one[0][0], one[1][0]), abs=1e-9)
+
+
+def resting(part: float, count: int = 31) -> tuple[Series, Series]:
+    """Harmonics of a motion between −1 and 1 that rests for a part of the cycle at each end, from its samples."""
+    theta = (np.arange(1 << 14) + 0.5) / (1 << 14)
+    along = np.clip((theta % 0.5) / (0.5 - part), 0.0, 1.0)
+    x = np.where(theta < 0.5, 1.0, -1.0) * np.cos(math.pi * along)
+    spectrum = 2.0 * np.fft.fft(x)[: count + 1] / x.size
+    spectrum *= np.exp(-0.5j * np.arange(count + 1) * 2.0 * math.pi / x.size)
+    return series(1, *spectrum[1::2]), series(2)
+
+
+@pytest.mark.parametrize("part", [0.12, 0.2, 0.35])
+def test_the_level_of_a_rest_is_free_of_ringing_and_of_noise(part):
+    odd, even = resting(part)
+    _, level = turning_points(odd, even, rests=True)
+    _, highest = turning_points(odd, even, rests=False)
+    assert level[0] == pytest.approx(1.0, abs=2e-5)  # 31 harmonics, beyond which lies 1e-4
+    rng, error = np.random.default_rng(2), 1e-3
+    noise = error * (rng.standard_normal((400, 16)) + 1j * rng.standard_normal((400, 16)))
+    drawn = [Series(odd.n, odd.x + one, np.full(16, 2.0 * error**2)) for one in noise]
+    levels = np.array([turning_points(one, even, rests=True)[1][0] for one in drawn])
+    peaks = np.array([turning_points(one, even, rests=False)[1][0] for one in drawn])
+    assert abs(levels.mean() - 1.0) < 4.0 * levels.std() / 20.0 + 2e-5  # 400 draws
+    assert peaks.mean() - 1.0 > 10.0 * abs(levels.mean() - 1.0)  # what this is for
+    assert highest[0] > level[0]
+
+
+def test_a_peak_is_no_rest():
+    # the flattest peak that two harmonics make, 1.5 times as long near its end as a harmonic one
+    for odd in (series(1, 1.0), series(1, 1.0, -1.0 / 9.0), series(1, 1.0, 0.1)):
+        rests, peak = (turning_points(odd, series(2), rests=flag)[1][0] for flag in (True, False))
+        # the mean over the middle half of what is within half a percent of the range
+        assert rests == pytest.approx(peak, abs=2e-4)
+    assert turning_points(series(1, 1.0), series(2), rests=True)[1][0] == pytest.approx(
+        1.0, abs=1e-12
+    )
 
 
 def test_the_upward_zero_is_that_of_the_odd_harmonics():

@@ -20,10 +20,9 @@ from ...law.terms import FRICTION, named_with_unit, term
 from ...reading.noisy import Reading, read_features
 from ...records.measurement import Channel, Measurement
 from .line import load_line
-from .loops import Loop, friction_loop, shape
+from .loops import AT_REST, Loop, friction_loop, shape
 from .prediction import Mass, predicted
 
-_AT_REST = 0.02  # of the largest speed
 _REPLICATES = 2  # of an identification whose intervals nobody asks for
 
 
@@ -160,7 +159,7 @@ def _foretold(one: Loaded, learnt: Reading, mass: Mass) -> Foretold:
     X_0, Y_0 = (float(steady.mean(rows)[0].real) for rows in (steady.X, steady.Y))
     zero = X_0 - Y_0 - loop.level / mass.k
     speed = float(np.gradient(response.values, response.t)[kept][0])
-    speed = speed if abs(speed) > _AT_REST * np.abs(loop.v).max() else 0.0
+    speed = speed if abs(speed) > AT_REST * np.abs(loop.v).max() else 0.0
     y = np.interp(t, base.t, base.values)
     foretold = predicted(replace(mass, zero=zero), t, y, float(x[0]), speed, steady.omega)
     phase = steady.omega * (t - steady.start) + float(np.angle(steady.mean(steady.Y)[1]))

@@ -19,7 +19,9 @@ from ...law.terms import KNOWN_TERMS
 from ...reading.noisy import Reading
 
 _POINTS = 4096  # of a cycle
-_AT_REST = 0.02  # of the largest speed: below it the mass stands, as far as 31 harmonics tell
+AT_REST = 0.02
+"""Of the largest speed: below it the mass stands, as far as 31 harmonics tell."""
+
 _SLIDING = 0.25  # of the largest speed: above it neither the onset nor the end of slip plays a part
 _RIPPLES_HZ = np.linspace(
     8.0, 30.0, 221
@@ -47,7 +49,7 @@ class Loop:
     @property
     def at_rest(self) -> Mask:
         """Where the mass stands."""
-        rest: Mask = np.abs(self.v) < _AT_REST * np.abs(self.v).max()
+        rest: Mask = np.abs(self.v) < AT_REST * np.abs(self.v).max()
         return rest
 
     @property
