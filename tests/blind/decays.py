@@ -121,7 +121,7 @@ def clean(decay: Decay) -> tuple[np.ndarray, list[float]]:
         free.append(count * step)
         moved = ring_down(decay, x, step, decay.lasts[i], v=v, z=z)
         parts.append(moved)
-        # at rest the spring holds against the contact, whatever it still rings
+        # a hand grasps it, or holds it while it is struck
         x = float(moved[0, -1])
         z = min(max(-decay.k * x / decay.K_z, -Z_m), Z_m)
     return np.hstack(parts), free

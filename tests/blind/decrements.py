@@ -1,7 +1,9 @@
 """What a laboratory makes of free decays today, beside `identify`: the decrements of successive peaks.
 
-Peaks are read off each decay about the mean of its end, from a smoothed record; of a velocity or an acceleration they
-are divided by ω or ω², as for a harmonic motion. The methods are told when the mass came free.
+Peaks are read off each decay from a smoothed record; of a velocity or an acceleration they are divided by ω or ω², as
+for a harmonic motion. They are told what the record does not show: when the mass came free, and the offset of the
+channel, that is, where the spring is at rest. Peaks that come quicker than the motion, as of a mass that sticks and
+rings, end the decay.
 
     logarithmic decrement    ln X_i falls by βπ: all damping is viscous
     envelope                 X(t) = X_0 e^{−δt} − (2/π) ω (F_k/k) t, exponential and linear decay added
@@ -23,7 +25,7 @@ from dampbalance.identification.ringdown import identify_ring_downs
 from dampbalance.motion.jit import interpreted
 from dampbalance.records.measurement import Measurement
 
-from .decays import Decay, draw, record
+from .decays import Decay, clean, draw, record
 from .truths import ANSWERS
 
 Found = dict[str, float]
@@ -33,6 +35,7 @@ Peaks = list[tuple[np.ndarray, np.ndarray]]
 """Of each decay: times, s, and sizes, m."""
 
 _CLEAR = 5.0  # standard deviations of the noise
+_QUICK = 0.7  # of the first time between peaks
 _STUCK = 2.0  # times the last peak that may be one of a mass that sticks
 
 
@@ -43,13 +46,14 @@ def peaks_of(decay: Decay, measured: Measurement, free: list[float]) -> tuple[Pe
     width = max(5, round(0.1 * decay.rate_hz * 2.0 * math.pi / decay.omega_n) | 1)
     found: Peaks = []
     halves: list[float] = []
+    largest = float(np.abs(clean(decay)[0][order]).max())
     for i, start in enumerate(free):
         first = round(start * decay.rate_hz)
         last = first + round(decay.lasts[i] * decay.rate_hz) - 1
         part = channel.values[first:last]
-        level = part[-max(3, part.size // 10) :].mean()
+        level = decay.offset * largest
         smooth = savgol_filter(part - level, width, 2)
-        sigma = decay.noise * float(np.abs(part - level).max())
+        sigma = decay.noise * largest
         places = np.sort(
             np.concatenate(
                 [
@@ -65,6 +69,8 @@ def peaks_of(decay: Decay, measured: Measurement, free: list[float]) -> tuple[Pe
             if q < 0 or smooth[p] * smooth[q] < 0.0
         ]
         places = np.array(kept, dtype=int)
+        quick = np.flatnonzero(np.diff(places) < _QUICK * np.diff(places)[:1])
+        places = places[: quick[0] + 1] if quick.size else places
         if decay.starts[i][0] == "pluck" and order == 0:
             places = np.insert(places, 0, 0)
         if places.size < 2:

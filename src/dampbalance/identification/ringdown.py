@@ -20,8 +20,9 @@ from ..reading.frequency import stands_still
 from ..reading.one_thread import one_thread
 from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
 from ..reading.ringdown_fit import RingFit, fit_stretches, with_noise_of
+from ..reading.ringdown_joint import fit_all
 from ..reading.ringdown_rows import A, B, RingRows, W, rows_of
-from ..reading.ringdown_starts import fit_all, stretches_of
+from ..reading.ringdown_starts import stretches_of
 from ..reading.sampling import evenly_sampled
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from ..solver import NORMAL_95, solve

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..reading.ringdown_fit import COMMON
+from ..reading.ringdown_motion import COMMON
 from ..reading.ringdown_rows import A, B, W, at_rest
 from .limits import REFERENCE
 from .reporting import (

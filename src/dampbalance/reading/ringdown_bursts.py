@@ -23,6 +23,7 @@ _CLEAR = 8.0  # standard deviations of the smoothed signal
 _SMALLEST = 0.03  # of the largest burst
 _DECAYED = 0.85  # of its first swing: what a decay falls below
 _RISE = 0.6  # of a burst's swing: what came before is below it
+_QUIET, _QUIET_SAMPLES = 8, 200  # parts of a record, and samples of each
 _THIRD = math.sqrt(20.0)  # of the standard deviation of the noise: that of its third differences
 
 
@@ -73,10 +74,12 @@ class NoDecay(ValueError):
 
 
 def noise_of(values: Array) -> float:
-    """Standard deviation of white noise on a smooth signal, from its third differences; at least what rounding is."""
+    """Standard deviation of white noise on a smooth signal, from its third differences where they are least, of parts
+    of the record; at least what rounding is."""
     third = np.abs(np.diff(values, 3))
     floor = 3e-6 * float(np.ptp(values))
-    return max(1.4826 * float(np.median(third)) / _THIRD, floor)
+    parts = np.array_split(third, max(1, min(_QUIET, third.size // _QUIET_SAMPLES)))
+    return max(1.4826 * min(float(np.median(part)) for part in parts) / _THIRD, floor)
 
 
 def bursts_of(signal: Signal) -> list[Burst]:

@@ -28,23 +28,21 @@ from ..arrays import Array, Integers, Mask
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
 from ..motion.states import states_in_phases
-from .ringdown_fit import (
+from .ringdown_fit import RingFit, linear_solution, w_errors
+from .ringdown_motion import (
     COMMON,
     STATE,
-    RingFit,
+    STEP,
     Stretch,
     contact_step,
-    linear_solution,
     numbers_of,
     phases_of,
     stuck_from,
-    w_errors,
 )
 
 W, A, B = range(3)
 """Columns of a row: W (J), a (m), b (m²/s)."""
 
-_STEP = 1e-6
 _PART = 1e-3  # of a standard error, for differences of what is read
 _WEAK = 10.0  # times its error in the fit: what is known of a level before
 _SEEN = 0.5  # of a last half cycle that the record must hold
@@ -180,7 +178,7 @@ def _rows(
     for i, (one, course) in enumerate(zip(fit.stretches, courses, strict=True)):
         columns = _columns(fit.point, fit.k, course, nodes[i])
         slope = np.zeros((*columns.shape, found.size))
-        span = _STEP * max(float(np.ptp(nodes[i])), 1e-300)
+        span = STEP * max(float(np.ptp(nodes[i])), 1e-300)
         for j in range(nodes[i].size if course.halves else 0):
             moved = nodes[i].copy()
             moved[j] += span

@@ -12,25 +12,17 @@ follow the motion: whatever held or pushed the mass before is left out.
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import Array
-from ..motion.events import PHASE_S, PHASE_V, PHASE_X
+from ..motion.events import PHASE_V, PHASE_X
 from .ringdown_bursts import Burst, Signal, bursts_of, sharpest
-from .ringdown_fit import (
-    COMMON,
-    STATE,
-    RingFit,
-    Stretch,
-    fit_stretches,
-    samples_of,
-    slips,
-    stuck_from,
-)
+from .ringdown_fit import RingFit, fit_stretches, with_noise_of
+from .ringdown_motion import COMMON, STATE, Stretch, samples_of, slips, stuck_from
 
 _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing loses
 _STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
@@ -46,9 +38,10 @@ _SEVERAL = 3  # steps back that are looked at together
 _AGREES = 3.0  # standard deviations of the scatter of a mass at rest
 _CHANCE = 1e-4  # probability of a line of the spectrum in noise
 _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
-_MOST_TURNS = 4  # half cycles that slip, of what may be the work of a hand
-_PART = 0.5  # of the swing of a burst, that its motion has at least
-_DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
+_FEW = 16  # samples
+_GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
+_PART = 0.1  # of the swing of a burst, that its motion has at least
+DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
 _ALIKE = 1.5  # χ² per sample of a fit that needs no other start
 
 
@@ -68,7 +61,14 @@ def stretches_of(
         fit = _grown(whole, burst, lead, k)
         if fit is None:
             continue
-        fit = _from_earlier(fit, whole, max(since, burst.earliest))
+        if fit.adequate:  # its residual tells the noise better than the samples alone
+            fit = with_noise_of(fit)
+            known = zip(whole.signals, fit.stretches[0].signals, strict=True)
+            signals_of = tuple(replace(one, noise=other.noise) for one, other in known)
+            whole = replace(whole, signals=signals_of)
+        fit = surer(_from_earlier(fit, whole, max(since, burst.earliest)))
+        if not burst.last:
+            fit = _until_grasped(fit)
         if _moves(fit) > _PART * burst.swing:  # else the swing was none of a free motion
             fits.append(fit)
     for good in (lambda fit: fit.adequate, lambda fit: slips(fit.phases(0))):
@@ -99,15 +99,21 @@ def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | No
         longer = _longer(fit, whole.cut(burst.turn, end))
         if longer is None:
             break
-        if not burst.last and longer.chance < _DISTURBED <= fit.chance:
+        if not burst.last and longer.chance < DISTURBED <= fit.chance:
             # something else moves the mass before the next burst
             return _until_disturbed(fit, whole, end)
         fit = longer
-    return fit if fit is None or fit.chance > _DISTURBED else _from_other_shares(fit)
+    return fit if fit is None else surer(fit, {fit.point.size - 1})
 
 
-def _from_other_shares(fit: RingFit) -> RingFit:
-    """The best of the fits that start from other shares of friction in what this one loses."""
+def surer(fit: RingFit, given: Collection[int] = ()) -> RingFit:
+    """The fit, or where what it leaves is hardly noise the best of those that start from other shares of friction in
+    what it loses, and for a single decay from the contact at either end.
+
+    given : numbers of the unknowns that keep their values.
+    """
+    if fit.chance > DISTURBED:
+        return fit
     phases = fit.phases(0)
     travel = float(np.abs(np.diff(phases[:, PHASE_X])).sum())
     speed = float(np.abs(phases[:, PHASE_V]).max())
@@ -115,12 +121,14 @@ def _from_other_shares(fit: RingFit) -> RingFit:
     ratio = 0.25 * math.pi * speed
     loss = (fit.F_k + ratio * fit.c) * travel
     best = fit
-    for share in _SHARES:
-        start = fit.point.copy()
-        start[0], start[1] = share * loss / travel, (1.0 - share) * loss / (ratio * travel)
-        other = fit_stretches(fit.stretches, fit.k, start, given={start.size - 1}, gain=_COARSE)
-        if other is not None and other.chi_square < best.chi_square:
-            best = other
+    for share in _SHARES if loss > 0.0 else ():
+        for w in (fit.point[-1],) if given or len(fit.stretches) > 1 else (0.0, 2.0):
+            start = fit.point.copy()
+            start[0], start[1] = share * loss / travel, (1.0 - share) * loss / (ratio * travel)
+            start[-1] = w
+            other = fit_stretches(fit.stretches, fit.k, start, given=given, gain=_COARSE)
+            if other is not None and other.chi_square < best.chi_square:
+                best = other
     return best
 
 
@@ -144,7 +152,7 @@ def _until_disturbed(fit: RingFit, whole: Stretch, end: float) -> RingFit:
     while end - good > 0.1 * whole.period:
         middle = 0.5 * (good + end)
         longer = _longer(fit, whole.cut(start, middle))
-        if longer is not None and longer.chance >= _DISTURBED:
+        if longer is not None and longer.chance >= DISTURBED:
             fit, good = longer, middle
         else:
             end = middle
@@ -152,6 +160,29 @@ def _until_disturbed(fit: RingFit, whole: Stretch, end: float) -> RingFit:
         shorter = _longer(fit, whole.cut(start, good - 0.5 * whole.period))
         fit = fit if shorter is None else shorter
     return fit
+
+
+def _until_grasped(fit: RingFit) -> RingFit:
+    """The fit up to where the mass, which rang, stands: a hand has grasped it for the next burst."""
+    (one,), (row,) = fit.stretches, fit.residuals()
+    still = _still(fit, one.end)
+    ends = []
+    for signal, residual in zip(one.signals, row, strict=True):
+        first = int(np.searchsorted(signal.t, still))
+        tail, off = signal.values[first:], residual[first:]
+        if tail.size < _FEW:
+            continue
+        level = tail[-(tail.size // 4) :].mean()
+        # what the samples from each on say for a level, against the motion
+        gain = off**2 - ((tail - level) / signal.noise) ** 2
+        after = np.cumsum(gain[::-1])[::-1]
+        best = int(np.argmax(after))
+        if after[best] > 2.0 * math.log(tail.size) + _GRASPED:
+            ends.append(float(signal.t[first + best]))
+    if not ends:
+        return fit
+    again = fit_stretches([one.cut(one.start, min(ends))], fit.k, fit.point, gain=_COARSE)
+    return fit if again is None else again
 
 
 def _candidates(part: Stretch, burst: Burst, lead: Signal, k: float) -> list[Array]:
@@ -330,58 +361,3 @@ def _before(point: Array, k: float, step: float) -> Array:
         x -= h * v_half
         v = v_half - 0.5 * h * -(k * x + side * F_k + c * v_half) / m
     return np.array([x, v, w])
-
-
-def joint_start(fits: Sequence[RingFit], offsets: int) -> Array:
-    """Where the fit of all bursts starts: the common unknowns weighted by their information, the rest as it is.
-
-    offsets : how many there are in all.
-    """
-    size = len(COMMON)
-    information, right = np.zeros((size, size)), np.zeros(size)
-    levels, weights = np.zeros(offsets), np.zeros(offsets)
-    k, m = fits[0].k, fits[0].m
-    unit = np.array([fits[0].F_k, 1e-2 * math.sqrt(k * m), 1e-1 / math.sqrt(k), m])
-    for fit in fits:
-        scaled = fit.covariance[:size, :size] / np.outer(unit, unit)
-        one = np.linalg.pinv(scaled, rcond=1e-12, hermitian=True)
-        information += one
-        right += one @ (fit.point[:size] / unit)
-        for number in fit.stretches[0].offsets:
-            levels[number] += fit.point[size + number] * fit.stretches[0].samples
-            weights[number] += fit.stretches[0].samples
-    common = unit * np.linalg.lstsq(information, right)[0]
-    if not (common > 0.0).all():
-        common = max(fits, key=lambda fit: fit.stretches[0].samples).point[:size]
-    levels = levels / np.maximum(weights, 1.0)
-    return np.concatenate([common, levels, *(fit.point[-STATE:] for fit in fits)])
-
-
-def fit_all(fits: Sequence[RingFit], offsets: int) -> tuple[RingFit | None, list[Stretch]]:
-    """One oscillator for the bursts that were fitted each by itself, and those that are none of its decays.
-
-    A hand that moves the mass from one place to another can look like half a cycle of another oscillator: where all
-    bursts together are not of one, those that slip least are left out, the fewest possible, if the others then are.
-    """
-    whole = _joined(fits, offsets)
-    if whole is None or whole.adequate or len(fits) == 1:
-        return whole, []
-    turns = [int(np.count_nonzero(fit.phases(0)[:, PHASE_S])) for fit in fits]
-    order = np.argsort(turns, kind="stable").tolist()
-    for count in range(1, len(fits)):
-        if turns[order[count - 1]] > _MOST_TURNS:
-            break
-        for some in itertools.combinations(order[: count + 1], count):
-            rest = [fit for i, fit in enumerate(fits) if i not in some]
-            if not rest or any(turns[i] > _MOST_TURNS for i in some):
-                continue
-            fit = _joined(rest, offsets)
-            if fit is not None and fit.adequate:
-                return fit, [fits[i].stretches[0] for i in sorted(some)]
-    return whole, []
-
-
-def _joined(fits: Sequence[RingFit], offsets: int) -> RingFit | None:
-    """The fit of all bursts."""
-    stretches = [fit.stretches[0] for fit in fits]
-    return fit_stretches(stretches, fits[0].k, joint_start(fits, offsets))

@@ -716,3 +716,18 @@ def test_blocks_need_little_memory(tmp_path, suffix, kind):
     tracemalloc.stop()
     assert count == 200_000
     assert peak < 1.6e6
+
+
+def test_a_record_without_a_drive_is_a_free_decay(tmp_path):
+    path = tmp_path / "decay.csv"
+    path.write_text("t (s),x (mm)\n0,1\n1,2\n2,-1\n3,0\n", encoding="utf-8")
+    found = read(path)
+    assert list(found) == ["displacement"]
+    assert not found.driven
+
+
+def test_what_may_drive_a_record_must_be_named_or_left_out(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text("t (s),x (mm),CH2 (V)\n0,1,0\n1,2,1\n2,-1,0\n3,0,1\n", encoding="utf-8")
+    refused(path, r"finds no excitation; it needs one of .*, unless it is a free decay")
+    assert list(read(path, {"channels": {"displacement": {"channel": "x"}}})) == ["displacement"]
