@@ -176,7 +176,8 @@ def _on_the_oscillator(readings: Sequence[Reading], whole: Whole) -> list[str]:
             "the records are not those of one mass on a spring, a damper and one friction contact: the best one leaves "
             f"{times(math.sqrt(fit.misfit))} their noise, most in {readings[worst].steady.source}; K_z and the onset "
             "of slip cannot be told; a channel may be skewed, coupled (AC) or filtered, a gain may be wrong, the "
-            "levels may differ in more than their amplitude, or the oscillator is of another kind"
+            "levels may differ in more than their amplitude, the damping may follow another law (compare the laws), or "
+            "the oscillator is of another kind"
         )
     if whole.late and delayed is not None:
         without = [f"{key} = {delayed.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]

@@ -229,7 +229,7 @@ def _fits(estimation: Mapping[str, Any], noisy: bool) -> Iterator[Fit]:
     sharings = estimation.get("sharing", ["individual"])
     contacts = estimation.get("contact", [COMPLIANT])
     weights = estimation.get("weights", [WEIGHTED]) if noisy else [""]
-    terms = [in_order(some) for some in estimation.get("terms", [()])]
+    terms = list(dict.fromkeys(in_order(some) for some in estimation.get("terms", [()])))
     for approach in estimation.get("approaches", APPROACHES):
         choices = (phases, sharings) if takes_phase(approach) else ([""], [""])
         for choice in product(*choices, contacts, weights, chosen_levels, terms):

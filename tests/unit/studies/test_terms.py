@@ -24,7 +24,10 @@ from paper_case import PAPER
 LEFT_OUT = {
     "axes": [{"c_2_N_s2_per_m2": {"values": [0.0, 10.0, 100.0]}}],
     "levels_m": [0.004, 0.008, 0.012],
-    "estimation": {"approaches": ["direct"], "terms": [["F_k", "c"], ["c_2", "c", "F_k"]]},
+    "estimation": {
+        "approaches": ["direct"],
+        "terms": [["F_k", "c"], ["c_2", "c", "F_k"], ["c", "F_k"]],
+    },
     "columns": ["parameters", "errors", "estimates"],
 }
 WITHOUT, WITH = "direct__F_k+c__least_squares", "direct__F_k+c+c_2__least_squares"
