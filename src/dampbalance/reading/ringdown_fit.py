@@ -33,6 +33,10 @@ _MOST = 30  # evaluations of a climb
 _GAIN = 5e-8  # of half of χ², where a climb ends
 _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
 _W_ERROR = 1.0  # of w, which lies between 0 and 2
+_DOUBTFUL, _ALIKE = (
+    0.02,
+    3.0,
+)  # that probability, and standard deviations of the correlation of neighbours
 _ROUNDING = 0.1  # of the variance of the noise
 _BINS = 12  # of a cycle, in which the residual is averaged
 
@@ -141,6 +145,18 @@ class RingFit:
 
         ratio, bins, rest = self._likeness()
         return float(special.fdtrc(bins, rest, ratio))
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the climb may have ended beside the best fit: neighbouring residuals are alike, or their averages too
+        large. Coloured noise does the same."""
+        products = squares = 0.0
+        for row in self.residuals():
+            for residual in row:
+                products += float(residual[1:] @ residual[:-1])
+                squares += float(residual @ residual)
+        alike = products / max(squares, 1e-300) * math.sqrt(self.residual.size)
+        return self.chance < _DOUBTFUL or alike > _ALIKE
 
     @property
     def adequate(self) -> bool:

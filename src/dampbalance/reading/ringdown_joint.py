@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..motion.events import PHASE_S
 from .ringdown_fit import RingFit, fit_stretches
 from .ringdown_motion import COMMON, STATE, Stretch
-from .ringdown_starts import DISTURBED, surer
+from .ringdown_starts import surer
 
 _MOST_TURNS = 4  # half cycles that slip, of what may be the work of a hand
 
@@ -49,7 +49,7 @@ def fit_all(fits: Sequence[RingFit], offsets: int) -> tuple[RingFit | None, list
     bursts together are not of one, those that slip least are left out, the fewest possible, if the others then are.
     """
     whole = _joined(fits, offsets)
-    if whole is not None and whole.chance < DISTURBED:
+    if whole is not None and whole.doubtful:
         # from the oscillator of each alone, and from other shares of friction
         others = [_joined(fits, offsets, fit.point[: len(COMMON)]) for fit in fits]
         whole = min(

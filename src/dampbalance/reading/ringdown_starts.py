@@ -41,7 +41,7 @@ _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not rin
 _FEW = 16  # samples
 _GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
 _PART = 0.1  # of the swing of a burst, that its motion has at least
-DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
+_DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
 _ALIKE = 1.5  # χ² per sample of a fit that needs no other start
 
 
@@ -99,7 +99,7 @@ def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | No
         longer = _longer(fit, whole.cut(burst.turn, end))
         if longer is None:
             break
-        if not burst.last and longer.chance < DISTURBED <= fit.chance:
+        if not burst.last and longer.chance < _DISTURBED <= fit.chance:
             # something else moves the mass before the next burst
             return _until_disturbed(fit, whole, end)
         fit = longer
@@ -112,7 +112,7 @@ def surer(fit: RingFit, given: Collection[int] = ()) -> RingFit:
 
     given : numbers of the unknowns that keep their values.
     """
-    if fit.chance > DISTURBED:
+    if not fit.doubtful:
         return fit
     phases = fit.phases(0)
     travel = float(np.abs(np.diff(phases[:, PHASE_X])).sum())
@@ -152,7 +152,7 @@ def _until_disturbed(fit: RingFit, whole: Stretch, end: float) -> RingFit:
     while end - good > 0.1 * whole.period:
         middle = 0.5 * (good + end)
         longer = _longer(fit, whole.cut(start, middle))
-        if longer is not None and longer.chance >= DISTURBED:
+        if longer is not None and longer.chance >= _DISTURBED:
             fit, good = longer, middle
         else:
             end = middle
