@@ -134,10 +134,12 @@ class Reading:
         if waveform is None:
             raise ValueError(f"{self.steady.source}: no waveform fits")
         at = waveform.fit.unknowns.at(waveform.index)
-        x = waveform.response.harmonics(self.lines.n.size)
+        x = waveform.response.harmonics(max(self.lines.n.size, waveform.tail.size))
+        exact = replace(waveform, tail=x)  # with the phase of its own base
         none = np.zeros((1, 0), dtype=np.complex128)
-        means = Means(waveform.fit.point[[at["Y"]]], x[None], none, none, 0.0)
-        return self.features_of(means, np.zeros((self._unknowns, 1)))
+        means = Means(waveform.fit.point[[at["Y"]]], x[None, : self.lines.n.size], none, none, 0.0)
+        alone = replace(self, joint=True, shared=exact)
+        return alone.features_of(means, np.zeros((self._unknowns, 1)))
 
     @property
     def warnings(self) -> tuple[str, ...]:
