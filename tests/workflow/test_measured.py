@@ -113,6 +113,9 @@ def run_changed(copy, change):
         ({"stiffness": 2310.0}, "stiffness"),
         ({"approaches": ["best"]}, "measured[1].approaches[1]"),
         ({"name": "two words"}, "measured[1].name"),
+        ({"terms": ["F_k", "c_9"]}, "measured[1].terms[2]: 'c_9' is not a term"),
+        ({"given": {"c_2": 1.0}, "terms": ["F_k", "c"]}, "c_2 is given and no term of the law"),
+        ({"groups": {"F_k": ["a", "b"]}}, "the groups of F_k name 2 records, and there are 5"),
     ],
 )
 def test_a_wrong_configuration_is_refused_before_anything_runs(built, change, message):

@@ -43,9 +43,9 @@ if MEASURED and workflow.is_main_process:
         if len(MEASURED) < len(config["measured"]):
             refuse(("measured",), "two sets have the same name; rename one", CONFIG_FILES)
         for place, (name, one) in enumerate(MEASURED.items()):
-            record_files(name)
+            records = len(record_files(name))
             try:
-                law_of(one.get("terms"), one.get("given"), one.get("groups"))
+                law_of(one.get("terms"), one.get("given"), one.get("groups")).require_labels(records)
             except ValueError as error:
                 refuse(("measured", place), str(error), CONFIG_FILES)
     except ConfigurationError as error:

@@ -87,14 +87,18 @@ class Law:
         """The keys of all coefficients of a term."""
         return tuple(key for key in self.keys if parted(key)[0] == symbol)
 
+    def require_labels(self, records: int) -> None:
+        """ValueError where the groups of a term have not one label for each of so many records."""
+        for symbol, labels in self.groups.items():
+            if len(labels) != records:
+                raise ValueError(
+                    f"the groups of {symbol} name {len(labels)} records, and there are {records}: one label for each"
+                )
+
     def require(self, frequencies_hz: Sequence[float]) -> None:
         """ValueError where records at these frequencies cannot tell the terms apart, whatever they hold."""
         count = len(frequencies_hz)
-        for symbol, labels in self.groups.items():
-            if len(labels) != count:
-                raise ValueError(
-                    f"the groups of {symbol} name {len(labels)} records, and there are {count}: one label for each"
-                )
+        self.require_labels(count)
         alike = [s for s in ("c", "eta") if s in self.terms and s not in self.given]
         if len(alike) > 1 and max(frequencies_hz) < _ALIKE * min(frequencies_hz):
             raise ValueError(
