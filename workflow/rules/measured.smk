@@ -45,7 +45,9 @@ if MEASURED and workflow.is_main_process:
         for place, (name, one) in enumerate(MEASURED.items()):
             records = len(record_files(name))
             try:
-                law_of(one.get("terms"), one.get("given"), one.get("groups")).require_labels(records)
+                law_of(one.get("terms"), one.get("given"), one.get("groups")).require_labels(
+                    records
+                )
             except ValueError as error:
                 refuse(("measured", place), str(error), CONFIG_FILES)
     except ConfigurationError as error:
