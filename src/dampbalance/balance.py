@@ -222,7 +222,7 @@ class Approach:
     rows: Callable[[Features, ArrayLike], Rows]
     label: str
     takes_phase: bool = True
-    terms: tuple[str, ...] = ("F_k", "c")
+    terms: tuple[str, ...] = tuple(TERMS)
     integral: Callable[[Features, ArrayLike, str], Array] | None = None
 
     def __call__(

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..balance import TERMS
 from .loading import NotDriven
 from .outputs import ALL_PICTURES, PICTURES, RING_DOWN_PICTURES
 from .ringdown_run import (
@@ -34,7 +35,6 @@ _OF_FORCED: Mapping[str, Any] = {
 """Options that would say something else to free decays, and what they are where nobody gave them."""
 
 _COMMON = ("mapping", "mass", "largest")
-_TERMS = ("F_k", "c")
 
 
 def identify_records(
@@ -54,7 +54,7 @@ def identify_records(
             if kind == FORCED:
                 raise
     for name, value in options.items():
-        terms = name == "terms" and value is not None and tuple(value) != _TERMS
+        terms = name == "terms" and value is not None and tuple(value) != tuple(TERMS)
         unknown = name in ("given", "groups", "laws") and value
         if terms or unknown or (name in _OF_FORCED and value != _OF_FORCED[name]):
             raise ValueError(

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..balance import Rows
+from ..balance import TERMS, Rows
 from ..project.wording import visible
 from ..reading.frequency import stands_still
 from ..reading.one_thread import one_thread
@@ -65,7 +65,7 @@ class RingDown:
     def of_fit(self) -> dict[str, ParameterEstimate]:
         """What the fit of all samples identifies, by symbol."""
         found = {}
-        for symbol in ("F_k", "c"):
+        for symbol in TERMS:
             value, error = float(getattr(self.fit, symbol)), self.fit.error(symbol)
             found[symbol] = _estimate(value, error)
         return {**found, "K_z": _stiffness(self.fit)}
@@ -192,8 +192,8 @@ def _solved(
         notes.append(words)
         fit_notes.append(words)
     errors = {symbol: math.sqrt(covariance[i, i]) for i, symbol in enumerate(found)}
-    known = {s: _estimate(found[s], errors[s]) for s in ("F_k", "c") if s in found}
-    estimates = {s: known.get(s, _NOTHING) for s in ("F_k", "c")} | {"K_z": _stiffness(fit)}
+    known = {s: _estimate(found[s], errors[s]) for s in TERMS if s in found}
+    estimates = {s: known.get(s, _NOTHING) for s in TERMS} | {"K_z": _stiffness(fit)}
     correlation = float(covariance[0, 1]) / (errors["F_k"] * errors["c"]) if known else math.nan
     return RingDown(
         k=fit.k,
