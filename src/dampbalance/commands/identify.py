@@ -17,7 +17,7 @@ from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, write_json
 from ..project.wording import shortened
 from ..records.limits import LARGEST
-from .options import count, number, whole
+from .options import coefficients, count, number, whole
 
 EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
@@ -85,7 +85,7 @@ def run(options: argparse.Namespace) -> None:
         frequency_hz=options.frequency,
         skip_cycles=options.skip_cycles,
         terms=options.terms,
-        given=_once(options.given, "--given"),
+        given=_once([one for some in options.given or () for one in some.items()], "--given"),
         groups=_once(options.groups, "--groups"),
         laws=options.laws,
         approaches=options.approach,
@@ -138,17 +138,6 @@ def _names(text: str) -> list[str]:
     return names
 
 
-def _value(text: str) -> tuple[str, float]:
-    """A type of argument: a term and its coefficient, c=0.669."""
-    name, equals, value = text.partition("=")
-    _require_term(name.strip(), text)
-    if not equals:
-        raise argparse.ArgumentTypeError(
-            f"must be TERM=VALUE, as in c=0.669, got {shortened(text)}"
-        )
-    return name.strip(), number(0.0)(value)
-
-
 def _labels(text: str) -> tuple[str, list[str]]:
     """A type of argument: a term and a label for each record, F_k=A,A,B."""
     name, equals, labels = text.partition("=")
@@ -183,7 +172,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--stiffness": {"type": number(), "required": True, "metavar": "K"},
     "--frequency": {"type": number(1e-9, 1e9), "metavar": "HZ"},
     "--terms": {"type": _names, "metavar": "TERMS"},
-    "--given": {"type": _value, "action": "append", "metavar": "TERM=VALUE"},
+    "--given": {"type": coefficients, "action": "append", "metavar": "TERM=VALUE"},
     "--groups": {"type": _labels, "action": "append", "metavar": "TERM=LABELS"},
     "--laws": {"action": "store_true"},
     "--approach": {"action": "append", "choices": list(APPROACHES)},
