@@ -72,11 +72,11 @@ format: setup ## Format the sources
 	@$(RUN) ruff format .
 	@$(RUN) snakefmt Snakefile workflow
 
-LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
+LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade --fork-strategy fewest \
 	--no-header --no-emit-index-url --no-emit-find-links
 
 lock: setup ## Pin the newest versions that pyproject.toml allows, with hashes
-	@$(RUN) $(LOCK) --extra workflow --extra article --extra records --group dev --output-file requirements.lock pyproject.toml
+	@$(RUN) $(LOCK) --extra workflow --extra article --extra records --group dev --group docs --output-file requirements.lock pyproject.toml
 	@$(RUN) $(LOCK) --constraint requirements.lock --group build --output-file requirements-build.lock
 
 clean: ## Remove results and caches; the environment stays
