@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
 import tarfile
 from importlib import metadata
 from pathlib import Path
@@ -12,6 +11,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from committing import git
 from dampbalance.project.files import sha256
 from dampbalance.publishing.provenance import archive
 from dampbalance.publishing.provenance.crate import crate
@@ -20,12 +20,6 @@ from dampbalance.publishing.provenance.sources import PROJECT, code_version, dig
 from folders import ROOT
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
-
-
-def git(folder, *arguments):
-    identity = ["-c", "user.name=tester", "-c", "user.email=tester@example.org"]
-    command = ["git", *identity, "-c", "commit.gpgsign=false", *arguments]
-    return subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
 
 
 @needs_git
@@ -125,6 +119,7 @@ def test_large_results_stay_out_and_are_named(tmp_path, monkeypatch):
         "reproducible": {
             "case": "tiny",
             "version": "1.0",
+            "configuration": {},
             "configuration_files": [],
             "sources": {},
             "results": results,

@@ -112,9 +112,10 @@ def pack(
         manifest_file,
         citation,
         others={file: digest for file, digest in digests.items() if file != manifest_file},
+        ended=_when_written(packed),
     )
-    written[DESCRIPTOR["@id"]] = _json(metadata)
-    digests[DESCRIPTOR["@id"]] = _digest(written[DESCRIPTOR["@id"]])
+    written[DESCRIPTOR] = _json(metadata)
+    digests[DESCRIPTOR] = _digest(written[DESCRIPTOR])
     lines = [f"{digest}  {file}\n" for file, digest in sorted(digests.items())]
     written[SUMS] = "".join(lines).encode()
 
@@ -164,6 +165,12 @@ def _entry(name: str, size: int, executable: bool) -> tarfile.TarInfo:
     entry = tarfile.TarInfo(name)
     entry.size, entry.mtime, entry.mode = size, TIME, 0o755 if executable else 0o644
     return entry
+
+
+def _when_written(files: Iterable[str]) -> dict[str, float]:
+    """When each file was last written, s since 1970, which is when its job ended; not of files out of an archive."""
+    times = {file: Path(file).stat().st_mtime for file in files}
+    return {file: time for file, time in times.items() if time > TIME}
 
 
 def _digest(data: bytes) -> str:

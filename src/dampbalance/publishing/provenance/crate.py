@@ -1,56 +1,39 @@
-"""The manifest as an RO-Crate: results, and the actions that made them, in terms that repositories understand.
+"""The manifest as an RO-Crate: results, and the run of the workflow that made them, in terms that repositories know.
 
-RO-Crate 1.1 with the profile Process Run Crate: each job is a CreateAction, from its inputs (object) by a script
-(instrument) to its outputs (result). Files below the root of the crate are its data; what lies elsewhere is described
-with its digest, under a name that begins with '#'. The crate holds no time of the run, so that it stays the same from
-run to run; the profile wishes for one (endTime) but does not ask for it.
+RO-Crate 1.1 with the profiles Workflow RO-Crate 1.0 and Process, Workflow and Provenance Run Crate 0.5. Files are
+named by their paths from the folder of the crate. The crate of a case lies among its results: it names its sources by
+the way up to them (../..), and holds in place. The crate of an archive has all of them below its own folder: it is the
+one to deposit.
+
+What the profiles recommend is there, with two exceptions. The crate of a case holds no time of the run (`endTime`), so
+that the same inputs give the same bytes; that of an archive, which is of one run, does. And where neither a date of
+release nor a commit is known, nothing says when the crate was published (`datePublished`). The agent of the run is who
+the citation names: they answer for what is published under it.
 """
 
 from __future__ import annotations
 
-import mimetypes
-from collections.abc import Iterable, Mapping
-from pathlib import PurePosixPath
+from collections.abc import Mapping
 from typing import Any
-from urllib.parse import quote
 
+from .entities import Entity, entity, file, file_id, references
+from .workflow_run import BIOSCHEMAS, LANGUAGE, WORKFLOW_FILE, actions, engine, parameters, steps
+
+DESCRIPTOR = "ro-crate-metadata.json"
 CONTEXT = [
     "https://w3id.org/ro/crate/1.1/context",
     "https://w3id.org/ro/terms/workflow-run/context",
 ]
 ROCRATE = "https://w3id.org/ro/crate/1.1"
-PROCESS_RUN = "https://w3id.org/ro/wfrun/process/0.5"
-LICENCES = "https://spdx.org/licenses/"
-_TYPES = {
-    ".csv": "text/csv",
-    ".md": "text/markdown",
-    ".yaml": "application/yaml",
-    ".parquet": "application/vnd.apache.parquet",
-    ".ipynb": "application/x-ipynb+json",
-    ".svg": "image/svg+xml",
-    ".json": "application/json",
-    ".py": "text/x-python",
+WORKFLOW_CRATE = "https://w3id.org/workflowhub/workflow-ro-crate/1.0"
+PROFILES = {
+    "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
+    "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
+    "https://w3id.org/ro/wfrun/provenance/0.5": "Provenance Run Crate",
+    WORKFLOW_CRATE: "Workflow RO-Crate",
 }
+LICENCES = "https://spdx.org/licenses/"
 ABOUT_MANIFEST = "Configuration, code, packages, digests. Names the machine: no digest of its own."
-
-Entity = dict[str, Any]
-
-
-def _entity(identifier: str, kind: str, **properties: Any) -> Entity:
-    """An entity with those of its properties that are known."""
-    entries = {key: value for key, value in properties.items() if value is not None}
-    return {"@id": identifier, "@type": kind} | entries
-
-
-DESCRIPTOR = _entity(
-    "ro-crate-metadata.json",
-    "CreativeWork",
-    conformsTo={"@id": ROCRATE},
-    about={"@id": "./"},
-)
-PROFILE = _entity(
-    PROCESS_RUN, "CreativeWork", name="Process Run Crate", version=PROCESS_RUN.rsplit("/", 1)[-1]
-)
 
 
 def crate(
@@ -59,110 +42,114 @@ def crate(
     citation: Mapping[str, Any],
     root: str = "",
     others: Mapping[str, str] | None = None,
+    ended: Mapping[str, float] | None = None,
 ) -> dict[str, Any]:
     """The metadata of a crate, as JSON-LD.
 
     manifest : from `manifest.manifest`, which stands in the file `manifest_file`.   citation : CITATION.cff.
     root : folder of the crate, relative to the project; "" is the project itself.   others : more files of the crate,
-    path → digest.
+    path → digest.   ended : when results were finished, path → s since 1970; none of it for a crate without times.
     """
-    made, code = manifest["reproducible"], manifest["run"]["code"]
-    others = others or {}
+    made, run = manifest["reproducible"], manifest["run"]
+    jobs, others = made["jobs"], others or {}
     results = {result["path"]: result for result in made["results"]}
     digests = {**made["sources"], **others, **{p: r["sha256"] for p, r in results.items()}}
     configuration = made["configuration_files"]  # what every job takes its parameters from
-    used = {file for job in made["jobs"] for file in job["inputs"]} | set(configuration)
-    named = set(results) | {file for file in used if file in digests} | set(others)
+    scripts = {job["script"] for job in jobs}
+    used = {file for job in jobs for file in job["inputs"]} | set(configuration)
+    named = {*results, *others, *scripts, WORKFLOW_FILE} | (used & digests.keys())
 
-    files = [
-        _file(path, root, digests[path], results.get(path, {}).get("bytes"))
+    files = {
+        path: file(path, root, digests.get(path), results.get(path, {}).get("bytes"))
         for path in sorted(named)
-    ]
-    files.append(_file(manifest_file, root, None, None) | {"description": ABOUT_MANIFEST})
-    actions = [_action(job, configuration, root, named) for job in made["jobs"]]
-    scripts = [
-        _entity(_script(path), "SoftwareApplication", name=path, sha256=digests.get(path))
-        for path in sorted({job["script"] for job in made["jobs"]})
-    ]
-    authors = [_author(author, i) for i, author in enumerate(citation.get("authors", []), start=1)]
+    }
+    files[manifest_file] = file(manifest_file, root, None) | {"description": ABOUT_MANIFEST}
+    authors = [_author(author, i, root) for i, author in enumerate(citation.get("authors", []), 1)]
     terms = citation["license"]
-    licence = _entity(f"{LICENCES}{terms}", "CreativeWork", name=terms)
-    common = {"license": {"@id": licence["@id"]}, "author": _references(authors)}
-    software = _entity(
-        "#dampbalance",
-        "SoftwareSourceCode",
-        name="dampbalance",
-        version=made["version"],
-        license=common["license"],
-        programmingLanguage="Python",
-        author=common["author"],
-        description=_code(code),
-        hasPart=_references(scripts),
+    licence = entity(
+        f"{LICENCES}{terms}", "CreativeWork", name=terms, identifier=f"{LICENCES}{terms}"
     )
-    published = citation.get("date-released") or code.get("committed")
-    top = _entity(
+    responsible = references(authors)
+    common = {"license": {"@id": licence["@id"]}, "author": responsible}
+    keys, settings = parameters(made["configuration"])
+    howto = steps(jobs, root)
+    acts = actions(jobs, settings, configuration, named, responsible, root, ended or {})
+
+    tools = {path: files[path] for path in sorted(scripts)}
+    for path, tool in tools.items():
+        tool |= _software(path, root, ["File", "SoftwareSourceCode"], made["version"], "Python")
+    files[WORKFLOW_FILE] |= _software(
+        WORKFLOW_FILE,
+        root,
+        ["File", "SoftwareSourceCode", "ComputationalWorkflow", "HowTo"],
+        made["version"],
+        {"@id": LANGUAGE},
+    ) | entity(
+        file_id(WORKFLOW_FILE, root),
+        ["File", "SoftwareSourceCode", "ComputationalWorkflow", "HowTo"],
+        **common,
+        name="dampbalance",
+        description=_code(run["code"]),
+        conformsTo={"@id": f"{BIOSCHEMAS}ComputationalWorkflow/1.0-RELEASE"},
+        hasPart=references(tools.values()),
+        input=references(keys),
+        step=references(howto),
+    )
+    if not root and "README.md" in files:
+        files["README.md"] |= {"about": {"@id": "./"}}
+
+    published = citation.get("date-released") or run["code"].get("committed")
+    top = entity(
         "./",
         "Dataset",
         name=f"{citation['title']}: case '{made['case']}'",
         description=citation["abstract"],
         keywords=", ".join(citation.get("keywords", [])),
         **common,
-        conformsTo={"@id": PROCESS_RUN},
-        hasPart=_references(file for file in files if file["@type"] == "File"),
-        mentions=_references([*actions, software]),
+        publisher=references(a for a in authors if a["@type"] == "Organization"),
+        conformsTo=[{"@id": profile} for profile in PROFILES],
+        mainEntity={"@id": file_id(WORKFLOW_FILE, root)},
+        hasPart=references(files.values()),
+        mentions=references(a for a in acts if a["@type"] != "ControlAction"),
         datePublished=str(published) if published else None,
     )
-    graph = [DESCRIPTOR, top, *files, *actions, software, *scripts, *authors, licence, PROFILE]
-    return {"@context": CONTEXT, "@graph": graph}
-
-
-def _id(path: str, root: str) -> str:
-    """The name of a file in the crate: its path from the root, or '#' and its path when it lies elsewhere."""
-    if not PurePosixPath(path).is_relative_to(root):
-        return f"#{quote(path)}"
-    return quote(str(PurePosixPath(path).relative_to(root)))
-
-
-def _file(path: str, root: str, digest: str | None, size: int | None) -> Entity:
-    identifier = _id(path, root)
-    suffix = PurePosixPath(path).suffix
-    kind = _TYPES.get(suffix) or mimetypes.guess_type(path)[0] or "text/plain"
-    return _entity(
-        identifier,
-        "CreativeWork" if identifier.startswith("#") else "File",
-        name=path,
-        encodingFormat=kind,
-        contentSize=None if size is None else str(size),
-        sha256=digest,
+    descriptor = entity(
+        DESCRIPTOR,
+        "CreativeWork",
+        conformsTo=[{"@id": ROCRATE}, {"@id": WORKFLOW_CRATE}],
+        about={"@id": "./"},
     )
+    profiles = [
+        entity(address, "CreativeWork", name=name, version=address.rsplit("/", 1)[-1])
+        for address, name in PROFILES.items()
+    ]
+    software = engine(run["packages"].get("snakemake"))
+    graph = [descriptor, top, *files.values(), *software, *keys, *settings, *howto, *acts]
+    return {"@context": CONTEXT, "@graph": [*graph, *authors, licence, *profiles]}
 
 
-def _action(
-    job: Mapping[str, Any], configuration: Iterable[str], root: str, named: set[str]
+def _software(
+    path: str, root: str, kind: list[str], version: str, language: str | dict[str, str]
 ) -> Entity:
-    inputs = sorted({*job["inputs"], *configuration} & named)
-    return _entity(
-        f"#job/{quote(min(job['outputs']))}",
-        "CreateAction",
-        name=job["rule"],
-        instrument={"@id": _script(job["script"])},
-        object=[{"@id": _id(file, root)} for file in inputs],
-        result=[{"@id": _id(file, root)} for file in sorted(job["outputs"])],
+    identifier = file_id(path, root)
+    return entity(
+        identifier,
+        kind,
+        url={"@id": identifier},
+        version=version,
+        programmingLanguage=language,
     )
 
 
-def _script(path: str) -> str:
-    return f"#script/{quote(path)}"
-
-
-def _author(author: Mapping[str, str], number: int) -> Entity:
+def _author(author: Mapping[str, str], number: int, root: str) -> Entity:
+    """A person or an organisation as the citation names it; without a page of its own, the citation is its page."""
     person = f"{author.get('given-names', '')} {author.get('family-names', '')}".strip()
-    kind = "Organization" if "name" in author else "Person"
-    return _entity(f"#author-{number}", kind, name=author.get("name") or person)
-
-
-def _references(entities: Iterable[Entity]) -> list[dict[str, str]]:
-    return [{"@id": entity["@id"]} for entity in entities]
+    return entity(
+        author.get("orcid") or f"#author-{number}",
+        "Organization" if "name" in author else "Person",
+        name=author.get("name") or person,
+        url=author.get("website") or {"@id": file_id("CITATION.cff", root)},
+    )
 
 
 def _code(code: Mapping[str, Any]) -> str:

@@ -1,0 +1,60 @@
+"""What the graph of an RO-Crate is made of: entities, references between them, and the names of files."""
+
+from __future__ import annotations
+
+import mimetypes
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path, PurePosixPath
+from typing import Any
+from urllib.parse import quote
+
+Entity = dict[str, Any]
+
+_TYPES = {
+    ".csv": "text/csv",
+    ".md": "text/markdown",
+    ".yaml": "application/yaml",
+    ".yml": "application/yaml",
+    ".parquet": "application/vnd.apache.parquet",
+    ".ipynb": "application/x-ipynb+json",
+    ".svg": "image/svg+xml",
+    ".json": "application/json",
+    ".js": "text/javascript",
+    ".py": "text/x-python",
+}
+
+
+def entity(identifier: str, kind: str | list[str], /, **properties: Any) -> Entity:
+    """An entity with those of its properties that are known; a list of one is written as that one."""
+    entries = {key: _unpacked(value) for key, value in properties.items()}
+    return {"@id": identifier, "@type": kind} | {
+        key: value for key, value in entries.items() if value not in (None, [])
+    }
+
+
+def references(entities: Iterable[Mapping[str, Any]]) -> list[dict[str, str]]:
+    """What points at these entities."""
+    return [{"@id": one["@id"]} for one in entities]
+
+
+def file_id(path: str, root: str) -> str:
+    """The name of a file in the crate: its path, relative to the crate's folder. Both are relative to the project."""
+    return quote(Path(os.path.relpath(path, root or ".")).as_posix())
+
+
+def file(path: str, root: str, digest: str | None, size: int | None = None) -> Entity:
+    """A file as an entity.   digest : SHA-256, or None.   size : bytes, or None."""
+    suffix = PurePosixPath(path).suffix
+    return entity(
+        file_id(path, root),
+        "File",
+        name=path,
+        encodingFormat=_TYPES.get(suffix) or mimetypes.guess_type(path)[0] or "text/plain",
+        contentSize=None if size is None else str(size),
+        sha256=digest,
+    )
+
+
+def _unpacked(value: Any) -> Any:
+    return value[0] if isinstance(value, list) and len(value) == 1 else value
