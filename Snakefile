@@ -32,6 +32,7 @@ include: "workflow/rules/frame.smk"
 include: "workflow/rules/article.smk"
 include: "workflow/rules/page.smk"
 include: "workflow/rules/notebook.smk"
+include: "workflow/rules/codecheck.smk"
 include: "workflow/rules/provenance.smk"
 
 
@@ -72,6 +73,7 @@ rule all:
         [*rules.claims.output, *rules.check.output] if config["published"] else [],
         rules.article.output if config["published"] else [],
         [*rules.match.output, *rules.notebook.output] if config["published"] else [],
+        rules.codecheck.output if CODECHECKED else [],
         [*rules.page.output, *rules.manifest.output, *rules.crate.output] if not MEASURED else [],
         [*rules.measured.output, *expand(rules.identify.output, set=MEASURED)] if MEASURED else [],
         [*FRAME_FILES.values()],

@@ -12,6 +12,7 @@ from typing import Any
 
 COMPUTING = (
     "Snakefile",
+    "codecheck.yml",
     "config",
     "paper",
     "pyproject.toml",
