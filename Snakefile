@@ -7,13 +7,20 @@ snakemake --cores all tables     one kind of result: orbits, records, features, 
 """
 
 import sys
+from os.path import relpath
+from pathlib import Path
 
 from snakemake.utils import min_version
 
 min_version("9.0")
 
+FIRST_RULE = (
+    workflow.default_target
+)  # of a workflow that uses this one as a module, and builds that by default
 
-configfile: "config/config.yaml"
+
+# From the folder of this file, wherever the workflow runs.
+configfile: relpath(Path(workflow.current_basedir) / "config/config.yaml")
 
 
 report: "workflow/report/workflow.rst"
@@ -61,7 +68,7 @@ onerror:
 
 
 rule all:
-    default_target: True
+    default_target: FIRST_RULE is None
     input:
         # What others are made of is asked for as well: a job that fails removes its results, and Snakemake misses them only
         # when they are asked for by themselves.

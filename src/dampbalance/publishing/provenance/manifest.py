@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import platform
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
@@ -30,19 +30,21 @@ def manifest(
     case: str,
     configuration: Mapping[str, Any],
     configuration_files: Sequence[str],
-    sources: Iterable[str],
+    sources: Mapping[str, str | Path],
     jobs: Sequence[Mapping[str, Any]],
     code: Mapping[str, Any],
     lock: str | Path,
+    top: str | Path = ".",
 ) -> dict[str, Any]:
     """The manifest as plain data.
 
-    case : its name.   configuration : as merged from the files named.   sources : all files that results may depend on.
-    jobs : what made the results, each {rule, script, inputs, outputs} with paths.   code : from
-    `sources.code_version`.   lock : the file that pins the packages.
+    case : its name.   configuration : as merged from the files named.   sources : all files that results may depend on,
+    by the names that they have in the project.   jobs : what made the results, each {rule, script, inputs, outputs}
+    with such names.   code : from `sources.code_version`.   lock : the file that pins the packages.   top : the folder
+    that holds the results.
     """
     rule_of = {file: job["rule"] for job in jobs for file in job["outputs"]}
-    digests = {file: sha256(file) for file in sorted(set(sources))}
+    digests = {name: sha256(path) for name, path in sorted(sources.items())}
     return {
         "about": ABOUT,
         "reproducible": {
@@ -56,8 +58,8 @@ def manifest(
             "results": [
                 {
                     "path": file,
-                    "bytes": Path(file).stat().st_size,
-                    "sha256": sha256(file),
+                    "bytes": Path(top, file).stat().st_size,
+                    "sha256": sha256(Path(top, file)),
                     "rule": rule_of[file],
                 }
                 for file in sorted(rule_of)
