@@ -10,17 +10,23 @@ import sys
 from os.path import relpath
 from pathlib import Path
 
+from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
 min_version("9.0")
 
-FIRST_RULE = (
-    workflow.default_target
-)  # of a workflow that uses this one as a module, and builds that by default
+# Of this file. On disk: schemas and sources are read as files, also by another workflow that uses this one as a module.
+ROOT = Path(str(workflow.current_basedir)).resolve()
+if not ROOT.is_dir():
+    raise WorkflowError(
+        f"{workflow.current_basedir} is no folder on this machine: clone the project, and name the Snakefile of the clone."
+    )
+
+# Of a workflow that uses this one as a module: what it builds by default.
+FIRST_RULE = workflow.default_target
 
 
-# From the folder of this file, wherever the workflow runs.
-configfile: relpath(Path(workflow.current_basedir) / "config/config.yaml")
+configfile: relpath(ROOT / "config/config.yaml")
 
 
 report: "workflow/report/workflow.rst"

@@ -1,22 +1,14 @@
 # What all rules share: the project's files, the checked configuration, names of results, and which modules a script depends on.
 #
-# Results go below the folder in which the workflow runs; what the project brings along is taken from the project's own folder.
-# The two differ under `snakemake --directory`, and when another workflow uses this one as a module (config/README.md).
+# Results go below the folder in which the workflow runs; what the project brings along is taken from its own folder, ROOT. The
+# two differ under `snakemake --directory`, and when another workflow uses this one as a module (config/README.md).
 import copy
 import os
 from pathlib import Path
 
 from snakemake.common.configfile import load_configfile
-from snakemake.exceptions import WorkflowError
 from snakemake.logging import logger
 from snakemake.utils import update_config
-
-if not Path(workflow.current_basedir).is_dir():
-    raise WorkflowError(
-        f"{workflow.current_basedir} is not a folder on this machine: clone the project, and name the Snakefile of the clone."
-    )
-
-ROOT = Path(workflow.current_basedir).resolve().parent.parent
 
 try:
     from dampbalance.balance import APPROACHES

@@ -9,6 +9,8 @@ from dampbalance import __version__ as VERSION
 from dampbalance.publishing.provenance.sources import COMPUTING, PROJECT, code_version, files_of
 from snakemake.io import is_flagged
 
+# A configuration that another workflow hands over stands in no file of its own; as merged it is in the manifest.
+GIVEN_FILES = [os.path.relpath(file) for file in ([BASE_CONFIG] if IS_MODULE else CONFIG_FILES)]
 PROVENANCE_RULES = ("manifest", "crate", "archive")
 ARCHIVE_NAME = f"dampbalance-{VERSION}" + ("" if CASE.name == "paper" else f"-{CASE.name}")
 
@@ -71,7 +73,7 @@ def everything_built(wildcards):
 def sources_of(names):
     """Files of the project below `names`, and configurations given on the command line: name → path."""
     own = {name: project_file(name) for name in files_of(ROOT, names)}
-    given = {own_name(os.path.relpath(file)): os.path.relpath(file) for file in CONFIG_FILES}
+    given = {own_name(file): file for file in GIVEN_FILES}
     return own | {name: path for name, path in given.items() if not name.startswith("..")}
 
 
@@ -89,7 +91,7 @@ rule manifest:
     params:
         case=CASE.name,
         configuration=config,
-        configuration_files=[own_name(os.path.relpath(file)) for file in CONFIG_FILES],
+        configuration_files=[own_name(file) for file in GIVEN_FILES],
         top=PREFIX or ".",
         sources=lambda wildcards: sources_of(COMPUTING),
         jobs=lambda wildcards: jobs_behind_everything(),

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from ...project.files import sha256
+from .licences import licence
 from .sources import digest_of
 
 ABOUT = (
@@ -78,7 +79,7 @@ def manifest(
 
 
 def _packages(lock: Path) -> dict[str, Any]:
-    """Versions of the installed packages that the lock names, and those of them that are not as locked."""
+    """Versions and licences of the installed packages that the lock names, and which are not as locked."""
     text = lock.read_text(encoding="utf-8") if lock.is_file() else ""
     pinned: dict[str, set[str]] = {}
     for name, version in re.findall(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", text, re.MULTILINE):
@@ -89,5 +90,6 @@ def _packages(lock: Path) -> dict[str, Any]:
             installed[name] = metadata.version(name)
     return {
         "packages": installed,
+        "licences": {name: licence(name) for name in installed},
         "packages_not_as_locked": [n for n, v in installed.items() if v not in pinned[n]],
     }
