@@ -80,7 +80,7 @@ def of_one_file(folder, monkeypatch, locked):
     Path("lock").write_text(f"{locked} \\\n    --hash=sha256:00\n", encoding="utf-8")
     job = {"rule": "r", "script": "s.py", "inputs": ["in"], "outputs": ["out"]}
     code = {"version": "1", "commit": None, "committed": "2026-01-02", "modified": None}
-    return manifest("case", {"case": "case"}, [], ["in"], [job], code, "lock")
+    return manifest("case", {"case": "case"}, [], {"in": "in"}, [job], code, "lock")
 
 
 def test_a_package_that_is_not_as_locked_is_named(tmp_path, monkeypatch):

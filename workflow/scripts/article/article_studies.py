@@ -6,8 +6,8 @@ from dampbalance.studies import checking
 from dampbalance.studies.shown import facts
 
 
-def main(file, cases):
-    study = checking.read_study(file, "workflow/schemas/study.schema.yaml", "config/config.yaml")
+def main(file, cases, params):
+    study = checking.read_study(file, params.schema, params.base)
     told = {name: facts.fact(study, cases, spec) for name, spec in study.facts.items()}
     return {"cases": study.cases, "facts": told, "specs": study.facts}
 

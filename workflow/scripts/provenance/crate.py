@@ -11,7 +11,7 @@ from dampbalance.publishing.provenance.crate import crate
 
 if __name__ == "__main__":
     brief_troubles()
-    file = snakemake.input.manifest
-    manifest = json.loads(Path(file).read_text(encoding="utf-8"))
+    manifest = json.loads(Path(snakemake.input.manifest).read_text(encoding="utf-8"))
     citation = yaml.safe_load(Path(snakemake.input.citation).read_text(encoding="utf-8"))
-    write_json(snakemake.output.json, crate(manifest, file, citation, root=snakemake.params.root))
+    p = snakemake.params
+    write_json(snakemake.output.json, crate(manifest, p.manifest_name, citation, root=p.root))

@@ -58,7 +58,7 @@ Then only `{manifest}` may differ, because it names the machine of the run. On a
 processor, or with other packages, the last bits of numbers may differ, and digests with them; verdicts should not.
 
 Should the packages no longer be on offer: `requirements.lock` says which version of which package it took, and the
-manifest which were installed. Those that compute the numbers are {packages}.
+manifest which were installed, with their licences. Those that compute the numbers are {packages}.
 
 ## What is here
 
