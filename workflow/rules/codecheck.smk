@@ -2,15 +2,17 @@
 # other case has this.
 from dampbalance.publishing.codecheck import read as read_codecheck
 
-CODECHECK = "codecheck.yml"
-CODECHECK_SCHEMA = str(ROOT / "workflow/schemas/codecheck.schema.yaml")
 CODECHECKED = []
 
-if config["published"] and Path(CODECHECK).is_file():
+if config["published"]:
     try:
-        named = [item["file"] for item in read_codecheck(CODECHECK, CODECHECK_SCHEMA)["manifest"]]
+        checked = read_codecheck(
+            project_file("codecheck.yml"),
+            project_file("workflow/schemas/codecheck.schema.yaml"),
+        )
     except ConfigurationError as error:
         raise WorkflowError(str(error)) from None
+    named = [item["file"] for item in checked["manifest"]]
     if all(Path(file).is_relative_to(RESULTS) for file in named):
         CODECHECKED = named
 
@@ -18,8 +20,8 @@ if CODECHECKED:
 
     rule codecheck:
         input:
-            configuration=CODECHECK,
-            schema=CODECHECK_SCHEMA,
+            configuration=project_input("codecheck.yml"),
+            schema=project_input("workflow/schemas/codecheck.schema.yaml"),
             claims=rules.claims.output.csv,
             outputs=CODECHECKED,
             modules=script_modules("codecheck/codecheck.py"),
@@ -30,6 +32,8 @@ if CODECHECKED:
                 category="Verdicts",
                 labels={"result": "What a codechecker compares"},
             ),
+        params:
+            top=PREFIX or ".",
         message:
             "Report for a CODECHECK"
         script:

@@ -88,27 +88,24 @@ def read(file: str | Path, schema: str | Path) -> dict[str, Any]:
 
 
 def report(
-    configuration: Mapping[str, Any], claims: pd.DataFrame, version: str, path: str | Path
+    configuration: Mapping[str, Any],
+    claims: pd.DataFrame,
+    version: str,
+    path: str | Path,
+    top: str | Path = ".",
 ) -> str:
     """The report as Markdown.
 
-    configuration : from `read`; its manifest names files below the current folder.   claims : the table of claims.
-    version : of the package.   path : where the report is to lie; it links from there.
+    configuration : from `read`.   claims : the table of claims.   version : of the package.   path : where the report
+    is to lie; it links from there.   top : the folder in which the manifest's files lie where it says.
     """
-    paper, files = (
-        configuration["paper"],
-        [Path(item["file"]) for item in configuration["manifest"]],
-    )
-    above = Path(path).parent
+    paper, above = configuration["paper"], Path(path).parent
+    manifest = [(item, Path(top, item["file"])) for item in configuration["manifest"]]
     counted = counts(claims)
     total = counted[-1]
     rest = claims[~claims["verdict"].isin(HOLDING)]
-    tables = [table.with_suffix(".md") for table in files if table.parent.name == "tables"]
-    figures = {
-        item["comment"]: _link(Path(item["file"]), above)
-        for item in configuration["manifest"]
-        if item["file"].endswith(".svg")
-    }
+    tables = [file.with_suffix(".md") for _, file in manifest if file.parent.name == "tables"]
+    figures = [(item["comment"], file) for item, file in manifest if file.suffix == ".svg"]
     return REPORT.format(
         standing=_standing(configuration),
         authors=" and ".join(author["name"] for author in paper["authors"]),
@@ -121,12 +118,12 @@ def report(
             ["file", "what it reproduces", "bytes", "SHA-256"],
             [
                 [
-                    f"[`{file}`]({_link(file, above)})",
+                    f"[`{item['file']}`]({_link(file, above)})",
                     in_markdown(item["comment"]),
                     str(file.stat().st_size),
                     f"`{sha256(file)}`",
                 ]
-                for file, item in zip(files, configuration["manifest"], strict=True)
+                for item, file in manifest
             ],
         ),
         computed=total.computed,
@@ -147,7 +144,9 @@ def report(
         )
         if len(rest)
         else "Nothing.",
-        figures="\n\n".join(f"![{title}]({link})\n\n*{title}*" for title, link in figures.items()),
+        figures="\n\n".join(
+            f"![{title}]({_link(file, above)})\n\n*{title}*" for title, file in figures
+        ),
         tables="\n\n".join(_lowered(table.read_text(encoding="utf-8")) for table in tables),
     )
 

@@ -12,4 +12,6 @@ if __name__ == "__main__":
     brief_troubles()
     paths, output = snakemake.input, snakemake.output.report
     configuration = read(paths.configuration, paths.schema)
-    write_text(output, report(configuration, read_claims(Path(paths.claims)), __version__, output))
+    claims = read_claims(Path(paths.claims))
+    text = report(configuration, claims, __version__, output, snakemake.params.top)
+    write_text(output, text)

@@ -3,12 +3,14 @@
 RO-Crate 1.1 with the profiles Workflow RO-Crate 1.0 and Process, Workflow and Provenance Run Crate 0.5. Files are
 named by their paths from the folder of the crate. The crate of a case lies among its results: it names its sources by
 the way up to them (../..), and holds in place. The crate of an archive has all of them below its own folder: it is the
-one to deposit.
+one to deposit. Where the workflow ran in another folder than its own, a crate describes the sources and does not have
+them; the profiles require the workflow itself.
 
-What the profiles recommend is there, with two exceptions. The crate of a case holds no time of the run (`endTime`), so
-that the same inputs give the same bytes; that of an archive, which is of one run, does. And where neither a date of
-release nor a commit is known, nothing says when the crate was published (`datePublished`). The agent of the run is who
-the citation names: they answer for what is published under it.
+What the profiles recommend is there, with these exceptions. The sources have no address on the web, and tools should
+have one. The crate of a case holds no time of the run (`endTime`), so that the same inputs give the same bytes; that of
+an archive, which is of one run, does. Where neither a date of release nor a commit is known, nothing says when a crate
+was published (`datePublished`). The agent of the run is who the citation names: they answer for what is published under
+it.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .entities import Entity, entity, file, file_id, references
+from .entities import Entity, Place, entity, references
 from .workflow_run import BIOSCHEMAS, LANGUAGE, WORKFLOW_FILE, actions, engine, parameters, steps
 
 DESCRIPTOR = "ro-crate-metadata.json"
@@ -32,6 +34,7 @@ PROFILES = {
     "https://w3id.org/ro/wfrun/provenance/0.5": "Provenance Run Crate",
     WORKFLOW_CRATE: "Workflow RO-Crate",
 }
+SOURCE = ["File", "SoftwareSourceCode"]
 LICENCES = "https://spdx.org/licenses/"
 ABOUT_MANIFEST = "Configuration, code, packages, digests. Names the machine: no digest of its own."
 
@@ -40,18 +43,18 @@ def crate(
     manifest: Mapping[str, Any],
     manifest_file: str,
     citation: Mapping[str, Any],
-    root: str = "",
+    place: Place | None = None,
     others: Mapping[str, str] | None = None,
     ended: Mapping[str, float] | None = None,
 ) -> dict[str, Any]:
     """The metadata of a crate, as JSON-LD.
 
     manifest : from `manifest.manifest`, which stands in the file `manifest_file`.   citation : CITATION.cff.
-    root : folder of the crate, relative to the project; "" is the project itself.   others : more files of the crate,
-    path → digest.   ended : when results were finished, path → s since 1970; none of it for a crate without times.
+    place : of the crate, the project itself when left out.   others : more files of the crate, path → digest.
+    ended : when results were finished, path → s since 1970; none of it for a crate without times.
     """
     made, run = manifest["reproducible"], manifest["run"]
-    jobs, others = made["jobs"], others or {}
+    jobs, others, place = made["jobs"], others or {}, place or Place()
     results = {result["path"]: result for result in made["results"]}
     digests = {**made["sources"], **others, **{p: r["sha256"] for p, r in results.items()}}
     configuration = made["configuration_files"]  # what every job takes its parameters from
@@ -60,11 +63,11 @@ def crate(
     named = {*results, *others, *scripts, WORKFLOW_FILE} | (used & digests.keys())
 
     files = {
-        path: file(path, root, digests.get(path), results.get(path, {}).get("bytes"))
+        path: place.file(path, digests.get(path), results.get(path, {}).get("bytes"))
         for path in sorted(named)
     }
-    files[manifest_file] = file(manifest_file, root, None) | {"description": ABOUT_MANIFEST}
-    authors = [_author(author, i, root) for i, author in enumerate(citation.get("authors", []), 1)]
+    files[manifest_file] = place.file(manifest_file) | {"description": ABOUT_MANIFEST}
+    authors = [_author(author, i, place) for i, author in enumerate(citation.get("authors", []), 1)]
     terms = citation["license"]
     licence = entity(
         f"{LICENCES}{terms}", "CreativeWork", name=terms, identifier=f"{LICENCES}{terms}"
@@ -72,21 +75,18 @@ def crate(
     responsible = references(authors)
     common = {"license": {"@id": licence["@id"]}, "author": responsible}
     keys, settings = parameters(made["configuration"])
-    howto = steps(jobs, root)
-    acts = actions(jobs, settings, configuration, named, responsible, root, ended or {})
+    howto = steps(jobs, place)
+    acts = actions(jobs, settings, configuration, named, responsible, place, ended or {})
 
+    version = made["version"]
     tools = {path: files[path] for path in sorted(scripts)}
     for path, tool in tools.items():
-        tool |= _software(path, root, ["File", "SoftwareSourceCode"], made["version"], "Python")
+        tool |= _software(place.name(path), SOURCE, version, "Python")
     files[WORKFLOW_FILE] |= _software(
-        WORKFLOW_FILE,
-        root,
-        ["File", "SoftwareSourceCode", "ComputationalWorkflow", "HowTo"],
-        made["version"],
+        place.name(WORKFLOW_FILE),
+        [*SOURCE, "ComputationalWorkflow", "HowTo"],
+        version,
         {"@id": LANGUAGE},
-    ) | entity(
-        file_id(WORKFLOW_FILE, root),
-        ["File", "SoftwareSourceCode", "ComputationalWorkflow", "HowTo"],
         **common,
         name="dampbalance",
         description=_code(run["code"]),
@@ -95,7 +95,7 @@ def crate(
         input=references(keys),
         step=references(howto),
     )
-    if not root and "README.md" in files:
+    if not place.root and "README.md" in files:
         files["README.md"] |= {"about": {"@id": "./"}}
 
     published = citation.get("date-released") or run["code"].get("committed")
@@ -108,7 +108,7 @@ def crate(
         **common,
         publisher=references(a for a in authors if a["@type"] == "Organization"),
         conformsTo=[{"@id": profile} for profile in PROFILES],
-        mainEntity={"@id": file_id(WORKFLOW_FILE, root)},
+        mainEntity={"@id": place.name(WORKFLOW_FILE)},
         hasPart=references(files.values()),
         mentions=references(a for a in acts if a["@type"] != "ControlAction"),
         datePublished=str(published) if published else None,
@@ -129,26 +129,20 @@ def crate(
 
 
 def _software(
-    path: str, root: str, kind: list[str], version: str, language: str | dict[str, str]
+    at: str, kind: list[str], version: str, language: str | dict[str, str], **more: Any
 ) -> Entity:
-    identifier = file_id(path, root)
-    return entity(
-        identifier,
-        kind,
-        url={"@id": identifier},
-        version=version,
-        programmingLanguage=language,
-    )
+    """What makes a file of the crate a piece of software; its address is its place."""
+    return entity(at, kind, url={"@id": at}, version=version, programmingLanguage=language, **more)
 
 
-def _author(author: Mapping[str, str], number: int, root: str) -> Entity:
+def _author(author: Mapping[str, str], number: int, place: Place) -> Entity:
     """A person or an organisation as the citation names it; without a page of its own, the citation is its page."""
     person = f"{author.get('given-names', '')} {author.get('family-names', '')}".strip()
     return entity(
         author.get("orcid") or f"#author-{number}",
         "Organization" if "name" in author else "Person",
         name=author.get("name") or person,
-        url=author.get("website") or {"@id": file_id("CITATION.cff", root)},
+        url=author.get("website") or {"@id": place.name("CITATION.cff")},
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import mimetypes
 import os
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 from urllib.parse import quote
@@ -38,22 +39,35 @@ def references(entities: Iterable[Mapping[str, Any]]) -> list[dict[str, str]]:
     return [{"@id": one["@id"]} for one in entities]
 
 
-def file_id(path: str, root: str) -> str:
-    """The name of a file in the crate: its path, relative to the crate's folder. Both are relative to the project."""
-    return quote(Path(os.path.relpath(path, root or ".")).as_posix())
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a crate lies, and how files are named from there.
 
+    root : its folder, relative to the project; "" is the project itself.   beside_sources : whether the files of the
+    project are found from there. They are not when the workflow was run in another folder: then the crate describes
+    them, under names that begin with '#'.
+    """
 
-def file(path: str, root: str, digest: str | None, size: int | None = None) -> Entity:
-    """A file as an entity.   digest : SHA-256, or None.   size : bytes, or None."""
-    suffix = PurePosixPath(path).suffix
-    return entity(
-        file_id(path, root),
-        "File",
-        name=path,
-        encodingFormat=_TYPES.get(suffix) or mimetypes.guess_type(path)[0] or "text/plain",
-        contentSize=None if size is None else str(size),
-        sha256=digest,
-    )
+    root: str = ""
+    beside_sources: bool = True
+
+    def name(self, path: str) -> str:
+        """The name of a file in the crate: its path from the folder of the crate. path : relative to the project."""
+        if not self.beside_sources and not path.startswith("results/"):
+            return f"#{quote(path)}"
+        return quote(Path(os.path.relpath(path, self.root or ".")).as_posix())
+
+    def file(self, path: str, digest: str | None = None, size: int | None = None) -> Entity:
+        """A file as an entity.   digest : SHA-256.   size : bytes."""
+        suffix = PurePosixPath(path).suffix
+        return entity(
+            self.name(path),
+            "File",
+            name=path,
+            encodingFormat=_TYPES.get(suffix) or mimetypes.guess_type(path)[0] or "text/plain",
+            contentSize=None if size is None else str(size),
+            sha256=digest,
+        )
 
 
 def _unpacked(value: Any) -> Any:

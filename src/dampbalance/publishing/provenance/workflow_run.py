@@ -14,7 +14,7 @@ from graphlib import TopologicalSorter
 from typing import Any
 from urllib.parse import quote
 
-from .entities import Entity, entity, file_id, references
+from .entities import Entity, Place, entity, references
 
 WORKFLOW_FILE = "Snakefile"
 LANGUAGE = "https://w3id.org/workflowhub/workflow-ro-crate#snakemake"
@@ -71,7 +71,7 @@ def engine(version: str | None) -> list[Entity]:
     return [language, application]
 
 
-def steps(jobs: Sequence[Mapping[str, Any]], root: str) -> list[Entity]:
+def steps(jobs: Sequence[Mapping[str, Any]], place: Place) -> list[Entity]:
     """The rules of the jobs, in an order in which they can run."""
     scripts = {job["rule"]: job["script"] for job in _in_order(jobs)}
     return [
@@ -80,7 +80,7 @@ def steps(jobs: Sequence[Mapping[str, Any]], root: str) -> list[Entity]:
             "HowToStep",
             name=rule,
             position=str(position),
-            workExample={"@id": file_id(script, root)},
+            workExample={"@id": place.name(script)},
         )
         for position, (rule, script) in enumerate(scripts.items(), start=1)
     ]
@@ -92,7 +92,7 @@ def actions(
     configuration: Iterable[str],
     known: set[str],
     agents: list[dict[str, str]],
-    root: str,
+    place: Place,
     ended: Mapping[str, float],
 ) -> list[Entity]:
     """The run, its jobs, and how the engine organised them; the run comes first.
@@ -107,14 +107,14 @@ def actions(
         identifier: str, tool: str, paths: set[str], outputs: list[str], **more: Any
     ) -> Entity:
         times = [ended[file] for file in outputs if file in ended]
-        inputs = [{"@id": file_id(file, root)} for file in sorted(paths & known)]
+        inputs = [{"@id": place.name(file)} for file in sorted(paths & known)]
         return entity(
             identifier,
             "CreateAction",
-            instrument={"@id": file_id(tool, root)},
+            instrument={"@id": place.name(tool)},
             agent=agents,
             object=[*inputs, *references(more.pop("values", []))],
-            result=[{"@id": file_id(file, root)} for file in sorted(outputs)],
+            result=[{"@id": place.name(file)} for file in sorted(outputs)],
             endTime=_iso(max(times)) if times else None,
             **more,
         )
