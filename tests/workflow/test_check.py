@@ -133,7 +133,7 @@ def test_the_report_for_a_codecheck_names_every_output_with_its_digest(paper):
     configuration = yaml.safe_load((paper.folder / "codecheck.yml").read_text(encoding="utf-8"))
     assert len(configuration["manifest"]) == 8
     for item in configuration["manifest"]:
-        assert f"`{sha256(paper.folder / item['file'])}`" in text, item
+        assert f"\n{sha256(paper.folder / item['file'])}  {item['file']}\n" in text, item
     for link in re.findall(r"\]\((\.\.?/[^)]*)\)", text):
         if not link.endswith("manifest.json"):  # made last, of everything
             assert (paper.folder / report).parent.joinpath(link).is_file(), link

@@ -47,8 +47,14 @@ with the job that made each file.
 
 {manifest}
 
-`sha256sum` in the folder of the project prints the same digests. With the packages of `requirements.lock` the same
-inputs give the same bytes; another kind of processor may change the last bits of a number, and a digest with them.
+Their digests, as `sha256sum` prints them in the folder of the project:
+
+```
+{digests}
+```
+
+With the packages of `requirements.lock` the same inputs give the same bytes; another kind of processor may change the
+last bits of a number, and a digest with them.
 
 ## The verdicts
 
@@ -115,17 +121,17 @@ def report(
         version=version,
         folder=_link(above.parent, above),
         manifest=_table(
-            ["file", "what it reproduces", "bytes", "SHA-256"],
+            ["file", "what it reproduces", "bytes"],
             [
                 [
                     f"[`{item['file']}`]({_link(file, above)})",
                     in_markdown(item["comment"]),
                     str(file.stat().st_size),
-                    f"`{sha256(file)}`",
                 ]
                 for item, file in manifest
             ],
         ),
+        digests="\n".join(f"{sha256(file)}  {item['file']}" for item, file in manifest),
         computed=total.computed,
         counted=_table(
             ["part", "computed", *VERDICTS],
