@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import mimetypes
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -12,17 +11,25 @@ from urllib.parse import quote
 
 Entity = dict[str, Any]
 
+# What is not here is text. The library of Python knows more with every version, and asks the system: other bytes elsewhere.
 _TYPES = {
+    ".cff": "application/yaml",
+    ".css": "text/css",
     ".csv": "text/csv",
+    ".html": "text/html",
+    ".ipynb": "application/x-ipynb+json",
+    ".js": "text/javascript",
+    ".json": "application/json",
     ".md": "text/markdown",
+    ".parquet": "application/vnd.apache.parquet",
+    ".pdf": "application/pdf",
+    ".png": "image/png",
+    ".py": "text/x-python",
+    ".rst": "text/x-rst",
+    ".svg": "image/svg+xml",
+    ".toml": "application/toml",
     ".yaml": "application/yaml",
     ".yml": "application/yaml",
-    ".parquet": "application/vnd.apache.parquet",
-    ".ipynb": "application/x-ipynb+json",
-    ".svg": "image/svg+xml",
-    ".json": "application/json",
-    ".js": "text/javascript",
-    ".py": "text/x-python",
 }
 
 
@@ -59,12 +66,11 @@ class Place:
 
     def file(self, path: str, digest: str | None = None, size: int | None = None) -> Entity:
         """A file as an entity.   digest : SHA-256.   size : bytes."""
-        suffix = PurePosixPath(path).suffix
         return entity(
             self.name(path),
             "File",
             name=path,
-            encodingFormat=_TYPES.get(suffix) or mimetypes.guess_type(path)[0] or "text/plain",
+            encodingFormat=_TYPES.get(PurePosixPath(path).suffix, "text/plain"),
             contentSize=None if size is None else str(size),
             sha256=digest,
         )
