@@ -11,7 +11,7 @@ from urllib.parse import quote
 
 Entity = dict[str, Any]
 
-# What is not here is text. The library of Python knows more with every version, and asks the system: other bytes elsewhere.
+# What is not here is text. The library of Python knows more with every version, and asks the system.
 _TYPES = {
     ".cff": "application/yaml",
     ".css": "text/css",
