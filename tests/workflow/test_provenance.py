@@ -248,7 +248,7 @@ def test_packing_again_gives_the_same_bytes_and_makes_nothing_else(built):
     )
 
 
-def test_no_time_and_no_person_is_in_it(built):
+def test_its_entries_tell_no_time_and_no_person(built):
     with gzip.open(built.folder / PACKED) as stream:
         stream.read(1)
         assert stream.mtime == 0

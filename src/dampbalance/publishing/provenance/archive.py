@@ -1,7 +1,8 @@
 """An archive that a reader can verify and rebuild in ten years: sources, results, digests and a README of its own.
 
 The same files give the same bytes: names sorted, one time and one owner for all, no time in the compression. (Another
-version of zlib may compress differently; what is unpacked is the same.)
+version of zlib may compress differently; what is unpacked is the same.) Of the times of the files, the crate tells
+those of the results, which are when they were made: results made again are another run, and give another crate.
 """
 
 from __future__ import annotations
