@@ -73,7 +73,9 @@ def foreign(built, tmp_path_factory):
         for name in (SMALL[1], EXAMPLE)
     )
     config = {"small": small, "example": example}
-    (folder / "config/config.yaml").write_text(yaml.safe_dump(config, sort_keys=False), encoding="utf-8")
+    (folder / "config/config.yaml").write_text(
+        yaml.safe_dump(config, sort_keys=False), encoding="utf-8"
+    )
     return Checkout(folder, built.folder)
 
 
