@@ -51,10 +51,11 @@ def placed(path):
 
 BASE_CONFIG = project_file("config/config.yaml")
 
-# A module's configuration holds what differs from the paper's case, like a file of the command line.
+# A module's configuration holds what differs from the paper's case, like a file of the command line, and is merged like one:
+# its keys come first.
 if IS_MODULE:
-    given = copy.deepcopy(config)
-    config = load_configfile(BASE_CONFIG)
+    given, config = config, copy.deepcopy(config)
+    update_config(config, load_configfile(BASE_CONFIG))
     update_config(config, given)
 
 # In the order in which they were merged: files named on the command line come last, and win.

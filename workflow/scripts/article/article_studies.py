@@ -16,7 +16,7 @@ if __name__ == "__main__":
     brief_troubles()
     i = snakemake.input
     found = {
-        name: main(file, cases)
+        name: main(file, cases, snakemake.params)
         for name, file, cases in zip(snakemake.params.studies, i.files, i.cases, strict=True)
     }
     write_json(snakemake.output.json, found)

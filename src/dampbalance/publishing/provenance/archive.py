@@ -58,6 +58,9 @@ sha256sum --check --quiet SHA256SUMS
 Then only `{manifest}` may differ, because it names the machine of the run. On another kind of
 processor, or with other packages, the last bits of numbers may differ, and digests with them; verdicts should not.
 
+Where the packages themselves were kept beside this archive (`make wheels`), no connection is needed: unpack them into a
+folder, and `PIP_NO_INDEX=1 PIP_FIND_LINKS=that/folder make setup`. They fit one Python and one kind of system only.
+
 Should the packages no longer be on offer: `requirements.lock` says which version of which package it took, and the
 manifest which were installed, with their licences. Those that compute the numbers are {packages}.
 
