@@ -489,15 +489,15 @@ measured = identify(records, stiffness=oscillator.k)
 measured
 
 # %% [markdown]
-# Beside the three harmonic approaches stands what you have just seen: the shape of motion that they assume does not hold
-# here. Their intervals are narrow all the same, for an interval knows of noise alone. The last line is one oscillator
-# fitted to all records, the yardstick.
+# Beside the three harmonic approaches stands what you have just seen: the shape of motion that they assume does not
+# hold here. Their intervals are narrow all the same, for an interval knows of noise alone. The last line is one
+# oscillator fitted to all records, the yardstick.
 #
 # What you need to go on is in `measured`: `values`, `intervals`, `covariance`, the `rows` of the balance,
 # `to_frame()` for all approaches. `identify` takes your files as well, in any format, or tables of pandas, or arrays:
 # `identify(["level1.csv", "level2.csv"], stiffness=2310)`. Here are the rows, and what they leave:
 
-# %% alt="Rows of the balance on a straight line of slope F_k; their residuals, over their standard deviation, by approach."
+# %% alt="Rows of the balance on a straight line of slope F_k; what each leaves, over its standard deviation."
 measured.plot("balance")
 
 # %% [markdown]
