@@ -75,7 +75,9 @@ format: setup ## Format the sources
 LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade --fork-strategy fewest \
 	--no-header --no-emit-index-url --no-emit-find-links
 
+# From nothing: of a lock that is there uv keeps which versions are for which Python, even when told to upgrade all.
 lock: setup ## Pin the newest versions that pyproject.toml allows, with hashes
+	@rm -f requirements.lock requirements-build.lock
 	@$(RUN) $(LOCK) --extra workflow --extra article --extra records --group dev --group docs --output-file requirements.lock pyproject.toml
 	@$(RUN) $(LOCK) --constraint requirements.lock --group build --output-file requirements-build.lock
 
