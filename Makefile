@@ -30,7 +30,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check archive bench peers mutants blind format lock clean distclean help stale
+.PHONY: all setup test lint unit check archive compare bench peers mutants blind format lock clean distclean help stale
 
 all: setup ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
@@ -54,6 +54,9 @@ check: setup ## Rebuild what is out of date and compare each verdict with the re
 
 archive: setup ## Pack sources, results and digests for keeping, into results/archive/
 	@$(SNAKEMAKE) archive
+
+compare: setup ## List what differs between the results here and those of another build: make compare WITH=../other/results
+	@cd tests && $(RUN) same_results ../results "$(abspath $(or $(WITH),$(error Name the other folder: make compare WITH=FOLDER)))"
 
 bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and scipy (choose with BENCH_ARGS="peers")
 	@cd tests && $(BENCH_RUN) benchmarks --output ../results/benchmarks $(BENCH_ARGS)
