@@ -24,8 +24,9 @@ from dampbalance.project.files import sha256
 CRATE = "ro-crate-metadata.json"
 """Tells of the run as the manifest of a case does under `run`: Python, packages, machine, commit."""
 
-DIGESTED = {".csv", ".md"}
-"""Endings of the tables, whose digits another processor should not change."""
+DIGESTED = ("features/exact/*.csv", "estimates/exact/*.csv", "tables/approaches.csv", "tables/*.md")
+"""Tables that no processor that was tried changes: those of the exact responses, and those with the paper's digits. Of
+the read-outs of simulations the last digits change, and what follows from them."""
 
 
 def names_of(*folders: Path) -> list[str]:
@@ -40,9 +41,9 @@ def different(first: Path, second: Path) -> list[str]:
 
 
 def digests(folder: Path) -> str:
-    """The SHA-256 digests of the tables below a folder, as `sha256sum` writes and checks them."""
-    tables = [name for name in names_of(folder) if Path(name).suffix in DIGESTED]
-    return "".join(f"{sha256(folder / name)}  {name}\n" for name in tables)
+    """The SHA-256 digests of the tables of a case in its folder, as `sha256sum` writes and checks them."""
+    files = sorted(file for pattern in DIGESTED for file in folder.glob(pattern))
+    return "".join(f"{sha256(file)}  {file.relative_to(folder).as_posix()}\n" for file in files)
 
 
 def furthest(first: Path, second: Path) -> tuple[float, str]:
@@ -125,7 +126,9 @@ def compare(first: Path, second: Path) -> int:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("first", type=Path)
-    parser.add_argument("second", type=Path, nargs="?", help="without it: the digests of the first")
+    parser.add_argument(
+        "second", type=Path, nargs="?", help="without it: digests of the case's tables"
+    )
     options = parser.parse_args()
     for folder in filter(None, (options.first, options.second)):
         if not folder.is_dir():
