@@ -26,8 +26,8 @@ SIGNIFICANT_DIGITS = 15
 processor that was tried, and what follows from two of them needs them."""
 
 READ_OUT_DIGITS = 13
-"""Of what is read off a sampled response. In the paper's case another processor moves it by up to 5e-14 of itself; where
-the truth is zero, as for harmonics of a response that sticks, it moves every digit."""
+"""Of what is read off a sampled response. In the paper's case another processor moves it by up to 5e-14 of itself;
+where the truth is zero, as for harmonics of a response that sticks, it moves every digit."""
 
 STATISTICAL_DIGITS = 6
 """Of statistics of noisy records, which another processor moves by up to 3e-7, and chance by far more."""
