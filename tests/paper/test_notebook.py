@@ -304,7 +304,7 @@ def test_formulas_are_mathml_and_pictures_are_described(page, executed):
         if any("image/svg+xml" in o.get("data", {}) for o in cell.get("outputs", []))
     ]
     assert links.alt == [cell.metadata.alt for cell in pictures]
-    assert len(pictures) == 5
+    assert len(pictures) == 6
     assert links.tags.count("details") == 5
 
 
@@ -338,7 +338,7 @@ def test_a_browser_without_network_shows_it(page, tmp_path, browser, width, sche
     assert complaints == []
     assert seen["wide"] <= width  # nothing has to be pushed sideways but tables, figures, equations
     assert seen["formula"] > 10
-    assert seen["pictures"] == [True] * 5
+    assert seen["pictures"] == [True] * 6
     assert seen["open"] == 0
     assert seen["pushed"] == 0
     assert (seen["paper"] == "rgb(255, 255, 255)") == (scheme == "light")
