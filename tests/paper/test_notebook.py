@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import html
 import importlib
 import os
 import re
@@ -306,6 +307,17 @@ def test_formulas_are_mathml_and_pictures_are_described(page, executed):
     assert links.alt == [cell.metadata.alt for cell in pictures]
     assert len(pictures) == 6
     assert links.tags.count("details") == 5
+
+
+@pytest.mark.slow
+def test_what_is_said_beside_a_table_is_shown(page):
+    """An identification says what it is made of and what limits it, around its table."""
+    text = html.unescape(re.sub(r"<[^>]+>", "", page))
+    assert (
+        "5 records at 3.5\N{NO-BREAK SPACE}Hz; values with 95\N{NO-BREAK SPACE}% intervals" in text
+    )
+    assert "<ul><li>* <i>X</i><sub>s</sub>, <i>t</i><sub>s</sub> and" in page
+    assert "<style" not in page.split("<body", 1)[1]
 
 
 @pytest.mark.slow
