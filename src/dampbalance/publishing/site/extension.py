@@ -1,0 +1,99 @@
+"""What the site adds to Sphinx: docstrings in the style of this project, formulas as MathML, code spans that are links."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
+from pygments.lexers.special import TextLexer
+from sphinx.addnodes import desc_signature
+from sphinx.application import Sphinx
+from sphinx.util.nodes import make_refnode
+from sphinx.writers.html5 import HTML5Translator
+
+from ...project.wording import SYMBOL
+from ..page.words import rich
+from .docstrings import markup
+
+PACKAGE = "dampbalance"
+
+
+_AS_IT_IS = (nodes.literal, nodes.literal_block, nodes.math, nodes.math_block, nodes.raw, nodes.comment)
+
+
+class Symbol(nodes.Inline, nodes.TextElement):
+    """A symbol with its index, such as F_k: searched as it is typed, shown as it is printed."""
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Add it all."""
+    app.add_html_math_renderer("mathml", (_inline_formula, None), (_displayed_formula, None))
+    app.add_lexer("csv", TextLexer)
+    app.connect("autodoc-process-docstring", _docstring)
+    app.add_node(Symbol, html=(_symbol, None))
+    app.connect("doctree-resolved", _link_names)
+    app.connect("doctree-resolved", _set_symbols)
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
+
+
+def _docstring(
+    app: Sphinx, what: str, name: str, found: Any, options: Any, lines: list[str]
+) -> None:
+    lines[:] = markup(lines)
+
+
+def _inline_formula(translator: HTML5Translator, node: nodes.math) -> None:
+    translator.body.append(tex2mathml(node.astext(), as_block=False))
+    raise nodes.SkipNode
+
+
+def _displayed_formula(translator: HTML5Translator, node: nodes.math_block) -> None:
+    formula = tex2mathml(node.astext(), as_block=True)
+    translator.body.append(
+        f'<div class="math" role="group" tabindex="0" aria-label="Equation">{formula}</div>\n'
+    )
+    raise nodes.SkipNode
+
+
+def _link_names(app: Sphinx, tree: nodes.document, page: str) -> None:
+    """A code span that is the name of something documented leads to it, with or without the name of the package."""
+    known = app.env.domains["py"].objects  # type: ignore[attr-defined]
+    for literal in list(tree.findall(nodes.literal)):
+        text = literal.astext().removesuffix("()")
+        name = next((n for n in (text, f"{PACKAGE}.{text}") if n in known), None)
+        if name is None or _within(literal, (nodes.reference, nodes.title, nodes.term)):
+            continue
+        place = known[name]
+        if app.builder is None or place.docname == page:
+            continue
+        link = make_refnode(app.builder, page, place.docname, place.node_id, literal.deepcopy())
+        literal.replace_self(link)
+
+
+def _set_symbols(app: Sphinx, tree: nodes.document, page: str) -> None:
+    """The symbols of running text as nodes of their own."""
+    for text in list(tree.findall(nodes.Text)):
+        found = list(SYMBOL.finditer(text))
+        if not found or _within(text, (*_AS_IT_IS, desc_signature)):
+            continue
+        parts: list[nodes.Node] = []
+        at = 0
+        for symbol in found:
+            parts += [nodes.Text(text[at : symbol.start()]), Symbol("", symbol[0])]
+            at = symbol.end()
+        text.parent.replace(text, [*parts, nodes.Text(text[at:])])
+
+
+def _symbol(translator: HTML5Translator, node: Symbol) -> None:
+    translator.body.append(str(rich(node.astext())))
+    raise nodes.SkipNode
+
+
+def _within(node: nodes.Node, kinds: tuple[type[nodes.Node], ...]) -> bool:
+    parent = node.parent
+    while parent is not None:
+        if isinstance(parent, kinds):
+            return True
+        parent = parent.parent
+    return False

@@ -1,0 +1,71 @@
+"""Which names the reference of the package holds, and the directives by which Sphinx documents them."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterable, Sequence
+from enum import Enum
+from importlib import import_module
+from typing import Any
+
+_NAMED = re.compile(r"`((?:[a-z_]+\.)+\w+)`")
+
+
+def directives(names: Iterable[str], module: str) -> str:
+    """Blocks of Markdown that document names of a module, each at its place."""
+    blocks = [directive(f"{module}.{name}") for name in names]
+    return "\n".join(["```{eval-rst}", *blocks, "```", ""])
+
+
+def directive(name: str) -> str:
+    """The directive that documents a name, by its full path."""
+    found = resolved(name)[1]
+    if inspect.isclass(found):
+        return _of_class(name, found)
+    kind = "autofunction" if callable(found) else "autodata"
+    return f".. {kind}:: {name}\n"
+
+
+def _of_class(name: str, found: type) -> str:
+    lines = [f".. autoclass:: {name}", "    :members:"]
+    if issubclass(found, Enum):
+        lines.append("    :undoc-members:")
+    if issubclass(found, BaseException):
+        lines = [f".. autoexception:: {name}"]
+    return "\n".join([*lines, ""])
+
+
+def named_in(text: str, package: str) -> dict[str, list[str]]:
+    """Module → the functions and classes of it that a text names in backticks, from the package on; in their order.
+
+    A method stands for its class.
+    """
+    found: dict[str, list[str]] = {}
+    for name in _NAMED.findall(text):
+        try:
+            module, _, place = resolved(f"{package}.{name}")
+        except LookupError:
+            continue
+        top = place.split(".")[0]
+        if top and top not in found.setdefault(module, []):
+            found[module].append(top)
+    return found
+
+
+def resolved(name: str) -> tuple[str, Any, str]:
+    """(module, object, its path in the module) of a dotted name. Raises LookupError where there is none."""
+    parts: Sequence[str] = name.split(".")
+    for length in range(len(parts), 0, -1):
+        module = ".".join(parts[:length])
+        try:
+            found: Any = import_module(module)
+        except ModuleNotFoundError:
+            continue
+        try:
+            for part in parts[length:]:
+                found = getattr(found, part)
+        except AttributeError:
+            break
+        return module, found, ".".join(parts[length:])
+    raise LookupError(f"there is nothing of the name {name}")
