@@ -32,6 +32,7 @@ include: "workflow/rules/frame.smk"
 include: "workflow/rules/article.smk"
 include: "workflow/rules/page.smk"
 include: "workflow/rules/notebook.smk"
+include: "workflow/rules/site.smk"
 include: "workflow/rules/provenance.smk"
 
 

@@ -63,6 +63,7 @@ def write_pages(root: Path, stage: Path, parser: argparse.ArgumentParser) -> Non
 def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]:
     """What the templates may ask for."""
     commands = commands_of(parser)
+    equations = (root / EQUATIONS).read_text(encoding="utf-8")
     return {
         "version": dampbalance.__version__,
         "commands": commands,
@@ -72,9 +73,7 @@ def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]
         "terms": KNOWN_TERMS.values(),
         "public": dampbalance.__all__,
         "documented": names.directives,
-        "named_in_equations": lambda: names.named_in(
-            (root / EQUATIONS).read_text(encoding="utf-8"), PACKAGE
-        ),
+        "others": lambda naming: names.others([equations, naming], PACKAGE),
     }
 
 

@@ -17,7 +17,7 @@ _LIST = re.compile(r"(?:[-*]|\d+\.) ")
 _CODE = re.compile(
     r"(?P<ticks>`+)(?P<code>.+?)(?P=ticks)"
     r"|(?<![\w*])\*(?P<stressed>[^\s*](?:[^*]*[^\s*])?)\*(?![\w*])"
-    r"|\b(?P<error>[A-Z]\w*Error|None|True|False)\b",
+    r"|\b(?P<name>[A-Z]\w*Error|(?<=Raises )[A-Z]\w+|None|True|False|NaN)\b",
     re.DOTALL,
 )
 _MARKS = re.compile(r"[\\*`|_<]")
@@ -92,7 +92,7 @@ def _inline(text: str) -> str:
         if found["stressed"]:
             made += rf"\ *{_plain(found['stressed'])}*\ "
         else:
-            made += rf"\ ``{found['code'] or found['error']}``\ "
+            made += rf"\ ``{found['code'] or found['name']}``\ "
         at = found.end()
     return made + _plain(text[at:])
 

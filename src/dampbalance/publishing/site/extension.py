@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from docutils import nodes
@@ -21,6 +22,8 @@ PACKAGE = "dampbalance"
 
 _AS_IT_IS = (nodes.literal, nodes.literal_block, nodes.math, nodes.math_block, nodes.raw, nodes.comment)
 
+_LONG_TYPE = re.compile(r"TypeAliasForwardRef\('(\w+)'\)|~(?:\w+\.)+")
+
 
 class Symbol(nodes.Inline, nodes.TextElement):
     """A symbol with its index, such as F_k: searched as it is typed, shown as it is printed."""
@@ -31,6 +34,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_html_math_renderer("mathml", (_inline_formula, None), (_displayed_formula, None))
     app.add_lexer("csv", TextLexer)
     app.connect("autodoc-process-docstring", _docstring)
+    app.connect("autodoc-process-signature", _signature)
     app.add_node(Symbol, html=(_symbol, None))
     app.connect("doctree-resolved", _link_names)
     app.connect("doctree-resolved", _set_symbols)
@@ -43,6 +47,19 @@ def _docstring(
     lines[:] = markup(lines)
 
 
+def _signature(
+    app: Sphinx,
+    what: str,
+    name: str,
+    found: Any,
+    options: Any,
+    arguments: str | None,
+    returned: str | None,
+) -> tuple[str | None, str | None]:
+    """Types as short as they are written: those of numpy by their alias, others without their module."""
+    return tuple(text and _LONG_TYPE.sub(r"\1", text) for text in (arguments, returned))  # type: ignore[return-value]
+
+
 def _inline_formula(translator: HTML5Translator, node: nodes.math) -> None:
     translator.body.append(tex2mathml(node.astext(), as_block=False))
     raise nodes.SkipNode
@@ -51,7 +68,7 @@ def _inline_formula(translator: HTML5Translator, node: nodes.math) -> None:
 def _displayed_formula(translator: HTML5Translator, node: nodes.math_block) -> None:
     formula = tex2mathml(node.astext(), as_block=True)
     translator.body.append(
-        f'<div class="math" role="group" tabindex="0" aria-label="Equation">{formula}</div>\n'
+        f'<div class="equation" role="group" tabindex="0" aria-label="Equation">{formula}</div>\n'
     )
     raise nodes.SkipNode
 
@@ -73,16 +90,17 @@ def _link_names(app: Sphinx, tree: nodes.document, page: str) -> None:
 
 def _set_symbols(app: Sphinx, tree: nodes.document, page: str) -> None:
     """The symbols of running text as nodes of their own."""
-    for text in list(tree.findall(nodes.Text)):
+    for node in list(tree.findall(nodes.Text)):
+        text = node.astext()  # a Text is a str that may hold marks of its own
         found = list(SYMBOL.finditer(text))
-        if not found or _within(text, (*_AS_IT_IS, desc_signature)):
+        if not found or _within(node, (*_AS_IT_IS, desc_signature)):
             continue
         parts: list[nodes.Node] = []
         at = 0
         for symbol in found:
             parts += [nodes.Text(text[at : symbol.start()]), Symbol("", symbol[0])]
             at = symbol.end()
-        text.parent.replace(text, [*parts, nodes.Text(text[at:])])
+        node.parent.replace(node, [*parts, nodes.Text(text[at:])])
 
 
 def _symbol(translator: HTML5Translator, node: Symbol) -> None:

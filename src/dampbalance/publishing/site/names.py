@@ -23,8 +23,9 @@ def directive(name: str) -> str:
     found = resolved(name)[1]
     if inspect.isclass(found):
         return _of_class(name, found)
-    kind = "autofunction" if callable(found) else "autodata"
-    return f".. {kind}:: {name}\n"
+    if callable(found):
+        return f".. autofunction:: {name}\n"
+    return f".. autodata:: {name}\n    :no-value:\n"
 
 
 def _of_class(name: str, found: type) -> str:
@@ -36,21 +37,22 @@ def _of_class(name: str, found: type) -> str:
     return "\n".join([*lines, ""])
 
 
-def named_in(text: str, package: str) -> dict[str, list[str]]:
-    """Module → the functions and classes of it that a text names in backticks, from the package on; in their order.
-
-    A method stands for its class.
+def others(naming: Iterable[str], package: str) -> dict[str, list[str]]:
+    """Module → its functions, classes and registries that texts name in backticks, without those that the package itself
+    hands on; in the order of the modules. A method stands for its class.
     """
-    found: dict[str, list[str]] = {}
-    for name in _NAMED.findall(text):
+    public = import_module(package)
+    own = {id(getattr(public, name)) for name in public.__all__}
+    found: dict[str, set[str]] = {}
+    for name in (name for text in naming for name in _NAMED.findall(text)):
         try:
-            module, _, place = resolved(f"{package}.{name}")
+            module, _, place = resolved(name if name.startswith(package) else f"{package}.{name}")
         except LookupError:
             continue
         top = place.split(".")[0]
-        if top and top not in found.setdefault(module, []):
-            found[module].append(top)
-    return found
+        if top and id(getattr(import_module(module), top)) not in own:
+            found.setdefault(module, set()).add(top)
+    return {module: sorted(names) for module, names in sorted(found.items())}
 
 
 def resolved(name: str) -> tuple[str, Any, str]:
