@@ -1,8 +1,11 @@
 """Settings of Sphinx for the site; `dampbalance.publishing.site` makes the pages that stand beside this file then."""
 
+import sys
 from pathlib import Path
 
 import dampbalance
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 project = "dampbalance"
 author = copyright = "the dampbalance authors"
@@ -13,7 +16,7 @@ extensions = [
     "myst_parser",
     "sphinx_design",
     "sphinx_copybutton",
-    "dampbalance.publishing.site.extension",
+    "extension",
 ]
 exclude_patterns = ["extra"]
 html_extra_path = ["extra"] if Path(__file__).with_name("extra").exists() else []

@@ -14,7 +14,15 @@ from paper.site_case import built
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason=REASON)]
 
 PHONE = {"width": 375, "height": 800}
-SAMPLE = ("index", "start/paper", "explain/balance", "reference/api", "reference/case", "studies", "search")
+SAMPLE = (
+    "index",
+    "start/paper",
+    "explain/balance",
+    "reference/api",
+    "reference/case",
+    "studies",
+    "search",
+)
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +41,8 @@ def opened(browser):
         page = context.new_page()
         page.on("pageerror", lambda error: wrong.append(str(error)))
         page.on(
-            "request", lambda r: wrong.append(r.url) if not r.url.startswith(("file:", "data:")) else None
+            "request",
+            lambda r: wrong.append(r.url) if not r.url.startswith(("file:", "data:")) else None,
         )
         page.goto(path.as_uri() + query)
         return page
@@ -51,7 +60,9 @@ def opened(browser):
 def test_a_search_without_a_network_finds_it(site, opened, words, leads):
     page = opened(site / "search.html", query=f"?q={words}")
     page.wait_for_selector("#search-results li a")
-    page.wait_for_function("() => /found|finished/i.test(document.querySelector('#search-results').innerText)")
+    page.wait_for_function(
+        "() => /found|finished/i.test(document.querySelector('#search-results').innerText)"
+    )
     links = page.eval_on_selector_all("#search-results li a", "all => all.map(a => a.href)")
     assert any(leads in link for link in links)
 

@@ -46,7 +46,9 @@ def build(root: str | Path, target: str | Path, parser: argparse.ArgumentParser)
         _run_sphinx(stage, made, Path(folder, "trees"))
         for name in _NOT_OF_THE_SITE:
             path = made / name
-            shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink(missing_ok=True)
+            shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink(
+                missing_ok=True
+            )
         _put(made, target)
 
 

@@ -37,4 +37,6 @@ def _entry(root: Path, file: Path) -> str:
 def _shown(summary: str) -> str:
     """The paragraphs of a summary between its title and its figure, or its table."""
     body = summary.split("\n", 1)[1]
-    return re.split(r"^(?:!\[|\||Size of the relative error)", body, maxsplit=1, flags=re.MULTILINE)[0].strip()
+    return re.split(
+        r"^(?:!\[|\||Size of the relative error)", body, maxsplit=1, flags=re.MULTILINE
+    )[0].strip()

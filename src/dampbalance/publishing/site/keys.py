@@ -68,7 +68,7 @@ def keys(schema: Mapping[str, Any], registered: Mapping[str, Sequence[str]]) -> 
 
 
 def tables(found: Sequence[Key], level: int = 2) -> str:
-    """Keys as Markdown: a table of those at the top, then, below a heading of that level each, of those inside others."""
+    """Keys as Markdown: a table of those at the top, then of those inside others, below headings of that level."""
     groups: dict[tuple[str, ...], list[Key]] = {}
     for key in found:
         groups.setdefault(key.parent, []).append(key)
@@ -151,7 +151,9 @@ class _Reader:
         if "anyOf" in node:
             return _choice([self.type_of(choice) for choice in node["anyOf"]])
         names = node.get("type", "any value")
-        return _choice([self._word(one, node) for one in ([names] if names == str(names) else names)])
+        return _choice(
+            [self._word(one, node) for one in ([names] if names == str(names) else names)]
+        )
 
     def _word(self, name: str, node: Mapping[str, Any]) -> str:
         """One type in words, with that of its entries."""
@@ -199,4 +201,6 @@ def _length(node: Mapping[str, Any]) -> str:
 def _number(value: float) -> str:
     if isinstance(value, int) and abs(value) < 1e6:
         return str(value).replace("-", MINUS)
-    return f"{value:g}".replace("e+0", "e").replace("e+", "e").replace("e-0", "e-").replace("-", MINUS)
+    return (
+        f"{value:g}".replace("e+0", "e").replace("e+", "e").replace("e-0", "e-").replace("-", MINUS)
+    )

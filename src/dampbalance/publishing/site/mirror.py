@@ -24,7 +24,7 @@ class Mirror:
         self.paths: set[str] = set()
 
     def add(self, path: str) -> str | None:
-        """Where the site has that file, from its own root on; None where the project has no such file, or a large one."""
+        """Where the site has that file, from its own root on; None where there is no such file, or a large one."""
         file = self.root / path
         if path.startswith("..") or not file.is_file() or file.stat().st_size > _LARGEST:
             return None

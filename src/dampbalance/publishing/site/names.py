@@ -38,8 +38,8 @@ def _of_class(name: str, found: type) -> str:
 
 
 def others(naming: Iterable[str], package: str) -> dict[str, list[str]]:
-    """Module → its functions, classes and registries that texts name in backticks, without those that the package itself
-    hands on; in the order of the modules. A method stands for its class.
+    """Module → its functions, classes and registries that texts name in backticks, without those that the package hands
+    on; in the order of the modules. A method stands for its class.
     """
     public = import_module(package)
     own = {id(getattr(public, name)) for name in public.__all__}

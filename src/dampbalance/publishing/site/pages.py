@@ -142,4 +142,3 @@ class Pages:
             return f"{up}{EXTRA}/{copied}" if picture else f"{FILE}{up}{copied}"
 
         return texts.relinked(text, led)
-

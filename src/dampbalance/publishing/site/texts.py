@@ -13,7 +13,10 @@ SCHEME = "project:"
 _HEADING = re.compile(r"(#{1,6})\s+(.+?)\s*$")
 _FENCE = re.compile(r"\s*(`{3,}|~{3,})")
 _COMMENT = re.compile(r"^<!--.*?-->\n?", re.MULTILINE | re.DOTALL)
-_LINK = re.compile(r"(`+)(?:(?!\1).)+?\1|(?P<before>(?P<picture>!?)\[[^\[\]]*\]\()(?P<target>[^()\s]+)\)", re.DOTALL)
+_LINK = re.compile(
+    r"(`+)(?:(?!\1).)+?\1|(?P<before>(?P<picture>!?)\[[^\[\]]*\]\()(?P<target>[^()\s]+)\)",
+    re.DOTALL,
+)
 _NOT_IN_A_NAME = re.compile(r"[^\w\- ]")
 
 

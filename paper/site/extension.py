@@ -1,4 +1,4 @@
-"""What the site adds to Sphinx: docstrings in the style of this project, formulas as MathML, code spans that are links."""
+"""What the site adds to Sphinx: docstrings in the style of this project, formulas as MathML, names that are links."""
 
 from __future__ import annotations
 
@@ -13,14 +13,21 @@ from sphinx.application import Sphinx
 from sphinx.util.nodes import make_refnode
 from sphinx.writers.html5 import HTML5Translator
 
-from ...project.wording import SYMBOL
-from ..page.words import rich
-from .docstrings import markup
+from dampbalance.project.wording import SYMBOL
+from dampbalance.publishing.page.words import rich
+from dampbalance.publishing.site.docstrings import markup
 
 PACKAGE = "dampbalance"
 
 
-_AS_IT_IS = (nodes.literal, nodes.literal_block, nodes.math, nodes.math_block, nodes.raw, nodes.comment)
+_AS_IT_IS = (
+    nodes.literal,
+    nodes.literal_block,
+    nodes.math,
+    nodes.math_block,
+    nodes.raw,
+    nodes.comment,
+)
 
 _LONG_TYPE = re.compile(r"TypeAliasForwardRef\('(\w+)'\)|~(?:\w+\.)+")
 
@@ -57,7 +64,7 @@ def _signature(
     returned: str | None,
 ) -> tuple[str | None, str | None]:
     """Types as short as they are written: those of numpy by their alias, others without their module."""
-    return tuple(text and _LONG_TYPE.sub(r"\1", text) for text in (arguments, returned))  # type: ignore[return-value]
+    return tuple(text and _LONG_TYPE.sub(r"\1", text) for text in (arguments, returned))
 
 
 def _inline_formula(translator: HTML5Translator, node: nodes.math) -> None:
@@ -75,14 +82,14 @@ def _displayed_formula(translator: HTML5Translator, node: nodes.math_block) -> N
 
 def _link_names(app: Sphinx, tree: nodes.document, page: str) -> None:
     """A code span that is the name of something documented leads to it, with or without the name of the package."""
-    known = app.env.domains["py"].objects  # type: ignore[attr-defined]
+    known = app.env.domains["py"].objects
     for literal in list(tree.findall(nodes.literal)):
         text = literal.astext().removesuffix("()")
         name = next((n for n in (text, f"{PACKAGE}.{text}") if n in known), None)
         if name is None or _within(literal, (nodes.reference, nodes.title, nodes.term)):
             continue
         place = known[name]
-        if app.builder is None or place.docname == page:
+        if place.docname == page:
             continue
         link = make_refnode(app.builder, page, place.docname, place.node_id, literal.deepcopy())
         literal.replace_self(link)
