@@ -8,24 +8,46 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .identification.answers import Answer
+    from .identification.identified import Identified
+    from .identification.measured import identify
+    from .identification.result import Interval, ParameterEstimate
+    from .identification.verdicts import Verdict
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
     from .motion.regime import Regime
     from .motion.states import State
     from .motion.transient import Trajectory, transient
+    from .records.errors import RecordError
+    from .records.measured import MeasuredRecord, read_records
+    from .records.measurement import Channel, Measurement
+    from .records.synthetic import measured_orbit, measured_ring_down
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "Answer",
     "BaseMotion",
+    "Channel",
+    "Identified",
+    "Interval",
+    "MeasuredRecord",
+    "Measurement",
     "NoSteadyOrbit",
     "Orbit",
     "Orbits",
     "Oscillator",
+    "ParameterEstimate",
+    "RecordError",
     "Regime",
     "State",
     "Trajectory",
+    "Verdict",
+    "identify",
+    "measured_orbit",
+    "measured_ring_down",
+    "read_records",
     "steady_orbit",
     "steady_orbits",
     "transient",
@@ -33,12 +55,21 @@ __all__ = [
 
 # Loaded when they are asked for: the command line starts without NumPy.
 _MODULES = {
+    "identification.answers": ("Answer",),
+    "identification.identified": ("Identified",),
+    "identification.measured": ("identify",),
+    "identification.result": ("Interval", "ParameterEstimate"),
+    "identification.verdicts": ("Verdict",),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),
     "motion.regime": ("Regime",),
     "motion.states": ("State",),
     "motion.transient": ("Trajectory", "transient"),
+    "records.errors": ("RecordError",),
+    "records.measured": ("MeasuredRecord", "read_records"),
+    "records.measurement": ("Channel", "Measurement"),
+    "records.synthetic": ("measured_orbit", "measured_ring_down"),
 }
 
 

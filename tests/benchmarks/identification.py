@@ -21,7 +21,7 @@ import pandas as pd
 from dampbalance import BaseMotion, steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
-from dampbalance.identification.identify import REPLICATES, identify
+from dampbalance.identification.identify import REPLICATES, identify_readings
 from dampbalance.project.files import write_csv, write_text
 from dampbalance.reading.fitting import fit_oscillator
 from dampbalance.reading.noisy import read_features
@@ -56,7 +56,7 @@ _FIRST_CALL = """
 import sys, time
 clocks = lambda: (time.perf_counter(), time.process_time())
 start = clocks()
-from dampbalance.identification.identify import identify
+from dampbalance.identification.identify import identify_readings
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.reading.noisy import read_features
 from dampbalance.reading.fitting import fit_oscillator
@@ -67,7 +67,7 @@ for level in np.load(sys.argv[1]):
     t, y, x = level
     channels = [Channel("base_displacement", t, y), Channel("displacement", t, x)]
     readings.append(read_features(Measurement.of("level", channels), float(sys.argv[2])))
-identify(readings, float(sys.argv[2]))
+identify_readings(readings, float(sys.argv[2]))
 end = clocks()
 print(*(b - a for a, b in zip(start, loaded)), *(b - a for a, b in zip(loaded, end)))
 """
@@ -102,10 +102,10 @@ def contestants(samples: int) -> list[Contestant]:
     lines = [reading.lines for reading in readings]
     direct = {"direct": APPROACHES["direct"]}
     return [
-        Contestant(BOTH, 1, lambda: identify([read_features(m, k) for m in given], k)),
+        Contestant(BOTH, 1, lambda: identify_readings([read_features(m, k) for m in given], k)),
         Contestant(READING, 1, lambda: [read_features(m, k) for m in given]),
-        Contestant(IDENTIFYING, 1, lambda: identify(readings, k)),
-        Contestant(ONE, 1, lambda: identify(readings, k, approaches=direct)),
+        Contestant(IDENTIFYING, 1, lambda: identify_readings(readings, k)),
+        Contestant(ONE, 1, lambda: identify_readings(readings, k, approaches=direct)),
         Contestant(FIT, 1, lambda: fit_oscillator(lines, k)),
     ]
 
@@ -113,7 +113,7 @@ def contestants(samples: int) -> list[Contestant]:
 def errors(samples: int) -> pd.DataFrame:
     """Columns name, then of F_k and of c the relative error and the standard error that each approach tells."""
     given = measurements(samples)
-    found = identify([read_features(m, PAPER.k) for m in given], PAPER.k)
+    found = identify_readings([read_features(m, PAPER.k) for m in given], PAPER.k)
     rows: list[tuple[str, float, float, float, float]] = []
     for name, e in found.estimates.items():
         F_k, c = e.coefficients["F_k"], e.coefficients["c"]

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from dampbalance import BaseMotion, Oscillator
-from dampbalance.identification.identify import identify
+from dampbalance.identification.identify import identify_readings
 from dampbalance.likelihood.information import cramer_rao
 from dampbalance.reading.noisy import read_features
 from paper_case import FREQUENCIES_HZ, LEVELS, PAPER
@@ -61,7 +61,7 @@ def replicate(run: Run) -> list[dict[str, object]]:
     """Rows of one drawing, as of `score.outcome`, with the standard error of the bound."""
     truth = TRUTHS[run.truth]
     measurements = records(truth, (SEED, run.replicate))
-    result = identify([read_features(one, truth.k) for one in measurements], truth.k)
+    result = identify_readings([read_features(one, truth.k) for one in measurements], truth.k)
     own = {"truth": run.truth, "replicate": run.replicate}
     return [own | row for row in numbers(result, truth)]
 

@@ -18,7 +18,7 @@ import pandas as pd
 from scipy import signal
 from scipy.interpolate import CubicSpline
 
-from dampbalance.identification.identify import identify
+from dampbalance.identification.identify import identify_readings
 from dampbalance.identification.limits import REFERENCE
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.measurement import Channel, Measurement
@@ -332,7 +332,7 @@ def tried(run: Run) -> list[dict[str, object]]:
     began = time.process_time()
     try:
         readings = [read_features(one, k, frequency_hz=hertz) for one in measurements]
-        result = identify(readings, k)
+        result = identify_readings(readings, k)
     except (ValueError, ArithmeticError) as error:
         return [own | {"approach": "refused", "symbol": "", "warnings": str(error)}]
     own["seconds"] = time.process_time() - began

@@ -26,7 +26,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 from scipy.signal import find_peaks, savgol_filter
 
-from dampbalance.identification.identify import identify
+from dampbalance.identification.identify import identify_readings
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.measurement import Measurement
 
@@ -161,7 +161,7 @@ def identified(approach: str) -> Callable[[Truth, list[Measurement]], Found]:
     """An approach of `identify`."""
 
     def run(truth: Truth, measured: list[Measurement]) -> Found:
-        result = identify([read_features(one, truth.k) for one in measured], truth.k)
+        result = identify_readings([read_features(one, truth.k) for one in measured], truth.k)
         rows = [row for row in numbers(result, truth) if row["approach"] == approach]
         return {row["symbol"]: (row["value"], row["standard_error"]) for row in rows}
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from dampbalance.identification.identify import identify
+from dampbalance.identification.identify import identify_readings
 from dampbalance.identification.limits import REFERENCE
 from dampbalance.identification.notes import notes_of
 from dampbalance.identification.oscillator import Whole
@@ -77,7 +77,7 @@ def outcome(index: int) -> list[dict[str, object]]:
     began = time.process_time()
     try:
         readings = [read_features(measurement, truth.k) for measurement in measurements]
-        result = identify(readings, truth.k)
+        result = identify_readings(readings, truth.k)
     except (ValueError, ArithmeticError) as error:  # a refusal is an outcome, too
         return [of_set | {"approach": "refused", "symbol": "", "warnings": str(error)}]
     of_set["seconds"] = time.process_time() - began

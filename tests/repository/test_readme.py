@@ -70,10 +70,30 @@ def test_the_errors_quoted_are_those_found(hertz, worst):
     assert (direct["c_N_s_per_m"] / PAPER.c - 1.0).abs().max() < 1e-10
 
 
-def test_the_example_runs():
-    code = README.split("```python", 1)[1].split("```", 1)[0]
+def examples() -> dict[str, str]:
+    """Each piece of Python in it, by the name that its import of the package begins with."""
+    pieces = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    return {re.search(r"from dampbalance import (\w+)", code)[1]: code for code in pieces}
+
+
+def test_there_is_an_example_of_both_jobs():
+    assert set(examples()) == {"BaseMotion", "identify"}
+
+
+def test_the_example_of_records_runs(tmp_path, monkeypatch):
+    for file in (ROOT / "config/records/example").glob("level*.csv"):
+        (tmp_path / file.name).write_bytes(file.read_bytes())
+    monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    exec(code, names)
+    exec(examples()["identify"], names)
+    low, high = names["found"].intervals["F_k"]
+    assert low < PAPER.F_k < high
+    assert (tmp_path / "found/summary.txt").exists()
+
+
+def test_the_example_runs():
+    names: dict[str, object] = {}
+    exec(examples()["BaseMotion"], names)
     orbit, osc = names["orbit"], names["osc"]
     # A difference of numbers of some 0.08 J: a few units of rounding, 1e-17 J each.
     assert abs(orbit.a * osc.F_k + orbit.b * osc.c - orbit.W) < 1e-16

@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 import yaml
 
+from dampbalance import identify
 from dampbalance.identification.outputs import OUTPUTS
-from dampbalance.identification.run import identify_files
 
 pytestmark = pytest.mark.slow
 
@@ -38,7 +38,7 @@ def test_the_workflow_says_what_the_package_says(built, monkeypatch):
     copy, _ = built
     monkeypatch.chdir(copy.folder)
     records = [f"config/records/example/level{i}.csv" for i in range(1, 6)]
-    direct = identify_files(records, 2310.0, frequency_hz=3.5, mass=2.42)
+    direct = identify(records, 2310.0, frequency=3.5, mass=2.42)
     assert json.loads(copy.files("example")[f"{SET}/identification.json"]) == json.loads(
         json.dumps(direct.document())
     )

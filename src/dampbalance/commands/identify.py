@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import Any, get_args
 from ..balance import APPROACHES
 from ..features import Phase
 from ..identification.identify import MOST_REPLICATES, REPLICATES, SEED
-from ..identification.outputs import ALL_PICTURES, OUTPUTS, TABLES
+from ..identification.outputs import ALL_PICTURES, OUTPUTS, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, write_json
 from ..project.wording import shortened
@@ -62,27 +61,22 @@ _SCREEN = Path("-")
 
 def run(options: argparse.Namespace) -> None:
     """Identify, show the table or the document, write the results."""
-    # slow to import, not needed for help
-    from ..identification.kinds import (
-        identify_records,
-        pictures_of,
-        write_figures,
-        write_tables,
-    )
+    from ..identification.measured import identify  # slow to import, not needed for help
 
     folder: Path | None = options.output
     shown_as_json = options.json == _SCREEN
     document: Path | None = None if shown_as_json else options.json
+    # before anything is computed
     if folder is not None:
-        _require_room(folder, (*TABLES, *ALL_PICTURES), options.overwrite)
+        require_room(folder, (*TABLES, *ALL_PICTURES), options.overwrite)
     if document is not None:
-        _require_room(document.parent, [document.name], options.overwrite)
-    result = identify_records(
+        require_room(document.parent, [document.name], options.overwrite)
+    found = identify(
         options.records,
         options.stiffness,
-        options.kind,
+        kind=options.kind,
         mapping=options.mapping,
-        frequency_hz=options.frequency,
+        frequency=options.frequency,
         skip_cycles=options.skip_cycles,
         terms=options.terms,
         given=_once([one for some in options.given or () for one in some.items()], "--given"),
@@ -95,39 +89,17 @@ def run(options: argparse.Namespace) -> None:
         seed=options.seed,
         largest=options.largest,
     )
-    print(json_text(result.document()) if shown_as_json else result.text(), end="")
+    print(json_text(found.document()) if shown_as_json else found.text(), end="")
     places = []
     if document is not None:
-        write_json(document, result.document())
+        write_json(document, found.document())
         places.append(str(document))
     if folder is not None:
-        pictures = () if options.no_figures else pictures_of(result)
-        for name in set(ALL_PICTURES) - set(pictures):
-            (folder / name).unlink(missing_ok=True)  # of earlier records
-        if pictures:
-            write_figures(result, folder)
-        write_tables(result, folder)
-        places.append(f"{folder}: {', '.join((*TABLES, *pictures))}")
+        files = found.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
+        places.append(f"{folder}: {', '.join(file.name for file in files)}")
     if places:
         said = f"\nWritten to {'; '.join(places)}."
         print(said, file=sys.stderr if shown_as_json else sys.stdout)
-
-
-def _require_room(folder: Path, names: Sequence[str], overwrite: bool) -> None:
-    """ValueError, before anything is computed, where the results could not be written."""
-    from ..records.readers.formats import require_showable  # slow to import, too
-
-    require_showable(folder)
-    there = next(path for path in (folder, *folder.parents) if path.exists())
-    if not there.is_dir():
-        raise ValueError(f"{there} is a file: choose a folder for the results")
-    if not os.access(there, os.W_OK):
-        raise ValueError(f"{there} cannot be written to: choose another folder for the results")
-    found = [name for name in names if (folder / name).exists()]
-    if found and not overwrite:
-        raise ValueError(
-            f"{folder} holds {found[0]} already: choose another folder, or add --overwrite"
-        )
 
 
 def _names(text: str) -> list[str]:

@@ -161,7 +161,9 @@ def _panels(loaded: Sequence[Loaded], xlabel: str) -> tuple[Figure, list[Axes]]:
         bottom = height - _TOP - _HEIGHT - row * (_HEIGHT + _GAP)
         panels.append(place(figure, 13.0 + 60.0 * column, bottom, 44.0, _HEIGHT))
         # a name is no mathematics, whatever it holds
-        panels[-1].set_title(cut(one.label, _LONGEST_TITLE), pad=3.0, y=1.0, parse_math=False)
+        panels[-1].set_title(
+            cut(one.record.label, _LONGEST_TITLE), pad=3.0, y=1.0, parse_math=False
+        )
     for axes in panels[-3:]:
         axes.set_xlabel(xlabel)
     return figure, panels

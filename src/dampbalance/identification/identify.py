@@ -53,7 +53,7 @@ _COPIED = 1e-9  # of the largest harmonic: what writing a record in another form
 
 
 @one_thread
-def identify(
+def identify_readings(
     readings: Sequence[Reading],
     k: float,
     *,
@@ -213,19 +213,23 @@ def _result(
     symbols = [symbol for symbol in unknowns if symbol in values]
     W = rows.W[rows.usable]
     off = rows.misfit({**rows.given, **values})[rows.usable]
+    K_z, roots = _stiffness(samples, line, rows_of.law, estimate, of_drawn, of_left)
+    errors = {symbol: of_drawn[symbol] for symbol in symbols}
+    if roots is not None:
+        errors["K_z"] = -roots  # K_z falls as its inverse root grows
     return ApproachResult(
         approach=name,
         coefficients=dict.fromkeys(unknowns, _NOTHING)
         | _parameters(symbols, estimate, of_drawn, of_left),
         equal=dict.fromkeys(unknowns, _NOTHING)
         | _parameters(symbols, plain, plain_drawn, plain_left),
-        K_z=_stiffness(samples, line, rows_of.law, estimate, of_drawn, of_left),
+        K_z=K_z,
         shape_bias=_shape_bias(rows_of, readings, known, rows.usable)
         if whole.waveforms_hold and whole.fit is not None
         else {},
         correlations={
-            (one, other): float(np.corrcoef(of_drawn[one], of_drawn[other])[0, 1])
-            for one, other in itertools.combinations(symbols, 2)
+            (one, other): float(np.corrcoef(errors[one], errors[other])[0, 1])
+            for one, other in itertools.combinations(errors, 2)
         },
         residual=float(np.linalg.norm(off) / np.linalg.norm(W)) if freedom else math.nan,
         misfit=float(known[rows.usable] @ off**2) / freedom
@@ -272,9 +276,9 @@ def _stiffness(
     estimate: Estimate,
     drawn: Estimate,
     left: Sequence[Estimate],
-) -> ParameterEstimate:
-    """K_z = 2F_k/L (10), from the root of its inverse, whose errors are nearly normal; a lower limit where the line is
-    not resolved."""
+) -> tuple[ParameterEstimate, Array | None]:
+    """K_z = 2F_k/L (10), from the root of its inverse, whose errors are nearly normal, and that root of each drawing; a
+    lower limit where the line is not resolved, without."""
 
     def friction(found: Estimate) -> Array:
         known = [
@@ -285,7 +289,7 @@ def _stiffness(
         return mean
 
     if not float(friction(estimate)) > 0.0 or not math.isfinite(line.length):
-        return _NOTHING
+        return _NOTHING, None
 
     def root(sample: Sample, found: Estimate) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -294,17 +298,20 @@ def _stiffness(
 
     here = float(root(samples.point, estimate)[0])
     parts = [root(sample, e) for sample, e in zip(samples.left, left, strict=True)]
-    found = _parameter(here, root(samples.drawn, drawn), parts)
+    roots = root(samples.drawn, drawn)
+    found = _parameter(here, roots, parts)
     low, high = found.interval
     if not line.resolved:
-        return ParameterEstimate(math.inf, math.nan, math.nan, Interval(high**-2, math.inf))
+        unbounded = Interval(high**-2, math.inf)
+        return ParameterEstimate(math.inf, math.nan, math.nan, unbounded), None
     slope = 2.0 * here**-3
-    return ParameterEstimate(
+    K_z = ParameterEstimate(
         here**-2,
         slope * found.standard_error,
         slope * found.propagated_error,
         Interval(high**-2, low**-2 if low > 0.0 else math.inf),
     )
+    return K_z, roots
 
 
 def _parameter(value: float, drawn: Array, left: Sequence[Array]) -> ParameterEstimate:

@@ -1,19 +1,44 @@
-"""Names of the files that an identification is written to."""
+"""Names of the files that an identification is written to, and whether there is room for them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
 
 FIGURES = ("cycles", "loops", "balance")
 
 TABLES = ("identification.json", "identification.csv", "features.csv", "summary.txt")
 """All that is known; the estimates; the features; the table of the screen."""
 
-PICTURES = tuple(f"{name}.{suffix}" for name in FIGURES for suffix in ("svg", "png"))
+
+def pictures_of(figures: Iterable[str]) -> tuple[str, ...]:
+    """The files of figures of those names."""
+    return tuple(f"{name}.{suffix}" for name in figures for suffix in ("svg", "png"))
+
+
+PICTURES = pictures_of(FIGURES)
 
 OUTPUTS = (*TABLES, *PICTURES)
 
 RING_DOWN_FIGURES = ("decays",)
 """The picture of an identification from free decays, in the place of FIGURES."""
 
-RING_DOWN_PICTURES = tuple(
-    f"{name}.{suffix}" for name in RING_DOWN_FIGURES for suffix in ("svg", "png")
-)
+ALL_PICTURES = (*PICTURES, *pictures_of(RING_DOWN_FIGURES))
 
-ALL_PICTURES = (*PICTURES, *RING_DOWN_PICTURES)
+
+def require_room(folder: Path, names: Iterable[str], overwrite: bool) -> None:
+    """ValueError where results of those names could not be written to a folder, or would replace others unasked."""
+    from ..records.readers.formats import require_showable  # slow to import
+
+    require_showable(folder)
+    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise ValueError(f"{there} is a file: choose a folder for the results")
+    if not os.access(there, os.W_OK):
+        raise ValueError(f"{there} cannot be written to: choose another folder for the results")
+    found = [name for name in names if (folder / name).exists()]
+    if found and not overwrite:
+        raise ValueError(
+            f"{folder} holds {found[0]} already: choose another folder, or add --overwrite"
+        )

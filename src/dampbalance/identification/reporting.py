@@ -9,10 +9,12 @@ from dataclasses import asdict
 from typing import Any
 
 from ..features import COLUMNS
-from ..law.terms import named_with_unit, term
+from ..law.terms import named_with_unit
 from ..reading.noisy import Reading
-from .lawtable import aligned, laws_document, laws_in_lines
-from .limits import REFERENCE, limits, shown
+from .answers import Answer, answers_of_forced
+from .lawtable import laws_document, laws_in_lines
+from .limits import limits
+from .limits import shown as in_a_sentence
 from .notes import notes_of
 from .oscillator import Whole
 from .result import (
@@ -24,7 +26,8 @@ from .result import (
     unit_of,
 )
 from .sensitivities import FAULTS, sensitivities
-from .verdicts import Verdict, in_one, judged_by_notes, verdicts_of
+from .showing import Shown, implied, marked, table_of, with_error
+from .verdicts import Verdict, judged_by_notes, verdicts_of
 
 
 def document(
@@ -38,6 +41,7 @@ def document(
     options : as given.   files : what is known of the file of each record, in their order.
     """
     of_files = files or [{}] * len(result.readings)
+    told = answers_of_forced(result)
     return {
         "dampbalance": version,
         "options": dict(options or {}),
@@ -50,14 +54,14 @@ def document(
         "phase": result.phase,
         "confidence": CONFIDENCE,
         "bootstrap": {"replicates": result.replicates, "seed": result.seed},
-        "approaches": {name: _approach(e) for name, e in result.estimates.items()},
+        "approaches": {name: _approach(e, told[name]) for name, e in result.estimates.items()},
         "maximum_likelihood": _yardstick(result.whole),
         **({} if result.laws is None else {"laws": laws_document(result.laws)}),
         "microstick": {
-            "length_m": _number(result.microstick.length),
-            "standard_error_m": _number(result.microstick.standard_error),
+            "length_m": finite(result.microstick.length),
+            "standard_error_m": finite(result.microstick.standard_error),
             "resolved": result.microstick.resolved,
-            "upper_bound_m": _number(result.microstick.bound),
+            "upper_bound_m": finite(result.microstick.bound),
         },
         "records": [
             {**_record(reading, result, i), **of_files[i]}
@@ -65,7 +69,7 @@ def document(
         ],
         "sensitivities": {
             name: {"fault": FAULTS[name].words}
-            | {f"{symbol}_percent": _number(100.0 * change) for symbol, change in changes.items()}
+            | {f"{symbol}_percent": finite(100.0 * change) for symbol, change in changes.items()}
             for name, changes in sensitivities(result).items()
         },
         "limits": [asdict(limit) for limit in limits(result)],
@@ -81,11 +85,11 @@ def estimates_table(result: Identification) -> list[dict[str, Any]]:
         row: dict[str, Any] = {"approach": name}
         for symbol, parameter in estimated.parameters.items():
             ends = {f"_{end}": number for end, number in parameter.interval._asdict().items()}
-            numbers = _with_errors(parameter) | ends
-            row |= {_key(symbol, what): number for what, number in numbers.items()}
+            numbers = with_errors(parameter) | ends
+            row |= {key_of(symbol, what): number for what, number in numbers.items()}
         for symbol, parameter in estimated.equal.items():
-            row[f"equal_weights_{_key(symbol)}"] = parameter.value
-            row[f"equal_weights_{_key(symbol, '_standard_error')}"] = parameter.standard_error
+            row[f"equal_weights_{key_of(symbol)}"] = parameter.value
+            row[f"equal_weights_{key_of(symbol, '_standard_error')}"] = parameter.standard_error
         row |= {"residual": estimated.residual, "misfit": estimated.misfit}
         row |= {
             f"{symbol}_verdict": verdict for symbol, (verdict, _) in verdicts_of(estimated).items()
@@ -108,78 +112,46 @@ def features_table(result: Identification) -> list[dict[str, Any]]:
     ]
 
 
-def text_table(result: Identification) -> str:
+def shown(result: Identification) -> Shown:
     """Estimates with their 95 % intervals and what they are worth, a line per approach, then what limits them, each
-    thing once; for a screen."""
-    symbols = list(dict.fromkeys(s for e in result.estimates.values() for s in e.coefficients))
-    symbols.append("K_z")
-    table = [["", *map(_headed, symbols), "verdict"]]
-    lines: list[tuple[str, Mapping[str, ParameterEstimate], Mapping[str, Verdict]]] = [
-        (name + (" *" if e.notes else ""), e.parameters, verdicts_of(e))
-        for name, e in result.estimates.items()
-    ]
-    of_fit, notes = parameters_of(result.whole), notes_of(result.whole)
-    if of_fit:
-        name = REFERENCE + (" *" if notes else "")
-        lines.append((name, of_fit, judged_by_notes(of_fit, notes)))
-    for name, parameters, verdicts in lines:
-        cells = (_with_interval(parameters[s]) if s in parameters else "" for s in symbols)
-        table.append([name, *cells, in_one(verdicts)])
-    shown_lines = aligned(table)
+    thing once."""
     hz = sorted({round(r.steady.frequency_hz, 4) for r in result.readings})
     head = (
         f"{len(result.readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; values with 95 % intervals from "
         f"{result.replicates} bootstrap replicates"
     )
-    shown_lines += ["", *_implied(result.whole)]
+    whole = result.whole
+    fit, of_rig = whole.fit, []
+    if fit is not None and not whole.linear:
+        of_rig = implied(fit, whole.mass_given)
+        if fit.adequate and whole.delayed is not None:
+            delay, error = 1e6 * whole.delayed.delay, 1e6 * whole.delayed.error("delay")
+            of_rig.append(f"Left free, a delay of the response is {with_error(delay, error)} µs.")
     sources = [reading.steady.source for reading in result.readings]
     said = [
-        f"{'* ' if limit.kind == 'approaches' else 'warning: '}{shown(limit, sources)}"
+        words
         for limit in limits(result)
+        for words in marked(limit.kind, [in_a_sentence(limit, sources)])
     ]
-    told = ["", "What limits the answer:", *said] if said else []
-    laws = [] if result.laws is None else ["", *laws_in_lines(result.laws)]
-    return "\n".join([head, "", *shown_lines, *laws, *told]) + "\n"
+    laws = [] if result.laws is None else laws_in_lines(result.laws)
+    table = table_of(answers_of_forced(result))
+    return Shown(head, table, tuple(of_rig), tuple(laws), tuple(said))
 
 
-def _implied(whole: Whole) -> list[str]:
-    """What the part of the motion in phase with the drive says of the rig, which its owner knows better."""
-    fit = whole.fit
-    if fit is None or whole.linear:
-        return []
-    mass = "the mass given" if whole.mass_given else f"m = {_value(fit.m, fit.error('m'))} kg"
-    said = [
-        f"The oscillator of largest likelihood has {mass} and a natural frequency of {fit.natural_frequency_hz:.4g} Hz "
-        "with the contact loose.",
-        "If that is not your rig, a gain, a unit or the stiffness is wrong.",
-    ]
-    if fit.adequate and whole.delayed is not None:
-        delay, error = 1e6 * whole.delayed.delay, 1e6 * whole.delayed.error("delay")
-        said.append(f"Left free, a delay of the response is {_value(delay, error)} µs.")
-    return said
-
-
-def _value(value: float, error: float) -> str:
-    """2.4197 ± 0.0003"""
-    return f"{_rounded(value, error)} ± {_rounded(error, error)}"
-
-
-def _approach(estimated: ApproachResult) -> dict[str, Any]:
-    entries = _parameters(estimated.parameters)
-    entries |= _parameters(estimated.equal, of="equal_weights_")
+def _approach(estimated: ApproachResult, answer: Answer) -> dict[str, Any]:
+    entries = entries_of(estimated.parameters)
+    entries |= entries_of(estimated.equal, of="equal_weights_")
     entries |= {
-        f"correlation_of_{one}_and_{other}": _number(
+        f"correlation_of_{one}_and_{other}": finite(
             estimated.correlations.get((one, other), math.nan)
         )
         for one, other in itertools.combinations(estimated.coefficients, 2)
     }
-    columns = {term(key).integral_column: g for key, g in estimated.rows.terms.items()}
-    columns |= {"W_J": estimated.rows.W, "standard_error_J": estimated.row_errors}
     return entries | {
-        "verdicts": _verdicts(verdicts_of(estimated)),
-        "residual": _number(estimated.residual),
-        "misfit": _number(estimated.misfit),
-        "rows": {key: [_number(v) for v in values] for key, values in columns.items()},
+        "verdicts": judgements(verdicts_of(estimated)),
+        "residual": finite(estimated.residual),
+        "misfit": finite(estimated.misfit),
+        "rows": {key: [finite(v) for v in values] for key, values in answer.rows.items()},
         "notes": list(estimated.notes),
     }
 
@@ -190,36 +162,38 @@ def _yardstick(whole: Whole) -> dict[str, Any] | None:
     delayed = whole.delayed
     if fit is None or not parameters:
         return None
-    return _parameters(parameters, leave_out="_propagated_error") | {
-        "verdicts": _verdicts(judged_by_notes(parameters, notes)),
+    return entries_of(parameters, leave_out="_propagated_error") | {
+        "verdicts": judgements(judged_by_notes(parameters, notes)),
         "m_kg": fit.m,
         "m_standard_error_kg": fit.error("m"),
         "natural_frequency_Hz": fit.natural_frequency_hz,
-        "misfit": _number(fit.misfit),
-        "misfit_of_records": [_number(misfit) for misfit in fit.misfits],
+        "misfit": finite(fit.misfit),
+        "misfit_of_records": [finite(misfit) for misfit in fit.misfits],
         "delay_s": None if delayed is None else delayed.delay,
         "delay_standard_error_s": None if delayed is None else delayed.error("delay"),
         "notes": list(notes),
     }
 
 
-def _verdicts(verdicts: Mapping[str, Verdict]) -> dict[str, dict[str, str]]:
+def judgements(verdicts: Mapping[str, Verdict]) -> dict[str, dict[str, str]]:
+    """Verdicts for JSON."""
     return {symbol: verdict._asdict() for symbol, verdict in verdicts.items()}
 
 
-def _parameters(
+def entries_of(
     parameters: Mapping[str, ParameterEstimate], leave_out: str | None = None, of: str = ""
 ) -> dict[str, Any]:
+    """Parameters with their errors and intervals for JSON.   of : how each key begins."""
     entries: dict[str, Any] = {}
     for symbol, parameter in parameters.items():
-        for what, number in _with_errors(parameter).items():
+        for what, number in with_errors(parameter).items():
             if what != leave_out:
-                entries[of + _key(symbol, what)] = _number(number)
-        entries[of + _key(symbol, "_interval")] = [_number(end) for end in parameter.interval]
+                entries[of + key_of(symbol, what)] = finite(number)
+        entries[of + key_of(symbol, "_interval")] = [finite(end) for end in parameter.interval]
     return entries
 
 
-def _with_errors(parameter: ParameterEstimate) -> dict[str, float]:
+def with_errors(parameter: ParameterEstimate) -> dict[str, float]:
     """The value and its standard errors by the ends of their keys."""
     return {
         "": parameter.value,
@@ -228,13 +202,7 @@ def _with_errors(parameter: ParameterEstimate) -> dict[str, float]:
     }
 
 
-def _headed(symbol: str) -> str:
-    """F_k (N): the head of a column of a table."""
-    unit = unit_of(symbol)
-    return f"{symbol} ({unit})" if unit else symbol
-
-
-def _key(symbol: str, what: str = "") -> str:
+def key_of(symbol: str, what: str = "") -> str:
     """F_k_standard_error_N: what is said of a parameter, and its unit."""
     return named_with_unit(f"{symbol}{what}", unit_of(symbol))
 
@@ -244,41 +212,22 @@ def _record(reading: Reading, result: Identification, index: int) -> dict[str, A
     return {
         "record": steady.source,
         "frequency_Hz": steady.frequency_hz,
-        "frequency_standard_error_Hz": _number(steady.omega_standard_error / (2.0 * math.pi)),
+        "frequency_standard_error_Hz": finite(steady.omega_standard_error / (2.0 * math.pi)),
         "cycles": steady.cycles,
         "highest_harmonic": steady.bandwidth,
         "noise_rms": dict(steady.noise_rms),
         "slips": reading.slips,
         "features": {
-            column: _number(float(getattr(features, name)[index]))
+            column: finite(float(getattr(features, name)[index]))
             for name, column in COLUMNS.items()
         },
         "standard_errors": {
-            column: _number(reading.standard_errors[name]) for name, column in COLUMNS.items()
+            column: finite(reading.standard_errors[name]) for name, column in COLUMNS.items()
         },
         "warnings": list(reading.warnings),
     }
 
 
-def _number(value: float) -> float | None:
+def finite(value: float) -> float | None:
     """A number of JSON: null for what is not known or has no bound."""
     return float(value) if math.isfinite(value) else None
-
-
-def _with_interval(parameter: ParameterEstimate) -> str:
-    """1.2807 [1.2784, 1.2831]: digits down to a tenth of the interval's half width."""
-    value, (low, high) = parameter.value, parameter.interval
-    if math.isfinite(low) and not math.isfinite(high):
-        return f"> {_rounded(low, low)}"
-    if not all(map(math.isfinite, (value, low, high))):
-        return "–"
-    half = 0.5 * (high - low)
-    return f"{_rounded(value, half)} [{_rounded(low, half)}, {_rounded(high, half)}]"
-
-
-def _rounded(value: float, spread: float) -> str:
-    """The value with two digits of the spread."""
-    if not spread > 0.0:
-        return f"{value:.6g}"
-    decimals = 1 - math.floor(math.log10(spread))
-    return f"{round(value, decimals):.{max(0, decimals)}f}"

@@ -47,7 +47,7 @@ class ApproachResult:
 
     coefficients : of the law's terms that are not given, by key, SI units, each row weighing as much as it is
     sure.   equal : the same with all rows weighing alike, Eq. (9) as published.   K_z : N/m; its interval comes from
-    that of K_z^{−1/2}. correlations : of the errors of two coefficients, by their symbols.   shape_bias : relative
+    that of K_z^{−1/2}.   correlations : of the errors of two parameters, by their symbols.   shape_bias : relative
     error that the shape of x(t) which the approach assumes makes in each coefficient, for the oscillator that was
     found; empty where none was. residual : ‖A p − W‖/‖W‖ of the rows.   misfit : χ² of the rows about the fit, over
     their noise, per degree of freedom: 1 where the balance holds for every level alike; NaN where there are no more

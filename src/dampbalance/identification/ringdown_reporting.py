@@ -5,24 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from ..reading.ringdown_motion import COMMON
-from ..reading.ringdown_rows import A, B, W, at_rest
-from .limits import REFERENCE
-from .reporting import (
-    _headed,
-    _key,
-    _number,
-    _parameters,
-    _value,
-    _verdicts,
-    _with_errors,
-    _with_interval,
-)
+from ..reading.ringdown_rows import at_rest
+from .answers import answers_of_decays
+from .reporting import entries_of, finite, judgements, key_of, with_errors
 from .result import CONFIDENCE
 from .ringdown import BALANCE, RingDown
-from .verdicts import in_one, judged_by_notes
+from .showing import Shown, implied, marked, table_of
+from .verdicts import judged_by_notes
 
 
 def document(
@@ -44,13 +34,13 @@ def document(
         "k_N_per_m": result.k,
         "confidence": CONFIDENCE,
         "approaches": {BALANCE: _balance(result)},
-        "maximum_likelihood": _parameters(result.of_fit, leave_out="_propagated_error")
+        "maximum_likelihood": entries_of(result.of_fit, leave_out="_propagated_error")
         | {
-            "verdicts": _verdicts(judged_by_notes(result.of_fit, result.fit_notes)),
+            "verdicts": judgements(judged_by_notes(result.of_fit, result.fit_notes)),
             "m_kg": fit.m,
             "m_standard_error_kg": fit.error("m"),
             "natural_frequency_Hz": fit.natural_frequency_hz,
-            "misfit": _number(fit.misfit),
+            "misfit": finite(fit.misfit),
             "notes": list(result.fit_notes),
         },
         "records": [
@@ -67,8 +57,8 @@ def estimates_table(result: RingDown) -> list[dict[str, Any]]:
     row: dict[str, Any] = {"approach": BALANCE}
     for symbol, parameter in result.coefficients.items():
         ends = {f"_{end}": number for end, number in parameter.interval._asdict().items()}
-        numbers = {k: v for k, v in _with_errors(parameter).items() if k != "_propagated_error"}
-        row |= {_key(symbol, what): number for what, number in (numbers | ends).items()}
+        numbers = {k: v for k, v in with_errors(parameter).items() if k != "_propagated_error"}
+        row |= {key_of(symbol, what): number for what, number in (numbers | ends).items()}
     row["misfit"] = result.misfit
     verdicts = judged_by_notes(result.coefficients, result.notes)
     row |= {f"{symbol}_verdict": verdict for symbol, (verdict, _) in verdicts.items()}
@@ -92,55 +82,29 @@ def features_table(result: RingDown) -> list[dict[str, Any]]:
     ]
 
 
-def text_table(result: RingDown) -> str:
-    """The estimates with their 95 % intervals and what they are worth, then what limits them; for a screen."""
-    fit, rows = result.fit, result.rows
-    table = [["", *map(_headed, result.coefficients), "verdict"]]
-    lines = (
-        (BALANCE, result.coefficients, result.notes),
-        (REFERENCE, result.of_fit, result.fit_notes),
-    )
-    for name, parameters, notes in lines:
-        verdicts = judged_by_notes(parameters, notes)
-        cells = map(_with_interval, parameters.values())
-        table.append([name + " *" * bool(notes), *cells, in_one(verdicts)])
-    widths = [max(len(line[i]) for line in table) for i in range(len(table[0]))]
-    shown = [
-        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
-        for line in table
-    ]
-    records, decays = len(result.sources), len(fit.stretches)
-    halves = rows.halves
+def shown(result: RingDown) -> Shown:
+    """The estimates with their 95 % intervals and what they are worth, then what limits them."""
+    records, decays, halves = len(result.sources), len(result.fit.stretches), result.rows.halves
     head = (
         f"{_counted(records, 'record')} with {_counted(decays, 'free decay')}, {_counted(halves, 'half cycle')} that "
         f"slip{'s' * (halves == 1)}; values with 95 % intervals"
     )
-    mass = "the mass given" if result.mass_given else f"m = {_value(fit.m, fit.error('m'))} kg"
-    implied = [
-        f"The oscillator of largest likelihood has {mass} and a natural frequency of {fit.natural_frequency_hz:.4g} Hz "
-        "with the contact loose.",
-        "If that is not your rig, a gain, a unit or the stiffness is wrong.",
-    ]
-    said = [f"* {words}." for words in dict.fromkeys((*result.notes, *result.fit_notes))]
-    said += [f"warning: {words}" for words in result.warnings]
-    told = ["", "What limits the answer:", *said] if said else []
-    return "\n".join([head, "", *shown, "", *implied, *told]) + "\n"
+    notes = [f"{words}." for words in dict.fromkeys((*result.notes, *result.fit_notes))]
+    said = marked("approaches", notes) + marked("records", result.warnings)
+    table = table_of(answers_of_decays(result))
+    return Shown(head, table, tuple(implied(result.fit, result.mass_given)), (), tuple(said))
 
 
 def _balance(result: RingDown) -> dict[str, Any]:
-    rows = result.rows
-    columns = {"a_m": A, "b_m2_per_s": B, "W_J": W}
-    errors = np.sqrt(np.diag(rows.covariance))
-    return _parameters(result.coefficients, leave_out="_propagated_error") | {
-        "correlation_of_F_k_and_c": _number(result.correlation),
-        "verdicts": _verdicts(judged_by_notes(result.coefficients, result.notes)),
-        "misfit": _number(result.misfit),
+    answer = answers_of_decays(result)[BALANCE]
+    rows = {key: [finite(v) for v in values] for key, values in answer.rows.items()}
+    decays = [int(i) + 1 if i >= 0 else None for i in result.rows.stretch]
+    return entries_of(result.coefficients, leave_out="_propagated_error") | {
+        "correlation_of_F_k_and_c": finite(result.correlation),
+        "verdicts": judgements(judged_by_notes(result.coefficients, result.notes)),
+        "misfit": finite(result.misfit),
         "degrees_of_freedom": result.freedom,
-        "rows": {key: [float(v) for v in rows.columns[:, at]] for key, at in columns.items()}
-        | {
-            "standard_error_J": [float(v) for v in errors],
-            "decay": [int(i) + 1 if i >= 0 else None for i in rows.stretch],
-        },
+        "rows": rows | {"decay": decays},
         "notes": list(result.notes),
     }
 

@@ -13,11 +13,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from dampbalance import identify, read_records
 from dampbalance.balance import APPROACHES
 from dampbalance.commands.main import main
-from dampbalance.identification.loading import load
 from dampbalance.identification.outputs import OUTPUTS, TABLES
-from dampbalance.identification.run import identify_files
 from dampbalance.records.readers import read
 from folders import ROOT
 from paper_case import PAPER
@@ -87,7 +86,7 @@ def test_the_document_holds_the_truth_of_the_example(output):
 def test_the_table_of_faults_in_the_documentation_is_that_of_the_example():
     text = (ROOT / "config/records/README.md").read_text(encoding="utf-8")
     table = re.search(r"<!-- sensitivities: .*? -->\n(.*?)<!-- end -->", text, re.DOTALL)[1]
-    told = identify_files(RECORDS, 2310.0, approaches=["direct"]).document()
+    told = identify(RECORDS, 2310.0, approaches=["direct"]).document()
     rows = [[cell.strip() for cell in row.split("|")[1:5]] for row in table.splitlines()[2:]]
     assert [row[0] for row in rows] == [one["fault"] for one in told["sensitivities"].values()]
     for row, one in zip(rows, told["sensitivities"].values(), strict=True):
@@ -118,7 +117,7 @@ def test_the_document_says_from_what_it_was_made(tmp_path):
         (tmp_path / f"run{i}.csv").write_bytes(Path(RECORDS[i]).read_bytes())
     (tmp_path / "run1.yaml").write_text("frequency_hz: 3.5\n", encoding="utf-8")
     records = [str(tmp_path / f"run{i}.csv") for i in (0, 1)]
-    found = identify_files(records, 2310.0, approaches=["direct"], replicates=20, seed=7)
+    found = identify(records, 2310.0, approaches=["direct"], replicates=20, seed=7)
     told = json.loads(json.dumps(found.document()))
     assert told["options"] == {
         "stiffness_N_per_m": 2310.0,
@@ -453,9 +452,9 @@ def test_a_wrong_frequency_is_refused(capsys):
 
 
 def test_large_files_are_read_in_blocks_with_the_same_result(monkeypatch):
-    whole = identify_files(RECORDS[:2], 2310.0, approaches=["direct"], replicates=20).document()
-    monkeypatch.setattr("dampbalance.identification.loading.LARGE", 1000)
-    blocks = identify_files(RECORDS[:2], 2310.0, approaches=["direct"], replicates=20)
+    whole = identify(RECORDS[:2], 2310.0, approaches=["direct"], replicates=20).document()
+    monkeypatch.setattr("dampbalance.records.measured.LARGE", 1000)
+    blocks = identify(RECORDS[:2], 2310.0, approaches=["direct"], replicates=20)
     assert blocks.document() == whole
     assert whole["maximum_likelihood"]["F_k_N"] == pytest.approx(PAPER.F_k, rel=0.01)
 
@@ -477,7 +476,7 @@ def test_a_mapping_says_frequency_and_level(tmp_path, capsys):
     assert main(["identify", *records, *COMMON]) == 2
     assert "run0.csv: the excitation oscillates" in capsys.readouterr().err
     assert main(["identify", *records, *COMMON, "--frequency", "3.5"]) == 0
-    assert load(records[1], 2310.0).label == "2 of 2"
+    assert read_records(records[1])[0].label == "2 of 2"
 
 
 @pytest.mark.parametrize("friction", ["100", "1e-6"], ids=["sticks", "no friction"])
@@ -517,7 +516,7 @@ def test_a_mass_that_is_right_sharpens_the_fit(capsys):
     assert "has the mass given and a natural frequency of 4.917 Hz" in said
     assert "What limits" not in said
     with_mass, without = (
-        identify_files(RECORDS, 2310.0, approaches=["direct"], replicates=20, mass=mass).document()[
+        identify(RECORDS, 2310.0, approaches=["direct"], replicates=20, mass=mass).document()[
             "maximum_likelihood"
         ]
         for mass in (2.42, None)
@@ -536,7 +535,7 @@ def test_the_fit_takes_a_base_acceleration_and_any_answer(response, tmp_path, ca
             "--seed", str(i),
         ) == 0  # fmt: skip
     capsys.readouterr()
-    found = identify_files(records, 2310.0, approaches=["direct"], replicates=20, mass=2.42)
+    found = identify(records, 2310.0, approaches=["direct"], replicates=20, mass=2.42)
     fit = found.document()["maximum_likelihood"]
     for key, error, true in (
         ("F_k_N", "F_k_standard_error_N", PAPER.F_k),

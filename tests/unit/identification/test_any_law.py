@@ -11,9 +11,9 @@ import pytest
 
 from dampbalance import BaseMotion
 from dampbalance.balance import APPROACHES
-from dampbalance.identification.identify import identify
+from dampbalance.identification.identify import identify_readings
 from dampbalance.identification.laws import _rejected, compare_laws
-from dampbalance.identification.reporting import document, estimates_table, text_table
+from dampbalance.identification.reporting import document, estimates_table, shown
 from dampbalance.identification.verdicts import USABLE, verdicts_of
 from dampbalance.law.law import Law
 from dampbalance.law.response import law_orbit
@@ -62,7 +62,7 @@ def truth(osc, law):
 def test_the_coefficients_of_any_law_are_found(name):
     osc, law = LAWS[name]
     true = {symbol: value for symbol, value in truth(osc, law).items() if value}
-    found = identify(readings(osc, law), osc.k, law=Law(tuple(true)), approaches=DIRECT)
+    found = identify_readings(readings(osc, law), osc.k, law=Law(tuple(true)), approaches=DIRECT)
     assert found.whole.waveforms_hold
     assert found.warnings == ()
     direct = found.estimates["direct"]
@@ -85,7 +85,7 @@ def test_standard_errors_of_another_law_are_those_of_the_scatter():
     off = []
     for seed in range(12):
         records = readings(osc, law, at=AT[::2], seed=seed, cycles=30.0)
-        found = identify(
+        found = identify_readings(
             records, osc.k, law=Law(("F_k", "c_r")), approaches=DIRECT, replicates=200
         ).estimates["direct"]
         for symbol in ("F_k", "c_r"):
@@ -97,7 +97,7 @@ def test_standard_errors_of_another_law_are_those_of_the_scatter():
 
 def test_exact_records_give_the_coefficients_to_what_the_harmonics_hold():
     osc, law = LAWS["c_3"]
-    found = identify(
+    found = identify_readings(
         readings(osc, law, noise=0.0, rate_hz=2000.0, cycles=12.0),
         osc.k,
         law=Law(("F_k", "c_3")),
@@ -118,7 +118,7 @@ def two_loads():
 
 def test_each_load_has_its_friction_and_all_have_one_damper(two_loads):
     law = Law(groups={"F_k": ("light", "heavy") * 3})
-    found = identify(two_loads, PAPER.k, law=law, approaches=DIRECT)
+    found = identify_readings(two_loads, PAPER.k, law=law, approaches=DIRECT)
     direct = found.estimates["direct"]
     assert found.whole.waveforms_hold
     for key, value in (("F_k[light]", 1.28), ("F_k[heavy]", 2.0), ("c", 90.0)):
@@ -130,7 +130,7 @@ def test_each_load_has_its_friction_and_all_have_one_damper(two_loads):
     rows = document(found)["approaches"]["direct"]["rows"]
     assert rows["a_light_m"][1] == 0.0 < rows["a_heavy_m"][1]
     assert json.loads(json.dumps(document(found)))["law"]["groups"]["F_k"][:2] == ["light", "heavy"]
-    assert "F_k[heavy] (N)" in text_table(found)
+    assert "F_k[heavy] (N)" in shown(found).text()
 
 
 def test_without_groups_no_law_fits_records_of_two_loads(two_loads):
@@ -144,10 +144,10 @@ def test_without_groups_no_law_fits_records_of_two_loads(two_loads):
 
 def test_what_is_given_sharpens_the_rest_and_one_record_is_enough():
     records = readings(PAPER, {}, at=AT[:2])
-    both = identify(records, PAPER.k, approaches=DIRECT).estimates["direct"]
+    both = identify_readings(records, PAPER.k, approaches=DIRECT).estimates["direct"]
     law = Law(given={"c": 90.0})
     for used in (records, records[:1]):
-        known = identify(used, PAPER.k, law=law, approaches=DIRECT).estimates["direct"]
+        known = identify_readings(used, PAPER.k, law=law, approaches=DIRECT).estimates["direct"]
         assert list(known.coefficients) == ["F_k"]
         F_k = known.coefficients["F_k"]
         assert abs(F_k.value - 1.28) < 4.0 * F_k.standard_error
@@ -158,7 +158,7 @@ def test_a_group_whose_records_only_stick_has_no_usable_friction_force_and_the_o
     stuck = replace(PAPER, F_k=60.0)
     records = readings([PAPER, PAPER, stuck], {}, at=[AT[0], AT[2], AT[1]])
     law = Law(groups={"F_k": ("loose", "loose", "stuck")})
-    found = identify(records, PAPER.k, law=law, approaches=DIRECT)
+    found = identify_readings(records, PAPER.k, law=law, approaches=DIRECT)
     direct = found.estimates["direct"]
     verdicts = verdicts_of(direct)
     assert verdicts["F_k[stuck]"].verdict != USABLE
@@ -167,7 +167,7 @@ def test_a_group_whose_records_only_stick_has_no_usable_friction_force_and_the_o
 
 
 def test_dampers_to_base_and_ground_together_say_what_a_skew_would_do():
-    found = identify(
+    found = identify_readings(
         readings(*LAWS["c_r"]), PAPER.k, law=Law(("F_k", "c", "c_r")), approaches=DIRECT
     )
     assert found.whole.delayed is None
@@ -176,7 +176,7 @@ def test_dampers_to_base_and_ground_together_say_what_a_skew_would_do():
 
 def test_an_approach_without_a_form_of_a_term_says_so():
     osc, law = LAWS["c_2"]
-    found = identify(readings(osc, law), osc.k, law=Law(("F_k", "c_2")), replicates=20)
+    found = identify_readings(readings(osc, law), osc.k, law=Law(("F_k", "c_2")), replicates=20)
     fourier = found.estimates["fourier"]
     assert math.isnan(fourier.coefficients["c_2"].value)
     assert fourier.notes == ("this approach has no form of a term of the law",)

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 
-from dampbalance import BaseMotion, steady_orbit
+from dampbalance import BaseMotion, read_records, steady_orbit
 from dampbalance.identification import drawing
-from dampbalance.identification.identify import identify
-from dampbalance.identification.loading import Loaded
-from dampbalance.reading.noisy import read_features
+from dampbalance.identification.identify import identify_readings
+from dampbalance.identification.loading import Loaded, load
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER
@@ -24,13 +22,12 @@ def _loaded(Y: float, zero: float) -> Loaded:
     x = made["displacement"]
     channels = [made["base_displacement"], Channel(x.quantity, x.t, x.values + zero)]
     measurement = Measurement.of(str(Y), channels)
-    excerpt = {q: (measurement[q].t, measurement[q].values) for q in measurement}
-    return Loaded(Path(str(Y)), str(Y), read_features(measurement, PAPER.k), excerpt, measurement)
+    return load(read_records(measurement)[0], PAPER.k)
 
 
 def test_the_averaged_cycle_lies_on_the_samples_whatever_the_zero_of_the_transducer():
     loaded = [_loaded(0.003, 0.0), _loaded(0.005, 0.02)]
-    result = identify([one.reading for one in loaded], PAPER.k, replicates=20)
+    result = identify_readings([one.reading for one in loaded], PAPER.k, replicates=20)
     for one, axes in zip(loaded, drawing.cycles(loaded, result).axes, strict=True):
         dots, line = axes.get_lines()
         on_line = np.interp(dots.get_xdata(), line.get_xdata(), line.get_ydata(), period=360.0)

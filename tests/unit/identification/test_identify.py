@@ -11,12 +11,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from dampbalance.balance import APPROACHES
-from dampbalance.identification.identify import identify
+from dampbalance.identification.identify import identify_readings
 from dampbalance.identification.reporting import (
     document,
     estimates_table,
     features_table,
-    text_table,
+    shown,
 )
 from dampbalance.identification.verdicts import verdicts_of
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
@@ -57,7 +57,7 @@ def relative(parameter, true):
 
 @pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
 def test_exact_records_give_the_truth_off_resonance_too(hz):
-    found = identify(readings(hz), PAPER.k, replicates=20)
+    found = identify_readings(readings(hz), PAPER.k, replicates=20)
     direct, fourier = found.estimates["direct"], found.estimates["fourier"]
     # of the velocity 1e-6 lies beyond the 128 odd harmonics of a waveform; F_k takes up the small errors of large rows
     assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=2e-5)
@@ -79,7 +79,7 @@ def test_records_of_several_frequencies_go_together():
     mixed = [
         readings(hz, 0.005, levels=(0.005, 0.011))[i] for i, hz in ((0, 4.92), (1, 3.5), (1, 11.1))
     ]
-    direct = identify(mixed, PAPER.k, replicates=200).estimates["direct"]
+    direct = identify_readings(mixed, PAPER.k, replicates=200).estimates["direct"]
     for symbol in ("F_k", "c", "K_z"):
         low, high = direct.parameters[symbol].interval
         assert low < getattr(PAPER, symbol) < high
@@ -88,7 +88,7 @@ def test_records_of_several_frequencies_go_together():
 @pytest.mark.slow
 def test_intervals_tell_the_truth():
     runs = [
-        identify(
+        identify_readings(
             readings(
                 3.5, 0.01, seed=100 + i, levels=(0.004, 0.008, 0.012), rate_hz=1000.0, cycles=20.0
             ),
@@ -117,7 +117,7 @@ def test_intervals_tell_the_truth():
 def test_the_records_share_what_no_single_one_resolves():
     read = readings(4.92, 0.05, rate_hz=1500.0, cycles=20.0, channels=BOTH[:2])
     assert not all(reading.onset_resolved for reading in read)
-    found = identify(read, PAPER.k, replicates=200)
+    found = identify_readings(read, PAPER.k, replicates=200)
     assert found.microstick.resolved
     direct = found.estimates["direct"]
     assert direct.K_z.interval.low < PAPER.K_z < direct.K_z.interval.high
@@ -134,7 +134,7 @@ def test_the_records_share_what_no_single_one_resolves():
 def test_an_onset_that_is_not_resolved_enters_with_its_error_and_K_z_has_a_limit():
     # 20,000 N/mm: a microstick line of 0.13 µm beside 24 µm of noise
     stiff = replace(PAPER, K_z=2e7)
-    found = identify(
+    found = identify_readings(
         readings(noise=0.03, rate_hz=1000.0, channels=BOTH[:2], osc=stiff), PAPER.k, replicates=100
     )
     assert not found.microstick.resolved
@@ -148,8 +148,7 @@ def test_an_onset_that_is_not_resolved_enters_with_its_error_and_K_z_has_a_limit
     assert not np.array_equal(found.features.X_s, -found.features.X)
     low, high = direct.coefficients["F_k"].interval
     assert low < stiff.F_k < high
-    shown = text_table(found)
-    assert "> " in shown.splitlines()[3]
+    assert "> " in shown(found).text().splitlines()[3]
     told = document(found)["approaches"]["direct"]
     assert told["K_z_N_per_m"] is None
     assert told["K_z_interval_N_per_m"][1] is None
@@ -157,7 +156,7 @@ def test_an_onset_that_is_not_resolved_enters_with_its_error_and_K_z_has_a_limit
 
 
 def test_an_approach_whose_shape_does_not_hold_is_named():
-    found = identify(readings(3.5, 0.005), PAPER.k, replicates=100)
+    found = identify_readings(readings(3.5, 0.005), PAPER.k, replicates=100)
     assert found.estimates["direct"].notes == ()
     (note,) = found.estimates["X_s"].notes
     assert "assumes makes F_k 16 % too small and c 0.0" in note
@@ -165,7 +164,7 @@ def test_an_approach_whose_shape_does_not_hold_is_named():
     bias = found.estimates["X_s"].shape_bias["F_k"]
     own = relative(found.estimates["X_s"].coefficients["F_k"], PAPER.F_k)
     assert bias == pytest.approx(own, abs=0.005)  # half a percent of noise
-    better = identify(readings(3.5, 0.005), PAPER.k, phase="fundamental", replicates=100)
+    better = identify_readings(readings(3.5, 0.005), PAPER.k, phase="fundamental", replicates=100)
     of_better, of_found = (
         abs(relative(each.estimates["X_s"].coefficients["F_k"], PAPER.F_k))
         for each in (better, found)
@@ -177,7 +176,9 @@ def test_an_approach_whose_shape_does_not_hold_is_named():
 def test_a_level_that_does_not_belong_is_noticed():
     odd = replace(PAPER, c=1.01 * PAPER.c)
     mixed = [*readings(noise=0.005)[:4], readings(noise=0.005, osc=odd)[4]]
-    found = identify(mixed, PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=100)
+    found = identify_readings(
+        mixed, PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=100
+    )
     assert "the records are not those of one mass on a spring" in found.warnings[0]
     direct = found.estimates["direct"]
     assert all(verdict != "usable" for verdict, _ in verdicts_of(direct).values())
@@ -186,17 +187,19 @@ def test_a_level_that_does_not_belong_is_noticed():
 
 
 def test_levels_that_are_alike_are_reported():
-    found = identify(readings(noise=0.001, levels=(0.0100, 0.0101)), PAPER.k, replicates=50)
+    found = identify_readings(
+        readings(noise=0.001, levels=(0.0100, 0.0101)), PAPER.k, replicates=50
+    )
     assert "so alike" in " ".join(found.warnings)
 
 
 def test_equal_seeds_give_equal_numbers_whatever_is_asked_beside():
     read = readings(noise=0.01)
-    one = identify(read, PAPER.k, replicates=50, seed=3)
-    two = identify(
+    one = identify_readings(read, PAPER.k, replicates=50, seed=3)
+    two = identify_readings(
         read, PAPER.k, replicates=50, seed=3, approaches={"fourier": APPROACHES["fourier"]}
     )
-    other = identify(read, PAPER.k, replicates=50, seed=4)
+    other = identify_readings(read, PAPER.k, replicates=50, seed=4)
     first, again, drawn = (
         each.estimates["fourier"].coefficients["F_k"] for each in (one, two, other)
     )
@@ -210,7 +213,7 @@ def test_equal_seeds_give_equal_numbers_whatever_is_asked_beside():
 
 
 def test_tables_and_documents_hold_the_same_numbers():
-    found = identify(readings(noise=0.01), PAPER.k, replicates=50)
+    found = identify_readings(readings(noise=0.01), PAPER.k, replicates=50)
     table, told = estimates_table(found), document(found, version="0")
     assert [row["approach"] for row in table] == list(told["approaches"]) == list(APPROACHES)
     for row in table:
@@ -223,7 +226,7 @@ def test_tables_and_documents_hold_the_same_numbers():
     assert all(row["X_standard_error_m"] > 0.0 for row in features)
     assert all(row["W_standard_error_J"] > 0.0 for row in features)
     direct = found.estimates["direct"].coefficients["F_k"]
-    line = text_table(found).splitlines()[3]
+    line = shown(found).text().splitlines()[3]
     assert f"{direct.value:.4f} [{direct.interval.low:.4f}, {direct.interval.high:.4f}]" in line
 
 
@@ -242,7 +245,7 @@ def test_what_makes_no_sense_is_refused(change, message):
     read = readings(noise=0.01, levels=LEVELS[:2], cycles=12.0)[: change.pop("count", 2)]
     k = change.pop("k", PAPER.k)
     with pytest.raises(ValueError, match=message):
-        identify(read, k, **change)
+        identify_readings(read, k, **change)
 
 
 @pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
@@ -253,7 +256,7 @@ def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold(hz):
         PAPER, motions, rate_hz=1000.0, cycles=25.0, noise=noise, free=("m", "omega")
     )
     runs = [
-        identify(
+        identify_readings(
             readings(hz, 0.01, seed=50 + i, rate_hz=1000.0, channels=two),
             PAPER.k,
             approaches={"direct": APPROACHES["direct"]},
@@ -272,7 +275,9 @@ def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold(hz):
 
 
 def test_where_no_level_slips_there_is_no_friction_force():
-    found = identify(readings(noise=0.01, levels=(0.0002, 0.0003, 0.0004)), PAPER.k, replicates=50)
+    found = identify_readings(
+        readings(noise=0.01, levels=(0.0002, 0.0003, 0.0004)), PAPER.k, replicates=50
+    )
     assert found.whole.linear
     (warning,) = found.warnings
     assert "the records are those of a linear oscillator" in warning
@@ -284,12 +289,12 @@ def test_where_no_level_slips_there_is_no_friction_force():
     low, high = direct.coefficients["c"].interval
     assert low < PAPER.c < high
     assert high - low < 0.05 * PAPER.c
-    line = text_table(found).splitlines()[3]
+    line = shown(found).text().splitlines()[3]
     assert re.match(r"direct \* +– +\d", line)
 
 
 def test_a_level_that_does_not_slip_leaves_the_balance_without_a_star():
-    found = identify(
+    found = identify_readings(
         readings(noise=0.01, levels=(0.0003, 0.004, 0.008, 0.012)), PAPER.k, replicates=100
     )
     assert [reading.slips for reading in found.readings] == [False, True, True, True]
@@ -363,7 +368,7 @@ def test_records_of_an_independent_integrator(hz, driven_by, independent):
         ]
         # from rest; e^{−ct/2m} falls by e⁻¹⁶ or more in ten cycles
         read.append(read_features(Measurement.of("independent", channels), PAPER.k, skip_cycles=10))
-    found = identify(read, PAPER.k, replicates=200)
+    found = identify_readings(read, PAPER.k, replicates=200)
     for name in ("direct", "fourier"):
         for symbol in ("F_k", "c", "K_z"):
             parameter, true = found.estimates[name].parameters[symbol], getattr(PAPER, symbol)
@@ -415,7 +420,9 @@ def gradual():
 
 
 def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
-    found = identify(gradual, PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=100)
+    found = identify_readings(
+        gradual, PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=100
+    )
     assert not found.whole.waveforms_hold
     assert "are not those of one mass on a spring" in found.warnings[0]
     direct = found.estimates["direct"]
@@ -435,7 +442,7 @@ def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
 
 
 def test_two_levels_of_such_a_contact_are_enough(gradual):
-    found = identify(
+    found = identify_readings(
         gradual[::2], PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=50
     )
     direct = found.estimates["direct"]
@@ -447,7 +454,7 @@ def test_two_levels_of_such_a_contact_are_enough(gradual):
 
 
 def test_approaches_that_need_the_onset_of_slip_give_nothing_where_it_is_not_known(gradual):
-    found = identify(gradual, PAPER.k, replicates=20)
+    found = identify_readings(gradual, PAPER.k, replicates=20)
     for name in ("X_s", "t_s", "V_s", "fourier"):
         estimated = found.estimates[name]
         assert math.isnan(estimated.coefficients["F_k"].value)
@@ -458,7 +465,7 @@ def test_harmonics_that_fold_back_are_told():
     # a contact that sticks for a sample or two, accelerations sampled a whole number of times in a cycle
     osc = replace(PAPER, c=3.0, F_k=1.0)
     for per_cycle, told in ((250.0, True), (4000.0, False)):
-        found = identify(
+        found = identify_readings(
             readings(
                 6.9,
                 2e-4,

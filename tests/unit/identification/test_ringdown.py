@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 from blind.decays import draw, record
-from dampbalance import BaseMotion, Oscillator, steady_orbit
+from dampbalance import BaseMotion, Oscillator, identify, steady_orbit
 from dampbalance.commands.main import main
-from dampbalance.identification.identify import identify
-from dampbalance.identification.kinds import identify_records
+from dampbalance.identification.identify import identify_readings
 from dampbalance.identification.ringdown import identify_ring_downs
 from dampbalance.motion.jit import interpreted
 from dampbalance.reading.noisy import read_features
@@ -133,7 +132,7 @@ def test_it_agrees_with_the_forced_result_for_the_same_oscillator():
         orbit = steady_orbit(OSCILLATOR, BaseMotion(Y, 0.7 * OSCILLATOR.omega_n))
         measured = measured_orbit(orbit, rate_hz=500.0, cycles=60.0, noise=0.01, seed=i)
         forced.append(read_features(measured, PLUCKED.k))
-    driven = identify(forced, PLUCKED.k, replicates=100).estimates["direct"]
+    driven = identify_readings(forced, PLUCKED.k, replicates=100).estimates["direct"]
     free = identify_ring_downs([record(PLUCKED)[0]], PLUCKED.k)
     for symbol in ("F_k", "c"):
         one, other = driven.coefficients[symbol], free.coefficients[symbol]
@@ -205,9 +204,9 @@ def test_a_forced_record_is_not_taken_for_a_decay(tmp_path):
     write(free, record(PLUCKED)[0])
     for names in ([path], [free, path], [path, free]):
         with pytest.raises(ValueError, match=r"level\.csv: .* moves: .* not identified together"):
-            identify_records(names, PLUCKED.k, "ring-down" if len(names) == 1 else "recognised")
+            identify(names, PLUCKED.k, kind="ring-down" if len(names) == 1 else "recognised")
     with pytest.raises(ValueError, match=r"decay\.csv: nothing drives it"):
-        identify_records([free], PLUCKED.k, "forced")
+        identify([free], PLUCKED.k, kind="forced")
 
 
 def test_a_drive_that_stands_still_is_none(tmp_path):
@@ -216,15 +215,15 @@ def test_a_drive_that_stands_still_is_none(tmp_path):
     still = 1e-6 * np.random.default_rng(3).standard_normal(t.size)
     both = [Channel("base_displacement", t, still), measured["displacement"]]
     write(tmp_path / "run.csv", Measurement.of("run", both))
-    result = identify_records([tmp_path / "run.csv"], PLUCKED.k)
+    result = identify([tmp_path / "run.csv"], PLUCKED.k)
     holds(result.result, PLUCKED)
 
 
 def test_options_of_forced_records_are_refused(tmp_path):
     write(tmp_path / "decay.csv", record(PLUCKED)[0])
-    for options in ({"frequency_hz": 3.0}, {"skip_cycles": 2}, {"approaches": ["X_s"]}):
+    for options in ({"frequency": 3.0}, {"skip_cycles": 2}, {"approaches": ["X_s"]}):
         with pytest.raises(ValueError, match="is for forced records"):
-            identify_records([tmp_path / "decay.csv"], PLUCKED.k, **options)
+            identify([tmp_path / "decay.csv"], PLUCKED.k, **options)
 
 
 @pytest.mark.parametrize(

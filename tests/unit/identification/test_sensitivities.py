@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance.identification.identify import identify
+from dampbalance.identification.identify import identify_readings
 from dampbalance.identification.reporting import document
 from dampbalance.identification.sensitivities import FAULTS, sensitivities
 from dampbalance.reading.noisy import Reading, read_features
@@ -34,7 +34,7 @@ def found(request):
         for name, orbit in zip("abc", orbits_at(request.param, (0.004, 0.008, 0.012)), strict=True)
     ]
     readings = [read_features(record, PAPER.k) for record in records]
-    return readings, identify(readings, PAPER.k, replicates=20)
+    return readings, identify_readings(readings, PAPER.k, replicates=20)
 
 
 def with_fault(reading, fault, part):
@@ -57,7 +57,7 @@ def test_records_with_the_fault_change_as_is_said(name, found):
     readings, result = found
     fault, part = FAULTS[name], 0.01
     faulty = [with_fault(reading, fault, part) for reading in readings]
-    again = identify(faulty, PAPER.k * (1.0 + part * fault.stiffness), replicates=20)
+    again = identify_readings(faulty, PAPER.k * (1.0 + part * fault.stiffness), replicates=20)
     told = sensitivities(result)[name]
     for symbol in SYMBOLS:
         before, after = (

@@ -8,8 +8,7 @@ import math
 
 import pandas as pd
 
-from dampbalance import BaseMotion, steady_orbit
-from dampbalance.identification.run import identify_files
+from dampbalance import BaseMotion, identify, steady_orbit
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER
 
@@ -40,7 +39,7 @@ def test_a_file_for_each_channel_gives_the_same_and_all_are_told(tmp_path):
     )
     options = {"approaches": ["fourier"], "replicates": 10}
     one, other = (
-        json.loads(json.dumps(identify_files(files, PAPER.k, **options).document()))
+        json.loads(json.dumps(identify(files, PAPER.k, **options).document()))
         for files in (whole, several)
     )
     assert other["approaches"] == one["approaches"]

@@ -9,10 +9,12 @@ import pytest
 from scipy import signal
 
 from dampbalance import BaseMotion, steady_orbit
-from dampbalance.identification import loading
+from dampbalance.identification.loading import load
 from dampbalance.reading.conditioning import condition
+from dampbalance.records import measured
 from dampbalance.records.errors import RecordError
 from dampbalance.records.mapping import mapping_from
+from dampbalance.records.measured import read_records
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.readers import read
 from dampbalance.records.writers import write
@@ -195,9 +197,9 @@ def test_a_mapping_corrects_a_file_whole_or_in_blocks(tmp_path, monkeypatch):
         encoding="utf-8",
     )
     exact = ORBIT.harmonic(1)
-    for large in (loading.LARGE, 1):
-        monkeypatch.setattr(loading, "LARGE", large)
-        steady = loading.load(record, PAPER.k).reading.steady
+    for large in (measured.LARGE, 1):
+        monkeypatch.setattr(measured, "LARGE", large)
+        steady = load(read_records(record)[0], PAPER.k).reading.steady
         x, y = steady.mean(steady.X)[1], steady.mean(steady.Y)[1]
         # harmonics beyond the 31st leak into it
         assert x / (y / MOTION.Y) == pytest.approx(exact[0] * np.exp(-1j * exact[1]), rel=1e-6)

@@ -24,12 +24,13 @@ import scipy.io
 from scipy.io import wavfile
 
 from dampbalance.commands.main import main
-from dampbalance.identification import loading
 from dampbalance.model import BaseMotion
 from dampbalance.motion.orbit import steady_orbit
+from dampbalance.records import measured
 from dampbalance.records.errors import RecordError
 from dampbalance.records.limits import LARGEST
 from dampbalance.records.mapping import read_mapping
+from dampbalance.records.measured import read_records
 from dampbalance.records.readers import channels, open_channels, read
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER
@@ -190,7 +191,7 @@ def test_values_that_no_rig_gives(name, suffix, tmp_path):
 @pytest.mark.parametrize("large", [False, True])
 def test_a_response_that_is_the_excitation(change, large, tmp_path, capsys, sound, monkeypatch):
     if large:
-        monkeypatch.setattr(loading, "LARGE", 1000)
+        monkeypatch.setattr(measured, "LARGE", 1000)
     t, y, _ = signals()
     path = tmp_path / "bad.h5"
     write_hdf5(path, t, y, change(y))
@@ -297,9 +298,8 @@ def test_what_unpacks_to_more_than_it_may_is_refused_before(suffix, tmp_path):
     peak, said = peak_of(read, path, largest=10_000_000)
     assert peak < 10.0
     assert "--largest" in said
-    for blocks in (loading.load, open_channels):
-        options = {"k": 2310.0} if blocks is loading.load else {}
-        peak, said = peak_of(blocks, path, largest=10_000_000, **options)
+    for reader in (read_records, open_channels):
+        peak, said = peak_of(reader, path, largest=10_000_000)
         assert peak < 10.0
 
 
@@ -326,10 +326,10 @@ def test_a_record_that_unpacks_to_much_comes_in_blocks(tmp_path, monkeypatch):
     with h5py.File(path, "w") as file:
         for name, values in zip(NAMES, (t, y, x), strict=True):
             file.create_dataset(name, data=values.round(4), compression="gzip")
-    assert loading.load(path, 2310.0).measurement is not None
-    monkeypatch.setattr(loading, "LARGE", 8 * 3 * t.size - 1)
-    assert path.stat().st_size < loading.LARGE
-    assert loading.load(path, 2310.0).measurement is None
+    assert read_records(path)[0].measurement is not None
+    monkeypatch.setattr(measured, "LARGE", 8 * 3 * t.size - 1)
+    assert path.stat().st_size < measured.LARGE
+    assert read_records(path)[0].measurement is None
 
 
 MATLAB = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from dampbalance.identification.run import identify_files
+from dampbalance import identify
 from dampbalance.project.files import sha256
 from dampbalance.publishing.frame import frame_page
 from dampbalance.replication.frame.findings import Findings, findings
@@ -34,7 +34,7 @@ def measured() -> dict:
 def found() -> Findings:
     given = {k: v for k, v in measured().items() if k not in ("name", "records")}
     k, mass = given.pop("stiffness_N_per_m"), given.pop("mass_kg")
-    identified = identify_files(FILES, k, mass=mass, **given).document()
+    identified = identify(FILES, k, mass=mass, **given).document()
     return findings(FILES, measured(), CONFIG["frame"], identified)
 
 

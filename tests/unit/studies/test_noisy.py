@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from dampbalance import BaseMotion, __version__, steady_orbit
-from dampbalance.identification.identify import identify
+from dampbalance.identification.identify import identify_readings
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.wording import percent
@@ -73,7 +73,7 @@ def test_a_case_is_an_experiment_as_one_would_do_it(done):
         readings.append(read_features(measurement, PAPER.k))
         rng.append(random)
     # what `identify` makes of them; its replicates differ, as they are drawn from one generator
-    expected = identify(readings, PAPER.k, phase="fundamental", replicates=400).estimates
+    expected = identify_readings(readings, PAPER.k, phase="fundamental", replicates=400).estimates
     found = table.loc[case]
     for approach, label in (
         ("fourier", "fourier__least_squares"),

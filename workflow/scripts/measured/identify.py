@@ -2,7 +2,7 @@
 
 import sys
 
-from dampbalance.identification.run import identify_files, write_results
+from dampbalance.identification.measured import identify
 from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
@@ -10,9 +10,10 @@ if __name__ == "__main__":
     given = {key: value for key, value in snakemake.params.settings.items() if value is not None}
     for of_the_workflow in ("name", "records"):
         given.pop(of_the_workflow, None)
-    k, mass = given.pop("stiffness_N_per_m"), given.pop("mass_kg", None)
+    quantities = {"stiffness_N_per_m": "stiffness", "mass_kg": "mass", "frequency_hz": "frequency"}
+    given = {quantities.get(key, key): value for key, value in given.items()}
     try:
-        results = identify_files(list(snakemake.input.records), k, mass=mass, **given)
+        found = identify(list(snakemake.input.records), kind="forced", **given)
     except ValueError as error:
         sys.exit(f"error: {error}")
-    write_results(results, snakemake.params.folder)
+    found.save(snakemake.params.folder, overwrite=True)

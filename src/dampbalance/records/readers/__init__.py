@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ...arrays import Array
 from ..errors import RecordError, RecordWarning
@@ -24,7 +25,11 @@ from .matlab import matlab_file
 from .named_arrays import ParquetFile
 from .plan import Pick, picks_of
 from .record_file import RawChannel, RecordFile, require_nameable
+from .signals import signals_file
 from .text import TextFile
+
+if TYPE_CHECKING:
+    from .signals import Signals
 
 __all__ = [
     "FORMATS",
@@ -33,6 +38,7 @@ __all__ = [
     "channels",
     "open_channels",
     "read",
+    "read_signals",
     "stated_numbers",
 ]
 
@@ -51,8 +57,27 @@ def read(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) 
         left = largest - sum(map(len, channels))
         stated_size(file, picks, left)
         channels += whole(file, picks, left)
+    return _measurement(str(path), channels)
+
+
+def read_signals(
+    name: str, signals: Signals, rules: RecordMapping, largest: int = LARGEST
+) -> Measurement:
+    """The measurement in arrays or a table of pandas (`signals_file`), in SI units.
+
+    name : of the record, for messages.   rules : what the names of the signals do not say.   largest : as `read`.
+
+    Raises RecordError and warns as `read`.
+    """
+    file = signals_file(name, signals)
+    picks = picks_of(file, rules)
+    stated_size(file, picks, largest)
+    return _measurement(name, whole(file, picks, largest))
+
+
+def _measurement(source: str, channels: Sequence[Channel]) -> Measurement:
     order = list(QUANTITIES)
-    return Measurement.of(str(path), sorted(channels, key=lambda one: order.index(one.quantity)))
+    return Measurement.of(source, sorted(channels, key=lambda one: order.index(one.quantity)))
 
 
 def stated_numbers(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) -> int:

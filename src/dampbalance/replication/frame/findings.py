@@ -12,12 +12,13 @@ import numpy as np
 
 from ...arrays import Array
 from ...balance import APPROACHES
-from ...identification.identify import identify
+from ...identification.identify import identify_readings
 from ...identification.loading import Loaded, load
 from ...identification.notes import YARDSTICK
 from ...law.law import Law, law_of
 from ...law.terms import FRICTION, named_with_unit, term
 from ...reading.noisy import Reading, read_features
+from ...records.measured import read_records
 from ...records.measurement import Channel, Measurement
 from .line import load_line
 from .loops import AT_REST, Loop, friction_loop, shape
@@ -67,7 +68,7 @@ def findings(
         raise ValueError(
             f"frame: loads_kg names {len(loads)} loads for {len(files)} records; give one for each"
         )
-    records = [load(file, k, mapping=measured.get("mapping")) for file in files]
+    records = [load(one, k) for one in read_records(files, mapping=measured.get("mapping"))]
     readings = [Reading(one.reading.steady, joint=True) for one in records]
     forces = [_force(identified, law, i) for i in range(len(files))]
     loops = [friction_loop(reading, m, law.given) for reading in readings]
@@ -80,7 +81,7 @@ def findings(
     line, off = load_line(loads, [force["F_k_N"] for force in forces], errors)
     rows = [
         {
-            "record": one.label,
+            "record": one.record.label,
             "load_kg": loads[i],
             **forces[i],
             "off_line": off[i],
@@ -123,17 +124,17 @@ def _learnt(
     for one in records:
         steady = one.reading.steady
         if not cycles < steady.cycles:
-            raise ValueError(f"{one.path}: has {steady.cycles} cycles; identify from fewer")
+            raise ValueError(f"{one.record.name}: has {steady.cycles} cycles; identify from fewer")
         end = steady.start + 2.0 * math.pi / steady.omega * cycles
-        assert one.measurement is not None
-        channels = [one.measurement[quantity] for quantity in one.measurement]
+        measurement = one.record.whole()
+        channels = [measurement[quantity] for quantity in measurement]
         kept = [
             Channel(c.quantity, c.t[c.t < end + _steps(c)], c.values[c.t < end + _steps(c)])
             for c in channels
         ]
-        parts.append(read_features(Measurement.of(str(one.path), kept), k))
+        parts.append(read_features(Measurement.of(one.record.name, kept), k))
     direct = {YARDSTICK: APPROACHES[YARDSTICK]}
-    result = identify(parts, k, law=law, approaches=direct, replicates=_REPLICATES)
+    result = identify_readings(parts, k, law=law, approaches=direct, replicates=_REPLICATES)
     values = result.estimates[YARDSTICK].coefficients
     return [
         (replace(part, joint=True), values[law.key(FRICTION, i)].value)
@@ -148,9 +149,9 @@ def _steps(channel: Channel) -> float:
 
 def _foretold(one: Loaded, learnt: Reading, mass: Mass) -> Foretold:
     """The cycles after those that were learnt from, from the displacement and velocity at their beginning on."""
-    assert one.measurement is not None
+    record = one.record.whole()
     steady = learnt.steady
-    base, response = one.measurement.excitation, one.measurement["displacement"]
+    base, response = record.excitation, record["displacement"]
     period = 2.0 * math.pi / steady.omega
     begin = steady.start + steady.cycles * period
     kept = (response.t >= begin) & (response.t < begin + steady.cycles * period)

@@ -1,0 +1,211 @@
+"""From measured records, of steady responses or of free decays, to F_k, c and K_z."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+from ..balance import APPROACHES, TERMS
+from ..features import Phase
+from ..law.law import Law, law_of
+from ..motion.jit import interpreted
+from ..project.wording import visible
+from ..records.limits import LARGEST
+from ..records.mapping import MappingLike
+from ..records.measured import MeasuredRecord, read_records
+from .identified import _QUICK, Identified, IdentifiedDecays, IdentifiedSteady
+from .identify import REPLICATES, SEED, identify_readings
+from .laws import compare_laws
+from .loading import Loaded, NotDriven, load
+from .ringdown import identify_ring_downs
+
+if TYPE_CHECKING:
+    from ..records.measured import RecordLike
+
+Kind = Literal["recognised", "forced", "ring-down"]
+"""Of records: as the first of them is recognised, driven, or free decays."""
+
+_MOST_SWINGS = 1000.0  # of the free oscillator in a cycle of the drive, or cycles in a swing: beyond it a unit is wrong
+
+
+def identify(
+    records: RecordLike | Sequence[RecordLike],
+    stiffness: float,
+    *,
+    mapping: MappingLike = None,
+    kind: Kind = "recognised",
+    frequency: float | None = None,
+    mass: float | None = None,
+    terms: Sequence[str] | None = None,
+    given: Mapping[str, float] | None = None,
+    groups: Mapping[str, Sequence[str]] | None = None,
+    laws: bool = False,
+    approaches: Sequence[str] | None = None,
+    phase: Phase = "reversal",
+    skip_cycles: int = 0,
+    replicates: int = REPLICATES,
+    seed: int = SEED,
+    largest: int = LARGEST,
+) -> Identified:
+    """The coefficients of a damping law and the contact stiffness K_z from measured records, each with an interval.
+
+    Each steady response gives a row a F_k + b c = W of the energy balance, each half cycle of a free decay, too (Eq. 6
+    of the paper). A row weighs as much as it is sure; one oscillator fitted to all records is the yardstick.
+
+    records : as `read_records` returns or takes them: files, tables of pandas, arrays; one for each level of excitation
+    and at least as many as there are coefficients, or free decays, of which one is enough.
+    stiffness : k of the spring, N/m.   mapping : what the records do not say of their channels, where they are read
+    here.   kind : "forced" or "ring-down", where it is not to be recognised.
+    frequency : of the drive as known, Hz; compared with that found in each record.   mass : kg, if it is known.
+    terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.   given : symbol →
+    coefficient that is known, SI.   groups : symbol → a label for each record, of the group that has a coefficient of
+    its own.   laws : whether all laws of one or two terms beside friction are compared, too.
+    approaches : names of `APPROACHES`; default, all.   phase : that the harmonic approaches X_s, t_s and V_s take.
+    skip_cycles : left out at the start of each record.   replicates, seed : of the bootstrap.
+    largest : numbers (samples × channels) that may be read of a record.
+
+    Free decays know F_k and c alone, and take stiffness, mass, mapping and largest.
+
+    Raises ValueError (for a record, `RecordError`) naming record, what is wrong and the remedy: a record that cannot be
+    used, records of both kinds, fewer of them than unknowns, a stiffness or mass that is not positive.
+
+    >>> import math
+    >>> from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady_orbit
+    >>> osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    >>> motions = [BaseMotion(Y=Y, omega=2 * math.pi * 3.5) for Y in (0.004, 0.008, 0.012)]
+    >>> records = [
+    ...     measured_orbit(steady_orbit(osc, motion), rate_hz=1000.0, cycles=20.0, noise=0.01, seed=i)
+    ...     for i, motion in enumerate(motions)
+    ... ]
+    >>> found = identify(records, stiffness=2310.0)
+    >>> {symbol: round(value, 1) for symbol, value in found.values.items() if symbol != "K_z"}
+    {'F_k': 1.3, 'c': 90.0}
+    >>> low, high = found.intervals["c"]
+    >>> bool(low < osc.c < high)
+    True
+    >>> found.verdicts["F_k"].verdict
+    'usable'
+    """
+    if kind not in get_args(Kind):
+        raise ValueError(f"kind must be one of {', '.join(get_args(Kind))}, got {kind!r}")
+    read = read_records(records, mapping=mapping, largest=largest)
+    _require_different(read)
+    law = law_of(terms, given, groups)
+    unknown = sorted(set(approaches or ()) - set(APPROACHES))
+    if unknown:
+        raise ValueError(f"unknown approaches {unknown}; known are {', '.join(APPROACHES)}")
+    chosen = [name for name in APPROACHES if not approaches or name in approaches]
+    stated = str(mapping) if isinstance(mapping, str | Path) else None
+    if kind != "ring-down":
+        options: dict[str, Any] = {
+            "stiffness_N_per_m": stiffness,
+            "frequency_hz": frequency,
+            "mass_kg": mass,
+            "terms": list(law.terms),
+            "given": dict(law.given),
+            "groups": {symbol: list(labels) for symbol, labels in law.groups.items()},
+            "laws": laws,
+            "approaches": chosen,
+            "phase": phase,
+            "mapping": stated,
+            "skip_cycles": skip_cycles,
+            "replicates": replicates,
+            "seed": seed,
+            "largest": largest,
+        }
+        try:
+            return _of_steady(read, law, options)
+        except NotDriven:
+            if kind == "forced":
+                raise
+    of_forced = {
+        "frequency": (frequency, None),
+        "skip_cycles": (skip_cycles, 0),
+        "approaches": (approaches, None),
+        "phase": (phase, "reversal"),
+        "terms": (tuple(terms or TERMS), tuple(TERMS)),
+        "given": (given or None, None),
+        "groups": (groups or None, None),
+        "laws": (laws, False),
+    }
+    for name, (value, default) in of_forced.items():
+        if value != default:
+            raise ValueError(
+                f"{name} = {value!r} is for forced records, and these are free decays, which tell F_k, c and K_z: "
+                "leave it out"
+            )
+    options = {
+        "kind": "ring-down",
+        "stiffness_N_per_m": stiffness,
+        "mass_kg": mass,
+        "mapping": stated,
+        "largest": largest,
+    }
+    return _of_decays(read, options)
+
+
+@interpreted(calls=_QUICK)  # whatever was compiled before: the last bits may differ
+def _of_steady(
+    records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
+) -> IdentifiedSteady:
+    k, mass = options["stiffness_N_per_m"], options["mass_kg"]
+    loaded = tuple(
+        load(
+            record,
+            k,
+            frequency_hz=options["frequency_hz"],
+            skip_cycles=options["skip_cycles"],
+        )
+        for record in records
+    )
+    _require_possible(loaded, mass, k)
+    readings = [one.reading for one in loaded]
+    common = {name: options[name] for name in ("replicates", "seed")} | {"law": law, "mass": mass}
+    chosen = {name: APPROACHES[name] for name in options["approaches"]}
+    result = identify_readings(readings, k, approaches=chosen, phase=options["phase"], **common)
+    if options["laws"]:
+        result = replace(result, laws=compare_laws(readings, k, **common))
+    return IdentifiedSteady(records, options, result, loaded)
+
+
+@interpreted(False)  # a motion of thousands of samples, hundreds of times
+def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> IdentifiedDecays:
+    told = [f"{record.name}: {words}" for record in records for words in record.warnings]
+    measurements = [record.whole() for record in records]
+    result = identify_ring_downs(
+        measurements, options["stiffness_N_per_m"], mass=options["mass_kg"]
+    )
+    result = replace(result, warnings=(*told, *result.warnings))
+    return IdentifiedDecays(records, options, result)
+
+
+def _require_different(records: Sequence[MeasuredRecord]) -> None:
+    """ValueError for no records, and for a file that is named twice, also by a link or another spelling of its path."""
+    if not records:
+        raise ValueError("no records are given; name one for each level, or one of a free decay")
+    known: dict[tuple[int, int], str] = {}
+    for record in records:
+        if record.files is None:
+            continue
+        found = Path(record.name).stat()
+        other = known.setdefault((found.st_dev, found.st_ino), record.name)
+        if other is not record.name:
+            twice = f"{other} is named twice"
+            named = twice if other == record.name else f"{other} and {record.name} are one file"
+            raise ValueError(f"{visible(named)}: each record is one level")
+
+
+def _require_possible(loaded: Sequence[Loaded], mass: float | None, k: float) -> None:
+    """ValueError for a mass with which the oscillator would be a thousand times faster or slower than the drive."""
+    if mass is None or not mass > 0.0:  # what is no mass is refused where it is used
+        return
+    for one in loaded:
+        swings = math.sqrt(k / mass) / one.reading.steady.omega
+        if not 1.0 / _MOST_SWINGS < swings < _MOST_SWINGS:
+            raise ValueError(
+                f"with k = {k:g} N/m and m = {mass:g} kg the oscillator swings {swings:.2g} times in a cycle of "
+                f"{one.record.name}: give the mass in kg and the stiffness in N/m, or leave out the mass"
+            )

@@ -1,0 +1,210 @@
+"""Measured records as an identification takes them: from files of any format, tables of pandas, or arrays."""
+
+from __future__ import annotations
+
+import itertools
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from ..project.files import sha256
+from ..project.wording import listed, visible
+from .errors import RecordError, RecordWarning
+from .limits import LARGEST
+from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
+from .measurement import EXCITATIONS, Measurement
+from .readers import open_channels, read, read_signals, stated_numbers
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from .readers.signals import Signals
+
+    RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
+
+LARGE = 256_000_000
+"""Size of a file, bytes, packed or not, from which it is not taken into memory as a whole."""
+
+_NUMBER = 8  # bytes
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredRecord:
+    """One record, of a steady response at one level of excitation or of free decays, as `read_records` makes it.
+
+    name : what messages and tables call it; the path of a file.   label : of its level, for plots.
+    quantities : that it holds, by the names of `Measurement`.   measurement : its channels in SI units; None for a file
+    above LARGE bytes, which is read block by block when it is identified.
+    rules : what its mapping says.   warnings : what is odd about it, in words.   files : digests of what it was read
+    from.   largest : numbers (samples × channels) that may be read of it.
+    """
+
+    name: str
+    label: str
+    quantities: tuple[str, ...]
+    measurement: Measurement | None
+    rules: RecordMapping
+    warnings: tuple[str, ...] = ()
+    files: Mapping[str, Any] | None = None
+    largest: int = LARGEST
+
+    @property
+    def driven(self) -> bool:
+        """Whether it has a channel that drives; without one it is of free decays."""
+        return any(quantity in EXCITATIONS for quantity in self.quantities)
+
+    def to_frame(self) -> pd.DataFrame:
+        """The samples: a column for each channel, named with its SI unit, and their times, time_s, as index.
+
+        Raises ValueError where the channels have times of their own, and RecordError for a file that is too large.
+        """
+        import pandas as pd  # slow to import
+
+        from .units import header_suffix
+
+        channels = [self.whole()[quantity] for quantity in self.quantities]
+        t = channels[0].t
+        if any(c.t.shape != t.shape or (c.t != t).any() for c in channels):
+            raise ValueError(
+                f"{self.name}: its channels have times of their own; take each from its measurement"
+            )
+        columns = {f"{c.quantity}_{header_suffix(c.unit)}": c.values for c in channels}
+        return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
+
+    def whole(self) -> Measurement:
+        """All its channels. Raises RecordError for a file that is too large for memory."""
+        if self.measurement is None:
+            raise RecordError(
+                f"{self.name}: is larger than {LARGE / 1e6:.0f} MB and was not taken into memory; identify it, or read "
+                "a part of it"
+            )
+        return self.measurement
+
+    def __repr__(self) -> str:
+        """What it holds, in a line."""
+        held = listed(self.quantities)
+        if self.measurement is None:
+            return f"<record {self.name}: {held}; read when it is identified>"
+        longest = max((self.measurement[q] for q in self.quantities), key=len)
+        t = longest.t
+        rate = (len(longest) - 1) / float(t[-1] - t[0])
+        return (
+            f"<record {self.name}: {held}; {len(longest):,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {rate:.6g} "
+            f"Hz{'; ' * bool(self.warnings)}{'; '.join(self.warnings)}>"
+        )
+
+
+def read_records(
+    records: RecordLike | Sequence[RecordLike],
+    *,
+    mapping: MappingLike = None,
+    largest: int = LARGEST,
+) -> tuple[MeasuredRecord, ...]:
+    """Measured records, ready for `identify`: from files, tables of pandas, or arrays.
+
+    records : one, or several. Each is the path of a file in any format (`config/records/README.md`); a pandas
+    DataFrame; a mapping of names to arrays, (n,); a `Measurement`; or a record already read. Columns and arrays are
+    named like those of a file, displacement_mm or force_N, with time_s among them, or sample_rate_hz as a number.
+    mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
+    one; default, for a file, the one beside it.   largest : numbers (samples × channels) that may be read of each.
+
+    A record in memory is called "record 1" by its place, or as `name` in the `attrs` of its table says.
+
+    Raises RecordError (a ValueError) naming record, key and remedy: a channel that is missing or unclear, a wrong unit,
+    times that do not increase or have a gap, a value that is not finite, a constant channel.
+
+    >>> import numpy as np
+    >>> from dampbalance import read_records
+    >>> t = np.arange(0.0, 2.0, 1e-3)
+    >>> base, mass = 4.0 * np.cos(22.0 * t), 2.0 * np.sin(22.0 * t)
+    >>> (record,) = read_records({"time_s": t, "base_displacement_mm": base, "displacement_mm": mass})
+    >>> record
+    <record record 1: base_displacement and displacement; 2,000 samples from 0 s to 1.999 s at 1000 Hz>
+    >>> float(record.measurement["base_displacement"].values[0])  # m
+    0.004
+    """
+    single = isinstance(records, str | Path | Mapping | Measurement | MeasuredRecord)
+    several: Any = [records] if single or hasattr(records, "columns") else records
+    found: list[MeasuredRecord] = []
+    for number, one in enumerate(several, start=1):
+        if isinstance(one, MeasuredRecord):
+            found.append(one)
+        elif isinstance(one, str | Path):
+            found.append(_of_file(Path(one), mapping, largest))
+        else:
+            names = {record.name for record in found}
+            found.append(_in_memory(one, number, names, mapping, largest))
+    return tuple(found)
+
+
+def _in_memory(
+    record: Signals | Measurement,
+    number: int,
+    taken: set[str],
+    mapping: MappingLike,
+    largest: int,
+) -> MeasuredRecord:
+    """The record of signals in memory, the `number`-th of several, under a name that is not taken."""
+    signals = isinstance(record, Mapping) or hasattr(record, "columns")
+    if not (signals or isinstance(record, Measurement)):
+        raise RecordError(
+            f"record {number} is a {type(record).__name__}; give the path of a file, a pandas DataFrame, or a mapping "
+            "of names to arrays"
+        )
+    stated = getattr(record, "attrs", {}).get("name") or getattr(record, "source", None)
+    name = own = visible(str(stated or f"record {number}"))
+    for count in itertools.count(2):
+        if name not in taken:
+            break
+        name = f"{own} ({count})"
+    rules = RecordMapping("mapping") if mapping is None else mapping_for("", mapping)
+    with _told(name) as said:
+        if isinstance(record, Measurement):
+            measurement = replace(record, source=name)
+        else:
+            measurement = read_signals(name, record, rules, largest)
+    label = visible(rules.level or name)
+    return MeasuredRecord(name, label, tuple(measurement), measurement, rules, tuple(said))
+
+
+def _of_file(path: Path, mapping: MappingLike, largest: int) -> MeasuredRecord:
+    rules = mapping_for(path, mapping)
+    label = visible(rules.level or path.name)
+    measurement: Measurement | None = None
+    with _told(str(path)) as said:
+        stated = _NUMBER * stated_numbers(path, rules, largest)
+        stored = sum(file.stat().st_size for file in parts_of(path, rules))
+        if max(stated, stored) > LARGE:
+            quantities = tuple(open_channels(path, rules, largest=largest))
+        else:
+            measurement = replace(read(path, rules, largest), source=str(path))
+            quantities = tuple(measurement)
+    files = _digests(path, mapping, rules)
+    return MeasuredRecord(
+        str(path), label, quantities, measurement, rules, tuple(said), files, largest
+    )
+
+
+@contextmanager
+def _told(name: str) -> Iterator[list[str]]:
+    """What readers find odd about a record, once each, without its name; filled when the block ends."""
+    said: list[str] = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", RecordWarning)
+        yield said
+    messages = (str(w.message) for w in caught if issubclass(w.category, RecordWarning))
+    said += dict.fromkeys(message.removeprefix(f"{name}: ") for message in messages)
+
+
+def _digests(path: Path, mapping: MappingLike, rules: RecordMapping) -> dict[str, Any]:
+    """The SHA-256 digest of a record's file, of the file that names its channels, and of others that hold some."""
+    file = mapping_file(path, mapping)
+    others = [part for part in parts_of(path, rules) if part != path]
+    more = [{"file": str(part), "sha256": sha256(part)} for part in others]
+    return ({"others": more} if more else {}) | {
+        "sha256": sha256(path),
+        "mapping": None if file is None else {"file": str(file), "sha256": sha256(file)},
+    }

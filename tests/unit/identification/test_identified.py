@@ -1,0 +1,255 @@
+"""The interface for records: the same result from files, tables and arrays, of both kinds, whole and consistent."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import dampbalance
+from dampbalance import (
+    BaseMotion,
+    Oscillator,
+    RecordError,
+    identify,
+    measured_orbit,
+    measured_ring_down,
+    read_records,
+    steady_orbit,
+)
+from dampbalance.identification.outputs import ALL_PICTURES, OUTPUTS, TABLES, pictures_of
+from folders import ROOT
+from paper_case import PAPER
+
+LEVELS = (0.004, 0.007, 0.010, 0.012)
+FILES = sorted((ROOT / "config/records/example").glob("level*.csv"))
+
+
+def made(**options):
+    """A record of each level, below resonance."""
+    return [
+        measured_orbit(
+            steady_orbit(PAPER, BaseMotion(Y=Y, omega=2.0 * math.pi * 3.5)),
+            rate_hz=1000.0, cycles=20.0, noise=0.01, seed=i, **options,
+        )
+        for i, Y in enumerate(LEVELS)
+    ]  # fmt: skip
+
+
+DECAYING = Oscillator(m=2.0, c=1.5, k=2310.0, K_z=208000.0, F_k=0.5)
+
+
+@pytest.fixture(scope="module")
+def steady():
+    return identify(made(), stiffness=PAPER.k, laws=True)
+
+
+@pytest.fixture(scope="module")
+def decay():
+    free = measured_ring_down(DECAYING, x=0.012, rate_hz=1000.0, duration=3.0, noise=0.005)
+    return identify(free, stiffness=DECAYING.k)
+
+
+BOTH = pytest.mark.parametrize("kind", ["steady", "decay"])
+
+
+@pytest.fixture
+def found(kind, request):
+    return request.getfixturevalue(kind)
+
+
+@pytest.fixture
+def truth(kind):
+    return PAPER if kind == "steady" else DECAYING
+
+
+@BOTH
+def test_the_truth_is_found(found, truth):
+    for symbol in ("F_k", "c", "K_z"):
+        true, (low, high) = getattr(truth, symbol), found.intervals[symbol]
+        error = found.standard_errors[symbol]
+        # four standard errors: chance leaves one of the six numbers outside in one seed of 2,600
+        assert abs(found.values[symbol] - true) < 4.0 * error
+        assert low < found.values[symbol] < high
+        assert high - low == pytest.approx(
+            3.92 * error, rel=0.1
+        )  # Student's t, and the root of K_z
+
+
+@BOTH
+def test_the_frame_holds_every_number_of_the_document(found):
+    frame, document = found.to_frame(), found.document()
+    assert set(frame["approach"]) == set(found.approaches)
+    for line in frame.itertuples():
+        told = document["approaches"].get(line.approach) or document["maximum_likelihood"]
+        key = next(k for k in told if k.startswith(line.symbol) and k.count("_error") == 0)
+        assert told[key] == pytest.approx(line.value, rel=1e-15)
+        assert told["verdicts"][line.symbol]["verdict"] == line.verdict
+    json.dumps(document, allow_nan=False)
+
+
+@BOTH
+def test_the_covariance_has_the_errors_on_its_diagonal_and_is_one(found):
+    for name, answer in found.approaches.items():
+        diagonal = np.sqrt(np.diag(answer.covariance))
+        np.testing.assert_allclose(diagonal, list(answer.standard_errors.values()), rtol=1e-9)
+        known = answer.covariance[:2, :2]  # of F_k and c
+        assert np.array_equal(known, known.T), name
+        assert np.linalg.eigvalsh(known / np.outer(diagonal[:2], diagonal[:2])).min() > 0.0, name
+    assert list(found.covariance.columns) == ["F_k", "c", "K_z"]
+    assert found.covariance.loc["F_k", "c"] < 0.0  # what one takes of the work, the other lacks
+
+
+def test_K_z_goes_with_F_k(steady):
+    """K_z = 2F_k/L: where F_k is too large, K_z is, if all else is well known. Both answers agree on that."""
+    for name in ("direct", "maximum likelihood"):
+        answer = steady.approaches[name]
+        assert np.isfinite(answer.covariance).all(), name
+
+
+@BOTH
+def test_the_rows_are_those_that_were_solved(found):
+    rows, values = found.rows, found.values
+    left = rows["a_m"] * values["F_k"] + rows["b_m2_per_s"] * values["c"] - rows["W_J"]
+    np.testing.assert_allclose(left, rows["misfit_J"], atol=1e-14 * rows["W_J"].abs().max())
+    scaled = rows["misfit_J"] / rows["standard_error_J"]
+    assert (scaled.abs() < 5.0).all()  # within their noise
+    assert len(rows) == len(rows.index) >= 2
+
+
+def test_each_group_has_a_column_of_its_own(steady):
+    groups = {"F_k": ["A", "A", "B", "B"]}
+    grouped = identify(made(), PAPER.k, groups=groups, approaches=["direct"], replicates=20)
+    assert list(grouped.values) == ["F_k[A]", "F_k[B]", "c", "K_z"]
+    a = grouped.rows[["a_A_m", "a_B_m"]].sum(axis=1)
+    # of a friction force that is known otherwise, a part in 1e3 of the travel is
+    np.testing.assert_allclose(a, steady.rows["a_m"], rtol=1e-3)
+
+
+@BOTH
+def test_it_shows_itself_as_the_command_does(found):
+    text, html = repr(found), found._repr_html_()
+    assert text == found.text().rstrip("\n") == str(found)
+    for name, answer in found.approaches.items():
+        assert name in text
+        assert f'<th scope="row">{name}' in html
+        assert all(note.split(":")[0] in text for note in answer.notes)
+    assert html.count("<td>") == len(found.approaches) * (len(found.values) + 1)
+    cells = pd.read_html(html)[0] if importlib.util.find_spec("lxml") else None
+    assert cells is None or len(cells) == len(found.approaches)
+
+
+def test_a_name_is_no_markup():
+    frames = [record.to_frame() for record in read_records(made()[::3])]
+    frames[0]["spare_V"] = frames[0]["displacement_m"]
+    frames[0].attrs["name"] = "<script>&"
+    html = identify(frames, PAPER.k, approaches=["direct"], replicates=20)._repr_html_()
+    assert "<script>" not in html
+    assert "&lt;script&gt;" in html
+
+
+@BOTH
+def test_every_picture_can_be_drawn(found):
+    for name in found.figures:
+        assert found.plot(name).axes
+    assert found.plot().axes
+    with pytest.raises(ValueError, match="no figure 'loop'; there are"):
+        found.plot("loop")
+
+
+@BOTH
+def test_all_of_it_is_saved_and_nothing_is_replaced_unasked(found, tmp_path):
+    folder = tmp_path / "new" / "found"
+    files = found.save(folder)
+    assert sorted(files) == sorted(folder.iterdir())
+    assert {file.name for file in files} == {*TABLES, *pictures_of(found.figures)}
+    document = (folder / "identification.json").read_text(encoding="utf-8")
+    assert json.loads(document) == json.loads(json.dumps(found.document()))
+    assert (folder / "summary.txt").read_text(encoding="utf-8") == found.text()
+    with pytest.raises(ValueError, match=r"holds .* already"):
+        found.save(folder)
+    assert len(found.save(folder, figures=False, overwrite=True)) == len(TABLES)
+    assert not any((folder / name).exists() for name in ALL_PICTURES)
+
+
+def test_files_tables_and_arrays_give_the_same():
+    options = {"replicates": 20, "approaches": ["direct", "fourier"]}
+    records = read_records(FILES[:3])
+    frames = [record.to_frame() for record in records]
+    arrays = [
+        {"time_s": frame.index.to_numpy()} | {name: frame[name].to_numpy() for name in frame}
+        for frame in frames
+    ]
+    of_files, *others = (
+        identify(some, PAPER.k, **options) for some in (FILES[:3], records, frames, arrays)
+    )
+    for other in others:
+        assert other.values == of_files.values
+        assert other.document()["approaches"] == of_files.document()["approaches"]
+
+
+def test_the_mapping_and_the_options_reach_the_records(tmp_path):
+    named = [
+        {"t": one["displacement"].t, "in": one["base_displacement"].values, "out": 1e3 * one["displacement"].values}
+        for one in made()
+    ]  # fmt: skip
+    mapping = {
+        "channels": {
+            "base_displacement": {"channel": "in", "unit": "m"},
+            "displacement": {"channel": "out", "unit": "mm"},
+        },
+        "time": {"channel": "t", "unit": "s"},
+    }
+    options = {"replicates": 20, "approaches": ["direct"]}
+    options |= {"mapping": mapping, "frequency": 3.5}
+    whole, part = (identify(named, PAPER.k, skip_cycles=n, **options) for n in (0, 5))
+    cycles, fewer = ([r["cycles"] for r in one.document()["records"]] for one in (whole, part))
+    assert [n - 5 for n in cycles] == fewer
+    with pytest.raises(ValueError, match=r"record 1: the excitation oscillates"):
+        identify(named, PAPER.k, mapping=mapping, frequency=7.0)
+    with pytest.raises(RecordError, match="finds no excitation"):
+        identify(named, PAPER.k)
+
+
+@pytest.mark.parametrize(
+    ("records", "options", "message"),
+    [
+        ([], {}, "no records are given"),
+        (FILES[:1], {}, "need responses at two levels or more, got 1"),
+        ([FILES[0], FILES[0]], {}, "is named twice"),
+        (FILES[:2], {"stiffness": -1.0}, "stiffness"),
+        (FILES[:2], {"mass": 0.0}, "mass must be a positive"),
+        (FILES[:2], {"mass": 2.42e9}, "swings .* times in a cycle"),
+        (FILES[:2], {"approaches": ["X"]}, r"unknown approaches \['X'\]"),
+        (FILES[:2], {"kind": "ring-down"}, "moves: this is no free decay"),
+        (FILES[:2], {"kind": "free"}, "kind must be one of recognised, forced, ring-down"),
+        (FILES[:2], {"phase": "any"}, "phase"),
+        (FILES[:2], {"terms": ["F_k", "d"]}, "'?d'?"),
+    ],
+)
+def test_what_cannot_be_identified_is_refused_in_a_sentence(records, options, message):
+    with pytest.raises(ValueError, match=message):
+        identify(records, **{"stiffness": PAPER.k, **options})
+
+
+def test_the_examples_of_every_public_name_run():
+    tried = 0
+    for name in dampbalance.__all__:
+        one = getattr(dampbalance, name)
+        module = importlib.import_module(one.__module__)
+        for example in doctest.DocTestFinder(recurse=True).find(one, name, module=module):
+            if example.examples:
+                tried += 1
+                assert doctest.DocTestRunner().run(example).failed == 0, name
+    assert tried >= 2
+
+
+def test_OUTPUTS_are_those_of_steady_records():
+    assert set(OUTPUTS) <= {*TABLES, *ALL_PICTURES}
+    assert Path(OUTPUTS[0]).suffix == ".json"

@@ -1,0 +1,168 @@
+"""Records in memory are read as files are: the same numbers, the same errors."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from dampbalance import BaseMotion, RecordError, measured_orbit, read_records, steady_orbit
+from dampbalance.records.writers import write
+from paper_case import PAPER
+
+MOTION = BaseMotion(Y=0.004, omega=2.0 * math.pi * 3.5)
+MADE = measured_orbit(
+    steady_orbit(PAPER, MOTION),
+    rate_hz=1000.0,
+    cycles=4.0,
+    noise=0.01,
+    channels=("base_displacement", "acceleration"),
+)
+T, Y, A = MADE["acceleration"].t, MADE["base_displacement"].values, MADE["acceleration"].values
+ARRAYS = {"time_s": T, "base_displacement_mm": 1e3 * Y, "acceleration_g": A / 9.80665}
+
+
+def same(record, exact=0.0):
+    """Whether a record holds the signals made: to rounding of a change of units, unless exact."""
+    measurement = record.measurement
+    assert record.quantities == ("base_displacement", "acceleration")
+    for quantity, values in (("base_displacement", Y), ("acceleration", A)):
+        np.testing.assert_allclose(measurement[quantity].values, values, rtol=1e-15, atol=0.0)
+        np.testing.assert_allclose(measurement[quantity].t - T, 0.0, atol=exact)
+    return True
+
+
+FRAMES = {
+    "arrays": ARRAYS,
+    "frame": pd.DataFrame(ARRAYS),
+    "index": pd.DataFrame(ARRAYS).set_index("time_s"),
+    "rate": {k: v for k, v in ARRAYS.items() if k != "time_s"} | {"sample_rate_hz": 1000.0},
+    "series": {name: pd.Series(values) for name, values in ARRAYS.items()},
+    "measurement": MADE,
+}
+
+
+@pytest.mark.parametrize("form", FRAMES)
+def test_signals_in_memory_are_those_of_a_file(form, tmp_path):
+    assert same(read_records(FRAMES[form])[0], exact=1e-15)
+    write(tmp_path / "run.parquet", MADE)
+    assert same(read_records(tmp_path / "run.parquet")[0], exact=1e-15)
+
+
+def test_points_in_time_are_seconds_from_the_first():
+    zones = pd.to_datetime("2026-03-29T01:59:59+01:00") + pd.to_timedelta(T, unit="s")
+    for stamps in (zones, zones.tz_convert(None), pd.to_timedelta(T, unit="s")):
+        frame = pd.DataFrame(ARRAYS | {"time_s": 0.0}, index=stamps).drop(columns="time_s")
+        assert same(read_records(frame.rename_axis("time"))[0], exact=1e-9)  # stamps are in ns
+
+
+def test_a_mapping_says_what_names_do_not():
+    raw = {"t": T, "laser": 1e3 * Y, "sensor": -A}
+    mapping = {
+        "channels": {
+            "base_displacement": {"channel": "laser", "unit": "mm"},
+            "acceleration": {"channel": "sensor", "unit": "m/s²", "sign": -1},
+        },
+        "time": {"channel": "t", "unit": "s"},
+        "frequency_hz": 3.5,
+        "level": "4 mm",
+    }
+    (record,) = read_records(raw, mapping=mapping)
+    assert same(record)
+    assert (record.label, record.rules.frequency_hz) == ("4 mm", 3.5)
+
+
+def test_what_the_caller_does_later_to_an_array_changes_no_record():
+    own = {name: values.copy() for name, values in ARRAYS.items()} | {
+        "base_displacement_m": Y.copy()
+    }
+    del own["base_displacement_mm"]
+    (record,) = read_records(own)
+    own["base_displacement_m"][:] = 0.0
+    assert same(record)
+
+
+def test_names_tell_records_apart():
+    named = pd.DataFrame(ARRAYS)
+    named.attrs["name"] = "4 mm"
+    read = read_records([named, ARRAYS, named, MADE, MADE])
+    assert [record.name for record in read] == [
+        "4 mm",
+        "record 2",
+        "4 mm (2)",
+        "simulated, Y = 0.004 m",
+        "simulated, Y = 0.004 m (2)",
+    ]
+    assert read_records(read) == read
+
+
+def test_a_record_goes_back_to_a_table():
+    frame = read_records(ARRAYS)[0].to_frame()
+    assert list(frame.columns) == ["base_displacement_m", "acceleration_m_per_s2"]
+    assert frame.index.name == "time_s"
+    assert same(read_records(frame)[0], exact=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"acceleration_g": None}, "record 1: finds no response"),
+        ({"acceleration_g": np.where(T[7] == T, np.nan, A)}, "record 1: sample 8: .*acceleration"),
+        (
+            {"acceleration_g": np.ones(T.size)},
+            "record 1: .*acceleration.* constant|does not change",
+        ),
+        ({"acceleration_g": A[:-3]}, "has .* samples"),
+        ({"acceleration_g": np.stack([A, A])}, r"'acceleration_g' has the shape \(2, "),
+        ({"acceleration_g": A + 1j}, "'acceleration_g' holds complex numbers"),
+        ({"acceleration_g": ["1.0"] * T.size}, "'acceleration_g' holds texts"),
+        ({"acceleration_g": [{}] * T.size}, "'acceleration_g' holds what are not numbers"),
+        ({"acceleration_g": 9.81}, "'acceleration_g' is a single value"),
+        ({"acceleration_g": None, "acceleration_kg": A}, "'?acceleration'?.*kg"),
+        (
+            {"acceleration_g": None, "acceleration": A},
+            "has no unit. Give it in mapping, for example",
+        ),
+        ({"time_s": [*np.delete(T, 5).tolist(), 9.0]}, "has a gap"),
+        ({"time_s": None}, "write time: .* into mapping"),
+    ],
+)
+def test_what_is_wrong_is_said_as_of_a_file(change, message):
+    given = {name: values for name, values in (ARRAYS | change).items() if values is not None}
+    with pytest.raises(RecordError, match=message):
+        read_records(given)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ([3.0], "record 1 is a float; give the path"),
+        ([ARRAYS, np.zeros((9, 3))], "record 2 is a ndarray"),
+        (pd.DataFrame(np.zeros((4, 2)), columns=["x", "x"]), "two columns 'x'"),
+        ("nowhere.csv", "nowhere.csv"),
+    ],
+)
+def test_what_is_no_record_is_refused(wrong, message):
+    with pytest.raises(RecordError, match=message):
+        read_records(wrong)
+
+
+def test_it_shows_what_it_holds(tmp_path):
+    assert repr(read_records(ARRAYS)[0]) == (
+        "<record record 1: base_displacement and acceleration; 1,143 samples from 0 s to 1.142 s at 1000 Hz>"
+    )
+    path = tmp_path / "run.csv"
+    pd.DataFrame(ARRAYS | {"other_V": A}).to_csv(path, index=False)
+    assert "channels not used: 'other" in repr(read_records(path)[0])
+
+
+def test_a_file_too_large_for_memory_says_so(tmp_path, monkeypatch):
+    write(tmp_path / "run.h5", MADE)
+    monkeypatch.setattr("dampbalance.records.measured.LARGE", 100)
+    (record,) = read_records(tmp_path / "run.h5")
+    assert record.measurement is None
+    assert repr(record).endswith("read when it is identified>")
+    with pytest.raises(RecordError, match=r"run\.h5: is larger than"):
+        record.to_frame()
