@@ -73,7 +73,7 @@ def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]
         "schema": lambda path: keys.tables(keys.keys(read_yaml(root / path), _REGISTRIES)),
         "gallery": lambda: gallery(root),
         "terms": KNOWN_TERMS.values(),
-        "public": dampbalance.__all__,
+        "public": names.by_room(dampbalance.__all__, PACKAGE),
         "documented": names.directives,
         "others": lambda naming: names.others([equations, naming], PACKAGE),
     }

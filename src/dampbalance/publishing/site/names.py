@@ -18,6 +18,30 @@ def directives(names: Iterable[str], module: str) -> str:
     return "\n".join(["```{eval-rst}", *blocks, "```", ""])
 
 
+def by_room(names: Iterable[str], package: str) -> list[tuple[str, str, list[str]]]:
+    """The names that a package hands on by the room that they come from: (room, what it is for, its names), in the order
+    of the alphabet; of a room, first the functions.
+
+    A room is a module or a folder at the root of the package.
+    """
+    found: dict[str, list[str]] = {}
+    for name in names:
+        room = getattr(import_module(package), name).__module__.split(".")[1]
+        found.setdefault(room, []).append(name)
+    return [
+        (room, _first_sentence(import_module(f"{package}.{room}")), sorted(found[room], key=_order))
+        for room in sorted(found)
+    ]
+
+
+def _order(name: str) -> tuple[bool, str]:
+    return name[0].isupper(), name
+
+
+def _first_sentence(module: Any) -> str:
+    return " ".join((inspect.getdoc(module) or "").split("\n\n")[0].split())
+
+
 def directive(name: str) -> str:
     """The directive that documents a name, by its full path."""
     found = resolved(name)[1]
