@@ -39,6 +39,8 @@ autodoc_typehints_format = "short"
 autodoc_class_signature = "mixed"
 autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "Codes", "Complexes", "Mask")}
 python_use_unqualified_type_names = True
+python_maximum_signature_line_length = 80
+smartquotes = False  # what stands in quotes is mostly typed
 toc_object_entries_show_parents = "hide"
 nitpick_ignore_regex = [("py:.*", ".*")]
 

@@ -81,17 +81,21 @@ def _displayed_formula(translator: HTML5Translator, node: nodes.math_block) -> N
 
 
 def _link_names(app: Sphinx, tree: nodes.document, page: str) -> None:
-    """A code span that is the name of something documented leads to it, with or without the name of the package."""
+    """A code span that names something documented leads to it, by its path in the package or, if that is the only one,
+    by its name."""
     known = app.env.domains["py"].objects
+    by_name: dict[str, set[str]] = {}
+    for path, place in known.items():
+        if place.objtype in ("function", "class", "data", "exception"):
+            by_name.setdefault(path.rpartition(".")[2], set()).add(path)
     for literal in list(tree.findall(nodes.literal)):
         text = literal.astext().removesuffix("()")
-        name = next((n for n in (text, f"{PACKAGE}.{text}") if n in known), None)
-        if name is None or _within(literal, (nodes.reference, nodes.title, nodes.term)):
+        alike = by_name.get(text, set())
+        paths = [text, f"{PACKAGE}.{text}", *(alike if len(alike) == 1 else ())]
+        found = next((known[path] for path in paths if path in known), None)
+        if found is None or _within(literal, (nodes.reference, nodes.title, nodes.term)):
             continue
-        place = known[name]
-        if place.docname == page:
-            continue
-        link = make_refnode(app.builder, page, place.docname, place.node_id, literal.deepcopy())
+        link = make_refnode(app.builder, page, found.docname, found.node_id, literal.deepcopy())
         literal.replace_self(link)
 
 

@@ -19,8 +19,9 @@ def directives(names: Iterable[str], module: str) -> str:
 
 
 def by_room(names: Iterable[str], package: str) -> list[tuple[str, str, list[str]]]:
-    """The names that a package hands on by the room that they come from: (room, what it is for, its names), in the order
-    of the alphabet; of a room, first the functions.
+    """The names that a package hands on by the room that they come from: (room, what it is for, its names).
+
+    Rooms in the order of the alphabet; of a room, first the functions.
 
     A room is a module or a folder at the root of the package.
     """
