@@ -29,7 +29,7 @@ SOURCE = "paper/site"
 EQUATIONS = "paper/equations.md"
 PACKAGE = "dampbalance"
 _REGISTRIES = {"approach": list(APPROACHES), "term": list(KNOWN_TERMS)}
-_NOT_OF_THE_SITE = (".buildinfo", ".doctrees", ".buildinfo.bak")
+_NOT_OF_THE_SITE = (".buildinfo", "_sources")
 
 
 def build(root: str | Path, target: str | Path, parser: argparse.ArgumentParser) -> None:

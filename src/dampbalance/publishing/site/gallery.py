@@ -10,6 +10,9 @@ from ...project.wording import in_markdown
 
 STUDIES, RESULTS = "config/studies", "results/studies"
 
+_FIGURE_OR_TABLE = re.compile(r"^(?:!\[|\||Size of the relative error)", re.MULTILINE)
+_VARIED = re.compile(r"(?<= cases; varied: )[\w, ]+")
+
 
 def gallery(root: str | Path) -> str:
     """All studies of a project as sections of Markdown, in the order of their files."""
@@ -35,8 +38,7 @@ def _entry(root: Path, file: Path) -> str:
 
 
 def _shown(summary: str) -> str:
-    """The paragraphs of a summary between its title and its figure, or its table."""
+    """The paragraphs of a summary between its title and its figure, or its table; names of axes as code."""
     body = summary.split("\n", 1)[1]
-    return re.split(
-        r"^(?:!\[|\||Size of the relative error)", body, maxsplit=1, flags=re.MULTILINE
-    )[0].strip()
+    before = _FIGURE_OR_TABLE.split(body, maxsplit=1)[0].strip()
+    return _VARIED.sub(lambda line: re.sub(r"\w+", r"`\g<0>`", line[0]), before)

@@ -103,6 +103,7 @@ class Pages:
         """
         found = self._sections(path)
         if not title:
+            self.placed.parts[path, ""] = (page, "")
             return texts.written([texts.Section(0, "", found[0].body)])
         try:
             first, *others = texts.with_inner(found, title)
