@@ -21,6 +21,7 @@ import dampbalance
 from ...balance import APPROACHES
 from ...law.terms import KNOWN_TERMS
 from ...project.documents import read_yaml
+from ...project.files import UNFINISHED
 from . import keys, names, options
 from .gallery import gallery
 from .pages import EXTRA, Pages, SiteError
@@ -29,7 +30,6 @@ SOURCE = "paper/site"
 EQUATIONS = "paper/equations.md"
 PACKAGE = "dampbalance"
 _REGISTRIES = {"approach": list(APPROACHES), "term": list(KNOWN_TERMS)}
-_NOT_OF_THE_SITE = (".buildinfo", "_sources")
 
 
 def build(root: str | Path, target: str | Path, parser: argparse.ArgumentParser) -> None:
@@ -44,11 +44,8 @@ def build(root: str | Path, target: str | Path, parser: argparse.ArgumentParser)
         stage, made = Path(folder, "pages"), Path(folder, "made")
         write_pages(root, stage, parser)
         _run_sphinx(stage, made, Path(folder, "trees"))
-        for name in _NOT_OF_THE_SITE:
-            path = made / name
-            shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink(
-                missing_ok=True
-            )
+        (made / ".buildinfo").unlink()  # for the next run of Sphinx in this folder: there is none
+        (made / "_sources").rmdir()
         _put(made, target)
 
 
@@ -111,7 +108,7 @@ def _run_sphinx(stage: Path, made: Path, trees: Path) -> None:
 def _put(made: Path, target: Path) -> None:
     """Put a folder in the place of another; what was there goes only when all is ready."""
     target.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".~site-") as folder:
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=f"{UNFINISHED}site-") as folder:
         ready = Path(folder, "ready")
         shutil.copytree(made, ready)
         if target.exists():
