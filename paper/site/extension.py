@@ -31,6 +31,10 @@ _AS_IT_IS = (
 
 _LONG_TYPE = re.compile(r"TypeAliasForwardRef\('(\w+)'\)|~(?:\w+\.)+")
 
+_SIGNATURE = re.compile(r'<dt class="sig\b.*?</dt>', re.DOTALL)
+_EMPTY_HEAD = re.compile(r'<th class="head[^"]*">(?:<p></p>)?</th>')
+_PART = re.compile(r"<(/?)(d[ld])>")
+
 
 class Symbol(nodes.Inline, nodes.TextElement):
     """A symbol with its index, such as F_k: searched as it is typed, shown as it is printed."""
@@ -45,6 +49,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_node(Symbol, html=(_symbol, None))
     app.connect("doctree-resolved", _link_names)
     app.connect("doctree-resolved", _set_symbols)
+    app.connect("html-page-context", _for_all_readers)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
 
 
@@ -117,6 +122,20 @@ def _set_symbols(app: Sphinx, tree: nodes.document, page: str) -> None:
 def _symbol(translator: HTML5Translator, node: Symbol) -> None:
     translator.body.append(str(rich(node.astext())))
     raise nodes.SkipNode
+
+
+def _for_all_readers(
+    app: Sphinx, page: str, template: str, context: dict[str, Any], tree: nodes.document | None
+) -> None:
+    """A page without what readers of a screen stumble over: lists without terms, which Sphinx makes of the arguments of a
+    long signature, and heads of columns without words."""
+    if "body" in context:
+        body = _SIGNATURE.sub(lambda signature: _PART.sub(_span, signature[0]), context["body"])
+        context["body"] = _EMPTY_HEAD.sub("<td></td>", body)
+
+
+def _span(tag: re.Match[str]) -> str:
+    return "</span>" if tag[1] else f'<span class="{tag[2]}">'
 
 
 def _within(node: nodes.Node, kinds: tuple[type[nodes.Node], ...]) -> bool:
