@@ -474,30 +474,31 @@ figure.tight_layout()
 # ## From records
 #
 # At a bench nobody hands you an orbit. You have sampled signals with noise, and want to know how sure the answer is.
-# Record the same five levels below resonance: base and mass at 1 kHz, twenty cycles, one per cent of noise.
+# Record the same five levels below resonance.
 
 # %%
 from dampbalance import identify, measured_orbit
 
-records = [
-    measured_orbit(
-        steady_orbit(oscillator, motion(Y, BELOW)), rate_hz=1000.0, cycles=20.0, noise=0.01, seed=i
-    )
-    for i, Y in enumerate(LEVELS)
-]
-measured = identify(records, stiffness=oscillator.k)
+
+def record(Y, seed):
+    """Base and mass at 1 kHz for twenty cycles, with one per cent of noise."""
+    orbit = steady_orbit(oscillator, motion(Y, BELOW))
+    return measured_orbit(orbit, rate_hz=1000.0, cycles=20.0, noise=0.01, seed=seed)
+
+
+measured = identify([record(Y, i) for i, Y in enumerate(LEVELS)], stiffness=oscillator.k)
 measured
 
 # %% [markdown]
-# Beside the three harmonic approaches stands what you have just seen: the shape of motion that they assume does not hold
-# here. Their intervals are narrow all the same, for an interval knows of noise alone. The last line is one oscillator
-# fitted to all records, the yardstick.
+# Below the table stands what you have just seen: the shape of motion that the three harmonic approaches assume does
+# not hold here. Their intervals are narrow all the same, for an interval knows of noise alone. The last line is one
+# oscillator fitted to all records, the yardstick.
 #
 # What you need to go on is in `measured`: `values`, `intervals`, `covariance`, the `rows` of the balance,
 # `to_frame()` for all approaches. `identify` takes your files as well, in any format, or tables of pandas, or arrays:
 # `identify(["level1.csv", "level2.csv"], stiffness=2310)`. Here are the rows, and what they leave:
 
-# %% alt="Rows of the balance on a straight line of slope F_k; their residuals, over their standard deviation, by approach."
+# %% alt="Rows of the balance on a straight line of slope F_k; what each leaves, over its standard deviation."
 measured.plot("balance")
 
 # %% [markdown]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import html
 import importlib
 import os
 import re
@@ -304,8 +305,19 @@ def test_formulas_are_mathml_and_pictures_are_described(page, executed):
         if any("image/svg+xml" in o.get("data", {}) for o in cell.get("outputs", []))
     ]
     assert links.alt == [cell.metadata.alt for cell in pictures]
-    assert len(pictures) == 5
+    assert len(pictures) == 6
     assert links.tags.count("details") == 5
+
+
+@pytest.mark.slow
+def test_what_is_said_beside_a_table_is_shown(page):
+    """An identification says what it is made of and what limits it, around its table."""
+    text = html.unescape(re.sub(r"<[^>]+>", "", page))
+    assert (
+        "5 records at 3.5\N{NO-BREAK SPACE}Hz; values with 95\N{NO-BREAK SPACE}% intervals" in text
+    )
+    assert "<ul><li>* <i>X</i><sub>s</sub>, <i>t</i><sub>s</sub> and" in page
+    assert "<style" not in page.split("<body", 1)[1]
 
 
 @pytest.mark.slow
@@ -338,7 +350,7 @@ def test_a_browser_without_network_shows_it(page, tmp_path, browser, width, sche
     assert complaints == []
     assert seen["wide"] <= width  # nothing has to be pushed sideways but tables, figures, equations
     assert seen["formula"] > 10
-    assert seen["pictures"] == [True] * 5
+    assert seen["pictures"] == [True] * 6
     assert seen["open"] == 0
     assert seen["pushed"] == 0
     assert (seen["paper"] == "rgb(255, 255, 255)") == (scheme == "light")

@@ -147,6 +147,19 @@ def identify(
     return _of_decays(read, options)
 
 
+_CONFIGURED = {"stiffness_N_per_m": "stiffness", "mass_kg": "mass", "frequency_hz": "frequency"}
+_OF_THE_WORKFLOW = ("name", "records")
+
+
+def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments of `identify` that a set of records in a configuration states, but for the records."""
+    return {
+        _CONFIGURED.get(key, key): value
+        for key, value in settings.items()
+        if value is not None and key not in _OF_THE_WORKFLOW
+    }
+
+
 @interpreted(calls=_QUICK)  # whatever was compiled before: the last bits may differ
 def _of_steady(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]

@@ -169,11 +169,14 @@ def _shown(output: NotebookNode, cell: NotebookNode) -> str:
         image = f'<img alt="{html.escape(alt)}" src="{source}">'
         return f'<figure tabindex="0" aria-label="Picture">{image}</figure>'
     if "text/html" in data:
-        table = _plain_table(data["text/html"])
+        before, start, rest = data["text/html"].partition("<table")
+        table, end, after = rest.partition("</table>")
+        plain = _plain_table(start + table + end)
         region = (
-            f'<div class="table" tabindex="0" role="region" aria-label="Table">\n{table}\n</div>'
+            f'<div class="table" tabindex="0" role="region" aria-label="Table">\n{plain}\n</div>'
         )
-        return f"```{{=html}}\n{region}\n```"  # as it is: pandoc would read Markdown into its cells
+        parts = "\n".join([*_sentences(before), region, *_sentences(after)])
+        return f"```{{=html}}\n{parts}\n```"  # as it is: pandoc would read Markdown into its cells
     return f"```{{.output}}\n{data['text/plain'].rstrip()}\n```"
 
 
@@ -198,6 +201,16 @@ def _plain_table(table: str) -> str:
         of_row = f'<th scope="row">{_set(label)}</th>'
         lines.append(_row([of_row, *(f"<td>{_set(value)}</td>" for _, value in values)]))
     return "\n".join([*lines, "</tbody>", "</table>"])
+
+
+def _sentences(part: str) -> list[str]:
+    """What is said beside a table: its paragraphs and lists, symbols set."""
+    found = []
+    for tag, inner in re.findall(r"<(p|ul)>(.*?)</\1>", part, re.DOTALL):
+        items = re.findall(r"<li>(.*?)</li>", inner, re.DOTALL)
+        text = "".join(f"<li>{_set(item)}</li>" for item in items) if tag == "ul" else _set(inner)
+        found.append(f"<{tag}>{text}</{tag}>")
+    return found
 
 
 def _cells(rows: str) -> list[list[tuple[int, str]]]:

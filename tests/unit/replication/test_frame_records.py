@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from dampbalance import identify
+from dampbalance.identification.measured import configured, identify
 from dampbalance.project.files import sha256
 from dampbalance.publishing.frame import frame_page
 from dampbalance.replication.frame.findings import Findings, findings
@@ -32,9 +32,7 @@ def measured() -> dict:
 
 @cache
 def found() -> Findings:
-    given = {k: v for k, v in measured().items() if k not in ("name", "records")}
-    k, mass = given.pop("stiffness_N_per_m"), given.pop("mass_kg")
-    identified = identify(FILES, k, mass=mass, **given).document()
+    identified = identify(FILES, **configured(measured())).document()
     return findings(FILES, measured(), CONFIG["frame"], identified)
 
 

@@ -2,18 +2,14 @@
 
 import sys
 
-from dampbalance.identification.measured import identify
+from dampbalance.identification.measured import configured, identify
 from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
     brief_troubles()
-    given = {key: value for key, value in snakemake.params.settings.items() if value is not None}
-    for of_the_workflow in ("name", "records"):
-        given.pop(of_the_workflow, None)
-    quantities = {"stiffness_N_per_m": "stiffness", "mass_kg": "mass", "frequency_hz": "frequency"}
-    given = {quantities.get(key, key): value for key, value in given.items()}
+    p = snakemake.params
     try:
-        found = identify(list(snakemake.input.records), kind="forced", **given)
+        found = identify(list(snakemake.input.records), kind="forced", **configured(p.settings))
     except ValueError as error:
         sys.exit(f"error: {error}")
-    found.save(snakemake.params.folder, overwrite=True)
+    found.save(p.folder, overwrite=True)
