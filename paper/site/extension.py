@@ -127,8 +127,8 @@ def _symbol(translator: HTML5Translator, node: Symbol) -> None:
 def _for_all_readers(
     app: Sphinx, page: str, template: str, context: dict[str, Any], tree: nodes.document | None
 ) -> None:
-    """A page without what readers of a screen stumble over: lists without terms, which Sphinx makes of the arguments of a
-    long signature, and heads of columns without words."""
+    """A page without what a screen reader stumbles over: lists without terms, which Sphinx makes of the arguments
+    of a long signature, and heads of columns without words."""
     if "body" in context:
         body = _SIGNATURE.sub(lambda signature: _PART.sub(_span, signature[0]), context["body"])
         context["body"] = _EMPTY_HEAD.sub("<td></td>", body)
