@@ -86,17 +86,12 @@ def _displayed_formula(translator: HTML5Translator, node: nodes.math_block) -> N
 
 
 def _link_names(app: Sphinx, tree: nodes.document, page: str) -> None:
-    """A code span that names something documented leads to it, by its path in the package or, if that is the only one,
-    by its name."""
+    """A code span that names something documented leads to it: by its path in the package, a registry by its name."""
     known = app.env.domains["py"].objects
-    by_name: dict[str, set[str]] = {}
-    for path, place in known.items():
-        if place.objtype in ("function", "class", "data", "exception"):
-            by_name.setdefault(path.rpartition(".")[2], set()).add(path)
+    registries = {path.rpartition(".")[2]: path for path in known if known[path].objtype == "data"}
     for literal in list(tree.findall(nodes.literal)):
         text = literal.astext().removesuffix("()")
-        alike = by_name.get(text, set())
-        paths = [text, f"{PACKAGE}.{text}", *(alike if len(alike) == 1 else ())]
+        paths = (text, f"{PACKAGE}.{text}", registries.get(text))
         found = next((known[path] for path in paths if path in known), None)
         if found is None or _within(literal, (nodes.reference, nodes.title, nodes.term)):
             continue
