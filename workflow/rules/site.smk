@@ -22,7 +22,7 @@ rule site:
         studies=expand(rules.study_summary.output, study=STUDIES),  # and so their figures
         paper=(
             [rules.page.output.page, rules.article.output.pdf, rules.notebook.output.html]
-            if CASE.name == "paper" and config["published"]
+            if config["published"] and CASE.name == "paper"
             else []
         ),
     output:
