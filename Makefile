@@ -8,6 +8,9 @@ CONFIG ?=
 VENV := .venv
 # As in an activated environment: what is started from here finds the same Python.
 RUN := PATH="$(CURDIR)/$(VENV)/bin:$$PATH" python -m
+VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
+# What `make archive` packs; of another case it is dampbalance-<version>-<case>.tar.gz.
+ARCHIVE ?= results/archive/dampbalance-$(VERSION).tar.gz
 SNAKEMAKE := PATH="$(CURDIR)/$(VENV)/bin:$$PATH" exec python workflow/run.py --cores $(CORES) $(addprefix --configfile=,$(CONFIG))
 PIP_INSTALL := $(RUN) pip install --disable-pip-version-check --no-compile
 
@@ -30,7 +33,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check docs archive bench peers mutants blind format lock clean distclean help stale
+.PHONY: all setup test lint unit check docs archive wheels verify bench peers mutants blind format lock clean distclean help stale
 
 all: setup ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
@@ -58,6 +61,18 @@ docs: setup ## Build the site of documentation, with all studies, into results/s
 
 archive: setup ## Pack sources, results and digests for keeping, into results/archive/
 	@$(SNAKEMAKE) archive
+
+wheels: setup ## Fetch the locked packages for this Python and system, to be kept beside the archive
+	@$(RUN) pip download --disable-pip-version-check --no-build-isolation --no-deps --require-hashes \
+	    --requirement requirements-build.lock --requirement requirements.lock --dest results/archive/wheels
+
+# With the packages of `make wheels` it needs no network: PIP_NO_INDEX=1 PIP_FIND_LINKS=$PWD/results/archive/wheels make verify
+verify: archive ## Unpack the archive elsewhere, build everything anew there from it alone, and compare (choose with ARCHIVE=…)
+	@top=$$(mktemp -d) && trap 'rm -rf "$$top"' EXIT && tar -xzf "$(ARCHIVE)" -C "$$top" && cd "$$top"/dampbalance-* \
+	    && make --no-print-directory setup clean all \
+	    && { sha256sum --check --quiet SHA256SUMS >"$$top/different" 2>/dev/null || true; } \
+	    && ! grep -v '/manifest.json: FAILED$$' "$$top/different" \
+	    && echo "$$(wc -l <SHA256SUMS) files of the archive, and its results rebuilt: the same bytes, except the manifest."
 
 bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and scipy (choose with BENCH_ARGS="peers")
 	@cd tests && $(BENCH_RUN) benchmarks --output ../results/benchmarks $(BENCH_ARGS)

@@ -8,13 +8,26 @@ snakemake --cores all tables     one kind of result: orbits, records, features, 
 """
 
 import sys
+from os.path import relpath
+from pathlib import Path
 
+from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
 min_version("9.0")
 
+# Of this file. On disk: schemas and sources are read as files, also by another workflow that uses this one as a module.
+ROOT = Path(str(workflow.current_basedir)).resolve()
+if not ROOT.is_dir():
+    raise WorkflowError(
+        f"{workflow.current_basedir} is no folder on this machine: clone the project, and name the Snakefile of the clone."
+    )
 
-configfile: "config/config.yaml"
+# Of a workflow that uses this one as a module: what it builds by default.
+FIRST_RULE = workflow.default_target
+
+
+configfile: relpath(ROOT / "config/config.yaml")
 
 
 report: "workflow/report/workflow.rst"
@@ -34,6 +47,7 @@ include: "workflow/rules/article.smk"
 include: "workflow/rules/page.smk"
 include: "workflow/rules/notebook.smk"
 include: "workflow/rules/site.smk"
+include: "workflow/rules/codecheck.smk"
 include: "workflow/rules/provenance.smk"
 
 
@@ -63,7 +77,7 @@ onerror:
 
 
 rule all:
-    default_target: True
+    default_target: FIRST_RULE is None
     input:
         # What others are made of is asked for as well: a job that fails removes its results, and Snakemake misses them only
         # when they are asked for by themselves.
@@ -74,6 +88,7 @@ rule all:
         [*rules.claims.output, *rules.check.output] if config["published"] else [],
         rules.article.output if config["published"] else [],
         [*rules.match.output, *rules.notebook.output] if config["published"] else [],
+        rules.codecheck.output if CODECHECKED else [],
         [*rules.page.output, *rules.manifest.output, *rules.crate.output] if not MEASURED else [],
         [*rules.measured.output, *expand(rules.identify.output, set=MEASURED)] if MEASURED else [],
         [*FRAME_FILES.values()],

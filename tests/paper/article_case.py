@@ -84,7 +84,7 @@ class Project:
 
     def typeset(self, output: str = f"{RESULTS}/article.pdf") -> None:
         """The rule `article`."""
-        params = SimpleNamespace(source="paper/article/article.typ", inputs=INPUTS)
+        params = SimpleNamespace(folder="paper/article", results="results", inputs=INPUTS)
         self.run("article", None, params, {"pdf": output})
 
 
@@ -176,7 +176,11 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
     project.run(
         "article_studies",
         SimpleNamespace(cases=cases, files=files),
-        SimpleNamespace(studies=OF_ARTICLE),
+        SimpleNamespace(
+            studies=OF_ARTICLE,
+            schema="workflow/schemas/study.schema.yaml",
+            base="config/config.yaml",
+        ),
         {"json": f"{article}/studies.json"},
     )
     packages = ["dampbalance", "numpy", "typst"]
@@ -189,7 +193,9 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
     project.run(
         "article_values",
         None,
-        SimpleNamespace(rules=RULES, folder=RESULTS, frequencies=list(CASE.frequencies_hz)),
+        SimpleNamespace(
+            rules=RULES, top=".", folder=RESULTS, frequencies=list(CASE.frequencies_hz)
+        ),
         {"json": f"{article}/values.json"},
     )
 

@@ -252,6 +252,12 @@ def reader(article) -> PdfReader:
     return PdfReader(article.pdf)
 
 
+def test_the_same_bytes_wherever_the_results_are_kept(article, tmp_path):
+    kept = shutil.copytree(article.folder / "results", tmp_path / "ours/results")
+    made = compiling.article(article.folder / "paper/article", kept, INPUTS)
+    assert made == article.pdf.read_bytes()
+
+
 def test_the_same_bytes_each_time(article):
     article.typeset("again.pdf")
     assert (article.folder / "again.pdf").read_bytes() == article.pdf.read_bytes()

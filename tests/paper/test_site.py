@@ -20,7 +20,7 @@ from paper.site_case import built, local, project, read_page
 
 pytestmark = pytest.mark.slow
 
-SPLIT = ("README.md", "CONTRIBUTING.md", "config/records/README.md")
+SPLIT = ("README.md", "CONTRIBUTING.md", "config/README.md", "config/records/README.md")
 """Texts that are shown section by section."""
 
 
@@ -184,7 +184,7 @@ def test_without_results_it_says_how_to_make_them(tmp_path):
             '{{ section("README.md", "No such section") }}',
             r"README.md has no section 'No such section'",
         ),
-        ('{{ text("config/README.md") }}', r"config/README.md is on .* already"),
+        ('{{ text("paper/equations.md") }}', r"paper/equations.md is on .* already"),
         ("[x](project:no/such/file.md)", r"a link leads to no/such/file.md"),
         ("{{ nothing }}", r"'nothing' is undefined"),
     ],

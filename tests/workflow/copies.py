@@ -19,14 +19,20 @@ SMALL = ("--configfile", "small.yaml")
 
 @dataclass(frozen=True)
 class Checkout:
-    """A copy of the sources; `run` starts Snakemake in it with the copy's own package."""
+    """A copy of the sources; `run` starts Snakemake in it with the copy's own package.
+
+    project : the copy whose package is used, where the folder is another one.
+    """
 
     folder: Path
+    project: Path | None = None
 
     def run(
         self, *arguments: str, cores: int = 2, compiled: bool = True
     ) -> subprocess.CompletedProcess[str]:
-        return snakemake(self.folder, "--cores", str(cores), *arguments, compiled=compiled)
+        return snakemake(
+            self.folder, "--cores", str(cores), *arguments, compiled=compiled, project=self.project
+        )
 
     def jobs(self, *arguments: str, compiled: bool = True) -> dict[str, int]:
         """How many jobs of each rule a run would start (a dry run)."""

@@ -66,4 +66,5 @@ def case_jobs(config: Mapping[str, Any], folder: Path, shown: bool = False) -> N
             output = {kind: folder / f"figures/{name}.{kind}" for kind in ("svg", "png")}
             run(f"figures/{name}.py", input={"orbits": orbits[0]}, output=output, **given)
         parts = {"orbits": orbits[0], "study_files": [], "study_cases": []}
+        given["params"]["page"] = f"{folder}/report.html"
         run("page/page.py", input=parts, output={"page": folder / "report.html"}, **given)

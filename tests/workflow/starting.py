@@ -16,26 +16,33 @@ SERVER.set_forkserver_preload(
 )
 
 
-def snakemake(folder: Path, *arguments: str, compiled: bool = True) -> subprocess.CompletedProcess:
-    """What `snakemake` with these arguments says in a folder whose package is in its `src`.
+def snakemake(
+    folder: Path, *arguments: str, compiled: bool = True, project: Path | None = None
+) -> subprocess.CompletedProcess:
+    """What `snakemake` with these arguments says in a folder.
 
     compiled : without it the kernels that Snakemake itself calls are interpreted, not compiled first.
+    project : the copy of the project whose package it uses, if that is not the folder.
     """
     with tempfile.TemporaryDirectory() as said:
-        process = SERVER.Process(target=_run, args=(folder, arguments, compiled, said))
+        process = SERVER.Process(
+            target=_run, args=(folder, project or folder, arguments, compiled, said)
+        )
         process.start()
         process.join()
         out, err = (Path(said, name).read_text(encoding="utf-8") for name in ("out", "err"))
     return subprocess.CompletedProcess(arguments, process.exitcode, out, err)
 
 
-def _run(folder: Path, arguments: tuple[str, ...], compiled: bool, said: str) -> None:
+def _run(
+    folder: Path, project: Path, arguments: tuple[str, ...], compiled: bool, said: str
+) -> None:
     for descriptor, name in ((1, "out"), (2, "err")):
         file = os.open(f"{said}/{name}", os.O_WRONLY | os.O_CREAT)
         os.dup2(file, descriptor)
     os.chdir(folder)
-    os.environ["PYTHONPATH"] = str(folder / "src")  # of the scripts
-    sys.path.insert(0, str(folder / "src"))
+    os.environ["PYTHONPATH"] = str(project / "src")  # of the scripts
+    sys.path.insert(0, str(project / "src"))
     sys.argv = ["snakemake", *arguments]
     from numba.core import config
     from snakemake.cli import main

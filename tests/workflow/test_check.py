@@ -6,7 +6,9 @@ import os
 import re
 
 import pytest
+import yaml
 
+from dampbalance.project.files import sha256
 from dampbalance.replication.verdicts import VERDICTS
 
 pytestmark = pytest.mark.slow
@@ -118,3 +120,27 @@ def test_a_case_without_printed_numbers_is_told_so(paper, override, expected):
     assert expected in done.stderr
     assert "published: null" in done.stderr or "use null" in done.stderr
     assert not (paper.folder / "results/mine").exists()
+
+
+# --- what a codechecker compares -----------------------------------------------------------------
+
+
+def test_the_report_for_a_codecheck_names_every_output_with_its_digest(paper):
+    report = "results/paper/codecheck/report.md"
+    done = paper.run(report)
+    assert done.returncode == 0, done.stderr
+    text = (paper.folder / report).read_text(encoding="utf-8")
+    configuration = yaml.safe_load((paper.folder / "codecheck.yml").read_text(encoding="utf-8"))
+    assert len(configuration["manifest"]) == 8
+    for item in configuration["manifest"]:
+        assert f"\n{sha256(paper.folder / item['file'])}  {item['file']}\n" in text, item
+    for link in re.findall(r"\]\((\.\.?/[^)]*)\)", text):
+        if not link.endswith("manifest.json"):  # made last, of everything
+            assert (paper.folder / report).parent.joinpath(link).is_file(), link
+
+
+def test_a_wrong_codecheck_file_is_refused_before_anything_runs(paper):
+    done = changed(paper, "codecheck.yml", r"file: results/paper/claims\.csv", "file: /claims.csv")
+    assert done.returncode != 0
+    assert re.search(r"codecheck\.yml: line \d+: manifest.*below its folder", done.stderr)
+    assert "Traceback" not in done.stdout + done.stderr

@@ -49,7 +49,7 @@ if config["published"]:
             json=f"{ARTICLE}/evidence.json",
         params:
             case=of_case("oscillator", "frequencies_hz", "pairs", "numerics"),
-            folder=RESULTS,
+            folder=placed(RESULTS),
         message:
             "Article: numbers to argue with"
         script:
@@ -58,11 +58,12 @@ if config["published"]:
     rule article_studies:
         input:
             cases=expand(rules.study_cases.output.cases, study=ARTICLE_STUDIES),
-            files=expand(str(STUDY_FOLDER / "{study}.yaml"), study=ARTICLE_STUDIES),
+            files=study_files(ARTICLE_STUDIES),
             modules=script_modules("article/article_studies.py"),
         output:
             json=f"{ARTICLE}/studies.json",
         params:
+            **STUDY_DEFAULTS,
             studies=ARTICLE_STUDIES,
         message:
             "Article: what the studies show"
@@ -71,8 +72,8 @@ if config["published"]:
 
     rule article_environment:
         input:
-            lock="requirements.lock",
-            citation="CITATION.cff",
+            lock=project_input("requirements.lock"),
+            citation=project_input("CITATION.cff"),
             modules=script_modules("article/article_environment.py"),
         output:
             json=f"{ARTICLE}/environment.json",
@@ -110,9 +111,9 @@ if config["published"]:
         *("article_evidence", "article_studies", "article_environment"),
     ]
     ARTICLE_SOURCES = {
-        file: maker
+        str(file).removeprefix(PREFIX): maker
         for maker in ARTICLE_MAKERS
-        for file in map(str, getattr(rules, maker).output)
+        for file in getattr(rules, maker).output
         if Path(file).name in ARTICLE_READS
     } | {
         f"{STUDY_RESULTS}/noise/summary.csv": "study_summary",
@@ -127,6 +128,7 @@ if config["published"]:
             json=f"{ARTICLE}/values.json",
         params:
             rules=ARTICLE_SOURCES,
+            top=PREFIX or ".",
             folder=RESULTS,
             frequencies=FREQUENCIES,
         message:
@@ -136,8 +138,10 @@ if config["published"]:
 
     rule article:
         input:
-            sources=sorted(str(file) for file in Path("paper/article").rglob("*.typ")),
-            references="paper/article/references.yml",
+            sources=[
+                project_input(file) for file in sorted((ROOT / "paper/article").rglob("*.typ"))
+            ],
+            references=project_input("paper/article/references.yml"),
             values=rules.article_values.output.json,
             figures=list(ARTICLE_FIGURES.values()),
             study_figures=expand(
@@ -153,7 +157,8 @@ if config["published"]:
                 labels={"result": "The article"},
             ),
         params:
-            source="paper/article/article.typ",
+            folder=project_file("paper/article"),
+            results=placed("results"),
             inputs={
                 "results": f"/{RESULTS}",
                 "studies": f"/{STUDY_RESULTS}",

@@ -3,7 +3,9 @@ import time
 
 from dampbalance.replication.claims import WORSE
 
-if config["published"] and workflow.is_main_process:
+PUBLISHED = named_file(config["published"]) if config["published"] else None
+
+if PUBLISHED and workflow.is_main_process:
     from dampbalance.replication.claims import (
         PRINTED_FREQUENCIES,
         PRINTED_LEVELS,
@@ -14,7 +16,7 @@ if config["published"] and workflow.is_main_process:
 
     where = f"{CONFIG_FILES[-1]}: published: {config['published']}"
     other = "use null for a case of your own, with nothing printed to compare with"
-    if not Path(config["published"], "verdicts.csv").is_file():
+    if not Path(PUBLISHED, "verdicts.csv").is_file():
         raise WorkflowError(
             f"{where} is not a folder with printed numbers and verdicts.csv; {other}."
         )
@@ -28,16 +30,16 @@ if config["published"] and workflow.is_main_process:
             f"{where} is compared with t_s as it was cut: as_published.tabulated.t_s_unit_s is needed; {other}."
         )
     try:
-        check_cells(read_published(Path(config["published"])))
-        read_record(Path(config["published"], "verdicts.csv"))
+        check_cells(read_published(Path(PUBLISHED)))
+        read_record(Path(PUBLISHED, "verdicts.csv"))
     except ValueError as error:
         raise WorkflowError(f"{where}: {error}.") from None
 
 
 def published_files(wildcards):
     """The printed numbers, without the verdicts on record, which only the check compares with."""
-    files = Path(config["published"]).glob("*.csv")
-    return sorted(str(file) for file in files if file.name != "verdicts.csv")
+    files = sorted(Path(PUBLISHED).glob("*.csv"))
+    return [unmoved(file) for file in files if file.name != "verdicts.csv"]
 
 
 rule claims:
@@ -57,15 +59,15 @@ rule claims:
         md=f"{RESULTS}/claims.md",
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
-        folder=RESULTS,
-        published=config["published"],
+        folder=placed(RESULTS),
+        published=PUBLISHED,
     message:
         "Verdicts on the printed numbers"
     script:
         "../scripts/claims/claims.py"
 
 
-SUMMARY = Path(RESULTS, "summary.txt")
+SUMMARY = Path(placed(RESULTS), "summary.txt")
 
 
 def compared_at():
@@ -86,11 +88,11 @@ def unless_held(wildcards):
 rule check:
     input:
         claims=rules.claims.output.csv,
-        recorded=f"{config['published']}/verdicts.csv",
+        recorded=unmoved(f"{PUBLISHED}/verdicts.csv"),
         modules=script_modules("claims/check.py"),
     output:
         summary=report(
-            str(SUMMARY),
+            f"{RESULTS}/summary.txt",
             caption="../report/summary.rst",
             category="Verdicts",
             labels={"result": "How many numbers earn which verdict"},

@@ -1,10 +1,14 @@
-# What all rules share: the checked configuration, names of results, and which modules a script depends on.
+# What all rules share: the project's files, the checked configuration, names of results, and which modules a script depends on.
+#
+# Results go below the folder in which the workflow runs; what the project brings along is taken from its own folder, ROOT. The
+# two differ under `snakemake --directory`, and when another workflow uses this one as a module (config/README.md).
+import copy
+import os
 from pathlib import Path
 
-from snakemake.exceptions import WorkflowError
+from snakemake.common.configfile import load_configfile
 from snakemake.logging import logger
-
-ROOT = Path(workflow.current_basedir).parent.parent
+from snakemake.utils import update_config
 
 try:
     from dampbalance.balance import APPROACHES
@@ -18,8 +22,45 @@ except ImportError as error:
         f"{error}: the environment lacks a package of this project. Run 'make', or activate .venv ('. .venv/bin/activate')."
     ) from None
 
+IS_MODULE = not workflow.modifier.is_main_snakefile()
+if workflow.modifier.path_modifier.modifies_prefixes:
+    raise WorkflowError("replace_prefix would tear the results apart: use prefix instead.")
+# What a module's `prefix` puts before the paths of its results.
+PREFIX = str(workflow.modifier.modify_path(""))
+
+
+def unmoved(path):
+    """A file that no rule makes, as an input of one: a module's `prefix` is not put before it."""
+    return local(str(path)) if IS_MODULE else str(path)
+
+
+def project_file(name):
+    """A file of the project, as a path from the folder in which the workflow runs."""
+    return os.path.relpath(ROOT / name)
+
+
+def named_file(name):
+    """What a configuration names: a file or folder from the folder in which the workflow runs, or else the project's."""
+    return name if Path.cwd() == ROOT or Path(name).exists() else project_file(name)
+
+
+def placed(path):
+    """Where a result is. Snakemake puts the prefix before inputs and outputs of rules, and before nothing else."""
+    return f"{PREFIX}{path}"
+
+
+BASE_CONFIG = project_file("config/config.yaml")
+
+# A module's configuration holds what differs from the paper's case, like a file of the command line, and is merged like one:
+# its keys come first.
+if IS_MODULE:
+    given, config = config, copy.deepcopy(config)
+    update_config(config, load_configfile(BASE_CONFIG))
+    update_config(config, given)
+
 # In the order in which they were merged: files named on the command line come last, and win.
 CONFIG_FILES = [
+    *([BASE_CONFIG] if IS_MODULE else []),
     *(file for file in workflow.configfiles if file not in workflow.overwrite_configfiles),
     *workflow.overwrite_configfiles,
 ]
@@ -28,7 +69,7 @@ if workflow.is_main_process:
     try:
         check(
             config,
-            ROOT / "workflow/schemas/config.schema.yaml",
+            project_file("workflow/schemas/config.schema.yaml"),
             CONFIG_FILES,
             APPROACHES,
         )
@@ -40,6 +81,10 @@ if workflow.is_main_process:
 CASE = Case.from_config(config)
 FREQUENCIES = list(CASE.frequencies_hz)
 RESULTS = f"results/{CASE.name}"
+STUDY_DEFAULTS = {  # what a script needs to read the file of a study
+    "schema": project_file("workflow/schemas/study.schema.yaml"),
+    "base": BASE_CONFIG,
+}
 
 
 def of_case(*fields):
@@ -61,7 +106,18 @@ def of_routes(kind):
 
 def script_modules(script):
     """Package files that a script depends on, as inputs of its rule: an edit of any of them reruns it, no other does."""
-    return package_modules(ROOT / "workflow/scripts" / script, ROOT / "src", relative_to=Path.cwd())
+    return modules_behind(f"workflow/scripts/{script}")
+
+
+def modules_behind(file):
+    """Package files that a Python file of the project depends on."""
+    modules = package_modules(ROOT / file, ROOT / "src", relative_to=Path.cwd())
+    return [unmoved(module) for module in modules]
+
+
+def project_input(name):
+    """A file of the project as an input of a rule."""
+    return unmoved(project_file(name))
 
 
 wildcard_constraints:

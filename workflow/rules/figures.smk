@@ -57,7 +57,7 @@ rule estimation_error:
         **figure_files("estimation_error", "Error of each approach at each frequency"),
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m"),
-        folder=RESULTS,
+        folder=placed(RESULTS),
     message:
         "Estimation error of each approach"
     script:

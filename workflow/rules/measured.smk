@@ -7,7 +7,10 @@ from dampbalance.records.mapping import mapping_file, mapping_for, parts_of
 from dampbalance.identification.outputs import OUTPUTS
 from dampbalance.law.law import law_of
 
-MEASURED = {one["name"]: one for one in config.get("measured") or []}
+MEASURED = {one["name"]: {**one} for one in config.get("measured") or []}
+for one in MEASURED.values():
+    if one.get("mapping"):
+        one["mapping"] = named_file(one["mapping"])
 MEASURED_FILES = f"{RESULTS}/measured"
 
 
@@ -16,11 +19,12 @@ def record_files(name):
     place = list(MEASURED).index(name)
     found = []
     for i, pattern in enumerate(MEASURED[name]["records"]):
-        files = sorted(file for file in glob.glob(pattern) if not file.endswith((".yaml", ".md")))
+        found_here = glob.glob(pattern) or glob.glob(project_file(pattern))
+        files = sorted(file for file in found_here if not file.endswith((".yaml", ".md")))
         if not files:
             refuse(
                 ("measured", place, "records", i),
-                f"no file {pattern}: name files, or a pattern, from the folder of the Snakefile on",
+                f"no file {pattern}: name files, or a pattern, from the folder of the run or of the project on",
                 CONFIG_FILES,
             )
         found.extend(file for file in files if file not in found)
@@ -56,8 +60,8 @@ if MEASURED and workflow.is_main_process:
 
 rule identify:
     input:
-        records=lambda wildcards: record_files(wildcards.set),
-        mappings=lambda wildcards: mapping_files(wildcards.set),
+        records=lambda wildcards: [unmoved(file) for file in record_files(wildcards.set)],
+        mappings=lambda wildcards: [unmoved(file) for file in mapping_files(wildcards.set)],
         modules=script_modules("measured/identify.py"),
     output:
         # Earlier results stay when the job fails, and only its mark goes: the next run finds that missing and tries again.
@@ -67,7 +71,7 @@ rule identify:
         set="[A-Za-z0-9_-]+",
     params:
         settings=lambda wildcards: MEASURED[wildcards.set],
-        folder=lambda wildcards: f"{MEASURED_FILES}/{wildcards.set}",
+        folder=lambda wildcards: placed(f"{MEASURED_FILES}/{wildcards.set}"),
     message:
         "F_k, c and K_z from the records of {wildcards.set}"
     script:

@@ -5,11 +5,11 @@ NOTEBOOK = "paper/notebook"
 
 rule notebook:
     input:
-        source=f"{NOTEBOOK}/tour.py",
-        template=f"{NOTEBOOK}/page.html",
-        style=f"{NOTEBOOK}/page.css",
+        source=project_input(f"{NOTEBOOK}/tour.py"),
+        template=project_input(f"{NOTEBOOK}/page.html"),
+        style=project_input(f"{NOTEBOOK}/page.css"),
         modules=script_modules("notebook/notebook.py"),
-        imported=package_modules(f"{NOTEBOOK}/tour.py", ROOT / "src", relative_to=Path.cwd()),
+        imported=modules_behind(f"{NOTEBOOK}/tour.py"),
     output:
         ipynb=f"{RESULTS}/notebook/tour.ipynb",
         html=report(

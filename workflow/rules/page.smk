@@ -8,7 +8,7 @@ PAGE_STUDIES = [
     *("read_out", "step_size"),
 ]
 PAGE_PARTS = sorted(
-    str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else str(path)
+    project_input(path)
     for folder in ("static", "templates")
     for path in (ROOT / "src/dampbalance/publishing/page" / folder).iterdir()
 )
@@ -24,11 +24,6 @@ if config["published"]:
     }
 
 
-def page_studies(pattern):
-    """A file of each study on the page."""
-    return expand(pattern, study=PAGE_STUDIES) if config["published"] else []
-
-
 rule page:
     input:
         **PAGE_EVIDENCE,
@@ -36,8 +31,12 @@ rule page:
         tables=rules.tables.output.csv,
         orbits=f"{RESULTS}/orbits/{FREQUENCIES[0]}.json",
         estimates=expand(f"{RESULTS}/estimates/exact/{{frequency}}.csv", frequency=FREQUENCIES),
-        study_files=page_studies(str(STUDY_FOLDER / "{study}.yaml")),
-        study_cases=page_studies(f"{STUDY_RESULTS}/{{study}}/cases.parquet"),
+        study_files=study_files(PAGE_STUDIES) if config["published"] else [],
+        study_cases=(
+            expand(f"{STUDY_RESULTS}/{{study}}/cases.parquet", study=PAGE_STUDIES)
+            if config["published"]
+            else []
+        ),
         parts=PAGE_PARTS,
         modules=script_modules("page/page.py"),
     output:
@@ -48,8 +47,10 @@ rule page:
             labels={"result": "The page of the case"},
         ),
     params:
+        **STUDY_DEFAULTS,
         config=config,
-        folder=RESULTS,
+        folder=placed(RESULTS),
+        page=f"{RESULTS}/report.html",
     message:
         "The page of the case"
     script:

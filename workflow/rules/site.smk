@@ -15,19 +15,21 @@ SITE_SOURCES = (
     *("tests/analytic/README.md", "tests/benchmarks", "tests/blind"),
 )
 
+# It is of the project as it lies there, whose folder must be that of the results.
+if Path.cwd() == ROOT and not IS_MODULE:
 
-rule site:
-    input:
-        sources=files_of(".", SITE_SOURCES),
-        studies=expand(rules.study_summary.output, study=STUDIES),  # and so their figures
-        paper=(
-            [rules.page.output.page, rules.article.output.pdf, rules.notebook.output.html]
-            if config["published"] and CASE.name == "paper"
-            else []
-        ),
-    output:
-        site=directory("results/site"),
-    message:
-        "The site of documentation"
-    script:
-        "../scripts/site/site.py"
+    rule site:
+        input:
+            sources=files_of(ROOT, SITE_SOURCES),
+            studies=expand(rules.study_summary.output, study=STUDIES),  # and so their figures
+            paper=(
+                [rules.page.output.page, rules.article.output.pdf, rules.notebook.output.html]
+                if config["published"] and CASE.name == "paper"
+                else []
+            ),
+        output:
+            site=directory("results/site"),
+        message:
+            "The site of documentation"
+        script:
+            "../scripts/site/site.py"

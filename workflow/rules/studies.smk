@@ -14,7 +14,20 @@ import time
 
 STUDY_FOLDER = Path("config/studies")
 STUDY_RESULTS = "results/studies"
-STUDIES = sorted(path.stem for path in STUDY_FOLDER.glob("*.yaml"))
+# Those of the folder in which the workflow runs, and those of the project.
+STUDIES = sorted(
+    {path.stem for top in (Path(), ROOT) for path in (top / STUDY_FOLDER).glob("*.yaml")}
+)
+
+
+def study_file(name):
+    """The file of a study."""
+    return named_file(str(STUDY_FOLDER / f"{name}.yaml"))
+
+
+def study_files(names):
+    """Files of studies as inputs of a rule."""
+    return [unmoved(study_file(name)) for name in names]
 
 
 @functools.cache
@@ -23,7 +36,7 @@ def study_plan(name):
     from dampbalance.studies.plan import check_size, plan
     from dampbalance.studies.checking import read_study
 
-    file = STUDY_FOLDER / f"{name}.yaml"
+    file = Path(study_file(name))
     if not re.fullmatch("[A-Za-z0-9][A-Za-z0-9_-]{0,59}", name):
         raise WorkflowError(
             f"{file}: the name of a study is letters, digits, '-' and '_', 60 at most; rename the file"
@@ -32,12 +45,11 @@ def study_plan(name):
         known = ", ".join(STUDIES)
         raise WorkflowError(f"{file}: there is no such study; known are {known}")
     try:
-        study = read_study(
-            file, ROOT / "workflow/schemas/study.schema.yaml", ROOT / "config/config.yaml"
-        )
+        study = read_study(file, STUDY_DEFAULTS["schema"], STUDY_DEFAULTS["base"])
         sizes = plan(study)
-        if workflow.is_main_process and not Path(f"{STUDY_RESULTS}/{name}/cases.parquet").exists():
-            check_size(study, sizes, STUDY_RESULTS, file)
+        results = placed(STUDY_RESULTS)
+        if workflow.is_main_process and not Path(f"{results}/{name}/cases.parquet").exists():
+            check_size(study, sizes, results, file)
     except ConfigurationError as error:
         raise WorkflowError(str(error)) from None
     return study, sizes
@@ -45,9 +57,9 @@ def study_plan(name):
 
 def requested_studies():
     """The studies that the command line names; so early, only the command line knows the targets."""
-    if "studies" in sys.argv:
+    if workflow.modifier.modify_rulename("studies") in sys.argv:
         return STUDIES
-    prefix = f"{STUDY_RESULTS}/"
+    prefix = f"{placed(STUDY_RESULTS)}/"
     named = {arg.removeprefix(prefix).split("/")[0] for arg in sys.argv if arg.startswith(prefix)}
     return sorted(named)
 
@@ -110,7 +122,8 @@ rule study_chunk:
         mem_mb=chunk_memory_mb,
         runtime=30,
     params:
-        file=str(STUDY_FOLDER / "{study}.yaml"),
+        **STUDY_DEFAULTS,
+        file=lambda wildcards: study_file(wildcards.study),
         chunks=lambda wildcards: study_plan(wildcards.study)[1].chunks,
         computed_from=study_settings,
     message:
@@ -131,7 +144,8 @@ rule study_cases:
         mem_mb=chunk_memory_mb,
         runtime=60,
     params:
-        file=str(STUDY_FOLDER / "{study}.yaml"),
+        **STUDY_DEFAULTS,
+        file=lambda wildcards: study_file(wildcards.study),
         computed_from=study_settings,
     message:
         "Study {wildcards.study}: all cases in one file"
@@ -142,7 +156,7 @@ rule study_cases:
 rule study_figure:
     input:
         cases=rules.study_cases.output.cases,
-        file=str(STUDY_FOLDER / "{study}.yaml"),
+        file=lambda wildcards: unmoved(study_file(wildcards.study)),
         modules=script_modules("studies/study_figure.py"),
     output:
         svg=report(
@@ -155,6 +169,8 @@ rule study_figure:
     resources:
         mem_mb=1500,
         runtime=30,
+    params:
+        **STUDY_DEFAULTS,
     message:
         "Study {wildcards.study}: figure"
     script:
@@ -165,7 +181,7 @@ rule study_summary:
     input:
         cases=rules.study_cases.output.cases,
         figure=study_figure_files,
-        file=str(STUDY_FOLDER / "{study}.yaml"),
+        file=lambda wildcards: unmoved(study_file(wildcards.study)),
         modules=script_modules("studies/study_summary.py"),
     output:
         csv=f"{STUDY_RESULTS}/{{study}}/summary.csv",
@@ -173,6 +189,8 @@ rule study_summary:
     resources:
         mem_mb=1500,
         runtime=30,
+    params:
+        **STUDY_DEFAULTS,
     message:
         "Study {wildcards.study}: summary"
     script:

@@ -36,7 +36,7 @@ rule tables:
         csv=[reported_table(file) for file in table_files("csv")],
         md=table_files("md"),
     params:
-        folder=RESULTS,
+        folder=placed(RESULTS),
         case=of_case("oscillator", "frequencies_hz", "pairs"),
     message:
         "Tables"

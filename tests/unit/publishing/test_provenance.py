@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
 import tarfile
 from importlib import metadata
 from pathlib import Path
@@ -12,20 +11,16 @@ from pathlib import Path
 import pytest
 import yaml
 
+from committing import git
 from dampbalance.project.files import sha256
 from dampbalance.publishing.provenance import archive
 from dampbalance.publishing.provenance.crate import crate
+from dampbalance.publishing.provenance.entities import Place
 from dampbalance.publishing.provenance.manifest import manifest
 from dampbalance.publishing.provenance.sources import PROJECT, code_version, digest_of, files_of
 from folders import ROOT
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
-
-
-def git(folder, *arguments):
-    identity = ["-c", "user.name=tester", "-c", "user.email=tester@example.org"]
-    command = ["git", *identity, "-c", "commit.gpgsign=false", *arguments]
-    return subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
 
 
 @needs_git
@@ -86,7 +81,7 @@ def of_one_file(folder, monkeypatch, locked):
     Path("lock").write_text(f"{locked} \\\n    --hash=sha256:00\n", encoding="utf-8")
     job = {"rule": "r", "script": "s.py", "inputs": ["in"], "outputs": ["out"]}
     code = {"version": "1", "commit": None, "committed": "2026-01-02", "modified": None}
-    return manifest("case", {"case": "case"}, [], ["in"], [job], code, "lock")
+    return manifest("case", {"case": "case"}, [], {"in": "in"}, [job], code, "lock")
 
 
 def test_a_package_that_is_not_as_locked_is_named(tmp_path, monkeypatch):
@@ -110,6 +105,15 @@ def test_the_date_of_a_crate_is_that_of_the_release(tmp_path, monkeypatch):
     assert date(citation | {"date-released": "2027-05-06"}) == "2027-05-06"
 
 
+def test_sources_in_another_folder_are_described_and_results_are_found():
+    beside, away = Place("results/it"), Place("results/it", beside_sources=False)
+    assert beside.name("results/it/a b.csv") == away.name("results/it/a b.csv") == "a%20b.csv"
+    assert beside.name("results/studies/x.csv") == away.name("results/studies/x.csv")
+    assert beside.name("results/studies/x.csv") == "../studies/x.csv"
+    assert beside.name("config/c.yaml") == "../../config/c.yaml"
+    assert away.name("config/c.yaml") == "#config/c.yaml"
+
+
 def test_large_results_stay_out_and_are_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(archive, "LARGEST_PACKED", 10)
@@ -125,6 +129,7 @@ def test_large_results_stay_out_and_are_named(tmp_path, monkeypatch):
         "reproducible": {
             "case": "tiny",
             "version": "1.0",
+            "configuration": {},
             "configuration_files": [],
             "sources": {},
             "results": results,

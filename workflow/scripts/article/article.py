@@ -4,12 +4,13 @@ import sys
 
 from dampbalance.project.files import replacing
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.publishing.article.compiling import ArticleError, pdf
+from dampbalance.publishing.article.compiling import ArticleError, article
 
 if __name__ == "__main__":
     brief_troubles()
+    p = snakemake.params
     try:
-        document = pdf(snakemake.params.source, ".", snakemake.params.inputs)
+        document = article(p.folder, p.results, p.inputs)
     except ArticleError as error:
         sys.exit(str(error))
     with replacing(snakemake.output.pdf) as temporary:

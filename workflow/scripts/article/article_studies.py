@@ -6,8 +6,8 @@ from dampbalance.studies import checking
 from dampbalance.studies.shown import facts
 
 
-def main(file, cases):
-    study = checking.read_study(file, "workflow/schemas/study.schema.yaml", "config/config.yaml")
+def main(file, cases, params):
+    study = checking.read_study(file, params.schema, params.base)
     told = {name: facts.fact(study, cases, spec) for name, spec in study.facts.items()}
     return {"cases": study.cases, "facts": told, "specs": study.facts}
 
@@ -16,7 +16,7 @@ if __name__ == "__main__":
     brief_troubles()
     i = snakemake.input
     found = {
-        name: main(file, cases)
+        name: main(file, cases, snakemake.params)
         for name, file, cases in zip(snakemake.params.studies, i.files, i.cases, strict=True)
     }
     write_json(snakemake.output.json, found)

@@ -9,5 +9,6 @@ if __name__ == "__main__":
     brief_troubles()
     p = snakemake.params
     write_json(
-        snakemake.output.json, article_values(ResultFiles(), p.rules, p.folder, p.frequencies)
+        snakemake.output.json,
+        article_values(ResultFiles(p.top), p.rules, p.folder, p.frequencies),
     )

@@ -42,12 +42,10 @@ def read_evidence(inputs):
     )
 
 
-def main(config, folder, inputs):
+def main(params, inputs):
+    config, folder = params.config, params.folder
     case = Case.from_config(config)
-    studies = [
-        read_study(file, "workflow/schemas/study.schema.yaml", "config/config.yaml")
-        for file in inputs.study_files
-    ]
+    studies = [read_study(file, params.schema, params.base) for file in inputs.study_files]
     return PageContent(
         case=case,
         config=config,
@@ -63,6 +61,5 @@ def main(config, folder, inputs):
 
 if __name__ == "__main__":
     brief_troubles()
-    results = main(snakemake.params.config, snakemake.params.folder, snakemake.input)
-    page = str(snakemake.output.page)
-    write_text(page, report_page(results, page))
+    results = main(snakemake.params, snakemake.input)
+    write_text(snakemake.output.page, report_page(results, snakemake.params.page))

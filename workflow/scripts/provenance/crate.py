@@ -8,10 +8,11 @@ import yaml
 from dampbalance.project.files import write_json
 from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.provenance.crate import crate
+from dampbalance.publishing.provenance.entities import Place
 
 if __name__ == "__main__":
     brief_troubles()
-    file = snakemake.input.manifest
-    manifest = json.loads(Path(file).read_text(encoding="utf-8"))
+    manifest = json.loads(Path(snakemake.input.manifest).read_text(encoding="utf-8"))
     citation = yaml.safe_load(Path(snakemake.input.citation).read_text(encoding="utf-8"))
-    write_json(snakemake.output.json, crate(manifest, file, citation, root=snakemake.params.root))
+    p = snakemake.params
+    write_json(snakemake.output.json, crate(manifest, p.manifest_name, citation, Place(**p.place)))

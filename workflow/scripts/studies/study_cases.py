@@ -7,7 +7,7 @@ from dampbalance.studies import checking, outputs
 if __name__ == "__main__":
     brief_troubles()
     study = checking.read_study(
-        snakemake.params.file, "workflow/schemas/study.schema.yaml", "config/config.yaml"
+        snakemake.params.file, snakemake.params.schema, snakemake.params.base
     )
     cases = snakemake.output.cases
     if snakemake.input.chunks:

@@ -10,8 +10,8 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.studies import checking, evaluate, outputs, plan
 
 
-def main(path, file, chunk, threads):
-    study = checking.read_study(file, "workflow/schemas/study.schema.yaml", "config/config.yaml")
+def main(path, params, chunk, threads):
+    study = checking.read_study(params.file, params.schema, params.base)
     parts = evaluate.in_parts(study, *plan.chunk_bounds(study, chunk), threads=threads)
     outputs.write_parts(path, parts, study, __version__)
     return study
@@ -20,7 +20,7 @@ def main(path, file, chunk, threads):
 if __name__ == "__main__":
     brief_troubles()
     path = Path(snakemake.output.chunk)
-    study = main(path, snakemake.params.file, int(snakemake.wildcards.chunk), snakemake.threads)
+    study = main(path, snakemake.params, int(snakemake.wildcards.chunk), snakemake.threads)
     print(
         plan.progress(
             study,

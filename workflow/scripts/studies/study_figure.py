@@ -8,7 +8,7 @@ from dampbalance.studies.shown import drawing
 if __name__ == "__main__":
     brief_troubles()
     study = checking.read_study(
-        snakemake.input.file, "workflow/schemas/study.schema.yaml", "config/config.yaml"
+        snakemake.input.file, snakemake.params.schema, snakemake.params.base
     )
     figure = drawing.study_figure(study, snakemake.input.cases)
     save(figure, snakemake.output.svg, snakemake.output.png, drawing.alternative_text(study))

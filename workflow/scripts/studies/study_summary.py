@@ -10,7 +10,7 @@ from dampbalance.studies.shown import facts, summary
 if __name__ == "__main__":
     brief_troubles()
     study = checking.read_study(
-        snakemake.input.file, "workflow/schemas/study.schema.yaml", "config/config.yaml"
+        snakemake.input.file, snakemake.params.schema, snakemake.params.base
     )
     table = summary.summary_of(snakemake.input.cases, study)
     figure = next((Path(file).name for file in snakemake.input.figure if file.endswith(".png")), "")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shutil
+import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Literal
@@ -32,6 +34,18 @@ def version() -> str:
     """The version of typst itself, as a PDF names its creator; that of the Python package may differ."""
     told = typst.Compiler(b'#metadata(array(sys.version).map(str).join("."))<version>')
     return str(json.loads(told.query("<version>", field="value", one=True, format="json")))
+
+
+def article(folder: str | Path, results: str | Path, inputs: Mapping[str, str]) -> bytes:
+    """The article of this folder with these results.
+
+    typst reads below one folder, and names the files that it attaches by their paths from there: a passing folder, in
+    which the results are /results wherever they are kept.
+    """
+    with tempfile.TemporaryDirectory(prefix="article-") as top:
+        source = shutil.copytree(folder, Path(top, "article"))
+        Path(top, "results").symlink_to(Path(results).resolve())
+        return pdf(source / "article.typ", top, inputs)
 
 
 def pdf(source: str | Path, root: str | Path, inputs: Mapping[str, str]) -> bytes:

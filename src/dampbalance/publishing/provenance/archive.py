@@ -1,7 +1,8 @@
 """An archive that a reader can verify and rebuild in ten years: sources, results, digests and a README of its own.
 
 The same files give the same bytes: names sorted, one time and one owner for all, no time in the compression. (Another
-version of zlib may compress differently; what is unpacked is the same.)
+version of zlib may compress differently; what is unpacked is the same.) Of the times of the files, the crate tells
+those of the results, which are when they were made: results made again are another run, and give another crate.
 """
 
 from __future__ import annotations
@@ -57,8 +58,11 @@ sha256sum --check --quiet SHA256SUMS
 Then only `{manifest}` may differ, because it names the machine of the run. On another kind of
 processor, or with other packages, the last bits of numbers may differ, and digests with them; verdicts should not.
 
+Where the packages themselves were kept beside this archive (`make wheels`), no connection is needed: unpack them into a
+folder, and `PIP_NO_INDEX=1 PIP_FIND_LINKS=that/folder make setup`. They fit one Python and one kind of system only.
+
 Should the packages no longer be on offer: `requirements.lock` says which version of which package it took, and the
-manifest which were installed. Those that compute the numbers are {packages}.
+manifest which were installed, with their licences. Those that compute the numbers are {packages}.
 
 ## What is here
 
@@ -112,9 +116,10 @@ def pack(
         manifest_file,
         citation,
         others={file: digest for file, digest in digests.items() if file != manifest_file},
+        ended=_when_written(packed),
     )
-    written[DESCRIPTOR["@id"]] = _json(metadata)
-    digests[DESCRIPTOR["@id"]] = _digest(written[DESCRIPTOR["@id"]])
+    written[DESCRIPTOR] = _json(metadata)
+    digests[DESCRIPTOR] = _digest(written[DESCRIPTOR])
     lines = [f"{digest}  {file}\n" for file, digest in sorted(digests.items())]
     written[SUMS] = "".join(lines).encode()
 
@@ -164,6 +169,12 @@ def _entry(name: str, size: int, executable: bool) -> tarfile.TarInfo:
     entry = tarfile.TarInfo(name)
     entry.size, entry.mtime, entry.mode = size, TIME, 0o755 if executable else 0o644
     return entry
+
+
+def _when_written(files: Iterable[str]) -> dict[str, float]:
+    """When each file was last written, s since 1970, which is when its job ended; not of files out of an archive."""
+    times = {file: Path(file).stat().st_mtime for file in files}
+    return {file: time for file, time in times.items() if time > TIME}
 
 
 def _digest(data: bytes) -> str:

@@ -1,168 +1,149 @@
-"""The manifest as an RO-Crate: results, and the actions that made them, in terms that repositories understand.
+"""The manifest as an RO-Crate: results, and the run of the workflow that made them, in terms that repositories know.
 
-RO-Crate 1.1 with the profile Process Run Crate: each job is a CreateAction, from its inputs (object) by a script
-(instrument) to its outputs (result). Files below the root of the crate are its data; what lies elsewhere is described
-with its digest, under a name that begins with '#'. The crate holds no time of the run, so that it stays the same from
-run to run; the profile wishes for one (endTime) but does not ask for it.
+RO-Crate 1.1 with the profiles Workflow RO-Crate 1.0 and Process, Workflow and Provenance Run Crate 0.5. Files are
+named by their paths from the folder of the crate. The crate of a case lies among its results: it names its sources by
+the way up to them (../..), and holds in place. The crate of an archive has all of them below its own folder: it is the
+one to deposit. Where the workflow ran in another folder than its own, a crate describes the sources and does not have
+them; the profiles require the workflow itself.
+
+What the profiles recommend is there, with these exceptions. The sources have no address on the web, and tools should
+have one. The crate of a case holds no time of the run (`endTime`), so that the same inputs give the same bytes; that of
+an archive, which is of one run, does. Where neither a date of release nor a commit is known, nothing says when a crate
+was published (`datePublished`). The agent of the run is who the citation names: they answer for what is published under
+it.
 """
 
 from __future__ import annotations
 
-import mimetypes
-from collections.abc import Iterable, Mapping
-from pathlib import PurePosixPath
+from collections.abc import Mapping
 from typing import Any
-from urllib.parse import quote
 
+from .entities import Entity, Place, entity, references
+from .workflow_run import BIOSCHEMAS, LANGUAGE, WORKFLOW_FILE, actions, engine, parameters, steps
+
+DESCRIPTOR = "ro-crate-metadata.json"
 CONTEXT = [
     "https://w3id.org/ro/crate/1.1/context",
     "https://w3id.org/ro/terms/workflow-run/context",
 ]
 ROCRATE = "https://w3id.org/ro/crate/1.1"
-PROCESS_RUN = "https://w3id.org/ro/wfrun/process/0.5"
-LICENCES = "https://spdx.org/licenses/"
-_TYPES = {
-    ".csv": "text/csv",
-    ".md": "text/markdown",
-    ".yaml": "application/yaml",
-    ".parquet": "application/vnd.apache.parquet",
-    ".ipynb": "application/x-ipynb+json",
-    ".svg": "image/svg+xml",
-    ".json": "application/json",
-    ".py": "text/x-python",
+WORKFLOW_CRATE = "https://w3id.org/workflowhub/workflow-ro-crate/1.0"
+PROFILES = {
+    "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
+    "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
+    "https://w3id.org/ro/wfrun/provenance/0.5": "Provenance Run Crate",
+    WORKFLOW_CRATE: "Workflow RO-Crate",
 }
+SOURCE = ["File", "SoftwareSourceCode"]
+LICENCES = "https://spdx.org/licenses/"
 ABOUT_MANIFEST = "Configuration, code, packages, digests. Names the machine: no digest of its own."
-
-Entity = dict[str, Any]
-
-
-def _entity(identifier: str, kind: str, **properties: Any) -> Entity:
-    """An entity with those of its properties that are known."""
-    entries = {key: value for key, value in properties.items() if value is not None}
-    return {"@id": identifier, "@type": kind} | entries
-
-
-DESCRIPTOR = _entity(
-    "ro-crate-metadata.json",
-    "CreativeWork",
-    conformsTo={"@id": ROCRATE},
-    about={"@id": "./"},
-)
-PROFILE = _entity(
-    PROCESS_RUN, "CreativeWork", name="Process Run Crate", version=PROCESS_RUN.rsplit("/", 1)[-1]
-)
 
 
 def crate(
     manifest: Mapping[str, Any],
     manifest_file: str,
     citation: Mapping[str, Any],
-    root: str = "",
+    place: Place | None = None,
     others: Mapping[str, str] | None = None,
+    ended: Mapping[str, float] | None = None,
 ) -> dict[str, Any]:
     """The metadata of a crate, as JSON-LD.
 
     manifest : from `manifest.manifest`, which stands in the file `manifest_file`.   citation : CITATION.cff.
-    root : folder of the crate, relative to the project; "" is the project itself.   others : more files of the crate,
-    path → digest.
+    place : of the crate, the project itself when left out.   others : more files of the crate, path → digest.
+    ended : when results were finished, path → s since 1970; none of it for a crate without times.
     """
-    made, code = manifest["reproducible"], manifest["run"]["code"]
-    others = others or {}
+    made, run = manifest["reproducible"], manifest["run"]
+    jobs, others, place = made["jobs"], others or {}, place or Place()
     results = {result["path"]: result for result in made["results"]}
     digests = {**made["sources"], **others, **{p: r["sha256"] for p, r in results.items()}}
     configuration = made["configuration_files"]  # what every job takes its parameters from
-    used = {file for job in made["jobs"] for file in job["inputs"]} | set(configuration)
-    named = set(results) | {file for file in used if file in digests} | set(others)
+    scripts = {job["script"] for job in jobs}
+    used = {file for job in jobs for file in job["inputs"]} | set(configuration)
+    named = {*results, *others, *scripts, WORKFLOW_FILE} | (used & digests.keys())
 
-    files = [
-        _file(path, root, digests[path], results.get(path, {}).get("bytes"))
+    files = {
+        path: place.file(path, digests.get(path), results.get(path, {}).get("bytes"))
         for path in sorted(named)
-    ]
-    files.append(_file(manifest_file, root, None, None) | {"description": ABOUT_MANIFEST})
-    actions = [_action(job, configuration, root, named) for job in made["jobs"]]
-    scripts = [
-        _entity(_script(path), "SoftwareApplication", name=path, sha256=digests.get(path))
-        for path in sorted({job["script"] for job in made["jobs"]})
-    ]
-    authors = [_author(author, i) for i, author in enumerate(citation.get("authors", []), start=1)]
+    }
+    files[manifest_file] = place.file(manifest_file) | {"description": ABOUT_MANIFEST}
+    authors = [_author(author, i, place) for i, author in enumerate(citation.get("authors", []), 1)]
     terms = citation["license"]
-    licence = _entity(f"{LICENCES}{terms}", "CreativeWork", name=terms)
-    common = {"license": {"@id": licence["@id"]}, "author": _references(authors)}
-    software = _entity(
-        "#dampbalance",
-        "SoftwareSourceCode",
-        name="dampbalance",
-        version=made["version"],
-        license=common["license"],
-        programmingLanguage="Python",
-        author=common["author"],
-        description=_code(code),
-        hasPart=_references(scripts),
+    licence = entity(
+        f"{LICENCES}{terms}", "CreativeWork", name=terms, identifier=f"{LICENCES}{terms}"
     )
-    published = citation.get("date-released") or code.get("committed")
-    top = _entity(
+    responsible = references(authors)
+    common = {"license": {"@id": licence["@id"]}, "author": responsible}
+    keys, settings = parameters(made["configuration"])
+    howto = steps(jobs, place)
+    acts = actions(jobs, settings, configuration, named, responsible, place, ended or {})
+
+    version = made["version"]
+    tools = {path: files[path] for path in sorted(scripts)}
+    for path, tool in tools.items():
+        tool |= _software(place.name(path), SOURCE, version, "Python")
+    files[WORKFLOW_FILE] |= _software(
+        place.name(WORKFLOW_FILE),
+        [*SOURCE, "ComputationalWorkflow", "HowTo"],
+        version,
+        {"@id": LANGUAGE},
+        **common,
+        name="dampbalance",
+        description=_code(run["code"]),
+        conformsTo={"@id": f"{BIOSCHEMAS}ComputationalWorkflow/1.0-RELEASE"},
+        hasPart=references(tools.values()),
+        input=references(keys),
+        step=references(howto),
+    )
+    if not place.root and "README.md" in files:
+        files["README.md"] |= {"about": {"@id": "./"}}
+
+    published = citation.get("date-released") or run["code"].get("committed")
+    top = entity(
         "./",
         "Dataset",
         name=f"{citation['title']}: case '{made['case']}'",
         description=citation["abstract"],
         keywords=", ".join(citation.get("keywords", [])),
         **common,
-        conformsTo={"@id": PROCESS_RUN},
-        hasPart=_references(file for file in files if file["@type"] == "File"),
-        mentions=_references([*actions, software]),
+        publisher=references(a for a in authors if a["@type"] == "Organization"),
+        conformsTo=[{"@id": profile} for profile in PROFILES],
+        mainEntity={"@id": place.name(WORKFLOW_FILE)},
+        hasPart=references(files.values()),
+        mentions=references(a for a in acts if a["@type"] != "ControlAction"),
         datePublished=str(published) if published else None,
     )
-    graph = [DESCRIPTOR, top, *files, *actions, software, *scripts, *authors, licence, PROFILE]
-    return {"@context": CONTEXT, "@graph": graph}
-
-
-def _id(path: str, root: str) -> str:
-    """The name of a file in the crate: its path from the root, or '#' and its path when it lies elsewhere."""
-    if not PurePosixPath(path).is_relative_to(root):
-        return f"#{quote(path)}"
-    return quote(str(PurePosixPath(path).relative_to(root)))
-
-
-def _file(path: str, root: str, digest: str | None, size: int | None) -> Entity:
-    identifier = _id(path, root)
-    suffix = PurePosixPath(path).suffix
-    kind = _TYPES.get(suffix) or mimetypes.guess_type(path)[0] or "text/plain"
-    return _entity(
-        identifier,
-        "CreativeWork" if identifier.startswith("#") else "File",
-        name=path,
-        encodingFormat=kind,
-        contentSize=None if size is None else str(size),
-        sha256=digest,
+    descriptor = entity(
+        DESCRIPTOR,
+        "CreativeWork",
+        conformsTo=[{"@id": ROCRATE}, {"@id": WORKFLOW_CRATE}],
+        about={"@id": "./"},
     )
+    profiles = [
+        entity(address, "CreativeWork", name=name, version=address.rsplit("/", 1)[-1])
+        for address, name in PROFILES.items()
+    ]
+    software = engine(run["packages"].get("snakemake"))
+    graph = [descriptor, top, *files.values(), *software, *keys, *settings, *howto, *acts]
+    return {"@context": CONTEXT, "@graph": [*graph, *authors, licence, *profiles]}
 
 
-def _action(
-    job: Mapping[str, Any], configuration: Iterable[str], root: str, named: set[str]
+def _software(
+    at: str, kind: list[str], version: str, language: str | dict[str, str], **more: Any
 ) -> Entity:
-    inputs = sorted({*job["inputs"], *configuration} & named)
-    return _entity(
-        f"#job/{quote(min(job['outputs']))}",
-        "CreateAction",
-        name=job["rule"],
-        instrument={"@id": _script(job["script"])},
-        object=[{"@id": _id(file, root)} for file in inputs],
-        result=[{"@id": _id(file, root)} for file in sorted(job["outputs"])],
-    )
+    """What makes a file of the crate a piece of software; its address is its place."""
+    return entity(at, kind, url={"@id": at}, version=version, programmingLanguage=language, **more)
 
 
-def _script(path: str) -> str:
-    return f"#script/{quote(path)}"
-
-
-def _author(author: Mapping[str, str], number: int) -> Entity:
+def _author(author: Mapping[str, str], number: int, place: Place) -> Entity:
+    """A person or an organisation as the citation names it; without a page of its own, the citation is its page."""
     person = f"{author.get('given-names', '')} {author.get('family-names', '')}".strip()
-    kind = "Organization" if "name" in author else "Person"
-    return _entity(f"#author-{number}", kind, name=author.get("name") or person)
-
-
-def _references(entities: Iterable[Entity]) -> list[dict[str, str]]:
-    return [{"@id": entity["@id"]} for entity in entities]
+    return entity(
+        author.get("orcid") or f"#author-{number}",
+        "Organization" if "name" in author else "Person",
+        name=author.get("name") or person,
+        url=author.get("website") or {"@id": place.name("CITATION.cff")},
+    )
 
 
 def _code(code: Mapping[str, Any]) -> str:

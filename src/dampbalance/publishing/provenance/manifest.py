@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import platform
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from ...project.files import sha256
+from .licences import licence
 from .sources import digest_of
 
 ABOUT = (
@@ -30,19 +31,21 @@ def manifest(
     case: str,
     configuration: Mapping[str, Any],
     configuration_files: Sequence[str],
-    sources: Iterable[str],
+    sources: Mapping[str, str | Path],
     jobs: Sequence[Mapping[str, Any]],
     code: Mapping[str, Any],
     lock: str | Path,
+    top: str | Path = ".",
 ) -> dict[str, Any]:
     """The manifest as plain data.
 
-    case : its name.   configuration : as merged from the files named.   sources : all files that results may depend on.
-    jobs : what made the results, each {rule, script, inputs, outputs} with paths.   code : from
-    `sources.code_version`.   lock : the file that pins the packages.
+    case : its name.   configuration : as merged from the files named.   sources : all files that results may depend on,
+    by the names that they have in the project.   jobs : what made the results, each {rule, script, inputs, outputs}
+    with such names.   code : from `sources.code_version`.   lock : the file that pins the packages.   top : the folder
+    that holds the results.
     """
     rule_of = {file: job["rule"] for job in jobs for file in job["outputs"]}
-    digests = {file: sha256(file) for file in sorted(set(sources))}
+    digests = {name: sha256(path) for name, path in sorted(sources.items())}
     return {
         "about": ABOUT,
         "reproducible": {
@@ -56,8 +59,8 @@ def manifest(
             "results": [
                 {
                     "path": file,
-                    "bytes": Path(file).stat().st_size,
-                    "sha256": sha256(file),
+                    "bytes": Path(top, file).stat().st_size,
+                    "sha256": sha256(Path(top, file)),
                     "rule": rule_of[file],
                 }
                 for file in sorted(rule_of)
@@ -76,7 +79,7 @@ def manifest(
 
 
 def _packages(lock: Path) -> dict[str, Any]:
-    """Versions of the installed packages that the lock names, and those of them that are not as locked."""
+    """Versions and licences of the installed packages that the lock names, and which are not as locked."""
     text = lock.read_text(encoding="utf-8") if lock.is_file() else ""
     pinned: dict[str, set[str]] = {}
     for name, version in re.findall(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", text, re.MULTILINE):
@@ -87,5 +90,6 @@ def _packages(lock: Path) -> dict[str, Any]:
             installed[name] = metadata.version(name)
     return {
         "packages": installed,
+        "licences": {name: licence(name) for name in installed},
         "packages_not_as_locked": [n for n, v in installed.items() if v not in pinned[n]],
     }

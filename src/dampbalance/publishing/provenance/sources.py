@@ -12,6 +12,7 @@ from typing import Any
 
 COMPUTING = (
     "Snakefile",
+    "codecheck.yml",
     "config",
     "paper",
     "pyproject.toml",
@@ -28,12 +29,15 @@ PROJECT = (
     ".gitattributes",
     ".github",
     ".gitignore",
+    ".snakemake-workflow-catalog.yml",
     "CHANGELOG.md",
     "CITATION.cff",
     "CONTRIBUTING.md",
     "LICENSE",
+    "LICENSES",
     "Makefile",
     "README.md",
+    "REUSE.toml",
     "requirements-build.lock",
     "results/README.md",
     "tests",

@@ -1,0 +1,184 @@
+"""What others check by machine: the citation file, the licence of every file, the rules of the workflow catalogue."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from email.message import Message
+from importlib import metadata
+
+import jsonschema
+import pytest
+import yaml
+from packaging.licenses import canonicalize_license_expression
+
+from dampbalance.publishing.provenance.licences import UNKNOWN, licence, stated_licence
+from folders import ROOT
+
+CFF_SCHEMA = ROOT / "tests/repository/cff-1.2.0.schema.json"
+CATALOGUE = ROOT / ".snakemake-workflow-catalog.yml"
+
+
+# --- CITATION.cff --------------------------------------------------------------------------------
+
+
+def citation() -> dict:
+    # Dates stay text, as the schema wants them.
+    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    return yaml.load(text, yaml.BaseLoader)
+
+
+def wrong_in(document: dict) -> list[str]:
+    validator = jsonschema.Draft7Validator(
+        json.loads(CFF_SCHEMA.read_text(encoding="utf-8")),
+        format_checker=jsonschema.Draft7Validator.FORMAT_CHECKER,
+    )
+    return [error.json_path for error in validator.iter_errors(document)]
+
+
+def typed(document: dict) -> dict:
+    """With the one number of the file as a number, which the loader of text leaves as text."""
+    references = [{**one, "year": int(one["year"])} for one in document["references"]]
+    return {**document, "references": references}
+
+
+def test_the_citation_file_follows_its_schema():
+    assert wrong_in(typed(citation())) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        ({"licence": "BSD-3-Clause"}, "$"),  # British spelling: no key of the schema
+        ({"license": "BSD 3"}, "$.license"),
+        ({"authors": []}, "$.authors"),
+        ({"date-released": "May 2026"}, "$['date-released']"),
+    ],
+)
+def test_a_wrong_citation_would_be_seen(change, where):
+    assert where in wrong_in({**typed(citation()), **change})
+
+
+# --- licences ------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(
+    shutil.which("git") is None or not (ROOT / ".git").exists(),
+    reason="not a git checkout: which files belong to the project is unknown",
+)
+def test_every_file_has_a_licence_by_the_rules_of_reuse():
+    done = subprocess.run(
+        [sys.executable, "-m", "reuse", "--root", str(ROOT), "lint", "--json"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    found = json.loads(done.stdout)
+    assert done.returncode == 0, found["non_compliant"]
+    assert found["summary"]["compliant"]
+    others = {
+        file["path"]: [one["value"] for one in file["spdx_expressions"]]
+        for file in found["files"]
+        if {one["value"] for one in file["spdx_expressions"]} != {"BSD-3-Clause"}
+    }
+    assert others == {"tests/repository/cff-1.2.0.schema.json": ["CC-BY-4.0"]}
+
+
+def test_the_text_of_the_licence_is_that_of_the_project():
+    text = (ROOT / "LICENSES/BSD-3-Clause.txt").read_text(encoding="utf-8")
+    assert text == (ROOT / "LICENSE").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("lines", "expected"),
+    [
+        ({"License-Expression": "MIT AND PSF-2.0", "License": "see the files"}, "MIT AND PSF-2.0"),
+        ({"License": "bsd-3-clause"}, "BSD-3-Clause"),
+        ({"License": "Apache 2.0"}, "Apache-2.0"),
+        ({"License": "Copyright (c) 2015\n\nall of it"}, "unknown (Copyright (c) 2015)"),
+        ({"Classifier": "License :: OSI Approved :: MIT License"}, "MIT"),
+        ({"Classifier": "License :: OSI Approved :: BSD License"}, "unknown (BSD License)"),
+        ({"Classifier": "Topic :: Software Development"}, "unknown"),
+    ],
+)
+def test_the_licence_of_a_package_is_what_its_metadata_say_and_no_guess(lines, expected):
+    stated = Message()
+    for key, value in lines.items():
+        stated[key] = value
+    assert stated_licence(stated) == expected
+
+
+def test_two_licences_in_classifiers_are_not_taken_for_one():
+    stated = Message()
+    for words in ("MIT License", "ISC License (ISCL)"):
+        stated["Classifier"] = f"License :: OSI Approved :: {words}"
+    assert stated_licence(stated) == "unknown (MIT License; ISC License (ISCL))"
+
+
+def test_licences_of_installed_packages_are_expressions_or_said_to_be_unknown():
+    assert licence("dampbalance") == "BSD-3-Clause"
+    for package in ("numpy", "pandas", "scipy", "matplotlib"):
+        found = licence(package)
+        assert found.startswith(UNKNOWN) or canonicalize_license_expression(found) == found
+    with pytest.raises(metadata.PackageNotFoundError):
+        licence("no-such-package")
+
+
+# --- the workflow catalogue ----------------------------------------------------------------------
+
+# What the page "Adding workflows" of the Snakemake workflow catalogue asks for ("standardized usage"), and the
+# keys that its script generate-catalog.py reads.
+CATALOGUE_SCHEMA = {
+    "type": "object",
+    "required": ["usage"],
+    "additionalProperties": False,
+    "properties": {
+        "usage": {
+            "type": "object",
+            "required": ["software-stack-deployment"],
+            "additionalProperties": False,
+            "properties": {
+                "mandatory-flags": {
+                    "type": "object",
+                    "additionalProperties": False,
+                    "properties": {
+                        "desc": {"type": "string"},
+                        "flags": {"type": ["string", "array"], "items": {"type": "string"}},
+                    },
+                },
+                "software-stack-deployment": {
+                    "type": "object",
+                    "propertyNames": {"enum": ["conda", "apptainer", "apptainer+conda"]},
+                    "additionalProperties": {"type": "boolean"},
+                },
+                "report": {"type": "boolean"},
+            },
+        }
+    },
+}
+
+
+def test_the_catalogue_can_read_how_the_workflow_is_used():
+    jsonschema.validate(yaml.safe_load(CATALOGUE.read_text(encoding="utf-8")), CATALOGUE_SCHEMA)
+
+
+def test_the_files_that_the_catalogue_asks_for_are_there():
+    for name in ("workflow/Snakefile", "config/README.md", "LICENSE"):
+        assert (ROOT / name).is_file(), name
+    assert list((ROOT / "workflow/rules").glob("*.smk"))
+    readme = (ROOT / "README.md").read_text(encoding="utf-8").lower()
+    assert "snakemake" in readme
+    assert "workflow" in readme
+
+
+def test_no_rule_has_an_environment_of_its_own_as_the_catalogue_is_told():
+    told = yaml.safe_load(CATALOGUE.read_text(encoding="utf-8"))["usage"]
+    deployed = {
+        word
+        for file in [ROOT / "Snakefile", *(ROOT / "workflow/rules").glob("*.smk")]
+        for word in re.findall(r"^\s*(conda|container):", file.read_text(encoding="utf-8"), re.M)
+    }
+    assert any(told["software-stack-deployment"].values()) == bool(deployed)

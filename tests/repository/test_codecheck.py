@@ -1,0 +1,128 @@
+"""codecheck.yml keeps to its specification, and names every table and figure of the paper that is rebuilt."""
+
+from __future__ import annotations
+
+import copy
+import re
+
+import pytest
+import yaml
+
+from dampbalance.project.documents import ConfigurationError, against_schema, read_schema
+from dampbalance.publishing.codecheck import read
+from folders import ROOT
+
+FILE, SCHEMA = ROOT / "codecheck.yml", ROOT / "workflow/schemas/codecheck.schema.yaml"
+CHECKED = {
+    "codechecker": [{"name": "Josiah Carberry", "ORCID": "0000-0002-1825-0097"}],
+    "report": "https://doi.org/10.5281/zenodo.3674056",
+    "certificate": "2020-001",
+}
+
+
+@pytest.fixture
+def configuration():
+    return read(FILE, SCHEMA)
+
+
+def problems(configuration):
+    return against_schema(configuration, read_schema(SCHEMA))
+
+
+def test_it_starts_as_the_specification_wants():
+    assert FILE.read_bytes().decode("utf-8").startswith("---\n")
+
+
+def test_what_only_a_codechecker_knows_is_not_made_up(configuration):
+    assert not {"codechecker", "report", "certificate", "check_time", "summary"} & set(
+        configuration
+    )
+
+
+def test_the_paper_is_the_one_that_is_cited(configuration):
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    (cited,) = citation["references"]
+    assert configuration["paper"]["title"] == cited["title"]
+    assert [author["name"] for author in configuration["paper"]["authors"]] == [
+        f"{author['given-names']} {author['family-names']}" for author in cited["authors"]
+    ]
+    assert configuration["paper"]["reference"].endswith(cited["number"])
+
+
+def test_every_table_and_figure_of_the_paper_is_named(configuration):
+    named = {item["comment"].partition(":")[0]: item["file"] for item in configuration["manifest"]}
+    rules = (ROOT / "workflow/rules/figures.smk").read_text(encoding="utf-8")
+    figures = {
+        f"Figure {n}": f"figures/figure{n}.svg" for n in re.findall(r"rule figure(\d)", rules)
+    }
+    printed = {path.stem for path in (ROOT / "paper/published").glob("table*.csv")}
+    tables = {f"Table {name[5]}": f"tables/table{name[5]}.csv" for name in printed}
+    assert len(figures) == len(tables) == 3
+    wanted = (
+        figures
+        | tables
+        | {"Text": "tables/statistics.csv", "Every printed number of text and tables": "claims.csv"}
+    )
+    assert named == {key: f"results/paper/{file}" for key, file in wanted.items()}
+
+
+def test_a_finished_check_is_valid_too(configuration):
+    assert problems(configuration | CHECKED) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        ({"manifest": []}, "manifest"),
+        ({"manifest": [{"file": "/a.csv", "comment": "A"}]}, "file"),
+        ({"manifest": [{"file": "results/../../a.csv", "comment": "A"}]}, "file"),
+        ({"manifest": [{"comment": "A"}]}, "manifest"),
+        ({"version": "https://codecheck.org.uk/spec/config/0.9/"}, "version"),
+        (
+            {"paper": {"title": "A", "authors": [], "reference": "https://doi.org/10.1/a"}},
+            "authors",
+        ),
+        (
+            {
+                "paper": {
+                    "title": "FIXME",
+                    "authors": [{"name": "A"}],
+                    "reference": "https://a.org/a",
+                }
+            },
+            "title",
+        ),
+        (
+            {
+                "paper": {
+                    "title": "A",
+                    "authors": [{"name": "A"}],
+                    "reference": "https://a.org/a.pdf",
+                }
+            },
+            "reference",
+        ),
+        (
+            CHECKED
+            | {"codechecker": [{"name": "A", "ORCID": "https://orcid.org/0000-0002-1825-0097"}]},
+            "ORCID",
+        ),
+        (CHECKED | {"certificate": "CODECHECK-1"}, "certificate"),
+        ({"certificate": "2020-001"}, "certificate"),
+        ({"codechecker": CHECKED["codechecker"]}, "codechecker"),
+    ],
+)
+def test_what_the_rules_of_codecheck_forbid_is_refused(configuration, change, key):
+    found = problems(copy.deepcopy(configuration) | change)
+    assert found
+    assert all(key in f"{place} {text}" for place, text in found), found
+
+
+def test_the_error_names_file_key_and_remedy(tmp_path):
+    wrong = tmp_path / "codecheck.yml"
+    text = FILE.read_text(encoding="utf-8").replace("results/paper/claims.csv", "/claims.csv")
+    wrong.write_text(text, encoding="utf-8")
+    with pytest.raises(
+        ConfigurationError, match=r"codecheck\.yml: line \d+: manifest.*relative to this file"
+    ):
+        read(wrong, SCHEMA)

@@ -1,0 +1,117 @@
+"""The package as others install it: a wheel, built from the source distribution, works in an empty environment."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import sysconfig
+import tarfile
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import dampbalance
+from dampbalance.publishing.provenance.sources import files_of
+from folders import ROOT
+
+pytestmark = pytest.mark.slow
+
+NAME = f"dampbalance-{dampbalance.__version__}"
+PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet")
+
+
+def run(*command: str | Path, folder: Path, **variables: str) -> str:
+    """What a command says, without anything of this process's own search path."""
+    inherited = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    done = subprocess.run(
+        [*map(str, command)],
+        cwd=folder,
+        env=inherited | variables,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def sources(tmp_path_factory):
+    """The source distribution, made by the locked build backend."""
+    pytest.importorskip("hatchling", reason="the build backend is not installed: make setup")
+    folder = tmp_path_factory.mktemp("sdist")
+    run(sys.executable, "-m", "hatchling", "build", "-t", "sdist", "-d", folder, folder=ROOT)
+    return folder / f"{NAME}.tar.gz"
+
+
+@pytest.fixture(scope="module")
+def wheel(sources, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("wheel")
+    offline = ("--no-index", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder))
+    run(*PIP, "wheel", *offline, sources, folder=folder)
+    (made,) = folder.iterdir()
+    return made
+
+
+@pytest.fixture(scope="module")
+def empty(wheel, tmp_path_factory):
+    """An environment with the wheel alone; its dependencies are seen where they are installed for this Python."""
+    folder = tmp_path_factory.mktemp("environment")
+    venv.create(folder, with_pip=False, symlinks=True)
+    python = folder / "bin/python"
+    run(*PIP, "--python", python, "install", "--no-index", "--no-deps", wheel, folder=folder)
+    site = Path(run(python, "-c", SITE, folder=folder).strip())
+    locked = sysconfig.get_path("purelib")
+    (site / "locked.pth").write_text(f"import site; site.addsitedir({locked!r})\n")
+    return folder
+
+
+SITE = "import sysconfig; print(sysconfig.get_path('purelib'))"
+
+
+def test_the_source_distribution_holds_the_package_and_what_builds_it(sources):
+    with tarfile.open(sources) as tar:
+        held = {name.removeprefix(f"{NAME}/") for name in tar.getnames()}
+    assert {*files_of(ROOT, ["src"]), "pyproject.toml", "README.md", "LICENSE"} <= held
+
+
+def test_the_wheel_holds_every_file_of_the_package_and_no_other(wheel):
+    assert wheel.name == f"{NAME}-py3-none-any.whl"
+    with zipfile.ZipFile(wheel) as opened:
+        held = set(opened.namelist())
+        metadata = opened.read(f"{NAME}.dist-info/METADATA").decode()
+    package = {name.removeprefix("src/") for name in files_of(ROOT, ["src"])}
+    assert {name for name in held if ".dist-info/" not in name} == package
+    assert {"dampbalance/py.typed", "dampbalance/records/mapping.schema.yaml"} <= package
+    assert f"{NAME}.dist-info/licenses/LICENSE" in held
+    assert "License-Expression: BSD-3-Clause" in metadata
+
+
+def test_its_commands_work_in_an_empty_folder(empty, tmp_path):
+    command = empty / "bin/dampbalance"
+    assert "identify" in run(command, "--help", folder=tmp_path)
+    where = run(
+        empty / "bin/python",
+        "-c",
+        "import dampbalance; print(dampbalance.__file__)",
+        folder=tmp_path,
+    )
+    assert Path(where.strip()).is_relative_to(empty)
+    # Interpreted: to compile the kernels anew would take longer than these short records.
+    interpreted = {"NUMBA_DISABLE_JIT": "1"}
+    drive = ("--frequency", "3.5", "--rate", "500", "--cycles", "12")
+    for number, amplitude in enumerate(("0.004", "0.008"), start=1):
+        record = ("simulate", f"level{number}.csv", "--amplitude", amplitude, *drive)
+        run(command, *record, folder=tmp_path, **interpreted)
+    said = run(
+        command,
+        *("identify", "level1.csv", "level2.csv", "--stiffness", "2310", "--output", "found"),
+        folder=tmp_path,
+        **interpreted,
+    )
+    assert "F_k" in said
+    assert (tmp_path / "found/identification.json").is_file()
+    assert {path.name for path in tmp_path.iterdir()} == {"level1.csv", "level2.csv", "found"}
