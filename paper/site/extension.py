@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module
 from typing import Any
 
 from docutils import nodes
@@ -16,6 +17,7 @@ from sphinx.writers.html5 import HTML5Translator
 from dampbalance.project.wording import SYMBOL
 from dampbalance.publishing.page.words import rich
 from dampbalance.publishing.site.docstrings import markup
+from dampbalance.publishing.site.names import resolved
 
 PACKAGE = "dampbalance"
 
@@ -31,6 +33,7 @@ _AS_IT_IS = (
 
 _LONG_TYPE = re.compile(r"TypeAliasForwardRef\('(\w+)'\)|~(?:\w+\.)+")
 
+_PATH = re.compile(r"[a-z][a-z_]*(?:\.[A-Za-z]\w*)+")
 _SIGNATURE = re.compile(r'<dt class="sig\b.*?</dt>', re.DOTALL)
 _EMPTY_HEAD = re.compile(r'<th class="head[^"]*">(?:<p></p>)?</th>')
 _PART = re.compile(r"<(/?)(d[ld])>")
@@ -91,12 +94,25 @@ def _link_names(app: Sphinx, tree: nodes.document, page: str) -> None:
     registries = {path.rpartition(".")[2]: path for path in known if known[path].objtype == "data"}
     for literal in list(tree.findall(nodes.literal)):
         text = literal.astext().removesuffix("()")
-        paths = (text, f"{PACKAGE}.{text}", registries.get(text))
+        paths = (text, f"{PACKAGE}.{text}", _handed_on(text), registries.get(text))
         found = next((known[path] for path in paths if path in known), None)
         if found is None or _within(literal, (nodes.reference, nodes.title, nodes.term)):
             continue
         link = make_refnode(app.builder, page, found.docname, found.node_id, literal.deepcopy())
         literal.replace_self(link)
+
+
+def _handed_on(name: str) -> str | None:
+    """Under which name the package hands on what has that path in it, motion.orbit.Orbit.W for one; None for others."""
+    if not _PATH.fullmatch(name):
+        return None
+    try:
+        module, _, place = resolved(f"{PACKAGE}.{name}")
+        first = place.split(".")[0]
+        same = getattr(import_module(module), first) is getattr(import_module(PACKAGE), first)
+    except (LookupError, AttributeError):
+        return None
+    return f"{PACKAGE}.{place}" if same else None
 
 
 def _set_symbols(app: Sphinx, tree: nodes.document, page: str) -> None:

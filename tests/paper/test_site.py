@@ -86,6 +86,8 @@ def test_every_function_of_an_equation_is_documented(site):
     links = read_page(site / "reference/equations.html").links
     known = {link.partition("#")[2] for link in links}
     for name in (
+        "steady_orbit",
+        "Orbit.W",
         "balance.direct",
         "solver.pair",
         "reading.clean.of_record",

@@ -211,9 +211,9 @@ def test_a_command_as_a_table():
     parser.add_argument("--n", type=int, default=7, help="how many (default: %(default)s)")
     parser.add_argument("--fast", action="store_true", help="sooner | worse")
     text = options.command(parser)
-    assert "```\np do FILE … --kind a|b [options]\n```" in text
+    assert "```\np do FILE … --kind KIND [options]\n```" in text
     assert "| `FILE` *needed* | what is read |" in text
-    assert "| `--kind a\\|b` *needed* | of file |" in text
+    assert "| `--kind KIND` *needed* | of file: `a` or `b` |" in text
     assert "| `--n N` | how many (default: 7) |" in text
     assert "| `--fast` | sooner \\| worse |" in text
     assert "```\np do a_b --n 1\n```" in text

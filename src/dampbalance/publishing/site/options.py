@@ -6,7 +6,7 @@ import argparse
 import re
 from collections.abc import Iterator
 
-from ...project.wording import in_markdown
+from ...project.wording import in_markdown, listed
 
 _EXAMPLE = re.compile(r"(?:^ {2,}\S.*\n?)+", re.MULTILINE)
 
@@ -40,19 +40,18 @@ def _called(parser: argparse.ArgumentParser) -> Iterator[str]:
 
 def _written(action: argparse.Action) -> str:
     """An argument as it is typed."""
-    takes = action.nargs != 0 and action.option_strings
-    value = "" if action.choices else str(action.metavar or action.dest.upper())
-    choices = "|".join(map(str, action.choices)) if action.choices else ""
-    name = ", ".join(action.option_strings) or str(action.metavar or action.dest)
-    return f"{name} {value or choices}" if takes else name
+    value = str(action.metavar or action.dest.upper())
+    name = ", ".join(action.option_strings)
+    return f"{name} {value}" if name and action.nargs != 0 else name or value
 
 
 def _lines(parser: argparse.ArgumentParser) -> Iterator[str]:
     for action in _actions(parser):
         needed = " *needed*" if action.required else ""
-        written = _written(action).replace("|", r"\|")
-        words = (action.help or "") % {**vars(action), "prog": parser.prog}
-        yield f"| `{written}`{needed} | {in_markdown(words)} |\n"
+        words = in_markdown((action.help or "") % {**vars(action), "prog": parser.prog})
+        if action.choices:
+            words += f": {listed([f'`{choice}`' for choice in action.choices], 'or')}"
+        yield f"| `{_written(action)}`{needed} | {words} |\n"
 
 
 def _prose(text: str) -> str:
