@@ -33,7 +33,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check docs archive wheels verify bench peers mutants blind format lock clean distclean help stale
+.PHONY: all setup test lint unit check docs archive wheels verify compare bench peers mutants blind format lock clean distclean help stale
 
 all: setup ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
@@ -74,6 +74,10 @@ verify: archive ## Unpack the archive elsewhere, build everything anew there fro
 	    && ! grep -v '/manifest.json: FAILED$$' "$$top/different" \
 	    && echo "$$(wc -l <SHA256SUMS) files of the archive, and its results rebuilt: the same bytes, except the manifest."
 
+compare: setup ## List what differs between the results here and those of another build (say which: WITH=../other/results)
+	@test -n "$(WITH)" || { echo "error: Name the other folder: make compare WITH=../other/results" >&2; exit 1; }
+	@cd tests && $(RUN) same_results ../results "$(abspath $(WITH))"
+
 bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and scipy (choose with BENCH_ARGS="peers")
 	@cd tests && $(BENCH_RUN) benchmarks --output ../results/benchmarks $(BENCH_ARGS)
 
@@ -94,7 +98,9 @@ format: setup ## Format the sources
 LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade --fork-strategy fewest \
 	--no-header --no-emit-index-url --no-emit-find-links
 
+# From nothing: of a lock that is there uv keeps which versions are for which Python, even when told to upgrade all.
 lock: setup ## Pin the newest versions that pyproject.toml allows, with hashes
+	@rm -f requirements.lock requirements-build.lock
 	@$(RUN) $(LOCK) --extra workflow --extra article --extra records --group dev --group docs --output-file requirements.lock pyproject.toml
 	@$(RUN) $(LOCK) --constraint requirements.lock --group build --output-file requirements-build.lock
 

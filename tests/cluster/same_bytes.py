@@ -22,6 +22,7 @@ from pathlib import Path
 import yaml
 
 from folders import ROOT
+from same_results import different, names_of
 from workflow.copies import copied
 
 LOCAL = ("--cores", "all")
@@ -51,22 +52,6 @@ def compute(folder: Path, study: str, how: tuple[str, ...]) -> float:
     return time.perf_counter() - begun
 
 
-def different(first: Path, second: Path) -> list[str]:
-    """Files of two folders that differ, or are in one of them only."""
-    names = {
-        str(path.relative_to(top))
-        for top in (first, second)
-        for path in top.rglob("*")
-        if path.is_file()
-    }
-    both = [(name, first / name, second / name) for name in sorted(names)]
-    return [
-        name
-        for name, a, b in both
-        if not (a.is_file() and b.is_file() and a.read_bytes() == b.read_bytes())
-    ]
-
-
 def main(study: str, parent: Path | None, changes: Path | None) -> int:
     """Both runs, and what came out, on stdout."""
     top = Path(tempfile.mkdtemp(prefix="same_bytes.", dir=parent))
@@ -79,8 +64,8 @@ def main(study: str, parent: Path | None, changes: Path | None) -> int:
             print(f"{name}: {compute(top / name, study, how):.1f} s", flush=True)
             results.append(top / name / "results/studies" / study)
         unequal = different(*results)
-        files = [path for path in results[0].rglob("*") if path.is_file()]
-        size = sum(path.stat().st_size for path in files)
+        files = names_of(results[0])
+        size = sum((results[0] / name).stat().st_size for name in files)
         for name in unequal:
             print(f"different: {name}")
         print(f"{len(files)} files, {size:,} bytes: {'different' if unequal else 'the same'}")

@@ -231,6 +231,17 @@ def test_every_exercise_has_an_outcome(executed):
         assert answer.outputs
 
 
+@pytest.mark.slow
+def test_a_notebook_shows_figures_without_being_told_of_pyplot(tmp_path):
+    path = script(
+        tmp_path,
+        TITLE,
+        ("", "from dampbalance.figures.style import page, place\nfigure = page(40.0, 30.0)"),
+        (' alt="A frame."', "place(figure, 5.0, 5.0, 30.0, 20.0)\nfigure"),
+    )
+    assert shown(path)[2].count("<img") == 1
+
+
 # --- what it becomes -----------------------------------------------------------------------------
 
 

@@ -7,6 +7,7 @@ the markers help.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -69,9 +70,13 @@ def styled() -> Iterator[None]:
 
 
 def page(width: float, height: float) -> Figure:
-    """An empty figure of the given size, mm."""
+    """An empty figure of the given size, mm. A notebook shows it as it shows those of pyplot."""
     from matplotlib.figure import Figure
 
+    if "IPython" in sys.modules:  # which may not have been told yet how a figure is shown
+        from matplotlib import pyplot
+
+        pyplot.install_repl_displayhook()
     return Figure(figsize=(width * MM, height * MM))
 
 

@@ -22,7 +22,19 @@ if TYPE_CHECKING:
 ROUTES = ("exact", "as_published")
 """The ways in which a case is computed, as their folders are named."""
 
-SIGNIFICANT_DIGITS = 15  # of a float in a CSV: all that survive a round trip through decimal text
+SIGNIFICANT_DIGITS = 15
+"""Of a float in a table: all that survive a round trip through decimal text. Exact responses have them on any
+processor that was tried, and what follows from two of them needs them."""
+
+READ_OUT_DIGITS = 13
+"""Of what is read off a sampled response. In the paper's case another processor moves it by up to 5e-14 of itself;
+where the truth is zero, as for harmonics of a response that sticks, it moves every digit."""
+
+STATISTICAL_DIGITS = 6
+"""Of statistics of noisy records, which another processor moves by up to 3e-7, and chance by far more."""
+
+# What reads a table starts from equal numbers again; only one at a tie between two roundings may still differ. Orbits,
+# records and cases of studies (JSON, Parquet) keep every bit: too many for no tie to occur, or to be continued.
 
 
 UNFINISHED = ".~"
@@ -72,9 +84,13 @@ def write_json(path: str | Path, data: Any) -> None:
     write_text(path, json_text(data))
 
 
-def write_csv(path: str | Path, frame: pd.DataFrame) -> None:
-    """Write a table without its index; floats with 15 significant digits, a missing value as an empty field."""
-    write_text(path, frame.to_csv(index=False, float_format=_digits, lineterminator="\n"))
+def write_csv(path: str | Path, frame: pd.DataFrame, digits: int = SIGNIFICANT_DIGITS) -> None:
+    """Write a table without its index; floats with so many significant digits, a missing value as an empty field."""
+
+    def text(value: object) -> str:
+        return _digits(value, digits)
+
+    write_text(path, frame.to_csv(index=False, float_format=text, lineterminator="\n"))
 
 
 def write_rows(path: str | Path, rows: Sequence[Mapping[str, object]]) -> None:
@@ -126,8 +142,8 @@ def _field(value: object) -> object:
     return "" if math.isnan(value) else _digits(value)
 
 
-def _digits(value: object) -> str:
-    return repr(float(f"{value:.{SIGNIFICANT_DIGITS}g}"))
+def _digits(value: object, digits: int = SIGNIFICANT_DIGITS) -> str:
+    return repr(float(f"{value:.{digits}g}"))
 
 
 def _umask() -> int:

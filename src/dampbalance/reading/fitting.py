@@ -77,7 +77,7 @@ def _best(
 def _as_candidate(fit: Fit) -> Array:
     """(F_k, c, K_z, m) of an oscillator that loses about as much."""
     worths = {key: worth(parted(key)[0], fit.lines[0], fit.k) for key in fit.law.keys}
-    damping = sum(
+    damping = math.fsum(
         fit.value(key) / worths[key] for key in fit.law.keys if parted(key)[0] != FRICTION
     )
     rho = max(fit.rho, (_STIFFEST * fit.k) ** -0.5)

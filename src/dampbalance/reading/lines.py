@@ -237,7 +237,7 @@ def linear_misfit(
     right = np.concatenate([z.real / error, z.imag / error])
     solution, _, rank, _ = np.linalg.lstsq(matrix / size, right, rcond=1e-6)
     chi_square = float(np.sum((matrix / size @ solution - right) ** 2))
-    chi_square += sum(float(np.sum(np.abs(one.x / one.x_error)[1:] ** 2)) for one in lines)
+    chi_square += math.fsum(float(np.sum(np.abs(one.x / one.x_error)[1:] ** 2)) for one in lines)
     return chi_square, 2 * sum(one.n.size for one in lines) - int(rank)
 
 

@@ -200,8 +200,8 @@ def _rows(
         at = one.start + np.array(times)
         sure = np.sqrt(np.diag(covariance)[places[i]])[: at.size]
         turns.append((np.column_stack([at, theta[: at.size]]), sure))
-    travel = sum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)
-    viscous = sum(course.viscous for course in courses)
+    travel = math.fsum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)
+    viscous = math.fsum(course.viscous for course in courses)
     for column, (j, size) in {A: (0, travel), B: (1, viscous)}.items():
         row, slope = np.zeros((1, 3)), np.zeros((1, found.size))
         row[0, column], row[0, W] = size, size * (fit.point[j] + found[total + j])

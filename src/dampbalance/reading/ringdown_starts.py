@@ -340,7 +340,7 @@ def _doubted(
     ]
     for count in (1, _SEVERAL):
         new = sum(n for n, _ in steps[-count:])
-        excess = sum(chi_square for _, chi_square in steps[-count:])
+        excess = math.fsum(chi_square for _, chi_square in steps[-count:])
         if new and special.chdtrc(new, max(excess, 0.0)) < _LEFT:
             return count
     return 0

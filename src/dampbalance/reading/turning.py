@@ -93,7 +93,7 @@ def _end(parts: list[Series], sign: float, rests: bool) -> tuple[Array, Array]:
         series[part.n.astype(np.intp)] = sign * part.x.mean(axis=0)
     values = np.fft.irfft(series) * (0.5 * _POINTS)
     highest = int(np.argmax(values))
-    noise = math.sqrt(0.5 * sum(float(part.variance.sum()) for part in parts))
+    noise = math.sqrt(0.5 * math.fsum(float(part.variance.sum()) for part in parts))
     rest = _rest(values, highest, noise) if rests else None
     if rest is not None:
         begin, end = (2.0 * math.pi / _POINTS * place for place in rest)

@@ -159,7 +159,7 @@ class Unknowns:
         law, point = self.law, np.zeros(self.size)
         free = [s for s in law.terms if s != FRICTION and s not in law.given]
         worths = {s: float(np.median([worth(s, one, self.k) for one in lines])) for s in law.terms}
-        known = sum(p / worths[s] for s, p in law.given.items() if s != FRICTION)
+        known = math.fsum(p / worths[s] for s, p in law.given.items() if s != FRICTION)
         for i, one in enumerate(lines):
             at = self.at(i)
             point[at[FRICTION]] = law.given.get(FRICTION, F_k * relative[i])

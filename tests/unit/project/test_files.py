@@ -9,6 +9,8 @@ import pandas as pd
 import pytest
 
 from dampbalance.project.files import (
+    READ_OUT_DIGITS,
+    STATISTICAL_DIGITS,
     read_csv,
     remove_unfinished,
     replacing,
@@ -54,6 +56,16 @@ def test_a_csv_keeps_fifteen_digits_and_missing_values(tmp_path):
     assert list(back["n"]) == [1, 2, 3]
     assert list(back["w"]) == ["x", "", "z, w"]
     assert (tmp_path / "t.csv").read_bytes().splitlines()[1] == b"0.333333333333333,1,x"
+
+
+def test_fewer_digits_hide_what_a_processor_changes(tmp_path):
+    # The furthest that read-outs and statistics were seen to move; away from a tie, where any difference decides.
+    for digits, moved in ((READ_OUT_DIGITS, 5e-14), (STATISTICAL_DIGITS, 3e-7)):
+        for name, factor in (("a.csv", 1.0), ("b.csv", 1.0 + moved)):
+            frame = pd.DataFrame({"x": [factor * 0.01234567890123, math.nan], "n": [1, 2]})
+            write_csv(tmp_path / name, frame, digits)
+        assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    assert (tmp_path / "a.csv").read_text() == "x,n\n0.0123457,1\n,2\n"
 
 
 def test_rows_are_written_as_the_same_table_is(tmp_path):

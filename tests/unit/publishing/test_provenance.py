@@ -147,9 +147,8 @@ def test_large_results_stay_out_and_are_named(tmp_path, monkeypatch):
         },
     }
     citation = {"title": "t", "abstract": "a", "license": "BSD-3-Clause"}
-    archive.pack(
-        "it.tar.gz", ["source"], manifest, "manifest.json", "crate.json", citation, rebuild="make"
-    )
+    given = (["source"], manifest, "manifest.json", "crate.json", citation)
+    archive.pack("it.tar.gz", *given, rebuild="make")
     with tarfile.open("it.tar.gz") as tar:
         names = {name.removeprefix("it/") for name in tar.getnames()}
         text = tar.extractfile("it/ARCHIVE.md").read().decode()
@@ -157,3 +156,12 @@ def test_large_results_stay_out_and_are_named(tmp_path, monkeypatch):
     assert "large" not in names
     assert "- `large`" in text
     assert "commit c0ffee" in text
+
+    def edited_meanwhile(*_, **__):
+        (tmp_path / "source").write_text("{ }", encoding="utf-8")
+        return {}
+
+    monkeypatch.setattr(archive, "crate", edited_meanwhile)
+    with pytest.raises(ValueError, match="source changed while it was packed"):
+        archive.pack("other.tar.gz", *given, rebuild="make")
+    assert not (tmp_path / "other.tar.gz").exists()

@@ -1,7 +1,9 @@
-"""The versions with which the results were made, and what CITATION.cff states of the software."""
+"""The packages that made the results, the Python that they need, and what CITATION.cff states of the software.
 
-import platform
-from importlib.metadata import version
+Not the Python that ran, on which no result depends: the manifest names it.
+"""
+
+from importlib.metadata import metadata, version
 from pathlib import Path
 
 import yaml
@@ -16,7 +18,7 @@ if __name__ == "__main__":
     packages = {name: version(name) for name in snakemake.params.packages}
     citation = yaml.safe_load(Path(snakemake.input.citation).read_text(encoding="utf-8"))
     environment = {
-        "python": platform.python_version(),
+        "python": metadata("dampbalance")["Requires-Python"].replace(">=", "≥ "),
         "packages": packages,
         "typesetter": compiling.version(),
         "software": software(citation),

@@ -3,7 +3,7 @@
 import pandas as pd
 
 from dampbalance.project.case import Case
-from dampbalance.project.files import write_csv
+from dampbalance.project.files import READ_OUT_DIGITS, write_csv
 from dampbalance.project.troubles import brief_troubles
 from dampbalance.record import Record
 from dampbalance.replication import as_published
@@ -17,6 +17,6 @@ if __name__ == "__main__":
         levels = pd.read_parquet(file).groupby("level")
         records = [Record.from_frame(frame.drop(columns="level")) for _, frame in levels]
         read = as_published.read_levels(records, case, frequency)
-        write_csv(output.tabulated[i], read.tabulated.to_frame())
-        write_csv(output.two_point[i], read.two_point.to_frame())
-        write_csv(output.unrounded[i], read.unrounded.to_frame())
+        write_csv(output.tabulated[i], read.tabulated.to_frame(), READ_OUT_DIGITS)
+        write_csv(output.two_point[i], read.two_point.to_frame(), READ_OUT_DIGITS)
+        write_csv(output.unrounded[i], read.unrounded.to_frame(), READ_OUT_DIGITS)

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from dampbalance.project.files import write_csv, write_text
+from dampbalance.project.files import STATISTICAL_DIGITS, write_csv, write_text
 from dampbalance.project.troubles import brief_troubles
 from dampbalance.studies import checking
 from dampbalance.studies.shown import facts, summary
@@ -17,5 +17,5 @@ if __name__ == "__main__":
     page = summary.summary_markdown(
         study, table, facts.paragraph(study, snakemake.input.cases), figure
     )
-    write_csv(snakemake.output.csv, table)
+    write_csv(snakemake.output.csv, table, STATISTICAL_DIGITS)
     write_text(snakemake.output.md, page)

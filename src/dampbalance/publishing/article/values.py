@@ -192,7 +192,7 @@ def _studies(book: Book) -> None:
 
 
 def _environment(book: Book) -> list[str]:
-    """Versions of Python, of typst itself, and of the packages that matter."""
+    """The versions of Python that are needed, of typst itself, and of the packages that matter."""
     packages = list(book.results.document(book.path(ENVIRONMENT))["packages"])
     book.item("python", ENVIRONMENT, "/python", TEXT)
     book.item("typesetter", ENVIRONMENT, "/typesetter", TEXT)

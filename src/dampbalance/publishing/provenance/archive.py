@@ -91,6 +91,8 @@ def pack(
 
     sources : files of the project.   manifest, manifest_file, citation : as in `crate.crate`.   crate_file : the
     crate of the results, packed as it is.   rebuild : the command that builds the results again.
+
+    Raises ValueError for a file that changes while it is packed.
     """
     name = Path(path).name.removesuffix(".tar.gz")
     results = {r["path"]: r for r in manifest["reproducible"]["results"]}
@@ -131,6 +133,8 @@ def pack(
     ):
         for file in sorted({*files, *written}):
             data = written[file] if file in written else files[file].read_bytes()
+            if file in files and _digest(data) != digests[file]:
+                raise ValueError(f"{file} changed while it was packed: run `make archive` again")
             executable = file in files and os.access(files[file], os.X_OK)
             tar.addfile(_entry(f"{name}/{file}", len(data), executable), io.BytesIO(data))
 

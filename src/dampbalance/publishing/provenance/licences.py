@@ -35,9 +35,11 @@ def stated_licence(stated: PackageMetadata) -> str:
         for words in stated.get_all("Classifier") or []
         if words.startswith("License ::")
     ]
-    field = stated.get("License") or ""
+    field, expression = (
+        next(iter(stated.get_all(key) or []), "") for key in ("License", "License-Expression")
+    )
     given = [
-        stated.get("License-Expression") or "",
+        expression,
         field,
         *(classified if len(classified) == 1 else []),
     ]
