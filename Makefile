@@ -97,12 +97,14 @@ format: setup ## Format the sources
 
 LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade --fork-strategy fewest \
 	--no-header --no-emit-index-url --no-emit-find-links
+NEW_LOCKS := requirements.lock.new requirements-build.lock.new
 
-# From nothing: of a lock that is there uv keeps which versions are for which Python, even when told to upgrade all.
+# Into a new file: of a lock that is there uv keeps which versions are for which Python, even when told to upgrade all.
 lock: setup ## Pin the newest versions that pyproject.toml allows, with hashes
-	@rm -f requirements.lock requirements-build.lock
-	@$(RUN) $(LOCK) --extra workflow --extra article --extra records --group dev --group docs --output-file requirements.lock pyproject.toml
-	@$(RUN) $(LOCK) --constraint requirements.lock --group build --output-file requirements-build.lock
+	@trap 'rm -f $(NEW_LOCKS)' EXIT \
+	    && $(RUN) $(LOCK) --extra workflow --extra article --extra records --group dev --group docs --output-file requirements.lock.new pyproject.toml \
+	    && $(RUN) $(LOCK) --constraint requirements.lock.new --group build --output-file requirements-build.lock.new \
+	    && for file in $(NEW_LOCKS); do sed -e 's/requirements\.lock\.new/requirements.lock/' "$$file" > "$${file%.new}"; done
 
 clean: ## Remove results and caches; the environment stays
 	find results -mindepth 1 -maxdepth 1 ! -name README.md -exec rm -rf {} +
