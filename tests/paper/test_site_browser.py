@@ -19,7 +19,6 @@ SAMPLE = (
     "start/paper",
     "explain/balance",
     "reference/api",
-    "reference/case",
     "studies",
     "search",
 )
