@@ -33,7 +33,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check archive wheels verify compare bench peers mutants blind format lock clean distclean help stale
+.PHONY: all setup test lint unit check docs archive wheels verify compare bench peers mutants blind format lock clean distclean help stale
 
 all: setup ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
@@ -54,6 +54,10 @@ unit: setup ## Run the tests: unit, analytic, paper, workflow (choose with PYTES
 
 check: setup ## Rebuild what is out of date and compare each verdict with the recorded one
 	@$(SNAKEMAKE) check
+
+docs: setup ## Build the site of documentation, with all studies, into results/site/
+	@$(SNAKEMAKE) results/site
+	@echo "The site is built. Open results/site/index.html."
 
 archive: setup ## Pack sources, results and digests for keeping, into results/archive/
 	@$(SNAKEMAKE) archive

@@ -3,6 +3,7 @@
 snakemake --cores all            everything, with a verdict on every printed number
 snakemake --cores all check      the comparison with the recorded verdicts
 snakemake --cores all --configfile config/measured.yaml     identification from measured records
+snakemake --cores all results/site     the site of documentation, with all studies
 snakemake --cores all tables     one kind of result: orbits, records, features, estimates, tables, figures, claims
 """
 
@@ -45,6 +46,7 @@ include: "workflow/rules/frame.smk"
 include: "workflow/rules/article.smk"
 include: "workflow/rules/page.smk"
 include: "workflow/rules/notebook.smk"
+include: "workflow/rules/site.smk"
 include: "workflow/rules/codecheck.smk"
 include: "workflow/rules/provenance.smk"
 

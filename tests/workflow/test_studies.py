@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -182,3 +183,17 @@ def test_a_study_that_is_not_there_is_named(studied):
     done = studied.run(target("frequenzy"))
     assert done.returncode != 0
     assert "config/studies/frequenzy.yaml: there is no such study" in done.stderr + done.stdout
+
+
+def test_the_site_shows_them_and_is_made_again_when_a_text_changes(studied):
+    shutil.copy2(ROOT / "tests/workflow/small.yaml", studied.folder)
+    own = ("--configfile", "small.yaml")  # of the paper's case, the site would need all results
+    done = studied.run("results/site", *own)
+    assert done.returncode == 0, done.stderr
+    page = (studied.folder / "results/site/studies.html").read_text(encoding="utf-8")
+    assert "Not computed yet" not in page
+    assert len(re.findall(r'<img[^>]*src="_images/', page)) == len(NAMES)
+    assert studied.jobs("results/site", *own) == {}
+    readme = studied.folder / "README.md"
+    readme.write_text(readme.read_text(encoding="utf-8") + "\nMore.\n", encoding="utf-8")
+    assert studied.jobs("results/site", *own) == {"site": 1, "total": 1}

@@ -36,7 +36,7 @@ or blows:
 _HELP = f"""\
 records         a file, one per level; as many as there are coefficients, or more; of a free decay one is enough
 --kind          forced records or free decays (default: as the first record is recognised)
---stiffness     stiffness k, N/m
+--stiffness     stiffness k, N/m; it scales F_k and c, and shows in nothing but the mass that the records imply
 --frequency     drive frequency as known, Hz; compared with the one found in each record
 --terms         of the damping law, such as F_k,c,c_2 (default: F_k,c); known: {", ".join(KNOWN_TERMS)}
 --given         a coefficient that is known, such as c=0.669, SI; may be repeated
@@ -44,14 +44,14 @@ records         a file, one per level; as many as there are coefficients, or mor
 --laws          compare the laws of one or two terms beside friction, and tell which the records support
 --approach      an approach; may be repeated (default: all)
 --phase         phase φ that the approaches X_s, t_s and V_s take (default: reversal)
---mass          mass, kg, if it is known: the fit of the whole oscillator then takes it as it is
+--mass          mass, kg, if it is known: the fit takes it, unless the records contradict it
 --mapping       channels of all records (default: beside each)
---skip-cycles   cycles left out at the start of each record (default: 0)
+--skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
 --replicates    of the bootstrap (default: %(default)s)
 --seed          of the bootstrap (default: %(default)s)
 --largest       numbers, samples × channels, that may be read of a record (default: %(default)s)
 --output        write {", ".join(OUTPUTS)} there
---no-figures    write no pictures
+--no-figures    write no pictures: they take longer than all the rest
 --json          write {TABLES[0]} to this file, too; - shows it instead of the table
 --overwrite     replace results that are there already
 """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from importlib import import_module
 from typing import NoReturn
 
@@ -31,27 +31,32 @@ class _Parser(argparse.ArgumentParser):
         super().error(cut(visible(message), _LONGEST))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; returns the exit code: 0, or 2 for what could not be done, with one line that says why."""
-    arguments = sys.argv[1:] if arguments is None else arguments
-    parser = _Parser(
+def parser(named: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:
+    """The parser of the command line; of its commands, only those that are named know their arguments."""
+    made = _Parser(
         prog="dampbalance",
         description="Friction and viscous damping of a vibrating system from the balance of energy over one period.",
         epilog="dampbalance COMMAND --help tells more.",
     )
-    parser.add_argument("--version", action="version", version=f"dampbalance {__version__}")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    made.add_argument("--version", action="version", version=f"dampbalance {__version__}")
+    commands = made.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, summary in COMMANDS.items():
         command_parser = commands.add_parser(
             name, help=summary, formatter_class=argparse.RawDescriptionHelpFormatter
         )
-        if name in arguments:
+        if name in named:
             command = import_module(f".{name}", __package__)
             command_parser.description, command_parser.epilog = command.__doc__, command.EPILOG
             for argument, options_of in command.ARGUMENTS.items():
                 command_parser.add_argument(argument, **options_of)
             command_parser.set_defaults(run=command.run)
-    options = parser.parse_args(arguments)
+    return made
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code: 0, or 2 for what could not be done, with one line that says why."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    options = parser(arguments).parse_args(arguments)
     try:
         options.run(options)
     except (

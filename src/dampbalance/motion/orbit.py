@@ -164,6 +164,17 @@ def steady_orbit(oscillator: Oscillator, motion: BaseMotion) -> Orbit:
 
     Raises NoSteadyOrbit where there is none (an undamped oscillator driven at resonance, with F_k < πkY/4) or none was
     found.
+
+    >>> import math
+    >>> from dampbalance import BaseMotion, Oscillator, steady_orbit
+    >>> osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    >>> orbit = steady_orbit(osc, BaseMotion(Y=0.004, omega=2 * math.pi * 4.92))
+    >>> f"X = {1000 * orbit.X:.3f} mm, X_s = {1000 * orbit.X_s:.3f} mm, t_s = {1000 * orbit.t_s:.2f} ms"
+    'X = 2.728 mm, X_s = -2.716 mm, t_s = 2.98 ms'
+    >>> abs(orbit.a * osc.F_k + orbit.b * osc.c - orbit.W) < 1e-16
+    True
+    >>> str(orbit.regime)
+    'one slip onset per half cycle'
     """
     phases = np.empty((MAX_PHASES, 5))
     code, count, theta = solve_steady(parameters(oscillator, motion), phases)

@@ -63,6 +63,17 @@ def steady_orbits(
 
     Raises ValueError (naming the argument and the first offending value) for a value outside the range given in
     `Oscillator` and for shapes that do not broadcast, TypeError for anything but numbers.
+
+    >>> import math
+    >>> from dampbalance import Regime, steady_orbits
+    >>> levels = [0.0002, 0.004, 0.012]
+    >>> orbits = steady_orbits(
+    ...     m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28, Y=levels, omega=2 * math.pi * 4.92
+    ... )
+    >>> [f"{1000 * X:.3f}" for X in orbits.X]
+    ['0.002', '2.728', '9.369']
+    >>> str(Regime(orbits.regime[0]))
+    'no slip: the contact only sticks'
     """
     arrays = _checked({"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k, "Y": Y, "omega": omega})
     shape = _common_shape(arrays)

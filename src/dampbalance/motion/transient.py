@@ -57,6 +57,12 @@ def transient(
 
     Raises ValueError for a state that the contact cannot have or an end before the start, TypeError for a value that
     is not a number; both name the argument.
+
+    >>> from dampbalance import Oscillator, transient
+    >>> osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    >>> decay = transient(osc, None, end=0.5, x=0.01)
+    >>> [f"{1000 * x:.3f}" for x in decay.state([0.0, 0.1, 0.2]).x]
+    ['10.000', '0.095', '-0.312']
     """
     x, v, z = finite_number("x", x), finite_number("v", v), finite_number("z", z)
     start, end = finite_number("start", start), finite_number("end", end)

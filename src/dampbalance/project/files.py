@@ -8,6 +8,7 @@ import io
 import json
 import math
 import os
+import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -36,7 +37,8 @@ STATISTICAL_DIGITS = 6
 # records and cases of studies (JSON, Parquet) keep every bit: too many for no tie to occur, or to be continued.
 
 
-_UNFINISHED = ".~"  # how the name of a temporary file begins
+UNFINISHED = ".~"
+"""How the name of a temporary file or folder begins."""
 
 
 @contextmanager
@@ -45,7 +47,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(
-        dir=path.parent, prefix=f"{_UNFINISHED}{path.stem}-", suffix=path.suffix
+        dir=path.parent, prefix=f"{UNFINISHED}{path.stem}-", suffix=path.suffix
     )
     os.close(handle)
     temporary = Path(name)
@@ -58,9 +60,12 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 
 def remove_unfinished(folder: str | Path) -> None:
-    """Remove the temporary files that runs left below a folder when they were killed. No run may be alive there."""
-    for path in Path(folder).rglob(f"{_UNFINISHED}*"):
-        path.unlink(missing_ok=True)
+    """Remove what runs left unfinished below a folder when they were killed. No run may be alive there."""
+    for path in list(Path(folder).rglob(f"{UNFINISHED}*")):
+        if path.is_dir():
+            shutil.rmtree(path)
+        else:
+            path.unlink(missing_ok=True)
 
 
 def write_text(path: str | Path, text: str) -> None:

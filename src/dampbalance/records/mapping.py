@@ -5,7 +5,7 @@
       acceleration: {channel: 3, unit: g, sign: -1}
     sample_rate_hz: 5000
 
-`mapping.schema.yaml` defines the keys; config/records/README.md explains them with examples.
+`mapping.schema.yaml` defines the keys; config/records/README.md has examples.
 """
 
 from __future__ import annotations

@@ -42,6 +42,14 @@ def measured_orbit(
     channels : quantities to measure.
 
     Raises ValueError for an unknown quantity, a rate, a duration or a noise that makes no sense.
+
+    >>> import math
+    >>> from dampbalance import BaseMotion, Oscillator, measured_orbit, steady_orbit
+    >>> osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    >>> orbit = steady_orbit(osc, BaseMotion(Y=0.004, omega=2 * math.pi * 3.5))
+    >>> measured = measured_orbit(orbit, rate_hz=1000.0, cycles=20.0, noise=0.01)
+    >>> list(measured), len(measured["displacement"].values)
+    (['base_displacement', 'displacement'], 5714)
     """
     motion = orbit.motion
     if not (math.isfinite(rate_hz) and rate_hz > 0.0):
@@ -108,6 +116,12 @@ def measured_ring_down(
     channel, as a part of the largest value of its clean signal.   seed : of the noise, channel by channel.
 
     Raises ValueError for a channel that is none of the mass, and where the mass does not start or no sample is left.
+
+    >>> from dampbalance import Oscillator, measured_ring_down
+    >>> osc = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=208000.0, F_k=0.5)
+    >>> decay = measured_ring_down(osc, x=0.01, rate_hz=1000.0, duration=3.0)
+    >>> round(float(decay["displacement"].values[0]), 6)
+    0.01
     """
     unknown = sorted(set(channels) - set(RESPONSES))
     if unknown:

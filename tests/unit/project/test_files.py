@@ -12,6 +12,7 @@ from dampbalance.project.files import (
     READ_OUT_DIGITS,
     STATISTICAL_DIGITS,
     read_csv,
+    remove_unfinished,
     replacing,
     write_csv,
     write_json,
@@ -100,3 +101,12 @@ def test_parquet_has_the_same_bytes_each_time(tmp_path):
         write_parquet(tmp_path / name, frame)
     assert (tmp_path / "a.parquet").read_bytes() == (tmp_path / "b.parquet").read_bytes()
     pd.testing.assert_frame_equal(pd.read_parquet(tmp_path / "a.parquet"), frame)
+
+
+def test_what_was_left_unfinished_is_removed(tmp_path):
+    (tmp_path / "site").mkdir()
+    (tmp_path / "site/index.html").touch()
+    (tmp_path / "paper/.~site-x/ready").mkdir(parents=True)
+    (tmp_path / "paper/.~claims-y.csv").touch()
+    remove_unfinished(tmp_path)
+    assert {path.name for path in tmp_path.rglob("*")} == {"site", "index.html", "paper"}

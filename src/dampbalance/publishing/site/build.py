@@ -1,0 +1,116 @@
+"""The site: templates, texts, docstrings, schemas, commands and studies → pages that need no network.
+
+Sphinx makes it, in a temporary folder and a process of its own; a warning of it is an error. The same project gives the
+same bytes, wherever it lies.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import dampbalance
+
+from ...balance import APPROACHES
+from ...law.terms import KNOWN_TERMS
+from ...project.documents import read_yaml
+from ...project.files import UNFINISHED
+from . import keys, names, options
+from .gallery import gallery
+from .pages import EXTRA, Pages, SiteError
+
+SOURCE = "paper/site"
+EQUATIONS = "paper/equations.md"
+PACKAGE = "dampbalance"
+_REGISTRIES = {"approach": list(APPROACHES), "term": list(KNOWN_TERMS)}
+
+
+def build(root: str | Path, target: str | Path, parser: argparse.ArgumentParser) -> None:
+    """Build the site of the project in the folder `root` into the folder `target`, which is replaced.
+
+    parser : of the command line, with its commands.
+
+    Raises SiteError for a page that cannot be made, and for whatever Sphinx warns of.
+    """
+    root, target = Path(root), Path(target)
+    with tempfile.TemporaryDirectory(prefix="site-") as folder:
+        stage, made = Path(folder, "pages"), Path(folder, "made")
+        write_pages(root, stage, parser)
+        _run_sphinx(stage, made, Path(folder, "trees"))
+        (made / ".buildinfo").unlink()  # for the next run of Sphinx in this folder: there is none
+        (made / "_sources").rmdir()
+        _put(made, target)
+
+
+def write_pages(root: Path, stage: Path, parser: argparse.ArgumentParser) -> None:
+    """What Sphinx makes the site of: pages, settings, styles, and the files that pages show or lead to."""
+    shutil.copytree(root / SOURCE, stage, ignore=shutil.ignore_patterns("*.md", "__pycache__"))
+    pages = Pages(root, SOURCE, _functions(root, parser))
+    for name, text in pages.made().items():
+        (stage / name).parent.mkdir(parents=True, exist_ok=True)
+        (stage / name).write_text(text, encoding="utf-8")
+    pages.mirror.copy(stage / EXTRA)
+
+
+def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]:
+    """What the templates may ask for."""
+    commands = commands_of(parser)
+    equations = (root / EQUATIONS).read_text(encoding="utf-8")
+    return {
+        "version": dampbalance.__version__,
+        "commands": commands,
+        "command": lambda name: options.command(commands[name]),
+        "schema": lambda path: keys.tables(keys.keys(read_yaml(root / path), _REGISTRIES)),
+        "gallery": lambda: gallery(root),
+        "terms": KNOWN_TERMS.values(),
+        "public": names.by_room(dampbalance.__all__, PACKAGE),
+        "documented": names.directives,
+        "others": lambda naming: names.others([equations, naming], PACKAGE),
+    }
+
+
+def commands_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    """The commands of a command line, by name."""
+    found: dict[str, argparse.ArgumentParser] = {}
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            found |= action.choices
+    return found
+
+
+def _run_sphinx(stage: Path, made: Path, trees: Path) -> None:
+    source = str(Path(dampbalance.__file__).parents[1])
+    environment = os.environ | {
+        "PYTHONPATH": os.pathsep.join(filter(None, [source, os.environ.get("PYTHONPATH")])),
+        "PYTHONHASHSEED": "0",
+        "SOURCE_DATE_EPOCH": "0",
+    }
+    flags = ["-b", "html", "-W", "--keep-going", "-n", "-q", "-j", "1", "-d", str(trees)]
+    done = subprocess.run(
+        [sys.executable, "-m", "sphinx", *flags, str(stage), str(made)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        said = (done.stderr or done.stdout).replace(f"{stage}/", f"{SOURCE}/")
+        raise SiteError(f"the site was not built:\n{said}")
+
+
+def _put(made: Path, target: Path) -> None:
+    """Put a folder in the place of another; what was there goes only when all is ready."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=f"{UNFINISHED}site-") as folder:
+        ready = Path(folder, "ready")
+        shutil.copytree(made, ready)
+        if target.exists():
+            target.rename(Path(folder, "before"))
+        ready.rename(target)

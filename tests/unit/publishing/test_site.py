@@ -1,0 +1,259 @@
+"""What the site is made of: sections and links of texts, docstrings, keys of schemas, options of commands."""
+
+from __future__ import annotations
+
+import argparse
+import textwrap
+
+import docutils.core
+import pytest
+
+from dampbalance.publishing.site import keys, mirror, names, options, texts
+from dampbalance.publishing.site.docstrings import markup
+
+TEXT = """\
+# Title
+
+Before.
+
+## One
+
+Of [two](#two), [a file](docs/x.md#place) and `[code](not/a/link.md)`.
+
+```
+## no heading
+[no](link.md)
+```
+
+### Inner
+
+![picture](a.svg) and [elsewhere](https://example.org/)
+
+## Two
+
+<!-- kept by a test -->
+Last.
+"""
+
+
+def test_a_text_is_cut_at_its_headings_and_not_in_its_code():
+    found = texts.sections(TEXT)
+    assert [(one.level, one.title, one.anchor) for one in found] == [
+        (1, "Title", "title"),
+        (2, "One", "one"),
+        (3, "Inner", "inner"),
+        (2, "Two", "two"),
+    ]
+    assert "## no heading" in found[1].body
+    assert found[3].body == "Last."
+    assert [one.title for one in texts.with_inner(found, "One")] == ["One", "Inner"]
+    with pytest.raises(KeyError):
+        texts.with_inner(found, "Three")
+
+
+def test_what_is_cut_goes_together_again():
+    comment = "<!-- kept by a test -->\n"
+    assert texts.written(texts.sections(TEXT)) == TEXT.replace(comment, "")
+    assert "### One\n" in texts.written(texts.sections(TEXT), shift=1)
+
+
+def test_links_are_named_from_the_root_on():
+    named = texts.of_project(TEXT, "config/records")
+    assert "[a file](project:config/records/docs/x.md#place)" in named
+    assert "![picture](project:config/records/a.svg)" in named
+    assert "[two](#two)" in named
+    assert "(https://example.org/)" in named
+    assert "`[code](not/a/link.md)`" in named
+    assert "[no](link.md)" in named
+    assert texts.of_project("[up](../../README.md)", "config/records") == "[up](project:README.md)"
+
+
+def test_the_anchor_of_a_heading():
+    assert texts.anchor("How the printed numbers fare") == "how-the-printed-numbers-fare"
+    assert texts.anchor("What is printed wrongly ✎") == "what-is-printed-wrongly-"
+    assert texts.anchor("1. One `linear` phase") == "1-one-linear-phase"
+
+
+# --- docstrings ----------------------------------------------------------------------------------
+
+
+def shown(docstring):
+    """A docstring as HTML; docutils says nothing against its markup."""
+    text = "\n".join(markup(textwrap.dedent(docstring).strip("\n").splitlines()))
+    settings = {
+        "report_level": 1,
+        "halt_level": 1,
+        "embed_stylesheet": False,
+        "syntax_highlight": "none",
+    }
+    parts = docutils.core.publish_parts(text, writer="html5", settings_overrides=settings)
+    return " ".join(parts["body"].split())
+
+
+def test_arguments_on_one_line_or_several_become_a_list():
+    html = shown(
+        """
+        m : mass, kg, > 0.   c : viscous damping,
+        N s/m.
+        K_z, F_k : of the contact, `None` for none.
+        """
+    )
+    terms = [part.split("</dt>")[0] for part in html.split("<dt>")[1:]]
+    assert ["m" in terms[0], "c" in terms[1], "K_z, F_k" in terms[2]] == [True] * 3
+    assert len(terms) == 3
+    assert "<p>viscous damping, N s/m.</p>" in html
+
+
+@pytest.mark.parametrize(
+    "text", ["|x|, |z| ≤ Z_m and x_ or *p", "a_F_k_ `code_`_", "<b> & \\n", "2 * 3 * 4", "_x_ |a"]
+)
+def test_text_stays_as_it_is_whatever_it_holds(text):
+    import html
+    import re
+
+    said = html.unescape(re.sub(r"<[^>]*>", "", shown(text)))
+    assert said == text.replace("`", "")
+
+
+def test_code_emphasis_and_errors_are_set():
+    html = shown("Raises ValueError for `x < 0`, *never* else.")
+    assert html.count('<span class="docutils literal">') == 2
+    assert "<em>never</em>" in html
+
+
+def test_what_is_indented_is_shown_as_it_is():
+    html = shown(
+        """
+        It is
+
+            a = 2 ∫ |ẋ| dt      (7a)
+
+            b = x*
+
+        and no more.
+        """
+    )
+    assert "a = 2 ∫ |ẋ| dt (7a) b = x*" in html
+    assert html.count("<pre") == 1
+    assert html.endswith("<p>and no more.</p>")
+
+
+def test_an_example_stays_an_example():
+    html = shown("So:\n\n>>> 1 + 1\n2\n")
+    assert "&gt;&gt;&gt; 1 + 1 2" in html
+
+
+# --- schemas and commands ------------------------------------------------------------------------
+
+SCHEMA = {
+    "type": "object",
+    "required": ["hz"],
+    "properties": {
+        "hz": {"type": "number", "exclusiveMinimum": 0, "description": "Drive\n frequency | f."},
+        "levels_m": {
+            "type": "array",
+            "minItems": 2,
+            "items": {"type": "number", "minimum": 0, "maximum": 1e7},
+        },
+        "phase": {"enum": ["a", "b", "c"]},
+        "sets": {
+            "type": ["array", "null"],
+            "items": {
+                "type": "object",
+                "properties": {
+                    "m_kg": {"$ref": "#/$defs/one"},
+                    "c_N_s_per_m": {"$ref": "#/$defs/one"},
+                },
+            },
+        },
+        "what": {"registered": "approach"},
+    },
+    "$defs": {"one": {"type": "integer", "description": "One."}},
+}
+
+
+def test_keys_of_a_schema():
+    found = keys.keys(SCHEMA, {"approach": ["direct", "X_s"]})
+    assert [key.names for key in found] == [
+        ("hz",),
+        ("levels_m",),
+        ("phase",),
+        ("sets",),
+        ("m_kg", "c_N_s_per_m"),
+        ("what",),
+    ]
+    by_name = {key.names[0]: key for key in found}
+    assert by_name["hz"].type == "number > 0"
+    assert by_name["hz"].unit == "Hz"
+    assert by_name["hz"].required
+    assert by_name["levels_m"].type == "list of 2 or more number from 0 to 1e7"
+    assert by_name["phase"].type == "`a`, `b` or `c`"
+    assert by_name["sets"].type == "list of entries with keys or `null`"
+    assert by_name["m_kg"].parent == ("sets", "[]")
+    assert by_name["m_kg"].unit == "kg, N s/m"
+    assert by_name["m_kg"].meaning == "One."
+    assert by_name["what"].type == "`direct` or `X_s`"
+
+
+def test_tables_of_keys():
+    text = keys.tables(keys.keys(SCHEMA, {"approach": ["direct"]}), level=3)
+    assert "| `hz` *needed* | number > 0 | Hz | Drive frequency \\| f. |" in text
+    assert "### `sets[]`\n" in text
+    assert "| `m_kg`, `c_N_s_per_m` |" in text
+
+
+def test_a_command_as_a_table():
+    parser = argparse.ArgumentParser(
+        prog="p do", description="Do it.", epilog="So:\n\n  p do a_b --n 1\n"
+    )
+    parser.add_argument("files", nargs="+", metavar="FILE", help="what is read")
+    parser.add_argument("--kind", choices=["a", "b"], required=True, help="of file")
+    parser.add_argument("--n", type=int, default=7, help="how many (default: %(default)s)")
+    parser.add_argument("--fast", action="store_true", help="sooner | worse")
+    text = options.command(parser)
+    assert "```\np do FILE … --kind KIND [options]\n```" in text
+    assert "| `FILE` *needed* | what is read |" in text
+    assert "| `--kind KIND` *needed* | of file: `a` or `b` |" in text
+    assert "| `--n N` | how many (default: 7) |" in text
+    assert "| `--fast` | sooner \\| worse |" in text
+    assert "```\np do a_b --n 1\n```" in text
+
+
+def test_names_that_texts_mention():
+    found = names.others(
+        ["`balance.direct`, `motion.orbit.Orbit.W`, `no.such`, `law.law.Law`"], "dampbalance"
+    )
+    assert found == {
+        "dampbalance.balance": ["direct"],
+        "dampbalance.law.law": ["Law"],
+    }  # Orbit is public
+    assert ":undoc-members:" in names.directive("dampbalance.Regime")
+    assert (
+        names.directive("dampbalance.steady_orbit")
+        == ".. autofunction:: dampbalance.steady_orbit\n"
+    )
+    with pytest.raises(LookupError, match=r"dampbalance\.nothing"):
+        names.directive("dampbalance.nothing")
+
+
+# --- copied files --------------------------------------------------------------------------------
+
+
+def test_files_are_copied_as_they_lie_with_links_that_lead_somewhere(tmp_path):
+    root = tmp_path / "project"
+    (root / "a").mkdir(parents=True)
+    (root / "a/page.html").write_text(
+        '<a href="b.txt#x">b</a><a class="y" href="missing.txt">none</a><a href="#z">z</a>'
+        '<a href="https://example.org/">web</a>'
+    )
+    (root / "a/b.txt").write_text("b")
+    copies = mirror.Mirror(root)
+    assert copies.add("a/page.html") == "files/a/page.html"
+    assert copies.add("a/no.txt") is None
+    assert copies.add("../secret") is None
+    copies.copy(tmp_path / "site")
+    assert (tmp_path / "site/files/a/b.txt").read_text() == "b"
+    assert (tmp_path / "site/files/a/page.html").read_text() == (
+        '<a href="b.txt#x">b</a><a class="y">none</a><a href="#z">z</a>'
+        '<a href="https://example.org/">web</a>'
+    )

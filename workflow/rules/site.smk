@@ -1,0 +1,35 @@
+# The site of documentation: the project's texts, docstrings, schemas and commands, with all studies and what there is to
+# read of the paper. Not a part of `all`: it needs every study, the map over a million among them.
+from dampbalance.publishing.provenance.sources import files_of
+
+SITE_SOURCES = (
+    *(
+        "CHANGELOG.md",
+        "CITATION.cff",
+        "CONTRIBUTING.md",
+        "LICENSE",
+        "README.md",
+        "results/README.md",
+    ),
+    *("config", "paper", "src", "workflow"),
+    *("tests/analytic/README.md", "tests/benchmarks", "tests/blind"),
+)
+
+# It is of the project as it lies there, whose folder must be that of the results.
+if Path.cwd() == ROOT and not IS_MODULE:
+
+    rule site:
+        input:
+            sources=files_of(ROOT, SITE_SOURCES),
+            studies=expand(rules.study_summary.output, study=STUDIES),  # and so their figures
+            paper=(
+                [rules.page.output.page, rules.article.output.pdf, rules.notebook.output.html]
+                if config["published"] and CASE.name == "paper"
+                else []
+            ),
+        output:
+            site=directory("results/site"),
+        message:
+            "The site of documentation"
+        script:
+            "../scripts/site/site.py"

@@ -1,0 +1,9 @@
+"""The site of documentation."""
+
+from dampbalance.commands.main import parser
+from dampbalance.project.troubles import brief_troubles
+from dampbalance.publishing.site.build import build
+
+if __name__ == "__main__":
+    brief_troubles()
+    build(".", snakemake.output.site, parser())
