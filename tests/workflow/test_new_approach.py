@@ -137,7 +137,7 @@ def test_measured_records_are_identified_with_it(extended):
         found = document["approaches"][approach]
         low, high = found["c_4_interval_N_s4_per_m4"]
         assert low < 0.0 < high
-        rows = {"a_m", "b_m2_per_s", "b_4_m5_per_s4", "W_J", "standard_error_J"}
+        rows = {"a_m", "b_m2_per_s", "b_4_m5_per_s4", "W_J", "standard_error_J", "misfit_J"}
         assert set(found["rows"]) == rows
 
 

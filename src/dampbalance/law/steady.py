@@ -157,12 +157,12 @@ def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, f
     """The orbit with the linear damper that takes nearly the work of the other terms."""
     extra, X = 0.0, base.Y
     for repetition in range(_EQUIVALENCES):
-        work = sum(
-            p * harmonic(base.omega, X, 0.0, 0.0, oscillator.k)
+        work = math.fsum(
+            float(p * harmonic(base.omega, X, 0.0, 0.0, oscillator.k))
             for p, harmonic in ((p, KNOWN_TERMS[s].harmonic) for s, p in others.items())
             if harmonic is not None
         )
-        found = float(work) / (math.pi * base.omega * X**2)
+        found = work / (math.pi * base.omega * X**2)
         extra = 0.5 * (extra + found) if repetition else found
         orbit = steady_orbit(replace(oscillator, c=oscillator.c + extra), base)
         X = orbit.X

@@ -112,7 +112,7 @@ def _force(identified: Mapping[str, Any], law: Law, i: int) -> dict[str, Any]:
 def _share(identified: Mapping[str, Any], law: Law, i: int) -> float:
     """The share of the work of record i that goes to the terms whose coefficients are given."""
     rows = identified["approaches"][YARDSTICK]["rows"]
-    lost = sum(p * rows[term(key).integral_column][i] for key, p in law.given.items())
+    lost = math.fsum(p * rows[term(key).integral_column][i] for key, p in law.given.items())
     return float(lost / rows["W_J"][i])
 
 

@@ -126,7 +126,7 @@ def _ripple(loop: Loop, off: Array) -> tuple[float, float, float]:
     t = np.arange(loop.x.size) * (2.0 * math.pi / loop.omega / loop.x.size)
     best = (math.nan, 0.0, 0.0)
     passes = [loop.sliding & (sign * loop.v > 0.0) for sign in (1.0, -1.0)]
-    total = sum(float(np.sum((off[on] - off[on].mean()) ** 2)) for on in passes)
+    total = math.fsum(float(np.sum((off[on] - off[on].mean()) ** 2)) for on in passes)
     for hz in _RIPPLES_HZ:
         left, square, count = 0.0, 0.0, 0
         for on in passes:  # each with a phase of its own
