@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
+from ..balance import Rows
 from ..law.terms import term
 from ..reading.ringdown_motion import COMMON
-from ..reading.ringdown_rows import A, B, W
+from ..reading.ringdown_rows import W
 from .limits import REFERENCE
 from .notes import notes_of
 from .result import (
@@ -78,15 +79,13 @@ def answers_of_forced(result: Identification) -> dict[str, Answer]:
 def answers_of_decays(result: RingDown) -> dict[str, Answer]:
     """The answers to free decays by name: the balance, and the fit."""
     rows, fit = result.rows, result.fit
-    of = {"F_k": A, "c": B}
-    columns = {term(symbol).integral_column: rows.columns[:, at] for symbol, at in of.items()}
-    columns["W_J"] = rows.columns[:, W]
-    values = [result.coefficients[symbol].value for symbol in of]
-    columns["standard_error_J"] = np.sqrt(np.diag(rows.covariance))
-    columns["misfit_J"] = rows.columns[:, [A, B]] @ np.array(values) - columns["W_J"]
+    columns = {term(symbol).integral_column: g for symbol, g in rows.terms.items()}
+    columns |= {"W_J": rows.columns[:, W], "standard_error_J": np.sqrt(np.diag(rows.covariance))}
+    values = {symbol: result.coefficients[symbol].value for symbol in rows.terms}
+    columns["misfit_J"] = Rows(rows.terms, columns["W_J"]).misfit(values)
     decays = tuple(f"decay {i + 1}" if i >= 0 else "shape" for i in rows.stretch.tolist())
-    correlations = {("F_k", "c"): result.correlation}
-    covariance = _covariance(result.coefficients, correlations)
+    one, other = rows.terms
+    covariance = _covariance(result.coefficients, {(one, other): result.correlation})
     of_fit = _of_fit(tuple(result.of_fit), COMMON, fit.covariance, fit.K_z)
     return {
         BALANCE: Answer(BALANCE, result.coefficients, covariance, columns, decays, result.notes),

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-_QUICK = 200_000  # calls of kernels, which take no more time in Python than Numba takes to load
+QUICK = 200_000
+"""Calls of kernels, which take no more time in Python than Numba takes to load."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -160,7 +161,7 @@ class Identified(ABC):
         write_json(folder / "identification.json", self.document())
         return [folder / name for name in (*TABLES, *pictures)]
 
-    @interpreted(calls=_QUICK)
+    @interpreted(calls=QUICK)
     def _save_figures(self, folder: Path) -> None:
         from ..figures.style import save  # slow to import, and needed for pictures only
         from .drawing import DPI
@@ -227,7 +228,7 @@ class IdentifiedSteady(Identified):
         and what they leave."""
         return FIGURES
 
-    @interpreted(calls=_QUICK)
+    @interpreted(calls=QUICK)
     def document(self) -> dict[str, Any]:
         """Everything, as plain data for JSON."""
         return reporting.document(self.result, __version__, self.options, self._files)

@@ -16,7 +16,7 @@ from ..project.wording import visible
 from ..records.limits import LARGEST
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, read_records
-from .identified import _QUICK, Identified, IdentifiedDecays, IdentifiedSteady
+from .identified import QUICK, Identified, IdentifiedDecays, IdentifiedSteady
 from .identify import REPLICATES, SEED, identify_readings
 from .laws import compare_laws
 from .loading import Loaded, NotDriven, load
@@ -160,7 +160,7 @@ def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-@interpreted(calls=_QUICK)  # whatever was compiled before: the last bits may differ
+@interpreted(calls=QUICK)  # whatever was compiled before: the last bits may differ
 def _of_steady(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
 ) -> IdentifiedSteady:

@@ -128,11 +128,7 @@ def shown(result: Identification) -> Shown:
             delay, error = 1e6 * whole.delayed.delay, 1e6 * whole.delayed.error("delay")
             of_rig.append(f"Left free, a delay of the response is {with_error(delay, error)} µs.")
     sources = [reading.steady.source for reading in result.readings]
-    said = [
-        words
-        for limit in limits(result)
-        for words in marked(limit.kind, [in_a_sentence(limit, sources)])
-    ]
+    said = [marked(limit.kind, in_a_sentence(limit, sources)) for limit in limits(result)]
     laws = [] if result.laws is None else laws_in_lines(result.laws)
     table = table_of(answers_of_forced(result))
     return Shown(head, table, tuple(of_rig), tuple(laws), tuple(said))

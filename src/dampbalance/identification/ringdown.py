@@ -21,7 +21,7 @@ from ..reading.one_thread import one_thread
 from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
 from ..reading.ringdown_fit import RingFit, fit_stretches, with_noise_of
 from ..reading.ringdown_joint import fit_all
-from ..reading.ringdown_rows import A, B, RingRows, W, rows_of
+from ..reading.ringdown_rows import RingRows, W, rows_of
 from ..reading.ringdown_starts import stretches_of
 from ..reading.sampling import evenly_sampled
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
@@ -226,9 +226,8 @@ def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Arra
     # rows that the same samples make may nearly be one
     values, vectors = np.linalg.eigh(correlations)
     whitening = (vectors / np.sqrt(np.maximum(values, 1e-10 * values[-1]))).T / scale
-    columns = {"F_k": rows.columns[:, A], "c": rows.columns[:, B]}
     white = Rows(
-        {name: whitening @ g for name, g in columns.items()}, whitening @ rows.columns[:, W]
+        {name: whitening @ g for name, g in rows.terms.items()}, whitening @ rows.columns[:, W]
     )
     estimate = solve(white)
     if math.isnan(estimate.residual):

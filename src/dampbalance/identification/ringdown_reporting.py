@@ -89,8 +89,9 @@ def shown(result: RingDown) -> Shown:
         f"{_counted(records, 'record')} with {_counted(decays, 'free decay')}, {_counted(halves, 'half cycle')} that "
         f"slip{'s' * (halves == 1)}; values with 95 % intervals"
     )
-    notes = [f"{words}." for words in dict.fromkeys((*result.notes, *result.fit_notes))]
-    said = marked("approaches", notes) + marked("records", result.warnings)
+    notes = dict.fromkeys((*result.notes, *result.fit_notes))
+    said = [marked("approaches", f"{words}.") for words in notes]
+    said += [marked("records", words) for words in result.warnings]
     table = table_of(answers_of_decays(result))
     return Shown(head, table, tuple(implied(result.fit, result.mass_given)), (), tuple(said))
 

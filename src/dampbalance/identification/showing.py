@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
 from typing import Protocol
@@ -107,10 +107,9 @@ def with_interval(parameter: ParameterEstimate) -> str:
     return f"{_rounded(value, half)} [{_rounded(low, half)}, {_rounded(high, half)}]"
 
 
-def marked(kind: str, sentences: Sequence[str]) -> list[str]:
-    """Sentences on what limits an answer: "*" for notes on approaches, "warning:" for all else."""
-    mark = "* " if kind == "approaches" else "warning: "
-    return [f"{mark}{words}" for words in sentences]
+def marked(kind: str, words: str) -> str:
+    """A sentence on what limits an answer: "*" for a note on approaches, "warning:" for all else."""
+    return f"{'* ' if kind == 'approaches' else 'warning: '}{words}"
 
 
 def _headed(symbol: str) -> str:

@@ -108,6 +108,11 @@ class RingRows:
     turns: tuple[tuple[Array, Array], ...]
 
     @property
+    def terms(self) -> dict[str, Array]:
+        """The integrals, by the symbol of their coefficient, (n,)."""
+        return {"F_k": self.columns[:, A], "c": self.columns[:, B]}
+
+    @property
     def halves(self) -> int:
         """How many are of half cycles."""
         return int(np.count_nonzero(self.stretch >= 0))
