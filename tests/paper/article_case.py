@@ -143,7 +143,7 @@ def _studies(folder: Path) -> tuple[list[str], list[str]]:
         )
         table = folder / f"{STUDIES}/{name}/cases.parquet"
         outputs.write_chunk(table, evaluate.evaluate(study, 0, study.cases, threads=1), study, "0")
-        if name in ("frequency", "rigid_contact"):
+        if name in ("frequency", "noise", "rigid_contact"):
             figure = drawing.study_figure(study, table)
             _save(figure, table.with_name("figure.svg"), drawing.alternative_text(study))
         if name == "noise":
@@ -161,7 +161,7 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
         "article_schemes",
         None,
         SimpleNamespace(case=CONFIG, frequency=FIRST),
-        {"csv": f"{article}/schemes.csv"},
+        {"csv": f"{article}/schemes.csv", "cycles": f"{article}/cycles.csv"},
     )
     project.run(
         "article_evidence",
@@ -169,6 +169,7 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
             claims=f"{RESULTS}/claims.csv",
             approaches=f"{RESULTS}/tables/approaches.csv",
             schemes=f"{article}/schemes.csv",
+            cycles=f"{article}/cycles.csv",
         ),
         SimpleNamespace(case=CONFIG, folder=RESULTS),
         {"json": f"{article}/evidence.json"},
@@ -211,9 +212,15 @@ def _figures(project: Project, cases: list[str]) -> None:
             estimates=f"{RESULTS}/estimates/as_published/{FIRST}.csv",
             schemes=f"{RESULTS}/article/schemes.csv",
             steps=cases[OF_ARTICLE.index("step_size")],
+            approaches=f"{RESULTS}/tables/approaches.csv",
         ),
         SimpleNamespace(case=CONFIG),
-        {"svg": f"{folder}/numerics.svg", "png": f"{folder}/numerics.png"},
+        {
+            "svg": f"{folder}/numerics.svg",
+            "png": f"{folder}/numerics.png",
+            "glance_svg": f"{folder}/glance.svg",
+            "glance_png": f"{folder}/glance.png",
+        },
     )
     orbits = [steady_orbit(PAPER, motion) for motion in CASE.motions(FIRST)]
     others = {

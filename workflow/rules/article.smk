@@ -18,7 +18,7 @@ ARTICLE_PACKAGES = [
 ]
 ARTICLE_FIGURES = {
     name: f"{RESULTS}/figures/{name}.svg"
-    for name in ("figure1", "figure2", "figure3", "numerics", "estimation_error")
+    for name in ("figure1", "figure2", "figure3", "numerics", "glance", "estimation_error")
 }
 
 
@@ -29,6 +29,7 @@ if config["published"]:
             modules=script_modules("article/article_schemes.py"),
         output:
             csv=f"{ARTICLE}/schemes.csv",
+            cycles=f"{ARTICLE}/cycles.csv",
         params:
             case=excerpt(config, "oscillator", "levels_m", "numerics", frequency=FREQUENCIES[0]),
             frequency=FREQUENCIES[0],
@@ -44,6 +45,7 @@ if config["published"]:
             claims=rules.claims.output.csv,
             approaches=f"{RESULTS}/tables/approaches.csv",
             schemes=rules.article_schemes.output.csv,
+            cycles=rules.article_schemes.output.cycles,
             modules=script_modules("article/article_evidence.py"),
         output:
             json=f"{ARTICLE}/evidence.json",
@@ -91,13 +93,18 @@ if config["published"]:
             estimates=f"{RESULTS}/estimates/as_published/{FREQUENCIES[0]}.csv",
             schemes=rules.article_schemes.output.csv,
             steps=f"{STUDY_RESULTS}/step_size/cases.parquet",
+            approaches=f"{RESULTS}/tables/approaches.csv",
             modules=script_modules("article/article_figure.py"),
         output:
             **figure_files("numerics", "How the printed digits arose"),
+            **{
+                f"glance_{kind}": file
+                for kind, file in figure_files("glance", "The findings at a glance").items()
+            },
         params:
-            case=of_case("oscillator", "numerics"),
+            case=of_case("oscillator", "frequencies_hz", "numerics"),
         message:
-            "Article: how the printed digits arose"
+            "Article: its own figures"
         script:
             "../scripts/article/article_figure.py"
 
@@ -145,7 +152,8 @@ if config["published"]:
             values=rules.article_values.output.json,
             figures=list(ARTICLE_FIGURES.values()),
             study_figures=expand(
-                f"{STUDY_RESULTS}/{{study}}/figure.svg", study=("frequency", "rigid_contact")
+                f"{STUDY_RESULTS}/{{study}}/figure.svg",
+                study=("frequency", "noise", "rigid_contact"),
             ),
             claims=rules.claims.output.csv,
             modules=script_modules("article/article.py"),

@@ -62,7 +62,7 @@ def added_damping(case: Case, omega: float) -> float:
     return case.oscillator.m * omega**2 * case.numerics.step_s
 
 
-def simulate_levels(case: Case, frequency: str) -> list[Record]:
+def simulate_levels(case: Case, frequency: str, keep_cycles: int = CYCLES_TO_READ) -> list[Record]:
     """The last cycles of the simulated response to each level."""
     return [
         simulate(
@@ -71,7 +71,7 @@ def simulate_levels(case: Case, frequency: str) -> list[Record]:
             scheme=case.numerics.scheme,
             step=case.numerics.step_s,
             cycles=case.numerics.cycles,
-            keep_cycles=CYCLES_TO_READ,
+            keep_cycles=keep_cycles,
             stick_samples=0,  # of the steady stick phases, `check_feasible` has seen to it
             **coefficients(case),
         )

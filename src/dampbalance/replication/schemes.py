@@ -6,6 +6,7 @@ little. So everything else that one would have written is tried, too.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pandas as pd
@@ -13,8 +14,12 @@ import pandas as pd
 from ..balance import direct
 from ..motion.fixed_step import SCHEMES
 from ..project.case import Case
+from ..reading.clean import CYCLES_TO_READ
 from ..solver import least_squares
 from .as_published import features_of, simulate_levels
+
+_CYCLES = 12
+"""Steady cycles in which a is read: a period is no whole number of steps, so that each samples the motion elsewhere."""
 
 
 def scheme_table(case: Case, frequency: str) -> pd.DataFrame:
@@ -44,4 +49,32 @@ def scheme_table(case: Case, frequency: str) -> pd.DataFrame:
                     }
                 )
             )
+    return pd.concat(tables, ignore_index=True)
+
+
+def cycle_table(case: Case, frequency: str) -> pd.DataFrame:
+    """a (m) and V_s (m/s) of the as-published simulation in each of its last steady cycles.
+
+    One row per cycle, the last one first, and level. Which cycle the authors integrated decides where the samples fall;
+    what the printed a say of the step must therefore hold in all of them.
+    """
+    kept = min(_CYCLES + CYCLES_TO_READ - 1, case.numerics.cycles)
+    records = simulate_levels(case, frequency, keep_cycles=kept)
+    period = 2.0 * math.pi / case.omega(frequency) / case.numerics.step_s  # in steps
+    tables = []
+    for cycle in range(kept - CYCLES_TO_READ + 1):
+        ends = [len(record) - round(cycle * period) for record in records]
+        length = math.ceil(CYCLES_TO_READ * period) + 1
+        parts = [r.samples(max(end - length, 0), end) for r, end in zip(records, ends, strict=True)]
+        read = features_of(parts, case, frequency, "sample")
+        tables.append(
+            pd.DataFrame(
+                {
+                    "cycle": -cycle,
+                    "level": range(1, len(read) + 1),
+                    "a_m": read.a,
+                    "V_s_m_per_s": read.V_s,
+                }
+            )
+        )
     return pd.concat(tables, ignore_index=True)

@@ -16,5 +16,6 @@ if __name__ == "__main__":
         claims=read_csv(i.claims, dtype=str),
         approaches=read_csv(i.approaches),
         schemes=read_csv(i.schemes),
+        cycles=read_csv(i.cycles),
     )
     write_json(snakemake.output.json, numbers)

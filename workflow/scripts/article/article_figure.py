@@ -1,12 +1,14 @@
-"""How the printed digits arose: six panels."""
+"""The article's own figures: how the printed digits arose, and the findings at a glance."""
 
 import pandas as pd
 
+from dampbalance.figures import glance
 from dampbalance.figures.numerics import ALT, Evidence, numerics
 from dampbalance.figures.style import save
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv
 from dampbalance.project.troubles import brief_troubles
+from dampbalance.publishing.article.evidence import at_a_glance
 
 if __name__ == "__main__":
     brief_troubles()
@@ -20,4 +22,7 @@ if __name__ == "__main__":
     )
     unit = case.numerics.tabulated["t_s_unit_s"]
     figure = numerics(evidence, case.oscillator, case.numerics.step_s, unit)
-    save(figure, snakemake.output.svg, snakemake.output.png, ALT)
+    o = snakemake.output
+    save(figure, o.svg, o.png, ALT)
+    findings = at_a_glance(evidence, read_csv(i.approaches), case)
+    save(glance.glance(*findings), o.glance_svg, o.glance_png, glance.ALT)

@@ -1,11 +1,13 @@
-"""The integrals of Table 2 by every scheme, on rounded and on exact coefficients."""
+"""The integrals of Table 2 by every scheme, on rounded and on exact coefficients, and a in each steady cycle."""
 
 from dampbalance.project.case import Case
 from dampbalance.project.files import write_csv
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.replication.schemes import scheme_table
+from dampbalance.replication.schemes import cycle_table, scheme_table
 
 if __name__ == "__main__":
     brief_troubles()
     case = Case.from_config(snakemake.params.case)
-    write_csv(snakemake.output.csv, scheme_table(case, snakemake.params.frequency))
+    frequency = snakemake.params.frequency
+    write_csv(snakemake.output.csv, scheme_table(case, frequency))
+    write_csv(snakemake.output.cycles, cycle_table(case, frequency))

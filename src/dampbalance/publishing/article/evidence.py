@@ -16,6 +16,8 @@ import pandas as pd
 from ...balance import TERMS, takes_phase, viscous_integral
 from ...estimates import estimate_table
 from ...features import Features
+from ...figures import glance
+from ...figures.numerics import Evidence
 from ...model import Oscillator
 from ...project.case import Case
 from ...replication import comparison
@@ -28,6 +30,13 @@ from . import recipe
 
 Json = dict[str, Any]
 
+GLANCE = {
+    "as in the paper": "mean",
+    r"own $\varphi_1$": "fundamental",
+    "Fourier balance": "fourier",
+}
+"""Label of the figure at a glance → its way of `comparison.WAYS`."""
+
 
 def evidence(
     case: Case,
@@ -36,11 +45,12 @@ def evidence(
     claims: pd.DataFrame,
     approaches: pd.DataFrame,
     schemes: pd.DataFrame,
+    cycles: pd.DataFrame,
 ) -> Json:
     """Everything below, by name.
 
     features, estimates : route (exact, as_published) → frequency → table.   claims : the table of verdicts, as text.
-    approaches : of `comparison.approaches_table`.   schemes : of `schemes.scheme_table`.
+    approaches : of `comparison.approaches_table`.   schemes, cycles : of `schemes.scheme_table`, `cycle_table`.
 
     None stands where there is no number: an error relative to a true value of zero.
     """
@@ -65,6 +75,8 @@ def evidence(
             "two_point_largest": largest_errors(estimates, oscillator),
             "direct_largest": direct_largest(approaches),
             "slip_detected": samples_off(features["as_published"][first], claims, case),
+            "step_from_W": step_from_work(claims, schemes, case),
+            "cycles": sampling_instants(cycles, claims, case),
         }
     )
     return numbers
@@ -156,6 +168,51 @@ def samples_off(rebuilt: pd.DataFrame, claims: pd.DataFrame, case: Case) -> Json
     return _range(((printed - rebuilt["a_m"]) / per_sample).to_numpy())
 
 
+def step_from_work(claims: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> Json:
+    """The step, µs, at which backward Euler would give each printed W of Table 2; its error is proportional to h.
+
+    Runge–Kutta on the same rounded coefficients gives W for h → 0.   schemes : of `schemes.scheme_table`.
+    """
+    rounded = schemes[schemes["coefficients"] == "rounded"].set_index("scheme")["W_J"]
+    euler, limit = (rounded[name].to_numpy() for name in ("backward-euler", "rk4"))
+    share = (_printed(claims, "W") - limit) / (euler - limit)
+    return _range(1e6 * case.numerics.step_s * share)
+
+
+def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame, case: Case) -> Json:
+    """How well the printed a of all levels agree on the instant, within a step, at which the motion is sampled.
+
+    count : of the steady cycles tried.   spread : the largest deviation of a level from the mean of its cycle, in
+    steps, of any cycle. Whole steps do not count: a may begin a sample earlier or later.   cycles : of `schemes.cycle_table`.
+    """
+    per_step = 2.0 * cycles["V_s_m_per_s"] * case.numerics.step_s
+    printed = _printed(claims, "a")[cycles["level"].to_numpy() - 1]
+    turns = np.exp(2j * np.pi * (printed - cycles["a_m"]) / per_step)
+    mean = turns.groupby(cycles["cycle"]).transform("mean")
+    off = np.angle(turns / mean) / (2.0 * np.pi)
+    return {"count": int(cycles["cycle"].nunique()), "spread": float(np.max(np.abs(off)))}
+
+
+def at_a_glance(
+    evidence: Evidence, approaches: pd.DataFrame, case: Case
+) -> tuple[glance.Damping, dict[str, list[float]], list[float]]:
+    """What `figures.glance` draws.   evidence : of the figure of the numerics.   approaches : as for `evidence`."""
+    estimates, c = evidence.estimates, case.oscillator.c
+    direct = (estimates["approach"] == "direct") & (estimates["kind"] == "least_squares")
+    damping = glance.Damping(
+        true=c,
+        added=added_damping(case, float(evidence.exact["omega_rad_per_s"].iloc[0])),
+        rebuilt=float(estimates.loc[direct, "c_N_s_per_m"].iloc[0]),
+        printed=float(evidence.printed("text.c_direct_ls")[0]),
+    )
+    ways = approaches.set_index(list(comparison.WAY))["F_k_error_percent"]
+    errors = {
+        label: [float(error) for error in np.atleast_1d(ways[comparison.WAYS[way]])]
+        for label, way in GLANCE.items()
+    }
+    return damping, errors, list(case.frequencies_hz.values())
+
+
 def direct_largest(approaches: pd.DataFrame) -> Json:
     """Size of the largest error of F_k and c, %, that direct integration makes with exact features at any frequency.
 
@@ -172,13 +229,15 @@ def direct_largest(approaches: pd.DataFrame) -> Json:
 def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[Pair]) -> Json:
     """{pair, least_squares} → error of F_k and c, %, of the Fourier balance with b = πωX_1² alone: a lock-in at ω.
 
-    The error of a pair is the largest of all pairs.
+    The error of a pair is the size of the largest of all pairs; that of least squares has its sign.
     """
     table = estimate_table(features.replaced(X_3=0.0, X_5=0.0), oscillator.k, pairs)
     rows = table[table["approach"] == "fourier"]
+    pair, fit = (rows[rows["kind"] == kind] for kind in ("pair", "least_squares"))
+    of_fit = comparison.relative_errors(fit, oscillator)
     return {
-        kind: comparison.largest_errors(rows[rows["kind"] == kind], oscillator)
-        for kind in ("pair", "least_squares")
+        "pair": comparison.largest_errors(pair, oscillator),
+        "least_squares": {name: float(error.iloc[0]) for name, error in of_fit.items()},
     }
 
 

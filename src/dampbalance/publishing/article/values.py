@@ -46,14 +46,7 @@ STUDY_FACTS = {
 # Study → the cases that the article puts into numbers: key → (fact, axis, power of ten, unit)
 STUDY_CASES = {
     "level": {"lowest": ("c_low", "Y_m", "1e3", "mm"), "highest": ("c_high", "Y_m", "1e3", "mm")},
-    "contact_stiffness": {
-        "softest": ("soft", "K_z_over_k", "1", ""),
-        "stiffest": ("rigid", "K_z_over_k", "1", ""),
-    },
-    "damping": {
-        "lightest": ("light_off", "zeta", "1", ""),
-        "above": ("light_off", "omega_over_omega_n", "1", ""),
-    },
+    "damping": {"above": ("light_off", "omega_over_omega_n", "1", "")},
     "step_size": {
         "as_published": ("euler_paper", "step_s", "1e6", "µs"),
         "coarsest": ("euler_coarse", "step_s", "1e6", "µs"),
@@ -62,6 +55,13 @@ STUDY_CASES = {
         "soft": ("soft_omega1", "K_z_over_k", "1", ""),
         "paper": ("F_omega1", "K_z_over_k", "1", ""),
     },
+}
+# Study → the axis whose range the article states: power of ten, unit
+STUDY_RANGES = {
+    "frequency": ("omega_over_omega_n", "1", ""),
+    "level": ("Y_m", "1e3", "mm"),
+    "contact_stiffness": ("K_z_over_k", "1", ""),
+    "damping": ("zeta", "1", ""),
 }
 FITS = {"pair": "{}_largest_pair_error_percent", "least_squares": "{}_error_percent"}
 
@@ -127,7 +127,6 @@ def _numerics(book: Book, frequencies: list[str]) -> None:
     for name in ("a", "b", "W"):
         book.item(f"dev.{name}", EVIDENCE, f"/integrals/{name}/printed/last", SHIFT)
     book.item("rebuilt.W", EVIDENCE, "/integrals/W/printed_from_rebuilt/max", DEVIATION)
-    book.item("rebuilt.W.least", EVIDENCE, "/integrals/W/printed_from_rebuilt/min", DEVIATION)
     book.item(
         "rebuilt.b", EVIDENCE, "/integrals/b/printed_from_rebuilt_beyond_first/max", DEVIATION
     )
@@ -139,9 +138,14 @@ def _numerics(book: Book, frequencies: list[str]) -> None:
         book.cell(f"c.{scheme}", SCHEMES, row, "c_N_s_per_m", Style("fixed", 4), "N s/m")
     for quantity in TERMS:
         pointer = f"/two_point_largest/exact/{first}/{quantity}"
-        book.item(f"worst.common.{quantity}", EVIDENCE, pointer, PERCENT, "%")
+        book.item(f"worst.common.{quantity}", EVIDENCE, pointer, Style("significant", 4), "%")
         book.item(f"direct.{quantity}", EVIDENCE, f"/direct_largest/{quantity}", BOUND, "%")
     book.item("rebuilt.a.samples", EVIDENCE, "/slip_detected/size", PERCENT)
+    for end in ("min", "max"):
+        pointer = f"/step_from_W/{end}"
+        book.item(f"step_from_W.{end}", EVIDENCE, pointer, Style("fixed", 3), "µs")
+    book.item("cycles.count", EVIDENCE, "/cycles/count", WORD)
+    book.item("cycles.spread", EVIDENCE, "/cycles/spread", PERCENT)
     book.item("t_s_mean", EVIDENCE, "/setting/t_s_mean_ms", Style("fixed", 2), "ms")
 
 
@@ -171,11 +175,13 @@ def _errors(book: Book, frequency: str) -> None:
         for fit, column in FITS.items():
             for way, place in WAYS.items():
                 row = {"frequency": frequency} | dict(zip(WAY, place, strict=True))
-                style = replace(BOUND if way == "direct" else PERCENT, unsigned=True)
+                exact, sized = way == "direct", fit == "pair"
+                style = replace(BOUND if exact else PERCENT if sized else SIGNED, unsigned=exact)
                 key = f"error.{frequency}.{way}.{fit}.{quantity}"
                 book.cell(key, APPROACHES_FILE, row, column.format(quantity), style)
             key = f"error.{frequency}.lock_in.{fit}.{quantity}"
-            book.item(key, EVIDENCE, f"/lock_in/{frequency}/{fit}/{quantity}", PERCENT)
+            style = PERCENT if fit == "pair" else SIGNED
+            book.item(key, EVIDENCE, f"/lock_in/{frequency}/{fit}/{quantity}", style)
 
 
 def _studies(book: Book) -> None:
@@ -186,6 +192,11 @@ def _studies(book: Book) -> None:
         book.item(f"cases.{study}", STUDIES, f"/{study}/cases", COUNT)
         for fact in facts.split():
             book.item(f"study.{study}.{fact}", STUDIES, f"/{study}/facts/{fact}", TEXT)
+        if study in STUDY_RANGES:
+            axis, scale, unit = STUDY_RANGES[study]
+            for place, end in enumerate(("low", "high")):
+                pointer, style = f"/{study}/ranges/{axis}/{place}", Style("plain", scale=scale)
+                book.item(f"range.{study}.{end}", STUDIES, pointer, style, unit)
         for name, (fact, axis, scale, unit) in STUDY_CASES.get(study, {}).items():
             pointer = f"/{study}/specs/{fact}/at/{axis}"
             book.item(f"case.{study}.{name}", STUDIES, pointer, Style("plain", scale=scale), unit)

@@ -1,0 +1,102 @@
+"""The article at a glance: where the excess of c comes from, and what goes wrong off resonance."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from .numerics import OTHER, PRINTED, REBUILT
+from .style import DOUBLE_COLUMN, FAINT, INK, arrow, note, page, panel_letter, place, styled
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+ALT = (
+    "Left: on an axis of c, the true value; that plus the numerical dissipation of backward Euler; the value that the "
+    "rebuilt simulation gives; and the printed one. The last three nearly coincide. Right: errors of the friction "
+    "force at each drive frequency: large off resonance as in the paper's pairs, below one per cent at the highest "
+    "frequency with the phase of the fundamental of each level, and far smaller by the Fourier energy balance."
+)
+LOOKS: Sequence[Mapping[str, Any]] = (
+    {"marker": "o", "color": PRINTED["color"]},
+    {"marker": "^", "color": OTHER},
+    {"marker": "s", "color": REBUILT},
+)
+HEIGHT, BOTTOM, TOP = 36.0, 11.0, 6.0  # mm
+
+
+class Damping(NamedTuple):
+    """c, N s/m: the true value, what the scheme adds to it (mω²h), and what direct integration identifies by least
+    squares from the rebuilt simulation and in print."""
+
+    true: float
+    added: float
+    rebuilt: float
+    printed: float
+
+
+@styled()
+def glance(
+    damping: Damping, errors: Mapping[str, Sequence[float]], frequencies: Sequence[float]
+) -> Figure:
+    """Two panels: (a) the damping, true, with that of the scheme, rebuilt and printed; (b) errors of F_k.
+
+    errors : label → error of F_k at each frequency, %, with sign; up to three labels.   frequencies : Hz.
+    """
+    figure = page(DOUBLE_COLUMN, BOTTOM + HEIGHT + TOP)
+    left = place(figure, 28.0, BOTTOM, 62.0, HEIGHT)
+    right = place(figure, 110.0, BOTTOM, 68.0, HEIGHT)
+    _damping(left, damping)
+    _errors(right, errors, frequencies)
+    for axes, letter in ((left, "a"), (right, "b")):
+        panel_letter(axes, letter)
+    return figure
+
+
+def _damping(axes: Axes, of: Damping) -> None:
+    dissipative = of.true + of.added
+    rows = (
+        ("true $c$", of.true, {"marker": "D", "color": INK}),
+        (r"true $c + m\omega^2h$", dissipative, {"marker": "^", "color": FAINT}),
+        ("rebuilt", of.rebuilt, {"marker": "s", "color": REBUILT}),
+        ("printed", of.printed, {"marker": "o", "color": PRINTED["color"]}),
+    )
+    for n, (_, c, look) in enumerate(rows):
+        axes.plot([c], [n], ls="none", ms=4.5, zorder=3, **look)
+        note(axes, f"{c:.4f}", (c, n), (5.0, 0.0), "left", "center", size=8.0)
+    arrow(axes, (of.true, 1.0), (of.true + 0.96 * of.added, 1.0), FAINT)
+    axes.axvline(of.true, color=FAINT, lw=0.5, ls=":")
+    axes.axvline(of.printed, color=PRINTED["color"], lw=0.5, ls=":")
+    axes.set_yticks(range(len(rows)), [text for text, _, _ in rows])
+    axes.set_ylim(len(rows) - 0.5, -0.6)
+    axes.set_xlim(of.true - 0.25 * of.added, of.true + 1.6 * of.added)
+    axes.ticklabel_format(axis="x", useOffset=False)
+    axes.locator_params(axis="x", nbins=4)
+    axes.tick_params(axis="y", length=0)
+    axes.set_xlabel("$c$ by direct integration, all levels (N s/m)")
+
+
+def _errors(
+    axes: Axes, errors: Mapping[str, Sequence[float]], frequencies: Sequence[float]
+) -> None:
+    """(b) On an axis that is linear about zero, so that the sign shows."""
+    for n, ((label, values), look) in enumerate(zip(errors.items(), LOOKS, strict=False)):
+        places = [f + 0.24 * (n - 1) for f in range(len(frequencies))]
+        axes.vlines(places, 0.0, values, color=look["color"], lw=1.2)
+        axes.plot(places, values, ls="none", ms=4.5, label=label, **look)
+        for x, error in zip(places, values, strict=True):
+            text = f"{error:+#.2g}".rstrip(".").replace("-", "−")
+            up = (0.0, 4.0, "bottom") if error > 0.0 else (0.0, -4.0, "top")
+            note(axes, text, (x, error), up[:2], "center", up[2], size=7.0)
+    axes.axhline(0.0, color=INK, lw=0.6)
+    axes.set_yscale("symlog", linthresh=0.1, linscale=0.6)
+    axes.set_ylim(-700.0, 700.0)
+    axes.set_yticks([-100, -10, -1, 0, 1, 10, 100], ["−100", "−10", "−1", "0", "+1", "+10", "+100"])
+    axes.minorticks_off()
+    axes.set_xlim(-0.5, len(frequencies) - 0.5)
+    axes.set_xticks(range(len(frequencies)), [f"{hz:g} Hz" for hz in frequencies])
+    axes.tick_params(axis="x", length=0)
+    axes.legend(loc="upper center", ncols=3, fontsize=7.2, handletextpad=0.1, columnspacing=0.7)
+    axes.set_ylabel("error of $F_k$ (%)", labelpad=1.0)
