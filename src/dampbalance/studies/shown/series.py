@@ -18,7 +18,7 @@ from ...motion.fixed_step import SCHEMES
 from ..parameters import PARAMETERS, SI_COLUMNS, Parameter
 from ..settings import Study
 from ..stretches import column_of
-from .facts import worst_errors
+from .facts import cases_at, worst_errors
 from .groups import terms_of
 from .logarithmic import is_logarithmic
 
@@ -194,8 +194,10 @@ def error_of_steps(study: Study, cases: str | Path) -> ErrorOfSteps:
 
 def _panels(study: Study, cases: str | Path) -> Iterator[Panel]:
     """The panels that the study's figure asks for."""
+    at = study.figure.get("at", {})
     x = column_of(cases, study.figure["x"])
     order = np.argsort(x, kind="stable")
+    order = order[cases_at({name: column_of(cases, name) for name in ("case", *at)}, at)[order]]
     by, phase = study.figure.get("panels"), str(study.figure.get("phase", ""))
     if by is None:
         yield Panel(None, "", phase, x[order], order)
