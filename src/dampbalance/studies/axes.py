@@ -133,4 +133,5 @@ def spread(
 
 def is_value(values: Words, wanted: float) -> Mask:
     """Which values are the one that is wanted, except for what their computation rounds."""
-    return np.isclose(values.astype(float), wanted, rtol=SAME, atol=0.0)
+    same: Mask = np.abs(values.astype(float) - wanted) <= SAME * abs(wanted)
+    return same

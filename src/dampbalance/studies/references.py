@@ -172,7 +172,11 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
     along = spec.get("along")
     if take in BANDS and not (_is_listed(study, along) and PARAMETERS[str(along)].unit):
         yield (*key, "along"), "must be an axis of this study whose values are listed numbers"
-    elif take in BANDS and "around" in spec and (text := _not_held(study, along, spec["around"])):
+    elif (
+        take in BANDS
+        and "around" in spec
+        and (text := _not_held(study, str(along), spec["around"]))
+    ):
         yield (*key, "around"), text
     if take == "signed" and not wrong and (cases := _selected(study, spec)) > 1:
         text = (

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ...arrays import Array, Mask, Words
-from ...project.wording import minus, number, percent
+from ...project.wording import minus, number, percent, signed_percent
 from ..axes import is_value
 from ..settings import BANDS, CHOICES, SPREADS, Study
 from ..stretches import Sizes, stretches
@@ -92,8 +92,7 @@ def _in_words(share: float, signed: bool = False) -> str:
     """A percentage, or that there is none."""
     if not math.isfinite(share):
         return "nothing (it cannot be identified there)"
-    sign = ("−" if share < 0.0 else "+") if signed else ""
-    return f"{sign}{percent(share)}"
+    return signed_percent(share) if signed else percent(share)
 
 
 def _cases_of(
@@ -133,8 +132,8 @@ def cases_at(part: Mapping[str, Words], at: Mapping[str, float | str]) -> Mask:
     """Which cases of a stretch have these values of axes; all where none are given."""
     kept = np.ones(len(next(iter(part.values()))), dtype=bool)
     for name, wanted in at.items():
-        words = isinstance(wanted, str)
-        kept &= part[name] == wanted if words else is_value(part[name], wanted)
+        values = part[name]
+        kept &= values == wanted if isinstance(wanted, str) else is_value(values, wanted)
     return kept
 
 
@@ -166,8 +165,8 @@ def _stretch(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> Stretc
 def _end(places: Array, errors: Array, within: float, last: int, step: int) -> tuple[float, str]:
     """Where a stretch ends, and what that place is.
 
-    Between its last place and the next, the least and the largest error are taken to be straight lines; the stretch ends
-    where the first of them crosses the bound.
+    Between its last place and the next, the least and the largest error are taken to be straight lines; the stretch
+    ends where the first of them crosses the bound.
     errors : the least and the largest at each place, (2, n).   last : the last place within.   step : ±1, outwards.
     """
     if not 0 <= last + step < len(places):
