@@ -1,6 +1,6 @@
 """The article of the paper's case, built in a folder of its own by the scripts of the workflow.
 
-The routes are computed in memory, the studies are those of `config/studies`, except the step (its two coarsest only)
+The routes are computed in memory, the studies are those of `config/studies`, except the step (three of them only)
 and the noise (two runs of each set).
 """
 
@@ -35,7 +35,7 @@ OF_ARTICLE = [
     *("noise", "rigid_contact"),
 ]
 COARSER = {
-    "step_size": ("[2.0e-6, 5.0e-6, 1.0e-5, 2.0e-5, 4.0e-5, 8.0e-5]", "[4.0e-5, 8.0e-5]"),
+    "step_size": ("[2.0e-6, 5.0e-6, 1.0e-5, 2.0e-5, 4.0e-5, 8.0e-5]", "[5.0e-6, 4.0e-5, 8.0e-5]"),
     "noise": ("run: {from: 1, to: 50, count: 50}", "run: {from: 1, to: 2, count: 2}"),
 }
 FIRST = next(iter(CASE.frequencies_hz))

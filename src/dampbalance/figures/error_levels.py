@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from ..balance import takes_phase
 from ..model import Oscillator
-from .grid import Grid, decades_axis, grid
+from .grid import Grid, grid, signed_axis
 from .looks import in_maths, label_of, look_of
 from .series import (
     COMMON,
@@ -21,16 +21,14 @@ from .series import (
     Errors,
     ErrorsByLevel,
     ErrorsOfTerm,
-    decades,
     errors_by_level,
 )
-from .style import DASHED, FAINT, INK, omega_of, styled
+from .style import DASHED, FAINT, omega_of, styled
 
 if TYPE_CHECKING:
     import pandas as pd
 
-STRIP, BREAK = 5.0, 1.6  # mm: panel below the break of the axis, and the break
-HEIGHT = 42.0 + BREAK + STRIP  # mm, of a panel with both
+HEIGHT = 48.0  # mm, of a panel
 
 
 @styled()
@@ -45,61 +43,39 @@ def estimation_error(
     The arguments are those of `series.errors_by_level`; a row of panels per term, a column per frequency.
 
     Filled markers: φ and t_s common to all levels; open: those of each level. Approaches that know no
-    such choice (`balance.takes_phase`) are filled. An approach that is exact to rounding stands
-    below the break of the axis, beside the bound it keeps.
+    such choice (`balance.takes_phase`) are filled. Errors have their sign; an approach that is exact to rounding lies
+    on zero, and the legend states the bound that it keeps.
     """
     shown = errors_by_level(estimates, oscillator, frequencies_hz, levels_m)
     panels = grid(len(shown.terms), len(frequencies_hz), left=17.0, bottom=20.0, height=HEIGHT)
     for number, of_term in enumerate(shown.terms):
         row = _row(panels, number, of_term, shown)
-        for name, (main, lowest) in row.items():
+        for axes, name in zip(row, frequencies_hz, strict=True):
             if number == 0:
-                main.set_title(_frequency(name, frequencies_hz[name]), pad=4.0)
+                axes.set_title(_frequency(name, frequencies_hz[name]), pad=4.0)
             if number == len(shown.terms) - 1:
-                lowest.set_xticks(range(len(shown.names)), shown.names, size=7.5)
+                axes.set_xticks(range(len(shown.names)), shown.names, size=7.5)
     panels.text_below(
         "excitation levels $Y_i$–$Y_j$ of the pair (mm); all: least squares over all levels"
     )
-    _legend(panels, shown.approaches)
+    _legend(panels, shown)
     return panels.figure
 
 
-def _row(
-    panels: Grid, number: int, of_term: ErrorsOfTerm, shown: ErrorsByLevel
-) -> dict[str, tuple[Axes, Axes]]:
-    """The panels of one term, one per frequency: (main, lowest), the same axes where nothing is exact."""
-    symbol, exact = of_term.term.symbol, of_term.exact
-    limits = decades([of_term.sizes])
-    row = {}
+def _row(panels: Grid, number: int, of_term: ErrorsOfTerm, shown: ErrorsByLevel) -> list[Axes]:
+    """The panels of one term, one per frequency."""
+    row = []
     for column, (name, errors) in enumerate(of_term.errors.items()):
-        main = lowest = panels.panel(number, column, BREAK + STRIP if exact else 0.0)
-        main.set_label(f"{symbol} {name}")
-        _frame(main, len(shown.places) - 1)
-        decades_axis(main, limits)
+        axes = panels.panel(number, column)
+        axes.set_label(f"{of_term.term.symbol} {name}")
+        _frame(axes, len(shown.places) - 1)
+        signed_axis(axes, of_term.scale)
+        axes.tick_params(labelleft=column == 0)
         for key in shown.approaches:
-            if key not in exact:
-                _draw(main, errors, key, shown)
-        if exact:
-            lowest = panels.panel(number, column, 0.0, STRIP)
-            lowest.set_label(f"{symbol} {name} exact")
-            _frame(lowest, len(shown.places) - 1)
-            lowest.set_ylim(0.0, 1.0)
-            lowest.set_yticks([0.5], [_bound(max(exact.values()))])
-            lowest.tick_params(axis="y", length=0)
-            for key in exact:  # where exactly is chance: all on one line
-                _draw(lowest, dict.fromkeys(errors, 0.5), key, shown)
-            _break(main, lowest)
-        for axes in (main, lowest):
-            axes.tick_params(labelleft=column == 0)
-        if column == 0:
-            panels.name_row(main, f"error of ${symbol}$ (%)")
-        row[name] = main, lowest
+            _draw(axes, errors, key, shown)
+        row.append(axes)
+    panels.name_row(row[0], f"error of ${of_term.term.symbol}$ (%)")
     return row
-
-
-def _bound(error: float) -> str:
-    """A bound of errors, the power of ten above them."""
-    return rf"$\leq 10^{{{math.ceil(math.log10(error))}}}$"
 
 
 def _draw(axes: Axes, errors: Errors, key: str, shown: ErrorsByLevel) -> None:
@@ -138,34 +114,30 @@ def _frame(axes: Axes, pairs: int) -> None:
     axes.axvline(pairs - 0.5, color=FAINT, lw=0.4)
 
 
-def _break(upper: Axes, lower: Axes) -> None:
-    """Show that the axis is broken between the two: slashes for the line that would part them."""
-    upper.spines["bottom"].set_visible(False)
-    lower.spines["top"].set_visible(False)
-    slash: dict[str, Any] = {"marker": [(-1, -0.5), (1, 0.5)], "ms": 6, "ls": "none"}
-    slash |= {"color": INK, "mew": 0.6, "clip_on": False}
-    upper.plot([0, 1], [0, 0], transform=upper.transAxes, **slash)
-    lower.plot([0, 1], [1, 1], transform=lower.transAxes, **slash)
-
-
-def _legend(panels: Grid, approaches: Sequence[str]) -> None:
+def _legend(panels: Grid, shown: ErrorsByLevel) -> None:
     """The approaches by colour and marker, common and individual features by filling."""
 
     def handle(key: str, phase: str) -> Line2D:
         return Line2D([], [], **_drawing(key, phase, joined=True))
 
-    choosing = [key for key in approaches if takes_phase(key)]
-    handles: list[Any] = [handle(key, COMMON) for key in approaches]
+    choosing = [key for key in shown.approaches if takes_phase(key)]
+    handles: list[Any] = [handle(key, COMMON) for key in shown.approaches]
     handles += [tuple(handle(key, phase) for key in choosing) for phase in (COMMON, INDIVIDUAL)]
-    labels = [in_maths(label_of(key)) for key in approaches]
+    labels = [_name(key, shown.exact) for key in shown.approaches]
     panels.legend_below(
         handles,
         labels=[*labels, r"common $\varphi$, $t_s$", r"individual $\varphi_i$, $t_{is}$"],
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0.2)},
-        columnspacing=1.1,
-        handlelength=2.2,
-        handletextpad=0.6,
+        columnspacing=0.9,
+        handlelength=2.0,
+        handletextpad=0.5,
     )
+
+
+def _name(key: str, exact: Mapping[str, float]) -> str:
+    """An approach, and the power of ten that an exact one stays below."""
+    bound = rf" (${{<}}10^{{{math.ceil(math.log10(exact[key]))}}}$ %)" if key in exact else ""
+    return in_maths(label_of(key)) + bound
 
 
 def _is_step(pair: str) -> bool:

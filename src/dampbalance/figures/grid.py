@@ -9,12 +9,14 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter
 
-from .style import DOUBLE_COLUMN, MM, page, place
+from .series import SignedScale
+from .style import DOUBLE_COLUMN, FAINT, MM, page, place
 
 RIGHT, TOP, ROW_GAP, COLUMN_GAP = 3.0, 8.0, 4.0, 3.5  # mm
 ENTRIES = 7  # of a legend that fit into a line
+NAMED = 10  # labels of an axis that fit one above the other
 TEXT_LEVEL, LEGEND_LEVEL = 11.0, 4.0  # mm above the lower edge of the page
 
 
@@ -72,6 +74,31 @@ def grid(
     width = (DOUBLE_COLUMN - left - RIGHT - (columns - 1) * COLUMN_GAP) / columns
     figure = page(DOUBLE_COLUMN, bottom + rows * height + (rows - 1) * ROW_GAP + TOP)
     return Grid(figure, left, bottom, rows, width, height)
+
+
+def signed_axis(axes: Axes, scale: SignedScale) -> None:
+    """An axis of errors of either sign, with a line at zero and a faint one at each power of ten."""
+    axes.set_yscale("asinh", linear_width=0.2 * scale.linear)  # to ±linear as far as a decade
+    axes.set_ylim(scale.low, scale.high)
+    ticks = scale.ticks
+    every = math.ceil(len(ticks) / NAMED)
+    named = {0.0, *(tick for tick in ticks if tick and _steps(tick, scale) % every == 0)}
+    axes.yaxis.set_major_locator(FixedLocator(ticks))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: _power(y) if y in named else ""))
+    axes.yaxis.set_minor_locator(FixedLocator([]))
+    axes.grid(axis="y", color="#E4E4E4", lw=0.4)
+    axes.axhline(0.0, color=FAINT, lw=0.5, zorder=0.5)
+
+
+def _steps(tick: float, scale: SignedScale) -> int:
+    """How many decades the larger end of an axis lies beyond a tick."""
+    return round(math.log10(max(scale.high, -scale.low) / abs(tick)))
+
+
+def _power(value: float) -> str:
+    """A power of ten with its sign, or zero."""
+    sign = "-" if value < 0.0 else ""
+    return rf"${sign}10^{{{round(math.log10(abs(value)))}}}$" if value else "$0$"
 
 
 def decades_axis(axes: Axes, limits: tuple[float, float]) -> None:

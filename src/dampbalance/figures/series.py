@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,10 +21,10 @@ COMMON, INDIVIDUAL = "common", "individual"
 ALL = "all"  # what the tables name in place of a pair: least squares over all levels
 EXACT = 1e-5  # %: an approach nowhere worse than this is exact to rounding (which uneven levels magnify)
 ROUNDING = 1e-11  # %: the least bound stated for rounding; below it the errors are chance
-FLOOR = 1e-14  # %: a smaller error, zero too, counts as this on a logarithmic axis
+FLOOR = 1e-4  # %: a smaller error is drawn on the linear part of an axis
 
 Errors = dict[tuple[str, str, str], float]
-"""(approach, phase, pair or ALL) → size of the relative error, %."""
+"""(approach, phase, pair or ALL) → relative error, %, with its sign."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +39,11 @@ class ErrorsOfTerm:
     exact: Mapping[str, float]
 
     @property
-    def sizes(self) -> Array:
-        """All errors, %, of the approaches that are not exact."""
+    def scale(self) -> SignedScale:
+        """The axis of all errors, %, of the approaches that are not exact."""
         known = (item for one in self.errors.values() for item in one.items())
-        return np.array([error for (approach, *_), error in known if approach not in self.exact])
+        drawn = [error for (approach, *_), error in known if approach not in self.exact]
+        return signed_scale([np.array(drawn)], FLOOR, math.inf, cut=0.02)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +58,15 @@ class ErrorsByLevel:
     places: tuple[str, ...]
     names: tuple[str, ...]
     terms: tuple[ErrorsOfTerm, ...]
+
+    @property
+    def exact(self) -> dict[str, float]:
+        """Approach that is exact for every term → bound of its error, %."""
+        return {
+            key: max(of_term.exact[key] for of_term in self.terms)
+            for key in self.approaches
+            if all(key in of_term.exact for of_term in self.terms)
+        }
 
 
 def errors_by_level(
@@ -96,18 +106,18 @@ def _of_term(term: Term, tables: Mapping[str, pd.DataFrame], true: float) -> Err
     errors = {name: _relative_errors(table, term.column, true) for name, table in tables.items()}
     worst: dict[str, float] = {}
     for (approach, *_), error in (item for one in errors.values() for item in one.items()):
-        worst[approach] = max(error, worst.get(approach, 0.0))
+        worst[approach] = max(abs(error), worst.get(approach, 0.0))
     exact = {key: max(error, ROUNDING) for key, error in worst.items() if error < EXACT}
     return ErrorsOfTerm(term, errors, exact)
 
 
 def _relative_errors(table: pd.DataFrame, column: str, true: float) -> Errors:
-    """|estimate/true − 1| in %, of the pairs and of the least squares, those that exist."""
+    """estimate/true − 1 in %, of the pairs and of the least squares, those that exist."""
     errors: Errors = {}
     for row in table[table["kind"].isin(["pair", "least_squares"])].to_dict("records"):
-        error = 100.0 * abs(float(row[column]) / true - 1.0)
+        error = 100.0 * (float(row[column]) / true - 1.0)
         if math.isfinite(error):
-            errors[row["approach"], row["phase"], row["pair"]] = max(error, FLOOR)
+            errors[row["approach"], row["phase"], row["pair"]] = error
     return errors
 
 
@@ -123,6 +133,39 @@ def decades(
     low, high = (np.quantile(known, cut), known.max()) if known.size else (0.1, 10.0)
     bottom = max(floor, 10.0 ** math.floor(math.log10(low)))
     return bottom, max(10.0 * bottom, min(ceiling, 10.0 ** math.ceil(math.log10(high))))
+
+
+class SignedScale(NamedTuple):
+    """An axis of errors of either sign: linear within ±linear, logarithmic beyond, from low to high; all are powers of
+    ten, low a negative one."""
+
+    linear: float
+    low: float
+    high: float
+
+    @property
+    def ticks(self) -> list[float]:
+        """Zero and, of either sign, the powers of ten."""
+        first = round(math.log10(self.linear))
+        sides = (-self.low, self.high)
+        below, above = (range(first, round(math.log10(side)) + 1) for side in sides)
+        powers = [-float(f"1e{power}") for power in reversed(below)]
+        return [*powers, 0.0, *(float(f"1e{power}") for power in above)]
+
+
+def signed_scale(
+    errors: Sequence[Array], floor: float, ceiling: float, cut: float = 0.0
+) -> SignedScale:
+    """The axis that holds errors, whole decades around those of either sign; the arguments are those of `decades`."""
+    linear, top = decades([np.abs(some) for some in errors], floor, ceiling, cut)
+    known = np.concatenate([np.empty(0), *errors])
+    known = known[np.isfinite(known)]
+    sides = (
+        max(linear, known.max(initial=0.0, where=known > 0.0)),
+        max(linear, -known.min(initial=0.0)),
+    )
+    high, low = (min(top, 10.0 ** math.ceil(math.log10(side) - 1e-9)) for side in sides)
+    return SignedScale(linear, -low, high)
 
 
 def _in_order(tables: Iterable[pd.DataFrame], column: str) -> list[str]:

@@ -47,6 +47,12 @@ def percent(share: float) -> str:
     return f"{value:.{digits}f} %"
 
 
+def signed_percent(share: float) -> str:
+    """A share as a percentage with its sign, +1.37 % or −65.8 %."""
+    sign = "" if math.isnan(share) or share == 0.0 else "+" if share > 0.0 else MINUS
+    return f"{sign}{percent(share)}"
+
+
 def number(value: float, digits: int = 7) -> str:
     """A number to this many significant digits, trailing zeros kept, powers of ten as 1.2·10⁻³; – for none."""
     if not math.isfinite(value):

@@ -14,10 +14,11 @@ from typing import Literal
 
 import numpy as np
 
-from ..arrays import Array, Integers, Words
+from ..arrays import Array, Integers, Mask, Words
 
 # 2³² points at most; with more bits scipy cannot skip to the first point of a chunk.
 SOBOL_BITS = 32
+SAME = 1e-12  # relative: two values of an axis that differ by less are one, as computed twice
 Spacing = Literal["linear", "log"]
 
 
@@ -118,8 +119,19 @@ def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Wor
     return values
 
 
-def spread(low: float, high: float, count: int, spacing: Spacing) -> list[float]:
-    """`count` values from low to high, both included, evenly spaced themselves or in their logarithms."""
+def spread(
+    low: float, high: float, count: int, spacing: Spacing, also: Sequence[float] = ()
+) -> list[float]:
+    """`count` values from low to high, both included, evenly spaced themselves or in their logarithms, and further
+    values `also`, all in ascending order; a further value takes the place of one that equals it but for rounding."""
     spaced = np.geomspace if spacing == "log" else np.linspace
     values: list[float] = spaced(low, high, count).tolist()
-    return values
+    if not also:
+        return values
+    return sorted([*(x for x in values if not is_value(np.asarray(also), x).any()), *also])
+
+
+def is_value(values: Words, wanted: float) -> Mask:
+    """Which values are the one that is wanted, except for what their computation rounds."""
+    same: Mask = np.abs(values.astype(float) - wanted) <= SAME * abs(wanted)
+    return same

@@ -89,7 +89,7 @@ def _wrong_lists(key: Key, block: Mapping[str, Any]) -> Iterator[Problem]:
     for name, spec in block.items():
         place = (*key, name)
         if "values" in spec and len(spec) > 1:
-            yield place, "give either values, or from, to and count"
+            yield place, "give either values, or from, to and count (and also)"
         elif "values" in spec:
             sizes[name] = len(spec["values"])
             objections = (objection(name, value) for value in spec["values"])
@@ -100,6 +100,14 @@ def _wrong_lists(key: Key, block: Mapping[str, Any]) -> Iterator[Problem]:
             sizes[name] = spec["count"]
             wrong = list(_wrong_range(place, name, spec))
             yield from wrong or _wrong_spread(place, name, spec)
+            further = spec.get("also", ())
+            objections = (objection(name, value) for value in further)
+            yield from (((*place, "also"), wrong) for wrong in objections if wrong)
+            if further and len(block) > 1:
+                yield (
+                    (*place, "also"),
+                    "cannot be paired with another axis; list the values of both",
+                )
     if len(set(sizes.values())) > 1:
         text = ", ".join(f"{name} has {size}" for name, size in sizes.items())
         yield key, f"paired axes need as many values each: {text}"

@@ -7,9 +7,11 @@ import string
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
 from ..project.documents import Key, Problem
 from ..project.wording import shortened
-from .axes import Listed
+from .axes import Listed, is_value
 from .parameters import PARAMETERS
 from .plan import columns_of
 from .routes import LAWS
@@ -91,6 +93,9 @@ def _wrong_figure(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
         yield ("figure", "y"), f"{figure['y']} is the axis x already; take another"
     if kind == "steps":
         yield from _wrong_steps(study, figure)
+    if "at" in figure and kind != "curves":
+        yield ("figure", "at"), f"is for curves; a figure of {kind} takes all cases"
+    yield from _wrong_selection(study, ("figure",), {"at": figure.get("at", {})})
     if kind == "curves" and study.cases > MOST_POINTS:
         text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
         yield ("figure", "kind"), text
@@ -145,7 +150,8 @@ def _wrong_panels(study: Study, figure: Mapping[str, Any], kind: str) -> Iterato
 
 
 def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    yield from _wrong_selection(study, key, spec)
+    wrong = list(_wrong_selection(study, key, spec))
+    yield from wrong
     take, fits = spec["take"], study.fits_of(spec)
     if spec["of"] == "law" or take in CHOICES:
         yield key, "is about laws, which the route laws alone compares"
@@ -166,13 +172,47 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
     along = spec.get("along")
     if take in BANDS and not (_is_listed(study, along) and PARAMETERS[str(along)].unit):
         yield (*key, "along"), "must be an axis of this study whose values are listed numbers"
+    elif (
+        take in BANDS
+        and "around" in spec
+        and (text := _not_held(study, str(along), spec["around"]))
+    ):
+        yield (*key, "around"), text
+    if take == "signed" and not wrong and (cases := _selected(study, spec)) > 1:
+        text = (
+            f"is the error of one case, and {cases:,} are selected; give a value of each axis in at"
+        )
+        yield (*key, "take"), text
+
+
+def _selected(study: Study, spec: Mapping[str, Any]) -> int:
+    """How many cases the conditions on listed axes leave."""
+    at, between = spec.get("at", {}), spec.get("between", {})
+    left = 1
+    for block in study.blocks:
+        kept = np.ones(block.count, dtype=bool)
+        for name, values in block.values.items() if isinstance(block, Listed) else ():
+            held = np.asarray(values)
+            if name in at:
+                kept &= held == at[name] if held.dtype.kind == "U" else is_value(held, at[name])
+            if name in between:
+                kept &= (held >= between[name][0]) & (held <= between[name][1])
+        left *= int(np.count_nonzero(kept))
+    return left
 
 
 def _wrong_selection(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
+    wrong = False
     for where in ("at", "between"):
         for name, wanted in spec.get(where, {}).items():
             if text := _not_selected(study, name, wanted):
                 yield (*key, where, name), text
+                wrong = True
+    if not wrong and not _selected(study, spec):
+        yield (
+            key,
+            "selects no case: paired axes go in step, and bounds must have a value between them",
+        )
 
 
 def _not_selected(study: Study, name: str, wanted: Any) -> str:
@@ -185,22 +225,43 @@ def _not_selected(study: Study, name: str, wanted: Any) -> str:
             return f"{shortened(wanted)} are not two bounds of {name}, the lower one first"
         return ""
     if words:
-        values = next(block.values[name] for block in _listed(study) if name in block.names)
+        values = next(block.values[name] for block in _listed(study, name))
         if wanted not in values:
             return f"{shortened(wanted)} is not among its values: {', '.join(map(str, values))}"
     elif isinstance(wanted, bool) or not isinstance(wanted, int | float):
         return f"{shortened(wanted)} is not a number"
     elif not math.isfinite(wanted):
         return f"{wanted!r} is not a finite number"
+    else:
+        return _not_held(study, name, wanted)
     return ""
 
 
-def _listed(study: Study) -> list[Listed]:
-    return [block for block in study.blocks if isinstance(block, Listed)]
+def _not_held(study: Study, name: str, wanted: float) -> str:
+    """Why an axis of numbers has no case at a value; nothing if it has."""
+    if not _is_listed(study, name):
+        return (
+            f"{wanted:g} is no value of {name}, which is sampled: take the cases between two bounds"
+        )
+    values = next(np.asarray(block.values[name], float) for block in _listed(study, name))
+    if is_value(values, wanted).any():
+        return ""
+    nearest = sorted(values[np.argsort(np.abs(values - wanted), kind="stable")[:2]])
+    shown = " and ".join(f"{value:.10g}" for value in nearest)
+    are = "nearest is" if len(nearest) == 1 else "nearest are"
+    return (
+        f"{wanted!r} is not among the {len(values)} values of {name}, whose {are} {shown}; take one of "
+        f"them, or add it to the axis, in values or beside from, to and count as also: [{wanted!r}]"
+    )
+
+
+def _listed(study: Study, name: str) -> Iterator[Listed]:
+    """The block that lists the values of an axis, if there is one."""
+    return (b for b in study.blocks if isinstance(b, Listed) and name in b.names)
 
 
 def _is_listed(study: Study, name: str | None) -> bool:
-    return any(name in block.names for block in _listed(study))
+    return any(_listed(study, str(name)))
 
 
 def _count(study: Study, name: str) -> int:

@@ -203,6 +203,13 @@ def paper_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
     return {"base": base, "levels_m": levels}
 
 
+def spread_of(spec: Mapping[str, Any]) -> list[float]:
+    """The values of an axis that is given by its ends and their number."""
+    ends = float(spec["from"]), float(spec["to"])
+    also = [float(value) for value in spec.get("also", ())]
+    return spread(*ends, spec["count"], spec.get("spacing", "linear"), also)
+
+
 def _block(item: Mapping[str, Any]) -> Block:
     if "sample" in item:
         sample = item["sample"]
@@ -212,10 +219,7 @@ def _block(item: Mapping[str, Any]) -> Block:
         }
         return Sampled(sample["method"], sample["count"], sample["seed"], ranges)
     values = {
-        name: spec["values"]
-        if "values" in spec
-        else spread(spec["from"], spec["to"], spec["count"], spec.get("spacing", "linear"))
-        for name, spec in item.items()
+        name: spec["values"] if "values" in spec else spread_of(spec) for name, spec in item.items()
     }
     return Listed(values)
 

@@ -26,6 +26,7 @@ from dampbalance import BaseMotion, balance, figures, steady_orbit
 from dampbalance.estimates import estimate_table
 from dampbalance.figures import looks, style
 from dampbalance.figures.cycle import branches
+from dampbalance.figures.series import signed_scale
 from dampbalance.law.terms import Term
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, OMEGA, PAIRS, PAPER, features_at, orbits_at
 
@@ -426,13 +427,13 @@ def drawn(figure: Figure, axes: str, label: str) -> np.ndarray:
 def test_errors_are_relative_to_the_truth(stand_in):
     figure = figures.estimation_error({"omega1": stand_in}, PAPER, {"omega1": NEAR}, LEVELS)
     # neighbouring pairs 1-2, 2-3 first; then 1-3, which is missing; then least squares
-    expected = np.array([1.0, 1e-14, math.nan, 10.0])
+    expected = np.array([-1.0, 0.0, math.nan, -10.0])
     assert drawn(figure, "F_k omega1", "X_s common") == pytest.approx(
-        expected, rel=1e-12, nan_ok=True
+        expected, rel=1e-12, abs=1e-12, nan_ok=True
     )
-    expected = np.array([2.0, 1e-14, math.nan, 20.0])
+    expected = np.array([2.0, 0.0, math.nan, 20.0])
     assert drawn(figure, "c omega1", "X_s common") == pytest.approx(
-        expected, rel=1e-12, nan_ok=True
+        expected, rel=1e-12, abs=1e-12, nan_ok=True
     )
     assert "$\\omega_{1}/2\\pi$ = 4.92 Hz" in [axes.get_title() for axes in figure.axes]
     (lowest,) = [axes for axes in figure.axes if axes.get_label() == "c omega1"]
@@ -451,26 +452,47 @@ def test_every_estimate_is_in_the_picture(make, estimates, name, phase):
         chosen = chosen[chosen["kind"].isin(["pair", "least_squares"])]
         for symbol, column, true in (("F_k", "F_k_N", PAPER.F_k), ("c", "c_N_s_per_m", PAPER.c)):
             shown = drawn(figure, f"{symbol} {name}", f"{approach} {phase}")
-            assert shown == pytest.approx(100.0 * abs(chosen[column] / true - 1.0), rel=1e-12)
+            assert shown == pytest.approx(100.0 * (chosen[column] / true - 1.0), rel=1e-12)
             (axes,) = [axes for axes in figure.axes if axes.get_label() == f"{symbol} {name}"]
             low, high = axes.get_ylim()
             assert low < shown.min()
             assert shown.max() < high
 
 
-def test_what_is_exact_stands_below_the_break_with_its_bound(make):
+def test_what_is_exact_lies_on_zero_and_the_legend_states_its_bound(make):
     figure = make["estimation_error"]()
     for symbol in ("F_k", "c"):
-        shown = drawn(figure, f"{symbol} omega1 exact", "direct individual")
+        shown = drawn(figure, f"{symbol} omega1", "direct individual")
         assert len(shown) == len(PAIRS) + 1
-        assert np.all(shown == 0.5)
-        assert drawn(figure, f"{symbol} omega1 exact", "direct common") == pytest.approx(
-            [math.nan] * (len(PAIRS) + 1), nan_ok=True
-        ), "direct integration knows no phase"
-        (strip,) = [axes for axes in figure.axes if axes.get_label() == f"{symbol} omega1 exact"]
-        (tick,) = strip.get_yticklabels()
         # exact to 1e-10 relative is what direct integration promises, 1e-8 %
-        assert tick.get_text() in {rf"$\leq 10^{{{n}}}$" for n in range(-11, -7)}
+        assert np.abs(shown).max() < 1e-8
+    (name,) = [t.get_text() for t in figure.legends[0].get_texts() if "direct" in t.get_text()]
+    assert name in {rf"direct integration (${{<}}10^{{{n}}}$ %)" for n in range(-11, -7)}
+
+
+def test_the_axis_of_errors_shows_both_signs(make):
+    figure = make["estimation_error"]()
+    (axes,) = [axes for axes in figure.axes if axes.get_label() == "F_k omega1"]
+    assert axes.get_yscale() == "asinh"
+    assert axes.get_ylim() == (-100.0, 100.0)
+    named = [t.get_text() for t in axes.get_yticklabels() if t.get_text()]
+    assert {"$-10^{2}$", "$0$", "$10^{2}$"} <= set(named)
+
+
+@pytest.mark.parametrize(
+    ("errors", "expected"),
+    [
+        ([-3.0, 0.2, math.nan], (0.1, -10.0, 1.0)),
+        ([5.0, 70.0], (1.0, -1.0, 100.0)),
+        ([-0.02], (0.01, -0.1, 0.01)),
+        ([], (0.1, -0.1, 0.1)),
+    ],
+)
+def test_a_signed_scale_holds_the_errors_of_either_sign(errors, expected):
+    scale = signed_scale([np.array(errors)], 1e-3, math.inf)
+    assert scale == pytest.approx(expected)
+    assert scale.ticks == sorted(scale.ticks)
+    assert {scale.low, 0.0, scale.high} <= set(scale.ticks)
 
 
 def test_direct_integration_that_is_not_exact_is_drawn_like_the_others(estimates):
@@ -494,9 +516,9 @@ def test_a_new_approach_and_a_new_term_are_drawn_like_the_others(stand_in, monke
     oscillator = SimpleNamespace(F_k=1.28, c=90.0, d=2.0)
     both["d_kg_per_m"] = 2.0 * (1.0 + 3.0 * (1.0 - both["F_k_N"] / 1.28))
     figure = figures.estimation_error({"omega1": both}, oscillator, {"omega1": 4.92}, LEVELS)
-    for symbol, factor in (("F_k", 1.0), ("c", 2.0), ("d", 3.0)):
+    for symbol, factor in (("F_k", -1.0), ("c", 2.0), ("d", 3.0)):
         assert drawn(figure, f"{symbol} omega1", "new individual") == pytest.approx(
-            [factor, 1e-14, math.nan, 10.0 * factor], rel=1e-12, nan_ok=True
+            [factor, 0.0, math.nan, 10.0 * factor], rel=1e-12, abs=1e-12, nan_ok=True
         )
     assert "new" in [text.get_text() for text in figure.legends[0].get_texts()]
     written(figure, tmp_path)

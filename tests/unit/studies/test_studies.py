@@ -518,7 +518,7 @@ def test_facts_are_taken_from_the_cases_they_name(study, tmp_path):
             "axes": [{"zeta": {"from": 0.1, "to": 0.9, "count": 9}}],
             "facts": {
                 "worst": {"of": "F_k", "take": "max", "approach": "X_s"},
-                "one": {"of": "F_k", "take": "signed", "approach": "X_s", "at": {"zeta": 0.31}},
+                "one": {"of": "F_k", "take": "signed", "approach": "X_s", "at": {"zeta": 0.3}},
                 "part": {
                     "of": "F_k",
                     "take": "share",
@@ -547,10 +547,11 @@ def test_facts_are_taken_from_the_cases_they_name(study, tmp_path):
     assert one.lstrip("+−") == percent(abs(error[2]))
     assert one.startswith("+" if error[2] > 0.0 else "−")
     assert part == percent((error[:4].abs() <= 0.002).mean())
-    good = (error.abs() <= 0.01).tolist()
-    last = good.index(False) if False in good else 9
-    assert band == f"0.1 to {frame['zeta'][last - 1]:.3g}"
-    assert cases == "9"
+    size, zeta = error.abs(), frame["zeta"]
+    beyond = (size <= 0.01).tolist().index(False)
+    crossing = np.interp(0.01, size[beyond - 1 : beyond + 1], zeta[beyond - 1 : beyond + 1])
+    assert band == f"0.100 (where the axis begins) to {crossing:.3f}"
+    assert cases == f"9 {facts.INTERPOLATED}"
 
 
 @pytest.mark.parametrize(

@@ -172,7 +172,7 @@ def test_the_study_tells_the_lists_of_terms_apart(done):
     assert facts.paragraph(study, path).startswith(f"{100 * out:.0f} %")
     curves = series.error_curves(study, path)  # the first list: without the term
     assert curves.symbols == ("F_k", "c")
-    np.testing.assert_allclose(curves.curves["F_k", 0][0].error.max(), 100.0 * out)
+    np.testing.assert_allclose(np.abs(curves.curves["F_k", 0][0].error).max(), 100.0 * out)
     assert len(drawing.study_figure(study, path).axes) == 2
 
 

@@ -183,7 +183,9 @@ def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame, case: Case) ->
     """How well the printed a of all levels agree on the instant, within a step, at which the motion is sampled.
 
     count : of the steady cycles tried.   spread : the largest deviation of a level from the mean of its cycle, in
-    steps, of any cycle. Whole steps do not count: a may begin a sample earlier or later.   cycles : of `schemes.cycle_table`.
+    steps, of any cycle. Whole steps do not count: a may begin a sample earlier or later.
+
+    cycles : of `schemes.cycle_table`.
     """
     per_step = 2.0 * cycles["V_s_m_per_s"] * case.numerics.step_s
     printed = _printed(claims, "a")[cycles["level"].to_numpy() - 1]

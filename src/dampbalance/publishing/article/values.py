@@ -31,7 +31,7 @@ STUDY_FACTS = {
     "contact_stiffness": "soft paper rigid off_soft off_rigid soft_t fourier fourier_c",
     "damping": "light_off light_common fourier fourier_c",
     "read_out": "five exact fourier_five fourier_six X_s_five X_s_six X_s_nine X_s_five_individual "
-    "X_s_nine_individual",
+    "X_s_nine_individual X_s_table_1 X_s_table_1_individual table_1_individual",
     "step_size": "euler_paper euler_coarse explicit_paper rk4_coarse",
     "noise": "all_covered all_low all_high all_c_covered all_c_low all_c_high",
     "rigid_contact": " ".join(
@@ -170,7 +170,7 @@ def _off_resonance(book: Book, frequencies: list[str]) -> None:
 
 
 def _errors(book: Book, frequency: str) -> None:
-    """Sizes of the errors of F_k and c at a frequency: the largest of the pairs, and least squares of all levels."""
+    """Errors of F_k and c at a frequency: the size of the largest of the pairs, and of the least squares with sign."""
     for quantity in TERMS:
         for fit, column in FITS.items():
             for way, place in WAYS.items():

@@ -20,12 +20,13 @@ import vl_convert
 from numpy.typing import NDArray
 
 from ...arrays import Array, Mask
+from ...figures.series import SignedScale
 from .colours import variable
 from .legend import Entry
 from .words import titled
 
 Spec = dict[str, Any]
-Scale = Literal["linear", "log"]
+Scale = Literal["linear", "log", "symlog"]
 
 VERSION = "6.4"  # of Vega-Lite, in vl-convert's bundle
 # px: a panel of a still picture; on the page a panel is as wide as its column.
@@ -89,6 +90,7 @@ class Axis:
     scale: Scale = "linear"
     limits: tuple[float, float] | None = None
     labels: Sequence[str] | None = None  # of the places 0, 1, 2 …, where numbers mean nothing
+    signed: SignedScale | None = None  # of a symlog axis
 
     def encoding(self, channel: str, still: bool = False) -> Spec:
         """The position channel, x or y, of Vega-Lite; where nothing moves, a logarithmic axis has only named ticks."""
@@ -105,6 +107,10 @@ class Axis:
         elif self.scale == "log":
             seen = {"condition": {"test": _IS_POWER, "value": 1}, "value": 0}
             axis |= {"labelExpr": _LOG_LABEL.replace("CHANNEL", channel), "gridOpacity": seen}
+        elif self.signed:
+            scale["constant"] = self.signed.linear / 9.0  # to ±linear as far as a decade
+            ticks = self.signed.ticks
+            axis |= {"values": ticks, "tickCount": len(ticks), "labelExpr": _SIGNED_LABEL}
         if still and self.scale == "log" and self.limits:
             axis |= {"values": _named_ticks(*self.limits)}
         return {**quantitative(self.column), "scale": scale, "axis": axis}
@@ -123,6 +129,18 @@ _LOG_LABEL = (
     f"(abs({_POWER}) > 9 ? {_RAISED.format(f'floor(abs({_POWER}) / 10)')} : '') + "
     f"{_RAISED.format(f'abs({_POWER}) % 10')}"
 )
+
+
+_SIZE = "round(log(abs(datum.value)) / LN10)"
+_SIGNED_LABEL = (
+    f"datum.value == 0 ? '0' : (datum.value < 0 ? '−' : '') + ({_SIZE} > -4 && {_SIZE} < 4 ? "
+    f"format(abs(datum.value), '~r') : '10' + ({_SIZE} < 0 ? '⁻' : '') + {_RAISED.format(f'abs({_SIZE})')})"
+)
+
+
+def signed_axis(column: str, title: str, scale: SignedScale) -> Axis:
+    """An axis of errors of either sign, logarithmic beyond a linear part around zero."""
+    return Axis(column, title, "symlog", (scale.low, scale.high), signed=scale)
 
 
 def _named_ticks(low: float, high: float) -> list[float]:

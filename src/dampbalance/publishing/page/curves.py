@@ -23,6 +23,7 @@ from .charts import (
     Value,
     curve,
     mark_at,
+    signed_axis,
     with_points,
 )
 from .colours import series_colour, variable
@@ -45,7 +46,7 @@ def study_charts(study: Study, cases: str | Path) -> ChartSet:
 
 
 def error_curves(study: Study, cases: str | Path) -> ChartSet:
-    """Size of the error of each coefficient, %, along the axis x of the study: a chart per term and panel.
+    """Error of each coefficient, %, with its sign, along the axis x of the study: a chart per term and panel.
 
     The curves are those of `series.error_curves`: solid with φ and t_s of each level, dashed with common ones. Every
     case is drawn; values keep five digits.
@@ -120,7 +121,7 @@ def _chart(study: Study, shown: series.ErrorCurves, symbol: str, number: int) ->
         description=f"Error of {plain(symbol)} in % over {parameter.meaning}, a curve per approach.",
         table=Table(key, {name: panel.x, **errors}),
         x=Axis(name, meaning + (f" ({unit})" if unit else ""), scale, span),
-        y=Axis(next(iter(errors), name), title, "log", shown.limits(symbol)),
+        y=signed_axis(next(iter(errors), name), title, shown.scale(symbol)),
         layers=(*(map(with_points, layers) if panel.few else layers), *_marks(study, span, scale)),
         says=(Value(name, meaning, unit), *says),
     )

@@ -9,15 +9,14 @@ import pandas as pd
 
 from ...figures import series
 from ...figures.looks import label_of, look_of
-from ...figures.series import COMMON, INDIVIDUAL, decades
+from ...figures.series import COMMON, INDIVIDUAL
 from ...model import Oscillator
 from ...project.wording import frequency_name, plain, power_of_ten
-from .charts import Axis, Chart, ChartSet, Spec, Table, Value, coded
+from .charts import Axis, Chart, ChartSet, Spec, Table, Value, coded, signed_axis
 from .colours import series_colour, variable
 from .legend import of_approaches
 from .words import italic
 
-FLOOR, CEILING = 1e-4, 1e3  # %, the least and the largest error an axis reaches to
 _SHARINGS = {COMMON: "common to all levels", INDIVIDUAL: "of each level"}
 
 
@@ -27,17 +26,13 @@ def error_charts(
     frequencies_hz: Mapping[str, float],
     levels_m: Sequence[float],
 ) -> ChartSet:
-    """Size of the error of each term's coefficient, %, of every pair of levels and of all: a chart per frequency.
+    """Error of each term's coefficient, %, with its sign, of every pair of levels and of all: a chart per frequency.
 
     The arguments are those of `figures.series.errors_by_level`. An approach nowhere worse than rounding is named, not
     drawn.
     """
     shown = series.errors_by_level(estimates, oscillator, frequencies_hz, levels_m)
-    exact = {
-        key: max(of_term.exact[key] for of_term in shown.terms)
-        for key in shown.approaches
-        if all(key in of_term.exact for of_term in shown.terms)
-    }
+    exact = shown.exact
     drawn = [key for key in shown.approaches if key not in exact]
     places = itertools.product(shown.terms, frequencies_hz.items())
     return ChartSet(
@@ -57,14 +52,13 @@ def _chart(
     rows = _rows(of_term.errors[name], drawn, shown)
     table = Table(f"error-{symbol}-{name}".replace("_", ""), rows)
     limits = (-0.6, len(shown.names) - 0.4)
-    sizes = decades([of_term.sizes], FLOOR, CEILING, cut=0.02)
     return Chart(
         id=table.id,
         title=f"{named} at {where}",
         description=f"Error of {symbol} at {hz:g} Hz by approach and pair of excitation levels.",
         table=table,
         x=Axis("at", "levels of the pair (mm)", limits=limits, labels=shown.names),
-        y=Axis("error", f"error of {named} (%)", "log", sizes),
+        y=signed_axis("error", f"error of {named} (%)", of_term.scale),
         layers=tuple(_points(drawn, filled) for filled in (True, False)),
         says=(
             Value("name", "approach"),

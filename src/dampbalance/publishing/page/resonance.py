@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from ...project.wording import percent
+from ...project.wording import signed_percent
 from ...replication.comparison import WAY, WAYS
 
 RECIPES = {
@@ -22,7 +22,7 @@ RECIPES = {
 
 
 class Costs(NamedTuple):
-    """Size of the error of F_k by least squares at one frequency, as text, by what is wrong with the phase."""
+    """The error of F_k by least squares at one frequency, as text, by what is wrong with the phase."""
 
     hz: str
     which: str  # the phase of the reversal, of each level
@@ -38,16 +38,16 @@ def off_resonance(approaches: pd.DataFrame, frequencies_hz: Mapping[str, float])
     """
     errors = _errors(approaches)
 
-    def size(way: str, frequency: str) -> str:
-        return percent(0.01 * errors[*WAYS[way], frequency])
+    def error(way: str, frequency: str) -> str:
+        return signed_percent(0.01 * errors[*WAYS[way], frequency])
 
     return [
         Costs(
             f"{hz:g} Hz",
-            which=size("reversal", name),
-            shared=size("shared", name),
-            both=size("mean", name),
-            neither=size("fundamental", name),
+            which=error("reversal", name),
+            shared=error("shared", name),
+            both=error("mean", name),
+            neither=error("fundamental", name),
         )
         for name, hz in list(frequencies_hz.items())[1:]
     ]

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ...balance import TERMS
-from ...figures.grid import Grid, decades_axis, grid
+from ...figures.grid import Grid, grid, signed_axis
 from ...figures.looks import SCHEME_LOOKS, in_maths, label_of, look_of
 from ...figures.style import (
     DASHED,
@@ -49,7 +49,8 @@ def alternative_text(study: Study) -> str:
     if study.figure["kind"] == "confusion":
         return f"{study.title}: how often each law is chosen for records of each true law."
     axis, identified = PARAMETERS[study.figure["x"]].meaning, f"the identified {joined(TERMS)}"
-    shown = f"size of the error of {identified} against {axis}"
+    size = "size of the " if study.figure["kind"] == "steps" else ""
+    shown = f"{size}error of {identified} against {axis}"
     if study.figure["kind"] == "map":
         other = PARAMETERS[study.figure["y"]].meaning
         shown = f"share of the cases with a small error, over {axis} and {other}"
@@ -60,7 +61,7 @@ def alternative_text(study: Study) -> str:
 
 @styled()
 def error_curves(study: Study, cases: str | Path) -> Figure:
-    """Size of the relative error, %, along the axis x; a row of panels per term, a curve per approach.
+    """Relative error, %, with its sign, along the axis x; a row of panels per term, a curve per approach.
 
     Columns of panels: phase definitions, or the values of another axis. Solid: φ and t_s of each level; dashed: common
     to the levels.
@@ -68,13 +69,13 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
     shown = series.error_curves(study, cases)
     panels = grid(len(shown.symbols), len(shown.panels))
     for row, symbol in enumerate(shown.symbols):
-        limits = shown.limits(symbol)
+        scale = shown.scale(symbol)
         for column, panel in enumerate(shown.panels):
             axes = panels.panel(row, column)
             for curve in shown.curves[symbol, column]:
                 _curve(axes, panel, curve, shown.approaches.index(curve.approach))
             _x_axis(axes, shown, last=column == len(shown.panels) - 1)
-            decades_axis(axes, limits)
+            signed_axis(axes, scale)
             axes.tick_params(labelbottom=row == len(shown.symbols) - 1, labelleft=column == 0)
             if row == 0 and panel.value:
                 axes.set_title(_title(panel), pad=12.0 if study.figure.get("marks") else 4.0)
@@ -129,7 +130,7 @@ def _curve(axes: Axes, panel: series.Panel, curve: series.Curve, number: int) ->
     if not panel.few:  # with an edge, lest they vanish in curves that lie on each other
         edge = look.colour if curve.sharing == "common" else "white"
         style |= {"markevery": (0.03 + 0.04 * number, 0.2), "ms": 4.0, "mec": edge}
-    axes.plot(panel.x, np.maximum(curve.error, 1e-2 * series.FLOOR), **style)
+    axes.plot(panel.x, curve.error, **style)
 
 
 def _x_axis(axes: Axes, shown: series.ErrorCurves, last: bool) -> None:

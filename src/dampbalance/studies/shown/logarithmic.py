@@ -20,8 +20,14 @@ def is_logarithmic(places: Sequence[float] | Array) -> bool:
     """Whether values, in ascending order, are spread in their logarithms rather than evenly."""
     if len(places) < 3 or places[0] <= 0.0 or places[-1] / places[0] < 5.0:
         return False
-    steps = np.diff(np.log(places))
-    return bool(np.std(steps) < 0.05 * np.mean(steps))
+    return is_even(np.log(places))
+
+
+def is_even(places: Array) -> bool:
+    """Whether most steps between values, in ascending order, are alike; a value more here and there does not count."""
+    steps = np.diff(places)
+    usual = np.median(steps)
+    return bool(np.median(np.abs(steps - usual)) < 0.05 * usual)
 
 
 def logarithmic_ticks(

@@ -19,7 +19,7 @@ from ..axes import Sampled
 from ..settings import Fit, Study
 from ..stretches import stretches
 from .groups import joined, terms_of
-from .logarithmic import logarithmic_ticks
+from .logarithmic import is_even, logarithmic_ticks
 from .series import symbol_of
 
 MOST_BINS = 72  # along each axis
@@ -186,8 +186,7 @@ def _edges(study: Study, name: str) -> tuple[Array, bool]:
         bins = int(np.clip(np.sqrt(study.cases / PER_BIN), 4, MOST_BINS))
         return limits.at(np.linspace(0.0, 1.0, bins + 1)), limits.spacing == "log"
     values = np.unique(np.asarray(block.values[name], dtype=float))
-    even = np.std(np.diff(values)) < 0.05 * np.mean(np.diff(values))
-    if values[0] > 0.0 and not even:
+    if values[0] > 0.0 and not is_even(values):
         middle = np.sqrt(values[1:] * values[:-1])
         return np.array([values[0] ** 2 / middle[0], *middle, values[-1] ** 2 / middle[-1]]), True
     middle = 0.5 * (values[1:] + values[:-1])

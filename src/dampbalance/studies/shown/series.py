@@ -12,17 +12,17 @@ import numpy as np
 from ...arrays import Array, Integers
 from ...balance import takes_phase
 from ...figures.looks import SCHEME_LOOKS
-from ...figures.series import EXACT, decades
+from ...figures.series import EXACT, SignedScale, signed_scale
 from ...model import Oscillator
 from ...motion.fixed_step import SCHEMES
 from ..parameters import PARAMETERS, SI_COLUMNS, Parameter
 from ..settings import Study
 from ..stretches import column_of
-from .facts import worst_errors
+from .facts import cases_at, worst_errors
 from .groups import terms_of
 from .logarithmic import is_logarithmic
 
-FLOOR, CEILING = 1e-3, 1e3  # %, the least and the largest error an axis reaches to
+FLOOR, CEILING = 1e-3, 1e3  # %: a smaller error is drawn on a linear axis, a larger one not at all
 FEW = 24  # cases on a curve up to which each is marked
 SHARINGS = ("individual", "common")
 PHASES = {
@@ -54,7 +54,7 @@ class Panel:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """The size of the error in the cases of a panel, %. sharing : "" for an approach that knows no phase."""
+    """The error in the cases of a panel, %, with its sign. sharing : "" for an approach that knows no phase."""
 
     approach: str
     sharing: str
@@ -84,10 +84,10 @@ class ErrorCurves:
         """Whether the values of x ask for a logarithmic axis."""
         return not PARAMETERS[self.name].whole and is_logarithmic(self.places)
 
-    def limits(self, symbol: str) -> tuple[float, float]:
-        """Limits of the axis of the errors of a term, the same in all panels, %."""
+    def scale(self, symbol: str) -> SignedScale:
+        """The axis of the errors of a term, the same in all panels, %."""
         curves = [curve for (of, _), some in self.curves.items() if of == symbol for curve in some]
-        return decades([curve.error for curve in curves], FLOOR, CEILING, cut=0.02)
+        return signed_scale([curve.error for curve in curves], FLOOR, CEILING, cut=0.02)
 
 
 class ErrorOfSteps(NamedTuple):
@@ -136,7 +136,7 @@ def with_unit(name: str, value: float | str, digits: int = 4) -> str:
 
 
 def error_curves(study: Study, cases: str | Path) -> ErrorCurves:
-    """Size of the relative error of each coefficient, %, along the axis x of the study, by panel and approach.
+    """Relative error of each coefficient, %, along the axis x of the study, by panel and approach.
 
     Panels: phase definitions, or the values of another axis. Curves: the approaches, with φ and t_s of each level or
     common to the levels. Where a curve stands for several fits (all pairs) it is the worst.
@@ -159,8 +159,9 @@ def error_curves(study: Study, cases: str | Path) -> ErrorCurves:
                     which = {"of": symbol, "approach": approach, "sharing": sharing}
                     which |= {"phase": panel.phase} if panel.phase else {}
                     error = worst_errors(study, cases, {**study.figure, **which})
-                    curve = Curve(approach, sharing, 100.0 * np.abs(error[panel.cases]))
-                    worst = float(np.max(curve.error, initial=0.0, where=np.isfinite(curve.error)))
+                    curve = Curve(approach, sharing, 100.0 * error[panel.cases])
+                    size = np.abs(curve.error)
+                    worst = float(np.max(size, initial=0.0, where=np.isfinite(size)))
                     if worst < EXACT:
                         exact[approach] = max(worst, exact.get(approach, 0.0))
                     else:
@@ -194,8 +195,10 @@ def error_of_steps(study: Study, cases: str | Path) -> ErrorOfSteps:
 
 def _panels(study: Study, cases: str | Path) -> Iterator[Panel]:
     """The panels that the study's figure asks for."""
+    at = study.figure.get("at", {})
     x = column_of(cases, study.figure["x"])
     order = np.argsort(x, kind="stable")
+    order = order[cases_at({name: column_of(cases, name) for name in ("case", *at)}, at)[order]]
     by, phase = study.figure.get("panels"), str(study.figure.get("phase", ""))
     if by is None:
         yield Panel(None, "", phase, x[order], order)

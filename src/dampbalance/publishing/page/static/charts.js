@@ -130,7 +130,12 @@
       if (!this.view) return;
       for (const [name, move] of [['x', right], ['y', up]]) {
         const scale = this.view.scale(name);
-        const [to, from] = scale.type === 'log' ? [Math.log, Math.exp] : [(v) => v, (v) => v];
+        const maps = { log: [Math.log, Math.exp] };
+        if (scale.type === 'symlog') {
+          const c = scale.constant();
+          maps.symlog = [(v) => Math.sign(v) * Math.log1p(Math.abs(v / c)), (v) => Math.sign(v) * Math.expm1(Math.abs(v)) * c];
+        }
+        const [to, from] = maps[scale.type] ?? [(v) => v, (v) => v];
         const [low, high] = scale.domain().map(to);
         const [middle, half] = [(low + high) / 2 + move * (high - low), (share * (high - low)) / 2];
         // Vega-Lite names the signals of a zoom by the fields of the layer that has it, which is the first.

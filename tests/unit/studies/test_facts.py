@@ -1,0 +1,236 @@
+"""Facts of studies: each about a case that exists, or about a crossing that is interpolated."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
+from dampbalance.balance import APPROACHES
+from dampbalance.features import of_orbit, stack
+from dampbalance.project.documents import ConfigurationError
+from dampbalance.project.wording import number
+from dampbalance.solver import least_squares, pair
+from dampbalance.studies import checking, evaluate, outputs
+from dampbalance.studies.shown import facts, series
+from folders import PAPER_FILE, ROOT, STUDY_SCHEMA
+from paper_case import PAPER
+
+LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
+X_S = {"of": "F_k", "take": "signed", "approach": "X_s"}
+DIRECT_BAND = {"of": "F_k", "take": "band", "within": 0.01, "along": "zeta", "approach": "direct"}
+
+
+def zeta(**more):
+    """A study over the damping ratio, with whatever else its axis and its facts hold."""
+    axis = {"from": 0.1, "to": 0.9, "count": 9} | more.pop("axis", {})
+    return {"axes": [{"zeta": axis}], **more}
+
+
+@pytest.mark.parametrize(
+    ("axis", "at", "key", "words"),
+    [
+        (
+            {},
+            {"at": {"zeta": 0.31}},
+            "at.zeta",
+            "not among the 9 values of zeta, whose nearest are 0.3 and 0.4",
+        ),
+        (
+            {},
+            {"at": {"zeta": 5.0}},
+            "at.zeta",
+            "whose nearest are 0.8 and 0.9; take one of them, or add it",
+        ),
+        ({"also": [0.31]}, {"at": {"zeta": 0.3100001}}, "at.zeta", "nearest are 0.3 and 0.31"),
+        (
+            {},
+            {},
+            "take",
+            "is the error of one case, and 9 are selected; give a value of each axis in at",
+        ),
+    ],
+)
+def test_a_fact_about_a_case_that_does_not_exist_is_refused(make, axis, at, key, words):
+    with pytest.raises(ConfigurationError) as caught:
+        make(zeta(axis=axis, facts={"one": X_S | at}))
+    message = str(caught.value)
+    assert "test.yaml: line" in message
+    assert f"facts.one.{key}: " in message
+    assert words in message
+    assert message.count("\n") == 0
+
+
+def test_the_place_around_which_a_band_is_looked_for_must_exist(make):
+    band = DIRECT_BAND | {"around": 0.45}
+    with pytest.raises(ConfigurationError, match=r"one\.around: 0\.45 is not among the 9 values"):
+        make(zeta(facts={"one": band}))
+    make(zeta(facts={"one": band}, axis={"also": [0.45]}))
+
+
+def test_values_of_paired_axes_and_of_samples_are_held_too(make):
+    paired = [{"zeta": {"values": [0.1, 0.2]}, "K_z_over_k": {"values": [50.0, 90.0]}}]
+    make({"axes": paired, "facts": {"one": X_S | {"at": {"zeta": 0.1, "K_z_over_k": 50.0}}}})
+    with pytest.raises(ConfigurationError, match=r"facts\.one: selects no case"):
+        make({"axes": paired, "facts": {"one": X_S | {"at": {"zeta": 0.1, "K_z_over_k": 90.0}}}})
+    sample = {"method": "random", "count": 5, "seed": 1, "over": {"zeta": {"from": 0.1, "to": 0.2}}}
+    with pytest.raises(ConfigurationError, match="which is sampled: take the cases between two"):
+        make({"axes": [{"sample": sample}], "facts": {"one": X_S | {"at": {"zeta": 0.1}}}})
+
+
+def test_an_axis_takes_further_values_in_their_places(make):
+    (block,) = make(zeta(axis={"also": [0.31, 0.05, 0.3, 2.0]})).blocks
+    values = block.values["zeta"]
+    assert values == sorted(values)
+    assert len(values) == 12  # 0.3 is a value of the range already
+    assert {0.05, 0.3, 0.31, 2.0} <= set(values)
+
+
+@pytest.mark.parametrize(
+    ("axes", "words"),
+    [
+        ({"zeta": {"values": [0.1, 0.2], "also": [0.3]}}, "give either values, or from"),
+        (
+            {"zeta": {"from": 0.1, "to": 0.9, "count": 9, "also": [-1.0]}},
+            "zeta.also: -1.0 is out of",
+        ),
+        (
+            {"zeta": {"from": 0.1, "to": 0.9, "count": 9, "also": ["a"]}},
+            "zeta.also: 'a' is not a number",
+        ),
+        (
+            {
+                "zeta": {"from": 0.1, "to": 0.9, "count": 2, "also": [0.3]},
+                "K_z_over_k": {"values": [50.0, 90.0]},
+            },
+            "zeta.also: cannot be paired with another axis",
+        ),
+    ],
+)
+def test_what_is_wrong_with_further_values_is_said(make, axes, words):
+    with pytest.raises(ConfigurationError) as caught:
+        make({"axes": [axes]})
+    assert words in str(caught.value)
+
+
+def test_a_figure_of_curves_takes_the_cases_that_it_names(make, tmp_path):
+    axes = [{"zeta": {"from": 0.1, "to": 0.9, "count": 9}}, {"K_z_over_k": {"values": [9.0, 90.0]}}]
+    figure = {"kind": "curves", "x": "zeta", "at": {"K_z_over_k": 9.0}}
+    study = make({"axes": axes, "figure": figure})
+    frame = evaluate.evaluate(study, 0, 18)
+    outputs.write_chunk(tmp_path / "cases.parquet", frame, study, __version__)
+    (panel,) = series.error_curves(study, tmp_path / "cases.parquet").panels
+    assert (frame["K_z_over_k"][panel.cases] == 9.0).all()
+    assert panel.x.tolist() == sorted(set(frame["zeta"]))
+    with pytest.raises(ConfigurationError, match=r"figure\.at\.K_z_over_k: 8\.0 is not among"):
+        make({"axes": axes, "figure": figure | {"at": {"K_z_over_k": 8.0}}})
+
+
+# --- crossings -------------------------------------------------------------------------------------
+
+
+def table(study, folder, error):
+    """The table of cases of a study over zeta, with an error that is a given function of it."""
+    frame = evaluate.evaluate(study, 0, study.cases)
+    name = "F_k_relative_error__direct__least_squares"
+    frame[name] = error(frame["zeta"].to_numpy(float))
+    outputs.write_chunk(folder / "cases.parquet", frame, study, __version__)
+    return folder / "cases.parquet"
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (lambda z: 0.05 * (z - 0.444), "0.244 to 0.644"),  # −1 % at 0.244, +1 % at 0.644
+        (lambda z: 0.01 + 0.05 * (0.333 - z), "0.333 to 0.733"),
+        (lambda z: 0.001 / z, "0.100 (where the axis begins) to 0.900 (where the axis ends)"),
+        (
+            lambda z: np.where(z < 0.25, np.nan, 0.02 * (z - 0.1)),
+            "0.300 (beyond it there are cases",
+        ),
+        (lambda z: 0.02 + z, "nowhere"),
+    ],
+)
+def test_the_ends_of_a_band_are_where_its_error_crosses_the_bound(make, tmp_path, error, words):
+    band = DIRECT_BAND | {"around": 0.5}
+    study = make(zeta(facts={"band": band}, shows="{band}"))
+    assert facts.paragraph(study, table(study, tmp_path, error)).startswith(words)
+
+
+def test_the_lower_end_is_where_the_first_of_several_cases_crosses_the_bound(make, tmp_path):
+    lower = DIRECT_BAND | {"take": "from", "around": 0.6}
+    study = make({"axes": [*zeta()["axes"], {"K_z_over_k": {"values": [50.0, 90.0]}}]})
+    slope = np.tile([50.0, 90.0], 9) / 90.0  # +1 % at ζ = 0.2943 and at 0.4543
+    made = table(study, tmp_path, lambda z: 0.05 * slope * (0.6543 - z))
+    assert facts.fact(study, made, lower) == "0.454"
+
+
+def errors_of_F_k(approach, hz, levels=LEVELS, phase="reversal", rigid=False, pairs=False, **other):
+    """Relative errors of F_k by least squares, or by each neighbouring pair of levels, from single orbits."""
+    osc = Oscillator(
+        **({name: getattr(PAPER, name) for name in ("m", "c", "k", "K_z", "F_k")} | other)
+    )
+    orbits = [steady_orbit(osc, BaseMotion(Y=Y, omega=2.0 * math.pi * hz)) for Y in levels]
+    seen = stack([of_orbit(orbit) for orbit in orbits]).with_phase(phase)
+    rows = APPROACHES[approach](seen.rigid() if rigid else seen, osc.k)
+    fits = [pair(rows[i, i + 1]) for i in range(4)] if pairs else [least_squares(rows)]
+    return [float(fit["F_k"]) / osc.F_k - 1.0 for fit in fits]
+
+
+@pytest.fixture(scope="module")
+def shipped(tmp_path_factory):
+    """Facts of a study as it is shipped, from all of its cases."""
+    made = {}
+
+    def facts_of(name, *wanted):
+        if name not in made:
+            study = checking.read_study(
+                ROOT / f"config/studies/{name}.yaml", STUDY_SCHEMA, PAPER_FILE
+            )
+            path = tmp_path_factory.mktemp(name) / "cases.parquet"
+            frame = evaluate.evaluate(study, 0, study.cases)
+            outputs.write_chunk(path, frame, study, __version__)
+            made[name] = study, path
+        study, path = made[name]
+        return [facts.fact(study, path, study.facts[fact]) for fact in wanted]
+
+    return facts_of
+
+
+def in_words(error):
+    return facts._in_words(error, signed=True)
+
+
+def test_facts_of_the_contact_and_the_level_are_at_the_parameters_that_they_name(shipped):
+    k = PAPER.k
+    assert shipped("contact_stiffness", "paper", "soft", "off_soft") == [
+        in_words(errors_of_F_k("X_s", 4.92)[0]),
+        in_words(errors_of_F_k("X_s", 4.92, K_z=2.0 * k)[0]),
+        in_words(errors_of_F_k("X_s", 11.1, K_z=2.0 * k)[0]),
+    ]
+    low = errors_of_F_k("X_s", 4.92, levels=(0.004, 0.006))[0]
+    assert shipped("level", "low") == [in_words(low)]
+
+
+def test_facts_of_the_frequency_are_those_of_the_table_of_approaches(shipped):
+    """At the paper's own frequencies, as `results/paper/tables/approaches.csv` and the page have them."""
+    assert shipped("frequency", "below_individual", "below_fundamental", "above_individual") == [
+        in_words(errors_of_F_k("X_s", 3.5)[0]),
+        in_words(errors_of_F_k("X_s", 3.5, phase="fundamental")[0]),
+        in_words(errors_of_F_k("X_s", 11.1)[0]),
+    ]
+
+
+def test_thresholds_of_a_rigid_model_are_where_its_error_is_one_per_cent(shipped):
+    def excess(K, hz):
+        return abs(errors_of_F_k("direct", hz, rigid=True, K_z=K * PAPER.k)[0]) - 0.01
+
+    expected = [brentq(excess, 5.0, 200.0, args=(hz,), rtol=1e-6) for hz in (4.92, 3.5, 11.1)]
+    assert shipped("rigid_contact", "from_omega1", "from_omega2", "from_omega3") == [
+        number(K, 3) for K in expected
+    ]
+    soft = errors_of_F_k("direct", 4.92, rigid=True, K_z=2.0 * PAPER.k)[0]
+    assert shipped("rigid_contact", "soft_omega1") == [in_words(soft)]
