@@ -51,8 +51,8 @@ def test_places_beyond_the_pairs_are_refused():
 
 
 def test_without_noise_the_exact_integrals_are_the_limit_and_errors_of_second_order():
-    """a is that of the rigid contact, 4X; b and W are the orbit's. Central differences and the corners of |ẋ| make errors
-    of second order."""
+    """a is that of the rigid contact, 4X; b and W are the orbit's. Central differences and the corners of |ẋ| make
+    errors of second order."""
     exact = np.array([4.0 * ORBIT.X, ORBIT.b, ORBIT.W])
     coarse, fine = (
         np.abs(of_record(rate_hz).mean(axis=1) / exact - 1.0) for rate_hz in (500.0, 4000.0)
