@@ -337,8 +337,8 @@ def test_facts_of_many_runs(done, make):
 def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line(make, tmp_path):
     """Of 30 invented runs a cell: 95 % lie below the 29th, and so many intervals hold as are said to."""
     lines = {
-        "direct": {"approach": "direct"},
         "X_s, rigid": {"approach": "X_s", "contact": "rigid"},
+        "direct": {"approach": "direct"},
         "fit alone": {"approach": "fit"},
     }
     document = copy.deepcopy(SMALL)
@@ -369,8 +369,8 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
     ]
     fits = study.fits_of(study.figure)
     assert [fit.label for fit in fits] == [
-        "direct__least_squares",
         "X_s__rigid__fundamental__individual__least_squares",
+        "direct__least_squares",
         "fit__maximum_likelihood",
     ]
     at = table[table["frequency_hz"] == 3.5].groupby("noise")
@@ -392,8 +392,8 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         assert i == 0 or np.all(points.get_xdata() > drawn["coverage"][i - 1][0].get_xdata() * 1.05)
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == [
-        "direct",
         "$X_s$, rigid",
+        "direct",
         "fit alone",
     ]
     assert "95 % of the errors" in drawing.alternative_text(study)

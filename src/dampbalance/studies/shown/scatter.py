@@ -24,7 +24,7 @@ from ..settings import EQUAL, RIGID, Fit, Study
 from .groups import Spread, groups, spread_of, terms_of
 from .series import symbol_of, with_unit
 
-_APART = 1.11  # ratio by which neighbouring lines are moved apart along x, lest their bars hide each other
+_APART = 1.13  # ratio by which neighbouring lines are moved apart along x, lest their bars hide each other
 _COVERAGE, _GAP, _ERRORS = 24.0, 3.0, 40.0  # heights in a row of panels, mm
 _CONFIDENCE = 95.0  # %
 
@@ -115,7 +115,7 @@ def _styles(lines: Mapping[str, Fit]) -> Iterator[dict[str, Any]]:
 
 
 def _draw_errors(
-    axes: Axes, spreads: Sequence[tuple[float, Spread]], style: Mapping[str, Any]
+    axes: Axes, spreads: Sequence[tuple[float, Spread]], style: dict[str, Any]
 ) -> None:
     size = 100.0 * np.array([spread.p95 for _, spread in spreads])
     reach = 100.0 * NORMAL_95 * np.array([spread.p95_error for _, spread in spreads])
@@ -125,7 +125,7 @@ def _draw_errors(
 
 
 def _draw_coverage(
-    axes: Axes, spreads: Sequence[tuple[float, Spread]], style: Mapping[str, Any]
+    axes: Axes, spreads: Sequence[tuple[float, Spread]], style: dict[str, Any]
 ) -> None:
     low, share, high = (
         100.0
@@ -136,7 +136,8 @@ def _draw_coverage(
     axes.axhline(_CONFIDENCE, color=FAINT, lw=0.5, zorder=0)
     axes.set_ylim(-6.0, 106.0)
     axes.set_yticks([0.0, 50.0, _CONFIDENCE])
-    _bars(axes, spreads, share, (share - low, high - share), style)
+    # without lines, which would cross each other
+    _bars(axes, spreads, share, (share - low, high - share), style | {"ls": ""})
 
 
 def _bars(
@@ -144,7 +145,7 @@ def _bars(
     spreads: Sequence[tuple[float, Spread]],
     size: Array,
     reach: tuple[Array, Array],
-    style: Mapping[str, Any],
+    style: dict[str, Any],
 ) -> None:
     marks = dict(style)
     x = marks.pop("beside") * 100.0 * np.array([place for place, _ in spreads])
