@@ -45,7 +45,7 @@ TESTS: dict[str, tuple[str, ...]] = {
     "reading/turning.py": ("unit/reading/test_turning.py", "unit/reading/test_noisy.py"),
     "reading/lines.py": ("unit/reading/test_lines.py", "unit/reading/test_waveforms.py"),
     "reading/waveforms.py": ("unit/reading/test_waveforms.py", "unit/reading/test_noisy.py"),
-    "reading/quadrature.py": ("unit/test_features.py",),
+    "reading/quadrature.py": ("unit/test_features.py", "unit/reading/test_simpson.py"),
     "reading/": ("unit/reading",),
     "likelihood/": ("unit/likelihood",),
     "records/units.py": ("unit/records/test_units.py", "unit/records/test_readers.py"),

@@ -38,6 +38,8 @@ LOOKS = {
     "t_s": Look("#D55E00", "s", "t-s", "#c75000", "#ff9a4d", "square", 1.5, 1.9),
     "V_s": Look("#3DAA8B", "^", "V-s", "#1f8468", "#56cfac", "triangle-up", 0.7, 1.0),
     "fourier": Look("#EDA900", "P", "fourier", "#946a00", "#f2c14e", "cross"),
+    "simpson": Look("#C51B7D", "s", "other-3", "#b3126b", "#f58cc0", "square"),
+    "fit": Look("#3DAA8B", "^", "V-s", "#1f8468", "#56cfac", "triangle-up"),
 }
 SPARE = (
     Look("#B57EDC", "v", "other", "#8e4fc0", "#cf9ff0", "triangle-down"),

@@ -149,14 +149,15 @@ def against_schema(
 
 
 def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
-    """A validator that knows our keyword `registered`: the value is the name of an approach, or of a term of a law.
+    """A validator that knows our keyword `registered`: the value is the name of an approach, or of a term of a law, or
+    among those of `also` beside it.
 
     An integer is one to Python (2.0 is none), a pattern holds for the whole text, its last line end too, and items are
     compared in a time that grows with their number only.
     """
 
-    def check(_: Any, kind: str, value: Any, __: Any) -> Iterable[ValidationError]:
-        names = {"approach": approaches, "term": list(KNOWN_TERMS)}[kind]
+    def check(_: Any, kind: str, value: Any, node: Any) -> Iterable[ValidationError]:
+        names = {"approach": approaches, "term": list(KNOWN_TERMS)}[kind] + node.get("also", [])
         if value not in names:
             words = f"{'an' if kind == 'approach' else 'a'} {kind}{_nearest(value, names)}"
             yield ValidationError(f"{shortened(value)} is not {words}; known: {', '.join(names)}")

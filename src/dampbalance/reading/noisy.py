@@ -168,15 +168,10 @@ class Reading:
 
     @one_thread
     def resampled(self, count: int, rng: np.random.Generator) -> Means:
-        """`count` bootstrap replicates of the means: of rows drawn with replacement.
-
-        Their deviations from the mean are stretched by √(n/(n − 1)), n rows, for the bootstrap falls short of the
-        scatter by that much.
-        """
+        """`count` bootstrap replicates of the means: of rows drawn with replacement."""
         weights = self.steady.weights
-        rows = len(weights)
-        drawn = rng.multinomial(rows, np.full(rows, 1.0 / rows), size=count) * weights
-        return self._drawn(drawn, math.sqrt(rows / max(1, rows - 1)), 2.0)
+        drawn, stretch = bootstrap(len(weights), count, rng)
+        return self._drawn(drawn * weights, stretch, 2.0)
 
     @one_thread
     def left_out(self) -> Means:
@@ -295,6 +290,14 @@ def read_features(
     skip_cycles : cycles left out at the start.   Raises ValueError naming the source when the record cannot be used.
     """
     return Reading(condition(measurement, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles))
+
+
+def bootstrap(rows: int, count: int, rng: np.random.Generator) -> tuple[Integers, float]:
+    """How often each row is in each of `count` drawings with replacement, (count, rows), and the factor √(n/(n − 1)),
+    n rows, by which the deviations of their means are to be stretched: the bootstrap falls short of the scatter by it.
+    """
+    drawn = rng.multinomial(rows, np.full(rows, 1.0 / rows), size=count)
+    return drawn, math.sqrt(rows / max(1, rows - 1))
 
 
 def _features(reading: Reading, means: Means, moved: Array) -> Features:

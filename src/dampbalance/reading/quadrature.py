@@ -1,4 +1,4 @@
-"""Simpson's rule between any two places of a sampled signal, on or between samples."""
+"""Simpson's rule between places of a sampled signal, on or between samples."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, Complexes
+
+_ROUNDING = 1e-9  # samples
 
 
 @overload
@@ -35,6 +37,30 @@ def integral(f: NDArray[Any], dt: float, start: float, stop: float) -> float | c
         total = simpson(f[first : last + 1], dx=dt)
         total += dt * (_cubic_part(f, start, first) + _cubic_part(f, last, stop))
     return complex(total) if np.iscomplexobj(f) else float(total)
+
+
+def integrals(f: Array, dt: float, places: Array) -> Array:
+    """∫ f dt from each place to the next, by Simpson's rule alone and for many places at once.
+
+    Each parabola through the samples 2j, 2j + 1, 2j + 2 is integrated as far as the places reach into it. Error O(dt⁴)
+    for a smooth f.
+
+    f : samples, shape (…, n ≥ 3).   dt : s.   places : ascending, counted in samples from 0, shape (p,).
+    Returns shape (…, p − 1). Raises ValueError when a place leaves the parabolas.
+    """
+    pairs = (f.shape[-1] - 1) // 2
+    if not (pairs > 0 and places[0] >= 0 and places[-1] <= 2 * pairs + _ROUNDING):
+        raise ValueError(
+            f"places {places[0]:g} … {places[-1]:g} leave the pairs of intervals 0 … {2 * pairs}"
+        )
+    first, middle, last = f[..., : 2 * pairs : 2], f[..., 1 : 2 * pairs : 2], f[..., 2::2]
+    whole = np.cumsum((first + 4.0 * middle + last) / 3.0, axis=-1)
+    j = np.minimum(places // 2.0, pairs - 1).astype(np.intp)
+    first, middle, last, u = first[..., j], middle[..., j], last[..., j], places - 2.0 * j
+    before = np.where(j > 0, whole[..., j - 1], 0.0)
+    slope, bend = 4.0 * middle - 3.0 * first - last, first - 2.0 * middle + last
+    reached = before + u * (first + u * (slope / 4.0 + u * bend / 6.0))
+    return np.asarray(dt * np.diff(reached, axis=-1))
 
 
 def _cubic_part(f: NDArray[Any], start: float, stop: float) -> Any:

@@ -10,18 +10,18 @@ import numpy as np
 import pandas as pd
 
 from ..arrays import Array, Integers, Words
-from ..balance import APPROACHES, TERMS, Rows
+from ..balance import APPROACHES, TERMS, Rows, direct
 from ..features import Features
 from ..law.terms import KNOWN_TERMS
 from ..motion.regime import Regime
 from ..replication.readout import ReadOut
-from ..solver import NORMAL_95, Estimate, solve
+from ..solver import NORMAL_95, solve
 from .axes import case_values
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, SI_COLUMNS, in_si
 from .plan import PART, columns_of
-from .responses import NOT_READ, REGIME_NAMES, exact_responses
+from .responses import NOT_READ, REGIME_NAMES, Responses, exact_responses
 from .routes import LAWS
-from .settings import RIGID, WEIGHTED, Fit, Study
+from .settings import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Fit, Study
 
 READ = ("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi")
 """What rules of reading change; the rows need no other feature that they do."""
@@ -64,19 +64,29 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
     levels = np.array(study.levels)[:, None]
     Y = levels * si["Y"] if study.levels_relative else np.repeat(levels, stop - start, axis=1)
     cases = np.arange(start, stop)
-    responses, replicates = _responses(study, si, Y, values, cases, threads)
+    responses = _responses(study, si, Y, values, cases, threads)
     rules = _read_out_rules(values)
 
     table: dict[str, Any] = {"case": cases}
     table |= {name: values[name] for name in study.axis_names}
     table |= {name: si[key] for key, (name, _, _) in SI_COLUMNS.items() if name not in table}
     table |= {name: si[key] for name, key in OF_LAW.items() if key in si and name not in table}
-    table["regime"] = _regime_names(responses.regime)
+    table["regime"] = _regime_names(responses.features.regime)
     cached: dict[tuple[Any, ...], Rows] = {}
     for fit in study.fits:
+        residual = np.full(stop - start, np.nan)
+        if fit.approach == LIKELIHOOD:
+            found = {symbol: of_both[0] for symbol, of_both in responses.likelihood.items()}
+            errors = {symbol: of_both[1] for symbol, of_both in responses.likelihood.items()}
+            table |= _estimates(fit, found, si) | _intervals(fit, found, errors, si)
+            table[f"residual__{fit.label}"] = residual
+            continue
+        read, replicates = responses.features, responses.drawn
+        if fit.approach == SIMPSON:
+            read, replicates = responses.simpson
         key = (fit.approach, fit.phase, fit.sharing, fit.contact, fit.terms)
         if key not in cached:
-            cached[key] = _rows(fit, responses, si["k"], rules)
+            cached[key] = _rows(fit, read, si["k"], rules)
         rows = _of_levels(cached[key], fit)
         drawn = None
         if replicates is not None:
@@ -84,20 +94,16 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
             if fit.weights == WEIGHTED:
                 rows = replace(rows, covariance=drawn.scatter())
         estimate = solve(rows)
-        for symbol, found in estimate.values.items():
-            table[f"{KNOWN_TERMS[symbol].column}__{fit.label}"] = found
-            if symbol in si:  # a term that the oscillator has
-                error = _relative(found, si[symbol]) - 1.0
-                table[f"{symbol}_relative_error__{fit.label}"] = error
+        table |= _estimates(fit, estimate.values, si)
         if drawn is not None:
             if fit.weights == WEIGHTED:
                 weights = rows.weighted(estimate.values).weights
                 assert weights is not None
                 drawn = replace(drawn, weights=np.broadcast_to(weights[..., None], drawn.W.shape))
-            table |= _intervals(fit, estimate, solve(drawn), si)
+            scatter = {s: of.std(axis=1, ddof=1) for s, of in solve(drawn).values.items()}
+            table |= _intervals(fit, estimate.values, scatter, si)
         only_rounding = len(rows.W) <= len(estimate.values)
-        residual = np.full(stop - start, np.nan) if only_rounding else estimate.residual
-        table[f"residual__{fit.label}"] = residual
+        table[f"residual__{fit.label}"] = residual if only_rounding else estimate.residual
     return table
 
 
@@ -126,17 +132,28 @@ def _of_levels(rows: Rows, fit: Fit) -> Rows:
     return rows if fit.levels is None else rows[list(fit.levels)]
 
 
-def _intervals(
-    fit: Fit, estimate: Estimate, drawn: Estimate, si: Mapping[str, Array]
-) -> dict[str, Array]:
-    """Standard errors of the coefficients over their replicates, and whether estimate ± 1.96 of them holds the true
-    value."""
+def _estimates(fit: Fit, found: Mapping[str, Array], si: Mapping[str, Array]) -> dict[str, Array]:
+    """The coefficients, and their relative errors."""
     table = {}
-    for symbol in estimate.values.keys() & si.keys():
-        found, true = estimate[symbol], si[symbol]
-        error = drawn[symbol].std(axis=1, ddof=1)
-        held = np.where(np.abs(found - true) <= NORMAL_95 * error, 1.0, 0.0)
-        judged = np.isfinite(found) & np.isfinite(error)
+    for symbol, value in found.items():
+        table[f"{KNOWN_TERMS[symbol].column}__{fit.label}"] = value
+        if symbol in si:  # a term that the oscillator has
+            table[f"{symbol}_relative_error__{fit.label}"] = _relative(value, si[symbol]) - 1.0
+    return table
+
+
+def _intervals(
+    fit: Fit,
+    found: Mapping[str, Array],
+    errors: Mapping[str, Array],
+    si: Mapping[str, Array],
+) -> dict[str, Array]:
+    """Standard errors of the coefficients, and whether estimate ± 1.96 of them holds the true value."""
+    table = {}
+    for symbol in found.keys() & si.keys():
+        value, error, true = found[symbol], errors[symbol], si[symbol]
+        held = np.where(np.abs(value - true) <= NORMAL_95 * error, 1.0, 0.0)
+        judged = np.isfinite(value) & np.isfinite(error)
         table[f"{symbol}_relative_standard_error__{fit.label}"] = _relative(error, true)
         table[f"{symbol}_covered__{fit.label}"] = np.where(judged, held, np.nan)
     return table
@@ -149,30 +166,33 @@ def _responses(
     values: Mapping[str, Words],
     cases: Integers,
     threads: int | None,
-) -> tuple[Features, Features | None]:
-    """The responses, and of noisy records bootstrap replicates. What a route alone needs is slow to import."""
+) -> Responses:
+    """The responses. What a route alone needs is slow to import."""
     terms = {symbol for fit in study.fits for symbol in fit.terms} - TERMS.keys()
     if study.route == "exact" and (terms or si.keys() & set(OF_LAW.values())):
         from .responses_of_laws import law_responses
 
-        return law_responses(si, Y, terms), None
+        return Responses(law_responses(si, Y, terms))
     if study.route == "exact":
-        return exact_responses(si, Y, threads), None
+        return Responses(exact_responses(si, Y, threads))
     if study.route == "measured":
         from .noisy import measured_responses
 
         counts = {"cycles": study.cycles, "seed": study.seed, "count": study.replicates}
-        return measured_responses(si, Y, values, cases, **counts)
+        simpson = any(fit.approach == SIMPSON for fit in study.fits)
+        return measured_responses(si, Y, values, cases, **counts, simpson=simpson)
     from .stepwise import fixed_step_responses, sampled_responses
 
     read = fixed_step_responses if study.route == "fixed_step" else sampled_responses
-    return read(si, Y, values, study.cycles, study.reading), None
+    return Responses(read(si, Y, values, study.cycles, study.reading))
 
 
 def _rows(
     fit: Fit, responses: Features, k: Array, rules: Sequence[tuple[Integers, ReadOut]]
 ) -> Rows:
     """Rows of the balance as the approach of a fit forms them from what is read."""
+    if fit.approach == SIMPSON:
+        return direct(responses, k)
     seen = responses.with_phase(fit.phase) if fit.phase else responses
     if rules:
         seen = _as_read(seen, rules, common=fit.sharing == "common")

@@ -39,7 +39,7 @@ _OF_TERMS = {
         (
             "{0.symbol}_relative_standard_error",
             "1",
-            "standard error of {0.symbol} by bootstrap over cycles / true {0.symbol}",
+            "standard error of {0.symbol} (bootstrap over cycles; of the fit, its covariance) / true {0.symbol}",
         ),
         (
             "{0.symbol}_covered",

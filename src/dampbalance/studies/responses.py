@@ -1,13 +1,29 @@
-"""Exact steady responses of n cases at L levels, and the names of what responses can be."""
+"""Exact steady responses of n cases at L levels, what can be read off responses, and the names of what they can be."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 from ..arrays import Array
 from ..features import Features, of_orbits
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
+
+
+class Responses(NamedTuple):
+    """The responses of n cases at L levels.
+
+    features : (L, n).   Of noisy records, besides: drawn : bootstrap replicates of the features, (L, n, r).
+    simpson : features and replicates with a, b and W by `reading.simpson`, where they were asked for.
+    likelihood : symbol → value and standard error by the oscillator of largest likelihood, SI units, (2, n).
+    """
+
+    features: Features
+    drawn: Features | None = None
+    simpson: tuple[Features, ...] = ()
+    likelihood: Mapping[str, Array] = {}
+
 
 NOT_READ = "not_read"
 STEP_TOO_COARSE = "the fixed step is too coarse for the stick phases, or unstable"

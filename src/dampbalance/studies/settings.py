@@ -8,7 +8,7 @@ from functools import cached_property
 from itertools import product
 from typing import Any, Self
 
-from ..balance import APPROACHES, takes_phase
+from ..balance import APPROACHES, TERMS, takes_phase
 from ..law.terms import in_order
 from ..reading.clean import ReadAt
 from .axes import Block, Listed, Range, Sampled, number_of_cases, spread
@@ -21,8 +21,13 @@ COMPLIANT, RIGID = "compliant", "rigid"
 WEIGHTED, EQUAL = "weighted", "equal"
 """Weights of the rows of noisy records: each as it is sure, or all alike, as (9)."""
 
+SIMPSON, LIKELIHOOD = "simpson", "fit"
+YARDSTICKS = (SIMPSON, LIKELIHOOD)
+"""What stands beside the approaches of noisy records: plain direct integration (`reading.simpson`), whose contact is
+rigid and whose rows weigh alike, and the oscillator of largest likelihood by itself, without a balance."""
+
 OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high")
-SPREADS = ("bias", "rms", *OF_INTERVALS)
+SPREADS = ("bias", "rms", "p95_error", *OF_INTERVALS)
 """Facts about a whole set of runs, each by one fit: see `groups.Spread`."""
 
 CHOICES = ("right", "right_low", "right_high", "extra", "extra_low", "extra_high", "none")
@@ -36,6 +41,7 @@ BANDS = ("band", "from")
 class Fit:
     """One way to identify F_k and c in a case: which rows, with which phase, contact, and which of the levels.
 
+    approach : a name in `balance.APPROACHES`, or one of YARDSTICKS.
     phase : reversal, zero_crossing or fundamental.   sharing : φ and t_s individual or common.   Both are empty for
     an approach that knows no phase.   contact : compliant, with the slip onset as it was read, or rigid, a = 4X.
     weights : of the rows, weighted or equal; empty where no noise tells them apart, and all weigh alike.
@@ -54,11 +60,15 @@ class Fit:
     @property
     def identified(self) -> tuple[str, ...]:
         """Symbols of the coefficients that it identifies."""
+        if self.approach in YARDSTICKS:
+            return tuple(TERMS)
         return self.terms or APPROACHES[self.approach].terms
 
     @property
     def kind(self) -> str:
-        """least_squares, or pair_i_j with the levels counted from 1."""
+        """least_squares, or pair_i_j with the levels counted from 1; maximum_likelihood without a balance."""
+        if self.approach == LIKELIHOOD:
+            return "maximum_likelihood"
         if self.levels is None:
             return "least_squares"
         return f"pair_{self.levels[0] + 1}_{self.levels[1] + 1}"
@@ -131,11 +141,15 @@ class Study:
         """The fits that a fact or a figure selects by approach, phase, sharing, contact, weights and fit, as far as it
         gives them.
 
+        lines : label → such a selection, each of one fit; none is selected where one of them selects none or several.
         contact : compliant or rigid; if it is missing, compliant, or else all.   weights : weighted or equal; if they
         are missing, weighted, or else all.
         fit : least_squares, pair_i_j, or pairs for all pairs; if it is missing, least squares, or else all.
         terms : of the balance; if they are missing, the first that the study has.
         """
+        if "lines" in spec:
+            lines = [self.fits_of(line) for line in spec["lines"].values()]
+            return [fit for (fit,) in lines] if set(map(len, lines)) == {1} else []
         keys, kind = ("approach", "phase", "sharing"), spec.get("fit")
         fits = [
             fit
@@ -238,3 +252,6 @@ def _fits(estimation: Mapping[str, Any], noisy: bool) -> Iterator[Fit]:
         choices = (phases, sharings) if takes_phase(approach) else ([""], [""])
         for choice in product(*choices, contacts, weights, chosen_levels, terms):
             yield Fit(approach, *choice)
+    of_yardsticks = {SIMPSON: (RIGID, EQUAL), LIKELIHOOD: (COMPLIANT, "")}
+    for name in estimation.get("yardsticks", []):
+        yield Fit(name, "", "", *of_yardsticks[name], None)

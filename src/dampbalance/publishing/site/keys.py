@@ -143,7 +143,8 @@ class _Reader:
         """The type in words, or the values to choose from."""
         node = self.followed(node)
         if "registered" in node:
-            return _choice([f"`{name}`" for name in self.registered[node["registered"]]])
+            names = [*self.registered[node["registered"]], *node.get("also", [])]
+            return _choice([f"`{name}`" for name in names])
         if "enum" in node:
             return _choice([_value(value) for value in node["enum"]])
         if "const" in node:

@@ -55,7 +55,7 @@ def alternative_text(study: Study) -> str:
         other = PARAMETERS[study.figure["y"]].meaning
         shown = f"share of the cases with a small error, over {axis} and {other}"
     if study.figure["kind"] == "scatter":
-        shown = f"rms error of {identified}, and their standard error, against {axis}"
+        shown = f"size that 95 % of the errors of {identified} do not exceed, and coverage, against {axis}"
     return f"{study.title}: {shown}."
 
 

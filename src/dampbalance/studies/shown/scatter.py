@@ -1,7 +1,8 @@
-"""The figure of a study of noisy records: how large the errors are over many runs, and how large they are stated."""
+"""The figure of a study of noisy records: how large the errors are over many runs, and how many intervals hold."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,64 +16,140 @@ from ...arrays import Array
 from ...figures.grid import Grid, decades_axis, grid
 from ...figures.looks import in_maths, label_of, look_of
 from ...figures.series import decades
-from ...figures.style import DASHED, FAINT, styled
+from ...figures.style import DASHED, DOTTED, FAINT, styled
+from ...project.wording import in_figure
+from ...solver import NORMAL_95
 from ..parameters import PARAMETERS
-from ..settings import Fit, Study
+from ..settings import EQUAL, RIGID, Fit, Study
 from .groups import Spread, groups, spread_of, terms_of
 from .series import symbol_of, with_unit
 
-# Ratio by which the curves of two approaches are moved apart, so that all can be seen.
-_BESIDE = 1.06
+_APART = 1.13  # ratio by which neighbouring lines are moved apart along x, lest their bars hide each other
+_COVERAGE, _GAP, _ERRORS = 24.0, 3.0, 40.0  # heights in a row of panels, mm
+_CONFIDENCE = 95.0  # %
 
 
 @styled()
 def errors_of_runs(study: Study, cases: str | Path) -> Figure:
-    """Rms error over the runs, %, along the axis x: a row of panels per term, a curve and markers per approach.
+    """Over the runs, along the axis x: the size that 95 % of the errors do not exceed, %, and below it, where the study
+    has intervals, the share of the 95 % intervals that hold the true value, %.
 
-    Columns of panels: the values of another axis. Dashed: the standard error that the runs state. Where the two part,
-    the approach has an error of its own, which no number of cycles lowers.
+    A row of panels per term, a column per value of another axis, a line per fit. Bars: what the number of runs leaves
+    open, 1.96 standard errors of the one, and the 95 % interval of the other.
     """
-    settings = study.figure
-    fits = study.fits_of(settings)
-    by = settings.get("panels")
+    settings, lines = study.figure, _lines(study)
+    by, told = settings.get("panels"), "intervals" in study.columns
     kept = list(groups(study, cases, [settings["x"], *([by] if by else [])]))
     values: list[Any] = list(dict.fromkeys(where[by] for where, _ in kept)) if by else [None]
     symbols = terms_of(cases)
-    panels = grid(len(symbols), len(values))
+    low = _COVERAGE + _GAP if told else 0.0
+    panels = grid(len(symbols), len(values), height=low + _ERRORS)
     for row, symbol in enumerate(symbols):
         drawn = []
         for column, value in enumerate(values):
-            axes = panels.panel(row, column)
-            axes.set_label(f"{symbol} {value}")
             places = [(w[settings["x"]], mask) for w, mask in kept if not by or w[by] == value]
-            for index, fit in enumerate(fits):
-                spreads = [(x, spread_of(study, cases, symbol, fit, mask)) for x, mask in places]
-                _draw(axes, fit, spreads, _BESIDE ** (index - 0.5 * (len(fits) - 1)))
-            drawn.append(axes)
-            _x_axis(axes, np.array([x for x, _ in places]))
-            axes.tick_params(labelbottom=row == len(symbols) - 1, labelleft=column == 0)
+            spreads = {
+                label: [(x, spread_of(study, cases, symbol, fit, mask)) for x, mask in places]
+                for label, fit in lines.items()
+            }
+            x = np.array([x for x, _ in places])
+            errors = panels.panel(row, column, low)
+            below = [panels.panel(row, column, 0.0, _COVERAGE)] if told else []
+            for axes, name, draw in zip(
+                [errors, *below],
+                ("errors", "coverage"),
+                (_draw_errors, _draw_coverage),
+                strict=False,
+            ):
+                axes.set_label(f"{symbol} {value} {name}")
+                _x_axis(axes, x)
+                axes.tick_params(labelbottom=False, labelleft=column == 0)
+                for (label, of_places), style in zip(spreads.items(), _styles(lines), strict=True):
+                    draw(axes, of_places, style | {"label": label})
+            axes.tick_params(labelbottom=row == len(symbols) - 1)
+            drawn.append(errors)
+            if column == 0:
+                panels.name_row(errors, f"95 % of errors of ${symbol}$ below (%)")
+                for axes in below:
+                    panels.name_row(axes, "coverage (%)")
             if row == 0 and by:
-                axes.set_title(f"{symbol_of(by)} = {with_unit(by, value, 6)}", pad=4.0)
-        lines = [line for axes in drawn for line in axes.lines]
-        limits = decades([np.asarray(line.get_ydata(), float) for line in lines])
+                errors.set_title(f"{symbol_of(by)} = {with_unit(by, value, 6)}", pad=4.0)
+        sizes = [np.asarray(line.get_ydata(), float) for axes in drawn for line in axes.lines]
         for axes in drawn:
-            decades_axis(axes, limits)
-        panels.name_row(drawn[0], f"error of ${symbol}$ (%)")
+            decades_axis(axes, decades(sizes))
     panels.text_below(f"{PARAMETERS[settings['x']].meaning} (%)")
-    _legend(panels, fits)
+    _legend(panels, lines)
     return panels.figure
 
 
-def _draw(axes: Axes, fit: Fit, spreads: list[tuple[float, Spread]], beside: float) -> None:
-    """One approach: its rms error, and the standard error that it states."""
-    look = look_of(fit.approach)
-    x = beside * 100.0 * np.array([place for place, _ in spreads])
-    for name, style, filled in (("rms", "-", True), ("standard_error", DASHED, False)):
-        size = 100.0 * np.array([getattr(spread, name) for _, spread in spreads])
-        marks: dict[str, Any] = {"marker": look.marker, "ms": 3.2, "mew": 0.7} if filled else {}
-        size = np.where(size > 0.0, size, np.nan)
-        label = f"{fit.label} {name}"
-        axes.plot(x, size, color=look.colour, ls=style, lw=0.8, label=label, **marks)
+def _lines(study: Study) -> dict[str, Fit]:
+    """The fits to draw, by the label in the legend."""
+    fits = study.fits_of(study.figure)
+    if "lines" in study.figure:
+        labels = [in_maths(in_figure(label)) for label in study.figure["lines"]]
+    else:
+        labels = [_label(fit) for fit in fits]
+    return dict(zip(labels, fits, strict=True))
+
+
+def _label(fit: Fit) -> str:
+    words = [in_maths(label_of(fit.approach)), fit.phase.replace("_", " "), fit.sharing]
+    words += [fit.contact] if fit.contact == RIGID else []
+    words += ["equal weights"] if fit.weights == EQUAL else []
+    return ", ".join(word for word in words if word)
+
+
+def _styles(lines: Mapping[str, Fit]) -> Iterator[dict[str, Any]]:
+    """How each line is drawn, and `beside`, the ratio by which it is moved along x. The lines of one approach have its
+    colour: the first has filled marks, the second open ones, the third crosses."""
+    looks: Sequence[tuple[Any, dict[str, Any]]]
+    looks = (("-", {}), (DASHED, {"mfc": "white"}), (DOTTED, {"marker": "x"}))
+    seen: list[str] = []
+    for index, fit in enumerate(lines.values()):
+        look = look_of(fit.approach)
+        ls, marks = looks[min(seen.count(fit.approach), 2)]
+        seen.append(fit.approach)
+        style: dict[str, Any] = {"color": look.colour, "marker": look.marker, "ls": ls}
+        style |= {"ms": 3.4, "mew": 0.7, "lw": 0.6, "elinewidth": 0.7} | marks
+        yield style | {"beside": _APART ** (index - 0.5 * (len(lines) - 1))}
+
+
+def _draw_errors(
+    axes: Axes, spreads: Sequence[tuple[float, Spread]], style: dict[str, Any]
+) -> None:
+    size = 100.0 * np.array([spread.p95 for _, spread in spreads])
+    reach = 100.0 * NORMAL_95 * np.array([spread.p95_error for _, spread in spreads])
+    reach = np.nan_to_num(reach)
+    lower = np.minimum(reach, 0.9 * size)  # of a logarithmic axis
+    _bars(axes, spreads, np.where(size > 0.0, size, np.nan), (lower, reach), style)
+
+
+def _draw_coverage(
+    axes: Axes, spreads: Sequence[tuple[float, Spread]], style: dict[str, Any]
+) -> None:
+    low, share, high = (
+        100.0
+        * np.array(
+            [[spread.coverage_low, spread.coverage, spread.coverage_high] for _, spread in spreads]
+        ).T
+    )
+    axes.axhline(_CONFIDENCE, color=FAINT, lw=0.5, zorder=0)
+    axes.set_ylim(-6.0, 106.0)
+    axes.set_yticks([0.0, 50.0, _CONFIDENCE])
+    # without lines, which would cross each other
+    _bars(axes, spreads, share, (share - low, high - share), style | {"ls": ""})
+
+
+def _bars(
+    axes: Axes,
+    spreads: Sequence[tuple[float, Spread]],
+    size: Array,
+    reach: tuple[Array, Array],
+    style: dict[str, Any],
+) -> None:
+    marks = dict(style)
+    x = marks.pop("beside") * 100.0 * np.array([place for place, _ in spreads])
+    axes.errorbar(x, size, yerr=np.abs(np.array(reach)), **marks)
 
 
 def _x_axis(axes: Axes, places: Array) -> None:
@@ -84,12 +161,9 @@ def _x_axis(axes: Axes, places: Array) -> None:
     axes.set_xlim(100.0 * places.min() / 1.8, 100.0 * places.max() * 1.8)
 
 
-def _legend(panels: Grid, fits: list[Fit]) -> None:
+def _legend(panels: Grid, lines: Mapping[str, Fit]) -> None:
     handles = []
-    for fit in fits:
-        look, label = look_of(fit.approach), in_maths(label_of(fit.approach))
-        marks: dict[str, Any] = {"marker": look.marker, "ms": 3.2}
-        handles.append(Line2D([], [], color=look.colour, lw=0.8, label=label, **marks))
-    for style, label in (("-", "rms error"), (DASHED, "standard error")):
-        handles.append(Line2D([], [], color=FAINT, lw=0.8, ls=style, label=label))
-    panels.legend_below(handles, columnspacing=1.2, handlelength=2.2, handletextpad=0.5)
+    for label, style in zip(lines, _styles(lines), strict=True):
+        marks = {key: style[key] for key in style if key not in ("beside", "elinewidth")}
+        handles.append(Line2D([], [], label=label, **marks))
+    panels.legend_below(handles, columnspacing=1.2, handlelength=2.4, handletextpad=0.5)
