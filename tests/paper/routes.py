@@ -71,4 +71,4 @@ def as_published(oscillator: Oscillator = PAPER) -> RouteTables:
 
 def unrounded(oscillator: Oscillator = PAPER) -> pd.DataFrame:
     """What the as-published simulation gives at the first frequency, before it is read."""
-    return as_read(oscillator)["omega1"].unrounded.to_frame()
+    return as_read(oscillator)["omega1"].to_frame()

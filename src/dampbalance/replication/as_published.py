@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
+from ..arrays import Array
 from ..balance import APPROACHES, Approach, slip_velocity, slip_velocity_as_printed
 from ..estimates import estimate_table
 from ..features import Features, Phase, of_numbers, stack
@@ -36,16 +37,26 @@ APPROACHES_OF_TABLE_3: dict[str, Approach] = {
 """The rows behind the printed Table 3: the V_s pairs with their slip of sign, and beside them those without it."""
 
 
+SLIPPING_SAMPLE = "V_s_at_sample_m_per_s"
+"""The column of the velocity of the first slipping sample, at which V_s was read."""
+
+
 class ReadFeatures(NamedTuple):
     """Features as the authors wrote them down.
 
     tabulated : for Table 1 and the least squares.   two_point : with one φ and one t_s, for the formulas of Table 3.
     unrounded : what both were read from, in full digits.
+    slipping_sample : the velocity of the first sample that slips, m/s.
     """
 
     tabulated: Features
     two_point: Features
     unrounded: Features
+    slipping_sample: Array
+
+    def to_frame(self) -> pd.DataFrame:
+        """What was read from, a row per level: the columns of `Features.to_frame` and SLIPPING_SAMPLE."""
+        return self.unrounded.to_frame().assign(**{SLIPPING_SAMPLE: self.slipping_sample})
 
 
 def coefficients(case: Case) -> dict[str, float]:
@@ -101,7 +112,7 @@ def read_levels(records: Sequence[Record], case: Case, frequency: str) -> ReadFe
     tabulated, two_point = (
         ReadOut.from_config(rules) for rules in (case.numerics.tabulated, case.numerics.two_point)
     )
-    return ReadFeatures(tabulated.apply(between), two_point.common(between), between)
+    return ReadFeatures(tabulated.apply(between), two_point.common(between), between, sampled.V_s)
 
 
 def estimates(tabulated: Features, two_point: Features, case: Case) -> pd.DataFrame:

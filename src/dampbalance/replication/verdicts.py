@@ -35,7 +35,7 @@ class Verdict:
         return self.name.replace(" ", "-")
 
 
-REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, SCATTER, DIFFERS = (
+REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS = (
     Verdict("reproduced", "✓", "The equations, solved exactly, give the printed digits."),
     Verdict(
         "reconstructed",
@@ -47,18 +47,18 @@ REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, SCATTER, DIFFERS = (
     Verdict(
         "propagated",
         "u",
-        "Within what the digits that are not printed, or the choice of the cycle, leave open.",
+        "The rebuild’s own number lies in the range that unprinted digits leave.",
     ),
     Verdict(
-        "scatter",
-        "s",
-        "No further off than the same quantity at the other levels; no tolerance from outside explains it.",
+        "unexplained",
+        "?",
+        "Near, within a bound fixed beforehand, but nothing says why it is off.",
     ),
     Verdict("differs", "✗", "None of these, or against the paper’s own numbers; see the evidence."),
 )
 VERDICTS = {
     v.name: v
-    for v in (REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, SCATTER, DIFFERS)
+    for v in (REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS)
 }
 """Every verdict by its name, best first."""
 
@@ -82,7 +82,7 @@ class Count:
     key : of the part, as the ids of its claims begin, or "all".
     of_verdict : name of the verdict → how many computed numbers earn it.
     given, given_held : inputs, and those that the configuration holds.
-    statements, statements_held : bounds and words, and those that hold by one of the routes.
+    statements, statements_held : bounds and words, and those that hold.
     """
 
     key: str

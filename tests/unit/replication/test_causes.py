@@ -9,7 +9,6 @@ from dataclasses import replace
 import pytest
 
 from dampbalance.replication.claims import causes, read_published
-from dampbalance.replication.claims.judging import Tolerance
 from dampbalance.replication.printed import Printed
 from paper.routes import CASE, PUBLISHED
 
@@ -70,7 +69,7 @@ def test_a_printed_b_that_its_own_pairs_refute_is_a_contradiction(units, said):
 def test_a_b_that_the_other_pairs_do_not_want_is_noted():
     note, evidence = causes.implied_b(PRINT, "1")
     assert evidence == ""
-    assert note.startswith("The printed pairs 1-2 and 1-5 were computed with it (0.0007272")
+    assert note.startswith("The printed pairs 1-2 and 1-5 were computed with b_1 = 0.0007272")
     assert "the others want 0.0007272" in note
 
 
@@ -91,11 +90,12 @@ def test_a_time_is_read_between_the_first_and_the_last_sample():
 
 
 def test_a_velocity_is_read_to_half_a_division():
+    read = "Read at the corner of the acceleration-velocity plot: the first slipping sample has "
     assert causes.slip_velocity(0.0113, "0.01135") == (
-        "Read at the corner of the acceleration-velocity plot, +0.44 % from exact."
+        f"{read}11.300 mm/s, to the nearest 0.05 mm/s 11.30, not as printed."
     )
-    assert causes.slip_velocity(0.01134, "0.01135").endswith(
-        "+0.09 % from exact: to the nearest 0.05 mm/s."
+    assert causes.slip_velocity(0.01134, "0.01135") == (
+        f"{read}11.340 mm/s, to the nearest 0.05 mm/s 11.35, as printed."
     )
     assert causes.slip_velocity(math.nan, "0.01135") == ""
 
@@ -110,10 +110,19 @@ def test_the_phase_is_the_nearer_of_the_two():
 
 
 def test_the_slip_of_sign_is_where_the_two_roots_differ():
-    assert causes.sign({"as_published": 1.3}, 1.29431, "N").endswith("it would be 1.2943 N.")
-    assert causes.sign({"as_published": 90.1}, 90.0231, "N s/m").endswith("be 90.023 N s/m.")
-    assert causes.sign({"as_published": 1.3}, 1.3, "N") == ""
-    assert causes.sign({"as_published": 1.3}, math.nan, "N") == ""
+    slip = causes.sign({"as_published": 1.3}, 1.29431, "N", "They share X.")
+    assert slip.endswith("it would be 1.2943 N. They share X.")
+    assert "be 90.023 N s/m." in causes.sign({"as_published": 90.1}, 90.0231, "N s/m", "")
+    assert causes.sign({"as_published": 1.3}, 1.3, "N", "They share X.") == ""
+    assert causes.sign({"as_published": 1.3}, math.nan, "N", "They share X.") == ""
+
+
+def test_the_proof_of_the_sign_states_its_premise():
+    misfits = {"plus": 0.4, "minus": 4.03, "minus alone": 0.34}
+    assert causes.premise_of_sign(misfits) == (
+        "Where the columns share X and phi, print excludes the minus (4.0 units off at best; the plus 0.4); "
+        "the V_s columns alone do not (0.34)."
+    )
 
 
 def test_where_an_integral_begins():
@@ -127,10 +136,13 @@ def test_where_an_integral_begins():
 
 
 def test_a_number_outside_what_its_table_allows():
-    allowed = (Tolerance(1.27, 1.29, "the rest of Table 2 allows 1.27 to 1.29"),)
-    assert causes.outside(allowed, "1.28") == ""
-    assert causes.outside((), "1.30") == ""
-    assert causes.outside(allowed, "1.30") == "The rest of Table 2 allows 1.27 to 1.29 only."
+    allowed = (1.274, 1.286)
+    for printed in ("1.27", "1.28", "1.29"):  # within half a unit of the range
+        assert causes.outside(allowed, printed, "Table 2") == ""
+    assert causes.outside(None, "1.30", "Table 2") == ""
+    words = "The rest of Table 2, within its rounding, allows 1.27400 to 1.28600 only."
+    for printed in ("1.273", "1.287"):
+        assert causes.outside(allowed, printed, "Table 2") == words
 
 
 def test_how_far_printed_inputs_move_a_result():

@@ -11,7 +11,7 @@ import pytest
 from dampbalance.balance import Rows
 from dampbalance.replication import as_published as authors
 from dampbalance.replication.claims import read_published
-from dampbalance.replication.claims.allowed import by_table_2, by_table_3
+from dampbalance.replication.claims.allowed import by_table_2, by_table_3, misfits
 from dampbalance.replication.claims.checksums import agrees, refuted
 from dampbalance.replication.claims.inputs import PAIR_LABELS, PAIRS
 from dampbalance.replication.claims.published import numbers
@@ -100,6 +100,14 @@ def test_a_changed_digit_of_table_3_is_not_allowed(approach, label, symbol, step
     nearest = low if step < 0 else high
     assert step * (wrong.value - nearest) > 0.5 * wrong.unit
     assert None in found.values()
+
+
+def test_the_proof_of_the_sign_needs_that_the_columns_share_their_inputs():
+    """All columns fit with the plus and miss the minus, by units of the last digit; the V_s columns alone fit both."""
+    found = misfits(PRINT, CASE)
+    assert found["plus"] == pytest.approx(0.40, abs=0.005)
+    assert found["minus"] == pytest.approx(4.03, abs=0.005)
+    assert found["minus alone"] == pytest.approx(0.34, abs=0.005)
 
 
 def test_with_the_minus_that_19_states_nothing_agrees_with_table_3(monkeypatch):

@@ -6,43 +6,61 @@ import math
 
 import pytest
 
-from dampbalance.replication.claims.statements import LOOSEST, bound, change, truth
+from dampbalance.replication.claims.statements import bound, change, truth
 
 
 @pytest.mark.parametrize(
-    ("printed", "holds"),
+    ("value", "printed", "holds"),
     [
-        ("1.4", False),  # the value is not below it
-        ("1.5", True),
-        ("4.5", True),  # within half a decade
-        ("4.6", False),  # says too little
-        ("50", False),
+        (1.45, "1.4", False),  # the value is not below it
+        (1.45, "1.5", True),  # rounded
+        (1.46, "1.6", True),  # one unit looser
+        (1.46, "1.7", False),  # says too little
+        (1.44, "1.5", True),  # 1.4, one unit looser
+        (1.44, "1.6", False),
+        (1.53, "1.5", False),  # rounded, but not below it
+        (0.0794, "0.1", True),
+        (0.0794, "0.3", False),
+        (66.46, "70", False),  # "less than 70 %" of an error of 66 %
+        (math.nan, "1.5", False),
     ],
 )
-def test_a_bound_from_above_is_judged_on_both_sides(printed, holds):
-    judged = bound("max", "largest error: less than", printed, {"exact": 1.45})
-    assert judged.holds == {"exact": holds}
-    assert "from above" in judged.how
+def test_a_bound_from_above_is_the_rounded_value_or_one_unit_looser(value, printed, holds):
+    judged = bound("max", "largest error: less than", printed, {"as_published": value})
+    assert judged.holds is holds
+    assert ("It holds." in judged.how) == holds
 
 
 @pytest.mark.parametrize(
-    ("printed", "holds"), [("80", False), ("70", True), ("25", True), ("24", False), ("5", False)]
+    ("value", "printed", "holds"),
+    [
+        (66.46, "70", False),
+        (66.46, "66", True),
+        (66.46, "65", True),
+        (66.46, "64", False),
+        (66.54, "67", False),  # rounded, but not above it
+        (77.25, "77", True),
+        (77.25, "76", True),
+        (77.25, "70", False),
+        (77.25, "24", False),
+    ],
 )
-def test_a_bound_from_below_is_judged_on_both_sides(printed, holds):
-    judged = bound("max", "highest error: more than", printed, {"as_published": 77.0})
-    assert judged.holds == {"as_published": holds}
-    assert "from below" in judged.how
+def test_a_bound_from_below_is_the_rounded_value_or_one_unit_looser(value, printed, holds):
+    judged = bound("max", "highest error: more than", printed, {"as_published": value})
+    assert judged.holds is holds
 
 
-def test_the_loosest_bound_is_half_a_decade_away():
-    assert math.log10(LOOSEST) == pytest.approx(0.5)
-    assert bound("max", "less than", "3.1", {"exact": 1.0}).holds["exact"]
-    assert not bound("max", "less than", "3.2", {"exact": 1.0}).holds["exact"]
-
-
-def test_a_route_without_a_value_supports_no_bound():
-    values = {"exact": math.nan, "as_published": 1.4}
-    assert bound("max", "less than", "1.5", values).holds == {"exact": False, "as_published": True}
+def test_one_route_judges_every_statement():
+    values = {"exact": 1.45, "as_published": 1.9, "from_print": 1.45}
+    assert not bound("max", "less than", "1.5", values).holds
+    assert not bound("max", "less than", "1.5", {"exact": 1.45}).holds
+    assert not truth("best", "true", {"exact": True, "as_published": False}).holds
+    for judged in (
+        bound("max", "less than", "1.5", values),
+        truth("best", "true", {}),
+        change("off", "degraded", {}, {}),
+    ):
+        assert judged.how.startswith("Judged as published, by ")
 
 
 def test_a_bound_must_say_on_which_side_it_is():
@@ -50,12 +68,14 @@ def test_a_bound_must_say_on_which_side_it_is():
         bound("max", "largest error", "1.5", {"exact": 1.4})
 
 
-def test_the_printed_word_decides():
-    errors, near = {"exact": 19.6, "as_published": 1.0}, {"exact": 1.5, "as_published": 1.5}
-    assert change("off", "degraded", errors, near).holds == {"exact": True, "as_published": False}
-    assert change("off", "improved", errors, near).holds == {"exact": False, "as_published": True}
-    assert truth("best", "true", {"exact": True}).holds == {"exact": True}
-    assert truth("best", "false", {"exact": True}).holds == {"exact": False}
+@pytest.mark.parametrize(("error", "word"), [(19.6, "degraded"), (1.0, "improved")])
+def test_the_printed_word_decides(error, word):
+    errors, near = {"as_published": error}, {"as_published": 1.5}
+    for printed in ("degraded", "improved"):
+        assert change("off", printed, errors, near).holds is (printed == word)
+    facts = {"as_published": word == "degraded"}
+    assert truth("best", "true", facts).holds is (word == "degraded")
+    assert truth("best", "false", facts).holds is (word == "improved")
 
 
 def test_an_unknown_word_is_refused():

@@ -19,4 +19,4 @@ if __name__ == "__main__":
         read = as_published.read_levels(records, case, frequency)
         write_csv(output.tabulated[i], read.tabulated.to_frame(), READ_OUT_DIGITS)
         write_csv(output.two_point[i], read.two_point.to_frame(), READ_OUT_DIGITS)
-        write_csv(output.unrounded[i], read.unrounded.to_frame(), READ_OUT_DIGITS)
+        write_csv(output.unrounded[i], read.to_frame(), READ_OUT_DIGITS)

@@ -10,28 +10,28 @@ inputs:
 
 Linear programs give the least and the greatest value of a number over all inputs that keep every other one within its
 range. The functions are made linear where they come closest to print; over a unit of print what is left is below a
-hundredth of a unit. Table 3 is taken as computed, with the slip of sign in its V_s columns.
+hundredth of a unit. Table 3 is taken as computed, with the slip of sign in its V_s columns; that print alone tells the
+sign rests on the premise that all its columns share X and φ (`misfits`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ...arrays import Array
-from ...balance import Rows
+from ...balance import Approach, Rows
 from ...features import of_numbers
 from ...project.case import Case
 from ...solver import solve
 from ..as_published import APPROACHES_OF_TABLE_3
 from ..printed import Printed
 from ..tables import PRINTED_APPROACHES, TABLE_2, UNKNOWNS
-from .inputs import PAIR_LABELS, PAIRS
+from .inputs import CORRECTED, PAIR_LABELS, PAIRS
+from .judging import Range
 from .published import Published, numbers
-
-Range = tuple[float, float]
 
 
 class _Table(NamedTuple):
@@ -71,8 +71,8 @@ def by_table_3(published: Published, case: Case) -> dict[tuple[str, str, str], R
 
     Empty where every number agrees with all others, which is seen at once.   case : for ω1 and k.
     """
-    table = _table_3(published, case)
-    if _agrees(table):
+    table = _table_3(published, case, _as_computed())
+    if _misfit(table) <= 0.5:
         return {}
     pairs = [
         (approach, label, q.symbol)
@@ -82,6 +82,23 @@ def by_table_3(published: Published, case: Case) -> dict[tuple[str, str, str], R
     ]
     ranges = _ranges(table, range(table.inputs, len(table.printed)))
     return dict(zip(pairs, ranges, strict=True))
+
+
+def misfits(published: Published, case: Case) -> dict[str, float]:
+    """How many units of the last digit the number furthest off print is off at best, with either sign in the V_s rows.
+
+    "plus", "minus" : all columns from the same X, φ and t_s.   "minus alone" : the V_s columns for themselves. Above
+    half a unit no inputs within the rounding of Table 1 give what is printed.
+    """
+    plus = _as_computed()
+    minus = {"V_s": APPROACHES_OF_TABLE_3[CORRECTED]}
+    ways = {"plus": plus, "minus": plus | minus, "minus alone": minus}
+    return {name: _misfit(_table_3(published, case, rows)) for name, rows in ways.items()}
+
+
+def _as_computed() -> dict[str, Approach]:
+    """The rows behind the columns of Table 3, by approach."""
+    return {name: APPROACHES_OF_TABLE_3[name] for name in PRINTED_APPROACHES[1:]}
 
 
 def _table_2(published: Published) -> _Table:
@@ -96,12 +113,12 @@ def _table_2(published: Published) -> _Table:
     return _Table([Printed(text) for text in [*inputs, *estimates]], len(inputs), of_inputs)
 
 
-def _table_3(published: Published, case: Case) -> _Table:
+def _table_3(published: Published, case: Case, approaches: Mapping[str, Approach]) -> _Table:
     frame, text, pairs = published.table1, published.text_values["printed"], published.table3
     columns = [str(cell) for name in ("X_m", "X_s_m", "V_s_m_per_s") for cell in frame[name]]
     estimates = [
         str(pairs[f"{approach}_{q.column}"][label])
-        for approach in PRINTED_APPROACHES[1:]
+        for approach in approaches
         for q in UNKNOWNS
         for label in PAIR_LABELS
     ]
@@ -120,10 +137,7 @@ def _table_3(published: Published, case: Case) -> _Table:
             phi=phi,
             t_s=t_s,
         )
-        rows = [
-            APPROACHES_OF_TABLE_3[name](features, case.oscillator.k)
-            for name in PRINTED_APPROACHES[1:]
-        ]
+        rows = [approach(features, case.oscillator.k) for approach in approaches.values()]
         return np.vstack([values, *map(_estimates, rows)])
 
     inputs = [*columns, str(text["phi_mean"]), str(text["t_s_mean"])]
@@ -147,10 +161,10 @@ def _ranges(table: _Table, wanted: Sequence[int]) -> list[Range | None]:
     ]
 
 
-def _agrees(table: _Table) -> bool:
-    """Whether some inputs give every printed number."""
+def _misfit(table: _Table) -> float:
+    """How many units the number furthest off print is off, with the inputs that suit it best."""
     off, _ = _linear(table, _closest(table))
-    return bool(np.max(np.abs(off)) <= 0.5)
+    return float(np.max(np.abs(off)))
 
 
 def _linear(table: _Table, inputs: Array) -> tuple[Array, Array]:

@@ -18,7 +18,7 @@ from ..printed import Printed
 from ..tables import TABLE_2
 from .checksums import agrees
 from .inputs import PAIR_LABELS, PAIRS, Sources
-from .judging import Tolerance
+from .judging import Range
 from .published import Published, row
 from .tolerances import TIME_UNIT_S, VELOCITY_MARK
 
@@ -67,7 +67,7 @@ def implied_b(published: Published, level: str) -> tuple[str, str]:
             f"It contradicts Table 2 itself: the printed pairs {names} give b = {_range(used, b)}.",
         )
     if all(abs(value - b.value) > slack for value, slack in wanted):
-        note = f"The printed pairs {names} were computed with it ({_range(used, b)})"
+        note = f"The printed pairs {names} were computed with b_{level} = {_range(used, b)}"
         return f"{note}, the others want {_range(wanted, b)}.", ""
     return "", ""
 
@@ -113,15 +113,19 @@ def slip_time(t_s: float, step: float, printed: str) -> str:
     )
 
 
-def slip_velocity(V_s: float, printed: str) -> str:
-    """V_s as read off the velocity axis: how far off, and whether half a division of 0.1 mm/s explains it."""
-    if math.isnan(V_s):
+def slip_velocity(sample: float, printed: str) -> str:
+    """V_s as read off the velocity axis: whether half a division of 0.1 mm/s explains it.
+
+    sample : the velocity of the first slipping sample of the as-published simulation, m/s.
+    """
+    if math.isnan(sample):
         return ""
-    value = Printed(printed).value
-    relative = f"Read at the corner of the acceleration-velocity plot, {100 * (value / V_s - 1.0):+.2f} % from exact"
-    if math.isclose(round(V_s / VELOCITY_MARK) * VELOCITY_MARK, value, rel_tol=1e-9):
-        return f"{relative}: to the nearest {1e3 * VELOCITY_MARK:g} mm/s."
-    return f"{relative}."
+    read = round(sample / VELOCITY_MARK) * VELOCITY_MARK
+    as_printed = math.isclose(read, Printed(printed).value, rel_tol=1e-9)
+    return (
+        f"Read at the corner of the acceleration-velocity plot: the first slipping sample has {1e3 * sample:.3f} mm/s, "
+        f"to the nearest {1e3 * VELOCITY_MARK:g} mm/s {1e3 * read:.2f}, {'as' if as_printed else 'not as'} printed."
+    )
 
 
 def phase(reversal: float, zero_crossing: float, printed: str) -> str:
@@ -136,17 +140,26 @@ def phase(reversal: float, zero_crossing: float, printed: str) -> str:
     )
 
 
-def sign(values: Mapping[str, float], correct: float, unit: str) -> str:
+def sign(values: Mapping[str, float], correct: float, unit: str, premise: str) -> str:
     """Table 3: the slip of sign in the V_s columns, "" elsewhere.
 
     correct : the as-published pair by the row that (19) states; in the V_s columns values["as_published"] has the slip.
+    premise : under which print alone tells the sign, a sentence.
     """
     if math.isnan(correct) or values["as_published"] == correct:
         return ""
     digits = 4 if unit == "N" else 3
     return (
         "Slip of sign: alpha with a plus under the root. "
-        f"With the minus of (19) it would be {correct:.{digits}f} {unit}."
+        f"With the minus of (19) it would be {correct:.{digits}f} {unit}. {premise}"
+    )
+
+
+def premise_of_sign(misfits: Mapping[str, float]) -> str:
+    """On what the proof of the sign rests.   misfits : `allowed.misfits`."""
+    return (
+        f"Where the columns share X and phi, print excludes the minus ({misfits['minus']:.1f} units off at best; the "
+        f"plus {misfits['plus']:.1f}); the V_s columns alone do not ({misfits['minus alone']:.2f})."
     )
 
 
@@ -159,7 +172,7 @@ def starting_sample(case: Case, place: int) -> str:
 
 def other_b(
     sources: Sources,
-    of_print: Mapping[int, tuple[float, float] | None],
+    of_print: Mapping[int, Range | None],
     label: str,
     symbol: str,
     printed: str,
@@ -194,13 +207,15 @@ def other_b(
     )
 
 
-def outside(tolerances: tuple[Tolerance, ...], printed: str) -> str:
-    """A number of Table 2 that the rest of the table does not allow."""
-    value = Printed(printed).value
-    if not tolerances or any(tolerance.holds(value) for tolerance in tolerances):
+def outside(allowed: Range | None, printed: str, table: str) -> str:
+    """A number that the rest of its table, within its rounding, does not allow."""
+    if allowed is None:
         return ""
-    reason = tolerances[0].reason
-    return f"{reason[0].upper()}{reason[1:]} only."
+    number, (low, high) = Printed(printed), allowed
+    half = 0.5 * number.unit
+    if low - half <= number.value <= high + half:
+        return ""
+    return f"The rest of {table}, within its rounding, allows {number.show(low, 2)} to {number.show(high, 2)} only."
 
 
 def printed_inputs(values: Mapping[str, float], inputs: str, printed: str) -> str:

@@ -15,7 +15,7 @@ from ...balance import TERMS
 from ...model import Oscillator
 from ...project.case import Case
 from ...solver import Pair, pair_label
-from ..comparison import largest_errors
+from ..comparison import relative_errors
 from .published import Published
 
 # The paper's three drive frequencies, by the names they have in the configuration and in results/.
@@ -85,30 +85,36 @@ class RouteTables:
             for line in frame.to_dict("records")
         }
 
+    def errors(
+        self,
+        oscillator: Oscillator,
+        approaches: tuple[str, ...] = HARMONIC,
+        frequency: str = "omega1",
+    ) -> dict[str, pd.Series[float]]:
+        """Errors of the pairs, per cent, signed, by term; harmonic approaches with common φ and t_s."""
+        frame = self.estimates.get(frequency)
+        if frame is None:
+            return dict.fromkeys(TERMS, pd.Series(dtype=float))
+        phase = np.where(frame["approach"] == "direct", "individual", "common")
+        chosen = frame["approach"].isin(approaches) & (frame["kind"] == "pair")
+        return relative_errors(frame[chosen & (frame["phase"] == phase)], oscillator)
+
     def largest_errors(
         self,
         oscillator: Oscillator,
         approaches: tuple[str, ...] = HARMONIC,
         frequency: str = "omega1",
     ) -> dict[str, float]:
-        """Largest errors over the pairs, per cent, by term; harmonic approaches with common φ and t_s."""
-        frame = self.estimates.get(frequency)
-        if frame is None:
-            return dict.fromkeys(TERMS, math.nan)
-        phase = np.where(frame["approach"] == "direct", "individual", "common")
-        taken = frame[
-            frame["approach"].isin(approaches)
-            & (frame["kind"] == "pair")
-            & (frame["phase"] == phase)
-        ]
-        return largest_errors(taken, oscillator)
+        """The size of the largest of the `errors`, by term; NaN without any."""
+        errors = self.errors(oscillator, approaches, frequency)
+        return {name: float(error.abs().max()) for name, error in errors.items()}
 
 
 @dataclass(frozen=True, slots=True)
 class Sources:
     """All that claims are judged from: the printed numbers, the case and the three routes.
 
-    unrounded : features of the as-published simulation at ω1 in full digits, one row per level.
+    unrounded : the as-published simulation at ω1 in full digits, `ReadFeatures.to_frame()`.
     """
 
     published: Published
@@ -133,6 +139,10 @@ class Sources:
             "exact": self.exact.feature(column, level),
             "as_published": self.as_published.feature(column, level),
         }
+
+    def unread(self, column: str, level: int) -> float:
+        """A feature of the as-published simulation before it was read off, of the level counted from 1."""
+        return RouteTables({"omega1": self.unrounded}, {}).feature(column, level)
 
     def estimates(self, column: str, approach: str, **which: str) -> dict[str, float]:
         """One number of the estimates by every route; arguments as in `RouteTables.estimate`."""

@@ -1,20 +1,20 @@
 """From a printed number and what the routes give for it to the best verdict of `verdicts.VERDICTS` that it earns.
 
-A route gives the printed digits when it lies within half a unit of the last of them; an input or a statement ("less
-than 1.5 %") is given when it holds. Nothing here is typed in: the verdict follows from the row, and so does its reason.
+One route judges a claim: the one by which the numbers of its column came about. It gives the printed digits when it
+lies within half a unit of the last of them. That another route rounds to the same digits is chance; it must not be far
+off, though. Nothing here is typed in: the verdict follows from the row, and so does its reason.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..printed import Printed
 from ..verdicts import (
     DIFFERS,
     LAST_DIGIT,
-    READING,
     RECONSTRUCTED,
     REPRODUCED,
     ROUTE_NAMES,
@@ -22,22 +22,33 @@ from ..verdicts import (
     Verdict,
 )
 
-# A printed number and a computed one meet at half a unit only up to the rounding of binary fractions.
+Range = tuple[float, float]
+
 HALF = 0.5 * (1.0 + 1e-9)
+"""Units of the last digit within which a number gives the printed one, with the rounding of binary fractions."""
+
+WRITTEN = 1e-6
+"""Units of the last digit that a number may be off which the route itself writes with the digits of the print."""
+
+FEWEST_DIGITS = 3
+"""Significant digits below which one unit off is no near miss: of two digits, the last one counts per cents."""
+
+LEASH = 5e-3
+"""How far from print, of itself, a route may lie that does not judge: half of the 1 % that must always be seen."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
-    """A range that the printed number may lie in, from `low` to `high`, why, and the verdict that this earns it."""
+    """A range in which the judging route's number earns a verdict, from `low` to `high`, and why."""
 
     low: float
     high: float
     reason: str
-    verdict: Verdict = READING
+    verdict: Verdict
 
-    def holds(self, printed: float) -> bool:
-        """Whether the printed number lies in the range."""
-        return self.low <= printed <= self.high
+    def holds(self, value: float) -> bool:
+        """Whether the number lies in the range."""
+        return self.low <= value <= self.high
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,10 +56,14 @@ class Claim:
     """One printed number, what the routes give for it, and why they differ.
 
     values : a number per route of ROUTE_NAMES, NaN or absent where the route has nothing to say.
-    kind : of verdicts.KINDS.
-    holds : for an input or a statement, whether it holds by each route; None for a number, compared by its digits.
-    compared : the routes that can give the printed digits; the others are shown only.
-    tolerances : ranges that a number may lie in, the best verdict first.
+    route : the one that judges.   kind : of verdicts.KINDS.
+    holds : for an input or a statement, whether it holds by that route; None for a number, compared by its digits.
+    reach : how many units of the last digit the printed digits reach; NaN for a column that was read off a plot, whose
+    digits agree by chance at best.
+    allowed : the range that the paper's other numbers leave for the number before it was rounded, or None.
+    tolerances : ranges that earn other verdicts, the best first.
+    apart : routes that are shown only, because they leave out what made the number.
+    nearby : where another route belongs if not at the printed number.
     cause : the deviation behind the digits, one sentence computed from the same run; "" without one.
     contradiction : which of the paper's own numbers refute this one, whatever any route gives; "" if none does.
     evidence : what in the paper's own numbers contradicts the printed one, should it differ.
@@ -60,57 +75,87 @@ class Claim:
     unit: str
     printed: str
     values: Mapping[str, float]
+    route: str = "exact"
     kind: Kind = "computed"
-    holds: Mapping[str, bool] | None = None
-    compared: tuple[str, ...] = tuple(ROUTE_NAMES)
+    holds: bool | None = None
+    reach: float = HALF
+    allowed: Range | None = None
     tolerances: tuple[Tolerance, ...] = ()
+    apart: tuple[str, ...] = ()
+    nearby: Mapping[str, float] = field(default_factory=dict)
     cause: str = ""
     contradiction: str = ""
     evidence: str = ""
 
+    def value(self, route: str) -> float:
+        """The number of a route, NaN if it gives none."""
+        return self.values.get(route, math.nan)
+
     @property
     def routes(self) -> list[str]:
         """The routes that give a number, in the order of ROUTE_NAMES."""
-        return [route for route in ROUTE_NAMES if not math.isnan(self.values.get(route, math.nan))]
+        return [route for route in ROUTE_NAMES if not math.isnan(self.value(route))]
 
     def show(self, route: str) -> str:
         """The value of a route, written like the printed number with a few more digits; "" if there is none."""
-        value = self.values.get(route, math.nan)
+        value = self.value(route)
         if math.isnan(value):
             return ""
         printed = Printed(self.printed)
         return printed.show(value) if printed.is_number else f"{value:.3f}"
 
-    def off(self, route: str) -> float:
-        """Distance of a route from the printed number, in units of its last digit, signed."""
+    def off(self, route: str = "") -> float:
+        """Distance of a route, if none is named the judging one, from print, in units of the last digit, signed."""
         printed = Printed(self.printed)
-        return (self.values[route] - printed.value) / printed.unit
+        return (self.value(route or self.route) - printed.value) / printed.unit
 
     @property
-    def giving(self) -> list[str]:
-        """The routes that give the printed digits, or by which an input or a statement holds."""
-        compared = [route for route in self.routes if route in self.compared]
-        if self.holds is not None:
-            return [route for route in compared if self.holds[route]]
-        return [route for route in compared if abs(self.off(route)) <= HALF]
+    def off_relative(self) -> float:
+        """Distance of the judging route from the printed number, of the latter, signed."""
+        return self.value(self.route) / Printed(self.printed).value - 1.0
+
+    @property
+    def strays(self) -> list[str]:
+        """The routes beside the judging one that lie further than LEASH from where they belong."""
+        print_ = Printed(self.printed).value
+        return [
+            route
+            for route in self.routes
+            if route not in (self.route, *self.apart)
+            and not abs(self.value(route) / self.nearby.get(route, print_) - 1.0) <= LEASH
+        ]
 
     @property
     def tolerance(self) -> Tolerance | None:
-        """The best tolerance that holds the printed number."""
-        printed = Printed(self.printed).value
-        return next((one for one in self.tolerances if one.holds(printed)), None)
+        """The best tolerance that holds the number of the judging route."""
+        return next((t for t in self.tolerances if t.holds(self.value(self.route))), None)
+
+    @property
+    def one_unit_off(self) -> bool:
+        """Whether the judging route misses by a digit that rounding may have moved.
+
+        It may not where the paper's other numbers tell what was rounded, and the route lies half a unit from that.
+        """
+        number, value = Printed(self.printed), self.value(self.route)
+        low, high = self.allowed or (value, value)
+        told = max(low - value, value - high) > 0.5 * number.unit
+        return (
+            abs(self.off()) <= 1.0 + self.reach and number.significant >= FEWEST_DIGITS and not told
+        )
 
 
 def verdict(claim: Claim) -> Verdict:
     """The best verdict that the claim earns."""
-    if claim.contradiction:
+    if claim.contradiction or claim.route not in claim.routes:
         return DIFFERS
-    if claim.giving:
-        return REPRODUCED if "exact" in claim.giving else RECONSTRUCTED
+    given = REPRODUCED if claim.route == "exact" else RECONSTRUCTED
     if claim.holds is not None:
+        return given if claim.holds else DIFFERS
+    if claim.strays:
         return DIFFERS
-    compared = [route for route in claim.routes if route in claim.compared]
-    if any(abs(claim.off(route)) <= 1.0 + HALF for route in compared):
+    if abs(claim.off()) <= claim.reach:
+        return given
+    if claim.one_unit_off:
         return LAST_DIGIT
     return claim.tolerance.verdict if claim.tolerance else DIFFERS
 
@@ -122,29 +167,35 @@ def explanation(claim: Claim) -> str:
     decided = verdict(claim)
     if decided is REPRODUCED:
         return f"Exactly {claim.show('exact')}, which rounds to {claim.printed}."
+    if claim.route not in claim.routes:
+        return f"No number {ROUTE_NAMES[claim.route]}."
     if decided is RECONSTRUCTED:
-        giving = " and ".join(ROUTE_NAMES[route] for route in claim.giving)
         exact = f" (exact: {_distance(claim, 'exact')})" if "exact" in claim.routes else ""
-        return f"Obtained {giving}{exact}. {claim.cause}".strip()
-    if not claim.routes:
-        return "No route gives a value."
-    nearest = min(claim.routes, key=lambda route: abs(claim.off(route)))
-    distance = f"{ROUTE_NAMES[nearest].capitalize()}: {_distance(claim, nearest)}"
+        return f"Obtained {ROUTE_NAMES[claim.route]}{exact}. {claim.cause}".strip()
+    distance = f"{ROUTE_NAMES[claim.route].capitalize()}: {_distance(claim, claim.route)}"
     if decided is DIFFERS:
-        evidence = claim.contradiction or claim.evidence
-        return (
-            f"{distance}. {evidence or 'Unexplained: no other number of the paper contradicts it.'}"
-        )
+        evidence = claim.contradiction or _stray(claim) or claim.evidence
+        missing = "No bound reaches so far, and no other number of the paper contradicts it."
+        return f"{distance}. {evidence or missing}"
     if decided is not LAST_DIGIT and claim.tolerance:
         return f"{distance}; {claim.tolerance.reason}. {claim.cause}".strip()
     return f"{distance}. {claim.cause}".strip()
 
 
+def _stray(claim: Claim) -> str:
+    """Which other routes are too far off for any deviation that is named, a sentence."""
+    far = " and ".join(f"{ROUTE_NAMES[r]} {_distance(claim, r)}" for r in claim.strays)
+    return far and f"Too far for the deviation that is named: {far}."
+
+
 def _distance(claim: Claim, route: str) -> str:
     """How far a route lies from the printed number, in words: units of the last digit if few, else per cent."""
     units = claim.off(route)
+    if route != claim.route and abs(units) <= HALF:
+        return "rounds to print as well, by chance"
     side = "above" if units > 0 else "below"
     if abs(units) < 20.0:
-        return f"{abs(units):.2g} units of the last digit {side} print"
+        few = f"{abs(units):.2g}"
+        return f"{few} unit{'' if few == '1' else 's'} of the last digit {side} print"
     percent = 100.0 * abs(claim.values[route] / Printed(claim.printed).value - 1.0)
     return f"{percent:.0f} % {side} print" if percent >= 10.0 else f"{percent:.2g} % {side} print"

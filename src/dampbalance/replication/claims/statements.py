@@ -1,22 +1,22 @@
 """Statements of the paper, bounds and words, each judged by what is printed: another number or word, another verdict.
 
-A bound is judged on both sides. "Less than 1.5 %" holds where the value is below 1.5 %, and says something only where
-it is not far below: a bound more than half a decade off, a factor of √10, is not reproduced. A word holds where the
-comparison that it names does.
+All are judged by one route, as published: they speak of what the authors computed. "Less than 1.5 %" holds where the
+value is less, and the bound is the value rounded as it is printed, or one unit looser; any looser, it would say nothing
+of the value. A word holds where the comparison that it names does.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from ..printed import Printed
+from ..verdicts import ROUTE_NAMES
 
-LOOSEST = math.sqrt(10.0)
-"""How far a bound may lie from the value that it bounds, as a factor: half a decade, so that it tells the size."""
+ROUTE = "as_published"
+"""The route that judges every statement."""
 
-_BOUNDS = {"less than": "from above", "more than": "from below"}
+_BOUNDS = {"less than": +1.0, "more than": -1.0}
 _CHANGES: dict[str, Callable[[float, float], bool]] = {
     "degraded": lambda error, near: error > near,
     "improved": lambda error, near: error < near,
@@ -25,9 +25,9 @@ _TRUTHS = {"true": True, "false": False}
 
 
 class Judged(NamedTuple):
-    """Whether a statement holds, by route, and how that was judged, in a sentence."""
+    """Whether a statement holds, and how that was judged, in a sentence."""
 
-    holds: dict[str, bool]
+    holds: bool
     how: str
 
 
@@ -43,16 +43,14 @@ def bound(name: str, quantity: str, printed: str, values: Mapping[str, float]) -
             f"text_values.csv: {name}: the quantity must end with {' or '.join(map(repr, _BOUNDS))}, "
             f"which says how {printed} bounds it"
         )
-    limit = Printed(printed).value
-
-    def holds(value: float) -> bool:
-        ratio = limit / value if word == "less than" else value / limit
-        return 1.0 < ratio <= LOOSEST
-
-    return Judged(
-        {route: holds(value) for route, value in values.items()},
-        f"Judged as a bound {_BOUNDS[word]}, at most half a decade from the value.",
-    )
+    limit, side = Printed(printed), _BOUNDS[word]
+    value = side * values.get(ROUTE, float("nan")) / limit.unit
+    units = side * limit.value / limit.unit
+    tight = (
+        value < units <= value + 1.5
+    )  # rounded, at most half a unit above the value, or one more
+    how = f'"{word}": the bound is the value rounded as it is printed, or one unit looser'
+    return _judged(tight, how)
 
 
 def change(
@@ -63,10 +61,9 @@ def change(
     errors, near : the largest error off and near resonance, by route.   Raises ValueError for an unknown word.
     """
     comparison = _known(name, printed, _CHANGES)
-    return Judged(
-        {route: comparison(error, near[route]) for route, error in errors.items()},
-        f'Judged by the word "{printed}": the error against that near resonance.',
-    )
+    missing = float("nan")
+    holds = comparison(errors.get(ROUTE, missing), near.get(ROUTE, missing))
+    return _judged(holds, f'"{printed}": the error against that near resonance')
 
 
 def truth(name: str, printed: str, facts: Mapping[str, bool]) -> Judged:
@@ -75,10 +72,13 @@ def truth(name: str, printed: str, facts: Mapping[str, bool]) -> Judged:
     facts : how it comes out, by route.   Raises ValueError for another word.
     """
     wanted = _known(name, printed, _TRUTHS)
-    return Judged(
-        {route: fact == wanted for route, fact in facts.items()},
-        f'Judged by the word "{printed}".',
-    )
+    return _judged(facts.get(ROUTE) is wanted, f'"{printed}"')
+
+
+def _judged(holds: bool, rule: str) -> Judged:
+    """With the route and the rule in words."""
+    outcome = "holds" if holds else "does not hold"
+    return Judged(holds, f"Judged {ROUTE_NAMES[ROUTE]}, by {rule}. It {outcome}.")
 
 
 def _known(name: str, printed: str, words: Mapping[str, Any]) -> Any:

@@ -10,7 +10,6 @@ import pandas as pd
 from ...project.case import Case
 from ...project.wording import in_markdown
 from ..claim_ids import PARTS, part_of
-from ..printed import Printed
 from ..verdicts import HOLDING, KINDS, ROUTE_NAMES, VERDICTS, counts
 from . import of_tables, of_text
 from .from_print import from_print
@@ -19,7 +18,12 @@ from .judging import Claim, explanation, verdict
 from .published import Published, read_texts
 
 STATED = ("id", "where", "quantity", "unit", "printed")  # columns that are fields of a claim
-COLUMNS = (*STATED, *ROUTE_NAMES, "verdict", "explanation", "kind")
+COLUMNS = (
+    *(*STATED, *ROUTE_NAMES, "verdict", "explanation", "kind"),
+    *("judged", "off_relative", "off_units"),
+)
+"""Those of claims.csv. judged : the route that judges.   off_… : how far it lies from a computed number as printed, of
+itself and in units of the last digit."""
 RECORD = ("id", "printed", "verdict")
 
 
@@ -48,7 +52,7 @@ def claims_table(
 
     published : `read_published(folder)`.   case : as configured.
     exact, as_published : feature and estimate tables of the two routes; the from-print route is computed here.
-    unrounded : features of the as-published simulation at ω1 before they were read, `Features.to_frame()`.
+    unrounded : the as-published simulation at ω1 before it was read, `ReadFeatures.to_frame()`.
 
     The numbers of the routes are text, written as the printed number is with four more digits; verdicts are judged on
     all digits. Raises ValueError when the printed ids and the claims do not match one to one, or the case is not the
@@ -64,10 +68,22 @@ def claims_table(
             "verdict": verdict(claim).name,
             "explanation": explanation(claim),
             "kind": claim.kind,
+            "judged": ROUTE_NAMES[claim.route],
+            **_off(claim),
         }
         for claim in claims(sources)
     ]
     return pd.DataFrame.from_records(records, columns=list(COLUMNS))
+
+
+def _off(claim: Claim) -> dict[str, str]:
+    """How far the judging route lies from print, as text: relative, and in units of the last digit."""
+    if claim.kind != "computed" or claim.route not in claim.routes:
+        return {"off_relative": "", "off_units": ""}
+    return {
+        "off_relative": f"{claim.off_relative:+.1e}",
+        "off_units": f"{claim.off():+.2f}",
+    }
 
 
 def claims_markdown(frame: pd.DataFrame) -> str:
@@ -77,8 +93,9 @@ def claims_markdown(frame: pd.DataFrame) -> str:
         lines += [
             f"## {PARTS[str(part)]}",
             "",
-            "| where | quantity | printed | exact | as published | from print | verdict | why | kind |",
-            "|---|---|--:|--:|--:|--:|---|---|---|",
+            "| where | quantity | printed | exact | as published | from print | verdict | why | kind | judged "
+            "| off, of itself | off, units |",
+            "|---|---|--:|--:|--:|--:|---|---|---|---|--:|--:|",
         ]
         for row in rows.to_dict("records"):
             unit = "" if row["unit"] in ("", "1") else f" ({row['unit']})"
@@ -96,7 +113,7 @@ WORSE = "printed numbers are worse off than on record"
 
 def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
     """What a person reads at the end of a run: computed numbers by verdict and part, with inputs and statements beside
-    them, then a line for each claim that is neither reproduced nor reconstructed, with the nearest value; the reasons
+    them, then a line for each claim that is neither reproduced nor reconstructed, with what is obtained; the reasons
     stand in the table of claims. Last, a line for each offence that `check` found, after WORSE."""
     counted = counts(frame)
     table = {
@@ -125,7 +142,7 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
                 "number": row["id"],
                 "printed": f"{row['printed']} {'' if row['unit'] == '1' else row['unit']}".strip(),
                 "verdict": row["verdict"],
-                "nearest": _nearest(row),
+                "obtained": _obtained(row),
             }
             for row in rest.to_dict("records")
         ]
@@ -136,14 +153,11 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _nearest(row: Mapping[Hashable, str]) -> str:
-    """The value of the route that comes closest to print, and which route that is; the first one for a printed word."""
-    printed = Printed(row["printed"])
-    routes = [route for route in ROUTE_NAMES if row[route]]
-    route = routes[0]
-    if printed.is_number:
-        route = min(routes, key=lambda name: abs(float(row[name]) - printed.value))
-    return f"{row[route]} {ROUTE_NAMES[route]}"
+def _obtained(row: Mapping[Hashable, str]) -> str:
+    """The value of the route that judges, and how many units it is off."""
+    column = next(name for name, words in ROUTE_NAMES.items() if words == row["judged"])
+    off = f", {row['off_units']} units" if row["off_units"] else ""
+    return f"{row[column] or 'nothing'} {row['judged']}{off}"
 
 
 def _aligned(frame: pd.DataFrame) -> str:
