@@ -30,8 +30,8 @@ STUDY_FACTS = {
     "level": "c_low c_high low high off_low off_high fourier",
     "contact_stiffness": "soft paper rigid off_soft off_rigid soft_t fourier fourier_c",
     "damping": "light_off light_common fourier fourier_c",
-    "read_out": "five six exact fourier_five fourier_six X_s_five X_s_six X_s_nine X_s_five_individual "
-    "X_s_nine_individual X_s_table_1 X_s_table_1_individual table_1_individual",
+    "read_out": "five six exact fourier_five fourier_six X_s_five X_s_six X_s_nine "
+    "X_s_table_1_individual X_s_nine_individual",
     "step_size": "euler_paper euler_coarse explicit_paper rk4_coarse",
     "noise": "all_covered all_low all_high all_c_covered all_c_low all_c_high fourier_low X_s_covered "
     + " ".join(
