@@ -150,7 +150,7 @@ def _numerics(book: Book, frequencies: list[str]) -> None:
     for end in ("min", "max"):
         pointer = f"/step_from_W/{end}"
         book.item(f"step_from_W.{end}", EVIDENCE, pointer, Style("fixed", 3), "µs")
-    book.item("cycles.count", EVIDENCE, "/cycles/count", WORD)
+    book.item("cycles.count", EVIDENCE, "/cycles/count", COUNT)
     book.item("cycles.spread", EVIDENCE, "/cycles/spread", PERCENT)
     book.item("t_s_mean", EVIDENCE, "/setting/t_s_mean_ms", Style("fixed", 2), "ms")
 
