@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from dampbalance.identification.outputs import OUTPUTS
-from folders import PUBLISHED
+from dampbalance.project.files import ROUTES
 from schemas import values
 
 NAMES_A_FILE = {
@@ -110,6 +110,23 @@ def test_a_file_that_is_named_and_missing_is_told_though_all_results_are_there(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"set": "other"}, "frame.set: other is no set of records; the configuration has set"),
+        ({}, "frame: loads_kg names 3 loads for 1 records; give one for each"),
+    ],
+)
+def test_a_frame_that_does_not_fit_its_set_is_told_before_anything_runs(named, change, expected):
+    frame = {"set": "set", "loads_kg": [1.0, 2.0, 3.0], "cycles_identified": 3} | change
+    status, said = dry_run(
+        named, CASE | {"measured": [CASE["measured"][0] | {"mass_kg": 1.0}], "frame": frame}
+    )
+    assert re.search(rf"named\.yaml: line \d: {re.escape(expected)}", said)
+    assert (status, "Traceback" in said) == (1, False)
+
+
+@pytest.mark.slow
 def test_a_missing_file_of_channels_is_told_with_its_mapping(named):
     base = named.folder / "data/base.csv"
     aside = base.rename(named.folder / "aside.csv")
@@ -137,11 +154,24 @@ def test_a_file_that_is_named_and_changes_is_read_again(named, name):
 
 @pytest.mark.slow
 def test_the_printed_numbers_are_all_read_and_none_may_be_missing(named):
-    (named.folder / "named.yaml").write_text("{}", encoding="utf-8")
-    status, said = dry_run(named, {}, "results/paper/summary.txt")
-    assert status == 0
-    for file in PUBLISHED.glob("*.csv"):
-        assert f"paper/published/{file.name}" in said
+    of = ("omega1", "omega2", "omega3")
+    kinds = [f"{kind}/{route}" for kind in ("features", "estimates") for route in ROUTES]
+    tables = [f"{kind}/{hz}.csv" for kind in kinds for hz in of]
+    read = [*tables, "features/as_published/unrounded/omega1.csv"]
+    for name in (*read, "claims.csv", "claims.md", "summary.txt"):
+        (named.folder / "results/paper" / name).parent.mkdir(parents=True, exist_ok=True)
+        (named.folder / "results/paper" / name).touch()
+    now, printed = time.time(), (named.folder / "paper/published").glob("*.csv")
+    verdicts, *others = sorted(printed, key=lambda file: file.name != "verdicts.csv")
+    for changed in ([verdicts], others):
+        for file in changed:
+            os.utime(file, (now + 60.0, now + 60.0))
+        status, said = dry_run(named, {}, "results/paper/summary.txt")
+        assert status == 0
+        read = set(re.findall(r"paper/published/\S+\.csv", said))
+        assert read == {f"paper/published/{file.name}" for file in changed}
+        for file in changed:
+            os.utime(file, (now - 60.0, now - 60.0))
     (named.folder / "paper/published/table2_pairs.csv").unlink()
     for folder, expected in (
         ("paper/printed", "published: paper/printed is not a folder with printed numbers"),

@@ -12,6 +12,7 @@ for one in MEASURED.values():
     if one.get("mapping"):
         one["mapping"] = named_file(one["mapping"])
 MEASURED_FILES = f"{RESULTS}/measured"
+FROM = "from the folder of the run or of the project on"
 
 
 def refuse_of(name, *key, text):
@@ -34,7 +35,7 @@ def record_files(name):
         for folder in filter(os.path.isdir, files):
             refuse_of(name, "records", i, text=f"{folder} is a folder: name its files, {folder}/*")
         if not files:
-            text = f"no file {pattern}: name files, or a pattern, from the folder of the run or of the project on"
+            text = f"no file {pattern}: name files, or a pattern, {FROM}"
             refuse_of(name, "records", i, text=text)
         found.extend(file for file in files if file not in found)
     return found
@@ -52,8 +53,7 @@ def require_files(name):
     """Refuse a set that names a file which is not there: Snakemake misses none as long as the results are there."""
     given = MEASURED[name].get("mapping")
     if given and not Path(given).exists():
-        text = f"no file or folder {given}: name one, from the folder of the run or of the project on"
-        refuse_of(name, "mapping", text=text)
+        refuse_of(name, "mapping", text=f"no file or folder {given}: name one, {FROM}")
     for file in map(Path, record_files(name)):
         if given and mapping_file(file, given) is None:
             text = f"the folder {given} has no mapping of {file.name}: add {file.stem}.yaml"
@@ -61,14 +61,15 @@ def require_files(name):
         rules = mapping_for(file, given)
         for quantity, rule in rules.channels.items():
             if rule.file is not None and not (file.parent / rule.file).is_file():
-                text = f"no file {file.parent / rule.file}: name one, from the folder of the record on"
+                text = f"no file {file.parent / rule.file}: name one, from the record's folder on"
                 refuse(("channels", quantity, "file"), text, [rules.source])
 
 
 if MEASURED and workflow.is_main_process:
     try:
         if len({name.casefold() for name in MEASURED}) < len(config["measured"]):
-            refuse(("measured",), "two sets have the same name, capital or small; rename one", CONFIG_FILES)
+            text = "two sets have the same name, capital or small; rename one"
+            refuse(("measured",), text, CONFIG_FILES)
         for name, one in MEASURED.items():
             require_files(name)
             try:
