@@ -5,21 +5,43 @@ PYTHON ?= python3
 CORES ?= all
 # A configuration that overrides config/config.yaml: make CONFIG=config/measured.yaml
 CONFIG ?=
+WITH ?=
 VENV := .venv
 # As in an activated environment: what is started from here finds the same Python.
-RUN := PATH="$(CURDIR)/$(VENV)/bin:$$PATH" python -m
+RUN := PATH="$$HERE/$(VENV)/bin:$$PATH" python -m
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 # What `make archive` packs; of another case it is dampbalance-<version>-<case>.tar.gz.
 ARCHIVE ?= results/archive/dampbalance-$(VERSION).tar.gz
-SNAKEMAKE := PATH="$(CURDIR)/$(VENV)/bin:$$PATH" exec python workflow/run.py --cores $(CORES) $(addprefix --configfile=,$(CONFIG))
+SNAKEMAKE := PATH="$$HERE/$(VENV)/bin:$$PATH" exec python workflow/run.py --cores $(CORES) $${CONFIG:+"--configfile=$$CONFIG"}
 PIP_INSTALL := $(RUN) pip install --disable-pip-version-check --no-compile
+
+# Paths may hold blanks and any other character: recipes take them from the environment, as neither make nor the shell expands
+# what stands there. A colon ends a folder of PATH, and what pip installs takes the others for the shell's own.
+BARRED := : $$ \ " `
+ifneq ($(strip $(foreach mark,$(BARRED),$(findstring $(mark),$(CURDIR)))),)
+$(error $(CURDIR): in a folder with one of $(BARRED) in its path no Python environment works: move the project to another one)
+endif
+override CONFIG := $(value CONFIG)
+override WITH := $(value WITH)
+override PYTHON := $(value PYTHON)
+override ARCHIVE := $(subst $$(VERSION),$(VERSION),$(value ARCHIVE))
+export CONFIG WITH PYTHON ARCHIVE
+export HERE := $(CURDIR)
+
+# Snakemake and others keep files in the home folder. Where it cannot be written, as in many containers, one here serves.
+ifneq ($(shell { cd "$${HOME:?}" && cache="$${XDG_CACHE_HOME:-.cache}" && mkdir -p "$$cache" && test -w "$$cache" && echo yes; } 2>&1),yes)
+export HOME := $(CURDIR)/.snakemake/home
+export PIP_NO_CACHE_DIR = 1
+unexport XDG_CACHE_HOME
+$(shell mkdir -p .snakemake/home)
+endif
 
 # Two marks: the locked packages are in; the package itself is in. A virtual environment holds absolute
 # paths, so the first mark says where it was made: a copied or moved one is set up again.
 LOCKED := $(VENV)/locked
 READY := $(VENV)/ready
 BENCH := .venv-bench
-BENCH_RUN := PATH="$(CURDIR)/$(BENCH)/bin:$$PATH" python -m
+BENCH_RUN := PATH="$$HERE/$(BENCH)/bin:$$PATH" python -m
 ifneq ($(shell test -x $(VENV)/bin/python && cat $(LOCKED) 2>/dev/null),$(CURDIR))
 STALE := stale
 endif
@@ -68,15 +90,16 @@ wheels: setup ## Fetch the locked packages for this Python and system, to be kep
 
 # With the packages of `make wheels` it needs no network: PIP_NO_INDEX=1 PIP_FIND_LINKS=$PWD/results/archive/wheels make verify
 verify: archive ## Unpack the archive elsewhere, build everything anew there from it alone, and compare (choose with ARCHIVE=…)
-	@top=$$(mktemp -d) && trap 'rm -rf "$$top"' EXIT && tar -xzf "$(ARCHIVE)" -C "$$top" && cd "$$top"/dampbalance-* \
+	@top=$$(mktemp -d) && trap 'rm -rf "$$top"' EXIT && $(RUN) dampbalance.publishing.provenance.archive "$$ARCHIVE" "$$top" \
+	    && cd "$$top"/dampbalance-* \
 	    && make --no-print-directory setup clean all \
 	    && { sha256sum --check --quiet SHA256SUMS >"$$top/different" 2>/dev/null || true; } \
 	    && ! grep -v '/manifest.json: FAILED$$' "$$top/different" \
 	    && echo "$$(wc -l <SHA256SUMS) files of the archive, and its results rebuilt: the same bytes, except the manifest."
 
 compare: setup ## List what differs between the results here and those of another build (say which: WITH=../other/results)
-	@test -n "$(WITH)" || { echo "error: Name the other folder: make compare WITH=../other/results" >&2; exit 1; }
-	@cd tests && $(RUN) same_results ../results "$(abspath $(WITH))"
+	@test -n "$$WITH" || { echo "error: Name the other folder: make compare WITH=../other/results" >&2; exit 1; }
+	@PYTHONPATH=tests $(RUN) same_results results "$$WITH"
 
 bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and scipy (choose with BENCH_ARGS="peers")
 	@cd tests && $(BENCH_RUN) benchmarks --output ../results/benchmarks $(BENCH_ARGS)
@@ -124,25 +147,26 @@ $(READY): $(LOCKED) pyproject.toml
 	@touch $(READY)
 
 $(LOCKED): requirements.lock requirements-build.lock $(STALE)
-	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
-	    echo "error: Python 3.11 or newer is needed, and $(PYTHON) is $$("$(PYTHON)" --version 2>&1 || true)."; \
+	@"$$PYTHON" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
+	    echo "error: Python 3.11 or newer is needed, and $$PYTHON is $$("$$PYTHON" --version 2>&1 || true)."; \
 	    echo "       Name another one: make PYTHON=python3.12"; exit 1; } >&2
-	@"$(PYTHON)" -c 'import ensurepip, venv' 2>/dev/null || { \
-	    echo "error: $(PYTHON) lacks the venv module."; \
+	@"$$PYTHON" -c 'import ensurepip, venv' 2>/dev/null || { \
+	    echo "error: $$PYTHON lacks the venv module."; \
 	    echo "       On Debian or Ubuntu install the package python3-venv, then run make again."; exit 1; } >&2
 	@echo "Setting up $(VENV) from requirements.lock; this takes about a minute."
 	@rm -f $(LOCKED)
-	@"$(PYTHON)" -m venv --clear $(VENV)
+	@"$$PYTHON" -m venv --clear $(VENV)
 	@$(PIP_INSTALL) --quiet --require-hashes --requirement requirements-build.lock
 	@$(PIP_INSTALL) --no-build-isolation --require-hashes --requirement requirements.lock
-	@printf '%s' "$(CURDIR)" > $(LOCKED)
+	@printf '%s' "$$HERE" > $(LOCKED)
 
 # The peers are not in the lock: an environment of their own, which sees the packages of the first one.
-SITE := -c 'import sysconfig; print(sysconfig.get_path("purelib"))'
+SITE := import sysconfig; site = sysconfig.get_path("purelib")
 $(BENCH)/ready: $(READY)
 	@echo "Setting up $(BENCH) with the group bench."
 	@rm -rf $(BENCH)
 	@$(VENV)/bin/python -m venv --without-pip $(BENCH)
-	@echo "import site; site.addsitedir('$$($(VENV)/bin/python $(SITE))')" > "$$($(BENCH)/bin/python $(SITE))/locked.pth"
+	@$(VENV)/bin/python -c '$(SITE); print(f"import site; site.addsitedir({site!r})")' \
+	    > "$$($(BENCH)/bin/python -c '$(SITE); print(site)')/locked.pth"
 	@$(RUN) pip --python $(BENCH)/bin/python install --disable-pip-version-check --no-compile --quiet --group bench
 	@touch $@

@@ -65,6 +65,9 @@ onsuccess:
 
 
 onerror:
+    # Of a job that was killed. No other job of this run is alive, and no other run may write there.
+    for folder in (RESULTS, STUDY_RESULTS):
+        remove_unfinished(placed(folder))
     said = "".join(Path(file).read_text(encoding="utf-8") for file in log)
     if "SIGKILL" in said or "exit status 137" in said:
         print(

@@ -47,9 +47,7 @@ def results(folder: Path) -> PageContent:
             "statistics": tables.statistics(estimates, printed),
         }
         made[name] = {
-            table: _through(
-                folder / f"{table}_{name}.csv", frame, dtype={"printed": str, "verdict": str}
-            )
+            table: _through(folder / f"{table}_{name}.csv", frame)
             for table, frame in of_frequency.items()
         }
     features = {n: Features.from_frame(f) for n, f in routes["exact"].features.items()}
@@ -105,7 +103,7 @@ def page_of(made: PageContent) -> str:
     return report_page(made, PAGE)
 
 
-def _through(file: Path, frame: pd.DataFrame, **options: object) -> pd.DataFrame:
+def _through(file: Path, frame: pd.DataFrame, dtype: object = None) -> pd.DataFrame:
     """The frame as it comes back from its file."""
     write_csv(file, frame)
-    return read_csv(file, **options)
+    return read_csv(file, dtype)

@@ -20,6 +20,7 @@ import yaml
 from dampbalance.balance import APPROACHES
 from dampbalance.project.case import Case, check
 from dampbalance.project.documents import ConfigurationError
+from dampbalance.project.files import read_csv
 from dampbalance.replication.feasibility import RANGES, check_feasible
 from folders import ROOT
 from workflow.jobs import case_jobs
@@ -206,6 +207,21 @@ def test_one_thing_far_out(tmp_path, seed):
 @pytest.mark.parametrize("seed", range(24))
 def test_a_system_anywhere(tmp_path, seed):
     outcome(at_the_border(random.Random(seed)), tmp_path)
+
+
+def test_frequencies_may_be_called_like_numbers_and_like_no_value(tmp_path):
+    names = ["1", "01", "1e3", "nan", "NA", "null", "None", "true", "two_point"]
+    config = base() | {"case": "nan"}
+    drives = [{"name": name, "hz": 3.0 + i} for i, name in enumerate(names)]
+    config["excitation"]["frequencies"] = drives
+    check(config, SCHEMA, [FILE], APPROACHES)
+    case_jobs(config, tmp_path, shown=True)
+    table = read_csv(tmp_path / "tables/approaches.csv")
+    assert list(dict.fromkeys(table["frequency"])) == names
+    for name in names[1:]:
+        assert (tmp_path / f"tables/table1_{name}.csv").is_file()
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert all(f"{3.0 + i:g} Hz" in page for i in range(len(names)))
 
 
 def test_the_draws_are_of_both_kinds(tmp_path):

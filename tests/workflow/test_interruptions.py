@@ -130,9 +130,13 @@ def test_ctrl_c_leaves_no_process_and_no_lock(copy):
 def test_a_job_killed_for_want_of_memory_is_told(copy):
     with started(copy, *RUN, "records") as run:
         wait_for(lambda: jobs_in(copy))[0].kill()
+        half_written = copy.folder / "results/small/records/.~above-abcdefgh.parquet"
+        half_written.parent.mkdir(parents=True, exist_ok=True)
+        half_written.touch()
         said, _ = run.communicate(timeout=PATIENCE)
     assert run.returncode != 0
     assert "A job was killed, as a rule because memory ran out: use fewer cores" in said
+    assert not half_written.exists()
     assert said.splitlines()[-1].endswith("the same command goes on from there.")
 
 

@@ -185,6 +185,18 @@ def test_a_study_that_is_not_there_is_named(studied):
     assert "config/studies/frequenzy.yaml: there is no such study" in done.stderr + done.stdout
 
 
+def test_a_study_whose_name_snakemake_cannot_take_is_told(studied):
+    path = studied.folder / f"config/studies/{'a' * 60}.yaml"
+    try:
+        write(studied, path.stem, GOOD)
+        done = studied.run("--dry-run", target(path.stem))
+    finally:
+        path.unlink()
+    assert done.returncode != 0
+    assert "with nothing 20 times in a row at its end; rename the file" in done.stderr + done.stdout
+    assert "PeriodicWildcardError" not in done.stderr + done.stdout
+
+
 def test_the_site_shows_them_and_is_made_again_when_a_text_changes(studied):
     shutil.copy2(ROOT / "tests/workflow/small.yaml", studied.folder)
     own = ("--configfile", "small.yaml")  # of the paper's case, the site would need all results

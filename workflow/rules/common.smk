@@ -4,6 +4,8 @@
 # two differ under `snakemake --directory`, and when another workflow uses this one as a module (config/README.md).
 import copy
 import os
+import shlex
+import sys
 from pathlib import Path
 
 from snakemake.common.configfile import load_configfile
@@ -15,12 +17,16 @@ try:
     from dampbalance.project.case import Case, check, excerpt
     from dampbalance.project.documents import ConfigurationError
     from dampbalance.project.dependencies import package_modules
-    from dampbalance.project.files import ROUTES
+    from dampbalance.project.files import ROUTES, remove_unfinished
     from dampbalance.replication.feasibility import check_feasible
 except ImportError as error:
     raise WorkflowError(
         f"{error}: the environment lacks a package of this project. Run 'make', or activate .venv ('. .venv/bin/activate')."
     ) from None
+
+# Snakemake starts scripts by a line for the shell, which the path of its Python enters as it is: with a blank in it, in two words.
+if Path(sys.executable).exists():
+    sys.executable = shlex.quote(sys.executable)
 
 IS_MODULE = not workflow.modifier.is_main_snakefile()
 if workflow.modifier.path_modifier.modifies_prefixes:

@@ -14,10 +14,23 @@ if config.get("frame"):
         "load": f"{RESULTS}/load.svg",
         "load_png": f"{RESULTS}/load.png",
     }
-    if FRAME["set"] not in MEASURED:
-        raise WorkflowError(
-            f"frame, set: {FRAME['set']!r} is no set of records; the configuration has {', '.join(MEASURED) or 'none'}"
-        )
+    if workflow.is_main_process:
+        from dampbalance.replication.frame.findings import require
+
+        try:
+            if FRAME["set"] not in MEASURED:
+                sets = ", ".join(MEASURED) or "none"
+                refuse(
+                    ("frame", "set"),
+                    f"{FRAME['set']} is no set of records; the configuration has {sets}",
+                    CONFIG_FILES,
+                )
+            try:
+                require(MEASURED[FRAME["set"]], FRAME, len(record_files(FRAME["set"])))
+            except ValueError as error:
+                refuse(("frame",), str(error).removeprefix("frame: "), CONFIG_FILES)
+        except ConfigurationError as error:
+            raise WorkflowError(str(error)) from None
 
     rule frame:
         input:

@@ -37,9 +37,10 @@ def study_plan(name):
     from dampbalance.studies.checking import read_study
 
     file = Path(study_file(name))
-    if not re.fullmatch("[A-Za-z0-9][A-Za-z0-9_-]{0,59}", name):
+    if not re.fullmatch(r"(?!.*(.{1,3})\1{19}$)[A-Za-z0-9][A-Za-z0-9_-]{0,59}", name):
         raise WorkflowError(
-            f"{file}: the name of a study is letters, digits, '-' and '_', 60 at most; rename the file"
+            f"{file}: the name of a study is letters, digits, '-' and '_', 60 at most, with nothing 20 times in a row at its "
+            "end; rename the file"
         )
     if not file.exists():
         known = ", ".join(STUDIES)

@@ -168,10 +168,11 @@ def _contradictions(config: Mapping[str, Any]) -> Iterable[Problem]:
 
     names = [frequency["name"] for frequency in config["excitation"]["frequencies"]]
     for i, name in enumerate(names):
-        if name in names[:i]:
+        # some file systems take capital and small letters for the same
+        if name.casefold() in map(str.casefold, names[:i]):
             yield (
                 ("excitation", "frequencies", i, "name"),
-                f"{name} stands twice; give each its own",
+                f"{name} stands twice, capital or small; give each its own",
             )
     for name in ("tabulated", "two_point"):
         rules = config["as_published"][name]

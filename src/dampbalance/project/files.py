@@ -104,11 +104,19 @@ def write_rows(path: str | Path, rows: Sequence[Mapping[str, object]]) -> None:
     write_text(path, out.getvalue())
 
 
-def read_csv(path: str | Path, **options: Any) -> pd.DataFrame:
-    """Read a table that `write_csv` wrote: floats come back as they were written, empty text stays text."""
+NAMES = ("frequency", "printed", "verdict")
+"""Columns that hold names or printed digits, which may look like a number, or like no value (01, 1e3, nan)."""
+
+
+def read_csv(path: str | Path, dtype: Any = None) -> pd.DataFrame:
+    """Read a table that `write_csv` wrote: floats come back as they were written, NAMES and empty text as text.
+
+    dtype : str for a table of nothing but text.
+    """
     import pandas as pd  # slow to import, and needed for tables only
 
-    frame: pd.DataFrame = pd.read_csv(path, **options)
+    kinds = dtype or dict.fromkeys(NAMES, str)
+    frame: pd.DataFrame = pd.read_csv(path, dtype=kinds, keep_default_na=False, na_values=[""])
     text = frame.select_dtypes(exclude="number").columns
     return frame.fillna(dict.fromkeys(text, ""))
 

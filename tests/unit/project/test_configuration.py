@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+import re
 
 import pytest
 import yaml
@@ -13,6 +14,7 @@ from dampbalance.model import Oscillator
 from dampbalance.project.case import NOT_GIVEN, Case, check, excerpt
 from dampbalance.project.documents import ConfigurationError
 from folders import ROOT
+from schemas import values
 
 FILE = ROOT / "config/config.yaml"
 SCHEMA = ROOT / "workflow/schemas/config.schema.yaml"
@@ -68,6 +70,9 @@ def test_the_shipped_configuration_passes(config):
             ["frequencies[1].name", "a/b", "letters"],
         ),
         (("excitation", "frequencies", 0, "name"), "omega2", ["frequencies[2].name", "twice"]),
+        (("excitation", "frequencies", 0, "name"), "OMEGA2", ["frequencies[2].name", "twice"]),
+        (("excitation", "frequencies", 0, "name"), "a" * 60, ["frequencies[1].name", "in a row"]),
+        (("excitation", "frequencies", 0, "name"), "x" + "-a1" * 20, ["frequencies[1].name"]),
         (("as_published", "tabulated", "X_s_mark_m"), 1e-6, ["X_s_mark_m", "X_s_decimals"]),
         (("estimation", "pairs"), [[1, 6]], ["estimation.pairs[1]", "no level 6", "has 5"]),
         (("estimation", "pairs"), [[2, 2]], ["estimation.pairs[1]", "[2, 2]", "Two positions"]),
@@ -133,6 +138,39 @@ def test_every_key_is_described():
             assert node["additionalProperties"] is False, f"{name} would take unknown keys"
 
     walk(schema, "top level")
+
+
+# Beside these, what a study sets and draws is bounded in `studies.parameters`, and positions by what there is.
+UNBOUNDED = r"""study: (base|axes|read_out|facts\..*\.(around|at|between)|figure\.marks|estimation\.fits|levels).*
+study: route\.(step_s|steps_per_cycle|sampling_hz|noise)
+config: (estimation\.pairs|measured\[\]\.groups).*
+mapping: level"""
+
+
+def test_every_number_has_bounds():
+    """1e300 is finite, and no factorisation survives it: each key says how far numbers may go."""
+    for key, node in values({"number", "integer"}):
+        bounded = {"minimum", "exclusiveMinimum"} & node.keys() and "maximum" in node
+        assert bounded or any(re.fullmatch(one, key) for one in UNBOUNDED.split("\n")), key
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("stiffness_N_per_m", 1e300),
+        ("stiffness_N_per_m", 1e-300),
+        ("mass_kg", 1e300),
+        ("frequency_hz", 1e-300),
+        ("skip_cycles", 2**62),
+        ("given", {"c": 1e300}),
+        ("seed", -1),
+    ],
+)
+def test_a_number_far_out_in_a_set_is_named(config, key, value):
+    one = {"name": "set", "records": ["a.csv"], "stiffness_N_per_m": 1.0, key: value}
+    (line,) = problem(config | {"measured": [one]}).splitlines()
+    assert f"measured[1].{key}" in line
+    assert "is not allowed" in line
 
 
 def test_the_case_is_in_si_units_and_the_packages_types(config):

@@ -58,6 +58,18 @@ def test_a_csv_keeps_fifteen_digits_and_missing_values(tmp_path):
     assert (tmp_path / "t.csv").read_bytes().splitlines()[1] == b"0.333333333333333,1,x"
 
 
+def test_names_stay_text_whatever_they_look_like(tmp_path):
+    names = ["1", "01", "1e3", "nan", "NA", "null", "None", "true", "inf", "-", "1_000"]
+    frame = pd.DataFrame({"frequency": names, "printed": names[::-1], "x": [*range(10), math.nan]})
+    write_csv(tmp_path / "t.csv", frame)
+    back = read_csv(tmp_path / "t.csv")
+    assert list(back["frequency"]) == names
+    assert list(back["printed"]) == names[::-1]
+    assert list(back["x"][:-1]) == list(range(10))
+    assert math.isnan(back["x"][10])
+    assert list(read_csv(tmp_path / "t.csv", str)["x"])[8:] == ["8.0", "9.0", ""]
+
+
 def test_fewer_digits_hide_what_a_processor_changes(tmp_path):
     # The furthest that read-outs and statistics were seen to move; away from a tie, where any difference decides.
     for digits, moved in ((READ_OUT_DIGITS, 5e-14), (STATISTICAL_DIGITS, 3e-7)):

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import json
+import os
+import re
 import shutil
 import tarfile
 from importlib import metadata
@@ -165,3 +168,60 @@ def test_large_results_stay_out_and_are_named(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match="source changed while it was packed"):
         archive.pack("other.tar.gz", *given, rebuild="make")
     assert not (tmp_path / "other.tar.gz").exists()
+
+
+def packed(path, *entries):
+    """An archive of entries: a name, with the kind of tarfile and what it links to where it is no file."""
+    with tarfile.open(path, "w:gz") as tar:
+        for name, *of in entries:
+            entry = tarfile.TarInfo(name)
+            entry.type, entry.linkname = (*of, "")[:2] if of else (tarfile.REGTYPE, "")
+            entry.size, entry.mode = (4, 0o6755) if entry.isfile() else (0, 0o755)
+            tar.addfile(entry, io.BytesIO(b"text"))
+    return path
+
+
+def test_an_archive_is_unpacked_as_it_was_packed(tmp_path):
+    entries = [
+        ("dampbalance-1", tarfile.DIRTYPE),
+        ("dampbalance-1/a b/c..d",),
+        ("dampbalance-1/e",),
+    ]
+    archive.unpack(packed(tmp_path / "a.tar.gz", *entries), tmp_path / "new")
+    files = [file for file in (tmp_path / "new").rglob("*") if file.is_file()]
+    top = tmp_path / "new/dampbalance-1"
+    assert set(files) == {top / "a b/c..d", top / "e"}
+    assert {(file.read_text(), file.stat().st_mode & 0o7777) for file in files} == {("text", 0o755)}
+
+
+@pytest.mark.parametrize(
+    ("entry", "expected"),
+    [
+        (("../x",), "'../x' leads out of the folder"),
+        (("dampbalance-1/a/../../../x",), "leads out of the folder"),
+        (("/tmp/x",), "leads out of the folder"),
+        (("dampbalance-1\\..\\x",), "leads out of the folder"),
+        (("dampbalance-1/x", tarfile.SYMTYPE, "../.."), "is a link or a device"),
+        (("dampbalance-1/x", tarfile.LNKTYPE, "dampbalance-1/a"), "is a link or a device"),
+        (("dampbalance-1/x", tarfile.CHRTYPE), "is a link or a device"),
+        (("dampbalance-1/x", tarfile.FIFOTYPE), "is a link or a device"),
+        (("other/x",), "does not hold one folder dampbalance-…"),
+        (("dampbalance-2/x",), "does not hold one folder dampbalance-…"),
+    ],
+)
+def test_an_archive_that_leads_elsewhere_is_refused_before_anything_is_written(
+    tmp_path, entry, expected
+):
+    file = packed(tmp_path / "a.tar.gz", ("dampbalance-1/a",), entry)
+    with pytest.raises(ValueError, match=re.escape(expected)) as caught:
+        archive.unpack(file, tmp_path / "new")
+    assert str(caught.value).startswith(f"{file}: ")
+    assert os.listdir(tmp_path) == ["a.tar.gz"]
+
+
+@pytest.mark.parametrize("keep", [0, 10, 60])
+def test_an_archive_that_is_cut_off_is_refused(tmp_path, keep):
+    file = packed(tmp_path / "a.tar.gz", ("dampbalance-1/a",))
+    file.write_bytes(file.read_bytes()[:keep])
+    with pytest.raises(ValueError, match="cannot be read as an archive"):
+        archive.unpack(file, tmp_path / "new")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from string import ascii_lowercase
 
 import numpy as np
 import pytest
@@ -11,9 +13,10 @@ from scipy import stats
 from dampbalance.reading.conditioning import condition
 from dampbalance.reading.noisy import Reading
 from dampbalance.records.measurement import Channel, Measurement
-from dampbalance.replication.frame.findings import findings
+from dampbalance.replication.frame.findings import Findings, Foretold, findings
 from dampbalance.replication.frame.line import GRAVITY, load_line
 from dampbalance.replication.frame.loops import Loop, friction_loop, shape
+from dampbalance.replication.frame.pictures import loops as drawn_loops
 from dampbalance.replication.frame.prediction import Mass, predicted
 from unit.reading.stopping import Steady, Stopping, steady
 
@@ -137,3 +140,22 @@ def test_what_does_not_fit_is_refused():
         findings(["a", "b", "c"], measured, frame, {})
     with pytest.raises(ValueError, match="loads_kg names 3 loads for 2 records"):
         findings(["a", "b"], measured | {"mass_kg": 3.0}, frame, {})
+    with pytest.raises(ValueError, match="needs the approach direct"):
+        findings(["a"] * 3, measured | {"mass_kg": 3.0, "approaches": ["fourier"]}, frame, {})
+
+
+@pytest.mark.parametrize("loads", [3, 4, 5, 12])
+def test_every_load_has_its_panels_with_letters_of_their_own(loads):
+    t = np.linspace(0.0, 1.0, 9)
+    loop = Loop(1.0, t, t, t, 0.0)
+    rows = [{"record": f"{i} g", "F_k_N": 1.0} for i in range(loads)]
+    cycles = Foretold(t, t, t, t)
+    figure = drawn_loops(Findings({"loads": rows}, (loop,) * loads, (cycles,) * loads))
+    upper, lower = figure.axes[::2], figure.axes[1::2]
+    letters = [axes.texts[0].get_text() for axes in (*upper, *lower)]
+    assert letters == [f"({letter})" for letter in ascii_lowercase[: 2 * loads]]
+    assert [axes.get_title() for axes in upper] == [row["record"] for row in rows]
+    boxes = [axes.get_position() for axes in figure.axes]
+    assert all(0.0 < box.x0 < box.x1 < 1.0 and 0.0 < box.y0 < box.y1 < 1.0 for box in boxes)
+    for one, other in itertools.combinations(boxes, 2):
+        assert one.x1 < other.x0 or other.x1 < one.x0 or one.y1 < other.y0 or other.y1 < one.y0

@@ -19,11 +19,7 @@ def read_tables(folder, case):
     """frequency → name → table."""
     return {
         frequency: {
-            name: read_csv(
-                f"{folder}/tables/{name}{case.suffix(frequency)}.csv",
-                dtype={"printed": str, "verdict": str},
-            )
-            for name in TABLES
+            name: read_csv(f"{folder}/tables/{name}{case.suffix(frequency)}.csv") for name in TABLES
         }
         for frequency in case.frequencies_hz
     }

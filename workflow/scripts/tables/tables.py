@@ -42,7 +42,7 @@ if __name__ == "__main__":
     features, estimates = (
         read_routes(folder, kind, case.frequencies_hz) for kind in ("features", "estimates")
     )
-    printed = read_csv(claims, dtype={"printed": str}) if claims else None
+    printed = read_csv(claims) if claims else None
     for frequency, hz in case.frequencies_hz.items():
         for name, table in at_frequency(features, estimates, frequency, printed).items():
             path = f"{folder}/tables/{name}{case.suffix(frequency)}"

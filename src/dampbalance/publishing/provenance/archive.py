@@ -12,9 +12,11 @@ import hashlib
 import io
 import json
 import os
+import sys
 import tarfile
+import zlib
 from collections.abc import Iterable, Mapping
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ...project.files import replacing, sha256
@@ -139,6 +141,46 @@ def pack(
             tar.addfile(_entry(f"{name}/{file}", len(data), executable), io.BytesIO(data))
 
 
+def unpack(path: str | Path, folder: str | Path) -> None:
+    """Unpack an archive into a folder. Nothing is written unless all of it is files in one folder dampbalance-….
+
+    Raises ValueError naming the archive, and the entry that `pack` would not have written.
+    """
+    try:
+        with tarfile.open(path, "r:gz") as tar:
+            entries = tar.getmembers()
+            tops = {PurePosixPath(entry.name).parts[:1] for entry in entries}
+            for entry in entries:
+                if problem := _misplaced(entry):
+                    raise ValueError(
+                        f"{path}: {entry.name!r} {problem}: nothing was unpacked; name an archive of `make archive`"
+                    )
+            if len(tops) != 1 or not "".join(*tops).startswith("dampbalance-"):
+                raise ValueError(
+                    f"{path}: does not hold one folder dampbalance-…; name an archive of `make archive`"
+                )
+            for entry in entries:
+                target = Path(folder, entry.name)
+                if data := tar.extractfile(entry):
+                    target.parent.mkdir(parents=True, exist_ok=True)
+                    target.write_bytes(data.read())
+                    target.chmod(0o755 if entry.mode & 0o100 else 0o644)
+    except (tarfile.TarError, EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise ValueError(
+            f"{path}: cannot be read as an archive ({error}); fetch or make it again"
+        ) from None
+
+
+def _misplaced(entry: tarfile.TarInfo) -> str:
+    """Why an entry of an archive must not be unpacked; "" if it may."""
+    if not (entry.isfile() or entry.isdir()):
+        return "is a link or a device"
+    name = PurePosixPath(entry.name)
+    if name.is_absolute() or ".." in name.parts or "\\" in entry.name:
+        return "leads out of the folder"
+    return ""
+
+
 def readme(
     name: str, manifest: Mapping[str, Any], left_out: set[str], manifest_file: str, rebuild: str
 ) -> str:
@@ -187,3 +229,10 @@ def _digest(data: bytes) -> str:
 
 def _json(data: Any) -> bytes:
     return (json.dumps(data, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+if __name__ == "__main__":  # python -m … ARCHIVE FOLDER: `make verify`
+    try:
+        unpack(*sys.argv[1:])
+    except (ValueError, OSError) as error:
+        sys.exit(f"error: {error}")

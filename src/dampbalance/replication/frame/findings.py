@@ -59,15 +59,9 @@ def findings(
 
     Raises ValueError where the section does not fit the records.
     """
-    k, m = measured["stiffness_N_per_m"], measured.get("mass_kg")
-    if m is None:
-        raise ValueError("frame: needs the mass of the records; give mass_kg for their set")
+    require(measured, frame, len(files))
+    k, m, loads = measured["stiffness_N_per_m"], measured["mass_kg"], frame["loads_kg"]
     law = law_of(measured.get("terms"), measured.get("given"), measured.get("groups"))
-    loads = frame["loads_kg"]
-    if len(loads) != len(files):
-        raise ValueError(
-            f"frame: loads_kg names {len(loads)} loads for {len(files)} records; give one for each"
-        )
     records = [load(one, k) for one in read_records(files, mapping=measured.get("mapping"))]
     readings = [Reading(one.reading.steady, joint=True) for one in records]
     forces = [_force(identified, law, i) for i in range(len(files))]
@@ -100,6 +94,18 @@ def findings(
         "cycles_identified": frame["cycles_identified"],
     }
     return Findings(document, tuple(loops), tuple(foretold))
+
+
+def require(measured: Mapping[str, Any], frame: Mapping[str, Any], records: int) -> None:
+    """ValueError where the section `frame` does not fit its set of so many records."""
+    if measured.get("mass_kg") is None:
+        raise ValueError("frame: needs the mass of the records; give mass_kg for their set")
+    if YARDSTICK not in (measured.get("approaches") or APPROACHES):
+        raise ValueError(f"frame: needs the approach {YARDSTICK}; add it to those of its set")
+    if (loads := len(frame["loads_kg"])) != records:
+        raise ValueError(
+            f"frame: loads_kg names {loads} loads for {records} records; give one for each"
+        )
 
 
 def _force(identified: Mapping[str, Any], law: Law, i: int) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from string import ascii_lowercase
 from typing import Any
 
 import numpy as np
@@ -26,29 +27,35 @@ from .findings import Findings, Foretold
 from .loops import Loop
 
 _WIDE, _HIGH, _LEFT, _STEP = 33.5, 34.0, 13.5, 43.5  # mm
+_LEGEND, _UPPER, _LOWER, _BLOCK, _BESIDE = 8.0, 54.0, 6.0, 96.0, 4  # mm; loads beside each other
 
 ALTERNATIVE_TEXTS = {
-    "loops": "friction force against displacement at four loads, with the rectangle of the identified friction force, "
-    "and below each the displacement of cycles not identified from, as measured and as predicted",
-    "load": "friction force against load at four loads, with intervals, and the straight line through them",
+    "loops": "friction force against displacement at each load, with the rectangle of the identified friction force, "
+    "and below it the displacement of cycles not identified from, as measured and as predicted",
+    "load": "friction force against load, with intervals, and the straight line through them",
 }
 
 
 @styled()
 def loops(found: Findings) -> Figure:
-    """(a)–(d) friction force against displacement, a panel for each load: of the records, and of the identified law
-    (rigid, for they do not tell K_z). (e)–(h) the cycles that the law was not identified from: measured, predicted."""
-    figure = page(DOUBLE_COLUMN, 104.0)
+    """First friction force against displacement, a panel for each load: of the records, and of the identified law
+    (rigid, for they do not tell K_z). Below each the cycles that the law was not identified from: measured, predicted.
+    Four loads stand beside each other, more of them below."""
     rows = found.document["loads"]
+    below = (len(rows) - 1) // _BESIDE
+    figure = page(DOUBLE_COLUMN, _LEGEND + _BLOCK * (below + 1))
     for i, (row, loop, foretold) in enumerate(zip(rows, found.loops, found.foretold, strict=True)):
-        left = _LEFT + _STEP * i
-        upper, lower = (place(figure, left, bottom, _WIDE, _HIGH) for bottom in (62.0, 14.0))
-        for axes, letter in ((upper, "abcd"[i]), (lower, "efgh"[i])):
-            panel_letter(axes, letter)
+        down, column = divmod(i, _BESIDE)
+        left, bottom = _LEFT + _STEP * column, _LEGEND + _BLOCK * (below - down)
+        upper, lower = (
+            place(figure, left, bottom + above, _WIDE, _HIGH) for above in (_UPPER, _LOWER)
+        )
+        for axes, number in ((upper, i), (lower, len(rows) + i)):
+            panel_letter(axes, ascii_lowercase[number])
         upper.set_title(row["record"], pad=3.0)
         _loop(upper, loop, row["F_k_N"])
         _cycles(lower, foretold)
-        if not i:
+        if not column:
             upper.set_ylabel("friction force (N)", labelpad=1.0)
             lower.set_ylabel("$x$ (mm)", labelpad=1.0)
     handles, labels = lower.get_legend_handles_labels()

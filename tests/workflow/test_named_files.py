@@ -1,0 +1,182 @@
+"""Every file that a configuration names is missed at each start when it is gone, and read again when it changes."""
+
+from __future__ import annotations
+
+import os
+import re
+import time
+
+import pytest
+import yaml
+
+from dampbalance.identification.outputs import OUTPUTS
+from dampbalance.project.files import ROUTES
+from schemas import values
+
+NAMES_A_FILE = {
+    "config: measured[].records[]",
+    "config: measured[].mapping",
+    "config: published",
+    "mapping: channels.*.file",
+    "codecheck: manifest[].file",  # results of the paper's case, which rules make
+}
+NAMES_NONE = {
+    "config: frame.set",
+    "config: measured[].groups.*[]",
+    *(f"study: {key}" for key in ("title", "shows", "summary_by[]", "route.law")),
+    *(f"study: figure.{key}" for key in ("x", "y", "panels")),
+    *(f"study: facts.*.{key}" for key in ("along", "at.*")),
+    "study: axes[].law.values[]",
+    *(f"mapping: channels.*.{key}" for key in ("channel", "unit", "time", "delay")),
+    *(f"mapping: {key}" for key in ("time.channel", "time.unit", "level", "notes")),
+    *(f"codecheck: {key}" for key in ("source", "report", "summary", "manifest[].comment")),
+    *(f"codecheck: paper.{key}" for key in ("title", "reference", "authors[].name")),
+    "codecheck: codechecker[].name",
+}
+
+
+def test_every_text_is_known_to_name_a_file_or_none():
+    """A new key of the schemas that takes any text has to be entered above, and tried below if it names a file."""
+    found = set()
+    for key, node in values({"string"}):
+        closed = {"enum", "const", "registered"} & node.keys()
+        if not closed and re.search(node.get("pattern", ""), "results/a_file.csv"):
+            found.add(re.sub(r"^mapping: channels\.\w+", "mapping: channels.*", key))
+    found.discard("codecheck: paper.reference")  # an address, which its pattern wants
+    assert found == NAMES_A_FILE | NAMES_NONE - {"codecheck: paper.reference"}
+
+
+CASE = {
+    "case": "named",
+    "published": None,
+    "measured": [
+        {
+            "name": "set",
+            "records": ["data/one.csv"],
+            "mapping": "maps/one.yaml",
+            "stiffness_N_per_m": 2310.0,
+        }
+    ],
+}
+MAPPING = {
+    "channels": {
+        "base_displacement": {"file": "base.csv", "channel": 1, "unit": "mm"},
+        "displacement": {"channel": 1, "unit": "mm"},
+    },
+    "sample_rate_hz": 100,
+}
+NAMED = ("data/one.csv", "data/base.csv", "maps/one.yaml")
+
+
+@pytest.fixture(scope="module")
+def named(checkout):
+    """A case whose results are all there, newer than what they are made of: there is nothing to do."""
+    copy = checkout()
+    texts = {"maps/one.yaml": yaml.safe_dump(MAPPING), "named.yaml": yaml.safe_dump(CASE)}
+    results = "results/named/measured"
+    made = [f"{results}/set/{name}" for name in (*OUTPUTS, ".complete")]
+    for name in (*NAMED, *texts, *made, f"{results}/identification.csv"):
+        file = copy.folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(texts.get(name, "1\n"), encoding="utf-8")
+    assert dry_run(copy)[0] == 0
+    return copy
+
+
+def dry_run(copy, config=None, *arguments):
+    """(exit status, what is said) of a dry run under a configuration, which stands in named.yaml."""
+    if config is not None:
+        (copy.folder / "named.yaml").write_text(yaml.safe_dump(config), encoding="utf-8")
+    done = copy.run("--dry-run", "--configfile=named.yaml", *arguments, compiled=False)
+    return done.returncode, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"records": ["data/none.csv"]}, "named.yaml: line 6: measured[1].records[1]: no file data/none.csv"),
+        ({"records": ["data"]}, "named.yaml: line 6: measured[1].records[1]: data is a folder"),
+        ({"mapping": "maps/none.yaml"}, "named.yaml: line 3: measured[1].mapping: no file or folder maps/none.yaml"),
+        ({"mapping": "data"}, "named.yaml: line 3: measured[1].mapping: the folder data has no mapping of one.csv"),
+    ],
+)  # fmt: skip
+def test_a_file_that_is_named_and_missing_is_told_though_all_results_are_there(
+    named, change, expected
+):
+    status, said = dry_run(named, CASE | {"measured": [CASE["measured"][0] | change]})
+    assert expected in said
+    assert (status, "Traceback" in said, "Nothing to be done" in said) == (1, False, False)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"set": "other"}, "frame.set: other is no set of records; the configuration has set"),
+        ({}, "frame: loads_kg names 3 loads for 1 records; give one for each"),
+    ],
+)
+def test_a_frame_that_does_not_fit_its_set_is_told_before_anything_runs(named, change, expected):
+    frame = {"set": "set", "loads_kg": [1.0, 2.0, 3.0], "cycles_identified": 3} | change
+    status, said = dry_run(
+        named, CASE | {"measured": [CASE["measured"][0] | {"mass_kg": 1.0}], "frame": frame}
+    )
+    assert re.search(rf"named\.yaml: line \d: {re.escape(expected)}", said)
+    assert (status, "Traceback" in said) == (1, False)
+
+
+@pytest.mark.slow
+def test_a_missing_file_of_channels_is_told_with_its_mapping(named):
+    base = named.folder / "data/base.csv"
+    aside = base.rename(named.folder / "aside.csv")
+    try:
+        status, said = dry_run(named, CASE)
+    finally:
+        aside.rename(base)
+    assert "one.yaml: line 4: channels.base_displacement.file: no file data/base.csv" in said
+    assert (status, "Traceback" in said) == (1, False)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMED)
+def test_a_file_that_is_named_and_changes_is_read_again(named, name):
+    file, soon = named.folder / name, time.time() + 60.0
+    before = file.stat()
+    os.utime(file, (soon, soon))
+    try:
+        status, said = dry_run(named, CASE)
+    finally:
+        os.utime(file, ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert status == 0
+    assert re.search(rf"Updated input files: {re.escape(name)}\n", said)
+
+
+@pytest.mark.slow
+def test_the_printed_numbers_are_all_read_and_none_may_be_missing(named):
+    of = ("omega1", "omega2", "omega3")
+    kinds = [f"{kind}/{route}" for kind in ("features", "estimates") for route in ROUTES]
+    tables = [f"{kind}/{hz}.csv" for kind in kinds for hz in of]
+    read = [*tables, "features/as_published/unrounded/omega1.csv"]
+    for name in (*read, "claims.csv", "claims.md", "summary.txt"):
+        (named.folder / "results/paper" / name).parent.mkdir(parents=True, exist_ok=True)
+        (named.folder / "results/paper" / name).touch()
+    now, printed = time.time(), (named.folder / "paper/published").glob("*.csv")
+    verdicts, *others = sorted(printed, key=lambda file: file.name != "verdicts.csv")
+    for changed in ([verdicts], others):
+        for file in changed:
+            os.utime(file, (now + 60.0, now + 60.0))
+        status, said = dry_run(named, {}, "results/paper/summary.txt")
+        assert status == 0
+        read = set(re.findall(r"paper/published/\S+\.csv", said))
+        assert read == {f"paper/published/{file.name}" for file in changed}
+        for file in changed:
+            os.utime(file, (now - 60.0, now - 60.0))
+    (named.folder / "paper/published/table2_pairs.csv").unlink()
+    for folder, expected in (
+        ("paper/printed", "published: paper/printed is not a folder with printed numbers"),
+        ("paper/published", "paper/published/table2_pairs.csv: needed is a file of this name"),
+    ):
+        status, said = dry_run(named, {"published": folder}, "results/paper/summary.txt")
+        assert expected in said
+        assert (status, "Traceback" in said) == (1, False)

@@ -1,0 +1,143 @@
+"""Folders and files with blanks and other marks in their paths, and a home folder that cannot be written."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from dampbalance import __version__
+from folders import ROOT
+
+ODD = "ä b'c & (e) [f] #h %i"
+STUB = """#!/bin/sh
+printf '%s\\n' "HOME=$HOME" "$@" end >>"$HERE/calls"
+"""
+
+
+@pytest.fixture
+def odd(tmp_path):
+    """A folder with an odd path, and an environment whose Python only writes down how `make` calls it."""
+    folder = tmp_path / ODD
+    python = folder / ".venv/bin/python"
+    python.parent.mkdir(parents=True)
+    for name in ("pyproject.toml", "requirements.lock", "requirements-build.lock", "Makefile"):
+        shutil.copy(ROOT / name, folder)
+    python.write_text(STUB, encoding="utf-8")
+    python.chmod(0o755)
+    (folder / ".venv/locked").write_text(str(folder), encoding="utf-8")
+    (folder / ".venv/ready").touch()
+    return folder
+
+
+def make(folder, *arguments, **environment):
+    """What `make` does in a folder: (the run, what its Python was told, call by call)."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("MAKE")}
+    done = subprocess.run(
+        ["make", "--no-print-directory", *arguments],
+        cwd=folder,
+        env=kept | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    calls = folder / "calls"
+    text = calls.read_text(encoding="utf-8") if calls.exists() else ""
+    return done, [call.split("\n") for call in text.split("\nend\n")[:-1]]
+
+
+PARALLEL = ["--numprocesses", "auto", "--dist", "loadscope", "--no-loadscope-reorder"]
+RUN = ["workflow/run.py", "--cores", "all"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "called"),
+    [
+        (["check"], [[*RUN, "check"]]),
+        (["check", "CONFIG=a b.yaml"], [[*RUN, "--configfile=a b.yaml", "check"]]),
+        (["check", "CONFIG=it's $x $(y).yaml"], [[*RUN, "--configfile=it's $x $(y).yaml", "check"]]),
+        (["unit"], [["-m", "pytest", *PARALLEL]]),
+        (["compare", "WITH=../o'th er/$re"], [["-m", "same_results", "results", "../o'th er/$re"]]),
+    ],
+)  # fmt: skip
+def test_make_tells_python_every_path_as_it_is(odd, arguments, called):
+    done, calls = make(odd, *arguments)
+    assert done.returncode == 0, done.stderr
+    assert [call[1:] for call in calls] == called
+
+
+def test_make_verify_unpacks_the_archive_that_is_named(odd):
+    done, calls = make(odd, "verify", "ARCHIVE=an $archive.tar.gz")
+    assert done.returncode != 0  # nothing was unpacked
+    assert calls[0][1:] == [*RUN, "archive"]
+    unpacking = ["-m", "dampbalance.publishing.provenance.archive", "an $archive.tar.gz"]
+    assert calls[1][1:4] == unpacking
+
+
+def test_make_takes_the_archive_of_this_version_unless_told(odd):
+    _, calls = make(odd, "verify")
+    assert calls[1][3] == f"results/archive/dampbalance-{__version__}.tar.gz"
+
+
+def test_the_python_that_is_named_is_told_as_it_is(odd):
+    (odd / ".venv/locked").write_text("/elsewhere", encoding="utf-8")
+    done, _ = make(odd, "setup", "PYTHON=no such/$python")
+    assert done.returncode != 0
+    assert done.stderr.startswith("error: Python 3.11 or newer is needed, and no such/$python is ")
+
+
+@pytest.mark.parametrize("name", ["a:b", "a$b", "a\\b", 'a"b', "a`b"])
+def test_a_folder_in_which_no_environment_works_is_refused_before_anything(odd, name):
+    folder = odd.rename(odd.with_name(name))
+    before = sorted(folder.rglob("*"))
+    done, calls = make(folder, "check")
+    assert done.returncode != 0
+    (line,) = done.stderr.splitlines()
+    assert f"{folder}: in a folder with one of" in line
+    assert "move the project to another one" in line
+    assert calls == []
+    assert sorted(folder.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    ("environment", "own"),
+    [
+        ({"HOME": "/dev/null/x"}, True),
+        ({"HOME": ""}, True),
+        ({"HOME": "there", "XDG_CACHE_HOME": "/dev/null/y"}, True),
+        ({"HOME": "there", "XDG_CACHE_HOME": ""}, False),
+    ],
+)
+def test_where_home_cannot_be_written_a_folder_of_the_project_serves(odd, environment, own):
+    there = odd / "there"
+    there.mkdir()
+    given = {name: str(there) if value == "there" else value for name, value in environment.items()}
+    done, calls = make(odd, "check", **given)
+    assert done.returncode == 0, done.stderr
+    assert calls[0][0] == f"HOME={odd / '.snakemake/home' if own else there}"
+    assert (odd / ".snakemake/home").is_dir() == own
+
+
+@pytest.mark.slow
+def test_jobs_run_by_a_python_with_an_odd_path(checkout, tmp_path):
+    """The environment is a link, whose path Snakemake writes into the command lines of its jobs."""
+    folder = tmp_path / ODD
+    checkout().folder.rename(folder)
+    (folder / ".venv").symlink_to(sys.prefix)
+    case = folder / "s m.yaml"
+    shutil.copy(ROOT / "tests/workflow/small.yaml", case)
+    target = "results/small/orbits/above.json"
+    done = subprocess.run(
+        [folder / ".venv/bin/python", "workflow/run.py", "--cores=1", f"--configfile={case.name}", target],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(folder / "src")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert (folder / target).is_file()
