@@ -191,11 +191,11 @@ def _on_the_oscillator(readings: Sequence[Reading], whole: Whole) -> list[str]:
     if not fit.adequate:
         worst = int(np.argmax(fit.misfits))
         said.append(
-            "the records are not those of one mass on a spring, a damper and one friction contact: the best one leaves "
-            f"{times(math.sqrt(fit.misfit))} their noise, most in {readings[worst].steady.source}; K_z and the onset "
-            "of slip cannot be told; a channel may be skewed, coupled (AC) or filtered, a gain may be wrong, the "
-            "levels may differ in more than their amplitude, the damping may follow another law (compare the laws), or "
-            "the oscillator is of another kind"
+            "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
+            f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in "
+            f"{readings[worst].steady.source}; K_z and the onset of slip cannot be told; a channel may be skewed, "
+            "coupled (AC) or filtered, a gain or a sign may be wrong, the levels may differ in more than their "
+            "amplitude, the damping may follow another law (compare the laws), or the oscillator is of another kind"
         )
     if whole.late and delayed is not None:
         without = [f"{key} = {delayed.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]
