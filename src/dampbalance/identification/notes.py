@@ -15,11 +15,12 @@ import numpy as np
 from ..balance import Rows
 from ..law.terms import term
 from ..project.wording import listed, times
+from ..reading.checks import is_clipped
 
 if TYPE_CHECKING:
     from ..reading.noisy import Reading
     from .oscillator import Whole
-    from .result import ApproachResult, Microstick
+    from .result import ApproachResult, Microstick, ParameterEstimate
 
 YARDSTICK = "direct"
 """The approach that assumes no shape of x(t): the one that is held against the fit of the whole oscillator."""
@@ -43,13 +44,13 @@ def with_notes(
 
 
 def _notes(estimated: ApproachResult, readings: Sequence[Reading], whole: Whole) -> list[str]:
-    notes = []
-    for symbol, parameter in estimated.coefficients.items():
-        if parameter.value < -_APART * parameter.standard_error:
-            notes.append(
-                f"{symbol} = {parameter.value:.3g} {term(symbol).unit} is negative: no such oscillator exists; "
-                "check signs, channels and the stiffness"
-            )
+    clipped = [
+        f"{quantity} of {reading.steady.source}"
+        for reading in readings
+        for quantity, harmonics in reading.steady.channels.items()
+        if is_clipped(harmonics)
+    ]
+    notes = forbidden(estimated.coefficients, clipped, "a sign, a gain, a channel or the stiffness")
     shape = _shape(estimated)
     if shape:
         notes.append(shape)
@@ -71,6 +72,23 @@ def _notes(estimated: ApproachResult, readings: Sequence[Reading], whole: Whole)
             "the response is out of time with the drive (see below): F_k and c carry that error"
         )
     return notes
+
+
+def forbidden(
+    coefficients: Mapping[str, ParameterEstimate], clipped: Sequence[str], suspects: str
+) -> list[str]:
+    """A sentence on each coefficient whose whole interval is negative, with the likely cause.
+
+    clipped : signals that are.   suspects : what else may be wrong, "a gain or the stiffness".
+    """
+    cause = f"{suspects} may be wrong"
+    if clipped:
+        cause = f"clipping is the likely cause ({listed(clipped)}); raise the measuring range"
+    return [
+        f"{symbol} = {found.value:.3g} {term(symbol).unit} is negative, which physics forbids: {cause}"
+        for symbol, found in coefficients.items()
+        if found.interval.high < 0.0
+    ]
 
 
 def notes_of(whole: Whole) -> tuple[str, ...]:
@@ -173,11 +191,11 @@ def _on_the_oscillator(readings: Sequence[Reading], whole: Whole) -> list[str]:
     if not fit.adequate:
         worst = int(np.argmax(fit.misfits))
         said.append(
-            "the records are not those of one mass on a spring, a damper and one friction contact: the best one leaves "
-            f"{times(math.sqrt(fit.misfit))} their noise, most in {readings[worst].steady.source}; K_z and the onset "
-            "of slip cannot be told; a channel may be skewed, coupled (AC) or filtered, a gain may be wrong, the "
-            "levels may differ in more than their amplitude, the damping may follow another law (compare the laws), or "
-            "the oscillator is of another kind"
+            "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
+            f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in "
+            f"{readings[worst].steady.source}; K_z and the onset of slip cannot be told; a channel may be skewed, "
+            "coupled (AC) or filtered, a gain or a sign may be wrong, the levels may differ in more than their "
+            "amplitude, the damping may follow another law (compare the laws), or the oscillator is of another kind"
         )
     if whole.late and delayed is not None:
         without = [f"{key} = {delayed.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]

@@ -15,7 +15,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..balance import TERMS, Rows
-from ..project.wording import visible
+from ..project.wording import times, visible
+from ..reading.cycles import clipped
 from ..reading.frequency import stands_still
 from ..reading.one_thread import one_thread
 from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
@@ -26,6 +27,7 @@ from ..reading.ringdown_starts import stretches_of
 from ..reading.sampling import evenly_sampled
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from ..solver import NORMAL_95, solve
+from .notes import forbidden
 from .result import Interval, ParameterEstimate
 
 BALANCE = "balance"
@@ -34,6 +36,10 @@ BALANCE = "balance"
 _ORDERS = {quantity: order for order, quantity in enumerate(RESPONSES)}
 _CHANCE = 1e-4  # probability of a misfit in noise, below which there is another reason
 _MASS_OFF = 4.0  # standard errors
+_FEWEST, _LOOSE = (
+    2,
+    1e-2,
+)  # half cycles, and K_z/k, below which a motion that does not fit tells of no contact
 _NOTHING = ParameterEstimate(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
 
 
@@ -121,6 +127,14 @@ def identify_ring_downs(
     if mass is not None:
         fit = _with_mass(fit, mass, warnings)
     rows = rows_of(fit)
+    if not fit.adequate and (rows.halves < _FEWEST or fit.K_z < _LOOSE * k):
+        raise ValueError(
+            f"{', '.join(dict.fromkeys(one.source for one in fit.stretches))}: what moves in it is no free decay of a "
+            f"mass on a spring of {k:g} N/m with a friction contact: the motion of the nearest one shows "
+            f"{rows.halves} half cycle{'s' * (rows.halves != 1)} that slip{'s' * (rows.halves == 1)} and leaves "
+            f"{times(math.sqrt(fit.misfit))} the noise; is the mass still driven, or is its frequency or its gain not "
+            "constant? Give the record from the release or the blow on"
+        )
     return _solved(fit, rows, tuple(r.source for r in records), mass is not None, warnings)
 
 
@@ -193,6 +207,15 @@ def _solved(
         fit_notes.append(words)
     errors = {symbol: math.sqrt(covariance[i, i]) for i, symbol in enumerate(found)}
     known = {s: _estimate(found[s], errors[s]) for s in TERMS if s in found}
+    cut_off = {
+        f"{signal.quantity} of {one.source}": f"{one.source}: {signal.quantity} is clipped: several samples hold its "
+        "extreme value; swings are too small; raise the measuring range"
+        for one in fit.stretches
+        for signal in one.signals
+        if clipped(signal.values)
+    }
+    warnings = [*warnings, *cut_off.values()]
+    notes += forbidden(known, list(cut_off), "the drive, a hand on the mass, a gain or a filter")
     estimates = {s: known.get(s, _NOTHING) for s in TERMS} | {"K_z": _stiffness(fit)}
     correlation = float(covariance[0, 1]) / (errors["F_k"] * errors["c"]) if known else math.nan
     return RingDown(

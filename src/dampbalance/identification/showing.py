@@ -15,6 +15,12 @@ from .verdicts import in_one
 
 LIMITS = "What limits the answer:"
 
+_SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
+_DIGITS, _MANTISSA = (
+    15,
+    6,
+)  # significant digits of a float; decimals of a number with a power of ten
+
 
 class _Swinging(Protocol):
     """The fit of an oscillator."""
@@ -119,8 +125,13 @@ def _headed(symbol: str) -> str:
 
 
 def _rounded(value: float, spread: float) -> str:
-    """The value with two digits of the spread."""
+    """The value with two digits of the spread, as a power of ten where either is far from one."""
     if not spread > 0.0:
         return f"{value:.6g}"
-    decimals = 1 - math.floor(math.log10(spread))
-    return f"{round(value, decimals):.{max(0, decimals)}f}"
+    size = math.floor(math.log10(max(abs(value), spread)))
+    # what a float holds
+    decimals = min(1 - math.floor(math.log10(spread)), _DIGITS - size)
+    value = round(value, decimals)
+    if _SMALLEST <= size < _LARGEST:
+        return f"{value:.{max(0, decimals)}f}"
+    return f"{value:.{min(max(0, size + decimals), _MANTISSA)}e}" if value else "0"

@@ -135,11 +135,16 @@ def bad_cycles(quantity: str, bad: Sequence[tuple[int, float, str]]) -> Iterator
 
 def clipping(quantity: str, harmonics: CycleHarmonics) -> Iterator[str]:
     """A warning when the signal is cut off at a level."""
-    if harmonics.clipped >= _CLIPPED_CYCLES:
+    if is_clipped(harmonics):
         yield (
             f"{quantity} is clipped: in {100.0 * harmonics.clipped:.0f} % of the cycles several samples hold the "
             "extreme value; amplitude and harmonics are too small; raise the measuring range"
         )
+
+
+def is_clipped(harmonics: CycleHarmonics) -> bool:
+    """Whether the signal is cut off at a level in most cycles."""
+    return harmonics.clipped >= _CLIPPED_CYCLES
 
 
 def consistency(

@@ -260,19 +260,7 @@ class _Accumulator:
             high = np.where(inside, sign * s, -np.inf)
             top = high.max(axis=1)
             highest = np.flatnonzero(top == top.max())
-            high = high[highest]
-            at_top = high == top[highest, None]
-            count = at_top.sum(axis=1)
-            # A sinusoid in steps of a converter dwells at its top level at most 1/(√2 − 1) = 2.4 times as long as at
-            # the next; noise shortens that. A clipped one dwells there alone, and so does a motion that stops.
-            below = np.where(at_top, -np.inf, high)
-            next_level = below.max(axis=1)
-            next_count = (below == next_level[:, None]).sum(axis=1)
-            held = _three_in_a_row(at_top) & (count > 4 * next_count)
-            for j in np.flatnonzero(held).tolist():
-                size = int(inside[highest[j]].sum())
-                held[j] = not _comes_to_rest(high[j, :size], top[highest[j]] - next_level[j])
-            clipped[highest] |= held
+            clipped[highest] |= _cut_off(high[highest])
         self.held_at_extreme += int(clipped.sum())
 
     def _gather(self, harmonics: Complexes, whole: Mask) -> None:
@@ -312,6 +300,33 @@ class _Accumulator:
 def _three_in_a_row(true: Mask) -> Mask:
     """Which rows are true at three neighbouring places."""
     return np.asarray((true[:, 2:] & true[:, 1:-1] & true[:, :-2]).any(axis=1))
+
+
+def _cut_off(high: Array) -> Mask:
+    """Which rows hold their highest value as a clipped signal does.   high : rows × samples, −∞ after the last one."""
+    top = high.max(axis=1)
+    at_top = high == top[:, None]
+    count = at_top.sum(axis=1)
+    # A sinusoid in steps of a converter dwells at its top level at most 1/(√2 − 1) = 2.4 times as long as at the next;
+    # noise shortens that. A clipped one dwells there alone, and so does a motion that stops.
+    below = np.where(at_top, -np.inf, high)
+    next_level = below.max(axis=1)
+    next_count = (below == next_level[:, None]).sum(axis=1)
+    held = _three_in_a_row(at_top) & (count > 4 * next_count)
+    for j in np.flatnonzero(held).tolist():
+        size = int(np.isfinite(high[j]).sum())
+        held[j] = not _comes_to_rest(high[j, :size], top[j] - next_level[j])
+    return held
+
+
+def clipped(values: Array) -> bool:
+    """Whether a free motion is held at its highest or its lowest value as a clipped signal is; what it begins with or
+    ends at does not count: it may have been held there, or have come to rest."""
+    for high in (values, -values):
+        below = np.flatnonzero(high < high.max())
+        if below.size and _cut_off(high[None, below[0] : below[-1] + 1])[0]:
+            return True
+    return False
 
 
 def _joined(rows: Complexes, count: int) -> Complexes:

@@ -23,6 +23,7 @@ from .waveforms import Fit
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
 _HOPELESS = 4.0  # χ² per datum, softened
+_EFFORT = 600  # evaluations after which no other start is tried: to end where the records are takes about 40
 _GAIN = 5e-8  # of half of χ², where the climb ends
 _STIFFEST = 1e12  # of K_z/k: the contact that stands for a rigid one
 _MOST = 30  # evaluations at each softening: a climb to where the records are takes about ten
@@ -36,7 +37,9 @@ def fit_oscillator(
     """The oscillator of largest likelihood; None where no oscillator that slips responds like the records.
 
     lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
-    thorough : whether more and more starts are tried until one leads to an oscillator that the records may be of.
+    thorough : whether more and more starts are tried until one leads to an oscillator that the records may be of, or so
+    many evaluations were made that there hardly is one. Those that end far from the records are refined no further, the
+    nearest of them excepted.
     """
     unknowns = Unknowns(law or Law(), len(lines), k)
     shares = shares_of(lines, unknowns.law, k)
@@ -46,7 +49,13 @@ def fit_oscillator(
         for search in (False, *wide)
         for candidate in starts(lines, k, shares, wide=search)[: _STARTS[search]]
     )
-    return _best(lines, unknowns, points, math.inf)
+    best = _best(lines, unknowns, points, _MOST)
+    if best is None or best.adequate:
+        return best
+    nearest = _climbed(lines, unknowns, best.point, {"delay"}, _SOFTENING)
+    if nearest is None or nearest.chi_square >= best.chi_square:
+        return best
+    return replace(nearest, evaluations=best.evaluations + nearest.evaluations)
 
 
 def fit_quickly(lines: Sequence[Lines], k: float, law: Law, near: Sequence[Fit]) -> Fit | None:
@@ -56,22 +65,25 @@ def fit_quickly(lines: Sequence[Lines], k: float, law: Law, near: Sequence[Fit])
     candidates = starts(lines, k, shares)
     known = [*candidates[:1], *(_as_candidate(fit) for fit in near), *candidates[1:2]]
     points = (unknowns.start(lines, candidate, shares.friction) for candidate in known)
-    return _best(lines, unknowns, points, _HOPELESS)
+    return _best(lines, unknowns, points, _FEWER)
 
 
 def _best(
-    lines: Sequence[Lines], unknowns: Unknowns, points: Iterable[Array], hopeless: float
+    lines: Sequence[Lines], unknowns: Unknowns, points: Iterable[Array], most: int
 ) -> Fit | None:
-    """The fit with the smallest χ² of those that climbs from these points end in, up to one that is adequate."""
+    """The fit with the smallest χ² of those that climbs from these points end in, up to one that is adequate.   most :
+    evaluations at each softening."""
     best: Fit | None = None
+    spent = 0
     with interpreted(False) if unknowns.law.nonlinear else nullcontext():
         for point in points:
-            reached = _climbed(lines, unknowns, point, {"delay"}, _SOFTENING, hopeless)
+            reached = _climbed(lines, unknowns, point, {"delay"}, _SOFTENING, _HOPELESS, most)
+            spent += 1 if reached is None else reached.evaluations
             if reached is not None and (best is None or reached.chi_square < best.chi_square):
                 best = reached
-                if best.adequate:
-                    return best
-    return best
+            if best is not None and (best.adequate or spent > _EFFORT):
+                break
+    return None if best is None else replace(best, evaluations=spent)
 
 
 def _as_candidate(fit: Fit) -> Array:
@@ -109,7 +121,8 @@ def with_mass(fit: Fit, m: float) -> Fit | None:
     """The fit with the mass given, kg, from there on; None where nothing slips with that mass."""
     start = fit.point.copy()
     start[fit.unknowns.names.index("m")] = m
-    return _climbed(fit.lines, fit.unknowns, start, {"m", "delay"}, _SOFTENING)
+    found = _climbed(fit.lines, fit.unknowns, start, {"m", "delay"}, _SOFTENING)
+    return found and replace(found, evaluations=fit.evaluations + found.evaluations)
 
 
 def _climbed(
@@ -119,9 +132,10 @@ def _climbed(
     given: set[str],
     softenings: Sequence[float],
     hopeless: float = math.inf,
+    most: int = _MOST,
 ) -> Fit | None:
     """The fit that a climb from there ends in; Y and ψ start as they were read.   hopeless : χ² per datum from which on
-    it is not refined."""
+    it is not refined.   most : evaluations at each softening."""
     names, law = unknowns.names, unknowns.law
     point = start.copy()
     point[len(names) :] = np.ravel([(one.Y, 0.0) for one in lines])
@@ -130,12 +144,17 @@ def _climbed(
     fixed = given | set(law.given)
     free = np.array([i for i in range(point.size) if not fixed & set(names[i : i + 1])])
     climbed: Climb[Evaluation] | None = None
+    evaluations = 0
     for softening in softenings:
         problem = _Problem(lines, unknowns, point, free, softening)
-        most = _MOST if math.isinf(hopeless) or not softening else _FEWER
         try:
             climbed = climb(
-                problem.evaluate, point[free], lower[free], scale[free], gain=_GAIN, most=most
+                problem.evaluate,
+                point[free],
+                lower[free],
+                scale[free],
+                gain=_GAIN,
+                most=most if softening else _MOST,
             )
         except NoStart:
             return None
@@ -143,6 +162,7 @@ def _climbed(
             climbed = stuck.best
         point = point.copy()
         point[free] = climbed.point
+        evaluations += climbed.iterations
         if 2.0 * climbed.evaluation.value > hopeless * sum(2 + 2 * one.n.size for one in lines):
             break
     assert climbed is not None
@@ -173,6 +193,7 @@ def _climbed(
         freedom=here.residual.size - free.size,
         rigid=bool(point[names.index("rho")] <= rigid),
         undamped=tuple(key for key in law.unknowns if point[names.index(key)] <= 0.0),
+        evaluations=evaluations,
     )
 
 

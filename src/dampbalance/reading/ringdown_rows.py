@@ -199,10 +199,7 @@ def _rows(
         parts.append(columns)
         slopes.append(_misfit(fit, slope))
         which += [i] * len(columns)
-        times = (
-            [course.halves[0].t_a, *(half.t_b for half in course.halves)] if course.halves else []
-        )
-        at = one.start + np.array(times)
+        at = one.start + np.array([0.0, *(half.t_b for half in course.halves)])
         sure = np.sqrt(np.diag(covariance)[places[i]])[: at.size]
         turns.append((np.column_stack([at, theta[: at.size]]), sure))
     travel = math.fsum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)

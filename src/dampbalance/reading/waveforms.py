@@ -44,6 +44,7 @@ class Fit:
     record are |Y|, its phase, Re x_n, Im x_n.   places : where the data of each record are.
     residual : (model − data)/σ, (data,).   chi_square : its square.   freedom : its degrees of freedom.
     rigid : whether ρ is at zero.   undamped : keys of the coefficients that are at zero.
+    evaluations : that the search for it took.
     """
 
     lines: tuple[Lines, ...]
@@ -57,6 +58,7 @@ class Fit:
     freedom: int
     rigid: bool
     undamped: tuple[str, ...]
+    evaluations: int = 0
 
     @property
     def law(self) -> Law:

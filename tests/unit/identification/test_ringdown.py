@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,12 @@ from dampbalance.commands.main import main
 from dampbalance.identification.identify import identify_readings
 from dampbalance.identification.ringdown import identify_ring_downs
 from dampbalance.motion.jit import interpreted
+from dampbalance.reading.cycles import clipped
 from dampbalance.reading.noisy import read_features
+from dampbalance.reading.ringdown_bursts import Signal
+from dampbalance.reading.ringdown_fit import fit_stretches
+from dampbalance.reading.ringdown_motion import Stretch
+from dampbalance.reading.ringdown_rows import rows_of
 from dampbalance.records.correction import Correction
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.synthetic import measured_orbit, measured_ring_down
@@ -159,6 +165,53 @@ def test_a_contact_of_another_kind_is_told():
     result = identify_ring_downs([other], PLUCKED.k)
     assert not result.fit.adequate
     assert any("not those of one mass on a spring" in words for words in result.notes)
+
+
+def test_a_clipped_decay_is_named_and_what_physics_forbids(tmp_path):
+    sound = measured_ring_down(OSCILLATOR, x=0.005, rate_hz=200.0, duration=3.0, noise=0.005)
+    channel = sound["displacement"]
+    half = 0.5 * np.abs(channel.values).max()
+    cut_off = Channel("displacement", channel.t, np.clip(channel.values, -half, half))
+    result = identify_ring_downs([Measurement.of("decay", [cut_off])], OSCILLATOR.k)
+    assert result.coefficients["c"].interval.high < 0.0
+    (words,) = [note for note in result.notes if "physics forbids" in note]
+    assert re.match(
+        r"c = -\d.* N s/m is negative, .* clipping is the likely cause \(displacement of decay\)",
+        words,
+    )
+    (warning,) = result.warnings
+    assert warning.startswith("decay: displacement is clipped")
+    assert (
+        words in identify([Measurement.of("decay", [cut_off])], OSCILLATOR.k).verdicts["c"].reason
+    )
+
+
+@pytest.mark.parametrize("end", [1, -1])
+def test_what_a_decay_begins_or_ends_at_is_not_clipped(end):
+    t = np.arange(800) / 200.0
+    decaying = np.exp(-t) * np.cos(20.0 * t)
+    assert not clipped(decaying)
+    assert not clipped(
+        np.concatenate([np.full(50, 1.0), decaying, np.full(50, decaying[-1])])[::end]
+    )
+    assert not clipped(np.concatenate([decaying[:30], np.full(50, decaying[:30].min())])[::end])
+    for level in (0.9, 0.6, 0.3):
+        assert clipped(np.minimum(decaying, level * decaying[20:].max())[::end])
+        assert clipped(np.maximum(decaying, level * decaying[20:].min())[::end])
+
+
+def test_a_decay_without_a_half_cycle_that_slips_has_its_start():
+    stuck = measured_ring_down(
+        replace(OSCILLATOR, F_k=100.0, c=3.0), x=0.005, rate_hz=400.0, duration=0.8, noise=0.005
+    )["displacement"]
+    signal = Signal("displacement", 0, stuck.t, stuck.values, 2.5e-5)
+    start = np.array([100.0, 3.0, 6000.0**-0.5, 1.0, 0.0, 0.005, 0.0, 1.3])
+    fit = fit_stretches([Stretch("a", 0.0, 0.8, (signal,), (0,), 0.08)], 400.0, start, given={0})
+    rows = rows_of(fit)
+    assert rows.halves == 0
+    ((turns, errors),) = rows.turns
+    assert turns[0].tolist() == pytest.approx([0.0, 0.005], abs=1e-4)
+    assert len(turns) == len(errors) == 1
 
 
 def test_gain_and_delay_are_taken_off_and_a_filter_is_refused():

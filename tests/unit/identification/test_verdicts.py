@@ -11,8 +11,10 @@ import pytest
 
 from dampbalance.balance import Rows
 from dampbalance.identification.limits import Limit, limits, shown
+from dampbalance.identification.notes import forbidden, with_notes
 from dampbalance.identification.oscillator import Whole
 from dampbalance.identification.result import ApproachResult, Interval, ParameterEstimate
+from dampbalance.identification.showing import with_interval
 from dampbalance.identification.verdicts import in_one, verdicts_of
 from dampbalance.project.wording import listed, times
 
@@ -150,3 +152,42 @@ def test_words_in_a_row():
 )
 def test_a_factor_in_words(factor, said):
     assert times(factor) == said
+
+
+def read(source, **clipped):
+    """A reading of channels that are clipped in these parts of their cycles."""
+    channels = {quantity: SimpleNamespace(clipped=part) for quantity, part in clipped.items()}
+    return SimpleNamespace(steady=SimpleNamespace(source=source, channels=channels))
+
+
+def test_a_coefficient_that_physics_forbids_is_named_with_the_likely_cause():
+    negative = replace(SOUND, coefficients={"F_k": parameter(-0.1, 0.2), "c": parameter(-6.0, 1.0)})
+    linear = Whole(None, True, None)
+    for readings, cause in (
+        ([read("a", force=0.0)], "a sign, a gain, a channel or the stiffness may be wrong"),
+        (
+            [read("a", force=0.2, velocity=0.9), read("b", velocity=1.0)],
+            "clipping is the likely cause (velocity of a and velocity of b); raise the measuring range",
+        ),
+    ):
+        first, *_ = with_notes({"direct": negative}, readings, linear)["direct"].notes
+        assert first == f"c = -6 N s/m is negative, which physics forbids: {cause}"
+    assert forbidden(SOUND.coefficients, [], "all") == []
+
+
+@pytest.mark.parametrize(
+    ("value", "half", "expected"),
+    [
+        (1.2785, 0.0039, "1.2785 [1.2746, 1.2824]"),
+        (207_400.0, 1650.0, "207400 [205800, 209000]"),
+        (0.001, 2e-6, "0.0010000 [0.0009980, 0.0010020]"),
+        (2.94e-24, 1e-67, "2.94e-24 [2.94e-24, 2.94e-24]"),
+        (2.9e-24, 1e-26, "2.900e-24 [2.890e-24, 2.910e-24]"),
+        (1e300, 2e299, "1.00e+300 [8.0e+299, 1.20e+300]"),
+        (1e12, 1.0, "1.000000e+12 [1.000000e+12, 1.000000e+12]"),
+        (5.0, 1e15, "0 [-1.0e+15, 1.0e+15]"),
+        (0.0, 5e-324, "0 [-4.9e-324, 4.9e-324]"),
+    ],
+)
+def test_a_number_of_any_size_fits_its_cell(value, half, expected):
+    assert with_interval(parameter(value, half)) == expected

@@ -11,6 +11,8 @@ import pytest
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.likelihood.information import cramer_rao
 from dampbalance.motion.regime import Regime
+from dampbalance.reading import fitting
+from dampbalance.reading.climb import climb
 from dampbalance.reading.fitting import fit_oscillator, with_delay, with_mass
 from dampbalance.reading.lines import Lines
 from dampbalance.reading.waveforms import Fit
@@ -275,6 +277,26 @@ def test_records_of_another_kind_are_not_adequate():
     fit = fit_oscillator([replace(odd[0], x=x), odd[1]], PAPER.k)
     assert not fit.adequate
     assert fit.misfits[0] > 3.0 * fit.misfits[1]
+
+
+def test_a_search_that_leads_nowhere_ends_and_keeps_the_nearest(monkeypatch):
+    orbits = orbits_at(3.5, (0.004, 0.008, 0.012))
+    lines = [lines_of(orbit, 1e-6) for orbit in orbits]
+    turned = [lines[0], replace(lines[1], x=-lines[1].x), lines[2]]
+    made = []
+
+    def counted(evaluate, *arguments, **options):
+        return climb(lambda p: made.append(1) or evaluate(p), *arguments, **options)
+
+    monkeypatch.setattr(fitting, "climb", counted)
+    fit = fit_oscillator(turned, PAPER.k)
+    assert not fit.adequate
+    assert len(made) < 800
+    assert fit.evaluations == pytest.approx(len(made), rel=0.1)
+    assert np.argmax(fit.misfits) == 1
+    made.clear()
+    assert fit_oscillator(lines, PAPER.k).adequate
+    assert len(made) < 60
 
 
 def test_nothing_is_found_where_the_response_gives_energy_to_the_base():

@@ -8,9 +8,12 @@ import random
 import re
 import signal
 import struct
+import subprocess
+import sys
 import tracemalloc
 import warnings
 import xml.dom.minidom
+import zipfile
 import zlib
 
 import h5py
@@ -483,6 +486,116 @@ def test_hdf5_that_leaves_its_file_or_all_bounds(fill, message, tmp_path):
     path = tmp_path / "bad.h5"
     outside(path)
     refused(hdf5(path, fill), message)
+
+
+# Spreadsheets
+
+OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+OASIS = "urn:oasis:names:tc:opendocument:xmlns"
+OPEN = (
+    "xl/worksheets/sheet1.xml",
+    '<worksheet><dimension ref="A1:B2"/><sheetData>{}</sheetData></worksheet>',
+    {
+        "xl/workbook.xml": f'<workbook xmlns:r="{OFFICE}"><sheets><sheet name="a" sheetId="1" r:id="r1"/></sheets>'
+        "</workbook>",
+        "xl/_rels/workbook.xml.rels": '<Relationships><Relationship Id="r1" '
+        f'Type="{OFFICE}/worksheet" Target="worksheets/sheet1.xml"/></Relationships>',
+        "_rels/.rels": f'<Relationships><Relationship Id="r1" Type="{OFFICE}/officeDocument" '
+        'Target="xl/workbook.xml"/></Relationships>',
+    },
+)
+ODF = (
+    "content.xml",
+    f'<office:document-content xmlns:office="{OASIS}:office:1.0" xmlns:table="{OASIS}:table:1.0" '
+    f'xmlns:text="{OASIS}:text:1.0"><office:body><office:spreadsheet><table:table table:name="a">{{}}</table:table>'
+    "</office:spreadsheet></office:body></office:document-content>",
+    {
+        "mimetype": "application/vnd.oasis.opendocument.spreadsheet",
+        "META-INF/manifest.xml": f'<manifest:manifest xmlns:manifest="{OASIS}:manifest:1.0"/>',
+    },
+)
+ROW = '<row r="{}"><c r="{}"><v>1</v></c></row>'
+ODF_ROW = '<table:table-row {}><table:table-cell office:value-type="{}"{}/></table:table-row>'
+SHEETS = {
+    "the last cell.xlsx": (OPEN, [ROW.format(1, "A1") + ROW.format(1048576, "XFD1048576")], "takes more memory"),
+    "a row of 115 million.xlsx": (OPEN, [ROW.format(1, "A1") + ROW.format(7000, "XFD7000")], "takes more memory"),
+    "columns.ods": (ODF, [ODF_ROW.format("", 'float" office:value="1', ' table:number-columns-repeated="90000000"')],
+                    "channels, more than"),
+    "long text.ods": (ODF, [ODF_ROW.format("", f'string" office:string-value="{"x" * 10**6}',
+                                           ' table:number-columns-repeated="10000"')], "takes more memory"),
+}  # fmt: skip
+
+
+def write_sheet(path, kind, parts):
+    part, around, others = kind
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        for name, text in others.items():
+            file.writestr(name, text)
+        head, tail = around.split("{}")
+        with file.open(part, "w") as stream:
+            for text in (head, *parts, tail):
+                stream.write(text.encode())
+
+
+@pytest.mark.parametrize("name", SHEETS)
+def test_a_spreadsheet_takes_no_more_memory_than_it_explains(name, tmp_path):
+    kind, parts, message = SHEETS[name]
+    path = tmp_path / name
+    write_sheet(path, kind, parts)
+    code = (
+        "import resource, sys\n"
+        "from dampbalance.records.readers import read, RecordError\n"
+        "try:\n    read(sys.argv[1])\n"
+        "except RecordError as error:\n    print(error)\n"
+        "for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN):\n"
+        "    print(resource.getrusage(who).ru_maxrss)\n"
+    )
+    run = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True)
+    said, *peaks = run.stdout.splitlines()
+    assert re.search(message, said)
+    assert str(path) in said
+    assert max(map(int, peaks)) < 400_000  # kB
+
+
+def test_a_spreadsheet_that_unpacks_to_much_is_not_unpacked(tmp_path):
+    path = tmp_path / "bad.xlsx"
+    write_sheet(path, OPEN, ["<row><c/></row>" * 10_000] * 20)
+    refused(path, r"holds 3,000,\d+ bytes, unpacked, .*--largest", largest=300_000)
+    refused(path, "no sheet holds rows of at least two numbers")
+
+
+def test_the_limit_of_a_spreadsheet_can_be_raised(tmp_path):
+    path = tmp_path / "run.xlsx"
+    t, y, x = np.arange(200) / RATE, *np.random.default_rng(1).standard_normal((2, 200))
+    names = "".join(f'<c t="str"><v>{name}</v></c>' for name in NAMES)
+    rows = [
+        f"<row>{''.join(f'<c><v>{v!r}</v></c>' for v in row)}</row>"
+        for row in np.column_stack([t, y, x]).tolist()
+    ]
+    write_sheet(path, OPEN, [f"<row>{names}</row>", *rows])
+    np.testing.assert_array_equal(read(path)["displacement"].values, x)
+    most = 3 * (t.size + 1)
+    assert read(path, largest=16 * most)
+    refused(
+        path,
+        rf"a sheet of {t.size + 1:,} × 3 cells.*--largest {16 * most}\)",
+        largest=16 * most - 1,
+    )
+
+
+@pytest.mark.filterwarnings("ignore:.*channels not used. 'column 1', 'column 2'")
+def test_cells_that_do_not_begin_in_the_first_column(tmp_path):
+    path = tmp_path / "run.xlsx"
+    values = np.random.default_rng(1).standard_normal((200, 2)).tolist()
+    table = [NAMES, *((i / RATE, *row) for i, row in enumerate(values))]
+    rows = []
+    for i, row in enumerate(table, start=3):
+        cells = zip("CDE", row, strict=True)
+        kind = ' t="str"' * (i == 3)
+        line = "".join(f'<c r="{at}{i}"{kind}><v>{value}</v></c>' for at, value in cells)
+        rows.append(f'<row r="{i}">{line}</row>')
+    write_sheet(path, OPEN, rows)
+    assert read(path)["displacement"].values.tolist() == [row[1] for row in values]
 
 
 # Text and mappings

@@ -5,7 +5,12 @@ from __future__ import annotations
 import csv
 import datetime
 import io
-from collections.abc import Sequence
+import pickle
+import subprocess
+import sys
+import zipfile
+from collections.abc import Generator, Sequence
+from contextlib import closing, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,12 +20,20 @@ import numpy as np
 from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
-from ..limits import require_size
 from .layout import columns_of
 from .record_file import RawChannel, RecordFile, Sliced, described, intact, require_channels
 
 _DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
 _EPOCH = datetime.datetime(1900, 1, 1)
+
+_PART = 16  # numbers that may be read of another record, for each cell that may be read of a spreadsheet
+_CELL, _TEXT = 160, 64  # bytes of memory that a cell takes at the most, and of the file, unpacked
+_BASE, _REST = (
+    256_000_000,
+    1_000_000,
+)  # bytes of memory, and of the file, unpacked, without any cell
+_BYTE = 32  # bytes of memory that a byte of the file, unpacked, explains
+_SECONDS, _SPEED = 30, 2_000_000  # of processor time, and bytes read in a second at the least
 
 
 def spreadsheet_file(path: Path, largest: int) -> RecordFile:
@@ -28,18 +41,68 @@ def spreadsheet_file(path: Path, largest: int) -> RecordFile:
 
     Names and units stand above the first such row, as in a text file; points in time are read as s from the first on.
     """
-    calamine = library("python_calamine", "a spreadsheet")
-    with intact(path, "a spreadsheet"):
-        book = calamine.CalamineWorkbook.from_path(str(path))
-        for name in book.sheet_names:
-            sheet = book.get_sheet_by_name(name)
-            require_channels(path, sheet.total_width)
-            require_size(path, sheet.total_height * sheet.total_width, largest)
-            rows = sheet.to_python(skip_empty_area=False)
-            first = next((i for i, row in enumerate(rows) if _is_row(row)), None)
-            if first is not None:
-                return _sheet(path, rows, first)
+    library("python_calamine", "a spreadsheet")
+    most = largest // _PART
+    rows: list[Sequence[Any]] = []
+    with closing(_cells(path, most)) as messages:
+        for kind, content in messages:
+            if kind == "rows":
+                rows += content
+                continue
+            if _first(rows) is not None:
+                break
+            rows = []
+            height, width = content
+            require_channels(path, width)
+            if height * width > most:
+                raise _too_large(path, f"a sheet of {height:,} × {width:,} cells", height * width)
+    if (first := _first(rows)) is not None:
+        return _sheet(path, rows, first)
     raise RecordError(f"{path}: no sheet holds rows of at least two numbers")
+
+
+def _first(rows: Sequence[Sequence[Any]]) -> int | None:
+    """The first row of at least two numbers."""
+    return next((i for i, row in enumerate(rows) if _is_row(row)), None)
+
+
+def _cells(path: Path, most: int) -> Generator[tuple[str, Any], None, None]:
+    """What `cells.py` sends of a file, from a process that may take the memory of `most` cells, and no more than a file
+    of this size can fill. Raises RecordError where that is too little, or the file cannot be read."""
+    size = path.stat().st_size
+    if zipfile.is_zipfile(path):
+        with intact(path, "a spreadsheet"), zipfile.ZipFile(path) as packed:
+            size = sum(part.file_size for part in packed.infolist())
+    if size > most * _TEXT + _REST:
+        raise _too_large(path, f"{size:,} bytes, unpacked", size // _TEXT)
+    memory = _BASE + min(most * _CELL, size * _BYTE)
+    command = [sys.executable, "-P", str(Path(__file__).with_name("cells.py"))]
+    command += [str(path), str(memory), str(_SECONDS + size // _SPEED)]
+    quiet = subprocess.DEVNULL
+    with subprocess.Popen(command, stdin=quiet, stdout=subprocess.PIPE, stderr=quiet) as child:
+        try:
+            assert child.stdout is not None
+            with suppress(EOFError, pickle.UnpicklingError):  # its end
+                while True:
+                    kind, content = pickle.load(child.stdout)
+                    if kind == "error":
+                        with intact(path, "a spreadsheet"):
+                            raise ValueError(content)
+                    yield kind, content
+            if child.wait():
+                raise RecordError(
+                    f"{path}: takes more memory or time than what it holds explains: a cell far from all others, or "
+                    "one that repeats; delete the rows and columns behind the record, or save it as CSV"
+                )
+        finally:
+            child.kill()
+
+
+def _too_large(path: Path, what: str, cells: int) -> RecordError:
+    return RecordError(
+        f"{path}: holds {what}, and a spreadsheet is read whole; give a part of the record, save it as CSV, or raise "
+        f"the limit (--largest {_PART * cells})"
+    )
 
 
 def _sheet(path: Path, rows: Sequence[Sequence[Any]], first: int) -> RecordFile:
