@@ -47,6 +47,10 @@ class Term:
     harmonic: Harmonic | None = None
     order: int = 0
 
+    def __reduce__(self) -> tuple[Callable[[str], Term], tuple[str]]:
+        """A copy is the term of that key again, as its functions cannot be pickled."""
+        return term, (self.symbol,)
+
     @property
     def linear(self) -> bool:
         """Whether h is linear in ẋ and ẏ, so that the motion under it has a closed form between events."""
