@@ -194,7 +194,7 @@ def names(name: str, value: object, known: Collection[str] = ()) -> tuple[str, .
         found.append(one.strip())
     unknown = sorted(set(found) - set(known or found))
     if unknown:
-        raise ValueError(f"unknown {name} {_REPR.repr(unknown)}; known are {', '.join(known)}")
+        raise ValueError(f"unknown {name} {shown(unknown)}; known are {', '.join(known)}")
     return tuple(found)
 
 
@@ -222,14 +222,27 @@ def instance(name: str, value: object, kind: type[Kind]) -> Kind:
 
 
 def path(name: str, value: object, wanted: str) -> Path:
-    """The path of a file or a folder."""
-    if (
-        not isinstance(value, str | os.PathLike)
-        or not isinstance(os.fspath(value), str)
-        or "\0" in str(value)
-    ):
+    """The path of a file or a folder, whose names have 255 bytes at most."""
+    if not isinstance(value, str | os.PathLike):
         _refuse(name, wanted, value)
-    return Path(value)
+    told = os.fspath(value)
+    if not isinstance(told, str) or "\0" in told:
+        _refuse(name, wanted, value)
+    if any(len(os.fsencode(part)) > 255 for part in Path(told).parts):
+        _refuse(name, f"{wanted}, with names of 255 bytes at most", value)
+    return Path(told)
+
+
+def text(name: str, value: object) -> str:
+    """A text."""
+    if not isinstance(value, str):
+        _refuse(name, "a text", value)
+    return value
+
+
+def shown(value: object) -> str:
+    """A value as Python writes it, in one line of bounded length: for messages."""
+    return " ".join(_REPR.repr(value).replace("\\n", " ").split())
 
 
 _REPR = reprlib.Repr()
@@ -238,6 +251,5 @@ _REPR.maxstring = _REPR.maxother = 60
 
 def _refuse(label: str, wanted: object, value: object, more: str = "") -> NoReturn:
     """ValueError naming the argument, what would be right and what was given."""
-    shown = " ".join(_REPR.repr(value).split())
     remedy = f"; {wanted.remedy}" if isinstance(wanted, Bounds) and wanted.remedy else ""
-    raise ValueError(f"{label} must be {wanted}, got {shown}{more}{remedy}")
+    raise ValueError(f"{label} must be {wanted}, got {shown(value)}{more}{remedy}")

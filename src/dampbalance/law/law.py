@@ -9,6 +9,7 @@ from functools import cached_property
 from ..arguments import items, mapping, names, number
 from .terms import FRICTION, KNOWN_TERMS, in_order, of_group, parted, term
 
+_GIVEN = "a mapping of symbols to coefficients"
 _ALIKE = 1.001  # of two frequencies: nearer ones are one
 
 
@@ -28,7 +29,15 @@ class Law:
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "terms", in_order(self.terms))
+        object.__setattr__(self, "terms", in_order(names("terms", self.terms)))
+        object.__setattr__(self, "given", mapping("given", self.given, _GIVEN))
+        labels = mapping("groups", self.groups, "a mapping of symbols to a label for each record")
+        for symbol, of in labels.items():
+            name = f"groups of {symbol}"
+            labels[symbol] = names(
+                name, of if isinstance(of, str) else map(str, items(name, of, "labels"))
+            )
+        object.__setattr__(self, "groups", labels)
         if FRICTION not in self.terms:
             raise ValueError(
                 f"a law needs the friction force {FRICTION}, got the terms {', '.join(self.terms) or 'none'}"
@@ -125,11 +134,6 @@ def law_of(
     terms : default, F_k, c and those that are given; the others as in `Law`. Names and labels may be a text with commas
     between them. Raises ValueError naming what is wrong.
     """
-    known = {} if given is None else mapping("given", given, "a mapping of symbols to coefficients")
-    wanted = "a mapping of symbols to a label for each record"
-    labels = {} if groups is None else mapping("groups", groups, wanted)
-    for symbol, of in labels.items():
-        told = of if isinstance(of, str) else map(str, items(f"groups of {symbol}", of, "labels"))
-        labels[symbol] = names(f"groups of {symbol}", told)
+    known = {} if given is None else mapping("given", given, _GIVEN)
     asked = () if terms is None else names("terms", terms)
-    return Law(asked or (*Law().terms, *known), known, labels)
+    return Law(asked or (*Law().terms, *known), known, {} if groups is None else groups)  # type: ignore[arg-type]

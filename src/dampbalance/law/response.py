@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import instance, numbers
+from ..arguments import SMALLEST, instance, numbers
 from ..arrays import Array
 from ..model import BaseMotion, Oscillator
 from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
@@ -170,7 +170,12 @@ def law_transient(
     contact cannot have, an end before the start, a motion that takes too long to follow.
     """
     eq = equation(oscillator, motion, law)
-    state, span = start_and_span(oscillator, (x, v, z), (start, end))
+    (x, v, z), span = start_and_span(oscillator, (x, v, z), (start, end))
+    state = (
+        x if abs(x) > SMALLEST else 0.0,
+        v if abs(v) > SMALLEST else 0.0,
+        z,
+    )  # else it underflows
     speed = max(abs(state[1]), abs(state[0]) * oscillator.omega_n, eq.omega * eq.Y)
     _require_followed(eq, span[1] - span[0], speed)
     return _trajectory(eq, law, state, span, 0.0)

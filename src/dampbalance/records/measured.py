@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ..arguments import items, whole
+from ..arguments import items, path, whole
 from ..project.files import sha256
 from ..project.wording import listed, visible
 from .errors import RecordError, RecordWarning
@@ -138,7 +138,7 @@ def read_records(
         if isinstance(one, MeasuredRecord):
             found.append(one)
         elif isinstance(one, str | Path):
-            found.append(_of_file(Path(one), mapping, largest))
+            found.append(_of_file(path("each record", one, "a file"), mapping, largest))
         else:
             names = {record.name for record in found}
             found.append(_in_memory(one, number, names, mapping, largest))

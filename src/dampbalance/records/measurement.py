@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import floats, instance, items, mapping, one_of
+from ..arguments import floats, instance, items, mapping, one_of, text
 from ..arrays import Array, ReadOnly
-from ..project.wording import shortened
 from .correction import Correction
 from .limits import LARGEST_VALUE, LATEST
 
@@ -44,10 +43,8 @@ class Channel:
     correction: Correction | None = None
 
     def __post_init__(self) -> None:
-        name: object = self.name
-        if not isinstance(name, str):
-            raise ValueError(f"the name of a channel must be a text, got {shortened(name)}")
-        one_of(f"channel {name!r}: its quantity", self.quantity, QUANTITIES)
+        text("the name of a channel", self.name)
+        one_of(f"channel {self.name!r}: its quantity", self.quantity, QUANTITIES)
         object.__setattr__(self, "name", self.name or self.quantity)
         for field in ("t", "values"):
             try:
@@ -106,9 +103,7 @@ class Measurement:
     channels: Mapping[str, Channel]
 
     def __post_init__(self) -> None:
-        source: object = self.source
-        if not isinstance(source, str):
-            raise ValueError(f"the source must be a text, got {shortened(source)}")
+        text("source", self.source)
         channels = mapping("channels", self.channels, "a mapping of quantities to channels")
         object.__setattr__(self, "channels", ReadOnly(channels))
         for quantity, channel in channels.items():

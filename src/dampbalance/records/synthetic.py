@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..arguments import instance, mapping, names, number, whole
+from ..arguments import instance, mapping, names, number, shown, whole
 from ..arrays import Array
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit
 from ..motion.transient import transient
-from ..project.wording import shortened
 from .limits import LARGEST
 from .measurement import QUANTITIES, RESPONSES, Channel, Measurement
 
@@ -54,7 +53,7 @@ def measured_orbit(
     (['base_displacement', 'displacement'], 5714)
     """
     if not isinstance(getattr(orbit, "motion", None), BaseMotion):
-        raise ValueError(f"orbit must be a steady orbit, got {shortened(orbit)}")
+        raise ValueError(f"orbit must be a steady orbit, got {shown(orbit)}")
     motion = orbit.motion
     rate_hz, cycles, start = (
         number("rate_hz", rate_hz),

@@ -84,6 +84,8 @@ def _columns(signals: Signals) -> dict[str, Any]:
 
 def _samples(values: Any) -> tuple[Any, bool]:
     """The samples of a signal, and whether they are points in time, then in s from the first on."""
+    if isinstance(values, list | tuple):
+        values = [None if one is np.ma.masked else one for one in values]
     kind = str(getattr(values, "dtype", ""))
     if kind.startswith(("datetime64", "timestamp")):  # of NumPy or pandas, of Arrow
         masked = np.ma.getmask(values)
