@@ -31,7 +31,7 @@ def signals_file(name: str, signals: Signals) -> Sliced:
     """
     path = Path(name)
     columns = _columns(signals)
-    told = {key: value for key, value in columns.items() if np.ndim(value) == 0}
+    told = {k: v for k, v in columns.items() if not isinstance(v, list | tuple) and not np.ndim(v)}
     unknown = [key for key in told if key.lower() not in TIMING_NAMES]
     if unknown:
         raise RecordError(
