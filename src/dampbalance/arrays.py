@@ -1,8 +1,9 @@
-"""Types of arrays, named once for the whole package."""
+"""Types of arrays, and a mapping that stays as it is, named once for the whole package."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,3 +15,25 @@ Codes = NDArray[np.uint8]
 Integers = NDArray[np.int64]
 Words = NDArray[Any]
 """Words or other objects."""
+
+Key = TypeVar("Key")
+Value = TypeVar("Value", covariant=True)
+
+
+class ReadOnly(Mapping[Key, Value]):
+    """A mapping that nobody changes; unlike MappingProxyType it can be copied and pickled."""
+
+    def __init__(self, items: Mapping[Key, Value]) -> None:
+        self._items = dict(items)
+
+    def __getitem__(self, key: Key) -> Value:
+        return self._items[key]
+
+    def __iter__(self) -> Iterator[Key]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __repr__(self) -> str:
+        return repr(self._items)

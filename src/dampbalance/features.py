@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import Array, Words
+from .arguments import floats, one_of
+from .arguments import names as names_of
+from .arrays import Array, ReadOnly, Words
 from .motion.orbit import Orbit
 from .motion.orbits import Orbits
 from .motion.regime import Regime
@@ -96,13 +97,13 @@ class Features:
     integrals: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        shape = np.shape(self.Y)
+        shape = floats(self.Y).shape
         for name in _FIELDS:
             kind = object if name == _REGIME else np.float64
             object.__setattr__(self, name, _fitted(name, getattr(self, name), kind, shape))
         if self.integrals:
             fitted = {s: _fitted(s, g, np.float64, shape) for s, g in self.integrals.items()}
-            object.__setattr__(self, "integrals", MappingProxyType(fitted))
+            object.__setattr__(self, "integrals", ReadOnly(fitted))
 
     def __len__(self) -> int:
         return len(self.Y)
@@ -116,12 +117,7 @@ class Features:
 
     def with_phase(self, phase: str) -> Self:
         """These features with `phi` the phase named: "reversal", "zero_crossing" or "fundamental"."""
-        name = f"phi_{phase}"
-        if name not in COLUMNS:
-            raise ValueError(
-                f'phase must be "reversal", "zero_crossing" or "fundamental", got {phase!r}'
-            )
-        return self.replaced(phi=getattr(self, name))
+        return self.replaced(phi=getattr(self, f"phi_{one_of('phase', phase, get_args(Phase))}"))
 
     def with_common(self, *names: str) -> Self:
         """These features, each of those named replaced by its mean over the levels that have it, case by case.
@@ -130,7 +126,7 @@ class Features:
         the feature goes on lacking it.
         """
         common = {}
-        for name in names:
+        for name in names_of("features", names, COLUMNS):
             values: Array = getattr(self, name)
             exists = np.isfinite(values)
             with np.errstate(invalid="ignore"):  # no level has it: NaN
@@ -188,7 +184,12 @@ _FIELDS = ("omega", *COLUMNS, _REGIME)
 
 def _fitted(name: str, given: Any, kind: Any, shape: tuple[int, ...]) -> Any:
     """Values as a read-only array of that shape."""
-    values = np.asarray(given, dtype=kind)
+    try:
+        values = np.asarray(given, dtype=kind) if kind is object else floats(given)
+    except ValueError as error:
+        raise ValueError(
+            f"Features.{name} must hold numbers, NaN where there is none, not {error}"
+        ) from None
     if values.shape == shape:  # faster than broadcasting, of which many are made
         values = values.view()
         values.flags.writeable = False

@@ -28,6 +28,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arguments import instance, number, numbers
 from .arrays import Array
 
 
@@ -38,7 +39,7 @@ class Oscillator:
     m : mass, kg, > 0.   c : viscous damping, N s/m, ≥ 0.   k : stiffness, N/m, > 0.
     K_z : contact stiffness, N/m, > 0 and finite.   F_k : friction force in slip, N, ≥ 0.
 
-    Raises ValueError (naming the field) for a value outside its range, TypeError for one that is not a number.
+    Raises ValueError naming the field and what it may be.
     """
 
     m: float
@@ -49,8 +50,6 @@ class Oscillator:
 
     def __post_init__(self) -> None:
         _require_numbers(self)
-        _require_positive(self, "m", "k", "K_z")
-        _require_not_negative(self, "c", "F_k")
 
     @property
     def omega_n(self) -> float:
@@ -74,7 +73,7 @@ class BaseMotion:
 
     Y : amplitude, m, > 0.   omega : circular frequency, rad/s, > 0 (ω = 2π f; the paper gives f in Hz).
 
-    Raises ValueError (naming the field) for a value outside its range, TypeError for one that is not a number.
+    Raises ValueError naming the field and what it may be.
     """
 
     Y: float
@@ -82,7 +81,6 @@ class BaseMotion:
 
     def __post_init__(self) -> None:
         _require_numbers(self)
-        _require_positive(self, "Y", "omega")
 
     @property
     def period(self) -> float:
@@ -91,7 +89,7 @@ class BaseMotion:
 
     def y(self, t: ArrayLike) -> Array:
         """Displacement of the base, m, at the times t, s (any shape)."""
-        return self.Y * np.cos(self.omega * np.asarray(t, dtype=float))
+        return self.Y * np.cos(self.omega * numbers("t", t))
 
 
 class Parameters(NamedTuple):
@@ -107,41 +105,16 @@ class Parameters(NamedTuple):
 
 
 def parameters(oscillator: Oscillator, motion: BaseMotion | None) -> Parameters:
-    """The numbers of an oscillator and its excitation; None for a base at rest, Y = 0."""
-    o = oscillator
+    """The numbers of an oscillator and its excitation; None for a base at rest, Y = 0. Raises ValueError for others."""
+    o = instance("oscillator", oscillator, Oscillator)
+    if motion is not None:
+        instance("motion", motion, BaseMotion)
     Y, omega = (0.0, 0.0) if motion is None else (motion.Y, motion.omega)
     return Parameters(o.m, o.c, o.k, o.K_z, o.F_k, Y, omega)
-
-
-def finite_number(name: str, value: object, remedy: str = "") -> float:
-    """The value as a float; TypeError or ValueError naming it if it is not a number or not finite."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise TypeError(f"{name} must be a number, got {value!r}")
-    if not math.isfinite(value):
-        raise ValueError(f"{name} must be finite, got {value!r}{remedy}")
-    return float(value)
 
 
 def _require_numbers(model: Oscillator | BaseMotion) -> None:
     # __match_args__ names the fields, and `dataclasses.fields` costs more than the checks
     for field in model.__match_args__:
-        name = f"{type(model).__name__}.{field}"
-        remedy = "; use a large finite K_z for a rigid contact" if field == "K_z" else ""
-        value = finite_number(name, getattr(model, field), remedy)
+        value = number(field, getattr(model, field), f"{type(model).__name__}.{field}")
         object.__setattr__(model, field, value)
-
-
-def _require_positive(model: Oscillator | BaseMotion, *names: str) -> None:
-    for name in names:
-        if not getattr(model, name) > 0.0:
-            raise ValueError(
-                f"{type(model).__name__}.{name} must be positive, got {getattr(model, name)!r}"
-            )
-
-
-def _require_not_negative(model: Oscillator | BaseMotion, *names: str) -> None:
-    for name in names:
-        if getattr(model, name) < 0.0:
-            raise ValueError(
-                f"{type(model).__name__}.{name} must not be negative, got {getattr(model, name)!r}"
-            )

@@ -7,11 +7,12 @@ they are known. It knows nothing of the oscillator: `reading/clean.py` reads fea
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arguments import floats
 from .arrays import Array
 
 if TYPE_CHECKING:
@@ -112,17 +113,18 @@ class Record:
         missing = [COLUMNS[name] for name in ("t", "y", "x") if COLUMNS[name] not in frame.columns]
         if missing:
             raise ValueError(f"a record needs the columns {missing}, found {list(frame.columns)}")
-        signals = {
-            name: frame[column].to_numpy(dtype=np.float64)
-            for name, column in COLUMNS.items()
-            if column in frame.columns
+        signals: dict[str, Any] = {
+            name: frame[column] for name, column in COLUMNS.items() if column in frame.columns
         }
         return cls(**signals)
 
 
 def _signal(name: str, values: ArrayLike) -> Array:
     """A read-only float copy of the signal, one-dimensional and finite."""
-    signal = np.array(values, dtype=np.float64)
+    try:
+        signal = floats(values).copy()
+    except ValueError as error:
+        raise ValueError(f"Record.{name} must be numbers, not {error}") from None
     if signal.ndim != 1:
         raise ValueError(f"Record.{name} must be one-dimensional, got shape {signal.shape}")
     if signal.size < 3:

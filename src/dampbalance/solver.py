@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arguments import numbers
 from .arrays import Array, Integers
 from .balance import Rows
 from .factorisation import solve_cases
@@ -193,13 +194,13 @@ def contact_stiffness(F_k: ArrayLike, X: ArrayLike, X_s: ArrayLike) -> Array:
     F_k : N.   X, X_s : m (X_s < 0), any shapes that broadcast; NaN where X_s is NaN.
     Raises ValueError where X_s lies at or beyond −X: a microstick line without length has no stiffness.
     """
-    swing = np.asarray(X, dtype=float) + np.asarray(X_s, dtype=float)
+    swing = numbers("X", X, missing=True) + numbers("X_s", X_s, missing=True)
     if np.any(swing <= 0.0):
         raise ValueError(
             f"X + X_s must be positive to give a contact stiffness, got {float(np.nanmin(swing)):.3g} m: "
             "read X and X_s with more digits, or take the contact as rigid"
         )
-    stiffness: Array = np.asarray(2.0 * np.asarray(F_k, dtype=float) / swing)
+    stiffness: Array = np.asarray(2.0 * numbers("F_k", F_k, missing=True) / swing)
     return stiffness
 
 

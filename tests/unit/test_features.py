@@ -86,7 +86,7 @@ def test_phases_are_chosen_by_name():
     assert features.phi[0] == features.phi_reversal[0]
     assert features.with_phase("zero_crossing").phi[0] == features.phi_zero_crossing[0]
     assert features.with_phase("fundamental").phi[0] == features.phi_fundamental[0]
-    with pytest.raises(ValueError, match='phase must be "reversal"'):
+    with pytest.raises(ValueError, match="phase must be one of reversal, "):
         features.with_phase("peak")
 
 

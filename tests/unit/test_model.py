@@ -69,28 +69,34 @@ def test_values_cannot_be_changed():
     with pytest.raises(dataclasses.FrozenInstanceError):
         BaseMotion(**MOTION).Y = 3.0
     # but a changed copy is checked like any other
-    with pytest.raises(ValueError, match=r"Oscillator\.m must be positive"):
+    with pytest.raises(ValueError, match=r"Oscillator\.m must be a positive number of kg"):
         dataclasses.replace(Oscillator(**PAPER), m=-1.0)
 
 
 @pytest.mark.parametrize(("kind", "values", "name"), POSITIVE, ids=ids)
 @pytest.mark.parametrize("bad", [0.0, -0.0, -1.0, -5e-324])
 def test_positive_fields(kind, values, name, bad):
-    with pytest.raises(ValueError, match=rf"^{kind.__name__}\.{name} must be positive, got {bad}$"):
+    with pytest.raises(
+        ValueError, match=rf"^{kind.__name__}\.{name} must be a positive number of .*, got {bad}"
+    ):
         kind(**values | {name: bad})
 
 
 @pytest.mark.parametrize(("kind", "values", "name"), NOT_NEGATIVE, ids=ids)
 def test_fields_that_may_be_zero(kind, values, name):
     assert getattr(kind(**values | {name: 0}), name) == 0.0
-    with pytest.raises(ValueError, match=rf"^{kind.__name__}\.{name} must not be negative, got -1"):
+    with pytest.raises(
+        ValueError, match=rf"^{kind.__name__}\.{name} must be a number of .*, 0 to 1e\+30, got -1"
+    ):
         kind(**values | {name: -1.0})
 
 
 @pytest.mark.parametrize(("kind", "values", "name"), FIELDS, ids=ids)
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_values_must_be_finite(kind, values, name, bad):
-    with pytest.raises(ValueError, match=rf"^{kind.__name__}\.{name} must be finite, got {bad}"):
+    with pytest.raises(
+        ValueError, match=rf"^{kind.__name__}\.{name} must be a .*number of .*, got {bad}"
+    ):
         kind(**values | {name: bad})
 
 
@@ -99,7 +105,9 @@ def test_values_must_be_finite(kind, values, name, bad):
     "bad", ["1e-6", True, None, 1j, [1.0], np.array([1.0]), Fraction(1, 2)], ids=lambda b: repr(b)
 )
 def test_values_must_be_numbers(kind, values, name, bad):
-    with pytest.raises(TypeError, match=rf"^{kind.__name__}\.{name} must be a number, got "):
+    with pytest.raises(
+        ValueError, match=rf"^{kind.__name__}\.{name} must be a .*number of .*, got "
+    ):
         kind(**values | {name: bad})
 
 

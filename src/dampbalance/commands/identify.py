@@ -8,9 +8,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, get_args
 
+from ..arguments import MOST_REPLICATES
 from ..balance import APPROACHES
 from ..features import Phase
-from ..identification.identify import MOST_REPLICATES, REPLICATES, SEED
+from ..identification.identify import REPLICATES, SEED
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, write_json
@@ -67,10 +68,11 @@ def run(options: argparse.Namespace) -> None:
     shown_as_json = options.json == _SCREEN
     document: Path | None = None if shown_as_json else options.json
     # before anything is computed
+    permission = "" if options.overwrite else "--overwrite"
     if folder is not None:
-        require_room(folder, (*TABLES, *ALL_PICTURES), options.overwrite)
+        require_room(folder, (*TABLES, *ALL_PICTURES), permission)
     if document is not None:
-        require_room(document.parent, [document.name], options.overwrite)
+        require_room(document.parent, [document.name], permission)
     found = identify(
         options.records,
         options.stiffness,

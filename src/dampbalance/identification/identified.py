@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
+from ..arguments import flag, one_of, path
 from ..motion.jit import interpreted
 from ..project.files import write_json, write_rows, write_text
 from ..records.measured import MeasuredRecord
@@ -122,9 +123,7 @@ class Identified(ABC):
 
         Raises ValueError for a name that is none of them.
         """
-        name = self.figures[0] if figure is None else figure
-        if name not in self.figures:
-            raise ValueError(f"no figure {name!r}; there are {', '.join(self.figures)}")
+        name = self.figures[0] if figure is None else one_of("figure", figure, self.figures)
         with warnings.catch_warnings():  # a name in a script that the font lacks shows as boxes
             warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
             return self._draw(name)()
@@ -147,9 +146,10 @@ class Identified(ABC):
 
         Raises ValueError where results are there already and may not be replaced, or nothing can be written.
         """
-        folder = Path(folder)
-        require_room(folder, (*TABLES, *ALL_PICTURES), overwrite)
-        pictures = pictures_of(self.figures) if figures else ()
+        folder = path("folder", folder, "the path of a folder")
+        remedy = "" if flag("overwrite", overwrite) else "overwrite=True"
+        require_room(folder, (*TABLES, *ALL_PICTURES), remedy)
+        pictures = pictures_of(self.figures) if flag("figures", figures) else ()
         for name in set(ALL_PICTURES) - set(pictures):
             (folder / name).unlink(missing_ok=True)
         if figures:

@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import number, whole
 from ..arrays import Array, Mask
 from ..balance import APPROACHES, Approach, Rows
 from ..features import Features, Phase, stack
@@ -44,9 +45,6 @@ from .result import (
 )
 
 REPLICATES = 1000
-MOST_REPLICATES = 10_000
-"""More tell nothing new: the standard error of a standard error is 0.7 % of it then."""
-
 SEED = 2010
 
 _COPIED = 1e-9  # of the largest harmonic: what writing a record in another format may change
@@ -78,8 +76,8 @@ def identify_readings(
     """
     law = law or Law()
     _require(readings, k, law, approaches, replicates)
-    if mass is not None and not (math.isfinite(mass) and mass > 0.0):
-        raise ValueError(f"the mass must be a positive number of kg, got {mass}")
+    if mass is not None:
+        number("mass", mass)
     whole = whole_oscillator([reading.lines for reading in readings], k, mass, law)
     readings = joined(readings, whole, law)
     samples = read_samples(readings, replicates, np.random.default_rng(seed))
@@ -112,16 +110,14 @@ def _require(
     approaches: Mapping[str, Approach],
     replicates: int,
 ) -> None:
-    if not (math.isfinite(k) and k > 0.0):
-        raise ValueError(f"the stiffness k must be a positive number of N/m, got {k}")
+    number("stiffness", k)
+    whole("replicates", replicates)
     law.require([reading.steady.frequency_hz for reading in readings])
     for reading in readings:
         if reading.steady.k != k:
             raise ValueError(
                 f"{reading.steady.source} was read with k = {reading.steady.k:g} N/m, not with {k:g} N/m"
             )
-    if not 2 <= replicates <= MOST_REPLICATES:
-        raise ValueError(f"replicates must be 2 to {MOST_REPLICATES}, got {replicates}")
     for reading, other in itertools.combinations(readings, 2):
         if _same(reading, other):
             raise ValueError(

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
+from ..arguments import flag, names, number, one_of, whole
 from ..balance import APPROACHES, TERMS
 from ..features import Phase
 from ..law.law import Law, law_of
@@ -39,11 +40,11 @@ def identify(
     kind: Kind = "recognised",
     frequency: float | None = None,
     mass: float | None = None,
-    terms: Sequence[str] | None = None,
+    terms: Sequence[str] | str | None = None,
     given: Mapping[str, float] | None = None,
-    groups: Mapping[str, Sequence[str]] | None = None,
+    groups: Mapping[str, Sequence[str] | str] | None = None,
     laws: bool = False,
-    approaches: Sequence[str] | None = None,
+    approaches: Sequence[str] | str | None = None,
     phase: Phase = "reversal",
     skip_cycles: int = 0,
     replicates: int = REPLICATES,
@@ -67,10 +68,12 @@ def identify(
     skip_cycles : left out at the start of each record.   replicates, seed : of the bootstrap.
     largest : numbers (samples × channels) that may be read of a record.
 
-    Free decays know F_k and c alone, and take stiffness, mass, mapping and largest.
+    Free decays know F_k and c alone, and take stiffness, mass, mapping and largest. Names and labels in order (terms,
+    approaches, those of groups) may be a text with commas between them, as on the command line: terms="F_k,c".
 
-    Raises ValueError (for a record, `RecordError`) naming record, what is wrong and the remedy: a record that cannot be
-    used, records of both kinds, fewer of them than unknowns, a stiffness or mass that is not positive.
+    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
+    that is outside its range or of another kind, a record that cannot be used, records of both kinds, fewer of them
+    than unknowns.
 
     >>> import math
     >>> from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady_orbit
@@ -89,15 +92,18 @@ def identify(
     >>> found.verdicts["F_k"].verdict
     'usable'
     """
-    if kind not in get_args(Kind):
-        raise ValueError(f"kind must be one of {', '.join(get_args(Kind))}, got {kind!r}")
+    one_of("kind", kind, get_args(Kind))
+    one_of("phase", phase, get_args(Phase))
+    stiffness, laws = number("stiffness", stiffness), flag("laws", laws)
+    frequency = None if frequency is None else number("frequency", frequency)
+    mass = None if mass is None else number("mass", mass)
+    skip_cycles, replicates = whole("skip_cycles", skip_cycles), whole("replicates", replicates)
+    seed, largest = whole("seed", seed), whole("largest", largest)
+    asked = () if approaches is None else names("approaches", approaches, APPROACHES)
+    chosen = [name for name in APPROACHES if not asked or name in asked]
+    law = law_of(terms, given, groups)
     read = read_records(records, mapping=mapping, largest=largest)
     _require_different(read)
-    law = law_of(terms, given, groups)
-    unknown = sorted(set(approaches or ()) - set(APPROACHES))
-    if unknown:
-        raise ValueError(f"unknown approaches {unknown}; known are {', '.join(APPROACHES)}")
-    chosen = [name for name in APPROACHES if not approaches or name in approaches]
     stated = str(mapping) if isinstance(mapping, str | Path) else None
     if kind != "ring-down":
         options: dict[str, Any] = {
@@ -121,14 +127,14 @@ def identify(
         except NotDriven:
             if kind == "forced":
                 raise
-    of_forced = {
+    of_forced: dict[str, tuple[object, object]] = {
         "frequency": (frequency, None),
         "skip_cycles": (skip_cycles, 0),
-        "approaches": (approaches, None),
+        "approaches": (asked, ()),
         "phase": (phase, "reversal"),
-        "terms": (tuple(terms or TERMS), tuple(TERMS)),
-        "given": (given or None, None),
-        "groups": (groups or None, None),
+        "terms": (law.terms, tuple(TERMS)),
+        "given": (dict(law.given), {}),
+        "groups": (dict(law.groups), {}),
         "laws": (laws, False),
     }
     for name, (value, default) in of_forced.items():

@@ -27,8 +27,11 @@ RING_DOWN_FIGURES = ("decays",)
 ALL_PICTURES = (*PICTURES, *pictures_of(RING_DOWN_FIGURES))
 
 
-def require_room(folder: Path, names: Iterable[str], overwrite: bool) -> None:
-    """ValueError where results of those names could not be written to a folder, or would replace others unasked."""
+def require_room(folder: Path, names: Iterable[str], permission: str) -> None:
+    """ValueError where results of those names could not be written to a folder, or would replace others unasked.
+
+    permission : what a caller would have to say so that they may be replaced; empty where they may.
+    """
     from ..records.readers.formats import require_showable  # slow to import
 
     require_showable(folder)
@@ -38,7 +41,7 @@ def require_room(folder: Path, names: Iterable[str], overwrite: bool) -> None:
     if not os.access(there, os.W_OK):
         raise ValueError(f"{there} cannot be written to: choose another folder for the results")
     found = [name for name in names if (folder / name).exists()]
-    if found and not overwrite:
+    if found and permission:
         raise ValueError(
-            f"{folder} holds {found[0]} already: choose another folder, or add --overwrite"
+            f"{folder} holds {found[0]} already: choose another folder, or add {permission}"
         )

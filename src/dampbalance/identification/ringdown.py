@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arguments import number
 from ..arrays import Array
 from ..balance import TERMS, Rows
 from ..project.wording import times, visible
@@ -88,9 +89,9 @@ def identify_ring_downs(
     Raises ValueError for a stiffness or a mass that is not positive, a record whose drive moves, one without a decay
     that slips, and a channel with a filter.
     """
-    for name, value in (("stiffness k", k), ("mass", mass)):
-        if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise ValueError(f"the {name} must be a positive number, got {value}")
+    number("stiffness", k)
+    if mass is not None:
+        number("mass", mass)
     fits: list[RingFit] = []
     warnings: list[str] = []
     offsets = 0

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from ..arguments import items, mapping, names, number
 from .terms import FRICTION, KNOWN_TERMS, in_order, of_group, parted, term
 
+_GIVEN = "a mapping of symbols to coefficients"
 _ALIKE = 1.001  # of two frequencies: nearer ones are one
 
 
@@ -28,7 +29,15 @@ class Law:
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "terms", in_order(self.terms))
+        object.__setattr__(self, "terms", in_order(names("terms", self.terms)))
+        object.__setattr__(self, "given", mapping("given", self.given, _GIVEN))
+        labels = mapping("groups", self.groups, "a mapping of symbols to a label for each record")
+        for symbol, of in labels.items():
+            name = f"groups of {symbol}"
+            labels[symbol] = names(
+                name, of if isinstance(of, str) else map(str, items(name, of, "labels"))
+            )
+        object.__setattr__(self, "groups", labels)
         if FRICTION not in self.terms:
             raise ValueError(
                 f"a law needs the friction force {FRICTION}, got the terms {', '.join(self.terms) or 'none'}"
@@ -40,17 +49,15 @@ class Law:
                         f"{symbol} is {what} and no term of the law: add it to the terms {', '.join(self.terms)}"
                     )
         for symbol, value in self.given.items():
-            if not (math.isfinite(value) and value >= 0.0) or (symbol == FRICTION and value == 0.0):
-                least = "positive" if symbol == FRICTION else "zero or more"
-                raise ValueError(
-                    f"the given {symbol} must be {least}, {KNOWN_TERMS[symbol].unit or 'a number'}, got {value}"
-                )
+            label = f"the given {symbol} ({KNOWN_TERMS[symbol].unit or 'no unit'})"
+            if number("given", value, label) == 0.0 and symbol == FRICTION:
+                raise ValueError(f"the given {symbol} must be a positive number of N, got {value}")
             if symbol in self.groups:
                 raise ValueError(
                     f"{symbol} is given and cannot have groups: leave out one of the two"
                 )
         for symbol, labels in self.groups.items():
-            if not all(label and not set(label) & set("[]") for label in labels):
+            if not labels or not all(label and not set(label) & set("[]") for label in labels):
                 raise ValueError(
                     f"the groups of {symbol} must be names without brackets, one for each record, got {list(labels)}"
                 )
@@ -118,12 +125,15 @@ class Law:
 
 
 def law_of(
-    terms: Sequence[str] | None,
+    terms: Sequence[str] | str | None,
     given: Mapping[str, float] | None,
-    groups: Mapping[str, Sequence[str]] | None,
+    groups: Mapping[str, Sequence[str] | str] | None,
 ) -> Law:
     """The law that is asked for.
 
-    terms : default, F_k, c and those that are given; the others as in `Law`. Raises ValueError naming what is wrong."""
-    known, labels = dict(given or {}), {s: tuple(map(str, of)) for s, of in (groups or {}).items()}
-    return Law(tuple(terms) if terms else (*Law().terms, *known), known, labels)
+    terms : default, F_k, c and those that are given; the others as in `Law`. Names and labels may be a text with commas
+    between them. Raises ValueError naming what is wrong.
+    """
+    known = {} if given is None else mapping("given", given, _GIVEN)
+    asked = () if terms is None else names("terms", terms)
+    return Law(asked or (*Law().terms, *known), known, {} if groups is None else groups)  # type: ignore[arg-type]

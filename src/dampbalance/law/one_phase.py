@@ -18,6 +18,7 @@ import numpy as np
 from scipy.integrate import OdeSolution, solve_ivp
 from scipy.optimize import brentq
 
+from ..arguments import instance, mapping, number
 from ..arrays import Array
 from ..model import BaseMotion, Oscillator
 from .terms import FRICTION, Term, parted, term
@@ -89,10 +90,14 @@ def equation(
 ) -> Equation:
     """The equation of motion under a law: symbol → coefficient of the terms besides friction and the oscillator's c.
 
-    Raises ValueError naming the term: unknown, a coefficient that is negative or not finite, one that the oscillator
-    has already, structural damping with the base at rest.
+    Raises ValueError naming the term: unknown, a coefficient that is negative or no number, one that the oscillator has
+    already, structural damping with the base at rest.
     """
-    for symbol, p in law.items():
+    instance("oscillator", oscillator, Oscillator)
+    if motion is not None:
+        instance("motion", motion, BaseMotion)
+    coefficients = mapping("law", law, "a mapping of symbols to coefficients")
+    for symbol, p in coefficients.items():
         words = term(symbol).words
         if parted(symbol)[1] is not None:
             raise ValueError(f"{symbol} is the {words} of a group of records: name the term alone")
@@ -100,14 +105,14 @@ def equation(
             raise ValueError(
                 f"the {words} is that of the oscillator: set Oscillator.{symbol}, not the law's"
             )
-        if not (math.isfinite(p) and p >= 0.0):
-            raise ValueError(f"{symbol} ({words}) must be finite and zero or more, got {p!r}")
-    if motion is None and law.get("eta", 0.0) > 0.0:
+        coefficients[symbol] = number("given", p, f"{symbol} ({words})")
+    if motion is None and coefficients.get("eta", 0.0) > 0.0:
         raise ValueError(
             "structural damping eta is a force at the frequency of a drive, and the base is at rest: set Oscillator.c "
             "to eta k/ω of the frequency that is meant"
         )
-    terms = tuple((p, term(symbol)) for symbol, p in {"c": oscillator.c, **law}.items() if p > 0.0)
+    coefficients = {"c": oscillator.c, **coefficients}
+    terms = tuple((p, term(symbol)) for symbol, p in coefficients.items() if p > 0.0)
     return Equation(oscillator, motion, terms)
 
 

@@ -15,11 +15,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import SMALLEST, instance, numbers
 from ..arrays import Array
-from ..model import BaseMotion, Oscillator, finite_number
+from ..model import BaseMotion, Oscillator
 from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.states import State
+from ..motion.transient import start_and_span
 from .one_phase import Equation, Piece, Point, equation, follow
 
 _MOST_PHASES = 16384  # of half a period
@@ -30,6 +32,7 @@ _SINGULAR = 1e-9  # of 1 + ∂Φ/∂s, about π times the damping ratio: less is
 _EQUIVALENCES = 12  # repetitions of the equivalent damper, each of which halves its error or better
 _REACHED = 1e-15  # of half a period: what is left of it is rounding
 _NOTHING = np.empty((3, 0))
+_MOST_RADIANS = 3e5  # a few minutes of computing
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +75,7 @@ class LawTrajectory:
 
     def state(self, t: ArrayLike) -> State:
         """(x, ẋ, ẍ, z) at the times t, s, any shape, within the span of the trajectory; ValueError outside it."""
-        times = np.asarray(t, dtype=float)
+        times = numbers("t", t)
         start = self.phases[0, PHASE_T]
         if times.size and not (times.min() >= start and times.max() <= self.end):
             raise ValueError(f"times must lie within [{start}, {self.end}] s")
@@ -138,7 +141,7 @@ class LawOrbit:
 
     def state(self, t: ArrayLike) -> State:
         """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
-        times = np.asarray(t, dtype=float)
+        times = numbers("t", t)
         half = 0.5 * self.motion.period
         since = np.mod(times - self.theta / self.motion.omega, 2.0 * half)
         mirrored = since >= half
@@ -163,17 +166,19 @@ def law_transient(
     law : symbol → coefficient, SI, of the terms besides friction and c, which are the oscillator's.
     x : displacement, m.   v : velocity, m/s.   z : deflection of the contact spring, m, |z| ≤ Z_m.
 
-    Raises ValueError for a law that makes no sense (see `one_phase.equation`), a state that the contact cannot have or
-    an end before the start, TypeError for a value that is not a number.
+    Raises ValueError for a law that makes no sense (see `one_phase.equation`), what is no number, a state that the
+    contact cannot have, an end before the start, a motion that takes too long to follow.
     """
-    state = finite_number("x", x), finite_number("v", v), finite_number("z", z)
-    start, end = finite_number("start", start), finite_number("end", end)
-    if abs(z) > oscillator.Z_m:
-        raise ValueError(f"z must lie within ±Z_m = ±{oscillator.Z_m:.6g} m, got {z!r}")
-    if not end > start:
-        raise ValueError(f"end must be later than start = {start!r}, got {end!r}")
     eq = equation(oscillator, motion, law)
-    return _trajectory(eq, law, state, (start, end), 0.0)
+    (x, v, z), span = start_and_span(oscillator, (x, v, z), (start, end))
+    state = (
+        x if abs(x) > SMALLEST else 0.0,
+        v if abs(v) > SMALLEST else 0.0,
+        z,
+    )  # else it underflows
+    speed = max(abs(state[1]), abs(state[0]) * oscillator.omega_n, eq.omega * eq.Y)
+    _require_followed(eq, span[1] - span[0], speed)
+    return _trajectory(eq, law, state, span, 0.0)
 
 
 def law_orbit(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, float]) -> LawOrbit:
@@ -182,9 +187,10 @@ def law_orbit(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, floa
     law : symbol → coefficient, SI, of the terms besides friction and c, which are the oscillator's.
 
     Raises NoSteadyOrbit where there is none (nothing is lost, at resonance) or none was found, ValueError for a law
-    that makes no sense (see `one_phase.equation`).
+    that makes no sense (see `one_phase.equation`) and a motion that takes too long to follow.
     """
-    eq = equation(oscillator, motion, law)
+    eq = equation(oscillator, instance("motion", motion, BaseMotion), law)
+    _require_followed(eq, motion.period, eq.omega * eq.Y)
     state = _fixed_point(eq, motion, _nearby(eq, motion))
     if state is None:
         raise NoSteadyOrbit(
@@ -197,6 +203,17 @@ def law_orbit(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, floa
     reversal = float(lowest[PHASE_X]), 0.0, float(lowest[PHASE_Z])
     theta = motion.omega * float(lowest[PHASE_T])
     return LawOrbit(_trajectory(eq, law, reversal, (0.0, 0.5 * motion.period), theta))
+
+
+def _require_followed(eq: Equation, duration: float, speed: float) -> None:
+    """ValueError for a motion of so many seconds, and about such a speed, m/s, that takes too long to integrate."""
+    o = eq.oscillator
+    fastest = max(eq.omega, math.sqrt((o.k + o.K_z) / o.m), eq.slope(speed, 0.0) / o.m)
+    if duration * fastest > _MOST_RADIANS:
+        raise ValueError(
+            f"{duration:g} s are {duration * fastest:.2g} radians of the fastest motion of this oscillator, and no "
+            f"more than {_MOST_RADIANS:g} are followed under a law: give it more mass, or less damping and stiffness"
+        )
 
 
 def _trajectory(

@@ -21,6 +21,8 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import shown
+
 Force = Callable[[Any, Any, Any, Any], Any]
 """h, or ∂h/∂ẋ, of (ẋ, ẏ, k, ω), numbers or arrays; m/s, m/s, N/m, rad/s."""
 
@@ -46,6 +48,10 @@ class Term:
     slope: Force | None = None
     harmonic: Harmonic | None = None
     order: int = 0
+
+    def __reduce__(self) -> tuple[Callable[[str], Term], tuple[str]]:
+        """A copy is the term of that key again, as its functions cannot be pickled."""
+        return term, (self.symbol,)
 
     @property
     def linear(self) -> bool:
@@ -157,7 +163,7 @@ def term(key: str) -> Term:
     """
     symbol, group = parted(key)
     if symbol not in KNOWN_TERMS:
-        raise ValueError(f"unknown term {symbol!r}; known are {', '.join(KNOWN_TERMS)}")
+        raise ValueError(f"unknown term {shown(symbol)}; known are {', '.join(KNOWN_TERMS)}")
     found = KNOWN_TERMS[symbol]
     return (
         found

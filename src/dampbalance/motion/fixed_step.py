@@ -32,8 +32,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arguments import instance, number, one_of, whole
 from ..arrays import Array
-from ..model import BaseMotion, Oscillator, Parameters
+from ..model import BaseMotion, Oscillator, Parameters, parameters
 from ..record import Record
 from .jit import jit
 
@@ -46,6 +47,8 @@ MIN_STICK_SAMPLES = 20
 x leaves the reversal as t², so the last of N steps stretches the spring by up to 2 Z_m (2N − 1)/N² ≈ 4 Z_m/N: with 20
 samples the force overshoots F_k by up to a fifth, for one step, and t_s is read to 5 %.
 """
+
+_MOST_SAMPLES = 5e7
 
 
 class StepTooCoarse(ValueError):
@@ -146,29 +149,32 @@ def simulate(
     Raises ValueError for an unknown scheme or a number outside its range, StepTooCoarse when the solution grows
     without bound or a stick phase has fewer than `stick_samples` samples.
     """
-    if scheme not in SCHEMES:
-        raise ValueError(f"unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
-    if not 0.0 < step < motion.period:
+    one_of("scheme", scheme, SCHEMES)
+    parameters(osc, instance("motion", motion, BaseMotion))
+    if not number("step", step) < motion.period:
+        raise ValueError(f"step must be below the period {motion.period:g} s, got {step!r} s")
+    if not number("keep_cycles", keep_cycles) <= number("cycles", cycles):
         raise ValueError(
-            f"step must be positive and below the period {motion.period:g} s, got {step!r} s"
+            f"keep_cycles must be no more than the cycles, {cycles!r}, got {keep_cycles!r}"
         )
-    if not 0.0 < keep_cycles <= cycles < math.inf:
-        raise ValueError(
-            f"need 0 < keep_cycles ≤ cycles, got keep_cycles {keep_cycles!r}, cycles {cycles!r}"
-        )
-    C = osc.c / osc.m if c_over_m is None else c_over_m
-    K = osc.k / osc.m if k_over_m is None else k_over_m
+    C = osc.c / osc.m if c_over_m is None else number("c_over_m", c_over_m)
+    K = osc.k / osc.m if k_over_m is None else number("k_over_m", k_over_m)
     K_z, F = osc.K_z / osc.m, osc.F_k / osc.m
     unit_mass = Parameters(1.0, C, K, K_z, F, motion.Y, motion.omega)
     laws = np.stack([_linear_map(SCHEMES[scheme].step, C, k, step) for k in (K, K + K_z)])
     per_cycle = motion.period / step
+    if cycles * per_cycle > _MOST_SAMPLES:
+        raise ValueError(
+            f"{cycles:g} cycles are {cycles * per_cycle:.2g} steps of {step:g} s, more than {_MOST_SAMPLES:g}: take "
+            "fewer cycles or a longer step"
+        )
     first, last = math.floor((cycles - keep_cycles) * per_cycle), math.ceil(cycles * per_cycle)
     shortest, (x, v, acceleration) = _march(laws, unit_mass, step, first, last)
     if not np.all(np.isfinite(x)) or np.max(np.abs(x)) > 1e6 * motion.Y:
         raise StepTooCoarse(
             f"{scheme} with a step of {step:g} s is unstable here: take a smaller step"
         )
-    if shortest < stick_samples:
+    if shortest < whole("stick_samples", stick_samples):
         wanted = 0.9 * step * max(shortest, 1) / stick_samples
         raise StepTooCoarse(
             f"a step of {step:g} s leaves {shortest} samples in a stick phase, {stick_samples} are needed: "

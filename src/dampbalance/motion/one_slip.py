@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 
 from ..model import Parameters
+from .events import MOST_RADIANS
 from .flow import Phase, harmonic_response, phase_start, step_response, unit
 from .jit import jit
 
@@ -153,7 +154,10 @@ def velocity_keeps_sign(duration: float, phase: Phase, scale: float) -> bool:
     sends the case to the event-located simulation: the safe side.
     """
     v0, f0, A, delta, Omega2, omega = phase
-    n = max(6, math.ceil(2.5 * duration * max(omega, math.sqrt(Omega2))))
+    radians = duration * max(omega, math.sqrt(Omega2))
+    if radians > MOST_RADIANS:  # nor does the simulation follow it
+        return False
+    n = max(6, math.ceil(2.5 * radians))
     h = duration / n
     J, S, R = step_response(h, delta, Omega2)
     P, P_rate = harmonic_response(h, omega, delta, Omega2, J, S)

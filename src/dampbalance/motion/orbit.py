@@ -12,6 +12,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import instance, numbers, whole
 from ..arrays import Array, Complexes
 from ..model import BaseMotion, Oscillator, Parameters, parameters
 from .integrals import Measures, harmonics, measure
@@ -112,18 +113,20 @@ class Orbit:
 
     def harmonic(self, n: int) -> tuple[float, float]:
         """(X_n, φ_n) of x = Σ X_n cos(nωt − φ_n), m and rad, for n = 1, 3, 5. Even harmonics vanish by symmetry."""
-        if n not in (1, 3, 5):
+        if whole("n", n) not in (1, 3, 5):
             raise ValueError(f"harmonic n must be 1, 3 or 5, got {n!r}")
         return getattr(self._measures, f"X_{int(n)}"), getattr(self._measures, f"phi_{int(n)}")
 
     def harmonics(self, count: int) -> Complexes:
         """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); x_n = X_n e^{−iφ_n}."""
-        series: Complexes = harmonics(self.phases, self.theta, self._parameters, count)
+        series: Complexes = harmonics(
+            self.phases, self.theta, self._parameters, whole("count", count)
+        )
         return series
 
     def state(self, t: ArrayLike) -> State:
         """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
-        times = np.asarray(t, dtype=float)
+        times = numbers("t", t)
         period = self.motion.period
         since = np.mod(times.ravel() - self.theta / self.motion.omega, period)
         mirrored = since >= 0.5 * period
@@ -163,7 +166,7 @@ def steady_orbit(oscillator: Oscillator, motion: BaseMotion) -> Orbit:
     """The exact steady response to harmonic base motion, in any regime.
 
     Raises NoSteadyOrbit where there is none (an undamped oscillator driven at resonance, with F_k < πkY/4) or none was
-    found.
+    found, ValueError for what is no oscillator and no motion.
 
     >>> import math
     >>> from dampbalance import BaseMotion, Oscillator, steady_orbit
@@ -177,7 +180,8 @@ def steady_orbit(oscillator: Oscillator, motion: BaseMotion) -> Orbit:
     'one slip onset per half cycle'
     """
     phases = np.empty((MAX_PHASES, 5))
-    code, count, theta = solve_steady(parameters(oscillator, motion), phases)
+    par = parameters(oscillator, instance("motion", motion, BaseMotion))
+    code, count, theta = solve_steady(par, phases)
     regime = Regime(code)
     if regime is Regime.NOT_FOUND:
         raise NoSteadyOrbit(f"no steady orbit found for {oscillator} under {motion}")

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import numbers, whole
 from ..arrays import Array, Codes
 from ..model import Parameters
 from .integrals import Measures, measure
@@ -16,7 +17,6 @@ from .jit import jit
 from .steady import MAX_PHASES, NO_CLOSED_FORM, solve_closed, solve_otherwise
 
 _BLOCK = 4096  # cases handed to a thread at a time: the scratch memory stays below a megabyte
-_POSITIVE = ("m", "k", "K_z", "Y", "omega")
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +61,8 @@ def steady_orbits(
     m : kg.   c : N s/m.   k, K_z : N/m.   F_k : N.   Y : m.   omega : rad/s.   threads : default, the cores this
     process may use. The result does not depend on the number of threads.
 
-    Raises ValueError (naming the argument and the first offending value) for a value outside the range given in
-    `Oscillator` and for shapes that do not broadcast, TypeError for anything but numbers.
+    Raises ValueError (naming the argument and the first offending value) for a value that `Oscillator` refuses, masked
+    or missing ones among them, for anything but numbers, and for shapes that do not broadcast.
 
     >>> import math
     >>> from dampbalance import Regime, steady_orbits
@@ -75,7 +75,8 @@ def steady_orbits(
     >>> str(Regime(orbits.regime[0]))
     'no slip: the contact only sticks'
     """
-    arrays = _checked({"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k, "Y": Y, "omega": omega})
+    given = {"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k, "Y": Y, "omega": omega}
+    arrays = [numbers(name, value) for name, value in given.items()]
     shape = _common_shape(arrays)
     size = int(np.prod(shape))
     out = np.empty((len(Measures._fields), size))
@@ -89,10 +90,10 @@ def steady_orbits(
             _solve_others(inputs, out[:, block], regime[block])
 
     if threads is None:
-        threads = (
-            len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-        )
-    with ThreadPoolExecutor(max_workers=max(1, threads or 1)) as pool:
+        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    else:
+        cores = whole("threads", threads)
+    with ThreadPoolExecutor(max_workers=cores or 1) as pool:
         for _ in pool.map(solve, range(0, size, _BLOCK)):
             pass
     # the fields of `Orbits` are those of `Measures`, in their order, and the regime
@@ -109,21 +110,6 @@ def _common_shape(arrays: list[Array]) -> tuple[int, ...]:
         raise ValueError(f"the arguments do not broadcast to one shape: {shapes}") from None
 
 
-def _checked(arguments: dict[str, ArrayLike]) -> list[Array]:
-    arrays = []
-    for name, value in arguments.items():
-        given = np.asarray(value)
-        if given.dtype.kind not in "iuf":
-            raise TypeError(f"{name} must be a number or an array of numbers, got {value!r}")
-        array = given.astype(float)
-        wrong = ~np.isfinite(array) | (array <= 0.0 if name in _POSITIVE else array < 0.0)
-        if wrong.any():
-            bound = "positive" if name in _POSITIVE else "not negative"
-            raise ValueError(f"{name} must be finite and {bound}, got {array[wrong].item(0)!r}")
-        arrays.append(array)
-    return arrays
-
-
 @jit
 def _solve_closed_forms(inputs: tuple[Array, ...], out: Array, regime: Codes) -> int:
     """How many cases are left to `_solve_others`: those whose regime is NO_CLOSED_FORM then.
@@ -131,8 +117,8 @@ def _solve_closed_forms(inputs: tuple[Array, ...], out: Array, regime: Codes) ->
     inputs : the arrays (n,) of `Parameters`.   Rows of `out` (15, n) receive the fields of `Measures`.
     """
     phases, left = np.empty((2, 5)), 0
-    for i, numbers in enumerate(zip(*inputs)):  # noqa: B905 (no strict= in compiled code)
-        par = Parameters(*numbers)
+    for i, of_case in enumerate(zip(*inputs)):  # noqa: B905 (no strict= in compiled code)
+        par = Parameters(*of_case)
         code, count, theta = solve_closed(par, phases)
         regime[i] = code
         if code == NO_CLOSED_FORM:
@@ -146,9 +132,9 @@ def _solve_closed_forms(inputs: tuple[Array, ...], out: Array, regime: Codes) ->
 def _solve_others(inputs: tuple[Array, ...], out: Array, regime: Codes) -> None:
     """The cases that `_solve_closed_forms` left; arguments as there."""
     phases = np.empty((MAX_PHASES, 5))
-    for i, numbers in enumerate(zip(*inputs)):  # noqa: B905 (no strict= in compiled code)
+    for i, of_case in enumerate(zip(*inputs)):  # noqa: B905 (no strict= in compiled code)
         if regime[i] == NO_CLOSED_FORM:
-            par = Parameters(*numbers)
+            par = Parameters(*of_case)
             code, count, theta = solve_otherwise(par, phases)
             regime[i] = code
             _write_measures(out, i, phases, count, theta, par)

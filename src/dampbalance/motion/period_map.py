@@ -21,7 +21,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..model import Parameters
-from .events import PHASE_S, PHASE_T, PHASE_X, run
+from .events import MOST_RADIANS, PHASE_S, PHASE_T, PHASE_X, run
 from .flow import step_response
 from .jit import jit
 
@@ -89,15 +89,20 @@ def solve_period_map(
 ) -> tuple[bool, float, float, float]:
     """(found, x, ẋ, z): the state at base phase θ of the steady orbit, by Newton from the given state.
 
-    phases : scratch rows for `events.run`; their number bounds the events in half a period.
+    phases : scratch rows for `events.run`; their number bounds the events in half a period. Not found, too, where the
+    fastest motion has so many radians in half a period that to follow it takes too long.
     """
     Z_m = par.F_k / par.K_z
+    fastest = max(math.sqrt((par.k + par.K_z) / par.m), par.c / par.m, par.omega)
+    most = min(float(_MAX_MAPS), MOST_RADIANS * par.omega / (math.pi * fastest))
+    if most < 1.0:
+        return False, x, v, z
     jacobian, trial_jacobian = np.empty((3, 3)), np.empty((3, 3))
     count, x1, v1, z1 = half_period_map(x, v, z, theta, par, phases, jacobian)
     residual = _energy_norm(x + x1, v + v1, z + z1, par)
     plain = 1  # plain iterations after the next Newton step that does not help
     used = 0
-    while count > 0 and used < _MAX_MAPS:
+    while count > 0 and used < most:
         size = _energy_norm(x, v, z, par)
         if residual <= _CONVERGED * size:
             return True, x, v, z

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import number, numbers
 from ..arrays import Array
-from ..model import BaseMotion, Oscillator, finite_number, parameters
+from ..model import BaseMotion, Oscillator, parameters
 from .events import PHASE_T, run
 from .states import State, states_in_phases
 
 _CHUNK = 1024  # phases computed per call
+_MOST_RADIANS = 1e8  # half a minute of computing
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +34,7 @@ class Trajectory:
 
     def state(self, t: ArrayLike) -> State:
         """(x, ẋ, ẍ, z) at the times t, s, any shape, within the span of the trajectory."""
-        times = np.asarray(t, dtype=float)
+        times = numbers("t", t)
         start = self.phases[0, PHASE_T]
         if times.size and not (times.min() >= start and times.max() <= self.end):
             raise ValueError(f"times must lie within [{start}, {self.end}] s")
@@ -55,8 +58,8 @@ def transient(
     motion : of the base; None for a free decay, y = 0.
     x : displacement, m.   v : velocity, m/s.   z : deflection of the contact spring, m, |z| ≤ Z_m.
 
-    Raises ValueError for a state that the contact cannot have or an end before the start, TypeError for a value that
-    is not a number; both name the argument.
+    Raises ValueError naming the argument: what is no number, a state that the contact cannot have, an end before the
+    start, a motion of more phases than can be followed.
 
     >>> from dampbalance import Oscillator, transient
     >>> osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
@@ -64,13 +67,14 @@ def transient(
     >>> [f"{1000 * x:.3f}" for x in decay.state([0.0, 0.1, 0.2]).x]
     ['10.000', '0.095', '-0.312']
     """
-    x, v, z = finite_number("x", x), finite_number("v", v), finite_number("z", z)
-    start, end = finite_number("start", start), finite_number("end", end)
-    if abs(z) > oscillator.Z_m:
-        raise ValueError(f"z must lie within ±Z_m = ±{oscillator.Z_m:.6g} m, got {z!r}")
-    if not end > start:
-        raise ValueError(f"end must be later than start = {start!r}, got {end!r}")
     par = parameters(oscillator, motion)
+    (x, v, z), (start, end) = start_and_span(oscillator, (x, v, z), (start, end))
+    radians = (end - start) * max(par.omega, math.sqrt((par.k + par.K_z) / par.m), par.c / par.m)
+    if radians > _MOST_RADIANS:
+        raise ValueError(
+            f"{end - start:g} s are {radians:.2g} radians of the fastest motion of this oscillator, and no more than "
+            f"{_MOST_RADIANS:g} are followed: choose an earlier end"
+        )
     kept = []
     t = start
     while t < end:
@@ -78,3 +82,16 @@ def transient(
         count, t, x, v, z = run(x, v, z, t, end, 0.0, par, rows)
         kept.append(rows[:count])
     return Trajectory(oscillator, motion, np.concatenate(kept), end)
+
+
+def start_and_span(
+    oscillator: Oscillator, state: tuple[float, float, float], span: tuple[float, float]
+) -> tuple[tuple[float, float, float], tuple[float, float]]:
+    """A state (x, ẋ, z) and the start and the end of a motion as plain numbers; ValueError as `transient` raises it."""
+    x, v, z = (number(name, value) for name, value in zip("xvz", state, strict=True))
+    start, end = (number(name, value) for name, value in zip(("start", "end"), span, strict=True))
+    if abs(z) > oscillator.Z_m:
+        raise ValueError(f"z must lie within ±Z_m = ±{oscillator.Z_m:.6g} m, got {z!r}")
+    if not end > start:
+        raise ValueError(f"end must be later than start = {start!r}, got {end!r}")
+    return (x, v, z), (start, end)

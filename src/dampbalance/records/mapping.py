@@ -16,9 +16,10 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
+from ..arguments import path
+from ..arrays import ReadOnly
 from .correction import Correction
 from .errors import RecordError, library
 from .measurement import EXCITATIONS, RESPONSES
@@ -61,7 +62,7 @@ class RecordMapping:
     """
 
     source: str = ""
-    channels: Mapping[str, ChannelRule] = field(default_factory=lambda: MappingProxyType({}))
+    channels: Mapping[str, ChannelRule] = field(default_factory=lambda: ReadOnly({}))
     time: Which | None = None
     time_unit: str | None = None
     sample_rate_hz: float | None = None
@@ -94,6 +95,8 @@ def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMappin
         return mapping
     if isinstance(mapping, Mapping):
         return mapping_from(mapping)
+    if mapping is not None:
+        path("mapping", mapping, "what the channels hold, or the path of a file that says it")
     file = mapping_file(record, mapping)
     return RecordMapping() if file is None else read_mapping(file)
 
@@ -118,7 +121,7 @@ def parts_of(record: str | Path, mapping: RecordMapping) -> dict[Path, RecordMap
         files.setdefault(file, {})[quantity] = rule
     if len(files) < 2:
         return dict.fromkeys(files or [record], mapping)
-    return {file: replace(mapping, channels=MappingProxyType(of)) for file, of in files.items()}
+    return {file: replace(mapping, channels=ReadOnly(of)) for file, of in files.items()}
 
 
 def read_mapping(file: str | Path) -> RecordMapping:
@@ -150,9 +153,7 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
     if "level" in keys:
         keys["level"] = str(keys["level"])
     rules = {quantity: _rule(rule) for quantity, rule in channels.items()}
-    return RecordMapping(
-        source, MappingProxyType(rules), time.get("channel"), time.get("unit"), **keys
-    )
+    return RecordMapping(source, ReadOnly(rules), time.get("channel"), time.get("unit"), **keys)
 
 
 def _rule(told: Mapping[str, Any]) -> ChannelRule:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from ..arguments import items, path, whole
 from ..project.files import sha256
 from ..project.wording import listed, visible
 from .errors import RecordError, RecordWarning
@@ -17,6 +18,7 @@ from .limits import LARGEST
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .measurement import EXCITATIONS, Measurement
 from .readers import open_channels, read, read_signals, stated_numbers
+from .readers.signals import is_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -106,8 +108,9 @@ def read_records(
     """Measured records, ready for `identify`: from files, tables of pandas, or arrays.
 
     records : one, or several. Each is the path of a file in any format (`config/records/README.md`); a pandas
-    DataFrame; a mapping of names to arrays, (n,); a `Measurement`; or a record already read. Columns and arrays are
-    named like those of a file, displacement_mm or force_N, with time_s among them, or sample_rate_hz as a number.
+    DataFrame; a mapping of names to arrays, (n,), or an array with named fields; a `Measurement`; or a record already
+    read. Columns and arrays are named like those of a file, displacement_mm or force_N, with time_s among them, or
+    sample_rate_hz as a number. A masked sample is missing, as an empty cell of a file is.
     mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
     one; default, for a file, the one beside it.   largest : numbers (samples × channels) that may be read of each.
 
@@ -126,14 +129,16 @@ def read_records(
     >>> float(record.measurement["base_displacement"].values[0])  # m
     0.004
     """
-    single = isinstance(records, str | Path | Mapping | Measurement | MeasuredRecord)
-    several: Any = [records] if single or hasattr(records, "columns") else records
+    largest = whole("largest", largest)
+    single = isinstance(records, str | Path | Measurement | MeasuredRecord) or is_table(records)
+    wanted = "the path of a file, a pandas DataFrame, a mapping of names to arrays, or a sequence of them"
+    several = [records] if single else items("records", records, wanted)
     found: list[MeasuredRecord] = []
     for number, one in enumerate(several, start=1):
         if isinstance(one, MeasuredRecord):
             found.append(one)
         elif isinstance(one, str | Path):
-            found.append(_of_file(Path(one), mapping, largest))
+            found.append(_of_file(path("each record", one, "a file"), mapping, largest))
         else:
             names = {record.name for record in found}
             found.append(_in_memory(one, number, names, mapping, largest))
@@ -148,8 +153,7 @@ def _in_memory(
     largest: int,
 ) -> MeasuredRecord:
     """The record of signals in memory, the `number`-th of several, under a name that is not taken."""
-    signals = isinstance(record, Mapping) or hasattr(record, "columns")
-    if not (signals or isinstance(record, Measurement)):
+    if not (is_table(record) or isinstance(record, Measurement)):
         raise RecordError(
             f"record {number} is a {type(record).__name__}; give the path of a file, a pandas DataFrame, or a mapping "
             "of names to arrays"

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
-from ..arrays import Array
+from ..arguments import floats, instance, items, mapping, one_of, text
+from ..arrays import Array, ReadOnly
 from .correction import Correction
 from .limits import LARGEST_VALUE, LATEST
 
@@ -43,13 +43,16 @@ class Channel:
     correction: Correction | None = None
 
     def __post_init__(self) -> None:
-        if self.quantity not in QUANTITIES:
-            raise ValueError(
-                f"channel {self.name!r}: unknown quantity {self.quantity!r}; known are {', '.join(QUANTITIES)}"
-            )
+        text("the name of a channel", self.name)
+        one_of(f"channel {self.name!r}: its quantity", self.quantity, QUANTITIES)
         object.__setattr__(self, "name", self.name or self.quantity)
         for field in ("t", "values"):
-            array = np.ascontiguousarray(getattr(self, field), dtype=np.float64).view()
+            try:
+                array = np.ascontiguousarray(floats(getattr(self, field))).view()
+            except ValueError as error:
+                raise ValueError(
+                    f"channel {self.name!r}: its {field} must be numbers, not {error}"
+                ) from None
             array.flags.writeable = False
             object.__setattr__(self, field, array)
         if self.t.ndim != 1 or self.t.shape != self.values.shape:
@@ -100,9 +103,11 @@ class Measurement:
     channels: Mapping[str, Channel]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "channels", MappingProxyType(dict(self.channels)))
-        for quantity, channel in self.channels.items():
-            if quantity != channel.quantity:
+        text("source", self.source)
+        channels = mapping("channels", self.channels, "a mapping of quantities to channels")
+        object.__setattr__(self, "channels", ReadOnly(channels))
+        for quantity, channel in channels.items():
+            if quantity != instance(quantity, channel, Channel).quantity:
                 raise ValueError(
                     f"{self.source}: the channel under {quantity!r} holds {channel.quantity!r}"
                 )
@@ -121,7 +126,8 @@ class Measurement:
     def of(cls, source: str, channels: Iterable[Channel]) -> Measurement:
         """A measurement of the channels given. Raises ValueError when two hold the same quantity."""
         by_quantity: dict[str, Channel] = {}
-        for channel in channels:
+        for channel in items("channels", channels, "a sequence of channels"):
+            instance("each of the channels", channel, Channel)
             other = by_quantity.setdefault(channel.quantity, channel)
             if other is not channel:
                 raise ValueError(

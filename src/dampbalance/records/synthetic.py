@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..arguments import instance, mapping, names, number, shown, whole
 from ..arrays import Array
-from ..model import Oscillator
+from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit
 from ..motion.transient import transient
 from .limits import LARGEST
@@ -30,7 +31,7 @@ def measured_orbit(
     cycles: float,
     noise: float | Mapping[str, float] = 0.0,
     seed: int | np.random.Generator = 0,
-    channels: Sequence[str] = ("base_displacement", "displacement"),
+    channels: Sequence[str] | str = ("base_displacement", "displacement"),
     start: float = 0.0,
     source: str = "",
 ) -> Measurement:
@@ -51,9 +52,17 @@ def measured_orbit(
     >>> list(measured), len(measured["displacement"].values)
     (['base_displacement', 'displacement'], 5714)
     """
+    if not isinstance(getattr(orbit, "motion", None), BaseMotion):
+        raise ValueError(f"orbit must be a steady orbit, got {shown(orbit)}")
     motion = orbit.motion
-    if not (math.isfinite(rate_hz) and rate_hz > 0.0):
-        raise ValueError(f"rate_hz must be a positive number of samples per second, got {rate_hz}")
+    rate_hz, cycles, start = (
+        number("rate_hz", rate_hz),
+        number("cycles", cycles),
+        number("start", start),
+    )
+    channels = names("channels", channels, QUANTITIES)
+    parts = _parts(noise, channels)
+    random = _random(seed)
     samples = cycles * motion.period * rate_hz
     if not samples * (1 + len(channels)) <= LARGEST:
         raise ValueError(
@@ -65,17 +74,6 @@ def measured_orbit(
         raise ValueError(
             f"{cycles} cycles at {rate_hz:g} samples per second are {count} samples; at least 2 are needed"
         )
-    unknown = sorted({*channels, *(noise if isinstance(noise, Mapping) else ())} - set(QUANTITIES))
-    if unknown:
-        raise ValueError(f"unknown quantities {unknown}; known are {', '.join(QUANTITIES)}")
-    parts = noise if isinstance(noise, Mapping) else dict.fromkeys(channels, noise)
-    for quantity, part in parts.items():
-        if not (math.isfinite(part) and part >= 0.0):
-            raise ValueError(
-                f"noise of {quantity} must be 0 or a positive part of its rms, got {part}"
-            )
-
-    random = np.random.default_rng(seed)
     t = start + np.arange(count) / rate_hz
     state = orbit.state(t)
     y = np.asarray(motion.y(t), dtype=np.float64)
@@ -108,14 +106,15 @@ def measured_ring_down(
     held: float = 0.0,
     noise: float = 0.0,
     seed: int | np.random.Generator = 0,
-    channels: Sequence[str] = ("displacement",),
+    channels: Sequence[str] | str = ("displacement",),
 ) -> Measurement:
     """A free decay from the displacement x (m), to which the mass was pulled, with velocity v (m/s), for `duration` s.
 
     held : time for which the mass stands at x before, s.   noise : standard deviation of the white noise of each
     channel, as a part of the largest value of its clean signal.   seed : of the noise, channel by channel.
 
-    Raises ValueError for a channel that is none of the mass, and where the mass does not start or no sample is left.
+    Raises ValueError for a number outside its range, a channel that is none of the mass, and where the mass does not
+    start or no sample is left.
 
     >>> from dampbalance import Oscillator, measured_ring_down
     >>> osc = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=208000.0, F_k=0.5)
@@ -123,9 +122,11 @@ def measured_ring_down(
     >>> round(float(decay["displacement"].values[0]), 6)
     0.01
     """
-    unknown = sorted(set(channels) - set(RESPONSES))
-    if unknown:
-        raise ValueError(f"{unknown} are no signals of the mass; known are {', '.join(RESPONSES)}")
+    instance("oscillator", oscillator, Oscillator)
+    x, v, held, noise = number("x", x), number("v", v), number("held", held), number("noise", noise)
+    rate_hz, duration = number("rate_hz", rate_hz), number("duration", duration)
+    channels = names("channels", channels, RESPONSES)
+    random = _random(seed)
     if x == 0.0 and v == 0.0:
         raise ValueError("a free decay needs a displacement x or a velocity v to start with")
     samples = (duration + held) * rate_hz
@@ -134,7 +135,6 @@ def measured_ring_down(
             f"{duration:g} s at {rate_hz:g} samples per second are {samples:.3g} samples; ask for 4 to {LARGEST:,} "
             "numbers with their times"
         )
-    random = np.random.default_rng(seed)
     t = np.arange(round(samples)) / rate_hz
     free = t >= held
     Z_m = oscillator.Z_m
@@ -149,3 +149,21 @@ def measured_ring_down(
             spread = noise * float(np.abs(values).max())
             measured.append(Channel(quantity, t, values + spread * random.standard_normal(t.size)))
     return Measurement.of(f"simulated, x = {x:g} m, v = {v:g} m/s", measured)
+
+
+def _parts(noise: object, channels: Sequence[str]) -> dict[str, float]:
+    """The noise of each channel, as a part of its rms."""
+    if not isinstance(noise, Mapping):
+        return dict.fromkeys(channels, number("noise", noise))
+    parts = mapping("noise", noise, "a mapping of quantities to numbers")
+    names("quantities", list(parts), QUANTITIES)
+    return {
+        quantity: number("noise", part, f"noise of {quantity}") for quantity, part in parts.items()
+    }
+
+
+def _random(seed: object) -> np.random.Generator:
+    """What draws the noise."""
+    if isinstance(seed, np.random.Generator):
+        return seed
+    return np.random.default_rng(whole("seed", seed))

@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from .. import arguments
+from ..arguments import instance, text
 from ..arrays import Array
 from ..project.files import replacing, write_text
 from ..project.wording import shortened
@@ -43,10 +45,11 @@ def write(
 
     Raises RecordError when the format cannot hold the measurement, before anything is written.
     """
-    path = Path(path)
+    path = arguments.path("path", path, "the path of a file")
+    instance("measurement", measurement, Measurement)
     require_showable(path)
     by_suffix = format_by_suffix(path)
-    name = format or by_suffix
+    name = by_suffix if format is None else text("format", format)
     if name not in _WRITERS:
         raise RecordError(
             f"{path}: unknown format {shortened(name)}; known are {', '.join(_WRITERS)}"

@@ -157,7 +157,7 @@ def test_every_picture_can_be_drawn(found):
     for name in found.figures:
         assert found.plot(name).axes
     assert found.plot().axes
-    with pytest.raises(ValueError, match="no figure 'loop'; there are"):
+    with pytest.raises(ValueError, match=f"one of {', '.join(found.figures)}, got 'loop'"):
         found.plot("loop")
 
 
@@ -170,7 +170,7 @@ def test_all_of_it_is_saved_and_nothing_is_replaced_unasked(found, tmp_path):
     document = (folder / "identification.json").read_text(encoding="utf-8")
     assert json.loads(document) == json.loads(json.dumps(found.document()))
     assert (folder / "summary.txt").read_text(encoding="utf-8") == found.text()
-    with pytest.raises(ValueError, match=r"holds .* already"):
+    with pytest.raises(ValueError, match=r"holds .* already.* add overwrite=True$"):
         found.save(folder)
     assert len(found.save(folder, figures=False, overwrite=True)) == len(TABLES)
     assert not any((folder / name).exists() for name in ALL_PICTURES)
@@ -222,18 +222,42 @@ def test_the_mapping_and_the_options_reach_the_records(tmp_path):
         (FILES[:1], {}, "need responses at two levels or more, got 1"),
         ([FILES[0], FILES[0]], {}, "is named twice"),
         (FILES[:2], {"stiffness": -1.0}, "stiffness"),
-        (FILES[:2], {"mass": 0.0}, "mass must be a positive"),
+        (FILES[:2], {"mass": 0.0}, "mass must be a positive number of kg"),
         (FILES[:2], {"mass": 2.42e9}, "swings .* times in a cycle"),
         (FILES[:2], {"approaches": ["X"]}, r"unknown approaches \['X'\]"),
         (FILES[:2], {"kind": "ring-down"}, "moves: this is no free decay"),
         (FILES[:2], {"kind": "free"}, "kind must be one of recognised, forced, ring-down"),
-        (FILES[:2], {"phase": "any"}, "phase"),
+        (
+            FILES[:2],
+            {"phase": "any"},
+            "phase must be one of reversal, zero_crossing, fundamental, got 'any'",
+        ),
+        (FILES[:2], {"mapping": 5}, "mapping must be what the channels hold, .*, got 5"),
+        (FILES[:2], {"skip_cycles": -1}, "skip_cycles must be a whole number, 0 to .*, got -1"),
+        (
+            FILES[:2],
+            {"stiffness": "2310"},
+            "stiffness must be a positive number of N/m, .*, got '2310'",
+        ),
         (FILES[:2], {"terms": ["F_k", "d"]}, "'?d'?"),
     ],
 )
 def test_what_cannot_be_identified_is_refused_in_a_sentence(records, options, message):
     with pytest.raises(ValueError, match=message):
         identify(records, **{"stiffness": PAPER.k, **options})
+
+
+def test_names_in_a_text_are_read_as_on_the_command_line():
+    options = {"replicates": 2, "given": {"c": 90.0}}
+    words = {"terms": "F_k,c", "approaches": "fourier, direct", "groups": {"F_k": "A,A,A,B"}}
+    listed = {
+        "terms": ["F_k", "c"],
+        "approaches": ["direct", "fourier"],
+        "groups": {"F_k": list("AAAB")},
+    }
+    one, other = (identify(made(), PAPER.k, **options, **names) for names in (words, listed))
+    assert one.document() == other.document()
+    assert list(one.values) == ["F_k[A]", "F_k[B]", "K_z"]
 
 
 def test_OUTPUTS_are_those_of_steady_records():

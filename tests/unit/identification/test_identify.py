@@ -234,10 +234,10 @@ def test_tables_and_documents_hold_the_same_numbers():
     ("change", "message"),
     [
         ({"count": 1}, "two levels or more, got 1: add records"),
-        ({"k": 0.0}, "stiffness k must be a positive number"),
-        ({"k": math.nan}, "stiffness k must be a positive number"),
+        ({"k": 0.0}, "stiffness must be a positive number"),
+        ({"k": math.nan}, "stiffness must be a positive number"),
         ({"k": 2400.0}, "level 1 was read with k = 2310 N/m, not with 2400"),
-        ({"replicates": 1}, "replicates must be 2 to 10000"),
+        ({"replicates": 1}, "replicates must be a whole number, 2 to 10000"),
         ({"approaches": {}}, "no approach is asked for; known are direct"),
     ],
 )

@@ -283,7 +283,10 @@ def test_options_of_forced_records_are_refused(tmp_path):
     ("arguments", "message"),
     [
         ({}, "needs a displacement x or a velocity v"),
-        ({"x": 1e-3, "channels": ("force",)}, r"\['force'\] are no signals of the mass"),
+        (
+            {"x": 1e-3, "channels": ("force",)},
+            r"unknown channels \['force'\]; known are displacement, ",
+        ),
         ({"x": 1e-3, "duration": 0.001}, "ask for 4 to"),
     ],
 )

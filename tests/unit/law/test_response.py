@@ -289,7 +289,7 @@ def test_the_steady_response_is_found_from_anywhere(start, monkeypatch):
         ({"c_7": 1.0}, BaseMotion(1.0, 1.0), "unknown term 'c_7'; known are F_k, c"),
         ({"F_k": 1.0}, BaseMotion(1.0, 1.0), "friction force is that of the oscillator"),
         ({"c": 1.0}, BaseMotion(1.0, 1.0), "set Oscillator.c"),
-        ({"c_2": -1.0}, BaseMotion(1.0, 1.0), "c_2 .quadratic damping. must be .* zero or more, got -1"),
+        ({"c_2": -1.0}, BaseMotion(1.0, 1.0), "c_2 .quadratic damping. must be a number, 0 to .*, got -1"),
         ({"c_3": math.inf}, BaseMotion(1.0, 1.0), "must be finite"),
         ({"c_2[a]": 1.0}, BaseMotion(1.0, 1.0), "name the term alone"),
         ({"eta": 0.1}, None, "set Oscillator.c to eta k/ω"),

@@ -218,11 +218,11 @@ def test_no_orbit_is_nan_with_its_code_among_others():
 @pytest.mark.parametrize("name", PAPER_CASE)
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, -1.0])
 def test_bad_values_name_the_argument(name, bad):
-    bound = "not negative" if name in ("c", "F_k") else "positive"
+    bound = "number" if name in ("c", "F_k") else "positive number"
     array = np.full((2, 3), PAPER_CASE[name])
     array[1, 1] = bad
     for value in (bad, array):
-        with pytest.raises(ValueError, match=rf"^{name} must be finite and {bound}, got {bad}$"):
+        with pytest.raises(ValueError, match=rf"^{name} must be a {bound} of .*, got {bad}"):
             steady_orbits(**PAPER_CASE | {name: value})
 
 
@@ -231,14 +231,14 @@ def test_zero_is_refused_where_it_makes_no_sense(name):
     if name in ("c", "F_k"):
         assert steady_orbits(**PAPER_CASE | {name: 0.0}).X > 0.0
     else:
-        with pytest.raises(ValueError, match=f"^{name} must be finite and positive, got 0.0$"):
+        with pytest.raises(ValueError, match=f"^{name} must be a positive number of .*, got 0.0"):
             steady_orbits(**PAPER_CASE | {name: 0.0})
 
 
 @pytest.mark.parametrize("name", PAPER_CASE)
 @pytest.mark.parametrize("bad", ["1e-6", ["a"], True, None, 1j, [None, 1.0]], ids=repr)
 def test_anything_but_numbers_is_refused(name, bad):
-    with pytest.raises(TypeError, match=f"^{name} must be a number or an array of numbers, got "):
+    with pytest.raises(ValueError, match=f"^{name} must be a .*number"):
         steady_orbits(**PAPER_CASE | {name: bad})
 
 

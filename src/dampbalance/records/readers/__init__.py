@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ... import arguments
 from ...arrays import Array
 from ..errors import RecordError, RecordWarning
 from ..limits import LARGEST
@@ -51,7 +52,8 @@ def read(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) 
 
     Raises RecordError naming the file, what is wrong with it, and the remedy; warns of what looks odd (RecordWarning).
     """
-    path, rules = Path(path), mapping_for(path, mapping)
+    path, rules = _named(path, mapping)
+    largest = arguments.whole("largest", largest)
     channels: list[Channel] = []
     for file, picks in _files(path, rules, largest):
         left = largest - sum(map(len, channels))
@@ -85,7 +87,7 @@ def stated_numbers(path: str | Path, mapping: MappingLike = None, largest: int =
 
     0 for what is read whole when it is opened. Raises RecordError as `read`.
     """
-    path, rules, numbers = Path(path), mapping_for(path, mapping), 0
+    (path, rules), numbers = _named(path, mapping), 0
     for file, picks in _files(path, rules, largest, skipped=_READ_WHOLE):
         if isinstance(file, TextFile):
             numbers += len(wanted_of(picks)) * file.layout.rows_stated
@@ -108,9 +110,8 @@ def open_channels(
 
     Raises RecordError as `read`; for a wrong sample, when its block comes up.
     """
-    if block < 3:
-        raise ValueError(f"block must be at least 3 samples, got {block}")
-    path, rules = Path(path), mapping_for(path, mapping)
+    block, largest = arguments.whole("block", block), arguments.whole("largest", largest)
+    path, rules = _named(path, mapping)
     picked: dict[str, tuple[Path, Pick]] = {}
     for file, picks in _files(path, rules, largest):
         stated_size(file, picks, largest)
@@ -126,9 +127,15 @@ def open_channels(
 
 def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel, ...]:
     """The channels of a file, with names, units and sampling rates as it has them. Raises RecordError."""
-    path, rules = Path(path), mapping_for(path, mapping)
+    path, rules = _named(path, mapping)
     with closing(_open(path, rules, LARGEST)) as file:
         return tuple(file.channels)
+
+
+def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]:
+    """The path of a record, and its mapping."""
+    file = arguments.path("path", path, "the path of a record")
+    return file, mapping_for(file, mapping)
 
 
 def _files(

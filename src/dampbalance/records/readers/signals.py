@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from ...arguments import floats
 from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError
@@ -30,7 +31,7 @@ def signals_file(name: str, signals: Signals) -> Sliced:
     """
     path = Path(name)
     columns = _columns(signals)
-    told = {key: value for key, value in columns.items() if np.ndim(value) == 0}
+    told = {k: v for k, v in columns.items() if not isinstance(v, list | tuple) and not np.ndim(v)}
     unknown = [key for key in told if key.lower() not in TIMING_NAMES]
     if unknown:
         raise RecordError(
@@ -55,9 +56,22 @@ def signals_file(name: str, signals: Signals) -> Sliced:
     return Sliced(path, channels, lambda i, begin, end: arrays[i](begin, end), "arrays")
 
 
+def is_table(record: object) -> bool:
+    """Whether something is signals by their names: a mapping, a table of pandas, an array with named fields."""
+    of_pandas = all(hasattr(record, name) for name in ("columns", "index", "attrs"))
+    named = isinstance(record, Mapping) or of_pandas or _fields(record)
+    return bool(named) and not isinstance(record, type)
+
+
+def _fields(signals: Any) -> tuple[str, ...]:
+    return getattr(getattr(signals, "dtype", None), "names", None) or ()
+
+
 def _columns(signals: Signals) -> dict[str, Any]:
     if isinstance(signals, Mapping):
         return {str(name): values for name, values in signals.items()}
+    if fields := _fields(signals):
+        return {name: signals[name] for name in fields}
     attributes = {str(key): value for key, value in signals.attrs.items()}
     told = {key: value for key, value in attributes.items() if key.lower() in TIMING_NAMES}
     index = {} if signals.index.name is None else {str(signals.index.name): signals.index}
@@ -70,10 +84,14 @@ def _columns(signals: Signals) -> dict[str, Any]:
 
 def _samples(values: Any) -> tuple[Any, bool]:
     """The samples of a signal, and whether they are points in time, then in s from the first on."""
+    if isinstance(values, list | tuple):
+        values = [None if one is np.ma.masked else one for one in values]
     kind = str(getattr(values, "dtype", ""))
-    if kind.startswith("datetime64"):
-        values = np.asarray(values, dtype="datetime64[ns]")
-    array = np.asarray(values)
+    if kind.startswith(("datetime64", "timestamp")):  # of NumPy or pandas, of Arrow
+        masked = np.ma.getmask(values)
+        values = np.array(values, dtype="datetime64[ns]")
+        values[masked] = np.datetime64("NaT")
+    array = values if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
     if array.dtype.kind not in "mM":
         return array, False
     origin = array[:1] if array.dtype.kind == "M" else np.zeros(1, array.dtype)
@@ -81,20 +99,10 @@ def _samples(values: Any) -> tuple[Any, bool]:
 
 
 def _reader(path: Path, label: str, array: Any) -> Callable[[int, int], Array]:
-    kind = array.dtype.kind
-    # NumPy would drop an imaginary part, and takes texts for numbers
-    texts = kind in "SU" or (kind == "O" and any(isinstance(value, str) for value in array))
-    held = "complex numbers" if kind == "c" else "texts" if texts else ""
-
     def read(begin: int, end: int) -> Array:
-        if not held:
-            try:
-                return np.array(
-                    array[begin:end], dtype=np.float64
-                )  # a copy: the caller's may change
-            except (TypeError, ValueError):
-                pass
-        what = held or "what are not numbers"
-        raise RecordError(f"{path}: column {shortened(label)} holds {what}")
+        try:
+            return floats(array[begin:end]).copy()  # the caller's may change
+        except ValueError as error:
+            raise RecordError(f"{path}: column {shortened(label)} holds {error}") from None
 
     return read

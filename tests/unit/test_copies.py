@@ -1,0 +1,102 @@
+"""What the interface gives can be copied and pickled, and is the same afterwards."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+from dampbalance import (
+    BaseMotion,
+    identify,
+    measured_orbit,
+    measured_ring_down,
+    read_records,
+    steady_orbit,
+    steady_orbits,
+    transient,
+)
+from dampbalance.balance import APPROACHES
+from dampbalance.features import of_orbit
+from dampbalance.law.law import law_of
+from dampbalance.law.response import law_orbit
+from dampbalance.solver import solve
+from paper_case import PAPER
+
+MOTION = BaseMotion(Y=0.004, omega=2.0 * math.pi * 3.5)
+COPIES = {"copy": copy.copy, "deepcopy": copy.deepcopy} | {
+    f"protocol {n}": lambda thing, n=n: pickle.loads(pickle.dumps(thing, n))
+    for n in range(pickle.HIGHEST_PROTOCOL + 1)
+}
+
+
+def made(Y):
+    return measured_orbit(
+        steady_orbit(PAPER, BaseMotion(Y, MOTION.omega)), rate_hz=500.0, cycles=12.0, noise=0.003
+    )
+
+
+def of_law():
+    orbit = law_orbit(PAPER, MOTION, {"c_2": 20.0})
+    orbit.state(0.1)  # what it keeps from then on is copied, too
+    return orbit
+
+
+def features():
+    one = of_orbit(steady_orbit(PAPER, MOTION))
+    return type(one)(**vars(one) | {"integrals": {"c_2": np.array([1.5])}})
+
+
+# what is made, and all that it says
+THINGS = {
+    "oscillator": (lambda: PAPER, repr),
+    "orbit": (lambda: steady_orbit(PAPER, MOTION), lambda o: (o.to_dict(), o.W, o.state(0.1))),
+    "orbits": (
+        lambda: steady_orbits(**{**vars_of(PAPER), "Y": [0.004, 0.008], "omega": 22.0}),
+        lambda o: (o.X.tolist(), o.regime.tolist()),
+    ),
+    "transient": (lambda: transient(PAPER, None, 0.1, x=0.01), lambda path: path.state(0.05)),
+    "orbit of a law": (of_law, lambda o: (o.state(0.2), dict(o.law))),
+    "features": (features, lambda f: (f.to_frame().to_csv(), dict(f.integrals))),
+    "rows": (
+        lambda: APPROACHES["direct"](features(), PAPER.k),
+        lambda rows: (dict(rows.terms), rows.W),
+    ),
+    "estimate": (
+        lambda: solve(APPROACHES["direct"](features(), PAPER.k)),
+        lambda estimate: repr(estimate.values),
+    ),
+    "law": (lambda: law_of("F_k,c", {"c": 2.0}, {"F_k": "A,A,B"}), repr),
+    "measurement": (lambda: made(0.004), lambda m: {q: m[q].values.tobytes() for q in m}),
+    "record": (lambda: read_records(made(0.004))[0], lambda r: (repr(r), r.to_frame().to_csv())),
+    "forced": (
+        lambda: identify([made(0.004), made(0.012)], PAPER.k, replicates=2, laws=True),
+        lambda found: (found.document(), found.text(), found.to_frame().to_csv()),
+    ),
+    "decay": (
+        lambda: identify(measured_ring_down(PAPER, x=0.05, rate_hz=500.0, duration=0.8), PAPER.k),
+        lambda found: (found.document(), found.text()),
+    ),
+}
+
+
+def vars_of(oscillator):
+    return {name: getattr(oscillator, name) for name in oscillator.__match_args__}
+
+
+@pytest.fixture(scope="module", params=THINGS)
+def thing(request):
+    make, say = THINGS[request.param]
+    return make(), say
+
+
+@pytest.mark.parametrize("way", COPIES)
+def test_a_copy_says_the_same(thing, way):
+    original, say = thing
+    said = repr(say(original))
+    other = COPIES[way](original)
+    assert type(other) is type(original)
+    assert repr(say(other)) == said
