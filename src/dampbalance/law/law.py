@@ -31,13 +31,13 @@ class Law:
     def __post_init__(self) -> None:
         object.__setattr__(self, "terms", in_order(names("terms", self.terms)))
         object.__setattr__(self, "given", mapping("given", self.given, _GIVEN))
-        labels = mapping("groups", self.groups, "a mapping of symbols to a label for each record")
-        for symbol, of in labels.items():
+        groups = mapping("groups", self.groups, "a mapping of symbols to a label for each record")
+        for symbol, of in groups.items():
             name = f"groups of {symbol}"
-            labels[symbol] = names(
+            groups[symbol] = names(
                 name, of if isinstance(of, str) else map(str, items(name, of, "labels"))
             )
-        object.__setattr__(self, "groups", labels)
+        object.__setattr__(self, "groups", groups)
         if FRICTION not in self.terms:
             raise ValueError(
                 f"a law needs the friction force {FRICTION}, got the terms {', '.join(self.terms) or 'none'}"

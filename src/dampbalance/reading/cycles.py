@@ -312,7 +312,7 @@ def _cut_off(high: Array) -> Mask:
     below = np.where(at_top, -np.inf, high)
     next_level = below.max(axis=1)
     next_count = (below == next_level[:, None]).sum(axis=1)
-    held = _three_in_a_row(at_top) & (count > 4 * next_count)
+    held: Mask = _three_in_a_row(at_top) & (count > 4 * next_count)
     for j in np.flatnonzero(held).tolist():
         size = int(np.isfinite(high[j]).sum())
         held[j] = not _comes_to_rest(high[j, :size], top[j] - next_level[j])
