@@ -58,16 +58,19 @@ def test_a_csv_keeps_fifteen_digits_and_missing_values(tmp_path):
     assert (tmp_path / "t.csv").read_bytes().splitlines()[1] == b"0.333333333333333,1,x"
 
 
-def test_names_stay_text_whatever_they_look_like(tmp_path):
-    names = ["1", "01", "1e3", "nan", "NA", "null", "None", "true", "inf", "-", "1_000"]
-    frame = pd.DataFrame({"frequency": names, "printed": names[::-1], "x": [*range(10), math.nan]})
-    write_csv(tmp_path / "t.csv", frame)
+@pytest.mark.parametrize(
+    "names", [["1", "01", "1e3"], ["nan", "NA", "null"], ["true", "false"], ["inf", "-0", "2"]]
+)
+def test_names_stay_text_whatever_they_look_like(tmp_path, names):
+    numbers = [*range(len(names) - 1), math.nan]
+    write_csv(
+        tmp_path / "t.csv", pd.DataFrame({"frequency": names, "printed": names, "x": numbers})
+    )
     back = read_csv(tmp_path / "t.csv")
-    assert list(back["frequency"]) == names
-    assert list(back["printed"]) == names[::-1]
-    assert list(back["x"][:-1]) == list(range(10))
-    assert math.isnan(back["x"][10])
-    assert list(read_csv(tmp_path / "t.csv", str)["x"])[8:] == ["8.0", "9.0", ""]
+    assert list(back["frequency"]) == list(back["printed"]) == names
+    assert list(back["x"][:-1]) == numbers[:-1]
+    assert math.isnan(list(back["x"])[-1])
+    assert list(read_csv(tmp_path / "t.csv", str)["x"]) == [*map(str, map(float, numbers[:-1])), ""]
 
 
 def test_fewer_digits_hide_what_a_processor_changes(tmp_path):
