@@ -40,8 +40,14 @@ PROCESSORS = {
 }
 """Name → the environment in which a process and its children compute as on that processor."""
 
-CLOSE = ("analytic", "unit/law", "unit/motion", "unit/studies/test_terms.py")
-"""Folders and files of the tests that compare closely; those that are slow are left out."""
+CLOSE = (
+    "unit/law",
+    "unit/motion",
+    "unit/studies/test_terms.py",
+    "unit/test_balance.py",
+    "unit/test_features.py",
+)
+"""Folders and files of the tests that compare closely and quickly; those that are slow are left out."""
 
 INSIDE = "--inside"
 """Of the process that has the environment and runs pytest."""
