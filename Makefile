@@ -55,7 +55,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check docs archive wheels verify compare bench peers mutants blind format lock clean distclean help stale
+.PHONY: all setup test lint unit check docs archive wheels verify compare bench peers processors mutants blind format lock clean distclean help stale
 
 all: setup ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
@@ -106,6 +106,9 @@ bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and s
 
 peers: $(BENCH)/ready ## Test the benchmarks with heyoka and diffrax, which `make test` leaves out
 	@$(BENCH_RUN) pytest tests/repository/test_benchmarks.py -k "heyoka or diffrax" $(PYTEST_ARGS)
+
+processors: setup ## Run the tests that compare closely as on processors without AVX-512, and without AVX2 and FMA
+	@cd tests && $(RUN) processors --numprocesses auto --dist loadscope $(PYTEST_ARGS)
 
 mutants: setup ## Put errors into the method and see whether its tests notice (choose with MUTANTS_ARGS="motion/flow.py --seed 2")
 	@cd tests && $(RUN) mutation $(MUTANTS_ARGS)

@@ -205,7 +205,9 @@ def follow(eq: Equation, start: Point, theta: float, limit: float, carried: Arra
     )
     dx, dv = q[2 : 2 + n], q[2 + n :]
     dz = (dx + apart) * sticks
-    return Piece(s, z, float(tau) / clock, end, np.stack([dx, dv, dz]), found.sol, clock)
+    ended = turned or slipped
+    duration = float(tau) / clock if ended else limit  # exactly: no phase of rounding is to follow
+    return Piece(s, z, duration, end, np.stack([dx, dv, dz]), found.sol, clock)
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,10 @@ own mirror image half a period later, and Newton's method on  s ↦ −Φ(s)  to
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import islice
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,7 +31,6 @@ _CONVERGED = 1e-14  # energy norm of s + Φ(s), relative to that of s
 _ACCEPTED = 1e-12  # like `_CONVERGED`, where rounding stops the descent
 _SINGULAR = 1e-9  # of 1 + ∂Φ/∂s, about π times the damping ratio: less is rounding
 _EQUIVALENCES = 12  # repetitions of the equivalent damper, each of which halves its error or better
-_REACHED = 1e-15  # of half a period: what is left of it is rounding
 _NOTHING = np.empty((3, 0))
 _MOST_RADIANS = 3e5  # a few minutes of computing
 
@@ -197,12 +197,25 @@ def law_orbit(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, floa
             f"found no steady response, mirrored half a period later, of {oscillator} under {motion} "
             f"and the law {dict(law)}: there is one wherever energy is lost; add damping, or leave the resonance"
         )
-    # over a whole period both extremes occur
+    # within a period both extremes occur, unless one is at its start: the other, mirrored, gives the reversal at −X
     turns = _trajectory(eq, law, state, (0.0, motion.period), 0.0).turns
-    lowest = turns[np.argmin(turns[:, PHASE_X])]
-    reversal = float(lowest[PHASE_X]), 0.0, float(lowest[PHASE_Z])
-    theta = motion.omega * float(lowest[PHASE_T])
-    return LawOrbit(_trajectory(eq, law, reversal, (0.0, 0.5 * motion.period), theta))
+    t, _, x, _, z = (float(one) for one in turns[np.argmax(np.abs(turns[:, PHASE_X]))])
+    side = math.copysign(1.0, x)
+    theta = motion.omega * (t if side < 0.0 else (t + 0.5 * motion.period) % motion.period)
+    reversal = -side * x, 0.0, -side * z
+    half = _trajectory(eq, law, reversal, (0.0, 0.5 * motion.period), theta)
+    return LawOrbit(_until_closed(half))
+
+
+def _until_closed(half: LawTrajectory) -> LawTrajectory:
+    """The half cycle without the phases at its end that start when it has closed: rounding lets the reversal come
+    early, or leaves a velocity at the end, and neither is a phase of the motion."""
+    weights = _weights(half.oscillator)
+    states = half.phases[:, [PHASE_X, PHASE_V, PHASE_Z]] * weights
+    size = np.linalg.norm(states[0])
+    away = np.linalg.norm(states + states[0], axis=1) > _ACCEPTED * size
+    n = 1 + int(np.flatnonzero(away)[-1])
+    return replace(half, phases=half.phases[:n], _pieces=half._pieces[:n])
 
 
 def _require_followed(eq: Equation, duration: float, speed: float) -> None:
@@ -221,15 +234,24 @@ def _trajectory(
 ) -> LawTrajectory:
     """The motion over a span of time from a state at its start.   theta : phase of the base at t = 0, rad."""
     rows, pieces = [], []
+    for t, (x, v, _), piece in _phases(eq, state, span, theta, _NOTHING):
+        rows.append((t, piece.s, x, v, piece.z))
+        pieces.append(piece)
+    return LawTrajectory(
+        eq.oscillator, eq.motion, dict(law), theta, np.array(rows), span[1], tuple(pieces)
+    )
+
+
+def _phases(
+    eq: Equation, state: Point, span: tuple[float, float], theta: float, carried: Array
+) -> Iterator[tuple[float, Point, Piece]]:
+    """The phases of the motion over a span of time: when each starts, its state there, and the phase itself."""
     t, end = span
     while t < end:
-        piece = follow(eq, state, theta + eq.omega * t, end - t, _NOTHING)
-        rows.append((t, piece.s, *state[:2], piece.z))
-        pieces.append(piece)
-        state, t = piece.end, end if piece.duration >= end - t else t + piece.duration
-    return LawTrajectory(
-        eq.oscillator, eq.motion, dict(law), theta, np.array(rows), end, tuple(pieces)
-    )
+        piece = follow(eq, state, theta + eq.omega * t, end - t, carried)
+        yield t, state, piece
+        state, carried = piece.end, piece.derivative
+        t = end if piece.duration >= end - t else t + piece.duration
 
 
 def _nearby(eq: Equation, motion: BaseMotion) -> Point:
@@ -255,8 +277,7 @@ def _nearby(eq: Equation, motion: BaseMotion) -> Point:
 
 def _fixed_point(eq: Equation, motion: BaseMotion, start: Point) -> Point | None:
     """The state s at base phase 0 with Φ(s) = −s, by Newton's method from there; None if it is not found."""
-    o = eq.oscillator
-    weights = np.sqrt([o.k, o.m, o.K_z])
+    weights = _weights(eq.oscillator)
     s = np.array(start)
     residual, derivative = _closure(eq, motion, s)
     for _ in range(_MOST_STEPS):
@@ -279,11 +300,14 @@ def _fixed_point(eq: Equation, motion: BaseMotion, start: Point) -> Point | None
 def _closure(eq: Equation, motion: BaseMotion, s: Array) -> tuple[Array, Array]:
     """s + Φ(s) and its derivative, (3, 3). The forces are continuous across events, so that changes of the state pass
     them as they are, except that of z, which slip wipes out."""
-    half, t = 0.5 * motion.period, 0.0
-    state, derivative = (float(s[0]), float(s[1]), float(s[2])), np.eye(3)
-    for _ in range(_MOST_PHASES):
-        piece = follow(eq, state, motion.omega * t, half - t, derivative)
-        state, derivative, t = piece.end, piece.derivative, t + piece.duration
-        if t >= half * (1.0 - _REACHED):
-            return s + np.array(state), np.eye(3) + derivative
-    raise NoSteadyOrbit(f"more than {_MOST_PHASES} events in half a period of {eq.oscillator}")
+    start = float(s[0]), float(s[1]), float(s[2])
+    phases = _phases(eq, start, (0.0, 0.5 * motion.period), 0.0, np.eye(3))
+    pieces = [piece for *_, piece in islice(phases, _MOST_PHASES + 1)]
+    if len(pieces) > _MOST_PHASES:
+        raise NoSteadyOrbit(f"more than {_MOST_PHASES} events in half a period of {eq.oscillator}")
+    return s + np.array(pieces[-1].end), np.eye(3) + pieces[-1].derivative
+
+
+def _weights(o: Oscillator) -> Array:
+    """What makes the norm of a state (x, ẋ, z) the root of twice its energy."""
+    return np.sqrt([o.k, o.m, o.K_z])

@@ -157,6 +157,39 @@ def test_phases_begin_at_reversals_and_onsets():
     np.testing.assert_allclose(np.abs(whole.onsets[:, PHASE_Z]), oscillator.Z_m, rtol=1e-15)
 
 
+ULPS = np.arange(-4, 5, 2) * np.finfo(float).eps
+"""Rounding differs from processor to processor: here units in the last place are added, so that each sees its cases."""
+
+
+def test_a_reversal_within_rounding_of_the_end_of_a_half_cycle_begins_no_phase():
+    (oscillator, motion), law, ends = case(0.02, 0.8, 3.0, 0.1), {"eta": 0.3}, set()
+    orbit = law_orbit(oscillator, motion, law)
+    start, z = orbit.theta / motion.omega, float(orbit.phases[0, PHASE_Z])
+    for late in ULPS:
+        end = start + 0.5 * motion.period * (1.0 + late)
+        half = law_transient(oscillator, motion, law, end, x=-orbit.X, z=z, start=start)
+        ends.add(len(half.phases))
+        assert list(response._until_closed(half).phases[:, PHASE_S]) == [0.0, 1.0]
+    assert ends > {2}  # some of them did have a phase of rounding at their end
+
+
+def test_a_reversal_within_rounding_of_the_start_of_the_base_s_period_is_not_missed():
+    # undamped above its resonance, the mass reverses with the base, at −X where that is at +Y
+    oscillator, motion = case(0.0, 2.0, 10.0, 0.0)
+    for more in ULPS:
+        moved = replace(motion, Y=motion.Y * (1.0 + more))
+        assert_same_motion(law_orbit(oscillator, moved, {}), steady_orbit(oscillator, moved))
+
+
+def test_a_phase_without_an_event_lasts_exactly_to_its_limit():
+    # one that is a rounding error shorter would be followed by another, of a rounding error
+    oscillator, motion = case(*LAWS["quadratic"][1])
+    eq = equation(oscillator, motion, LAWS["quadratic"][0])
+    for limit in np.linspace(0.01, 0.02, 40) * motion.period:
+        piece = follow(eq, (0.0, 0.1, oscillator.Z_m), 0.0, limit, np.empty((3, 0)))
+        assert piece.duration == limit
+
+
 def test_turning_points_of_a_quadratic_ring_down():
     # m v dv/dx + k x + c₂v² = 0 from −X_0 to X_1 is linear in v²: e^(aX)(aX − 1) is the same at both, a = 2c₂/m
     m, c_2, start = 2.0, 0.9, -0.5
