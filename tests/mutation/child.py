@@ -29,7 +29,7 @@ class Run:
     """Tests to run in the copy `folder`.
 
     files : below the copy.   interpreted : kernels run in Python.   stop : at the first failure.
-    limits : seconds of processor time by id of a test, 0 for no limit, in the order of running; None: all tests that
+    limits : seconds of processor time by id of a test, in the order of running; None: all tests that
     are not slow are run, and the functions of the package that each of them calls are written down.
     report : file that receives the outcome.
     """
@@ -121,7 +121,7 @@ class Watch:
     def pytest_runtest_protocol(self, item):
         test = self.tests[item.nodeid] = {"passed": True, "failed": False}
         self.jit._left = CALLS if self.run.interpreted else 0.0
-        if self.run.limits:  # no handler: compiled code would not let it run
+        if self.run.limits:  # ends the process, as compiled code would let no handler run
             signal.setitimer(signal.ITIMER_PROF, self.run.limits[item.nodeid])
         start = time.process_time()
         try:
@@ -144,6 +144,10 @@ class Watch:
         self.run.report.write_text(json.dumps(self.tests), encoding="utf-8")
 
 
+def _too_long(*_: object) -> None:
+    raise TimeoutError("a test takes too long in Python")
+
+
 def run_tests(run: Run) -> None:
     """Run the tests and leave with pytest's exit status, or by the signal SIGPROF where one takes too long."""
     os.setsid()  # whatever the tests start ends with this process
@@ -158,6 +162,8 @@ def run_tests(run: Run) -> None:
         sys.dont_write_bytecode = True
         os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
     arguments = ["-q", "--no-header", "--tb=line", "-p", "no:cacheprovider", "-p", "no:xdist"]
+    if run.interpreted and not run.stop:
+        signal.signal(signal.SIGPROF, _too_long)
     if run.interpreted:  # compiled code divides and overflows without a word
         arguments += ["-W", "ignore::RuntimeWarning"]
     arguments.append("-x" if run.stop else "--continue-on-collection-errors")
