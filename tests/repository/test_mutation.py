@@ -195,3 +195,28 @@ def test_a_mutant_meets_the_tests_that_call_its_function(bench, capsys):
         "2.0 / x": ("killed", f"{file}::test_four_times"),
         "4.0": ("killed", f"{file}::test_four_times"),
     }
+
+
+def test_a_run_says_what_became_of_its_mutants_and_goes_on_where_it_stopped(
+    bench, monkeypatch, capsys
+):
+    monkeypatch.setattr(command, "ROOT", bench.folder.parent / "toy")
+    output = bench.folder.parent / "output"
+    arguments = ["law.py", "--seed", "1", "--number", "4", "--output", str(output)]
+    with pytest.raises(SystemExit):
+        command.main(["lore.py"])
+    assert "known are arrays.py, law.py" in capsys.readouterr().err
+    status = command.main(arguments)
+    text = (output / "table.md").read_text(encoding="utf-8")
+    (counts,) = (line for line in text.splitlines() if line.startswith("| all "))
+    number, killed, timed_out, equivalent, survived = map(int, counts.split("|")[2:-1])
+    assert (number, equivalent) == (4, 0)
+    assert status == int(survived > 0.4)
+    assert text.startswith("Seed 1.")
+    assert text.count("\n- law.py:") == survived
+    assert f"Killed: {killed + timed_out} of 4 that are not equivalent" in text
+    trials = (output / "trials.jsonl").read_text(encoding="utf-8").count("\n")
+    monkeypatch.setattr(Bench, "trial", lambda bench, mutant: ("survived", "0 tests"))
+    assert command.main(arguments) == status
+    again = (output / "trials.jsonl").read_text(encoding="utf-8").count("\n")
+    assert (trials, again) == (4, 4 + survived)  # those that survived are tried again
