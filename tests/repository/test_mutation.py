@@ -163,7 +163,8 @@ def bench(tmp_path, monkeypatch):
     (tmp_path / "toy/pytest.ini").write_text("[pytest]\nmarkers = slow\n", encoding="utf-8")
     monkeypatch.setattr("mutation.trials.ROOT", tmp_path / "toy")
     monkeypatch.setattr("mutation.trials.HEAVY", ["numba", "pytest"])
-    monkeypatch.setattr("mutation.trials.SHORTEST", 4.0)
+    monkeypatch.setattr("mutation.trials.SHORTEST", 2.0)
+    monkeypatch.setattr("mutation.trials.FACTOR", 1.0)
     return Bench(tmp_path / "bench", {}, budget=60.0)
 
 
