@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from dampbalance.motion.jit import interpreted
 from dampbalance.reading.ringdown_bursts import Signal
 from dampbalance.reading.ringdown_fit import fit_stretches
 from dampbalance.reading.ringdown_motion import Stretch, samples_of
 from dampbalance.reading.ringdown_rows import _columns, _course, _turns
-from dampbalance.reading.ringdown_starts import surer
+from dampbalance.reading.ringdown_starts import _before, surer
 
 M, K, F_K, START = 2.0, 800.0, 0.2, 5e-3
 HALF = math.pi * math.sqrt(M / K)  # between two turns, s
@@ -55,3 +56,15 @@ def test_a_search_from_other_starts_keeps_what_is_given():
     # the samples are exact; the climb ends where half of χ² would fall by 1e-2
     assert better.chi_square < 2e-2 < 1e-3 * fit.chi_square
     assert better.F_k == pytest.approx(F_K, rel=1e-3)
+
+
+def test_the_state_a_step_earlier_is_that_of_the_damped_motion():
+    """m ẍ + c ẋ + k x = −F_k while the mass slips forwards: the matrix exponential of a step back in time."""
+    c, step, now = 30.0, 2.0 * HALF / 24.0, np.array([1e-3, 0.05])
+    rest = np.array([-F_K / K, 0.0])
+    exact = rest + expm(-step * np.array([[0.0, 1.0], [-K / M, -c / M]])) @ (now - rest)
+    point = np.concatenate([[F_K, c], POINT[2:]])
+    x, v, w = _before(np.concatenate([point, now, [2.0]]), K, step)
+    # of second order; 16 steps of (ωh, hc/m) = (0.016, 0.012) leave 1.3e-3
+    assert [x, v] == pytest.approx(exact, rel=3e-3)
+    assert w == 2.0
