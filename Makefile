@@ -110,7 +110,7 @@ peers: $(BENCH)/ready ## Test the benchmarks with heyoka and diffrax, which `mak
 processors: setup ## Run the tests that compare closely as on processors without AVX-512, and without AVX2 and FMA
 	@cd tests && $(RUN) processors --numprocesses auto --dist loadscope $(PYTEST_ARGS)
 
-mutants: setup ## Put errors into the method and see whether its tests notice (choose with MUTANTS_ARGS="motion/flow.py --seed 2")
+mutants: setup ## Put errors into the method and see whether its tests notice (choose with MUTANTS_ARGS="motion/flow.py --number 20")
 	@cd tests && $(RUN) mutation $(MUTANTS_ARGS)
 
 blind: setup ## Identify records of other make whose truth is known (choose with BLIND_ARGS="efficiency --drawings 50")
@@ -135,7 +135,7 @@ lock: setup ## Pin the newest versions that pyproject.toml allows, with hashes
 clean: ## Remove results and caches; the environment stays
 	find results -mindepth 1 -maxdepth 1 ! -name README.md -exec rm -rf {} +
 	find src tests workflow paper -name __pycache__ -type d -prune -exec rm -rf {} +
-	rm -rf .snakemake .pytest_cache .mypy_cache .ruff_cache .hypothesis build dist
+	rm -rf .snakemake .mutants .pytest_cache .mypy_cache .ruff_cache .hypothesis build dist
 
 distclean: clean ## Remove the environment as well
 	rm -rf $(VENV) $(BENCH)

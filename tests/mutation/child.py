@@ -1,10 +1,10 @@
-"""A process of its own that runs tests in a copy of the project.
-
-Nothing of the project is imported here: the process must find the package and the helpers of the tests in its copy.
-"""
+"""Runs tests in a copy of the project, in a process of its own, which finds package and helpers in that copy."""
 
 from __future__ import annotations
 
+import ast
+import builtins
+import importlib
 import json
 import os
 import resource
@@ -12,18 +12,14 @@ import signal
 import sys
 import time
 from dataclasses import dataclass
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from typing import Any
 
-import numba
 import pytest
 
-Config: Any = numba.config
-
-LONGEST_INTERPRETED = 0.3
-"""Seconds of processor time that a test may take where kernels are interpreted; a longer one meets compiled kernels."""
-
-ENDED = 100
+CALLS = 4000.0
+"""Calls of kernels, at the most, that a test makes if it can do without compiling."""
 MEMORY = 6 << 30
 """Bytes that the tests of a mutant may ask for."""
 
@@ -32,89 +28,133 @@ MEMORY = 6 << 30
 class Run:
     """Tests to run in the copy `folder`.
 
-    files : of tests, below tests/.   chosen : ids of those to run, in this order; all if None.
-    interpreted : kernels are not compiled.   stop : at the first failure.   seconds : of processor time at the most.
+    files : below the copy.   interpreted : kernels run in Python.   stop : at the first failure.
+    limits : seconds of processor time by id of a test, in the order of running; None: all tests that
+    are not slow are run, and the functions of the package that each of them calls are written down.
     report : file that receives the outcome.
     """
 
     folder: Path
     files: tuple[str, ...]
-    chosen: tuple[str, ...] | None
     interpreted: bool
     stop: bool
-    seconds: int
+    limits: dict[str, float] | None
     report: Path
 
 
+CALLED: set[Any] = set()
+"""Functions of the package, as "module:name", and kernels that were called."""
+
+
+class Calls(ast.NodeTransformer):
+    """Lets each function of a module write down that it was called: kernels do when Python calls them."""
+
+    def __init__(self, module: str) -> None:
+        self.module, self.where = module, ""
+
+    def visit_ClassDef(self, node: Any) -> Any:
+        around, self.where = self.where, f"{self.where}.{node.name}".lstrip(".")
+        if "jit" not in map(ast.unparse, node.decorator_list):
+            self.generic_visit(node)
+            if isinstance(node, ast.FunctionDef):
+                call = ast.parse(f"__called__.add({self.module + ':' + self.where!r})").body[0]
+                node.body.insert(int(ast.get_docstring(node) is not None), call)
+        self.where = around
+        return node
+
+    visit_FunctionDef = visit_ClassDef
+
+
+def _write_down_calls(package: str) -> None:
+    """Import modules below the folder `package` with `Calls` in them, whatever has been compiled before."""
+    builtins.__called__ = CALLED  # type: ignore[attr-defined]
+    original = SourceFileLoader.get_code
+
+    def get_code(loader: SourceFileLoader, name: str) -> Any:
+        path = loader.get_filename(name)
+        if not path.startswith(package):
+            return original(loader, name)
+        tree = Calls(path.removeprefix(package)).visit(ast.parse(loader.get_data(path)))
+        return compile(ast.fix_missing_locations(tree), path, "exec")
+
+    SourceFileLoader.get_code = get_code  # type: ignore[method-assign]
+
+
 class Watch:
-    """Chooses the tests, limits their time, and writes down how each of them ended."""
+    """Chooses the tests, limits their time, and writes down how they ended and which functions they called."""
 
     def __init__(self, run: Run) -> None:
         self.run = run
         self.tests: dict[str, dict[str, Any]] = {}
+        if run.limits is None:
+            _write_down_calls(f"{run.folder / 'src/dampbalance'}{os.sep}")
+        self.jit: Any = importlib.import_module("dampbalance.motion.jit")
+        call = self.jit._Kernel.__call__
+        if run.limits is None:
+            self.jit._Kernel.__call__ = lambda kernel, *a: (CALLED.add(kernel), call(kernel, *a))[1]
+
+    def called(self) -> list[str]:
+        """Functions of the package called since the last time, with the kernels that compiled kernels may call."""
+        kernels = [one for one in CALLED if not isinstance(one, str)]
+        for kernel in kernels:
+            function = kernel.py_func
+            CALLED.add(
+                f"{function.__module__.removeprefix('dampbalance.').replace('.', '/')}.py:{function.__name__}"
+            )
+            used = (function.__globals__.get(name) for name in function.__code__.co_names)
+            kernels += [k for k in used if isinstance(k, self.jit._Kernel) and k not in kernels]
+        names = sorted(one for one in CALLED if isinstance(one, str))
+        CALLED.clear()
+        return names
 
     @pytest.hookimpl(trylast=True)
-    def pytest_collection_modifyitems(self, config, items):
-        if self.run.chosen is not None:
-            place = {name: i for i, name in enumerate(self.run.chosen)}
-            config.hook.pytest_deselected(items=[i for i in items if i.nodeid not in place])
-            items[:] = sorted(
-                (item for item in items if item.nodeid in place),
-                key=lambda item: place[item.nodeid],
-            )
+    def pytest_collection_modifyitems(self, items):
+        limits = self.run.limits
+        if limits is None:
+            items[:] = [item for item in items if not item.get_closest_marker("slow")]
+        else:
+            place = {name: i for i, name in enumerate(limits)}
+            items[:] = [item for item in items if item.nodeid in place]
+            items.sort(key=lambda item: place[item.nodeid])
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item):
-        self.tests[item.nodeid] = {"passed": True, "seconds": 0.0}
+        test = self.tests[item.nodeid] = {"passed": True, "failed": False}
+        self.jit._left = CALLS if self.run.interpreted else 0.0
+        if self.run.limits:  # ends the process, as compiled code would let no handler run
+            signal.setitimer(signal.ITIMER_PROF, self.run.limits[item.nodeid])
         start = time.process_time()
         try:
             return (yield)
         finally:
-            self.tests[item.nodeid]["seconds"] = time.process_time() - start
-            # after each test: the process may be ended amid the next
-            self.run.report.write_text(json.dumps(self.tests), encoding="utf-8")
-
-    @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_setup(self):
-        return (yield from self._limited())
-
-    @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_call(self):
-        return (yield from self._limited())
-
-    def _limited(self):
-        if not (self.run.interpreted or self.run.stop):
-            return (yield)
-        signal.signal(signal.SIGPROF, self._too_long)
-        # a mutant that runs on for ever fails its first test; one that is slow only has time enough
-        factor = 40.0 if self.run.stop else 4.0
-        longest = LONGEST_INTERPRETED if self.run.interpreted else 2.0
-        signal.setitimer(signal.ITIMER_PROF, factor * longest)
-        try:
-            return (yield)
-        finally:
+            test["seconds"] = time.process_time() - start
             signal.setitimer(signal.ITIMER_PROF, 0.0)
-
-    def _too_long(self, *_: object) -> None:
-        if self.run.stop:  # at once: a thread that runs on for ever lets nobody out
-            self.tests[next(reversed(self.tests))]["passed"] = False
-            self.run.report.write_text(json.dumps(self.tests), encoding="utf-8")
-            os._exit(ENDED + 1)
-        raise TimeoutError("too long for interpreted kernels")
+            test["called"] = self.called()
+            test["passed"] &= not self.run.interpreted or self.jit._left > 0.0
 
     def pytest_runtest_logreport(self, report):
-        if not report.passed:
-            self.tests[report.nodeid]["passed"] = False
+        self.tests[report.nodeid]["passed"] &= report.passed
+        self.tests[report.nodeid]["failed"] |= report.failed
+
+    def pytest_collectreport(self, report):
+        if report.failed:
+            self.tests[report.nodeid] = {"passed": False, "failed": True}
+
+    def pytest_sessionfinish(self):
+        self.run.report.write_text(json.dumps(self.tests), encoding="utf-8")
+
+
+def _too_long(*_: object) -> None:
+    raise TimeoutError("a test takes too long in Python")
 
 
 def run_tests(run: Run) -> None:
-    """Run the tests and leave with `ENDED` more than pytest's exit status: any other status is an error of ours."""
+    """Run the tests and leave with pytest's exit status, or by the signal SIGPROF where one takes too long."""
     os.setsid()  # whatever the tests start ends with this process
-    resource.setrlimit(resource.RLIMIT_CPU, (run.seconds, run.seconds + 5))
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    with run.report.with_suffix(".log").open("w") as log:
-        for stream in (1, 2):
-            os.dup2(log.fileno(), stream)
+    log = os.open(run.report.with_suffix(".log"), os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+    for stream in (1, 2):
+        os.dup2(log, stream)
     os.chdir(run.folder)
     sys.path[:0] = [str(run.folder / "src"), str(run.folder / "tests")]
     os.environ["PYTHONPATH"] = os.pathsep.join(sys.path[:2])
@@ -122,15 +162,15 @@ def run_tests(run: Run) -> None:
         sys.dont_write_bytecode = True
         os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
     arguments = ["-q", "--no-header", "--tb=line", "-p", "no:cacheprovider", "-p", "no:xdist"]
-    if run.interpreted:
-        os.environ["NUMBA_DISABLE_JIT"] = "1"
-        Config.DISABLE_JIT = True
-        # compiled code divides and overflows without a word
+    if run.interpreted and not run.stop:
+        signal.signal(signal.SIGPROF, _too_long)
+    if run.interpreted:  # compiled code divides and overflows without a word
         arguments += ["-W", "ignore::RuntimeWarning"]
-    if run.stop:
-        arguments.append("-x")
-    status = pytest.main(
-        [*arguments, *(f"tests/{file}" for file in run.files)], plugins=[Watch(run)]
-    )
+    arguments.append("-x" if run.stop else "--continue-on-collection-errors")
+    try:
+        watch = Watch(run)
+    except BaseException:
+        os._exit(1)
+    status = pytest.main([*arguments, *run.files], plugins=[watch])
     sys.stdout.flush()
-    os._exit(ENDED + int(status))
+    os._exit(int(status))

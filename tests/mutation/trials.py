@@ -1,224 +1,183 @@
-"""Trials: a mutant is written into a copy of the project, and the tests of its module are run there."""
+"""Trials: a mutant is written into a copy of the project, and the tests that call its function are run there."""
 
 from __future__ import annotations
 
 import contextlib
 import hashlib
 import json
-import math
 import multiprocessing
 import os
 import shutil
 import signal
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+import threading
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from .child import ENDED, LONGEST_INTERPRETED, Run, run_tests
+from .child import Run, run_tests
 from .mutants import Mutant
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = "src/dampbalance"
-NOT_COPIED = (".*", "results", "__pycache__", "build", "dist")
+SHOWN = (
+    "commands",
+    "figures",
+    "project",
+    "publishing",
+    "article",
+    "notebook",
+    "page",
+    "recipe",
+    "site",
+)
+"""Words in the paths of tests that answer for what is shown, not for the method."""
 HEAVY = ["jsonschema", "matplotlib.pyplot", "numba", "pandas", "pytest", "scipy.optimize"]
-
-_MOTION = ("unit/motion", "unit/test_features.py", "analytic")
-_CLAIMS = (
-    "unit/replication",
-    "paper/test_claims.py",
-    "paper/test_explanations.py",
-    "paper/test_from_print.py",
-)
-TESTS: dict[str, tuple[str, ...]] = {
-    "model.py": ("unit/test_model.py", "unit/motion", "paper/test_equation_by_equation.py"),
-    "record.py": ("unit/test_record.py", "unit/test_features.py"),
-    "motion/": _MOTION,
-    "features.py": ("unit/test_features.py", "unit/test_balance.py"),
-    "balance.py": ("unit/test_balance.py", "paper/test_equation_by_equation.py"),
-    "solver.py": ("unit/test_solver.py", "paper/test_equation_by_equation.py"),
-    "factorisation.py": ("unit/test_solver.py",),
-    "estimates.py": ("unit/test_solver.py", "unit/test_balance.py"),
-    "reading/clean.py": ("unit/test_features.py", "paper/test_as_published.py"),
-    "reading/climb.py": ("unit/reading/test_climb.py", "unit/reading/test_waveforms.py"),
-    "reading/noisy.py": ("unit/reading", "unit/identification"),
-    "reading/turning.py": ("unit/reading/test_turning.py", "unit/reading/test_noisy.py"),
-    "reading/lines.py": ("unit/reading/test_lines.py", "unit/reading/test_waveforms.py"),
-    "reading/waveforms.py": ("unit/reading/test_waveforms.py", "unit/reading/test_noisy.py"),
-    "reading/quadrature.py": ("unit/test_features.py", "unit/reading/test_simpson.py"),
-    "reading/": ("unit/reading",),
-    "likelihood/": ("unit/likelihood",),
-    "records/units.py": ("unit/records/test_units.py", "unit/records/test_readers.py"),
-    "replication/": _CLAIMS,
-    "studies/evaluate.py": ("unit/studies",),
-    "identification/": ("unit/identification", "unit/studies/test_noisy.py"),
-}
-"""Module, or room, of the method → the tests that answer for it."""
-
-KERNELS = ("model.py", "record.py", "motion/")
-"""Modules that compiled code is made of: one change compiles all of it anew, which takes longer than most tests do
-without compiling. Their mutants meet the tests that bear it interpreted, and only those that survive are compiled."""
-
-METHOD = (
-    "*.py",
-    "motion/*.py",
-    "reading/*.py",
-    "likelihood/*.py",
-    "records/units.py",
-    "replication/claims/*.py",
-    "replication/verdicts.py",
-    "studies/evaluate.py",
-    "identification/identify.py",
-    "identification/microstick.py",
-    "identification/oscillator.py",
-)
+KERNELS = ("arrays.py", "model.py", "record.py", "motion/")
+"""An error in these has all kernels compiled anew, which takes a minute: tests that can do without come first."""
+LONGEST = 1.0
+"""Seconds that a test may take without compiling."""
+SHORTEST, FACTOR, COMPILING = 10.0, 5.0, 120.0
+"""A test may take so many seconds and so many times the longest of its file, and so many more to compile kernels."""
 
 
-def answering(module: str) -> tuple[str, ...]:
-    """Tests that answer for a module, files and folders below tests/."""
-    for name, tests in TESTS.items():
-        if module == name or (name.endswith("/") and module.startswith(name)):
-            return tests
-    raise ValueError(f"no tests are named for {module}: give it a line in TESTS")
-
-
-def modules() -> list[str]:
-    """The modules of the method, below the package."""
-    package = ROOT / PACKAGE
-    found = sorted(path for pattern in METHOD for path in package.glob(pattern))
-    return [
-        path.relative_to(package).as_posix() for path in found if not path.name.startswith("__")
-    ]
-
-
-def files_in(folder: Path, tests: Iterable[str]) -> list[str]:
-    found: list[Path] = []
-    for name in tests:
-        path = folder / "tests" / name
-        found += sorted(path.rglob("test_*.py")) if path.is_dir() else [path]
-    return [path.relative_to(folder / "tests").as_posix() for path in found]
-
-
-@dataclass
 class Bench:
     """A copy of the project in `folder`, with what is known of its tests when nothing is wrong.
 
-    known : file of earlier outcomes of tests, used as long as package and tests are the same.
+    known : outcomes by file of tests, shared by all benches, used as long as package and tests are the same.
     """
 
-    folder: Path
-    known: Path
-    tests: dict[str, dict[str, Any]] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        ignore = shutil.ignore_patterns(*NOT_COPIED)
-        shutil.copytree(ROOT, self.folder / "project", ignore=ignore)
+    def __init__(self, folder: Path, known: dict[str, dict[str, Any]], budget: float) -> None:
+        self.folder, self.known, self.budget = folder, known, budget
+        self.project = folder / "project"
+        for path in self.project.rglob("*.py"):
+            path.unlink()
+        ignore = shutil.ignore_patterns(".*", "results", "*.pyc", "kernels-*")
+        shutil.copytree(ROOT, self.project, ignore=ignore, dirs_exist_ok=True)
         self.processes = multiprocessing.get_context("forkserver")
         self.processes.set_forkserver_preload(HEAVY)
-        if self.known.exists():
-            self.tests = json.loads(self.known.read_text(encoding="utf-8"))
-
-    @property
-    def project(self) -> Path:
-        """The copy."""
-        return self.folder / "project"
+        tests = self.project / "tests"
+        found = [
+            path
+            for room in ("unit", "analytic", "paper")
+            for path in sorted((tests / room).rglob("test_*.py"))
+            if not any(word in str(path.relative_to(tests)) for word in SHOWN)
+        ]
+        self.files = [path.relative_to(self.project).as_posix() for path in found]
+        digest = hashlib.sha256()
+        helpers = {p for p in tests.rglob("*.py") if p.parent.name != "mutation"} - {*found}
+        for path in sorted({*(self.project / PACKAGE).rglob("*.py")} | helpers):
+            digest.update(path.read_bytes())
+        self.digest = digest.hexdigest()
 
     def _run(
-        self,
-        files: Iterable[str],
-        chosen: Iterable[str] | None,
-        interpreted: bool,
-        stop: bool,
-        seconds: float,
-    ) -> tuple[int | None, dict[str, Any]]:
-        """(pytest's exit status, None if the time ran out; outcome by test).
-
-        seconds : of processor time; ten times as long by the clock, on a machine that others use, too.
-        """
-        report = self.folder / "report.json"
+        self, *files: str, interpreted: bool, stop: bool, limits: Any
+    ) -> tuple[int, dict[str, Any]]:
+        """(pytest's exit status or minus the signal that ended the run, outcome by test)."""
+        report = self.folder / f"report-{threading.get_ident()}.json"
         report.unlink(missing_ok=True)
-        ids = None if chosen is None else tuple(chosen)
-        run = Run(self.project, tuple(files), ids, interpreted, stop, math.ceil(seconds), report)
+        run = Run(self.project, files, interpreted, stop, limits, report)
         process = self.processes.Process(target=run_tests, args=(run,))
         process.start()
-        process.join(10.0 * seconds)
-        ended = process.exitcode
-        if process.pid is not None:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
+        process.join(60.0 + 10.0 * sum(limits.values()) if stop else None)
+        status = -signal.SIGPROF if process.exitcode is None else process.exitcode
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
         process.join()
-        if ended is not None and ended >= ENDED:
-            ended -= ENDED
-        elif ended is not None and ended >= 0:
-            raise RuntimeError("the tests of a mutant could not be started: see above")
-        elif ended == -signal.SIGXCPU:
-            ended = None
-        return ended, json.loads(report.read_text(encoding="utf-8")) if report.exists() else {}
+        return status, json.loads(report.read_text(encoding="utf-8")) if report.exists() else {}
 
-    def _baseline(self, file: str, interpreted: bool) -> dict[str, Any]:
-        """Outcome and seconds of each test of a file, nothing being wrong."""
-        digest = hashlib.sha256((self.project / "tests" / file).read_bytes())
-        for path in sorted((self.project / PACKAGE).rglob("*.py")):
-            digest.update(path.read_bytes())
-        key = f"{file} {'interpreted' if interpreted else 'compiled'} {digest.hexdigest()[:16]}"
-        if key not in self.tests:
-            # interpreted, a test that works in threads cannot be stopped alone: what comes after it is left out, too
-            limit = 60.0 if interpreted else 900.0
-            status, outcome = self._run([file], None, interpreted, False, limit)
-            if not interpreted and status != 0:
-                log = (self.folder / "report.log").read_text(encoding="utf-8")
-                raise RuntimeError(f"tests/{file} fails without any mutant:\n{log[-3000:]}")
-            self.tests[key] = outcome
-            self.known.parent.mkdir(parents=True, exist_ok=True)
-            self.known.write_text(json.dumps(self.tests), encoding="utf-8")
-        return self.tests[key]
-
-    def _stages(
-        self, module: str, quick: bool
-    ) -> Iterable[tuple[bool, list[str], list[str], float]]:
-        """(interpreted, files, tests in order of their time, seconds they take) for each stage of a trial."""
-        files = files_in(self.project, answering(module))
-        borne: set[str] = set()
-        kernel = module.startswith(KERNELS)
-        for interpreted in (True, False) if kernel else (False,):
-            if quick and kernel and not interpreted:
-                return
-            outcomes = {file: self._baseline(file, interpreted) for file in files}
-            longest = LONGEST_INTERPRETED if interpreted else float("inf")
-            kept = {
-                file: {
-                    name: test["seconds"]
-                    for name, test in outcome.items()
-                    if test["passed"] and test["seconds"] <= longest and name not in borne
-                }
-                for file, outcome in outcomes.items()
-            }
-            order = sorted(
-                (file for file in files if kept[file]), key=lambda f: sum(kept[f].values())
-            )
-            chosen = [
-                name for file in order for name in sorted(kept[file], key=kept[file].__getitem__)
-            ]
+    def measure(self, files: Iterable[str], interpreted: bool = False) -> None:
+        """Run the tests of some files together, nothing being wrong, and keep what `baseline` gives."""
+        if missing := [file for file in files if self._key(file, interpreted) not in self.known]:
+            limits = None
             if interpreted:
-                borne = set(chosen)
-            yield interpreted, order, chosen, sum(sum(of.values()) for of in kept.values())
+                tests = self.baseline(missing[0])
+                limits = dict.fromkeys(tests, LONGEST)
+            status, tests = self._run(*missing, interpreted=interpreted, stop=False, limits=limits)
+            if status not in (0, 1, 5):  # all passed, some failed, there are none
+                print(f"left out, as pytest ends with {status}:", *missing, flush=True)
+            for file in missing:
+                outcome = {n: test for n, test in tests.items() if _file(n) == file}
+                self.known[self._key(file, interpreted)] = {
+                    name: test for name, test in outcome.items() if test["passed"]
+                }
+                failed = [name for name, test in outcome.items() if test["failed"]]
+                if failed and not interpreted:
+                    print("left out, as they fail without any error:", *failed, flush=True)
 
-    def trial(self, mutant: Mutant, quick: bool) -> tuple[str, str]:
-        """("killed", the test that failed), ("timed out", "") or ("survived", "")."""
+    def baseline(self, file: str, interpreted: bool = False) -> dict[str, dict[str, Any]]:
+        """Seconds and called functions of each test of a file that passes, nothing being wrong.
+
+        interpreted : in Python, of those alone that take few calls of kernels.
+        """
+        self.measure([file], interpreted)
+        return self.known[self._key(file, interpreted)]
+
+    def _key(self, file: str, interpreted: bool) -> str:
+        digest = hashlib.sha256((self.project / file).read_bytes() + self.digest.encode())
+        return f"{file} {'interpreted' if interpreted else 'compiled'} {digest.hexdigest()[:16]}"
+
+    def stages(self, mutant: Mutant) -> Iterator[tuple[bool, dict[str, float]]]:
+        """(interpreted, limits by test) for each run of a trial: a file, then two, four …, quickest first.
+
+        First come the tests that call the function of the mutant; where none does, as outside of functions, those that
+        call any of its module. The others in their files follow, which may share what those have set up.
+        """
+        tests = {n: t for file in self.files for n, t in self.baseline(file).items()}
+        own, module = f"{mutant.module}:{mutant.where}", f"{mutant.module}:"
+        calling = {name for name, test in tests.items() if own in test["called"]} or {
+            name
+            for name, test in tests.items()
+            if any(f.startswith(module) for f in test["called"])
+        }
+        total: Counter[str] = Counter()
+        for name in calling:
+            total[_file(name)] += tests[name]["seconds"]
+        order = sorted(
+            (name for name in tests if _file(name) in total),
+            key=lambda n: (n not in calling, total[_file(n)], _file(n), tests[n]["seconds"]),
+        )
+        kernels, left, done = mutant.module.startswith(KERNELS), self.budget, set[str]()
+        for interpreted in [True, False] if kernels else [False]:
+            more = COMPILING if kernels and not interpreted else 0.0
+            limits, size = dict[str, float](), 1
+            for file, names in groupby(order, _file):
+                known = self.baseline(file, interpreted)
+                # whichever test comes first pays for what they share
+                longest = max((test["seconds"] for test in known.values()), default=0.0)
+                for name in [n for n in names if n in known and n not in done]:
+                    left -= known[name]["seconds"]
+                    if left > 0.0:
+                        done.add(name)
+                        limits[name] = SHORTEST + FACTOR * longest + more
+                if len({*map(_file, limits)}) >= size:
+                    yield interpreted, limits
+                    limits, size = {}, 2 * size
+            if limits:
+                yield interpreted, limits
+
+    def trial(self, mutant: Mutant) -> tuple[str, str]:
+        """("killed", the test that failed), ("timed out", "") or ("survived", the number of tests)."""
         path = self.project / PACKAGE / mutant.module
-        original = path.read_bytes()
-        stages = self._stages(mutant.module, quick)
-        for interpreted, files, chosen, seconds in stages:
-            if not chosen:
-                continue
+        original, times = path.read_bytes(), path.stat()
+        number = 0
+        for interpreted, limits in self.stages(mutant):
+            files = dict.fromkeys(map(_file, limits))
             path.write_text(mutant.source(original.decode()), encoding="utf-8")
             try:
-                status, tests = self._run(files, chosen, interpreted, True, 60.0 + 3.0 * seconds)
+                status, tests = self._run(*files, interpreted=interpreted, stop=True, limits=limits)
             finally:
-                path.write_bytes(original)
-            if status is None:
+                path.write_bytes(original)  # with its time, by which compiled kernels are known
+                os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+            if status == -signal.SIGPROF:
                 return "timed out", ""
             if status != 0:
-                failed = [name for name, test in tests.items() if not test["passed"]]
-                return "killed", failed[0] if failed else "(import)"
-        return "survived", ""
+                return "killed", next(reversed(tests), "(import)")
+            number += len(limits)
+        return "survived", f"{number} tests"
+
+
+def _file(name: str) -> str:
+    """The file of a test."""
+    return name.partition("::")[0]

@@ -24,6 +24,7 @@ from dampbalance.balance import (
     viscous_integral,
 )
 from dampbalance.features import of_numbers, of_orbit, stack
+from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.model import BaseMotion
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.solver import least_squares
@@ -276,3 +277,41 @@ def test_indexing_takes_the_covariance_along():
     np.testing.assert_array_equal(rows[:, 3].covariance, covariance[:, :, :, 3])
     used = np.array([True, False, True, True])
     np.testing.assert_array_equal(rows[used].covariance, covariance[:, :, used])
+
+
+def test_a_row_weighs_by_the_inverse_variance_of_its_misfit():
+    """var(5 a + 20 b − W) is 25 · 0.04 + 400 · 0.01 + 9 = 14, and 2 · 5 · 0.3 less where a and W vary together."""
+    covariance = np.zeros((3, 3, 2))
+    covariance[range(3), range(3)] = np.array([0.04, 0.01, 9.0])[:, None]
+    covariance[0, 2, 1] = covariance[2, 0, 1] = 0.3
+    rows = Rows({"F_k": np.ones(2), "c": np.ones(2)}, np.ones(2), covariance=covariance)
+    weighted = rows.weighted({"F_k": 5.0, "c": 20.0})
+    np.testing.assert_allclose(weighted.weights, [1.0 / 14.0, 1.0 / 11.0], rtol=1e-14)
+    assert weighted.covariance is None
+    given = replace(rows, given={"c": 20.0}).weighted({"F_k": 5.0})
+    np.testing.assert_array_equal(given.weights, weighted.weights)
+    with pytest.raises(ValueError, match="without a covariance"):
+        weighted.weighted({"F_k": 5.0, "c": 20.0})
+
+
+def test_fourier_has_the_integrals_that_three_harmonics_tell():
+    """∮ h ẋ dt of x = Σ X_n cos(nωt − φ_n): the rectangle rule is exact on a whole period of a trigonometric sum. The
+    other terms depend on how the harmonics lie to each other, which the features do not say."""
+    omega, Y, amplitudes = 30.0, 0.006, {1: 0.01, 3: 2e-3, 5: 5e-4}
+    features = of_numbers(
+        omega,
+        "three harmonics",
+        Y=Y,
+        phi_fundamental=1.3,
+        **{f"X_{n}": X_n for n, X_n in amplitudes.items()},
+    )
+    t = np.arange(64) * 2.0 * np.pi / (64 * omega)
+    v = -sum(n * omega * X_n * np.sin(n * omega * t - 1.3) for n, X_n in amplitudes.items())
+    w = -omega * Y * np.sin(omega * t)
+    rows = APPROACHES["fourier"](features, K, ("eta", "c_r", "c_2", "c_3"))
+    for symbol in ("eta", "c_r"):
+        force = KNOWN_TERMS[symbol].force
+        work = 2.0 * np.pi / omega * np.mean(force(v, w, K, omega) * v)
+        assert rows.terms[symbol][0] == pytest.approx(work, rel=1e-12)
+    for symbol in ("c_2", "c_3"):
+        assert np.isnan(rows.terms[symbol]).all()

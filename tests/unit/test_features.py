@@ -113,6 +113,18 @@ def test_what_does_not_fit_together_is_refused():
         Features.from_frame(of_orbit(orbit()).to_frame().iloc[:0])
 
 
+def test_responses_share_the_integrals_that_all_of_them_have():
+    one, other = of_orbit(orbit()), of_orbit(orbit(0.004))
+    one = replace(one, integrals={"eta": np.array([3.0]), "c_2": np.array([5.0])})
+    other = replace(other, integrals={"eta": np.array([4.0])})
+    for first, second in ((one, other), (other, one)):
+        levels, cases = stack([first, second]), beside([first, second])
+        assert list(levels.integrals) == list(cases.integrals) == ["eta"]
+        expected = [first.integrals["eta"][0], second.integrals["eta"][0]]
+        assert levels.integrals["eta"].tolist() == expected
+        assert cases.integrals["eta"].tolist() == [expected]
+
+
 def test_responses_of_different_frequencies_go_together():
     features = stack([of_orbit(orbit()), of_orbit(orbit(omega=20.0))])
     assert features.omega.tolist() == [OMEGA, 20.0]

@@ -24,7 +24,7 @@ NAMES_NONE = {
     "config: frame.set",
     "config: measured[].groups.*[]",
     *(f"study: {key}" for key in ("title", "shows", "summary_by[]", "route.law")),
-    *(f"study: figure.{key}" for key in ("x", "y", "panels")),
+    *(f"study: figure.{key}" for key in ("x", "y", "panels", "at.*")),
     *(f"study: facts.*.{key}" for key in ("along", "at.*")),
     "study: axes[].law.values[]",
     *(f"mapping: channels.*.{key}" for key in ("channel", "unit", "time", "delay")),

@@ -65,7 +65,7 @@ def fit_all(fits: Sequence[RingFit], offsets: int) -> tuple[RingFit | None, list
             break
         for some in itertools.combinations(order[: count + 1], count):
             rest = [fit for i, fit in enumerate(fits) if i not in some]
-            if not rest or any(turns[i] > _MOST_TURNS for i in some):
+            if any(turns[i] > _MOST_TURNS for i in some):
                 continue
             fit = _joined(rest, offsets)
             if fit is not None and fit.adequate:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, steady_orbit
-from dampbalance.reading.cycles import accumulate
+from dampbalance.reading.cycles import _held, accumulate
 from dampbalance.reading.frequency import drive_frequency
 from paper_case import OMEGA, PAPER
 
@@ -135,6 +135,26 @@ def _converted(clean, bits, part, noise):
     step = 2.0 * np.abs(clean).max() / part / 2**bits
     noise = noise * clean.std() * np.random.default_rng(5).standard_normal(clean.size)
     return step * np.clip(np.round((clean + noise) / step), -(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+
+
+def _held_for(start: int, samples: int, rms: float) -> str:
+    """What is said of a cycle that holds some samples: it rises by 10 a sample up to 20, then by 1."""
+    cycle = np.concatenate([10.0 * np.arange(20), 191.0 + np.arange(80)])
+    spoiled = cycle.copy()
+    spoiled[start : start + samples] = cycle[start]
+    return _held(spoiled, np.tile(cycle, (8, 1)), rms)
+
+
+def test_a_drop_out_moves_by_a_step_and_five_times_the_noise_elsewhere():
+    """Within 6 samples, less one at either end, the other cycles move on by 3: by a step and 5 · 0.4."""
+    assert _held_for(60, 6, 0.39) == "a drop-out: 6 samples hold the value 231"
+    assert _held_for(60, 6, 0.41) == ""
+
+
+def test_a_drop_out_jumps_by_more_than_the_signal_does_nearby():
+    """Held for 8 samples the signal goes on with a jump of 8. It moves by 1 a sample there, if by 10 farther off."""
+    assert _held_for(60, 8, 0.0) == "a drop-out: 8 samples hold the value 231"
+    assert _held_for(24, 8, 0.0) == ""
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,70 @@
+"""Rows of free decays, against the closed form of a decay by friction alone."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from dampbalance.motion.jit import interpreted
+from dampbalance.reading.ringdown_bursts import Signal
+from dampbalance.reading.ringdown_fit import fit_stretches
+from dampbalance.reading.ringdown_motion import Stretch, samples_of
+from dampbalance.reading.ringdown_rows import _columns, _course, _turns
+from dampbalance.reading.ringdown_starts import _before, surer
+
+M, K, F_K, START = 2.0, 800.0, 0.2, 5e-3
+HALF = math.pi * math.sqrt(M / K)  # between two turns, s
+POINT = np.array([F_K, 0.0, 1.0 / math.sqrt(1e8 * K), M, 0.0])  # the contact is all but rigid
+STATE = np.array([START, 0.0, 2.0])
+
+
+@pytest.mark.parametrize(("cycles", "halves"), [(3.4, 3), (3.6, 4), (4.1, 4)])
+def test_a_half_cycle_counts_if_half_of_it_is_recorded(cycles, halves):
+    """Under friction alone the turns lie at half periods of the mass on its spring, x_n = (−1)^n (x_0 − 2n F_k/k), and
+    ∫ ẋ² dt between them is that of a cosine of amplitude x_n − F_k/k."""
+    with interpreted():
+        course = _course(POINT, STATE, K, Stretch("", 0.0, cycles * HALF, (), (), 2.0 * HALF))
+    n = np.arange(halves + 1)
+    turns = (-1.0) ** n * (START - 2.0 * n * F_K / K)
+    # the contact gives way by 1e-8 of the spring
+    assert [half.t_b for half in course.halves] == pytest.approx(n[1:] * HALF, rel=1e-4)
+    assert _turns(course) == pytest.approx(turns, rel=1e-6)
+    W, a, b = _columns(POINT, K, course, _turns(course)).T
+    amplitudes = abs(turns[:-1]) - F_K / K
+    assert a == pytest.approx(2.0 * amplitudes, rel=1e-6)
+    assert b == pytest.approx(0.5 * math.pi * math.sqrt(K / M) * amplitudes**2, rel=1e-6)
+    assert pytest.approx(F_K * a, rel=1e-6) == W
+
+
+def test_a_search_from_other_starts_keeps_what_is_given():
+    t = np.arange(0.0, 4.0 * HALF, HALF / 20.0)
+    unread = Stretch("", 0.0, t[-1], (Signal("displacement", 0, t, t, 1e-5),), (0,), 2.0 * HALF)
+    point = np.concatenate([[F_K, 0.3, 1.0 / math.sqrt(30.0 * K), M, 0.0], STATE])
+    rho, w = 2, 7
+    with interpreted():
+        signal = replace(unread.signals[0], values=samples_of(point, STATE, K, unread))
+        far = point.copy()
+        far[:2] = 0.2 * F_K, 2.0
+        fit = fit_stretches([replace(unread, signals=(signal,))], K, far, given={0, 1, rho, w})
+        assert fit.doubtful
+        better = surer(fit, given={rho, w})
+    assert better.point[[rho, w]].tolist() == point[[rho, w]].tolist()
+    # the samples are exact; the climb ends where half of χ² would fall by 1e-2
+    assert better.chi_square < 2e-2 < 1e-3 * fit.chi_square
+    assert better.F_k == pytest.approx(F_K, rel=1e-3)
+
+
+def test_the_state_a_step_earlier_is_that_of_the_damped_motion():
+    """m ẍ + c ẋ + k x = −F_k while the mass slips forwards: the matrix exponential of a step back in time."""
+    c, step, now = 30.0, 2.0 * HALF / 24.0, np.array([1e-3, 0.05])
+    rest = np.array([-F_K / K, 0.0])
+    exact = rest + expm(-step * np.array([[0.0, 1.0], [-K / M, -c / M]])) @ (now - rest)
+    point = np.concatenate([[F_K, c], POINT[2:]])
+    x, v, w = _before(np.concatenate([point, now, [2.0]]), K, step)
+    # of second order; 16 steps of (ωh, hc/m) = (0.016, 0.012) leave 1.3e-3
+    assert [x, v] == pytest.approx(exact, rel=3e-3)
+    assert w == 2.0
