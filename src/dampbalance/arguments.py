@@ -106,9 +106,13 @@ def whole(name: str, value: object) -> int:
     return int(value)
 
 
-def numbers(name: str, value: object, *, missing: bool = False) -> Array:
-    """A number of the table, or an array of them of any shape.   missing : whether one may be, which is then NaN."""
+def numbers(name: str, value: object, *, missing: bool = False, signed: bool = False) -> Array:
+    """A number of the table, or an array of them of any shape.   missing : whether one may be, which is then NaN.
+    signed : whether it may be negative all the same, as the estimate of a positive number may.
+    """
     bounds = NUMBERS[name]
+    if signed:
+        bounds = bounds._replace(low=-bounds.high)
     try:
         array = floats(value)
     except ValueError:

@@ -200,7 +200,7 @@ def contact_stiffness(F_k: ArrayLike, X: ArrayLike, X_s: ArrayLike) -> Array:
             f"X + X_s must be positive to give a contact stiffness, got {float(np.nanmin(swing)):.3g} m: "
             "read X and X_s with more digits, or take the contact as rigid"
         )
-    stiffness: Array = np.asarray(2.0 * numbers("F_k", F_k, missing=True) / swing)
+    stiffness: Array = np.asarray(2.0 * numbers("F_k", F_k, missing=True, signed=True) / swing)
     return stiffness
 
 

@@ -57,6 +57,11 @@ def compare_laws(
     readings, k, mass, replicates, seed : as for `identify`.   law : whose given coefficients are part of every law, and
     whose groups hold for the terms that have some.
     """
+    if replicates <= len(readings):
+        raise ValueError(
+            "laws are compared by the covariance of all rows, which takes more replicates than records: "
+            f"ask for more than {len(readings)} replicates, got {replicates}"
+        )
     asked = law or Law()
     frequencies = [reading.steady.frequency_hz for reading in readings]
     left_out = ""

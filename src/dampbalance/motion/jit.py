@@ -29,7 +29,7 @@ _left = 0.0  # calls of kernels that are still to be interpreted
 
 def _sources() -> list[Path]:
     """The modules that kernels are made of: this room, and what it imports from the root."""
-    root = ("arrays", "model", "record")
+    root = ("arguments", "arrays", "model", "record")
     return [*(_PACKAGE / f"{name}.py" for name in root), *sorted(_PACKAGE.glob("motion/*.py"))]
 
 

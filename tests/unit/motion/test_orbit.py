@@ -232,7 +232,7 @@ def test_round_trip_bit_for_bit(orbit):
 
 def test_a_damaged_description_is_refused():
     data = steady_orbit(*case(*CASES[0])).to_dict()
-    with pytest.raises(ValueError, match=r"Oscillator\.m must be positive"):
+    with pytest.raises(ValueError, match=r"Oscillator\.m must be a positive number of kg"):
         Orbit.from_dict(data | {"oscillator": data["oscillator"] | {"m": -1.0}})
     with pytest.raises(KeyError, match="SLIDING"):
         Orbit.from_dict(data | {"regime": "SLIDING"})

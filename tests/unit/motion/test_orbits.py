@@ -120,7 +120,7 @@ def test_a_linear_resonance_is_kY_over_c_omega():
     assert all(math.isnan(getattr(endless, name)) for name in NAMES if name != "regime")
 
 
-@pytest.mark.parametrize(("threads", "started"), [(1, 1), (3, 3), (0, 1), (-2, 1)])
+@pytest.mark.parametrize(("threads", "started"), [(1, 1), (3, 3)])
 def test_as_many_threads_are_used_as_are_asked_for(monkeypatch, threads, started):
     asked = []
 
@@ -132,6 +132,12 @@ def test_as_many_threads_are_used_as_are_asked_for(monkeypatch, threads, started
     monkeypatch.setattr("dampbalance.motion.orbits.ThreadPoolExecutor", Pool)
     steady_orbits(**PAPER_CASE, threads=threads)
     assert asked == [started]
+
+
+@pytest.mark.parametrize("threads", [0, -2])
+def test_no_thread_is_no_number_of_threads(threads):
+    with pytest.raises(ValueError, match=f"threads must be a whole number, 1 to .*, got {threads}"):
+        steady_orbits(**PAPER_CASE, threads=threads)
 
 
 def test_any_number_of_threads_gives_the_same_bytes():

@@ -106,7 +106,7 @@ def test_the_noise_is_white_of_the_size_asked_for_and_the_same_for_the_same_seed
         ({"rate_hz": 0.0}, "rate_hz"),
         ({"cycles": 0.0}, "cycles must be a positive number of periods"),
         ({"cycles": math.nan}, "cycles must be .*, got nan"),
-        ({"noise": -0.1}, "noise of base_displacement"),
+        ({"noise": -0.1}, "noise must be a number, 0 to .*, got -0.1"),
         ({"noise": {"jerk": 0.1}}, "unknown quantities"),
         ({"channels": ("force",)}, "needs a response"),
     ],
