@@ -335,7 +335,7 @@ def test_a_law_that_makes_no_sense_is_refused(law, motion, message):
 
 @pytest.mark.parametrize(
     ("given", "message"),
-    [({"z": 1.0}, "within ±Z_m"), ({"start": 2.0}, "later than start"), ({"x": math.nan}, "x must be a number of m, .*, got nan")],
+    [({"z": 1.0}, "within ±Z_m"), ({"start": 2.0}, "later than start"), ({"x": math.nan}, "x must be .* of m")],
 )  # fmt: skip
 def test_a_start_that_makes_no_sense_is_refused(given, message):
     with pytest.raises(ValueError, match=message):

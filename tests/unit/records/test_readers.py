@@ -697,7 +697,9 @@ def test_empty_rows_at_the_end_of_a_table(tmp_path):
 def test_blocks_are_checked_before_the_first(tmp_path):
     with pytest.raises(RecordError, match="no such file"):
         open_channels(tmp_path / "no.csv")
-    with pytest.raises(ValueError, match="block must be a whole number of samples, 3 to .*, got 2"):
+    with pytest.raises(
+        ValueError, match=r"block must be a whole number of samples, 3 to .*, got 2"
+    ):
         open_channels(sample(tmp_path / "run.csv"), block=2)
 
 
