@@ -24,7 +24,7 @@ from paper_case import LEVELS, PAIRS, PAPER
 
 pytestmark = pytest.mark.slow
 
-TEXT = (ROOT / "paper/article/sections/recipe.typ").read_text(encoding="utf-8")
+TEXT = (ROOT / "paper/article/supplement/recipe.typ").read_text(encoding="utf-8")
 WORDS = ["no", "one", "two", "three", "four", "five", "six"]
 TABLE_3 = pd.read_csv(PUBLISHED / "table3.csv", dtype=str)
 
