@@ -179,8 +179,8 @@ def rows(name):
 @pytest.mark.parametrize("name", LAWS)
 def test_the_energy_balance_closes_under_any_law(name):
     lost = rows(name).misfit({FRICTION: 1.28, **LAWS[name]})
-    # each integral by itself; a start that is accepted 1e-12 of its size off leaves some of the work: measured 1e-13 of it,
-    # and 1.3e-11 as without AVX-512
+    # each integral by itself; a start that is accepted 1e-12 of its size off leaves some of the work: measured 1e-13
+    # of it, and 1.3e-11 as without AVX-512
     assert np.abs(lost / rows(name).W).max() < 1e-10
 
 
