@@ -34,7 +34,7 @@ SHOWN = (
 )
 """Words in the paths of tests that answer for what is shown, not for the method."""
 HEAVY = ["jsonschema", "matplotlib.pyplot", "numba", "pandas", "pytest", "scipy.optimize"]
-KERNELS = ("arrays.py", "model.py", "record.py", "motion/")
+KERNELS = ("arguments.py", "arrays.py", "model.py", "record.py", "motion/")
 """An error in these has all kernels compiled anew, which takes a minute: tests that can do without come first."""
 LONGEST = 1.0
 """Seconds that a test may take without compiling."""

@@ -93,7 +93,8 @@ def test_every_equivalent_mutant_is_still_a_mutant():
 
 MODULES = {
     **dict.fromkeys(
-        ["__init__.py", "arrays.py", "model.py", "record.py", "motion/__init__.py"], ""
+        ["__init__.py", "arguments.py", "arrays.py", "model.py", "record.py", "motion/__init__.py"],
+        "",
     ),
     "motion/jit.py": (ROOT / PACKAGE / "motion/jit.py").read_text(encoding="utf-8"),
     "motion/twice.py": "from .jit import jit\n\n\n@jit\ndef twice(x):\n    return 2.0 * x\n",
@@ -206,7 +207,7 @@ def test_a_run_says_what_became_of_its_mutants_and_goes_on_where_it_stopped(
     arguments = ["law.py", "--seed", "1", "--number", "4", "--output", str(output)]
     with pytest.raises(SystemExit):
         command.main(["lore.py"])
-    assert "known are arrays.py, law.py" in capsys.readouterr().err
+    assert "known are arguments.py, arrays.py, law.py" in capsys.readouterr().err
     status = command.main(arguments)
     text = (output / "table.md").read_text(encoding="utf-8")
     (counts,) = (line for line in text.splitlines() if line.startswith("| all "))
