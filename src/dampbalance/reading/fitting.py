@@ -31,6 +31,7 @@ _MOST = 30  # evaluations at each softening: a climb to where the records are ta
 _FEWER = 12  # to see whether it comes near them
 _SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
+_TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
 _MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
 
 
@@ -42,7 +43,7 @@ def fit_oscillator(
     lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
     thorough : whether more and more starts are tried until one leads to an oscillator that the records may be of, or so
     many evaluations were made that there hardly is one. Of those that end far from the records the three nearest are
-    refined: which of them is the best shows only then.
+    refined, for which of them is the best shows only then, and the best of these climbs on to its optimum.
     """
     unknowns = Unknowns(law or Law(), len(lines), k)
     shares = shares_of(lines, unknowns.law, k)
@@ -58,9 +59,13 @@ def fit_oscillator(
             ends[0],
             *(b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)),
         ]
-        for end in different[:_REFINED]:
-            refined = _climbed(lines, unknowns, end.point, {"delay"}, _SOFTENING)
-            ends += [] if refined is None else [refined]
+        refined = [
+            _climbed(lines, unknowns, end.point, {"delay"}, _SOFTENING[1:])
+            for end in different[:_REFINED]
+        ]
+        nearest = min((ends[0], *filter(None, refined)), key=lambda end: end.chi_square)
+        last = _climbed(lines, unknowns, nearest.point, {"delay"}, (0.0,), last=_TO_THE_END)
+        ends += filter(None, (*refined, last))
     return _nearest(ends)
 
 
@@ -147,9 +152,10 @@ def _climbed(
     softenings: Sequence[float],
     hopeless: float = math.inf,
     most: int = _MOST,
+    last: int = _MOST,
 ) -> Fit | None:
     """The fit that a climb from there ends in; Y and ψ start as they were read.   hopeless : χ² per datum from which on
-    it is not refined.   most : evaluations at each softening."""
+    it is not refined.   most : evaluations at each softening.   last : evaluations without any."""
     names, law = unknowns.names, unknowns.law
     point = start.copy()
     point[len(names) :] = np.ravel([(one.Y, 0.0) for one in lines])
@@ -168,7 +174,7 @@ def _climbed(
                 lower[free],
                 scale[free],
                 gain=_GAIN,
-                most=most if softening else _MOST,
+                most=most if softening else last,
             )
         except NoStart:
             return None
