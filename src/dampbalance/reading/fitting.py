@@ -15,7 +15,7 @@ from ..law.law import Law
 from ..law.steady import Response
 from ..law.terms import FRICTION, parted
 from ..motion.jit import interpreted
-from ..motion.orbit import NoSteadyOrbit
+from ..motion.orbit import NoSteadyOrbit, Orbit
 from .climb import Climb, Evaluation, NoConvergence, NoStart, climb
 from .lines import Lines, Shares, starts
 from .unknowns import Unknowns, worth
@@ -24,7 +24,7 @@ from .waveforms import Fit
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
 _HOPELESS = 4.0  # χ² per datum, softened
-_EFFORT = 600  # evaluations after which no other start is tried: to end where the records are takes about 40
+_EFFORT = 600.0  # evaluations after which no other start is tried: to end where the records are takes about 40
 _GAIN = 5e-8  # of half of χ², where the climb ends
 _STIFFEST = 1e12  # of K_z/k: the contact that stands for a rigid one
 _MOST = 30  # evaluations at each softening: a climb to where the records are takes about ten
@@ -32,6 +32,7 @@ _FEWER = 12  # to see whether it comes near them
 _SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
 _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
+_DEAR = 200.0  # swings of the stuck mass, which cost as much as the rest of an evaluation
 _MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
 
 
@@ -87,14 +88,15 @@ def _ends(
     most : evaluations at each softening.
     """
     ends: list[Fit] = []
-    spent = 0
+    left = np.array([_EFFORT])
     with interpreted(False) if unknowns.law.nonlinear else nullcontext():
         for point in points:
-            reached = _climbed(lines, unknowns, point, {"delay"}, _SOFTENING, _HOPELESS, most)
-            spent += 1 if reached is None else reached.evaluations
+            reached = _climbed(
+                lines, unknowns, point, {"delay"}, _SOFTENING, _HOPELESS, most, left=left
+            )
             if reached is not None:
                 ends.append(reached)
-            if ends and (ends[-1].adequate or spent > _EFFORT):
+            if left[0] <= 0.0 or (ends and ends[-1].adequate):
                 break
     return sorted(ends, key=lambda end: end.chi_square)
 
@@ -153,9 +155,12 @@ def _climbed(
     hopeless: float = math.inf,
     most: int = _MOST,
     last: int = _MOST,
+    left: Array | None = None,
 ) -> Fit | None:
     """The fit that a climb from there ends in; Y and ψ start as they were read.   hopeless : χ² per datum from which on
-    it is not refined.   most : evaluations at each softening.   last : evaluations without any."""
+    it is not refined.   most : evaluations at each softening.   last : evaluations without any.
+    left : as for `_Problem`; default, as many as it may make at most.
+    """
     names, law = unknowns.names, unknowns.law
     point = start.copy()
     point[len(names) :] = np.ravel([(one.Y, 0.0) for one in lines])
@@ -165,8 +170,10 @@ def _climbed(
     free = np.array([i for i in range(point.size) if not fixed & set(names[i : i + 1])])
     climbed: Climb[Evaluation] | None = None
     evaluations = 0
+    if left is None:
+        left = np.array([float(most * (len(softenings) - 1) + last)])
     for softening in softenings:
-        problem = _Problem(lines, unknowns, point, free, softening)
+        problem = _Problem(lines, unknowns, point, free, softening, left)
         try:
             climbed = climb(
                 problem.evaluate,
@@ -177,7 +184,9 @@ def _climbed(
                 most=most if softening else last,
             )
         except NoStart:
-            return None
+            if climbed is None:
+                return None
+            break
         except NoConvergence as stuck:
             climbed = stuck.best
         point = point.copy()
@@ -188,7 +197,9 @@ def _climbed(
     assert climbed is not None
     here = climbed.evaluation
     if problem.softening or law.nonlinear:  # as the errors are, with derivatives that hold to 1e-6
-        exact = replace(problem, softening=0.0, quickly=False).evaluate(climbed.point)
+        exact = replace(problem, softening=0.0, left=np.array([math.inf]), quickly=False).evaluate(
+            climbed.point
+        )
         if exact is None:
             return None
         here = exact
@@ -217,11 +228,21 @@ def _climbed(
     )
 
 
+def _swings(orbit: Orbit) -> float:
+    """How often the mass swings on contact and spring in half a cycle, while it sticks."""
+    t, s = orbit.phases[:, 0], orbit.phases[:, 1]
+    stuck = float(np.diff(t, append=0.5 * orbit.motion.period)[s == 0.0].sum())
+    osc = orbit.oscillator
+    return stuck * math.sqrt((osc.k + osc.K_z) / osc.m) / (2.0 * math.pi)
+
+
 @dataclass(frozen=True, eq=False)
 class _Problem:
     """Residuals (model − data)/σ of all records as functions of the unknowns that are free.
 
     point : all unknowns.   free : which of them are.   softening : part of the amplitudes added to the errors.
+    left : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks takes
+    as long as many others, and ends the climb early.
     near : the last motion of each record, from which the next starts.   quickly : as for `Unknowns.harmonics`.
     """
 
@@ -230,11 +251,15 @@ class _Problem:
     point: Array
     free: Integers
     softening: float
+    left: Array
     near: dict[int, Response] = field(default_factory=dict)
     quickly: bool = True
 
     def evaluate(self, free: Array) -> Evaluation | None:
-        """Half of χ² with its derivatives; None where nothing slips, there is no orbit, or the contact rattles."""
+        """Half of χ² with its derivatives; None where nothing slips, there is no orbit, the contact rattles, or no
+        evaluation is left."""
+        if self.left[0] <= 0.0:
+            return None
         point, unknowns = self.point.copy(), self.unknowns
         point[self.free] = free
         delay = unknowns.names.index("delay")
@@ -244,6 +269,7 @@ class _Problem:
                 response = unknowns.response(point, i, one.omega, self.near.get(i))
                 if len(response.orbit.phases) > _MOST_PHASES:
                     return None
+                self.left[0] -= (1.0 + _swings(response.orbit) / _DEAR) / len(self.lines)
                 self.near[i] = replace(response, matrix=None)
                 x, by = unknowns.harmonics(
                     point, i, one, response, one.n.size, quickly=self.quickly

@@ -291,7 +291,9 @@ def test_of_climbs_that_end_far_away_the_three_nearest_are_refined(monkeypatch):
         evaluations: int = 10
         adequate: bool = False
 
-    def climbed(lines, unknowns, point, given, softenings, hopeless=math.inf, most=30, last=30):
+    def climbed(
+        lines, unknowns, point, given, softenings, hopeless=math.inf, most=30, last=30, left=None
+    ):
         if last > 30:
             return End(0.9 * point, point)
         chi = next(reached, None) if math.isfinite(hopeless) else ends[point]
