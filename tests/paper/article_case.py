@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from dampbalance import figures, steady_orbit
 from dampbalance.features import Features
 from dampbalance.project.files import write_csv
-from dampbalance.replication import comparison, tables
+from dampbalance.replication import comparison, printed_tables
 from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
@@ -115,9 +115,9 @@ def _routes(folder: Path) -> None:
         {route: getattr(of, kind)[FIRST] for route, of in routes.items()}
         for kind in ("features", "estimates")
     )
-    frames["tables/table1"] = tables.table1(features, claims)
-    frames["tables/table2"] = tables.table2(features, estimates, claims)
-    frames["tables/table3"] = tables.table3(estimates, claims)
+    frames["tables/table1"] = printed_tables.table1(features, claims)
+    frames["tables/table2"] = printed_tables.table2(features, estimates, claims)
+    frames["tables/table3"] = printed_tables.table3(estimates, claims)
     frames["tables/approaches"] = comparison.approaches_table(
         {name: Features.from_frame(of) for name, of in routes["exact"].features.items()},
         CASE,

@@ -8,12 +8,12 @@ from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
+from dampbalance.replication.claim_verdicts import VERDICTS
 from dampbalance.replication.claims import of_tables, of_text, read_published
 from dampbalance.replication.claims.from_print import from_print
 from dampbalance.replication.claims.inputs import Sources
 from dampbalance.replication.claims.judging import Claim, verdict
 from dampbalance.replication.printed import Printed
-from dampbalance.replication.verdicts import VERDICTS
 from paper.routes import CASE, PUBLISHED, as_published, exact, unrounded
 
 PRINT = read_published(PUBLISHED)

@@ -13,7 +13,7 @@ from dampbalance.features import Features
 from dampbalance.figures.numerics import Evidence
 from dampbalance.project.files import read_csv, write_csv
 from dampbalance.publishing.page.report import PageContent, report_page
-from dampbalance.replication import comparison, tables
+from dampbalance.replication import comparison, printed_tables
 from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.replication.schemes import scheme_table
 from dampbalance.studies import evaluate, outputs
@@ -41,10 +41,10 @@ def results(folder: Path) -> PageContent:
         )
         printed = None if n else claims
         of_frequency = {
-            "table1": tables.table1(features, printed),
-            "table2": tables.table2(features, estimates, printed),
-            "table3": tables.table3(estimates, printed),
-            "statistics": tables.statistics(estimates, printed),
+            "table1": printed_tables.table1(features, printed),
+            "table2": printed_tables.table2(features, estimates, printed),
+            "table3": printed_tables.table3(estimates, printed),
+            "statistics": printed_tables.statistics(estimates, printed),
         }
         made[name] = {
             table: _through(folder / f"{table}_{name}.csv", frame)

@@ -15,9 +15,9 @@ from dampbalance.model import Oscillator
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import Case
 from dampbalance.replication import as_published as authors
+from dampbalance.replication.claim_verdicts import ROUTE_NAMES
 from dampbalance.replication.claims import RouteTables
 from dampbalance.replication.claims.judging import Claim
-from dampbalance.replication.verdicts import ROUTE_NAMES
 
 ROOT = Path(__file__).parents[2]
 PUBLISHED = ROOT / "paper/published"

@@ -13,6 +13,14 @@ import pytest
 from dampbalance import balance
 from dampbalance.project.files import write_csv
 from dampbalance.replication import as_published as authors
+from dampbalance.replication.claim_verdicts import (
+    DIFFERS,
+    READING,
+    REPRODUCED,
+    ROUTE_NAMES,
+    UNEXPLAINED,
+    VERDICTS,
+)
 from dampbalance.replication.claims import (
     RouteTables,
     check,
@@ -27,14 +35,6 @@ from dampbalance.replication.claims.inputs import CORRECTED, HARMONIC
 from dampbalance.replication.claims.judging import WRITTEN, Tolerance, explanation, verdict
 from dampbalance.replication.claims.table import COLUMNS
 from dampbalance.replication.printed import Printed
-from dampbalance.replication.verdicts import (
-    DIFFERS,
-    READING,
-    REPRODUCED,
-    ROUTE_NAMES,
-    UNEXPLAINED,
-    VERDICTS,
-)
 from paper.routes import (
     CASE,
     PAPER,

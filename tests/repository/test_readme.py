@@ -11,8 +11,8 @@ import pytest
 
 from dampbalance.estimates import estimate_table
 from dampbalance.figures import figure3, save
+from dampbalance.replication.claim_verdicts import VERDICTS, counts
 from dampbalance.replication.claims import RouteTables, claims_table, read_published
-from dampbalance.replication.verdicts import VERDICTS, counts
 from folders import ROOT
 from paper.routes import CASE
 from paper_case import FREQUENCIES_HZ, OMEGA, PAIRS, PAPER, features_at, orbits_at

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from dampbalance.project.files import sha256
-from dampbalance.replication.verdicts import VERDICTS
+from dampbalance.replication.claim_verdicts import VERDICTS
 
 pytestmark = pytest.mark.slow
 

@@ -17,7 +17,7 @@ import pandas as pd
 from ..project.documents import ConfigurationError, against_schema, in_lines, read_schema, read_yaml
 from ..project.files import sha256
 from ..project.wording import in_markdown, markdown_table
-from ..replication.verdicts import HOLDING, ROUTE_NAMES, VERDICTS, counts
+from ..replication.claim_verdicts import HOLDING, ROUTE_NAMES, VERDICTS, counts
 
 REPORT = """\
 # Report on the rebuild, for a CODECHECK

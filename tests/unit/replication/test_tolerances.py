@@ -6,13 +6,13 @@ import math
 
 import pytest
 
+from dampbalance.replication.claim_verdicts import PROPAGATED, READING, UNEXPLAINED
 from dampbalance.replication.claims.tolerances import (
     phase_read,
     propagated,
     simulated,
     velocity_read,
 )
-from dampbalance.replication.verdicts import PROPAGATED, READING, UNEXPLAINED
 from paper.routes import CASE
 
 OMEGA = 2.0 * math.pi * 4.92

@@ -4,7 +4,7 @@ from dampbalance.features import Features
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, read_routes, write_csv, write_text
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.replication import comparison, tables
+from dampbalance.replication import comparison, printed_tables
 
 
 def at_frequency(features, estimates, frequency, claims):
@@ -14,10 +14,10 @@ def at_frequency(features, estimates, frequency, claims):
         for routes in (features, estimates)
     )
     return {
-        "table1": tables.table1(features, claims),
-        "table2": tables.table2(features, estimates, claims),
-        "table3": tables.table3(estimates, claims),
-        "statistics": tables.statistics(estimates, claims),
+        "table1": printed_tables.table1(features, claims),
+        "table2": printed_tables.table2(features, estimates, claims),
+        "table3": printed_tables.table3(estimates, claims),
+        "statistics": printed_tables.statistics(estimates, claims),
     }
 
 
@@ -39,11 +39,15 @@ if __name__ == "__main__":
         for name, table in at_frequency(features, estimates, frequency, printed).items():
             path = f"{folder}/tables/{name}{case.suffix(frequency)}"
             write_csv(f"{path}.csv", table)
-            write_text(f"{path}.md", tables.markdown(table, f"{tables.TITLES[name]}, {hz:g} Hz"))
+            write_text(
+                f"{path}.md",
+                printed_tables.markdown(table, f"{printed_tables.TITLES[name]}, {hz:g} Hz"),
+            )
         printed = None  # the paper prints the first frequency only
     everywhere = compare(features["exact"], case)
     path = f"{folder}/tables/approaches"
     write_csv(f"{path}.csv", everywhere)
     write_text(
-        f"{path}.md", comparison.approaches_markdown(everywhere, tables.TITLES["approaches"])
+        f"{path}.md",
+        comparison.approaches_markdown(everywhere, printed_tables.TITLES["approaches"]),
     )

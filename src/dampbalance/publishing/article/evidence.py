@@ -23,8 +23,8 @@ from ...project.case import Case
 from ...replication import comparison
 from ...replication.as_published import added_damping, coefficients
 from ...replication.claim_ids import of_cell
-from ...replication.tables import TABLE_2
-from ...replication.verdicts import counts
+from ...replication.claim_verdicts import counts
+from ...replication.printed_tables import TABLE_2
 from ...solver import Pair
 from . import recipe
 

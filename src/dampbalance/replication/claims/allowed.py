@@ -28,7 +28,7 @@ from ...project.case import Case
 from ...solver import solve
 from ..as_published import APPROACHES_OF_TABLE_3
 from ..printed import Printed
-from ..tables import PRINTED_APPROACHES, TABLE_2, UNKNOWNS
+from ..printed_tables import PRINTED_APPROACHES, TABLE_2, UNKNOWNS
 from .inputs import CORRECTED, PAIR_LABELS, PAIRS
 from .judging import Range
 from .published import Published, numbers

@@ -15,7 +15,7 @@ from ...project.case import Case
 from ...solver import pair
 from ..as_published import added_damping
 from ..printed import Printed
-from ..tables import TABLE_2
+from ..printed_tables import TABLE_2
 from .checksums import agrees
 from .inputs import PAIR_LABELS, PAIRS, Sources
 from .judging import Range

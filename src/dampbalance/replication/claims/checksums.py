@@ -18,7 +18,7 @@ from ...project.case import Case
 from ...solver import least_squares
 from ..claim_ids import statistic
 from ..printed import Printed
-from ..tables import RESIDUAL, UNKNOWNS
+from ..printed_tables import RESIDUAL, UNKNOWNS
 from .from_print import printed_features
 from .inputs import HARMONIC
 from .published import Published

@@ -14,7 +14,7 @@ from ...features import COLUMNS, Features, of_numbers
 from ...project.case import Case
 from ...solver import Statistics, mean_and_deviation
 from ..printed import Printed
-from ..tables import TABLE_2, UNKNOWNS
+from ..printed_tables import TABLE_2, UNKNOWNS
 from .inputs import HARMONIC, PAIR_LABELS, PAIRS, RouteTables
 from .published import Published, numbers
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from ..as_published import SLIPPING_SAMPLE
 from ..claim_ids import of_cell
-from ..tables import PRINTED_APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
+from ..printed_tables import PRINTED_APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
 from . import causes
 from .allowed import by_table_2, by_table_3, misfits
 from .checksums import refuted

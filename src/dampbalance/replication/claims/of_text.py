@@ -13,9 +13,9 @@ from ...estimates import estimate_table
 from ...features import Features
 from ...model import Oscillator
 from ..claim_ids import of_parameter, of_text, statistic
+from ..claim_verdicts import ROUTE_NAMES, Kind
+from ..printed_tables import RESIDUAL, UNKNOWNS
 from ..readout import ReadOut
-from ..tables import RESIDUAL, UNKNOWNS
-from ..verdicts import ROUTE_NAMES, Kind
 from . import causes, statements
 from .from_print import printed_estimates, printed_pair_statistics
 from .inputs import HARMONIC, PAIRS, RouteTables, Sources

@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from ..printed import Printed
-from ..tables import PRINTED_APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
+from ..printed_tables import PRINTED_APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
 
 FILES = {
     "parameters": ("id", "symbol", "quantity", "printed", "unit", "where"),

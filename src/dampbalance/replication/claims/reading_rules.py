@@ -13,8 +13,8 @@ from ...estimates import estimate_table
 from ...features import Features
 from ..as_published import APPROACHES_OF_TABLE_3
 from ..printed import Printed
+from ..printed_tables import Quantity
 from ..readout import ReadOut
-from ..tables import Quantity
 from .inputs import PAIRS, RouteTables, Sources
 
 _RULES = {

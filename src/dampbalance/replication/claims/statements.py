@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from ..claim_verdicts import ROUTE_NAMES
 from ..printed import Printed
-from ..verdicts import ROUTE_NAMES
 
 ROUTE = "as_published"
 """The route that judges every statement."""

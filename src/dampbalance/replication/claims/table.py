@@ -10,7 +10,7 @@ import pandas as pd
 from ...project.case import Case
 from ...project.wording import in_markdown, markdown_table
 from ..claim_ids import PARTS, part_of
-from ..verdicts import HOLDING, KINDS, ROUTE_NAMES, VERDICTS, counts
+from ..claim_verdicts import HOLDING, KINDS, ROUTE_NAMES, VERDICTS, counts
 from . import of_tables, of_text
 from .from_print import from_print
 from .inputs import RouteTables, Sources, require_paper

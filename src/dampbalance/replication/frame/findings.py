@@ -1,4 +1,4 @@
-"""What the records of the frame say: the friction force at each load, the loops, and cycles foretold from others."""
+"""What the records of the frame say: the friction force at each load, the loops, and cycles predicted from others."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from ...reading.noisy import Reading, read_features
 from ...records.measured import read_records
 from ...records.measurement import Channel, Measurement
 from .line import load_line
-from .loops import AT_REST, Loop, friction_loop, shape
+from .measured_loop import AT_REST, Loop, friction_loop, shape
 from .prediction import Mass, predicted
 
 _REPLICATES = 2  # of an identification whose intervals nobody asks for
 
 
 @dataclass(frozen=True, eq=False)
-class Foretold:
+class Prediction:
     """Cycles that were not identified from: times, s, displacement as measured and as predicted, m, (n,)."""
 
     t: Array
@@ -39,11 +39,11 @@ class Foretold:
 
 @dataclass(frozen=True, eq=False)
 class Findings:
-    """document : all numbers, for JSON.   loops, foretold : of each record."""
+    """document : all numbers, for JSON.   loops, predictions : of each record."""
 
     document: dict[str, Any]
     loops: tuple[Loop, ...]
-    foretold: tuple[Foretold, ...]
+    predictions: tuple[Prediction, ...]
 
 
 def findings(
@@ -67,8 +67,8 @@ def findings(
     forces = [_force(identified, law, i) for i in range(len(files))]
     loops = [friction_loop(reading, m, law.given) for reading in readings]
     learnt = _learnt(records, k, law, frame["cycles_identified"])
-    foretold = [
-        _foretold(one, part, Mass(m, k, F_k, law.given))
+    predictions = [
+        _prediction(one, part, Mass(m, k, F_k, law.given))
         for one, (part, F_k) in zip(records, learnt, strict=True)
     ]
     errors = [force["standard_error_N"] for force in forces]
@@ -82,7 +82,7 @@ def findings(
             "lost_to_damper": _share(identified, law, i),
             "X_m": loops[i].X,
             "loop": shape(loops[i], forces[i]["F_k_N"]),
-            "foretold": _errors(foretold[i], loops[i].X) | {"F_k_N": learnt[i][1]},
+            "foretold": _errors(predictions[i], loops[i].X) | {"F_k_N": learnt[i][1]},
         }
         for i, one in enumerate(records)
     ]
@@ -93,7 +93,7 @@ def findings(
         "loads": rows,
         "cycles_identified": frame["cycles_identified"],
     }
-    return Findings(document, tuple(loops), tuple(foretold))
+    return Findings(document, tuple(loops), tuple(predictions))
 
 
 def require(measured: Mapping[str, Any], frame: Mapping[str, Any], records: int) -> None:
@@ -153,7 +153,7 @@ def _steps(channel: Channel) -> float:
     return 2.0 * float(channel.t[1] - channel.t[0])
 
 
-def _foretold(one: Loaded, learnt: Reading, mass: Mass) -> Foretold:
+def _prediction(one: Loaded, learnt: Reading, mass: Mass) -> Prediction:
     """The cycles after those that were learnt from, from the displacement and velocity at their beginning on."""
     record = one.record.whole()
     steady = learnt.steady
@@ -168,10 +168,10 @@ def _foretold(one: Loaded, learnt: Reading, mass: Mass) -> Foretold:
     speed = float(np.gradient(response.values, response.t)[kept][0])
     speed = speed if abs(speed) > AT_REST * np.abs(loop.v).max() else 0.0
     y = np.interp(t, base.t, base.values)
-    foretold = predicted(replace(mass, zero=zero), t, y, float(x[0]), speed, steady.omega)
+    displacement = predicted(replace(mass, zero=zero), t, y, float(x[0]), speed, steady.omega)
     phase = steady.omega * (t - steady.start) + float(np.angle(steady.mean(steady.Y)[1]))
     again = np.interp(phase % (2.0 * math.pi), *_wrapped(loop)) + X_0
-    return Foretold(t, x, foretold, again)
+    return Prediction(t, x, displacement, again)
 
 
 def _wrapped(loop: Loop) -> tuple[Array, Array]:
@@ -180,14 +180,14 @@ def _wrapped(loop: Loop) -> tuple[Array, Array]:
     return phases, np.append(loop.x, loop.x[0])
 
 
-def _errors(foretold: Foretold, X: float) -> dict[str, float]:
+def _errors(prediction: Prediction, X: float) -> dict[str, float]:
     """Root mean squares over X: of the prediction's error, and of what the mean of the other cycles is off by."""
-    off = foretold.predicted - foretold.measured
-    again = foretold.repeated - foretold.measured
+    off = prediction.predicted - prediction.measured
+    again = prediction.repeated - prediction.measured
     return {
         "rms": float(np.sqrt(np.mean(off**2))) / X,
         "rms_of_mean_cycle": float(np.sqrt(np.mean(again**2))) / X,
-        "range": float(np.ptp(foretold.predicted) / np.ptp(foretold.measured)) - 1.0,
+        "range": float(np.ptp(prediction.predicted) / np.ptp(prediction.measured)) - 1.0,
     }
 
 

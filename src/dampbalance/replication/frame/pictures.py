@@ -1,4 +1,4 @@
-"""The figures of the frame: the loops with the cycles foretold below them, and the friction force against the load."""
+"""The figures of the frame: the loops with the cycles predicted below them, and the friction force against the load."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from ...figures.style import (
     place,
     styled,
 )
-from .findings import Findings, Foretold
-from .loops import Loop
+from .findings import Findings, Prediction
+from .measured_loop import Loop
 
 _WIDE, _HIGH, _LEFT, _STEP = 33.5, 34.0, 13.5, 43.5  # mm
 _LEGEND, _UPPER, _LOWER, _BLOCK, _BESIDE = 8.0, 54.0, 6.0, 96.0, 4  # mm; loads beside each other
@@ -44,7 +44,9 @@ def loops(found: Findings) -> Figure:
     rows = found.document["loads"]
     below = (len(rows) - 1) // _BESIDE
     figure = page(DOUBLE_COLUMN, _LEGEND + _BLOCK * (below + 1))
-    for i, (row, loop, foretold) in enumerate(zip(rows, found.loops, found.foretold, strict=True)):
+    for i, (row, loop, prediction) in enumerate(
+        zip(rows, found.loops, found.predictions, strict=True)
+    ):
         down, column = divmod(i, _BESIDE)
         left, bottom = _LEFT + _STEP * column, _LEGEND + _BLOCK * (below - down)
         upper, lower = (
@@ -54,7 +56,7 @@ def loops(found: Findings) -> Figure:
             panel_letter(axes, ascii_lowercase[number])
         upper.set_title(row["record"], pad=3.0)
         _loop(upper, loop, row["F_k_N"])
-        _cycles(lower, foretold)
+        _cycles(lower, prediction)
         if not column:
             upper.set_ylabel("friction force (N)", labelpad=1.0)
             lower.set_ylabel("$x$ (mm)", labelpad=1.0)
@@ -74,11 +76,11 @@ def _loop(axes: Axes, loop: Loop, F_k: float) -> None:
     axes.set_ylim(-1.5 * F_k, 1.5 * F_k)
 
 
-def _cycles(axes: Axes, foretold: Foretold) -> None:
-    """Displacement of the cycles foretold, from their beginning on."""
-    t = foretold.t - foretold.t[0]
-    axes.plot(t, 1e3 * foretold.measured, color=SLIP, label="measured")
-    axes.plot(t, 1e3 * foretold.predicted, color=STICK, ls=DASHED, label="predicted")
+def _cycles(axes: Axes, prediction: Prediction) -> None:
+    """Displacement of the cycles predicted, from their beginning on."""
+    t = prediction.t - prediction.t[0]
+    axes.plot(t, 1e3 * prediction.measured, color=SLIP, label="measured")
+    axes.plot(t, 1e3 * prediction.predicted, color=STICK, ls=DASHED, label="predicted")
     axes.set_xlabel("time (s)")
     axes.set_xlim(0.0, float(t[-1]))
 

@@ -20,7 +20,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from ...arrays import Array
-from .loops import viscous
+from .measured_loop import viscous
 
 _RTOL, _ATOL = 1e-9, 1e-13
 

@@ -15,7 +15,7 @@ import pandas as pd
 from ..balance import TERMS
 from ..project.wording import markdown_table
 from .claim_ids import of_cell, of_text, statistic
-from .verdicts import VERDICTS
+from .claim_verdicts import VERDICTS
 
 COLUMNS = ("row", "quantity", "unit", "printed", "as_published", "exact", "verdict")
 SHOWN_ROUTES = ("as_published", "exact")
