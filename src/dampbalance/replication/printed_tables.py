@@ -60,6 +60,7 @@ UNKNOWNS = tuple(
     for symbol, digits in (("F_k", ".6f"), ("c", ".4f"))
 )
 RESIDUAL = Quantity("residual", "residual", "1", "residual", ".4e")
+COLUMN_OF = {q.symbol: q.column for q in (*TABLE_1, *TABLE_2, *UNKNOWNS, RESIDUAL)}
 PRINTED_APPROACHES = ("direct", "t_s", "X_s", "V_s")  # in the order of Tables 2 and 3
 _FORMATS = {q.symbol: q.format for q in (*TABLE_1, *TABLE_2, *UNKNOWNS, RESIDUAL)}
 

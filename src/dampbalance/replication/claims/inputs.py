@@ -14,16 +14,9 @@ import pandas as pd
 from ...balance import TERMS
 from ...model import Oscillator
 from ...project.case import Case
-from ...solver import Pair, pair_label
 from ..comparison import relative_errors
-from .published import Published
+from .published import FREQUENCIES, HARMONIC, LEVELS, Published
 
-# The paper's three drive frequencies, by the names they have in the configuration and in results/.
-FREQUENCIES = ("omega1", "omega2", "omega3")
-LEVELS = 5
-PAIRS: tuple[Pair, ...] = ((0, 1), (1, 2), (2, 3), (3, 4), (0, 4))
-PAIR_LABELS = tuple(pair_label(i, j) for i, j in PAIRS)
-HARMONIC = ("X_s", "t_s", "V_s")
 # Of as_published.APPROACHES_OF_TABLE_3: the V_s pairs as (19) states them; "V_s" there has the print's slip of sign.
 CORRECTED = "V_s with minus"
 

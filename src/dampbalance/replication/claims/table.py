@@ -11,11 +11,11 @@ from ...project.case import Case
 from ...project.wording import in_markdown, markdown_table
 from ..claim_ids import PARTS, part_of
 from ..claim_verdicts import HOLDING, KINDS, ROUTE_NAMES, VERDICTS, counts
-from . import of_tables, of_text
 from .from_print import from_print
 from .inputs import RouteTables, Sources, require_paper
 from .judging import Claim, explanation, verdict
 from .published import Published, read_texts
+from .rules import check_printed, claims
 
 STATED = ("id", "where", "quantity", "unit", "printed")  # columns that are fields of a claim
 COLUMNS = (
@@ -25,20 +25,6 @@ COLUMNS = (
 """Those of claims.csv. judged : the route that judges.   off_… : how far it lies from a computed number as printed, of
 itself and in units of the last digit."""
 RECORD = ("id", "printed", "verdict")
-
-
-def claims(sources: Sources) -> Iterator[Claim]:
-    """Every printed number of the paper, in the order of its pages."""
-    yield from of_text.parameters(sources)
-    yield from of_tables.levels(sources)
-    yield from of_tables.table1(sources)
-    yield from of_tables.table2_integrals(sources)
-    yield from of_tables.table2_pairs(sources)
-    yield from of_tables.table3(sources)
-    yield from of_text.least_squares(sources)
-    yield from of_text.means(sources)
-    yield from of_text.error_bounds(sources)
-    yield from of_text.comparisons(sources)
 
 
 def claims_table(
@@ -59,7 +45,7 @@ def claims_table(
     paper's.
     """
     require_paper(case)
-    of_text.check(published)
+    check_printed(published)
     sources = Sources(published, case, exact, as_published, from_print(published, case), unrounded)
     records = [
         {
