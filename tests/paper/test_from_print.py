@@ -14,7 +14,7 @@ from dampbalance.replication.claims.from_print import (
     printed_features,
     printed_pair_statistics,
 )
-from dampbalance.replication.claims.published import numbers, read_published
+from dampbalance.replication.claims.published import read_published
 from dampbalance.replication.printed import Printed
 from dampbalance.solver import least_squares
 from paper.routes import CASE, PAPER, PUBLISHED
@@ -45,7 +45,7 @@ def same_digits(text):
 @pytest.mark.parametrize("column", ["F_k_N", "c_N_s_per_m", "residual"])
 def test_least_squares_to_the_last_digit(route, published, short, column):
     symbol = {"F_k_N": "F_k", "c_N_s_per_m": "c", "residual": "residual"}[column]
-    text = published.text_values["printed"][f"{symbol}_{short}_ls"]
+    text = published[f"text.{symbol}_{short}_ls"].text
     value = route.estimate(column, APPROACH_IDS[short], kind="least_squares")
     if (short, symbol) == ("Xs", "c"):
         # The one exception: 90.04025 rounds to 90.0403, print has 90.0402.
@@ -58,16 +58,16 @@ def test_least_squares_to_the_last_digit(route, published, short, column):
 @pytest.mark.parametrize("name", ["c_mean", "F_k_mean", "c_std", "F_k_std"])
 def test_mean_and_deviation_of_the_printed_pairs(published, name):
     symbol, kind = name.rsplit("_", 1)
-    text = published.text_values["printed"][f"{symbol}_direct_{kind}"]
+    text = published[f"text.{symbol}_direct_{kind}"].text
     mean, deviation = printed_pair_statistics(published)
     value = {"mean": mean, "std": deviation}[kind][symbol]
     assert as_printed(value, text) == same_digits(text)
 
 
 def test_mean_phase_and_time(published):
-    for name, column in (("phi_mean", "phi_rad"), ("t_s_mean", "t_s_s")):
-        text = published.text_values["printed"][name]
-        assert as_printed(numbers(published.table1, column).mean(), text) == same_digits(text)
+    for name, symbol in (("phi_mean", "phi"), ("t_s_mean", "t_s")):
+        text = published[f"text.{name}"].text
+        assert as_printed(published.column("table1", symbol).mean(), text) == same_digits(text)
 
 
 def test_largest_errors_of_table_3(published):
@@ -79,7 +79,7 @@ def test_largest_errors_of_table_3(published):
 def test_the_sign_slip_is_not_in_the_least_squares(published):
     """The text's V_s least squares use the minus of (19): with the plus of Table 3 they come out elsewhere."""
     features = printed_features(published, CASE.omega("omega1"))
-    text = published.text_values["printed"]["F_k_Vs_ls"]
+    text = published["text.F_k_Vs_ls"].text
     minus = least_squares(APPROACHES["V_s"](features, 2310.0))["F_k"]
     plus = least_squares(slip_velocity_as_printed(features, 2310.0))["F_k"]
     assert as_printed(minus, text) == same_digits(text)

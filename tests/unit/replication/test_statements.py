@@ -64,7 +64,7 @@ def test_one_route_judges_every_statement():
 
 
 def test_a_bound_must_say_on_which_side_it_is():
-    with pytest.raises(ValueError, match=r"text_values\.csv: max: .*'less than' or 'more than'"):
+    with pytest.raises(ValueError, match=r"printed\.csv: max: .*'less than' or 'more than'"):
         bound("max", "largest error", "1.5", {"exact": 1.4})
 
 

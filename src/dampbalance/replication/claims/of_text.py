@@ -28,7 +28,7 @@ SIMULATING: tuple[str, ...] = ("exact", "as_published")
 
 
 def held(sources: Sources, rows: Sequence[Row]) -> Iterator[Claim]:
-    """The inputs wherever the paper prints them, with the amplitudes of Tables 1 and 2: the configuration must hold them."""
+    """The inputs, amplitudes of Tables 1 and 2 among them: the configuration must hold what is printed."""
     osc, case = sources.case.oscillator, sources.case
     parameters = {name: getattr(osc, name) for name in ("m", "c", "k", "K_z", "F_k")}
     values = parameters | dict(case.frequencies_hz)
