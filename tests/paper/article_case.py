@@ -20,8 +20,9 @@ from matplotlib.figure import Figure
 from dampbalance import figures, steady_orbit
 from dampbalance.features import Features
 from dampbalance.project.files import write_csv
-from dampbalance.replication import comparison, printed_tables
+from dampbalance.replication import comparison
 from dampbalance.replication.claims import claims_table, read_published
+from dampbalance.replication.printed_tables import paper_tables
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
 from dampbalance.studies.shown import drawing
@@ -111,13 +112,8 @@ def _routes(folder: Path) -> None:
         for name in CASE.frequencies_hz:
             frames[f"features/{route}/{name}"] = of.features[name]
             frames[f"estimates/{route}/{name}"] = of.estimates[name]
-    features, estimates = (
-        {route: getattr(of, kind)[FIRST] for route, of in routes.items()}
-        for kind in ("features", "estimates")
-    )
-    frames["tables/table1"] = printed_tables.table1(features, claims)
-    frames["tables/table2"] = printed_tables.table2(features, estimates, claims)
-    frames["tables/table3"] = printed_tables.table3(estimates, claims)
+    tables = paper_tables(routes, FIRST, claims)
+    frames |= {f"tables/{name}": tables[name] for name in ("table1", "table2", "table3")}
     frames["tables/approaches"] = comparison.approaches_table(
         {name: Features.from_frame(of) for name, of in routes["exact"].features.items()},
         CASE,

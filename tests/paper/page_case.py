@@ -13,8 +13,9 @@ from dampbalance.features import Features
 from dampbalance.figures.numerics import Evidence
 from dampbalance.project.files import read_csv, write_csv
 from dampbalance.publishing.page.report import PageContent, report_page
-from dampbalance.replication import comparison, printed_tables
+from dampbalance.replication import comparison
 from dampbalance.replication.claims import claims_table, read_published
+from dampbalance.replication.printed_tables import paper_tables
 from dampbalance.replication.schemes import scheme_table
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
@@ -35,20 +36,9 @@ def results(folder: Path) -> PageContent:
     routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
     made = {}
     for n, name in enumerate(CASE.frequencies_hz):
-        features, estimates = (
-            {route: getattr(of, kind)[name] for route, of in routes.items()}
-            for kind in ("features", "estimates")
-        )
-        printed = None if n else claims
-        of_frequency = {
-            "table1": printed_tables.table1(features, printed),
-            "table2": printed_tables.table2(features, estimates, printed),
-            "table3": printed_tables.table3(estimates, printed),
-            "statistics": printed_tables.statistics(estimates, printed),
-        }
         made[name] = {
             table: _through(folder / f"{table}_{name}.csv", frame)
-            for table, frame in of_frequency.items()
+            for table, frame in paper_tables(routes, name, None if n else claims).items()
         }
     features = {n: Features.from_frame(f) for n, f in routes["exact"].features.items()}
     studies = [study(name, folder) for name in COARSER]

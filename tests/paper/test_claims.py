@@ -30,10 +30,11 @@ from dampbalance.replication.claims import (
     read_record,
     summary,
 )
-from dampbalance.replication.claims.inputs import CORRECTED, HARMONIC
+from dampbalance.replication.claims.inputs import CORRECTED
 from dampbalance.replication.claims.judging import WRITTEN, Tolerance, explanation, verdict
 from dampbalance.replication.claims.table import COLUMNS
 from dampbalance.replication.printed import Printed
+from dampbalance.replication.route_tables import HARMONIC
 from paper.routes import (
     CASE,
     PAPER,

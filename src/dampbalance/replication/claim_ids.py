@@ -29,12 +29,12 @@ def of_cell(table: str, symbol: str, line: str | int = "", approach: str = "") -
 
 
 def of_text(name: str) -> str:
-    """A number of the running text by its id in text_values.csv: text.phi_mean."""
+    """A number of the running text by its name: text.phi_mean."""
     return f"text.{name}"
 
 
 def statistic(symbol: str, approach: str, kind: str) -> str:
-    """Name of a statistic in text_values.csv: c_Xs_ls. kind : of STATISTICS."""
+    """The name of a statistic of the running text: c_Xs_ls.   kind : of STATISTICS."""
     return f"{symbol}_{short(approach)}_{STATISTICS[kind]}"
 
 

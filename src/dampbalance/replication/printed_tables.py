@@ -8,6 +8,7 @@ with has none.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import pandas as pd
@@ -16,12 +17,10 @@ from ..balance import TERMS
 from ..project.wording import markdown_table
 from .claim_ids import of_cell, of_text, statistic
 from .claim_verdicts import VERDICTS
+from .route_tables import HARMONIC, PRINTED_APPROACHES, RouteTables
 
 COLUMNS = ("row", "quantity", "unit", "printed", "as_published", "exact", "verdict")
 SHOWN_ROUTES = ("as_published", "exact")
-
-Frames = Mapping[str, pd.DataFrame]
-
 
 TITLES = {
     "table1": "Table 1: amplitudes, slip onset and phase",
@@ -34,78 +33,57 @@ TITLES = {
 
 
 class Quantity(NamedTuple):
-    """A column of a printed table: symbol, what it is, unit, column in the result file and the digits to show of it."""
+    """A column of a printed table: symbol, unit, its column in the result files and the digits to show of it."""
 
     symbol: str
-    words: str
     unit: str
     column: str
     format: str
 
 
 TABLE_1 = (
-    Quantity("X", "peak displacement", "m", "X_m", ".7f"),
-    Quantity("X_s", "displacement at forward slip onset", "m", "X_s_m", ".7f"),
-    Quantity("V_s", "velocity at forward slip onset", "m/s", "V_s_m_per_s", ".7f"),
-    Quantity("phi", "phase between input and output", "rad", "phi_rad", ".5f"),
-    Quantity("t_s", "time of forward slip onset", "s", "t_s_s", ".4e"),
+    Quantity("X", "m", "X_m", ".7f"),
+    Quantity("X_s", "m", "X_s_m", ".7f"),
+    Quantity("V_s", "m/s", "V_s_m_per_s", ".7f"),
+    Quantity("phi", "rad", "phi_rad", ".5f"),
+    Quantity("t_s", "s", "t_s_s", ".4e"),
 )
 TABLE_2 = (
-    Quantity("a", "friction travel", "m", "a_m", ".9f"),
-    Quantity("b", "viscous integral", "m^2/s", "b_m2_per_s", ".10f"),
-    Quantity("W", "input work", "J", "W_J", ".9f"),
+    Quantity("a", "m", "a_m", ".9f"),
+    Quantity("b", "m^2/s", "b_m2_per_s", ".10f"),
+    Quantity("W", "J", "W_J", ".9f"),
 )
 UNKNOWNS = tuple(
-    Quantity(symbol, TERMS[symbol].words, TERMS[symbol].unit, TERMS[symbol].column, digits)
+    Quantity(symbol, TERMS[symbol].unit, TERMS[symbol].column, digits)
     for symbol, digits in (("F_k", ".6f"), ("c", ".4f"))
 )
-RESIDUAL = Quantity("residual", "residual", "1", "residual", ".4e")
+RESIDUAL = Quantity("residual", "1", "residual", ".4e")
 COLUMN_OF = {q.symbol: q.column for q in (*TABLE_1, *TABLE_2, *UNKNOWNS, RESIDUAL)}
-PRINTED_APPROACHES = ("direct", "t_s", "X_s", "V_s")  # in the order of Tables 2 and 3
 _FORMATS = {q.symbol: q.format for q in (*TABLE_1, *TABLE_2, *UNKNOWNS, RESIDUAL)}
 
 
-def table1(features: Frames, claims: pd.DataFrame | None = None) -> pd.DataFrame:
-    """Table 1: X, X_s, V_s, φ and t_s of every level.
+def paper_tables(
+    routes: Mapping[str, RouteTables], frequency: str, claims: pd.DataFrame | None = None
+) -> dict[str, pd.DataFrame]:
+    """Tables 1 to 3 and the statistics of the text at one frequency, by the names of TITLES.
 
-    features : `Features.to_frame` by route.   claims : their table, for the printed numbers, or None.
+    A table is a frame with a row per cell and the columns COLUMNS.
+    Table 1 : X, X_s, V_s, φ and t_s of every level.
+    Table 2 : a, b and W of every level, and F_k and c of every pair of levels by direct integration.
+    Table 3 : F_k and c of every pair by the three harmonic approaches, with φ and t_s common to all levels.
+    Statistics : least squares with its residual, and mean and standard deviation of the pairs.
+
+    routes : result tables by the names of SHOWN_ROUTES.
+    claims : their table, for printed numbers and verdicts; None for a frequency at which the paper prints no tables.
     """
-    return _frame("table1", _levels(features, TABLE_1), claims)
-
-
-def table2(features: Frames, estimates: Frames, claims: pd.DataFrame | None = None) -> pd.DataFrame:
-    """Table 2: a, b, W of every level, and F_k and c of every pair by direct integration.
-
-    estimates : `estimates.estimate_table` by route; the others as in `table1`.
-    """
-    cells = [*_levels(features, TABLE_2), *_pairs(estimates, "direct")]
-    return _frame("table2", cells, claims)
-
-
-def table3(estimates: Frames, claims: pd.DataFrame | None = None) -> pd.DataFrame:
-    """Table 3: F_k and c of every pair by the three harmonic approaches, with φ and t_s common to all levels."""
-    cells = [cell for name in PRINTED_APPROACHES[1:] for cell in _pairs(estimates, name)]
-    return _frame("table3", cells, claims)
-
-
-def statistics(estimates: Frames, claims: pd.DataFrame | None = None) -> pd.DataFrame:
-    """The statistics of the text: least squares with its residual, and mean and standard deviation over the pairs."""
-    cells = []
-    for approach in PRINTED_APPROACHES:
-        pairwise = "individual" if approach == "direct" else "common"
-        for kind, phase, quantities in (
-            ("least_squares", "individual", (*UNKNOWNS, RESIDUAL)),
-            ("mean", pairwise, UNKNOWNS),
-            ("std", pairwise, UNKNOWNS),
-        ):
-            chosen = {
-                route: _lines(estimates[route], approach, kind, phase) for route in SHOWN_ROUTES
-            }
-            row = f"{approach}, {kind.replace('_', ' ')}"
-            for q in quantities:
-                values = {route: _only(frame, q.column) for route, frame in chosen.items()}
-                cells.append(_Cell(row, q.symbol, q.unit, values))
-    return _frame("statistics", cells, claims)
+    at = _At(routes, frequency)
+    cells = {
+        "table1": at.levels(TABLE_1),
+        "table2": [*at.levels(TABLE_2), *at.pairs("direct")],
+        "table3": [cell for approach in HARMONIC for cell in at.pairs(approach)],
+        "statistics": at.statistics(),
+    }
+    return {name: _frame(name, of_table, claims) for name, of_table in cells.items()}
 
 
 def claim_of(name: str, row: str, place: int, quantity: str) -> str:
@@ -160,32 +138,49 @@ class _Cell(NamedTuple):
     values: dict[str, float]
 
 
-def _levels(features: Frames, quantities: Iterable[Quantity]) -> Iterator[_Cell]:
-    for i, Y in enumerate(features["exact"]["Y_m"]):
-        for q in quantities:
-            values = {route: float(features[route][q.column].iloc[i]) for route in SHOWN_ROUTES}
-            yield _Cell(f"{1e3 * Y:g} mm", q.symbol, q.unit, values)
+@dataclass(frozen=True, slots=True)
+class _At:
+    """Cells of tables at a frequency, by the routes that are shown."""
 
+    routes: Mapping[str, RouteTables]
+    frequency: str
 
-def _pairs(estimates: Frames, approach: str) -> Iterator[_Cell]:
-    phase = "individual" if approach == "direct" else "common"
-    chosen = {route: _lines(estimates[route], approach, "pair", phase) for route in SHOWN_ROUTES}
-    for pair in chosen["exact"]["pair"]:
-        for q in UNKNOWNS:
-            values = {
-                r: _only(frame[frame["pair"] == pair], q.column) for r, frame in chosen.items()
-            }
-            quantity = q.symbol if approach == "direct" else f"{q.symbol} by {approach}"
-            yield _Cell(f"pair {pair}", quantity, q.unit, values)
+    def levels(self, quantities: Iterable[Quantity]) -> Iterator[_Cell]:
+        """The quantities at every level."""
+        for level, Y in enumerate(self.routes["exact"].features[self.frequency]["Y_m"], 1):
+            for q in quantities:
+                values = {
+                    name: self.routes[name].feature(q.column, level, self.frequency)
+                    for name in SHOWN_ROUTES
+                }
+                yield _Cell(f"{1e3 * Y:g} mm", q.symbol, q.unit, values)
 
+    def pairs(self, approach: str) -> Iterator[_Cell]:
+        """F_k and c of every pair by an approach."""
+        estimates = self.routes["exact"].estimates[self.frequency]
+        for pair in dict.fromkeys(estimates.loc[estimates["kind"] == "pair", "pair"]):
+            for q in UNKNOWNS:
+                quantity = q.symbol if approach == "direct" else f"{q.symbol} by {approach}"
+                values = self._estimate(q, approach, "pair", pair)
+                yield _Cell(f"pair {pair}", quantity, q.unit, values)
 
-def _lines(estimates: pd.DataFrame, approach: str, kind: str, phase: str) -> pd.DataFrame:
-    wanted = (estimates["approach"] == approach) & (estimates["kind"] == kind)
-    return estimates[wanted & (estimates["phase"] == phase)]
+    def statistics(self) -> Iterator[_Cell]:
+        """The statistics over all levels or pairs, approach by approach."""
+        for approach in PRINTED_APPROACHES:
+            for kind in ("least_squares", "mean", "std"):
+                row = f"{approach}, {kind.replace('_', ' ')}"
+                for q in (*UNKNOWNS, RESIDUAL) if kind == "least_squares" else UNKNOWNS:
+                    yield _Cell(row, q.symbol, q.unit, self._estimate(q, approach, kind))
 
-
-def _only(frame: pd.DataFrame, column: str) -> float:
-    return float(frame[column].iloc[0]) if len(frame) else float("nan")
+    def _estimate(
+        self, q: Quantity, approach: str, kind: str, pair: str = "all"
+    ) -> dict[str, float]:
+        common = approach != "direct" and kind != "least_squares"
+        which = {"kind": kind, "phase": "common" if common else "individual", "pair": pair}
+        return {
+            name: self.routes[name].estimate(q.column, approach, frequency=self.frequency, **which)
+            for name in SHOWN_ROUTES
+        }
 
 
 def _frame(name: str, cells: Iterable[_Cell], claims: pd.DataFrame | None) -> pd.DataFrame:

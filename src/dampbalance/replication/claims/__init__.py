@@ -3,7 +3,7 @@
 `claims_table` judges; `check` compares with the verdicts on record. Only this package reads `paper/published/`.
 """
 
-from .inputs import RouteTables
+from ..route_tables import RouteTables
 from .published import FREQUENCIES as PRINTED_FREQUENCIES
 from .published import LEVELS as PRINTED_LEVELS
 from .published import Published, read_published

@@ -29,7 +29,8 @@ from ...solver import solve
 from ..as_published import APPROACHES_OF_TABLE_3
 from ..claim_ids import of_text
 from ..printed import Printed
-from ..printed_tables import PRINTED_APPROACHES, TABLE_2, UNKNOWNS
+from ..printed_tables import TABLE_2, UNKNOWNS
+from ..route_tables import HARMONIC
 from .inputs import CORRECTED
 from .judging import Range
 from .published import LEVELS, PAIRS, Published, column_ids
@@ -94,7 +95,7 @@ def misfits(published: Published, case: Case) -> dict[str, float]:
 
 def _as_computed() -> dict[str, Approach]:
     """The rows behind the columns of Table 3, by approach."""
-    return {name: APPROACHES_OF_TABLE_3[name] for name in PRINTED_APPROACHES[1:]}
+    return {name: APPROACHES_OF_TABLE_3[name] for name in HARMONIC}
 
 
 def _table_2(published: Published) -> _Table:

@@ -18,8 +18,9 @@ from ...solver import least_squares
 from ..claim_ids import of_text, statistic
 from ..printed import Printed
 from ..printed_tables import RESIDUAL, TABLE_1, TABLE_2, UNKNOWNS, Quantity
+from ..route_tables import HARMONIC
 from .from_print import printed_features
-from .published import HARMONIC, Published, column_ids
+from .published import Published, column_ids
 
 Table = Literal["table1", "table2"]
 TABLES: dict[Table, tuple[tuple[str, ...], tuple[Quantity, ...]]] = {

@@ -15,7 +15,7 @@ from ...project.case import Case
 from ...solver import Statistics, mean_and_deviation
 from ..claim_ids import of_text
 from ..printed_tables import COLUMN_OF, TABLE_1, TABLE_2
-from .inputs import RouteTables
+from ..route_tables import RouteTables
 from .published import LEVELS, PAIRS, Published
 
 

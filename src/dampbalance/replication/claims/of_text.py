@@ -15,11 +15,12 @@ from ...model import Oscillator
 from ..claim_verdicts import ROUTE_NAMES
 from ..printed_tables import COLUMN_OF, RESIDUAL
 from ..readout import ReadOut
+from ..route_tables import HARMONIC, RouteTables
 from . import causes, statements
 from .from_print import printed_estimates, printed_pair_statistics
-from .inputs import RouteTables, Sources
+from .inputs import Sources
 from .judging import WRITTEN, Claim
-from .published import HARMONIC, PAIRS, Row
+from .published import PAIRS, Row
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -29,7 +29,6 @@ FREQUENCIES = ("omega1", "omega2", "omega3")
 LEVELS = 5
 PAIRS: tuple[Pair, ...] = ((0, 1), (1, 2), (2, 3), (3, 4), (0, 4))
 PAIR_LABELS = tuple(pair_label(i, j) for i, j in PAIRS)
-HARMONIC = ("X_s", "t_s", "V_s")
 
 _MOST_BYTES = 1_000_000  # of a table; the longest, claims.csv, has 40 kB
 

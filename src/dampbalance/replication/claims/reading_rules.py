@@ -15,7 +15,8 @@ from ..as_published import APPROACHES_OF_TABLE_3
 from ..printed import Printed
 from ..printed_tables import COLUMN_OF
 from ..readout import ReadOut
-from .inputs import RouteTables, Sources
+from ..route_tables import RouteTables
+from .inputs import Sources
 from .published import PAIRS, Row
 
 _RULES = {

@@ -10,11 +10,12 @@ from ..claim_ids import of_text as id_of_text
 from ..claim_ids import statistic
 from ..claim_verdicts import Kind
 from ..printed import Printed
-from ..printed_tables import PRINTED_APPROACHES, RESIDUAL, TABLE_1, TABLE_2, UNKNOWNS
+from ..printed_tables import RESIDUAL, TABLE_1, TABLE_2, UNKNOWNS
+from ..route_tables import HARMONIC, PRINTED_APPROACHES
 from . import of_tables, of_text, statements
 from .inputs import Sources
 from .judging import Claim
-from .published import FILE, FREQUENCIES, HARMONIC, Published, Row, column_ids
+from .published import FILE, FREQUENCIES, Published, Row, column_ids
 
 _LONGEST, _POWERS = 25, (-30, 30)  # characters of a number, and of ten
 

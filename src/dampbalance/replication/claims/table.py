@@ -11,8 +11,9 @@ from ...project.case import Case
 from ...project.wording import in_markdown, markdown_table
 from ..claim_ids import PARTS, part_of
 from ..claim_verdicts import HOLDING, KINDS, ROUTE_NAMES, VERDICTS, counts
+from ..route_tables import RouteTables
 from .from_print import from_print
-from .inputs import RouteTables, Sources, require_paper
+from .inputs import Sources, require_paper
 from .judging import Claim, explanation, verdict
 from .published import Published, read_texts
 from .rules import check_printed, claims
