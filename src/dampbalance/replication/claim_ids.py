@@ -1,4 +1,4 @@
-"""The ids of claims, one per printed number, as in table2.F_k.1-5 or text.c_Xs_ls: made here, and taken apart here."""
+"""The ids of claims, one per printed number, such as table2.F_k.1-5 or text.c_Xs_ls: how they are built and parsed."""
 
 from __future__ import annotations
 
@@ -13,11 +13,6 @@ PARTS = {
 
 STATISTICS = {"least_squares": "ls", "mean": "mean", "std": "std"}
 """Kinds of estimates over all levels or pairs → how the id of such a number ends."""
-
-
-def of_parameter(name: str) -> str:
-    """A stated parameter: parameter.K_z."""
-    return f"parameter.{name}"
 
 
 def of_cell(table: str, symbol: str, line: str | int = "", approach: str = "") -> str:

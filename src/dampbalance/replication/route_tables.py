@@ -26,7 +26,7 @@ class RouteTables:
     """The result tables of one route, by frequency name.
 
     features : `Features.to_frame()`, one row per level.   estimates : `estimates.estimate_table`.
-    What a route does not have is NaN.
+    Look-ups of a number that a route does not have give NaN.
     """
 
     features: Mapping[str, pd.DataFrame]

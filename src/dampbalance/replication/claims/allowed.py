@@ -1,4 +1,4 @@
-"""What the paper's tables allow: an estimate of Table 2 or 3 from all the other printed numbers that bear on it.
+"""The range that the other printed numbers leave for a number of Tables 2 and 3.
 
 The estimates were computed from inputs with more digits than are printed. Every printed number, input or estimate,
 stands for a range one unit of its last digit wide, and through (8), (16), (18), (19) the estimates are functions of the
@@ -9,9 +9,9 @@ inputs:
                of Table 1, and the φ and t_s that the text states                      one φ and one t_s
 
 Linear programs give the least and the greatest value of a number over all inputs that keep every other one within its
-range. The functions are made linear where they come closest to print; over a unit of print what is left is below a
-hundredth of a unit. Table 3 is taken as computed, with the slip of sign in its V_s columns; that print alone tells the
-sign rests on the premise that all its columns share X and φ (`misfits`).
+range. The functions are made linear where they come closest to print; over a unit of print the error of this is below
+a hundredth of a unit. Table 3 is taken as computed, with the slip of sign in its V_s columns; the printed numbers alone
+determine the sign only if all its columns share X and φ (`misfits`).
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class _Table(NamedTuple):
 
 
 def by_table_2(published: Published) -> dict[str, Range | None]:
-    """What Table 2 allows for b of each level, m²/s, and for F_k, N, and c, N s/m, of each pair, by their ids.
+    """The ranges that Table 2 allows for b of each level, m²/s, and F_k, N, and c, N s/m, of each pair, by id.
 
     None: no value agrees with all other printed numbers.
     """
@@ -71,7 +71,7 @@ def by_table_2(published: Published) -> dict[str, Range | None]:
 
 
 def by_table_3(published: Published, case: Case) -> dict[str, Range | None]:
-    """What Table 3 allows, with Table 1, for F_k, N, and c, N s/m, of each pair, by their ids; None as in `by_table_2`.
+    """The ranges that Tables 1 and 3 allow for F_k, N, and c, N s/m, of each pair, by id; None as in `by_table_2`.
 
     Empty where every number agrees with all others, which is seen at once.   case : for ω1 and k.
     """
@@ -147,7 +147,7 @@ def _estimates(rows: Rows) -> Array:
 
 
 def _ranges(table: _Table, wanted: Sequence[str]) -> dict[str, Range | None]:
-    """What all other printed numbers allow for each one wanted, by id."""
+    """The range that all other printed numbers leave for each wanted one, by id."""
     off, slopes = _linear(table, _closest(table))
     places = {claim: place for place, claim in enumerate(table.printed)}
     ranges: dict[str, Range | None] = {}
@@ -181,15 +181,15 @@ def _closest(table: _Table) -> Array:
     for _ in range(2):
         off, slopes = _linear(table, inputs)
         ones = np.ones((len(off), 1))  # the last unknown: by how many units the furthest is off
-        found = linprog(
+        program = linprog(
             np.append(np.zeros(table.inputs), 1.0),
             A_ub=np.vstack([np.hstack([slopes, -ones]), np.hstack([-slopes, -ones])]),
             b_ub=np.concatenate([-off, off]),
             bounds=(None, None),
             method="highs",
         )
-        if found.x is not None:
-            inputs = inputs + table.unit[: table.inputs] * found.x[:-1]
+        if program.x is not None:
+            inputs = inputs + table.unit[: table.inputs] * program.x[:-1]
     return inputs
 
 
@@ -200,14 +200,14 @@ def _ends(off: Array, slopes: Array, place: int) -> Range | None:
     others, room = np.delete(slopes, place, axis=0), np.delete(off, place)
     ends = []
     for sign in (1.0, -1.0):
-        found = linprog(
+        program = linprog(
             sign * slopes[place],
             A_ub=np.vstack([others, -others]),
             b_ub=np.concatenate([0.5 - room, 0.5 + room]),
             bounds=(None, None),
             method="highs",
         )
-        if found.status != 0 or found.x is None:
+        if program.status != 0 or program.x is None:
             return None
-        ends.append(float(off[place] + slopes[place] @ found.x))
+        ends.append(float(off[place] + slopes[place] @ program.x))
     return ends[0], ends[1]

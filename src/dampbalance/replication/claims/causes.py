@@ -1,4 +1,4 @@
-"""What makes a computed number miss the printed one: a sentence each, computed from the run, or nothing.
+"""Why a computed number misses the printed one: for each cause a sentence, computed from the run, or nothing.
 
 No sentence is taken for granted: a condition on the numbers of the run decides whether it is written.
 """
@@ -51,10 +51,10 @@ def backward_euler(case: Case, values: Mapping[str, float]) -> str:
 
 
 def implied_b(published: Published, level: str) -> tuple[str, str]:
-    """What the printed pairs say of a printed b, by b = (W − a F_k)/c: (a note on it, a contradiction), "" for none.
+    """Compare a printed b with b = (W − a F_k)/c of the printed pairs: (a note on it, a contradiction), "" for none.
 
-    The pairs of the level itself tell whether b is printed as it was used; if not, that is a contradiction. The other
-    pairs tell which b this level should have had.
+    The pairs with this level show whether b is printed as it was used; if not, that is a contradiction. The other pairs
+    show which b this level should have had.
     """
     b = published[of_cell("table2", "b", level)]
     own = [label for label in PAIR_LABELS if level in label.split("-")]
@@ -143,7 +143,7 @@ def sign(values: Mapping[str, float], correct: float, unit: str, premise: str) -
     """Table 3: the slip of sign in the V_s columns, "" elsewhere.
 
     correct : the as-published pair by the row that (19) states; in the V_s columns values["as_published"] has the slip.
-    premise : under which print alone tells the sign, a sentence.
+    premise : under which the printed numbers alone determine the sign, a sentence.
     """
     if math.isnan(correct) or values["as_published"] == correct:
         return ""

@@ -1,4 +1,4 @@
-"""What the claims are judged from: the case of the configuration, and the result tables of a route."""
+"""The data that claims are judged from: printed numbers, the case of the configuration, results of the routes."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from ...project.case import Case
+from ..claim_verdicts import ROUTE_NAMES
 from ..route_tables import RouteTables
 from .published import FREQUENCIES, LEVELS, Published
 
@@ -42,18 +43,12 @@ class Sources:
     @property
     def routes(self) -> dict[str, RouteTables]:
         """The routes by their names in claims.csv."""
-        return {
-            "exact": self.exact,
-            "as_published": self.as_published,
-            "from_print": self.from_print,
-        }
+        return {name: getattr(self, name) for name in ROUTE_NAMES}
 
     def features(self, column: str, level: int) -> dict[str, float]:
         """A feature by the routes that simulate; arguments as in `RouteTables.feature`."""
-        return {
-            "exact": self.exact.feature(column, level),
-            "as_published": self.as_published.feature(column, level),
-        }
+        simulating = {"exact": self.exact, "as_published": self.as_published}
+        return {name: route.feature(column, level) for name, route in simulating.items()}
 
     def unread(self, column: str, level: int) -> float:
         """A feature of the as-published simulation before it was read off, of the level counted from 1."""

@@ -57,7 +57,7 @@ def least_squares(sources: Sources, rows: Sequence[Row]) -> Iterator[Claim]:
         inputs = "Table 2's integrals" if row.approach == "direct" else "Table 1's read-outs"
         moved = causes.printed_inputs(values, inputs, row.printed)
         cause = f"{moved} {causes.cut_off(values['from_print'], row.printed)}".strip()
-        # A residual is made of rounding: without that of print it has another size.
+        # The residual comes from the rounding of the printed tables; without it, its size is another.
         apart = SIMULATING if row.symbol == RESIDUAL.symbol else ()
         yield _from_print(row, values, cause, apart=apart)
 

@@ -87,7 +87,7 @@ class Published:
         return np.array([self[claim].value for claim in column_ids(table, symbol, approach)])
 
     def changed(self, texts: Mapping[str, str]) -> Published:
-        """The same print except for some texts, by id."""
+        """These printed numbers with other texts for some of them, by id."""
         rows = {claim: self.rows[claim]._replace(printed=text) for claim, text in texts.items()}
         return Published({**self.rows, **rows})
 

@@ -1,7 +1,7 @@
 """Which rule of reading is at work in a number of Table 3, and by how much it moves it.
 
 The simulation moves a pair from its exact value; then each rule of the configured `two_point` section is applied alone
-to what the simulation gives, and what it moves the pair by is its share. What the shares leave is their interplay.
+to the result of the simulation, and the shift of the pair is its share. The rest is interaction between the rules.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _RULES = {
     "t_s": ("t_s_inset_s", "t_s_unit_s", "common_t_s_decimals"),
     "phi": ("phi_decimals", "common_phi_decimals"),
 }
-"""What is read → the keys of the configuration that say how."""
+"""Each feature that is read, with the keys of the configuration for its rules of reading."""
 
 
 def rules_at_work(sources: Sources) -> Callable[[Row], str]:

@@ -24,58 +24,45 @@ class Rule(NamedTuple):
     """How some of the printed numbers are judged.
 
     claims : a function from rows that follow each other in the table to the claims on them.
-    kind : the kind of these claims.
-    symbols, approaches : what the rows may hold.
-    statement : for statements, a function that raises ValueError for a row that cannot be judged.
+    symbols, approaches : what these rows may hold.
+    kind : the kind of the claims.
     """
 
     claims: Callable[[Sources, Sequence[Row]], Iterator[Claim]]
-    kind: Kind
     symbols: tuple[str, ...]
     approaches: tuple[str, ...] = ("",)
-    statement: Callable[[Row], object] | None = None
+    kind: Kind = "computed"
 
 
 _ESTIMATES = tuple(q.symbol for q in UNKNOWNS)
+_OF_FIT = (*_ESTIMATES, RESIDUAL.symbol)
+_INPUTS = ("m", "c", "k", "K_z", "F_k", "Y", *FREQUENCIES)
 RULES = {
-    "held": Rule(of_text.held, "given", ("m", "c", "k", "K_z", "F_k", "Y", *FREQUENCIES)),
-    "follows": Rule(of_text.follows, "computed", ("zeta", "omega_n")),
-    "rounded": Rule(of_tables.read_outs, "computed", ("X", "X_s")),
-    "velocity": Rule(of_tables.read_outs, "computed", ("V_s",)),
-    "phase": Rule(of_tables.read_outs, "computed", ("phi",)),
-    "time": Rule(of_tables.read_outs, "computed", ("t_s",)),
-    "integral": Rule(of_tables.integrals, "computed", tuple(q.symbol for q in TABLE_2)),
-    "direct pair": Rule(of_tables.direct_pairs, "computed", _ESTIMATES, ("direct",)),
-    "harmonic pair": Rule(of_tables.harmonic_pairs, "computed", _ESTIMATES, HARMONIC),
-    "least squares": Rule(
-        of_text.least_squares,
-        "computed",
-        (*_ESTIMATES, RESIDUAL.symbol),
-        PRINTED_APPROACHES,
-    ),
-    "mean of pairs": Rule(of_text.moments, "computed", _ESTIMATES, ("direct",)),
-    "deviation of pairs": Rule(of_text.moments, "computed", _ESTIMATES, ("direct",)),
-    "mean of levels": Rule(of_text.moments, "computed", ("t_s", "phi")),
-    "bound": Rule(
-        of_text.bounds,
-        "statement",
-        (*_ESTIMATES, *FREQUENCIES),
-        statement=lambda row: statements.bound(row.id, row.quantity, row.printed, {}),
-    ),
-    "change": Rule(
-        of_text.changes,
-        "statement",
-        FREQUENCIES,
-        statement=lambda row: statements.change(row.id, row.printed, {}, {}),
-    ),
-    "truth": Rule(
-        of_text.truths,
-        "statement",
-        ("",),
-        statement=lambda row: statements.truth(row.id, row.printed, {}),
-    ),
+    "held": Rule(of_text.held, _INPUTS, kind="given"),
+    "follows": Rule(of_text.follows, ("zeta", "omega_n")),
+    "rounded": Rule(of_tables.read_outs, ("X", "X_s")),
+    "velocity": Rule(of_tables.read_outs, ("V_s",)),
+    "phase": Rule(of_tables.read_outs, ("phi",)),
+    "time": Rule(of_tables.read_outs, ("t_s",)),
+    "integral": Rule(of_tables.integrals, tuple(q.symbol for q in TABLE_2)),
+    "direct pair": Rule(of_tables.direct_pairs, _ESTIMATES, ("direct",)),
+    "harmonic pair": Rule(of_tables.harmonic_pairs, _ESTIMATES, HARMONIC),
+    "least squares": Rule(of_text.least_squares, _OF_FIT, PRINTED_APPROACHES),
+    "mean of pairs": Rule(of_text.moments, _ESTIMATES, ("direct",)),
+    "deviation of pairs": Rule(of_text.moments, _ESTIMATES, ("direct",)),
+    "mean of levels": Rule(of_text.moments, ("t_s", "phi")),
+    "bound": Rule(of_text.bounds, (*_ESTIMATES, *FREQUENCIES), kind="statement"),
+    "change": Rule(of_text.changes, FREQUENCIES, kind="statement"),
+    "truth": Rule(of_text.truths, ("",), kind="statement"),
 }
 """Every rule by its name in the column `rule` of the printed numbers."""
+
+_STATEMENTS: dict[str, Callable[[Row], object]] = {
+    "bound": lambda row: statements.bound(row.id, row.quantity, row.printed, {}),
+    "change": lambda row: statements.change(row.id, row.printed, {}, {}),
+    "truth": lambda row: statements.truth(row.id, row.printed, {}),
+}
+"""Functions that raise ValueError for a statement that cannot be judged."""
 
 _WORDS = ("change", "truth")  # rules for which a word is printed, not a number
 _CELLS = {
@@ -85,11 +72,7 @@ _CELLS = {
     *(claim for a in HARMONIC for s in _ESTIMATES for claim in column_ids("table3", s, a)),
 }
 _OF_TEXT = {
-    *(
-        statistic(s, a, "least_squares")
-        for a in PRINTED_APPROACHES
-        for s in RULES["least squares"].symbols
-    ),
+    *(statistic(s, a, "least_squares") for a in PRINTED_APPROACHES for s in _OF_FIT),
     *(statistic(s, "direct", kind) for s in _ESTIMATES for kind in ("mean", "std")),
     *("t_s_mean", "phi_mean", "max_error_F_k", "max_error_c", "max_error_omega3"),
     *("accuracy_omega2", "accuracy_omega3", "direct_best"),
@@ -119,20 +102,17 @@ def check_printed(published: Published) -> None:
         problem = _problem(row)
         if problem:
             raise ValueError(f"{FILE}: row {row.id}, {problem}")
-        if (statement := RULES[row.rule].statement) is not None:
-            statement(row)
+        if row.rule in _STATEMENTS:
+            _STATEMENTS[row.rule](row)
 
 
 def _problem(row: Row) -> str:
-    """What a row holds that its rule does not know; "" for nothing."""
+    """The message for the first cell that its rule does not know; "" if there is none."""
     if row.rule not in RULES:
         return _unknown("rule", row.rule, RULES)
     rule = RULES[row.rule]
-    for column, known in (
-        ("kind", (rule.kind,)),
-        ("symbol", rule.symbols),
-        ("approach", rule.approaches),
-    ):
+    allowed = {"kind": (rule.kind,), "symbol": rule.symbols, "approach": rule.approaches}
+    for column, known in allowed.items():
         if getattr(row, column) not in known:
             return _unknown(column, getattr(row, column), known)
     if row.rule not in _WORDS and not _is_number(row.printed):

@@ -97,13 +97,16 @@ def _cells(rows: pd.DataFrame) -> Iterator[list[str]]:
 
 
 WORSE = "printed numbers are worse off than on record"
-"""What only a summary with offences says."""
+"""The words by which a summary with offences is recognised."""
 
 
 def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
-    """What a person reads at the end of a run: computed numbers by verdict and part, with inputs and statements beside
-    them, then a line for each claim that is neither reproduced nor reconstructed, with what is obtained; the reasons
-    stand in the table of claims. Last, a line for each offence that `check` found, after WORSE."""
+    """The summary that ends a run, as text.
+
+    It counts the computed numbers by part and verdict, with inputs and statements next to them, and lists each claim
+    that is neither reproduced nor reconstructed, with the number that is obtained; the reasons stand in the table of
+    claims. After WORSE there is a line for each offence that `check` returned.
+    """
     counted = counts(frame)
     table = {
         count.part: {

@@ -1,4 +1,4 @@
-"""What the records of the frame say: the friction force at each load, the loops, and cycles predicted from others."""
+"""The friction force of the frame at each load, the loops of its records, and predictions of held-out cycles."""
 
 from __future__ import annotations
 
@@ -29,7 +29,10 @@ _REPLICATES = 2  # of an identification whose intervals nobody asks for
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Cycles that were not identified from: times, s, displacement as measured and as predicted, m, (n,)."""
+    """Held-out cycles: times, s, and displacements, m, each of shape (n,).
+
+    repeated : the mean of the cycles that the law was identified from, continued.
+    """
 
     t: Array
     measured: Array
@@ -39,7 +42,10 @@ class Prediction:
 
 @dataclass(frozen=True, eq=False)
 class Findings:
-    """document : all numbers, for JSON.   loops, predictions : of each record."""
+    """The results for all records of the frame.
+
+    document : every number, for JSON.   loops, predictions : one for each record.
+    """
 
     document: dict[str, Any]
     loops: tuple[Loop, ...]
@@ -52,7 +58,7 @@ def findings(
     frame: Mapping[str, Any],
     identified: Mapping[str, Any],
 ) -> Findings:
-    """What is shown of the frame.
+    """All results for the frame: forces, line, loops and predictions.
 
     files : of the records.   measured : their set in the configuration.   frame : the section of that name.
     identified : the document of their identification.
@@ -66,10 +72,10 @@ def findings(
     readings = [Reading(one.reading.steady, joint=True) for one in records]
     forces = [_force(identified, law, i) for i in range(len(files))]
     loops = [friction_loop(reading, m, law.given) for reading in readings]
-    learnt = _learnt(records, k, law, frame["cycles_identified"])
+    first = _first_cycles(records, k, law, frame["cycles_identified"])
     predictions = [
         _prediction(one, part, Mass(m, k, F_k, law.given))
-        for one, (part, F_k) in zip(records, learnt, strict=True)
+        for one, (part, F_k) in zip(records, first, strict=True)
     ]
     errors = [force["standard_error_N"] for force in forces]
     line, off = load_line(loads, [force["F_k_N"] for force in forces], errors)
@@ -82,7 +88,7 @@ def findings(
             "lost_to_damper": _share(identified, law, i),
             "X_m": loops[i].X,
             "loop": shape(loops[i], forces[i]["F_k_N"]),
-            "foretold": _errors(predictions[i], loops[i].X) | {"F_k_N": learnt[i][1]},
+            "foretold": _errors(predictions[i], loops[i].X) | {"F_k_N": first[i][1]},
         }
         for i, one in enumerate(records)
     ]
@@ -122,7 +128,7 @@ def _share(identified: Mapping[str, Any], law: Law, i: int) -> float:
     return float(lost / rows["W_J"][i])
 
 
-def _learnt(
+def _first_cycles(
     records: Sequence[Loaded], k: float, law: Law, cycles: int
 ) -> list[tuple[Reading, float]]:
     """Each record's first cycles as they are read, and the F_k that all of them identify."""
@@ -153,16 +159,16 @@ def _steps(channel: Channel) -> float:
     return 2.0 * float(channel.t[1] - channel.t[0])
 
 
-def _prediction(one: Loaded, learnt: Reading, mass: Mass) -> Prediction:
-    """The cycles after those that were learnt from, from the displacement and velocity at their beginning on."""
+def _prediction(one: Loaded, first: Reading, mass: Mass) -> Prediction:
+    """Predict the cycles that follow the identified ones, from the displacement and velocity at their beginning."""
     record = one.record.whole()
-    steady = learnt.steady
+    steady = first.steady
     base, response = record.excitation, record["displacement"]
     period = 2.0 * math.pi / steady.omega
     begin = steady.start + steady.cycles * period
     kept = (response.t >= begin) & (response.t < begin + steady.cycles * period)
     t, x = response.t[kept], response.values[kept]
-    loop = friction_loop(learnt, mass.m, mass.damping)
+    loop = friction_loop(first, mass.m, mass.damping)
     X_0, Y_0 = (float(steady.mean(rows)[0].real) for rows in (steady.X, steady.Y))
     zero = X_0 - Y_0 - loop.level / mass.k
     speed = float(np.gradient(response.values, response.t)[kept][0])
@@ -193,8 +199,8 @@ def _errors(prediction: Prediction, X: float) -> dict[str, float]:
 
 def _digests(identified: Mapping[str, Any]) -> dict[str, str]:
     """Name → SHA-256 of each file of the records."""
-    found = {}
+    digests = {}
     for record in identified["records"]:
-        found[Path(record["record"]).name] = record["sha256"]
-        found |= {Path(other["file"]).name: other["sha256"] for other in record.get("others", ())}
-    return dict(sorted(found.items()))
+        digests[Path(record["record"]).name] = record["sha256"]
+        digests |= {Path(other["file"]).name: other["sha256"] for other in record.get("others", ())}
+    return dict(sorted(digests.items()))
