@@ -21,13 +21,12 @@ from dampbalance import figures, steady_orbit
 from dampbalance.features import Features
 from dampbalance.project.files import write_csv
 from dampbalance.replication import comparison
-from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.replication.printed_tables import paper_tables
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
 from dampbalance.studies.shown import drawing
 from dampbalance.studies.shown.summary import summary_of
-from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact, unrounded
+from paper.routes import CASE, CONFIG, PAPER, ROOT, as_published, exact, judged
 
 RESULTS, STUDIES = "results/paper", "results/studies"
 INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}"}
@@ -106,7 +105,7 @@ def build(folder: Path) -> Project:
 def _routes(folder: Path) -> None:
     """features, estimates, claims and tables."""
     routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
-    claims = claims_table(read_published(PUBLISHED), CASE, *routes.values(), unrounded())
+    claims = judged()
     frames: dict[str, Any] = {"claims": claims}
     for route, of in routes.items():
         for name in CASE.frequencies_hz:

@@ -9,15 +9,13 @@ from functools import cache
 from typing import NamedTuple
 
 from dampbalance.replication.claim_verdicts import VERDICTS
-from dampbalance.replication.claims import read_published
 from dampbalance.replication.claims.from_print import from_print
 from dampbalance.replication.claims.inputs import Sources
 from dampbalance.replication.claims.judging import Claim, verdict
 from dampbalance.replication.claims.rules import RULES
 from dampbalance.replication.printed import Printed
-from paper.routes import CASE, PUBLISHED, as_published, exact, unrounded
+from paper.routes import CASE, PRINT, as_published, exact, unrounded
 
-PRINT = read_published(PUBLISHED)
 COMPUTED = {name: row for name, row in PRINT.rows.items() if row.kind == "computed"}
 """The rows of the computed numbers, by id."""
 

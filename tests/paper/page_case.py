@@ -14,13 +14,12 @@ from dampbalance.figures.numerics import Evidence
 from dampbalance.project.files import read_csv, write_csv
 from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.replication import comparison
-from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.replication.printed_tables import paper_tables
 from dampbalance.replication.schemes import scheme_table
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
 from dampbalance.studies.settings import Study
-from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact, unrounded
+from paper.routes import CASE, CONFIG, PAPER, ROOT, as_published, exact, judged
 
 PAGE = "results/paper/report.html"
 # The frequency coarser than in config/studies; of the schemes those without the slowest steps.
@@ -83,9 +82,7 @@ def study(name: str, folder: Path) -> tuple[Study, Path]:
 @lru_cache
 def claims_of_paper() -> pd.DataFrame:
     """The table of claims."""
-    return claims_table(
-        read_published(PUBLISHED), CASE, exact(PAPER), as_published(PAPER), unrounded()
-    )
+    return judged()
 
 
 def page_of(made: PageContent) -> str:

@@ -26,7 +26,6 @@ from dampbalance.replication.claims import (
     claims_markdown,
     claims_table,
     read_claims,
-    read_published,
     read_record,
     summary,
 )
@@ -35,30 +34,19 @@ from dampbalance.replication.claims.judging import WRITTEN, Tolerance, explanati
 from dampbalance.replication.claims.table import COLUMNS
 from dampbalance.replication.printed import Printed
 from dampbalance.replication.route_tables import HARMONIC
+from folders import PUBLISHED
 from paper.routes import (
     CASE,
     PAPER,
-    PUBLISHED,
+    PRINT,
     as_published,
     as_read,
     case_of,
     claim,
     exact,
+    judged,
     unrounded,
 )
-
-PRINT = read_published(PUBLISHED)
-
-
-def judged(published=None, oscillator=PAPER, claimed=None):
-    """The table of claims; `claimed` is the oscillator of the configuration where it differs from the simulated one."""
-    return claims_table(
-        published or PRINT,
-        case_of(claimed or oscillator),
-        exact(oscillator),
-        as_published(oscillator),
-        unrounded(oscillator),
-    )
 
 
 @pytest.fixture(scope="module")

@@ -19,14 +19,13 @@ from dampbalance.publishing.article import evidence, recipe
 from dampbalance.publishing.article.book import Book
 from dampbalance.publishing.article.places import ResultFiles
 from dampbalance.publishing.article.style import Style
-from paper.routes import CASE, PUBLISHED, ROOT, exact
+from paper.routes import CASE, PRINT, ROOT, exact
 from paper_case import LEVELS, PAIRS, PAPER
 
 pytestmark = pytest.mark.slow
 
 TEXT = (ROOT / "paper/article/supplement/recipe.typ").read_text(encoding="utf-8")
 WORDS = ["no", "one", "two", "three", "four", "five", "six"]
-PRINTED = pd.read_csv(PUBLISHED / "printed.csv", dtype=str).set_index("id")["printed"]
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +129,7 @@ def pairs(table, told, *, t_s=None, X=None, way=None):
             matrix = np.array([[a[i], b[i]], [a[j], b[j]]])
             F_k, c = np.linalg.solve(matrix, [W[i], W[j]])
             for symbol, value in (("F_k", F_k), ("c", c)):
-                printed = PRINTED[f"table3.{name}.{symbol}.{i + 1}-{j + 1}"]
+                printed = PRINT[f"table3.{name}.{symbol}.{i + 1}-{j + 1}"].text
                 yield (
                     f"{name} {symbol} {i + 1}-{j + 1}",
                     printed,

@@ -8,10 +8,9 @@ from dataclasses import replace
 
 import pytest
 
-from dampbalance.replication.claims import causes, read_published
-from paper.routes import CASE, PUBLISHED
+from dampbalance.replication.claims import causes
+from paper.routes import CASE, PRINT
 
-PRINT = read_published(PUBLISHED)
 LABELS = ["1-2", "2-3", "3-4", "4-5", "1-5"]
 
 

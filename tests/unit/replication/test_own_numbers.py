@@ -8,15 +8,12 @@ import pytest
 
 from dampbalance.balance import Rows
 from dampbalance.replication import as_published as authors
-from dampbalance.replication.claims import read_published
 from dampbalance.replication.claims.allowed import by_table_2, by_table_3, misfits
 from dampbalance.replication.claims.checksums import agrees, refuted
 from dampbalance.replication.claims.published import PAIR_LABELS, PAIRS
 from dampbalance.replication.printed import Printed
 from dampbalance.solver import pair
-from paper.routes import CASE, PAPER, PUBLISHED, as_read
-
-PRINT = read_published(PUBLISHED)
+from paper.routes import CASE, PAPER, PRINT, as_read
 
 
 @pytest.fixture(scope="module")

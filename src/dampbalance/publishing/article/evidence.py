@@ -143,7 +143,7 @@ def integral_deviations(
         (schemes["scheme"] == "backward-euler") & (schemes["coefficients"] == "exact")
     ]
     deviations: Json = {}
-    for name, _, _, column, _ in TABLE_2:
+    for name, _, column, _ in TABLE_2:
         exact, rebuilt = (features[route][frequency][column] for route in ("exact", "as_published"))
         printed = _printed(claims, name)
         from_rebuilt = np.abs(printed / rebuilt.to_numpy() - 1.0)
