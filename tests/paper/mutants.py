@@ -12,12 +12,9 @@ from dampbalance.replication.claim_verdicts import VERDICTS
 from dampbalance.replication.claims.from_print import from_print
 from dampbalance.replication.claims.inputs import Sources
 from dampbalance.replication.claims.judging import Claim, verdict
-from dampbalance.replication.claims.rules import RULES
+from dampbalance.replication.claims.rules import claims
 from dampbalance.replication.printed import Printed
 from paper.routes import CASE, PRINT, as_published, exact, unrounded
-
-COMPUTED = {name: row for name, row in PRINT.rows.items() if row.kind == "computed"}
-"""The rows of the computed numbers, by id."""
 
 
 class Mutant(NamedTuple):
@@ -44,15 +41,13 @@ def judged(published, *names: str) -> list[Claim]:
     """The claims on some numbers, by their ids."""
     routes = exact(), as_published(), from_print(published, CASE)
     sources = Sources(published, CASE, *routes, unrounded())
-    rows = [published.rows[name] for name in names]
-    groups = itertools.groupby(rows, key=lambda row: RULES[row.rule].claims)
-    return [claim for claims, group in groups for claim in claims(sources, list(group))]
+    return list(claims(sources, [published.rows[name] for name in names]))
 
 
 @cache
 def originals() -> list[Claim]:
     """The claims on all computed numbers, as they are."""
-    return judged(PRINT, *COMPUTED)
+    return judged(PRINT, *(name for name, row in PRINT.rows.items() if row.kind == "computed"))
 
 
 def of_print(*steps: int) -> Iterator[Mutant]:

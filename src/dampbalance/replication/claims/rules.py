@@ -79,9 +79,8 @@ _OF_TEXT = {
 }
 
 
-def claims(sources: Sources) -> Iterator[Claim]:
-    """The claim on every printed number, in the order of the table."""
-    rows = sources.published.rows.values()
+def claims(sources: Sources, rows: Iterable[Row]) -> Iterator[Claim]:
+    """The claims on some printed numbers, in the order of their rows."""
     for judged, group in groupby(rows, key=lambda row: RULES[row.rule].claims):
         yield from judged(sources, list(group))
 

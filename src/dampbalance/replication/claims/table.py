@@ -58,7 +58,7 @@ def claims_table(
             "judged": ROUTE_NAMES[claim.route],
             **_off(claim),
         }
-        for claim in claims(sources)
+        for claim in claims(sources, published.rows.values())
     ]
     return pd.DataFrame.from_records(records, columns=list(COLUMNS))
 
