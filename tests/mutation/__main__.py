@@ -36,7 +36,7 @@ METHOD = (
     *(f"{room}/*.py" for room in ("motion", "law", "reading", "likelihood", "identification")),
     "records/**/*.py",
     "replication/claims/*.py",
-    "replication/verdicts.py",
+    "replication/claim_verdicts.py",
     "studies/evaluate.py",
 )
 """Modules that errors are put into, but for those that draw."""

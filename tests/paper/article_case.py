@@ -20,13 +20,13 @@ from matplotlib.figure import Figure
 from dampbalance import figures, steady_orbit
 from dampbalance.features import Features
 from dampbalance.project.files import write_csv
-from dampbalance.replication import comparison, tables
-from dampbalance.replication.claims import claims_table, read_published
+from dampbalance.replication import comparison
+from dampbalance.replication.printed_tables import paper_tables
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
 from dampbalance.studies.shown import drawing
 from dampbalance.studies.shown.summary import summary_of
-from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact, unrounded
+from paper.routes import CASE, CONFIG, PAPER, ROOT, as_published, exact, judged
 
 RESULTS, STUDIES = "results/paper", "results/studies"
 INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}"}
@@ -105,19 +105,14 @@ def build(folder: Path) -> Project:
 def _routes(folder: Path) -> None:
     """features, estimates, claims and tables."""
     routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
-    claims = claims_table(read_published(PUBLISHED), CASE, *routes.values(), unrounded())
+    claims = judged()
     frames: dict[str, Any] = {"claims": claims}
     for route, of in routes.items():
         for name in CASE.frequencies_hz:
             frames[f"features/{route}/{name}"] = of.features[name]
             frames[f"estimates/{route}/{name}"] = of.estimates[name]
-    features, estimates = (
-        {route: getattr(of, kind)[FIRST] for route, of in routes.items()}
-        for kind in ("features", "estimates")
-    )
-    frames["tables/table1"] = tables.table1(features, claims)
-    frames["tables/table2"] = tables.table2(features, estimates, claims)
-    frames["tables/table3"] = tables.table3(estimates, claims)
+    tables = paper_tables(routes, FIRST, claims)
+    frames |= {f"tables/{name}": tables[name] for name in ("table1", "table2", "table3")}
     frames["tables/approaches"] = comparison.approaches_table(
         {name: Features.from_frame(of) for name, of in routes["exact"].features.items()},
         CASE,

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dampbalance.publishing.page import colours
-from dampbalance.replication import verdicts
+from dampbalance.replication import claim_verdicts
 
-VERDICTS = tuple(verdict.css for verdict in verdicts.VERDICTS.values())
+VERDICTS = tuple(verdict.css for verdict in claim_verdicts.VERDICTS.values())
 SERIES = tuple(colours.series())
 
 TEXT_ON = [

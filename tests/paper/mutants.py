@@ -8,24 +8,13 @@ from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
-from dampbalance.replication.claims import of_tables, of_text, read_published
+from dampbalance.replication.claim_verdicts import VERDICTS
 from dampbalance.replication.claims.from_print import from_print
 from dampbalance.replication.claims.inputs import Sources
 from dampbalance.replication.claims.judging import Claim, verdict
+from dampbalance.replication.claims.rules import claims
 from dampbalance.replication.printed import Printed
-from dampbalance.replication.verdicts import VERDICTS
-from paper.routes import CASE, PUBLISHED, as_published, exact, unrounded
-
-PRINT = read_published(PUBLISHED)
-PARTS = {
-    "parameters": [of_text.parameters],
-    "table1": [of_tables.table1],
-    "table2_integrals": [of_tables.table2_integrals],
-    "table2_pairs": [of_tables.table2_pairs],
-    "table3": [of_tables.table3],
-    "text_values": [of_text.least_squares, of_text.means],
-}
-"""Printed numbers by file → what makes the claims on them."""
+from paper.routes import CASE, PRINT, as_published, exact, unrounded
 
 
 class Mutant(NamedTuple):
@@ -48,34 +37,24 @@ class Mutant(NamedTuple):
         return now - was
 
 
-def judged(published, file) -> dict[str, Claim]:
-    """The claims on the computed numbers of a file, by id."""
+def judged(published, *names: str) -> list[Claim]:
+    """The claims on some numbers, by their ids."""
     routes = exact(), as_published(), from_print(published, CASE)
     sources = Sources(published, CASE, *routes, unrounded())
-    claims = [claim for part in PARTS[file] for claim in part(sources)]
-    return {claim.id: claim for claim in claims if claim.kind == "computed"}
+    return list(claims(sources, [published.rows[name] for name in names]))
 
 
 @cache
 def originals() -> list[Claim]:
     """The claims on all computed numbers, as they are."""
-    return [claim for file in PARTS for claim in judged(PRINT, file).values()]
+    return judged(PRINT, *(name for name, row in PRINT.rows.items() if row.kind == "computed"))
 
 
 def of_print(*steps: int) -> Iterator[Mutant]:
     """Every computed number, its last printed digit moved by each of some steps."""
-    for file in PARTS:
-        frame, before = getattr(PRINT, file), judged(PRINT, file)
-        columns = ["printed"] if "printed" in frame else frame.columns.drop("Y_m", errors="ignore")
-        for line, column, step in itertools.product(frame.index, columns, steps):
-            if not Printed(frame[column][line]).is_number:
-                continue
-            changed = frame.copy()
-            changed.loc[line, column] = Printed(frame[column][line]).moved(step)
-            after = judged(replace(PRINT, **{file: changed}), file)
-            for name, claim in after.items():
-                if claim.printed != before[name].printed:
-                    yield Mutant(before[name], claim, step)
+    for before, step in itertools.product(originals(), steps):
+        changed = PRINT.changed({before.id: PRINT[before.id].moved(step)})
+        yield Mutant(before, *judged(changed, before.id), step)
 
 
 def of_rebuild(*, units: float = 0.0, share: float = 0.0) -> Iterator[Mutant]:

@@ -13,13 +13,13 @@ from dampbalance.features import Features
 from dampbalance.figures.numerics import Evidence
 from dampbalance.project.files import read_csv, write_csv
 from dampbalance.publishing.page.report import PageContent, report_page
-from dampbalance.replication import comparison, tables
-from dampbalance.replication.claims import claims_table, read_published
+from dampbalance.replication import comparison
+from dampbalance.replication.printed_tables import paper_tables
 from dampbalance.replication.schemes import scheme_table
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
 from dampbalance.studies.settings import Study
-from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact, unrounded
+from paper.routes import CASE, CONFIG, PAPER, ROOT, as_published, exact, judged
 
 PAGE = "results/paper/report.html"
 # The frequency coarser than in config/studies; of the schemes those without the slowest steps.
@@ -35,20 +35,9 @@ def results(folder: Path) -> PageContent:
     routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
     made = {}
     for n, name in enumerate(CASE.frequencies_hz):
-        features, estimates = (
-            {route: getattr(of, kind)[name] for route, of in routes.items()}
-            for kind in ("features", "estimates")
-        )
-        printed = None if n else claims
-        of_frequency = {
-            "table1": tables.table1(features, printed),
-            "table2": tables.table2(features, estimates, printed),
-            "table3": tables.table3(estimates, printed),
-            "statistics": tables.statistics(estimates, printed),
-        }
         made[name] = {
             table: _through(folder / f"{table}_{name}.csv", frame)
-            for table, frame in of_frequency.items()
+            for table, frame in paper_tables(routes, name, None if n else claims).items()
         }
     features = {n: Features.from_frame(f) for n, f in routes["exact"].features.items()}
     studies = [study(name, folder) for name in COARSER]
@@ -93,9 +82,7 @@ def study(name: str, folder: Path) -> tuple[Study, Path]:
 @lru_cache
 def claims_of_paper() -> pd.DataFrame:
     """The table of claims."""
-    return claims_table(
-        read_published(PUBLISHED), CASE, exact(PAPER), as_published(PAPER), unrounded()
-    )
+    return judged()
 
 
 def page_of(made: PageContent) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 
 import pandas as pd
 import yaml
@@ -15,12 +14,12 @@ from dampbalance.model import Oscillator
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import Case
 from dampbalance.replication import as_published as authors
-from dampbalance.replication.claims import RouteTables
+from dampbalance.replication.claim_verdicts import ROUTE_NAMES
+from dampbalance.replication.claims import Published, RouteTables, claims_table, read_published
 from dampbalance.replication.claims.judging import Claim
-from dampbalance.replication.verdicts import ROUTE_NAMES
+from folders import PUBLISHED, ROOT
 
-ROOT = Path(__file__).parents[2]
-PUBLISHED = ROOT / "paper/published"
+PRINT = read_published(PUBLISHED)
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
 CASE = Case.from_config(CONFIG)
 PAPER = CASE.oscillator
@@ -35,6 +34,19 @@ def claim(printed: str = "1.28", **parts) -> Claim:
 def case_of(oscillator: Oscillator) -> Case:
     """The case of the configuration with this oscillator."""
     return replace(CASE, oscillator=oscillator)
+
+
+def judged(
+    published: Published = PRINT, oscillator: Oscillator = PAPER, claimed: Oscillator | None = None
+) -> pd.DataFrame:
+    """The table of claims.   claimed : the oscillator of the configuration where it differs from the simulated one."""
+    return claims_table(
+        published,
+        case_of(claimed or oscillator),
+        exact(oscillator),
+        as_published(oscillator),
+        unrounded(oscillator),
+    )
 
 
 @lru_cache

@@ -74,13 +74,15 @@ def sampled(simulated):
     return read(simulated, "sample")
 
 
-def printed(table):
-    """The printed table, each number as the digits that stand in print."""
-    return pd.read_csv(PUBLISHED / f"{table}.csv", dtype=str)
+PRINTED = pd.read_csv(PUBLISHED / "printed.csv", dtype=str).set_index("id")["printed"]
+LABELS = [f"{i + 1}-{j + 1}" for i, j in PAIRS]
 
 
-def numbers(column):
-    return column.to_numpy(dtype=float)
+def numbers(table, symbol):
+    """The printed column of a table with a line for each level."""
+    return PRINTED[[f"{table}.{symbol}.{level + 1}" for level in range(len(LEVELS))]].to_numpy(
+        float
+    )
 
 
 def with_digits_of(text, value):
@@ -96,11 +98,12 @@ def table_3(features, readout):
         "V_s": slip_velocity_as_printed(readout.common(features), PAPER.k),
     }
     cells = []
-    for (i, j), (_, line) in zip(PAIRS, printed("table3").iterrows(), strict=True):
+    for (i, j), label in zip(PAIRS, LABELS, strict=True):
         for name, of in rows.items():
             estimate = pair(of, i, j)
-            cells.append((f"{name} F_k {i + 1}-{j + 1}", line[f"{name}_F_k_N"], estimate["F_k"]))
-            cells.append((f"{name} c {i + 1}-{j + 1}", line[f"{name}_c_N_s_per_m"], estimate["c"]))
+            for symbol in ("F_k", "c"):
+                text = PRINTED[f"table3.{name}.{symbol}.{label}"]
+                cells.append((f"{name} {symbol} {label}", text, estimate[symbol]))
     return cells
 
 
@@ -112,41 +115,39 @@ def misses(cells):
 
 
 def test_W_of_table_2(sampled):
-    error = sampled.W / numbers(printed("table2_integrals").W_J) - 1.0
+    error = sampled.W / numbers("table2", "W") - 1.0
     assert np.max(np.abs(error)) < 4e-7
     # With the unrounded coefficients it is five times as far, at every level the same way.
     unrounded = read(records(c_over_m=None, k_over_m=None), "sample")
-    assert np.all(unrounded.W / numbers(printed("table2_integrals").W_J) - 1.0 < -1.5e-6)
+    assert np.all(unrounded.W / numbers("table2", "W") - 1.0 < -1.5e-6)
 
 
 def test_b_of_table_2_to_the_last_digit_but_for_b_1(sampled):
-    table = printed("table2_integrals")
-    computed = [
-        with_digits_of(text, b) for text, b in zip(table.b_m2_per_s, sampled.b, strict=True)
-    ]
-    assert computed[1:] == [Decimal(text) for text in table.b_m2_per_s[1:]]
-    assert Decimal(table.b_m2_per_s[0]) - computed[0] == Decimal("0.00000001")
+    printed = PRINTED[PRINTED.index.str.startswith("table2.b.")].tolist()
+    computed = [with_digits_of(text, b) for text, b in zip(printed, sampled.b, strict=True)]
+    assert computed[1:] == [Decimal(text) for text in printed[1:]]
+    assert Decimal(printed[0]) - computed[0] == Decimal("0.00000001")
 
 
 def test_b_1_of_table_2_contradicts_its_own_row():
     """With the F_k and c of the next rows, the printed a_1 and W_1 need the b_1 that the simulation has."""
-    integrals, pairs = printed("table2_integrals"), printed("table2_pairs")
-    for line in (1, 2, 3):
-        F_k, c = float(pairs.direct_F_k_N[line]), float(pairs.direct_c_N_s_per_m[line])
-        b_1 = (float(integrals.W_J[0]) - float(integrals.a_m[0]) * F_k) / c
-        assert with_digits_of(integrals.b_m2_per_s[0], b_1) == Decimal("0.00072728")
+    a_1, W_1 = (float(PRINTED[f"table2.{symbol}.1"]) for symbol in ("a", "W"))
+    for label in LABELS[1:4]:
+        F_k, c = (float(PRINTED[f"table2.{symbol}.{label}"]) for symbol in ("F_k", "c"))
+        b_1 = (W_1 - a_1 * F_k) / c
+        assert with_digits_of(PRINTED["table2.b.1"], b_1) == Decimal("0.00072728")
 
 
 def off_print_in_samples(features):
     """a less the printed a, in samples: one moves a by 2 V_s h."""
-    return (features.a - numbers(printed("table2_integrals").a_m)) / (2.0 * features.V_s * STEP)
+    return (features.a - numbers("table2", "a")) / (2.0 * features.V_s * STEP)
 
 
 def test_a_of_table_2_to_a_thirtieth_of_a_sample(sampled):
     off = off_print_in_samples(sampled)
     assert np.max(np.abs(off)) < 0.034
     # Half a unit of print is 0.003 to 0.007 of a sample: three of the five are within a unit.
-    units = (sampled.a - numbers(printed("table2_integrals").a_m)) / 1e-9
+    units = (sampled.a - numbers("table2", "a")) / 1e-9
     assert np.count_nonzero(np.abs(units) < 1.0) == 3
 
 
@@ -169,7 +170,7 @@ def test_print_lies_between_what_the_19th_and_the_24th_period_give(sampled):
 
 def test_displacements_of_the_8th_period_give_a_as_well(simulated):
     """The cycle is not unique: 2 (x(t_2) − x) there, begun 0, 1, 1, 1, 1 samples after slip is seen, is as close."""
-    a, off = numbers(printed("table2_integrals").a_m), []
+    a, off = numbers("table2", "a"), []
     for record, begun, printed_a in zip(records(cycles=10), (0, 1, 1, 1, 1), a, strict=True):
         features = of_record(record, OMEGA, PAPER.k, "sample")
         corner = int(np.flatnonzero(record.x == features.X_s[0])[0])
@@ -180,18 +181,18 @@ def test_displacements_of_the_8th_period_give_a_as_well(simulated):
 
 
 def test_pairs_of_table_2_without_level_1(sampled):
-    rows, table = direct(sampled, PAPER.k), printed("table2_pairs")
+    rows = direct(sampled, PAPER.k)
     for line in (1, 2, 3):
         estimate = pair(rows, *PAIRS[line])
-        text = table.direct_c_N_s_per_m[line]
+        F_k, c = (float(PRINTED[f"table2.{symbol}.{LABELS[line]}"]) for symbol in ("F_k", "c"))
         # c of pair 4-5 is 90.01144, printed 90.0115: W, 6e-8 of itself off print, moves c by up to half a unit.
-        assert estimate["c"] == pytest.approx(float(text), abs=0.6e-4)
+        assert estimate["c"] == pytest.approx(c, abs=0.6e-4)
         # W at level 2 is 3.4e-7 of itself off, which moves F_k of pair 2-3 by four times that: 5e-6.
-        assert estimate["F_k"] == pytest.approx(float(table.direct_F_k_N[line]), abs=5e-6)
+        assert estimate["F_k"] == pytest.approx(F_k, abs=5e-6)
 
 
 def test_no_other_scheme_gives_table_2():
-    W = numbers(printed("table2_integrals").W_J)
+    W = numbers("table2", "W")
     for scheme in ("rk4", "trapezoidal", "semi-implicit-euler", "explicit-euler"):
         assert np.min(np.abs(read(records(scheme=scheme), "sample").W / W - 1.0)) > 1e-4, scheme
 
@@ -201,29 +202,26 @@ def test_no_other_scheme_gives_table_2():
 
 def test_t_s_of_table_1_is_timed_inside_the_microstick_phase(interpolated, sampled):
     for features in (interpolated, sampled):
-        assert TABLE_3.apply(features).t_s == pytest.approx(
-            numbers(printed("table1").t_s_s), abs=1e-9
-        )
+        assert TABLE_3.apply(features).t_s == pytest.approx(numbers("table1", "t_s"), abs=1e-9)
 
 
 def test_exact_t_s_cut_to_tenths_of_a_millisecond_misses_level_4_by_8_microseconds():
     exact = stack([of_orbit(steady_orbit(PAPER, BaseMotion(Y, OMEGA))) for Y in LEVELS])
-    missed = ReadOut(t_s_unit=1e-4).apply(exact).t_s - numbers(printed("table1").t_s_s)
+    missed = ReadOut(t_s_unit=1e-4).apply(exact).t_s - numbers("table1", "t_s")
     assert missed == pytest.approx([0.0, 0.0, 0.0, 1e-4, 0.0], abs=1e-9)
     assert exact.t_s[3] - 1.8e-3 == pytest.approx(8.1e-6, abs=5e-8)
 
 
 def test_X_and_X_s_of_table_1(interpolated):
-    table = printed("table1")
     features = ReadOut(X_decimals=5, X_s_decimals=5).apply(interpolated)
-    assert np.max(np.abs(features.X - numbers(table.X_m))) < 1e-12
-    assert np.max(np.abs(features.X_s - numbers(table.X_s_m))) < 1e-12
+    assert np.max(np.abs(features.X - numbers("table1", "X"))) < 1e-12
+    assert np.max(np.abs(features.X_s - numbers("table1", "X_s"))) < 1e-12
 
 
 def test_V_s_of_table_1_lies_between_the_corner_and_the_next_sample(
     simulated, sampled, interpolated
 ):
-    V_s = numbers(printed("table1").V_s_m_per_s)
+    V_s = numbers("table1", "V_s")
     accelerations = []
     for record, X_s in zip(simulated, sampled.X_s, strict=True):
         corner = int(np.flatnonzero(record.x == X_s)[0])
@@ -234,7 +232,7 @@ def test_V_s_of_table_1_lies_between_the_corner_and_the_next_sample(
 
 
 def test_phase_of_table_1_is_that_of_the_reversal_read_to_an_eighth_of_a_millisecond(interpolated):
-    phi = numbers(printed("table1").phi_rad)
+    phi = numbers("table1", "phi")
     assert np.max(np.abs(phi - interpolated.phi_reversal)) < OMEGA * 0.125e-3
     assert np.min(np.abs(phi - interpolated.phi_zero_crossing)) > OMEGA * 0.6e-3
 
@@ -249,10 +247,9 @@ def test_all_thirty_numbers_of_table_3(interpolated):
 
 
 def test_the_common_values_of_table_3_follow_from_the_simulation(interpolated):
-    text = printed("text_values").set_index("id").printed
     common = TABLE_3.common(interpolated)
-    assert np.all(common.phi == float(text["phi_mean"]))
-    assert common.t_s == pytest.approx([float(text["t_s_mean"])] * 5, abs=1e-12)
+    assert np.all(common.phi == float(PRINTED["text.phi_mean"]))
+    assert common.t_s == pytest.approx([float(PRINTED["text.t_s_mean"])] * 5, abs=1e-12)
 
 
 @pytest.mark.parametrize(

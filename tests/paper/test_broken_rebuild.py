@@ -11,12 +11,12 @@ from dataclasses import replace
 
 import pytest
 
+from dampbalance.replication.claim_verdicts import DIFFERS, PROPAGATED, ROUTE_NAMES, UNEXPLAINED
 from dampbalance.replication.claims import RouteTables, claims_table
 from dampbalance.replication.claims.judging import LEASH
 from dampbalance.replication.printed import Printed
-from dampbalance.replication.verdicts import DIFFERS, PROPAGATED, ROUTE_NAMES, UNEXPLAINED
-from paper.mutants import PRINT, of_rebuild
-from paper.routes import CASE, as_published, exact, unrounded
+from paper.mutants import of_rebuild
+from paper.routes import CASE, PRINT, as_published, exact, unrounded
 
 SIMULATING = ["exact", "as_published"]
 APART = {

@@ -9,18 +9,16 @@ import pytest
 
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.replication.as_published import SLIPPING_SAMPLE
-from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.replication.claims.inputs import CORRECTED
 from dampbalance.replication.printed import Printed
-from paper.routes import CASE, PAPER, PUBLISHED, as_published, exact, unrounded
+from paper.routes import CASE, PAPER, as_published, judged, unrounded
 
 ROUTES = {"exact": "exact", "as published": "as_published", "from print": "from_print"}
 
 
 @pytest.fixture(scope="module")
 def claims():
-    published = read_published(PUBLISHED)
-    table = claims_table(published, CASE, exact(), as_published(), unrounded())
+    table = judged()
     return table[table["kind"] == "computed"].set_index("id")
 
 

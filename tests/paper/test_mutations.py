@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from dampbalance.replication.claim_ids import part_of
-from dampbalance.replication.verdicts import LAST_DIGIT, RECONSTRUCTED
+from dampbalance.replication.claim_verdicts import LAST_DIGIT, RECONSTRUCTED
 from paper.mutants import of_print, originals
 
 pytestmark = pytest.mark.slow

@@ -26,8 +26,8 @@ from dampbalance.publishing.page import charts, colours, curves, digits, match, 
 from dampbalance.publishing.page.match import match_picture
 from dampbalance.publishing.page.origins import ORIGINS, link, study_origin
 from dampbalance.publishing.page.report import LARGEST_PAGE
-from dampbalance.replication.tables import claim_of
-from dampbalance.replication.verdicts import KINDS, VERDICTS, counts
+from dampbalance.replication.claim_verdicts import KINDS, VERDICTS, counts
+from dampbalance.replication.printed_tables import claim_of
 from paper.contrast import GRAPHICS_ON, TEXT_ON, contrast
 from paper.page_case import PAGE, claims_of_paper, page_of, results
 from paper.routes import CASE, ROOT

@@ -12,7 +12,7 @@ import pypdf
 import pytest
 
 from dampbalance.publishing.page import colours
-from dampbalance.replication.verdicts import KINDS
+from dampbalance.replication.claim_verdicts import KINDS
 from paper import axe
 from paper.chromium import CHROMIUM, REASON
 from paper.page_case import page_of, results

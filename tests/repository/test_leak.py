@@ -85,7 +85,7 @@ def test_no_printed_estimate_is_typed_into_the_sources(path):
 @pytest.mark.parametrize(
     "text",
     [
-        'read_csv("paper/published/table1.csv")',
+        'read_csv("paper/published/printed.csv")',
         'folder = config["published"]',
         "from dampbalance.replication.claims import read_published",
         "from .claims.published import numbers",

@@ -11,10 +11,10 @@ import pytest
 
 from dampbalance.estimates import estimate_table
 from dampbalance.figures import figure3, save
-from dampbalance.replication.claims import RouteTables, claims_table, read_published
-from dampbalance.replication.verdicts import VERDICTS, counts
+from dampbalance.replication.claim_verdicts import VERDICTS, counts
+from dampbalance.replication.claims import RouteTables, claims_table
 from folders import ROOT
-from paper.routes import CASE
+from paper.routes import CASE, PRINT
 from paper_case import FREQUENCIES_HZ, OMEGA, PAIRS, PAPER, features_at, orbits_at
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -22,9 +22,9 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 def test_the_verdicts_are_those_on_record():
     recorded = pd.read_csv(ROOT / "paper/published/verdicts.csv", dtype=str)
-    nothing, published = RouteTables({}, {}), read_published(ROOT / "paper/published")
+    nothing = RouteTables({}, {})
     # What kind a claim is does not depend on what the routes give for it.
-    kinds = claims_table(published, CASE, nothing, nothing, pd.DataFrame())[["id", "kind"]]
+    kinds = claims_table(PRINT, CASE, nothing, nothing, pd.DataFrame())[["id", "kind"]]
     recorded = recorded.merge(kinds, on="id", validate="one_to_one")
     block = README.split("<!-- verdicts", 1)[1].split("-->", 1)[1].split("<!-- end", 1)[0]
     lines = block.strip().splitlines()

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from dampbalance.project.files import sha256
-from dampbalance.replication.verdicts import VERDICTS
+from dampbalance.replication.claim_verdicts import VERDICTS
 
 pytestmark = pytest.mark.slow
 
@@ -53,7 +53,7 @@ def test_the_summary_is_printed_at_the_end(paper):
 def test_a_printed_word_that_cannot_be_judged_is_refused_before_anything_runs(paper):
     claims = paper.folder / "results/paper/claims.csv"
     before = claims.read_bytes()
-    done = changed(paper, "paper/published/text_values.csv", ",degraded,", ",unclear,")
+    done = changed(paper, "paper/published/printed.csv", ",degraded,", ",unclear,")
     assert done.returncode != 0
     assert (
         "cannot judge the word 'unclear'; known are degraded, improved" in done.stdout + done.stderr
@@ -63,7 +63,7 @@ def test_a_printed_word_that_cannot_be_judged_is_refused_before_anything_runs(pa
 
 
 def test_a_changed_printed_digit_fails_the_check_and_names_the_row(paper):
-    done = changed(paper, "paper/published/table1.csv", r"0\.00439", "0.00449")
+    done = changed(paper, "paper/published/printed.csv", r"0\.00439", "0.00449")
     assert done.returncode != 0
     assert "table1.X.2: printed 0.00439 on record, now read as 0.00449" in done.stdout
 

@@ -172,10 +172,10 @@ def test_the_printed_numbers_are_all_read_and_none_may_be_missing(named):
         assert read == {f"paper/published/{file.name}" for file in changed}
         for file in changed:
             os.utime(file, (now - 60.0, now - 60.0))
-    (named.folder / "paper/published/table2_pairs.csv").unlink()
+    (named.folder / "paper/published/printed.csv").unlink()
     for folder, expected in (
         ("paper/printed", "published: paper/printed is not a folder with printed numbers"),
-        ("paper/published", "paper/published/table2_pairs.csv: needed is a file of this name"),
+        ("paper/published", "paper/published/printed.csv: needed is a file of this name"),
     ):
         status, said = dry_run(named, {"published": folder}, "results/paper/summary.txt")
         assert expected in said

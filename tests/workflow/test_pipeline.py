@@ -94,7 +94,7 @@ def test_a_changed_value_reruns_what_depends_on_it(built):
         ("src/dampbalance/balance.py", {"estimate_exact"}, {"simulate_exact", "features_exact"}),
         ("src/dampbalance/motion/fixed_step.py", {"simulate_as_published"}, {"simulate_exact"}),
         (
-            "src/dampbalance/replication/tables.py",
+            "src/dampbalance/replication/printed_tables.py",
             {"tables"},
             {"estimate_exact", "simulate_exact", "figure3"},
         ),

@@ -97,7 +97,7 @@ def test_the_configuration_is_the_merged_one(stated):
 def test_sources_are_listed_with_their_digests(built, stated):
     sources = stated["reproducible"]["sources"]
     wanted = {"Snakefile", "config/config.yaml", "small.yaml", "src/dampbalance/motion/flow.py"}
-    assert wanted | {"paper/published/table1.csv", "requirements.lock"} <= set(sources)
+    assert wanted | {"paper/published/printed.csv", "requirements.lock"} <= set(sources)
     for file in wanted:
         assert sources[file] == sha256(built.folder / file)
 
@@ -205,7 +205,7 @@ def test_the_whole_project_and_all_results_are_in_it(built, unpacked):
         "tests/workflow/test_provenance.py",
         "LICENSE",
         "requirements.lock",
-        "paper/published/table1.csv",
+        "paper/published/printed.csv",
         "Makefile",
     } <= inside
     assert unpacked.files("small") == built.files("small")

@@ -9,7 +9,7 @@ if PUBLISHED and workflow.is_main_process:
     from dampbalance.replication.claims import (
         PRINTED_FREQUENCIES,
         PRINTED_LEVELS,
-        check_cells,
+        check_printed,
         read_published,
         read_record,
     )
@@ -30,7 +30,7 @@ if PUBLISHED and workflow.is_main_process:
             f"{where} is compared with t_s as it was cut: as_published.tabulated.t_s_unit_s is needed; {other}."
         )
     try:
-        check_cells(read_published(Path(PUBLISHED)))
+        check_printed(read_published(Path(PUBLISHED)))
         read_record(Path(PUBLISHED, "verdicts.csv"))
     except ValueError as error:
         raise WorkflowError(f"{where}: {error}.") from None

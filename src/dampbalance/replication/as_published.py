@@ -1,4 +1,4 @@
-"""How the authors obtained their numbers, as far as the printed digits tell.
+"""How the authors obtained their numbers, as far as the printed digits show.
 
     simulate_levels   the equation of motion divided by m, its coefficients rounded, by a scheme of fixed step
     read_levels       a, b and W at the samples, all else between them, then as it was written down
@@ -34,7 +34,7 @@ APPROACHES_OF_TABLE_3: dict[str, Approach] = {
     "V_s": Approach(slip_velocity_as_printed, "V_s with plus"),
     "V_s with minus": Approach(slip_velocity, "V_s with minus"),
 }
-"""The rows behind the printed Table 3: the V_s pairs with their slip of sign, and beside them those without it."""
+"""The rows behind the printed Table 3: the V_s pairs with their slip of sign, and for comparison those without it."""
 
 
 SLIPPING_SAMPLE = "V_s_at_sample_m_per_s"
@@ -55,7 +55,7 @@ class ReadFeatures(NamedTuple):
     slipping_sample: Array
 
     def to_frame(self) -> pd.DataFrame:
-        """What was read from, a row per level: the columns of `Features.to_frame` and SLIPPING_SAMPLE."""
+        """The unrounded features, a row per level: the columns of `Features.to_frame` and SLIPPING_SAMPLE."""
         return self.unrounded.to_frame().assign(**{SLIPPING_SAMPLE: self.slipping_sample})
 
 
@@ -69,7 +69,7 @@ def coefficients(case: Case) -> dict[str, float]:
 
 
 def added_damping(case: Case, omega: float) -> float:
-    """What backward Euler adds to c near resonance, N s/m: it acts as c + mω²h.   omega : rad/s."""
+    """The damping mω²h, N s/m, that backward Euler adds to c near resonance.   omega : rad/s."""
     return case.oscillator.m * omega**2 * case.numerics.step_s
 
 

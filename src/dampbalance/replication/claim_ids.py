@@ -1,4 +1,4 @@
-"""The ids of claims, one per printed number, as in table2.F_k.1-5 or text.c_Xs_ls: made here, and taken apart here."""
+"""The ids of claims, one per printed number, such as table2.F_k.1-5 or text.c_Xs_ls: how they are built and parsed."""
 
 from __future__ import annotations
 
@@ -15,11 +15,6 @@ STATISTICS = {"least_squares": "ls", "mean": "mean", "std": "std"}
 """Kinds of estimates over all levels or pairs → how the id of such a number ends."""
 
 
-def of_parameter(name: str) -> str:
-    """A stated parameter: parameter.K_z."""
-    return f"parameter.{name}"
-
-
 def of_cell(table: str, symbol: str, line: str | int = "", approach: str = "") -> str:
     """A cell of Tables 1 to 3: table1.X_s.3, table2.F_k.1-5, table3.V_s.c.1-2; without the line, how a column begins.
 
@@ -29,12 +24,12 @@ def of_cell(table: str, symbol: str, line: str | int = "", approach: str = "") -
 
 
 def of_text(name: str) -> str:
-    """A number of the running text by its id in text_values.csv: text.phi_mean."""
+    """A number of the running text by its name: text.phi_mean."""
     return f"text.{name}"
 
 
 def statistic(symbol: str, approach: str, kind: str) -> str:
-    """Name of a statistic in text_values.csv: c_Xs_ls. kind : of STATISTICS."""
+    """The name of a statistic of the running text: c_Xs_ls.   kind : of STATISTICS."""
     return f"{symbol}_{short(approach)}_{STATISTICS[kind]}"
 
 

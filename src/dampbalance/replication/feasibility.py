@@ -1,4 +1,4 @@
-"""Whether a configuration can be simulated as it stands: what only the mechanics can tell, before anything runs."""
+"""Whether a configuration can be simulated: checks that need the mechanics, made before anything runs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MOST_SAMPLES = 5_000_000
 """Samples kept of all levels at one frequency, 0.5 GB of memory; the paper's case has 0.9 million at its lowest."""
 
 FEWEST_PER_CYCLE = 100
-"""Steps in a period below which no reversal and no slip onset can be told."""
+"""Steps in a period below which neither a reversal nor a slip onset is resolved."""
 
 MOST_GROWTH = 10.0
 """By how much a scheme may let an oscillation grow that the equations let decay."""

@@ -1,4 +1,4 @@
-"""What the integrals of Table 2 would have been with other schemes and coefficients than those the print points to.
+"""The integrals of Table 2 by other schemes and coefficients than those that the printed digits point to.
 
 If the numbers singled out backward Euler on rounded coefficients only because nothing else was tried, they would prove
 little. So everything else that one would have written is tried, too.

@@ -8,11 +8,9 @@ from dataclasses import replace
 
 import pytest
 
-from dampbalance.replication.claims import causes, read_published
-from dampbalance.replication.printed import Printed
-from paper.routes import CASE, PUBLISHED
+from dampbalance.replication.claims import causes
+from paper.routes import CASE, PRINT
 
-PRINT = read_published(PUBLISHED)
 LABELS = ["1-2", "2-3", "3-4", "4-5", "1-5"]
 
 
@@ -36,12 +34,10 @@ def test_backward_euler_adds_m_omega_squared_h():
 @pytest.mark.parametrize("level", ["1", "4"])
 def test_the_b_that_a_pair_implies_is_as_sharp_as_what_is_printed(level):
     """b = (W − a F_k)/c over all corners of the rounding of a, W, F_k and c, and half a unit of b itself."""
-    integrals, pairs = PRINT.table2_integrals.loc[level], PRINT.table2_pairs
-    b, a, W = (Printed(integrals[column]) for column in ("b_m2_per_s", "a_m", "W_J"))
+    b, a, W = (PRINT[f"table2.{symbol}.{level}"] for symbol in "baW")
     implied = causes._implied(PRINT, level, LABELS)
     for label, (value, slack) in zip(LABELS, implied, strict=True):
-        F_k = Printed(pairs["direct_F_k_N"][label])
-        c = Printed(pairs["direct_c_N_s_per_m"][label])
+        F_k, c = (PRINT[f"table2.{symbol}.{label}"] for symbol in ("F_k", "c"))
         corners = [
             (W.value + w * W.unit - (a.value + x * a.unit) * (F_k.value + f * F_k.unit))
             / (c.value + d * c.unit)
@@ -57,9 +53,8 @@ def test_the_b_that_a_pair_implies_is_as_sharp_as_what_is_printed(level):
     ("units", "said"), [(0, ""), (3, "It contradicts Table 2 itself: "), (-3, "It ")]
 )
 def test_a_printed_b_that_its_own_pairs_refute_is_a_contradiction(units, said):
-    frame = PRINT.table2_integrals.copy()
-    frame.loc["3", "b_m2_per_s"] = Printed(frame.loc["3", "b_m2_per_s"]).moved(units)
-    note, evidence = causes.implied_b(replace(PRINT, table2_integrals=frame), "3")
+    moved = PRINT.changed({"table2.b.3": PRINT["table2.b.3"].moved(units)})
+    note, evidence = causes.implied_b(moved, "3")
     assert note == ""
     assert evidence.startswith(said)
     assert bool(evidence) == bool(said)

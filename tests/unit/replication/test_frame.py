@@ -13,9 +13,9 @@ from scipy import stats
 from dampbalance.reading.conditioning import condition
 from dampbalance.reading.noisy import Reading
 from dampbalance.records.measurement import Channel, Measurement
-from dampbalance.replication.frame.findings import Findings, Foretold, findings
+from dampbalance.replication.frame.findings import Findings, Prediction, findings
 from dampbalance.replication.frame.line import GRAVITY, load_line
-from dampbalance.replication.frame.loops import Loop, friction_loop, shape
+from dampbalance.replication.frame.measured_loop import Loop, friction_loop, shape
 from dampbalance.replication.frame.pictures import loops as drawn_loops
 from dampbalance.replication.frame.prediction import Mass, predicted
 from unit.reading.stopping import Steady, Stopping, steady
@@ -149,7 +149,7 @@ def test_every_load_has_its_panels_with_letters_of_their_own(loads):
     t = np.linspace(0.0, 1.0, 9)
     loop = Loop(1.0, t, t, t, 0.0)
     rows = [{"record": f"{i} g", "F_k_N": 1.0} for i in range(loads)]
-    cycles = Foretold(t, t, t, t)
+    cycles = Prediction(t, t, t, t)
     figure = drawn_loops(Findings({"loads": rows}, (loop,) * loads, (cycles,) * loads))
     upper, lower = figure.axes[::2], figure.axes[1::2]
     letters = [axes.texts[0].get_text() for axes in (*upper, *lower)]

@@ -69,7 +69,7 @@ def test_the_numbers_are_those_that_were_recorded():
 @there
 @pytest.mark.slow
 def test_the_cycles_foretold_follow_those_identified_from():
-    for one in found().foretold:
+    for one in found().predictions:
         assert one.t.size == pytest.approx(5 * 250, abs=3)
         assert one.measured.shape == one.predicted.shape == one.repeated.shape == one.t.shape
         assert one.predicted[0] == one.measured[0]

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
+from dampbalance.replication.claim_verdicts import UNEXPLAINED
 from dampbalance.replication.claims.judging import Tolerance, explanation
-from dampbalance.replication.verdicts import UNEXPLAINED
 from paper.routes import claim
 
 

@@ -10,44 +10,34 @@ from dampbalance.replication.claims.statements import bound, change, truth
 
 
 @pytest.mark.parametrize(
-    ("value", "printed", "holds"),
+    ("word", "value", "printed", "holds"),
     [
-        (1.45, "1.4", False),  # the value is not below it
-        (1.45, "1.5", True),  # rounded
-        (1.46, "1.6", True),  # one unit looser
-        (1.46, "1.7", False),  # says too little
-        (1.44, "1.5", True),  # 1.4, one unit looser
-        (1.44, "1.6", False),
-        (1.53, "1.5", False),  # rounded, but not below it
-        (0.0794, "0.1", True),
-        (0.0794, "0.3", False),
-        (66.46, "70", False),  # "less than 70 %" of an error of 66 %
-        (math.nan, "1.5", False),
+        ("less than", 1.45, "1.4", False),  # the value is not below it
+        ("less than", 1.45, "1.5", True),  # rounded
+        ("less than", 1.46, "1.6", True),  # one unit looser
+        ("less than", 1.46, "1.7", False),  # says too little
+        ("less than", 1.44, "1.5", True),  # 1.4, one unit looser
+        ("less than", 1.44, "1.6", False),
+        ("less than", 1.53, "1.5", False),  # rounded, but not below it
+        ("less than", 0.0794, "0.1", True),
+        ("less than", 0.0794, "0.3", False),
+        ("less than", 66.46, "70", False),  # "less than 70 %" of an error of 66 %
+        ("less than", math.nan, "1.5", False),
+        ("more than", 66.46, "70", False),
+        ("more than", 66.46, "66", True),
+        ("more than", 66.46, "65", True),
+        ("more than", 66.46, "64", False),
+        ("more than", 66.54, "67", False),  # rounded, but not above it
+        ("more than", 77.25, "77", True),
+        ("more than", 77.25, "76", True),
+        ("more than", 77.25, "70", False),
+        ("more than", 77.25, "24", False),
     ],
 )
-def test_a_bound_from_above_is_the_rounded_value_or_one_unit_looser(value, printed, holds):
-    judged = bound("max", "largest error: less than", printed, {"as_published": value})
+def test_a_bound_is_the_rounded_value_or_one_unit_looser(word, value, printed, holds):
+    judged = bound("max", f"largest error: {word}", printed, {"as_published": value})
     assert judged.holds is holds
     assert ("It holds." in judged.how) == holds
-
-
-@pytest.mark.parametrize(
-    ("value", "printed", "holds"),
-    [
-        (66.46, "70", False),
-        (66.46, "66", True),
-        (66.46, "65", True),
-        (66.46, "64", False),
-        (66.54, "67", False),  # rounded, but not above it
-        (77.25, "77", True),
-        (77.25, "76", True),
-        (77.25, "70", False),
-        (77.25, "24", False),
-    ],
-)
-def test_a_bound_from_below_is_the_rounded_value_or_one_unit_looser(value, printed, holds):
-    judged = bound("max", "highest error: more than", printed, {"as_published": value})
-    assert judged.holds is holds
 
 
 def test_one_route_judges_every_statement():
@@ -64,7 +54,7 @@ def test_one_route_judges_every_statement():
 
 
 def test_a_bound_must_say_on_which_side_it_is():
-    with pytest.raises(ValueError, match=r"text_values\.csv: max: .*'less than' or 'more than'"):
+    with pytest.raises(ValueError, match=r"printed\.csv: max: .*'less than' or 'more than'"):
         bound("max", "largest error", "1.5", {"exact": 1.4})
 
 

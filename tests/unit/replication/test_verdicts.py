@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from dampbalance.replication.claim_ids import of_cell, of_text, part_of, statistic
-from dampbalance.replication.verdicts import VERDICTS, counts
+from dampbalance.replication.claim_verdicts import VERDICTS, counts
 
 
 def test_counts_per_part_and_of_all():

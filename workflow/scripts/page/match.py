@@ -3,7 +3,7 @@
 from dampbalance.project.files import read_csv, write_text
 from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.page.match import match_picture
-from dampbalance.replication.verdicts import counts
+from dampbalance.replication.claim_verdicts import counts
 
 if __name__ == "__main__":
     brief_troubles()

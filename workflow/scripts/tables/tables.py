@@ -2,38 +2,11 @@
 
 from dampbalance.features import Features
 from dampbalance.project.case import Case
-from dampbalance.project.files import read_csv, read_routes, write_csv, write_text
+from dampbalance.project.files import ROUTES, read_csv, read_routes, write_csv, write_text
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.replication import comparison, tables
-
-TITLES = {
-    "table1": "Table 1: amplitudes, slip onset and phase",
-    "table2": "Table 2: energy integrals and estimates by direct integration",
-    "table3": "Table 3: estimates of the harmonic approaches, phase and slip time common to all levels",
-    "approaches": "Errors of F_k and c by every approach, phase and frequency",
-    "statistics": "Least squares, and mean and standard deviation of the pairs",
-}
-
-
-def at_frequency(features, estimates, frequency, claims):
-    """The paper's tables: features and estimates are route → frequency → table."""
-    features, estimates = (
-        {route: tables_of[frequency] for route, tables_of in routes.items()}
-        for routes in (features, estimates)
-    )
-    return {
-        "table1": tables.table1(features, claims),
-        "table2": tables.table2(features, estimates, claims),
-        "table3": tables.table3(estimates, claims),
-        "statistics": tables.statistics(estimates, claims),
-    }
-
-
-def compare(features, case):
-    """Every approach at every frequency, from the exact features."""
-    exact = {frequency: Features.from_frame(frame) for frequency, frame in features.items()}
-    return comparison.approaches_table(exact, case)
-
+from dampbalance.replication.comparison import approaches_markdown, approaches_table
+from dampbalance.replication.printed_tables import TITLES, markdown, paper_tables
+from dampbalance.replication.route_tables import RouteTables
 
 if __name__ == "__main__":
     brief_troubles()
@@ -42,14 +15,16 @@ if __name__ == "__main__":
     features, estimates = (
         read_routes(folder, kind, case.frequencies_hz) for kind in ("features", "estimates")
     )
+    routes = {route: RouteTables(features[route], estimates[route]) for route in ROUTES}
     printed = read_csv(claims) if claims else None
     for frequency, hz in case.frequencies_hz.items():
-        for name, table in at_frequency(features, estimates, frequency, printed).items():
+        for name, table in paper_tables(routes, frequency, printed).items():
             path = f"{folder}/tables/{name}{case.suffix(frequency)}"
             write_csv(f"{path}.csv", table)
-            write_text(f"{path}.md", tables.markdown(table, f"{TITLES[name]}, {hz:g} Hz"))
+            write_text(f"{path}.md", markdown(table, f"{TITLES[name]}, {hz:g} Hz"))
         printed = None  # the paper prints the first frequency only
-    everywhere = compare(features["exact"], case)
+    exact = {name: Features.from_frame(frame) for name, frame in features["exact"].items()}
+    everywhere = approaches_table(exact, case)
     path = f"{folder}/tables/approaches"
     write_csv(f"{path}.csv", everywhere)
-    write_text(f"{path}.md", comparison.approaches_markdown(everywhere, TITLES["approaches"]))
+    write_text(f"{path}.md", approaches_markdown(everywhere, TITLES["approaches"]))

@@ -23,8 +23,8 @@ from ...project.case import Case
 from ...replication import comparison
 from ...replication.as_published import added_damping, coefficients
 from ...replication.claim_ids import of_cell
-from ...replication.tables import TABLE_2
-from ...replication.verdicts import counts
+from ...replication.claim_verdicts import counts
+from ...replication.printed_tables import TABLE_2
 from ...solver import Pair
 from . import recipe
 
@@ -143,7 +143,7 @@ def integral_deviations(
         (schemes["scheme"] == "backward-euler") & (schemes["coefficients"] == "exact")
     ]
     deviations: Json = {}
-    for name, _, _, column, _ in TABLE_2:
+    for name, _, column, _ in TABLE_2:
         exact, rebuilt = (features[route][frequency][column] for route in ("exact", "as_published"))
         printed = _printed(claims, name)
         from_rebuilt = np.abs(printed / rebuilt.to_numpy() - 1.0)

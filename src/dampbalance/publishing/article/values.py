@@ -8,8 +8,8 @@ from typing import Any
 
 from ...balance import TERMS
 from ...replication.claim_ids import PARTS
+from ...replication.claim_verdicts import VERDICTS
 from ...replication.comparison import WAY, WAYS
-from ...replication.verdicts import VERDICTS
 from . import recipe, tabulated
 from .book import Book
 from .noise import noise

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import pandas as pd
 
 from ...project.wording import minus, number, unit_of
-from ...replication import tables
-from ...replication.verdicts import ROUTE_NAMES, VERDICTS, Verdict
+from ...replication import printed_tables
+from ...replication.claim_verdicts import ROUTE_NAMES, VERDICTS, ClaimVerdict
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +17,7 @@ class Cell:
     """One number: as text, and for a printed one its verdict and the claim that gives the reason."""
 
     text: str
-    verdict: Verdict | None = None
+    verdict: ClaimVerdict | None = None
     claim: str = ""
 
 
@@ -49,7 +49,7 @@ def subtables(
 ) -> tuple[Subtable, ...]:
     """The table as the paper lays it out, a line per route, in parts whose rows share their quantities.
 
-    table : a frame of `tables.COLUMNS`, `printed` as text.   name : table1, table2, table3 or statistics.
+    table : a frame of `printed_tables.COLUMNS`, `printed` as text.   name : table1, table2, table3 or statistics.
     claims : id → row of the table of claims, from which the printed cells take their digits on the way, {} for none.
     """
     places = {row: place for place, row in enumerate(dict.fromkeys(table["row"]), start=1)}
@@ -61,7 +61,7 @@ def subtables(
                 for row, cells in block.groupby("row", sort=False)
             ),
         )
-        for quantities, block in tables.blocks(table)
+        for quantities, block in printed_tables.blocks(table)
     )
 
 
@@ -71,7 +71,9 @@ def _lines(
     """The printed line, if there is one, and a line per route."""
     records = cells.to_dict("records")
     label = str(records[0]["row"])
-    ids = [tables.claim_of(name, label, place, str(record["quantity"])) for record in records]
+    ids = [
+        printed_tables.claim_of(name, label, place, str(record["quantity"])) for record in records
+    ]
     printed = tuple(
         Cell(minus(record["printed"]), VERDICTS[record["verdict"]], claim)
         if record["printed"]
@@ -79,7 +81,7 @@ def _lines(
         for record, claim in zip(records, ids, strict=True)
     )
     lines = [Line(label, "printed", printed)] if any(cell.text for cell in printed) else []
-    for route in tables.SHOWN_ROUTES:
+    for route in printed_tables.SHOWN_ROUTES:
         texts = (
             claims.get(claim, {}).get(route, "") or number(float(record[route]))
             for record, claim in zip(records, ids, strict=True)

@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from ...balance import APPROACHES
 from ...figures.looks import SPARE, Look, look_of
-from ...replication.verdicts import VERDICTS
+from ...replication.claim_verdicts import VERDICTS
 
 Mode = Literal["light", "dark"]
 

@@ -50,7 +50,7 @@ ORIGINS = {
         "F_k and c by every approach",
         "{case}/estimates ← estimates/estimate_exact ← balance.py solver.py",
     ),
-    "tables": _origin("Tables", "{case}/tables ← tables/tables ← replication/tables.py"),
+    "tables": _origin("Tables", "{case}/tables ← tables/tables ← replication/printed_tables.py"),
     "digits": _origin(
         "How the printed digits arose",
         "{case}/figures/numerics.svg ← article/article_figure ← figures/numerics.py motion/fixed_step.py",

@@ -25,8 +25,7 @@ from ...motion.orbit import Orbit
 from ...project.case import Case
 from ...project.wording import MINUS, NONE, frequency_name, minus, percent, unit_of
 from ...replication.claim_ids import PARTS, part_of
-from ...replication.tables import TITLES
-from ...replication.verdicts import (
+from ...replication.claim_verdicts import (
     DIFFERS,
     HOLDING,
     KINDS,
@@ -37,6 +36,7 @@ from ...replication.verdicts import (
     Count,
     counts,
 )
+from ...replication.printed_tables import TITLES
 from ...studies.settings import Study
 from ...studies.shown.facts import paragraph
 from . import words

@@ -3,11 +3,11 @@
 `claims_table` judges; `check` compares with the verdicts on record. Only this package reads `paper/published/`.
 """
 
-from .cells import check as check_cells
-from .inputs import FREQUENCIES as PRINTED_FREQUENCIES
-from .inputs import LEVELS as PRINTED_LEVELS
-from .inputs import RouteTables
+from ..route_tables import RouteTables
+from .published import FREQUENCIES as PRINTED_FREQUENCIES
+from .published import LEVELS as PRINTED_LEVELS
 from .published import Published, read_published
+from .rules import check_printed
 from .table import WORSE, check, claims_markdown, claims_table, read_claims, read_record, summary
 
 __all__ = [
@@ -17,7 +17,7 @@ __all__ = [
     "Published",
     "RouteTables",
     "check",
-    "check_cells",
+    "check_printed",
     "claims_markdown",
     "claims_table",
     "read_claims",

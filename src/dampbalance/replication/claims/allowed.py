@@ -1,4 +1,4 @@
-"""What the paper's tables allow: an estimate of Table 2 or 3 from all the other printed numbers that bear on it.
+"""The range that the other printed numbers leave for a number of Tables 2 and 3.
 
 The estimates were computed from inputs with more digits than are printed. Every printed number, input or estimate,
 stands for a range one unit of its last digit wide, and through (8), (16), (18), (19) the estimates are functions of the
@@ -9,9 +9,9 @@ inputs:
                of Table 1, and the φ and t_s that the text states                      one φ and one t_s
 
 Linear programs give the least and the greatest value of a number over all inputs that keep every other one within its
-range. The functions are made linear where they come closest to print; over a unit of print what is left is below a
-hundredth of a unit. Table 3 is taken as computed, with the slip of sign in its V_s columns; that print alone tells the
-sign rests on the premise that all its columns share X and φ (`misfits`).
+range. The functions are made linear where they come closest to print; over a unit of print the error of this is below
+a hundredth of a unit. Table 3 is taken as computed, with the slip of sign in its V_s columns; the printed numbers alone
+determine the sign only if all its columns share X and φ (`misfits`).
 """
 
 from __future__ import annotations
@@ -27,61 +27,58 @@ from ...features import of_numbers
 from ...project.case import Case
 from ...solver import solve
 from ..as_published import APPROACHES_OF_TABLE_3
+from ..claim_ids import of_text
 from ..printed import Printed
-from ..tables import PRINTED_APPROACHES, TABLE_2, UNKNOWNS
-from .inputs import CORRECTED, PAIR_LABELS, PAIRS
+from ..printed_tables import TABLE_2, UNKNOWNS
+from ..route_tables import HARMONIC
+from .inputs import CORRECTED
 from .judging import Range
-from .published import Published, numbers
+from .published import LEVELS, PAIRS, Published, column_ids
+
+_ESTIMATES = tuple(q.symbol for q in UNKNOWNS)
 
 
 class _Table(NamedTuple):
-    """Printed numbers, the inputs first; how many inputs; and the function from sets of these, (inputs, m), to all."""
+    """Numbers of print and how they follow from the inputs among them.
 
-    printed: list[Printed]
+    printed : by id, the inputs first.
+    inputs : how many of them are inputs.
+    of_inputs : the function from m sets of inputs, shape (inputs, m), to all numbers.
+    """
+
+    printed: Mapping[str, Printed]
     inputs: int
     of_inputs: Callable[[Array], Array]
 
     @property
     def print_(self) -> Array:
         """The printed numbers."""
-        return np.array([number.value for number in self.printed])
+        return np.array([number.value for number in self.printed.values()])
 
     @property
     def unit(self) -> Array:
         """A unit of the last digit of each."""
-        return np.array([number.unit for number in self.printed])
+        return np.array([number.unit for number in self.printed.values()])
 
 
-def by_table_2(
-    published: Published,
-) -> tuple[dict[tuple[str, str], Range | None], dict[int, Range | None]]:
-    """What Table 2 allows: F_k and c by label and symbol, N, N s/m, and b by level counted from 1, m²/s.
+def by_table_2(published: Published) -> dict[str, Range | None]:
+    """The ranges that Table 2 allows for b of each level, m²/s, and F_k, N, and c, N s/m, of each pair, by id.
 
     None: no value agrees with all other printed numbers.
     """
-    table, levels = _table_2(published), len(published.table2_integrals)
-    pairs = [(label, q.symbol) for q in UNKNOWNS for label in PAIR_LABELS]
-    of_b = range(levels, 2 * levels)
-    ranges = _ranges(table, [*of_b, *range(table.inputs, len(table.printed))])
-    return dict(zip(pairs, ranges[levels:], strict=True)), dict(enumerate(ranges[:levels], 1))
+    wanted = [claim for symbol in ("b", *_ESTIMATES) for claim in column_ids("table2", symbol)]
+    return _ranges(_table_2(published), wanted)
 
 
-def by_table_3(published: Published, case: Case) -> dict[tuple[str, str, str], Range | None]:
-    """What Table 3 allows, with Table 1: F_k and c by approach, label and symbol, N, N s/m; None as in `by_table_2`.
+def by_table_3(published: Published, case: Case) -> dict[str, Range | None]:
+    """The ranges that Tables 1 and 3 allow for F_k, N, and c, N s/m, of each pair, by id; None as in `by_table_2`.
 
     Empty where every number agrees with all others, which is seen at once.   case : for ω1 and k.
     """
     table = _table_3(published, case, _as_computed())
     if _misfit(table) <= 0.5:
         return {}
-    pairs = [
-        (approach, label, q.symbol)
-        for approach in PRINTED_APPROACHES[1:]
-        for q in UNKNOWNS
-        for label in PAIR_LABELS
-    ]
-    ranges = _ranges(table, range(table.inputs, len(table.printed)))
-    return dict(zip(pairs, ranges, strict=True))
+    return _ranges(table, list(table.printed)[table.inputs :])
 
 
 def misfits(published: Published, case: Case) -> dict[str, float]:
@@ -98,31 +95,30 @@ def misfits(published: Published, case: Case) -> dict[str, float]:
 
 def _as_computed() -> dict[str, Approach]:
     """The rows behind the columns of Table 3, by approach."""
-    return {name: APPROACHES_OF_TABLE_3[name] for name in PRINTED_APPROACHES[1:]}
+    return {name: APPROACHES_OF_TABLE_3[name] for name in HARMONIC}
 
 
 def _table_2(published: Published) -> _Table:
-    frame, pairs = published.table2_integrals, published.table2_pairs
-    inputs = [str(text) for q in TABLE_2 for text in frame[q.column]]
-    estimates = [str(pairs[f"direct_{q.column}"][label]) for q in UNKNOWNS for label in PAIR_LABELS]
+    symbols = (*(q.symbol for q in TABLE_2), *_ESTIMATES)
+    ids = [claim for symbol in symbols for claim in column_ids("table2", symbol)]
 
     def of_inputs(values: Array) -> Array:
         a, b, W = values.reshape(3, -1, values.shape[1])
         return np.vstack([values, _estimates(Rows({"F_k": a, "c": b}, W))])
 
-    return _Table([Printed(text) for text in [*inputs, *estimates]], len(inputs), of_inputs)
+    return _Table({claim: published[claim] for claim in ids}, len(TABLE_2) * LEVELS, of_inputs)
 
 
 def _table_3(published: Published, case: Case, approaches: Mapping[str, Approach]) -> _Table:
-    frame, text, pairs = published.table1, published.text_values["printed"], published.table3
-    columns = [str(cell) for name in ("X_m", "X_s_m", "V_s_m_per_s") for cell in frame[name]]
+    inputs = [claim for symbol in ("X", "X_s", "V_s") for claim in column_ids("table1", symbol)]
+    inputs += [of_text("phi_mean"), of_text("t_s_mean")]
     estimates = [
-        str(pairs[f"{approach}_{q.column}"][label])
+        claim
         for approach in approaches
-        for q in UNKNOWNS
-        for label in PAIR_LABELS
+        for symbol in _ESTIMATES
+        for claim in column_ids("table3", symbol, approach)
     ]
-    Y = numbers(frame, "Y_m")[:, None]
+    Y = published.column("table1", "Y")[:, None]
 
     def of_inputs(values: Array) -> Array:
         X, X_s, V_s = values[:-2].reshape(3, len(Y), -1)
@@ -140,8 +136,8 @@ def _table_3(published: Published, case: Case, approaches: Mapping[str, Approach
         rows = [approach(features, case.oscillator.k) for approach in approaches.values()]
         return np.vstack([values, *map(_estimates, rows)])
 
-    inputs = [*columns, str(text["phi_mean"]), str(text["t_s_mean"])]
-    return _Table([Printed(cell) for cell in [*inputs, *estimates]], len(inputs), of_inputs)
+    printed = {claim: published[claim] for claim in [*inputs, *estimates]}
+    return _Table(printed, len(inputs), of_inputs)
 
 
 def _estimates(rows: Rows) -> Array:
@@ -150,15 +146,16 @@ def _estimates(rows: Rows) -> Array:
     return np.vstack([estimate[q.symbol] for q in UNKNOWNS])
 
 
-def _ranges(table: _Table, wanted: Sequence[int]) -> list[Range | None]:
-    """What all other printed numbers allow for each one wanted, by its place."""
-    print_, unit = table.print_, table.unit
+def _ranges(table: _Table, wanted: Sequence[str]) -> dict[str, Range | None]:
+    """The range that all other printed numbers leave for each wanted one, by id."""
     off, slopes = _linear(table, _closest(table))
-    ends = [_ends(off, slopes, place) for place in wanted]
-    return [
-        one and (print_[place] + unit[place] * one[0], print_[place] + unit[place] * one[1])
-        for place, one in zip(wanted, ends, strict=True)
-    ]
+    places = {claim: place for place, claim in enumerate(table.printed)}
+    ranges: dict[str, Range | None] = {}
+    for claim in wanted:
+        number, ends = table.printed[claim], _ends(off, slopes, places[claim])
+        value, unit = number.value, number.unit
+        ranges[claim] = ends and (value + unit * ends[0], value + unit * ends[1])
+    return ranges
 
 
 def _misfit(table: _Table) -> float:
@@ -184,15 +181,15 @@ def _closest(table: _Table) -> Array:
     for _ in range(2):
         off, slopes = _linear(table, inputs)
         ones = np.ones((len(off), 1))  # the last unknown: by how many units the furthest is off
-        found = linprog(
+        program = linprog(
             np.append(np.zeros(table.inputs), 1.0),
             A_ub=np.vstack([np.hstack([slopes, -ones]), np.hstack([-slopes, -ones])]),
             b_ub=np.concatenate([-off, off]),
             bounds=(None, None),
             method="highs",
         )
-        if found.x is not None:
-            inputs = inputs + table.unit[: table.inputs] * found.x[:-1]
+        if program.x is not None:
+            inputs = inputs + table.unit[: table.inputs] * program.x[:-1]
     return inputs
 
 
@@ -203,14 +200,14 @@ def _ends(off: Array, slopes: Array, place: int) -> Range | None:
     others, room = np.delete(slopes, place, axis=0), np.delete(off, place)
     ends = []
     for sign in (1.0, -1.0):
-        found = linprog(
+        program = linprog(
             sign * slopes[place],
             A_ub=np.vstack([others, -others]),
             b_ub=np.concatenate([0.5 - room, 0.5 + room]),
             bounds=(None, None),
             method="highs",
         )
-        if found.status != 0 or found.x is None:
+        if program.status != 0 or program.x is None:
             return None
-        ends.append(float(off[place] + slopes[place] @ found.x))
+        ends.append(float(off[place] + slopes[place] @ program.x))
     return ends[0], ends[1]

@@ -1,4 +1,4 @@
-"""What makes a computed number miss the printed one: a sentence each, computed from the run, or nothing.
+"""Why a computed number misses the printed one: for each cause a sentence, computed from the run, or nothing.
 
 No sentence is taken for granted: a condition on the numbers of the run decides whether it is written.
 """
@@ -14,12 +14,13 @@ from ...balance import Rows
 from ...project.case import Case
 from ...solver import pair
 from ..as_published import added_damping
+from ..claim_ids import of_cell
 from ..printed import Printed
-from ..tables import TABLE_2
+from ..printed_tables import TABLE_2
 from .checksums import agrees
-from .inputs import PAIR_LABELS, PAIRS, Sources
+from .inputs import Sources
 from .judging import Range
-from .published import Published, row
+from .published import PAIR_LABELS, PAIRS, Published, Row
 from .tolerances import TIME_UNIT_S, VELOCITY_MARK
 
 
@@ -50,14 +51,14 @@ def backward_euler(case: Case, values: Mapping[str, float]) -> str:
 
 
 def implied_b(published: Published, level: str) -> tuple[str, str]:
-    """What the printed pairs say of a printed b, by b = (W − a F_k)/c: (a note on it, a contradiction), "" for none.
+    """Compare a printed b with b = (W − a F_k)/c of the printed pairs: (a note on it, a contradiction), "" for none.
 
-    The pairs of the level itself tell whether b is printed as it was used; if not, that is a contradiction. The other
-    pairs tell which b this level should have had.
+    The pairs with this level show whether b is printed as it was used; if not, that is a contradiction. The other pairs
+    show which b this level should have had.
     """
-    b = Printed(published.table2_integrals["b_m2_per_s"][level])
-    own = [label for label in published.table2_pairs.index if level in label.split("-")]
-    other = [label for label in published.table2_pairs.index if level not in label.split("-")]
+    b = published[of_cell("table2", "b", level)]
+    own = [label for label in PAIR_LABELS if level in label.split("-")]
+    other = [label for label in PAIR_LABELS if level not in label.split("-")]
     used = _implied(published, level, own)
     wanted = _implied(published, level, other)
     names = " and ".join(own)
@@ -74,12 +75,10 @@ def implied_b(published: Published, level: str) -> tuple[str, str]:
 
 def _implied(published: Published, level: str, labels: list[str]) -> list[tuple[float, float]]:
     """b from the printed a and W of a level and the printed F_k and c of pairs, with how far rounding can move it."""
-    integrals = row(published.table2_integrals, level)
-    b, a, W = (Printed(integrals[column]) for column in ("b_m2_per_s", "a_m", "W_J"))
+    b, a, W = (published[of_cell("table2", symbol, level)] for symbol in ("b", "a", "W"))
     implied = []
     for label in labels:
-        F_k = Printed(published.table2_pairs["direct_F_k_N"][label])
-        c = Printed(published.table2_pairs["direct_c_N_s_per_m"][label])
+        F_k, c = (published[of_cell("table2", symbol, label)] for symbol in ("F_k", "c"))
         rounding = a.value * F_k.unit + F_k.value * a.unit + b.value * c.unit + W.unit
         implied.append(
             ((W.value - a.value * F_k.value) / c.value, 0.5 * (b.unit + rounding / c.value))
@@ -144,7 +143,7 @@ def sign(values: Mapping[str, float], correct: float, unit: str, premise: str) -
     """Table 3: the slip of sign in the V_s columns, "" elsewhere.
 
     correct : the as-published pair by the row that (19) states; in the V_s columns values["as_published"] has the slip.
-    premise : under which print alone tells the sign, a sentence.
+    premise : under which the printed numbers alone determine the sign, a sentence.
     """
     if math.isnan(correct) or values["as_published"] == correct:
         return ""
@@ -170,18 +169,12 @@ def starting_sample(case: Case, place: int) -> str:
     return f"Begun {samples} after slip is seen, in the cycle that starts in period {case.numerics.cycles - 2}."
 
 
-def other_b(
-    sources: Sources,
-    of_print: Mapping[int, Range | None],
-    label: str,
-    symbol: str,
-    printed: str,
-) -> str:
+def other_b(sources: Sources, of_print: Mapping[str, Range | None], row: Row) -> str:
     """A pair of which a printed b is not the simulated one: the pair with the b that print needs, if that explains it.
 
-    of_print : the range of b that the printed Table 2 allows, by level.   symbol : of the estimate, F_k or c.
+    of_print : what the printed Table 2 allows, `allowed.by_table_2`.   row : of the pair.
     """
-    i, j = PAIRS[PAIR_LABELS.index(label)]
+    i, j = PAIRS[PAIR_LABELS.index(row.line)]
     a, b, W = (
         np.array([sources.as_published.feature(q.column, level + 1) for level in (i, j)])
         for q in TABLE_2
@@ -190,8 +183,8 @@ def other_b(
         return ""
     notes = []
     for place, level in enumerate((i, j)):
-        used = of_print.get(level + 1)
-        text = Printed(sources.published.table2_integrals["b_m2_per_s"][str(level + 1)])
+        cell = of_cell("table2", "b", level + 1)
+        used, text = of_print.get(cell), sources.published[cell]
         if used is None or abs(b[place] / text.unit - text.value / text.unit) <= 0.5:
             continue
         simulated, b[place] = float(b[place]), 0.5 * (used[0] + used[1])
@@ -201,10 +194,8 @@ def other_b(
         )
     if not notes:
         return ""
-    value = float(pair(Rows({"F_k": a, "c": b}, W), 0, 1)[symbol])
-    return (
-        f"With {' and '.join(notes)}, the as-published pair is {Printed(printed).show(value, 2)}."
-    )
+    value = float(pair(Rows({"F_k": a, "c": b}, W), 0, 1)[row.symbol])
+    return f"With {' and '.join(notes)}, the as-published pair is {Printed(row.printed).show(value, 2)}."
 
 
 def outside(allowed: Range | None, printed: str, table: str) -> str:

@@ -9,38 +9,43 @@ restores every one of the printed results, that cell is refuted by the paper its
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Mapping
 from typing import Literal
 
 from ...balance import APPROACHES
 from ...project.case import Case
 from ...solver import least_squares
-from ..claim_ids import statistic
+from ..claim_ids import of_text, statistic
 from ..printed import Printed
-from ..tables import RESIDUAL, UNKNOWNS
+from ..printed_tables import RESIDUAL, TABLE_1, TABLE_2, UNKNOWNS, Quantity
+from ..route_tables import HARMONIC
 from .from_print import printed_features
-from .inputs import HARMONIC
-from .published import Published
+from .published import Published, column_ids
 
-Table = Literal["table1", "table2_integrals"]
-TABLES: dict[Table, tuple[str, ...]] = {"table1": HARMONIC, "table2_integrals": ("direct",)}
-"""The tables and the approaches whose least squares start from them."""
+Table = Literal["table1", "table2"]
+TABLES: dict[Table, tuple[tuple[str, ...], tuple[Quantity, ...]]] = {
+    "table1": (HARMONIC, TABLE_1),
+    "table2": (("direct",), TABLE_2),
+}
+"""Per table the approaches whose least squares start from it, and the columns from which they do."""
 
 _OTHER_DIGITS = [sign * step for step in range(1, 10) for sign in (1, -1)]
 
 
-def refuted(published: Published, case: Case, table: Table) -> Mapping[tuple[str, str], str]:
-    """The cells of a table that the printed least squares refute, by column and level, with a sentence on each.
+def refuted(published: Published, case: Case, table: Table) -> Mapping[str, str]:
+    """The cells of a table that the printed least squares refute: by the id of each, a sentence.
 
     Only ω, k and the equations come from outside the print.
     """
-    approaches = TABLES[table]
+    approaches, quantities = TABLES[table]
     if _restored(published, case, approaches):
         return {}
+    cells = (cell for q in quantities for cell in column_ids(table, q.symbol))
+    digits = ((cell, _right_digits(published, case, cell, approaches)) for cell in cells)
     return {
-        (column, level): sentence
-        for column, level, sentence in _culprits(published, case, table, approaches)
+        cell: f"The least squares that the paper prints come out with {other} here, not as printed."
+        for cell, other in digits
+        if other
     }
 
 
@@ -58,24 +63,14 @@ def _restored(published: Published, case: Case, approaches: Iterable[str]) -> bo
         estimate = least_squares(APPROACHES[approach](features, case.oscillator.k))
         for symbol in [*(q.symbol for q in UNKNOWNS), RESIDUAL.symbol]:
             value = estimate.residual if symbol == RESIDUAL.symbol else estimate[symbol]
-            name = statistic(symbol, approach, "least_squares")
-            if not agrees(float(value), published.text_values["printed"][name]):
+            printed = published[of_text(statistic(symbol, approach, "least_squares"))]
+            if not agrees(float(value), printed.text):
                 return False
     return True
 
 
-def _culprits(
-    published: Published, case: Case, table: Table, approaches: tuple[str, ...]
-) -> Iterator[tuple[str, str, str]]:
-    """Every cell of the table that, with another last digit, restores all printed results."""
-    frame = getattr(published, table)
-    for column in frame.columns.drop("Y_m"):
-        for level in frame.index:
-            for step in _OTHER_DIGITS:
-                other = Printed(frame[column][level]).moved(step)
-                changed = frame.copy()
-                changed.loc[level, column] = other
-                if _restored(replace(published, **{table: changed}), case, approaches):
-                    sentence = f"The least squares that the paper prints come out with {other} here, not as printed."
-                    yield column, level, sentence
-                    break
+def _right_digits(published: Published, case: Case, cell: str, approaches: tuple[str, ...]) -> str:
+    """The text of a cell with the other last digit that restores all printed results; "" for none."""
+    others = (published[cell].moved(step) for step in _OTHER_DIGITS)
+    restoring = (o for o in others if _restored(published.changed({cell: o}), case, approaches))
+    return next(restoring, "")

@@ -13,10 +13,10 @@ from ...estimates import estimate_table
 from ...features import COLUMNS, Features, of_numbers
 from ...project.case import Case
 from ...solver import Statistics, mean_and_deviation
-from ..printed import Printed
-from ..tables import TABLE_2, UNKNOWNS
-from .inputs import HARMONIC, PAIR_LABELS, PAIRS, RouteTables
-from .published import Published, numbers
+from ..claim_ids import of_text
+from ..printed_tables import COLUMN_OF, TABLE_1, TABLE_2
+from ..route_tables import RouteTables
+from .published import LEVELS, PAIRS, Published
 
 
 def printed_features(published: Published, omega: float) -> Features:
@@ -24,10 +24,10 @@ def printed_features(published: Published, omega: float) -> Features:
 
     omega : drive frequency, rad/s.
     """
-    table1, integrals = published.table1, published.table2_integrals
-    arrays = {column: numbers(table1, column) for column in table1.columns}
-    arrays |= {q.column: numbers(integrals, q.column) for q in TABLE_2}
-    missing = np.full(len(table1), np.nan)
+    arrays = {"Y_m": published.column("table1", "Y")}
+    for table, quantities in (("table1", TABLE_1), ("table2", TABLE_2)):
+        arrays |= {q.column: published.column(table, q.symbol) for q in quantities}
+    missing = np.full(LEVELS, np.nan)
     features = {name: arrays.get(column, missing) for name, column in COLUMNS.items()}
     return of_numbers(omega, "as printed", **features)
 
@@ -39,8 +39,7 @@ def from_print(published: Published, case: Case) -> RouteTables:
     """
     features = printed_features(published, case.omega("omega1"))
     common = features.replaced(
-        phi=Printed(published.text_values["printed"]["phi_mean"]).value,
-        t_s=Printed(published.text_values["printed"]["t_s_mean"]).value,
+        phi=published[of_text("phi_mean")].value, t_s=published[of_text("t_s_mean")].value
     )
     estimates = estimate_table(features, case.oscillator.k, PAIRS, common=common)
     return RouteTables({"omega1": features.to_frame()}, {"omega1": estimates})
@@ -48,23 +47,19 @@ def from_print(published: Published, case: Case) -> RouteTables:
 
 def printed_pair_statistics(published: Published) -> Statistics:
     """Mean and standard deviation (n − 1) of the five pairs that Table 2 prints."""
-    F_k = numbers(published.table2_pairs, "direct_F_k_N")
-    c = numbers(published.table2_pairs, "direct_c_N_s_per_m")
+    F_k, c = (published.column("table2", symbol) for symbol in ("F_k", "c"))
     return mean_and_deviation([{"F_k": p, "c": q} for p, q in zip(F_k, c, strict=True)])
 
 
 def printed_estimates(published: Published) -> RouteTables:
     """The printed pairs of Tables 2 and 3 as a table of estimates, to ask it for its largest errors."""
-    records = []
-    for approach, phase, table in (
-        ("direct", "individual", published.table2_pairs),
-        *((name, "common", published.table3) for name in HARMONIC),
-    ):
-        for label in PAIR_LABELS:
-            estimate = {
-                q.column: Printed(table[f"{approach}_{q.column}"][label]).value for q in UNKNOWNS
-            }
-            records.append(
-                {"approach": approach, "kind": "pair", "phase": phase, "pair": label} | estimate
-            )
-    return RouteTables({}, {"omega1": pd.DataFrame.from_records(records)})
+    pairs: dict[tuple[str, str], dict[str, float]] = {}
+    for row in published.rows.values():
+        if row.rule in ("direct pair", "harmonic pair"):
+            pair = pairs.setdefault((row.approach, row.line), {})
+            pair[COLUMN_OF[row.symbol]] = published[row.id].value
+    frame = pd.DataFrame.from_records(
+        [{"approach": name, "pair": label, **pair} for (name, label), pair in pairs.items()]
+    )
+    phase = np.where(frame["approach"] == "direct", "individual", "common")
+    return RouteTables({}, {"omega1": frame.assign(kind="pair", phase=phase)})

@@ -11,16 +11,16 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ..printed import Printed
-from ..verdicts import (
+from ..claim_verdicts import (
     DIFFERS,
     LAST_DIGIT,
     RECONSTRUCTED,
     REPRODUCED,
     ROUTE_NAMES,
+    ClaimVerdict,
     Kind,
-    Verdict,
 )
+from ..printed import Printed
 
 Range = tuple[float, float]
 
@@ -44,7 +44,7 @@ class Tolerance:
     low: float
     high: float
     reason: str
-    verdict: Verdict
+    verdict: ClaimVerdict
 
     def holds(self, value: float) -> bool:
         """Whether the number lies in the range."""
@@ -144,7 +144,7 @@ class Claim:
         )
 
 
-def verdict(claim: Claim) -> Verdict:
+def verdict(claim: Claim) -> ClaimVerdict:
     """The best verdict that the claim earns."""
     if claim.contradiction or claim.route not in claim.routes:
         return DIFFERS

@@ -2,167 +2,115 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 from ..as_published import SLIPPING_SAMPLE
-from ..claim_ids import of_cell
-from ..tables import PRINTED_APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
+from ..printed_tables import COLUMN_OF
 from . import causes
 from .allowed import by_table_2, by_table_3, misfits
 from .checksums import refuted
-from .inputs import CORRECTED, PAIR_LABELS, Sources
-from .judging import HALF, WRITTEN, Claim, Tolerance
+from .inputs import CORRECTED, Sources
+from .judging import WRITTEN, Claim
+from .published import Row
 from .reading_rules import rules_at_work
 from .tolerances import phase_read, propagated, simulated, velocity_read
 
 
-def levels(sources: Sources) -> Iterator[Claim]:
-    """The first column of Tables 1 and 2: the amplitudes Y, which the configuration must hold."""
-    tables = {1: sources.published.table1, 2: sources.published.table2_integrals}
-    for number, table in tables.items():
-        held = dict(zip(table.index, sources.case.levels_m, strict=True))
-        for level, printed in table["Y_m"].items():
-            yield Claim(
-                id=of_cell(f"table{number}", "Y", str(level)),
-                where=f"Table {number}, level {level}",
-                quantity="Y: amplitude of the base",
-                unit="m",
-                printed=printed,
-                values={"exact": held[level]},
-                kind="given",
-                holds=causes.same(held[level], printed),
-                cause=causes.held(held[level], printed),
-            )
-
-
-def table1(sources: Sources) -> Iterator[Claim]:
+def read_outs(sources: Sources, rows: Sequence[Row]) -> Iterator[Claim]:
     """Table 1: the read-outs of the five levels. X and X_s are rounded, φ and V_s read off plots, t_s is cut off."""
-    printed_table = sources.published.table1
     refutations = refuted(sources.published, sources.case, "table1")
-    omega, step = sources.case.omega("omega1"), sources.case.numerics.step_s
-    for level, q in itertools.product(printed_table.index, TABLE_1):
-        printed = printed_table[q.column][level]
-        values = sources.features(q.column, int(level))
-        route, reach, cause = "as_published", math.nan, ""
-        tolerances: tuple[Tolerance, ...] = ()
-        apart: tuple[str, ...] = ()
-        if q.symbol == "phi":
-            tolerances = phase_read(printed, omega)
-            crossing = sources.exact.feature("phi_zero_crossing_rad", int(level))
-            cause = causes.phase(values["exact"], crossing, printed)
-        elif q.symbol == "V_s":
-            onset, sample = (sources.unread(c, int(level)) for c in (q.column, SLIPPING_SAMPLE))
-            tolerances = velocity_read(printed, sample - onset)
-            cause = causes.slip_velocity(sample, printed)
-        elif q.symbol == "t_s":
-            reach, apart = (
-                WRITTEN,
-                ("exact",),
-            )  # whole tenths, of which the exact time keeps the rest
-            cause = causes.slip_time(values["exact"], step, printed)
-        else:
-            route, reach = "exact", HALF
-        yield Claim(
-            id=of_cell("table1", q.symbol, level),
-            where=f"Table 1, level {level}",
-            quantity=f"{q.symbol}: {q.words}",
-            unit=q.unit,
-            printed=printed,
-            values=values,
-            route=route,
-            reach=reach,
-            tolerances=tolerances,
-            apart=apart,
-            cause=cause,
-            contradiction=refutations.get((q.column, level), ""),
+    for row in rows:
+        yield row.claim(
+            sources.features(COLUMN_OF[row.symbol], int(row.line)),
+            contradiction=refutations.get(row.id, ""),
+            **_how_read(sources, row),
         )
 
 
-def table2_integrals(sources: Sources) -> Iterator[Claim]:
+def _how_read(sources: Sources, row: Row) -> dict[str, Any]:
+    """How a number of Table 1 was read, by the rule of its row: fields of the claim."""
+    level, column = int(row.line), COLUMN_OF[row.symbol]
+    exact = sources.exact.feature(column, level)
+    if row.rule == "rounded":
+        return {}
+    if row.rule == "time":  # whole tenths, of which the exact time keeps the rest
+        cause = causes.slip_time(exact, sources.case.numerics.step_s, row.printed)
+        return {"route": "as_published", "reach": WRITTEN, "apart": ("exact",), "cause": cause}
+    if row.rule == "phase":
+        tolerances = phase_read(row.printed, sources.case.omega("omega1"))
+        crossing = sources.exact.feature("phi_zero_crossing_rad", level)
+        cause = causes.phase(exact, crossing, row.printed)
+    else:
+        onset, sample = (sources.unread(name, level) for name in (column, SLIPPING_SAMPLE))
+        tolerances = velocity_read(row.printed, sample - onset)
+        cause = causes.slip_velocity(sample, row.printed)
+    return {"route": "as_published", "reach": math.nan, "tolerances": tolerances, "cause": cause}
+
+
+def integrals(sources: Sources, rows: Sequence[Row]) -> Iterator[Claim]:
     """Table 2, upper part: the integrals a, b and W of the five levels."""
-    printed_table = sources.published.table2_integrals
-    refutations = refuted(sources.published, sources.case, "table2_integrals")
-    _, viscous = by_table_2(sources.published)
+    refutations = refuted(sources.published, sources.case, "table2")
+    allowed = by_table_2(sources.published)
     omega, step = sources.case.omega("omega1"), sources.case.numerics.step_s
-    for (place, level), q in itertools.product(enumerate(printed_table.index), TABLE_2):
-        values = sources.features(q.column, int(level))
+    for row in rows:
+        values = sources.features(COLUMN_OF[row.symbol], int(row.line))
         note, evidence = "", ""
-        if q.symbol == "b":
-            note, evidence = causes.implied_b(sources.published, level)
-        elif q.symbol == "a":
-            note = causes.starting_sample(sources.case, place)
-        printed = printed_table[q.column][level]
-        yield Claim(
-            id=of_cell("table2", q.symbol, level),
-            where=f"Table 2, level {level}",
-            quantity=f"{q.symbol}: {q.words}",
-            unit=q.unit,
-            printed=printed,
-            values=values,
+        if row.symbol == "b":
+            note, evidence = causes.implied_b(sources.published, row.line)
+        elif row.symbol == "a":
+            note = causes.starting_sample(sources.case, int(row.line) - 1)
+        yield row.claim(
+            values,
             route="as_published",
-            allowed=viscous[int(level)] if q.symbol == "b" else None,
-            tolerances=simulated(printed, omega, step),
+            allowed=allowed.get(row.id),
+            tolerances=simulated(row.printed, omega, step),
             cause=f"{causes.backward_euler(sources.case, values)} {note}".strip(),
-            contradiction=refutations.get((q.column, level), ""),
+            contradiction=refutations.get(row.id, ""),
             evidence=evidence,
         )
 
 
-def table2_pairs(sources: Sources) -> Iterator[Claim]:
+def direct_pairs(sources: Sources, rows: Sequence[Row]) -> Iterator[Claim]:
     """Table 2, lower part: the pair-wise estimates by direct integration, from more digits than are printed."""
-    pairs, viscous = by_table_2(sources.published)
+    of_print = by_table_2(sources.published)
     omega, step = sources.case.omega("omega1"), sources.case.numerics.step_s
-    for label, q in itertools.product(PAIR_LABELS, UNKNOWNS):
-        values = sources.estimates(q.column, "direct", pair=label)
-        printed = sources.published.table2_pairs[f"direct_{q.column}"][label]
-        allowed = pairs[label, q.symbol]
-        damped = causes.backward_euler(sources.case, values) if q.symbol == "c" else ""
-        with_b = causes.other_b(sources, viscous, label, q.symbol, printed)
-        implied = (causes.implied_b(sources.published, level)[0] for level in label.split("-"))
+    for row in rows:
+        values = sources.estimates(COLUMN_OF[row.symbol], row.approach, pair=row.line)
+        allowed = of_print[row.id]
+        damped = causes.backward_euler(sources.case, values) if row.symbol == "c" else ""
+        with_b = causes.other_b(sources, of_print, row)
+        implied = (causes.implied_b(sources.published, level)[0] for level in row.line.split("-"))
         evidence = " ".join(filter(None, implied))
-        yield Claim(
-            id=of_cell("table2", q.symbol, label),
-            where=f"Table 2, pair {label}",
-            quantity=f"{q.symbol} by direct integration",
-            unit=q.unit,
-            printed=printed,
-            values=values,
+        yield row.claim(
+            values,
             route="as_published",
             allowed=allowed,
-            tolerances=(*propagated(allowed, printed), *simulated(printed, omega, step)),
+            tolerances=(*propagated(allowed, row.printed), *simulated(row.printed, omega, step)),
             cause=f"{damped} {with_b}".strip(),
-            contradiction=causes.outside(allowed, printed, "Table 2"),
+            contradiction=causes.outside(allowed, row.printed, "Table 2"),
             evidence=evidence and f"Table 2 contradicts itself. {evidence} {with_b}".strip(),
         )
 
 
-def table3(sources: Sources) -> Iterator[Claim]:
+def harmonic_pairs(sources: Sources, rows: Sequence[Row]) -> Iterator[Claim]:
     """Table 3: the pair-wise estimates of the three harmonic approaches with common φ and t_s."""
     at_work = rules_at_work(sources)
     allowed = by_table_3(sources.published, sources.case)
     premise = causes.premise_of_sign(misfits(sources.published, sources.case))
-    for approach, label, q in itertools.product(PRINTED_APPROACHES[1:], PAIR_LABELS, UNKNOWNS):
-        values = sources.estimates(q.column, approach, phase="common", pair=label)
-        printed = sources.published.table3[f"{approach}_{q.column}"][label]
-        correct = sources.as_published.estimate(
-            q.column, CORRECTED if approach == "V_s" else approach, phase="common", pair=label
-        )
-        slip = causes.sign(values, correct, q.unit, premise)
-        yield Claim(
-            id=of_cell("table3", q.symbol, label, approach),
-            where=f"Table 3, pair {label}",
-            quantity=f"{q.symbol} by {approach}, common phi and t_s",
-            unit=q.unit,
-            printed=printed,
-            values=values,
+    for row in rows:
+        column, which = COLUMN_OF[row.symbol], {"phase": "common", "pair": row.line}
+        values = sources.estimates(column, row.approach, **which)
+        corrected = CORRECTED if row.approach == "V_s" else row.approach
+        correct = sources.as_published.estimate(column, corrected, **which)
+        slip = causes.sign(values, correct, row.unit, premise)
+        yield row.claim(
+            values,
             route="as_published",
             # The read-outs of Table 1 have fewer digits than those behind Table 3; without the slip exact is elsewhere.
             apart=("from_print",),
             nearby={"exact": correct} if slip else {},
-            cause=f"{slip} {at_work(approach, label, q)}".strip(),
-            contradiction=causes.outside(
-                allowed.get((approach, label, q.symbol)), printed, "Table 3"
-            ),
+            cause=f"{slip} {at_work(row)}".strip(),
+            contradiction=causes.outside(allowed.get(row.id), row.printed, "Table 3"),
         )

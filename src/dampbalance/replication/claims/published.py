@@ -1,62 +1,119 @@
-"""The numbers of the paper, as printed: strings keep their digits, and with them how finely they were rounded.
+"""The numbers of the paper, as printed: a row for each, whose text keeps its digits and so how finely it was rounded.
 
 This package is the only place that reads `paper/published/`: what is compared with must not leak into what is computed.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from ...arrays import Array
+from ...solver import Pair, pair_label
+from ..claim_ids import of_cell
+from ..claim_verdicts import Kind
 from ..printed import Printed
-from ..tables import PRINTED_APPROACHES, TABLE_1, TABLE_2, UNKNOWNS
+from ..printed_tables import UNKNOWNS
+from .judging import Claim
 
-FILES = {
-    "parameters": ("id", "symbol", "quantity", "printed", "unit", "where"),
-    "table1": ("level", "Y_m", *(q.column for q in TABLE_1)),
-    "table2_integrals": ("level", "Y_m", *(q.column for q in TABLE_2)),
-    "table2_pairs": ("pair", "direct_c_N_s_per_m", "direct_F_k_N"),
-    "table3": (
-        "pair",
-        *(f"{name}_{q.column}" for name in PRINTED_APPROACHES[1:] for q in UNKNOWNS),
-    ),
-    "text_values": ("id", "quantity", "printed", "unit", "where"),
-}
+FILE = "printed.csv"
 
-_MOST_BYTES = 1_000_000  # of a table; the longest has 3 kB
+FREQUENCIES = ("omega1", "omega2", "omega3")
+"""The paper's three drive frequencies, by the names they have in the configuration and in results/."""
+
+LEVELS = 5
+PAIRS: tuple[Pair, ...] = ((0, 1), (1, 2), (2, 3), (3, 4), (0, 4))
+PAIR_LABELS = tuple(pair_label(i, j) for i, j in PAIRS)
+
+_MOST_BYTES = 1_000_000  # of a table; the longest, claims.csv, has 40 kB
+
+
+class Row(NamedTuple):
+    """A printed number: the columns of `paper/published/printed.csv`, each as the text that it is.
+
+    id : as in claims.csv.
+    where : the place in the paper.
+    symbol : what the number is a value of, or what the statement is about.
+    approach : by which an estimate was obtained; "" for anything else.
+    kind, rule : of KINDS and of `rules.RULES`: what judges the number.
+    """
+
+    id: str
+    where: str
+    symbol: str
+    approach: str
+    quantity: str
+    unit: str
+    printed: str
+    kind: str
+    rule: str
+
+    @property
+    def line(self) -> str:
+        """The line of a table in which the number stands: a level, counted from 1, or the label of a pair."""
+        return self.id.rpartition(".")[2]
+
+    def claim(self, values: Mapping[str, float], **how: Any) -> Claim:
+        """The claim on this number.   values : by route.   how : further fields of the claim."""
+        return Claim(
+            id=self.id,
+            where=self.where,
+            quantity=self.quantity,
+            unit=self.unit,
+            printed=self.printed,
+            values=values,
+            kind=cast(Kind, self.kind),
+            **how,
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class Published:
-    """The printed tables and text values; every cell is a string. Columns: FILES; indexed by level, pair or id."""
+    """All printed numbers, by their ids, in the order of the file, which is that of claims.csv."""
 
-    parameters: pd.DataFrame
-    table1: pd.DataFrame
-    table2_integrals: pd.DataFrame
-    table2_pairs: pd.DataFrame
-    table3: pd.DataFrame
-    text_values: pd.DataFrame
+    rows: Mapping[str, Row]
+
+    def __getitem__(self, claim: str) -> Printed:
+        """A printed number by its id."""
+        return Printed(self.rows[claim].printed)
+
+    def column(self, table: str, symbol: str, approach: str = "") -> Array:
+        """The numbers of a column of a table, from its first line to its last; arguments as in `column_ids`."""
+        return np.array([self[claim].value for claim in column_ids(table, symbol, approach)])
+
+    def changed(self, texts: Mapping[str, str]) -> Published:
+        """These printed numbers with other texts for some of them, by id."""
+        rows = {claim: self.rows[claim]._replace(printed=text) for claim, text in texts.items()}
+        return Published({**self.rows, **rows})
+
+
+def column_ids(table: str, symbol: str, approach: str = "") -> list[str]:
+    """The ids of a column of Tables 1 to 3, from its first line to its last.   approach : for Table 3 only."""
+    pairwise = symbol in {q.symbol for q in UNKNOWNS}
+    lines = PAIR_LABELS if pairwise else range(1, LEVELS + 1)
+    return [of_cell(table, symbol, line, approach) for line in lines]
 
 
 def read_published(folder: Path) -> Published:
-    """Read the printed numbers from `folder`. Raises ValueError naming file and column when one is missing or blank."""
-    return Published(
-        **{name: _read(folder / f"{name}.csv", columns) for name, columns in FILES.items()}
-    )
+    """Read the printed numbers from `folder`.
 
-
-def row(frame: pd.DataFrame, name: str) -> dict[str, str]:
-    """The printed cells of one level, pair or id, by column."""
-    return {column: str(frame[column][name]) for column in frame.columns}
-
-
-def numbers(frame: pd.DataFrame, column: str) -> NDArray[np.float64]:
-    """A printed column as floats."""
-    return np.array([Printed(text).value for text in frame[column]])
+    Raises ValueError naming file and column when a cell is blank or an id appears twice.
+    """
+    path = folder / FILE
+    frame = read_texts(path, Row._fields)
+    for column in ("id", "where", "quantity", "printed", "kind", "rule"):
+        if (frame[column].str.strip() == "").any():
+            raise ValueError(
+                f"{path}: column {column} has an empty cell; every printed number needs its digits, place and rule"
+            )
+    if (twice := frame["id"][frame["id"].duplicated()]).any():
+        raise ValueError(f"{path}: id {twice.iloc[0]} appears twice; each needs its own name")
+    return Published({row.id: row for row in map(Row._make, frame.to_numpy())})
 
 
 def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
@@ -73,16 +130,3 @@ def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
             f"{path}: expected the columns {', '.join(columns)}, found {', '.join(frame.columns)[:120]}"
         )
     return frame
-
-
-def _read(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
-    frame = read_texts(path, columns)
-    for column in columns:
-        if column != "unit" and (frame[column].str.strip() == "").any():
-            raise ValueError(
-                f"{path}: column {column} has an empty cell; every printed number needs its digits"
-            )
-    if frame[columns[0]].duplicated().any():
-        twice = frame[columns[0]][frame[columns[0]].duplicated()].iloc[0]
-        raise ValueError(f"{path}: {columns[0]} {twice} appears twice; each needs its own name")
-    return frame.set_index(columns[0])

@@ -1,7 +1,7 @@
 """Which rule of reading is at work in a number of Table 3, and by how much it moves it.
 
 The simulation moves a pair from its exact value; then each rule of the configured `two_point` section is applied alone
-to what the simulation gives, and what it moves the pair by is its share. What the shares leave is their interplay.
+to the result of the simulation, and the shift of the pair is its share. The rest is interaction between the rules.
 """
 
 from __future__ import annotations
@@ -13,9 +13,11 @@ from ...estimates import estimate_table
 from ...features import Features
 from ..as_published import APPROACHES_OF_TABLE_3
 from ..printed import Printed
+from ..printed_tables import COLUMN_OF
 from ..readout import ReadOut
-from ..tables import Quantity
-from .inputs import PAIRS, RouteTables, Sources
+from ..route_tables import RouteTables
+from .inputs import Sources
+from .published import PAIRS, Row
 
 _RULES = {
     "X": ("X_decimals",),
@@ -24,16 +26,16 @@ _RULES = {
     "t_s": ("t_s_inset_s", "t_s_unit_s", "common_t_s_decimals"),
     "phi": ("phi_decimals", "common_phi_decimals"),
 }
-"""What is read → the keys of the configuration that say how."""
+"""Each feature that is read, with the keys of the configuration for its rules of reading."""
 
 
-def rules_at_work(sources: Sources) -> Callable[[str, str, Quantity], str]:
-    """A function of approach, pair and quantity that says what moves that number of Table 3 from exact, in a sentence.
+def rules_at_work(sources: Sources) -> Callable[[Row], str]:
+    """A function of a row that says what moves that number of Table 3 from exact, in a sentence.
 
     Named are the largest share, and every other that moves the number by half a unit of its last printed digit.
     """
     if "omega1" not in sources.exact.features or sources.unrounded.empty:
-        return lambda approach, label, quantity: ""
+        return lambda row: ""
     k, configured = sources.case.oscillator.k, sources.case.numerics.two_point
     simulated = Features.from_frame(sources.unrounded)
     exact = Features.from_frame(sources.exact.features["omega1"])
@@ -52,15 +54,16 @@ def rules_at_work(sources: Sources) -> Callable[[str, str, Quantity], str]:
         if any(configured.get(key) is not None for key in keys)
     }
 
-    def sentence(approach: str, label: str, quantity: Quantity) -> str:
-        number = Printed(sources.published.table3[f"{approach}_{quantity.column}"][label])
+    def sentence(row: Row) -> str:
+        number = Printed(row.printed)
 
         def value(tables: RouteTables) -> float:
-            return tables.estimate(quantity.column, approach, phase="common", pair=label)
+            column = COLUMN_OF[row.symbol]
+            return tables.estimate(column, row.approach, phase="common", pair=row.line)
 
         shifts = {"the simulation": value(unread) - value(by_nobody)}
         for what, tables in read.items():
-            shifts[_as_read(what, tables, label)] = value(tables) - value(unread)
+            shifts[_as_read(what, tables, row.line)] = value(tables) - value(unread)
         if not all(map(math.isfinite, shifts.values())):
             return ""
         largest = max(shifts, key=lambda what: abs(shifts[what]))
@@ -70,7 +73,7 @@ def rules_at_work(sources: Sources) -> Callable[[str, str, Quantity], str]:
             if what == largest or abs(shift) >= 0.5 * number.unit
         ]
         shares = (
-            f"{what} ({shifts[what]:+.{number.decimals + 1}f} {quantity.unit})"
+            f"{what} ({shifts[what]:+.{number.decimals + 1}f} {row.unit})"
             for what in sorted(named, key=lambda what: -abs(shifts[what]))
         )
         return f"What moves it: {', '.join(shares)}."

@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from ..claim_verdicts import ROUTE_NAMES
 from ..printed import Printed
-from ..verdicts import ROUTE_NAMES
+from .published import FILE
 
 ROUTE = "as_published"
 """The route that judges every statement."""
@@ -40,7 +41,7 @@ def bound(name: str, quantity: str, printed: str, values: Mapping[str, float]) -
     word = next((word for word in _BOUNDS if quantity.endswith(word)), None)
     if word is None:
         raise ValueError(
-            f"text_values.csv: {name}: the quantity must end with {' or '.join(map(repr, _BOUNDS))}, "
+            f"{FILE}: {name}: the quantity must end with {' or '.join(map(repr, _BOUNDS))}, "
             f"which says how {printed} bounds it"
         )
     limit, side = Printed(printed), _BOUNDS[word]
@@ -84,6 +85,6 @@ def _judged(holds: bool, rule: str) -> Judged:
 def _known(name: str, printed: str, words: Mapping[str, Any]) -> Any:
     if printed not in words:
         raise ValueError(
-            f"text_values.csv: {name}: cannot judge the word {printed!r}; known are {', '.join(words)}"
+            f"{FILE}: {name}: cannot judge the word {printed!r}; known are {', '.join(words)}"
         )
     return words[printed]

@@ -8,14 +8,15 @@ from pathlib import Path
 import pandas as pd
 
 from ...project.case import Case
-from ...project.wording import in_markdown
+from ...project.wording import in_markdown, markdown_table
 from ..claim_ids import PARTS, part_of
-from ..verdicts import HOLDING, KINDS, ROUTE_NAMES, VERDICTS, counts
-from . import of_tables, of_text
+from ..claim_verdicts import HOLDING, KINDS, ROUTE_NAMES, VERDICTS, counts
+from ..route_tables import RouteTables
 from .from_print import from_print
-from .inputs import RouteTables, Sources, require_paper
+from .inputs import Sources, require_paper
 from .judging import Claim, explanation, verdict
 from .published import Published, read_texts
+from .rules import check_printed, claims
 
 STATED = ("id", "where", "quantity", "unit", "printed")  # columns that are fields of a claim
 COLUMNS = (
@@ -25,20 +26,6 @@ COLUMNS = (
 """Those of claims.csv. judged : the route that judges.   off_… : how far it lies from a computed number as printed, of
 itself and in units of the last digit."""
 RECORD = ("id", "printed", "verdict")
-
-
-def claims(sources: Sources) -> Iterator[Claim]:
-    """Every printed number of the paper, in the order of its pages."""
-    yield from of_text.parameters(sources)
-    yield from of_tables.levels(sources)
-    yield from of_tables.table1(sources)
-    yield from of_tables.table2_integrals(sources)
-    yield from of_tables.table2_pairs(sources)
-    yield from of_tables.table3(sources)
-    yield from of_text.least_squares(sources)
-    yield from of_text.means(sources)
-    yield from of_text.error_bounds(sources)
-    yield from of_text.comparisons(sources)
 
 
 def claims_table(
@@ -59,7 +46,7 @@ def claims_table(
     paper's.
     """
     require_paper(case)
-    of_text.check(published)
+    check_printed(published)
     sources = Sources(published, case, exact, as_published, from_print(published, case), unrounded)
     records = [
         {
@@ -71,7 +58,7 @@ def claims_table(
             "judged": ROUTE_NAMES[claim.route],
             **_off(claim),
         }
-        for claim in claims(sources)
+        for claim in claims(sources, published.rows.values())
     ]
     return pd.DataFrame.from_records(records, columns=list(COLUMNS))
 
@@ -90,31 +77,36 @@ def claims_markdown(frame: pd.DataFrame) -> str:
     """The claims as a Markdown page: counts first, then a table per part of the paper."""
     lines = ["# Every printed number and its verdict", "", *_meanings(frame), ""]
     for part, rows in frame.groupby(frame["id"].map(part_of), sort=False):
-        lines += [
-            f"## {PARTS[str(part)]}",
-            "",
-            "| where | quantity | printed | exact | as published | from print | verdict | why | kind | judged "
-            "| off, of itself | off, units |",
-            "|---|---|--:|--:|--:|--:|---|---|---|---|--:|--:|",
-        ]
-        for row in rows.to_dict("records"):
-            unit = "" if row["unit"] in ("", "1") else f" ({row['unit']})"
-            row["quantity"] = f"{row['quantity']}{unit}"
-            row |= {name: in_markdown(row[name]) for name in ("where", "quantity", "printed")}
-            cells = [row[name] for name in COLUMNS if name not in ("id", "unit")]
-            lines.append("| " + " | ".join(cells) + " |")
-        lines.append("")
+        lines += [f"## {PARTS[str(part)]}", "", markdown_table(_HEADS, _cells(rows), _ALIGN), ""]
     return "\n".join(lines)
 
 
+_HEADS = (
+    *("where", "quantity", "printed", *ROUTE_NAMES.values(), "verdict", "why"),
+    *("kind", "judged", "off, of itself", "off, units"),
+)
+_ALIGN = "llrrrrllllrr"
+
+
+def _cells(rows: pd.DataFrame) -> Iterator[list[str]]:
+    for row in rows.to_dict("records"):
+        unit = "" if row["unit"] in ("", "1") else f" ({row['unit']})"
+        row["quantity"] = f"{row['quantity']}{unit}"
+        row |= {name: in_markdown(row[name]) for name in ("where", "quantity", "printed")}
+        yield [row[name] for name in COLUMNS if name not in ("id", "unit")]
+
+
 WORSE = "printed numbers are worse off than on record"
-"""What only a summary with offences says."""
+"""The words by which a summary with offences is recognised."""
 
 
 def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
-    """What a person reads at the end of a run: computed numbers by verdict and part, with inputs and statements beside
-    them, then a line for each claim that is neither reproduced nor reconstructed, with what is obtained; the reasons
-    stand in the table of claims. Last, a line for each offence that `check` found, after WORSE."""
+    """The summary that ends a run, as text.
+
+    It counts the computed numbers by part and verdict, with inputs and statements next to them, and lists each claim
+    that is neither reproduced nor reconstructed, with the number that is obtained; the reasons stand in the table of
+    claims. After WORSE there is a line for each offence that `check` returned.
+    """
     counted = counts(frame)
     table = {
         count.part: {

@@ -19,8 +19,8 @@ from __future__ import annotations
 
 import math
 
+from ..claim_verdicts import PROPAGATED, READING, UNEXPLAINED
 from ..printed import Printed
-from ..verdicts import PROPAGATED, READING, UNEXPLAINED
 from .judging import Range, Tolerance
 
 TIME_UNIT_S = 1e-4

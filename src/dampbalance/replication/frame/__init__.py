@@ -1,1 +1,1 @@
-"""The base-driven frame of Marino and Cicirello (2023): what an identification from its records says, shown on them."""
+"""The base-driven frame of Marino and Cicirello (2023): friction force from records, checked on held-out cycles."""

@@ -1,4 +1,4 @@
-"""What the records of the frame say: the friction force at each load, the loops, and cycles foretold from others."""
+"""The friction force of the frame at each load, the loops of its records, and predictions of held-out cycles."""
 
 from __future__ import annotations
 
@@ -21,15 +21,18 @@ from ...reading.noisy import Reading, read_features
 from ...records.measured import read_records
 from ...records.measurement import Channel, Measurement
 from .line import load_line
-from .loops import AT_REST, Loop, friction_loop, shape
+from .measured_loop import AT_REST, Loop, friction_loop, shape
 from .prediction import Mass, predicted
 
 _REPLICATES = 2  # of an identification whose intervals nobody asks for
 
 
 @dataclass(frozen=True, eq=False)
-class Foretold:
-    """Cycles that were not identified from: times, s, displacement as measured and as predicted, m, (n,)."""
+class Prediction:
+    """Held-out cycles: times, s, and displacements, m, each of shape (n,).
+
+    repeated : the mean of the cycles that the law was identified from, continued.
+    """
 
     t: Array
     measured: Array
@@ -39,11 +42,14 @@ class Foretold:
 
 @dataclass(frozen=True, eq=False)
 class Findings:
-    """document : all numbers, for JSON.   loops, foretold : of each record."""
+    """The results for all records of the frame.
+
+    document : every number, for JSON.   loops, predictions : one for each record.
+    """
 
     document: dict[str, Any]
     loops: tuple[Loop, ...]
-    foretold: tuple[Foretold, ...]
+    predictions: tuple[Prediction, ...]
 
 
 def findings(
@@ -52,7 +58,7 @@ def findings(
     frame: Mapping[str, Any],
     identified: Mapping[str, Any],
 ) -> Findings:
-    """What is shown of the frame.
+    """All results for the frame: forces, line, loops and predictions.
 
     files : of the records.   measured : their set in the configuration.   frame : the section of that name.
     identified : the document of their identification.
@@ -66,10 +72,10 @@ def findings(
     readings = [Reading(one.reading.steady, joint=True) for one in records]
     forces = [_force(identified, law, i) for i in range(len(files))]
     loops = [friction_loop(reading, m, law.given) for reading in readings]
-    learnt = _learnt(records, k, law, frame["cycles_identified"])
-    foretold = [
-        _foretold(one, part, Mass(m, k, F_k, law.given))
-        for one, (part, F_k) in zip(records, learnt, strict=True)
+    first = _first_cycles(records, k, law, frame["cycles_identified"])
+    predictions = [
+        _prediction(one, part, Mass(m, k, F_k, law.given))
+        for one, (part, F_k) in zip(records, first, strict=True)
     ]
     errors = [force["standard_error_N"] for force in forces]
     line, off = load_line(loads, [force["F_k_N"] for force in forces], errors)
@@ -82,7 +88,7 @@ def findings(
             "lost_to_damper": _share(identified, law, i),
             "X_m": loops[i].X,
             "loop": shape(loops[i], forces[i]["F_k_N"]),
-            "foretold": _errors(foretold[i], loops[i].X) | {"F_k_N": learnt[i][1]},
+            "foretold": _errors(predictions[i], loops[i].X) | {"F_k_N": first[i][1]},
         }
         for i, one in enumerate(records)
     ]
@@ -93,7 +99,7 @@ def findings(
         "loads": rows,
         "cycles_identified": frame["cycles_identified"],
     }
-    return Findings(document, tuple(loops), tuple(foretold))
+    return Findings(document, tuple(loops), tuple(predictions))
 
 
 def require(measured: Mapping[str, Any], frame: Mapping[str, Any], records: int) -> None:
@@ -122,7 +128,7 @@ def _share(identified: Mapping[str, Any], law: Law, i: int) -> float:
     return float(lost / rows["W_J"][i])
 
 
-def _learnt(
+def _first_cycles(
     records: Sequence[Loaded], k: float, law: Law, cycles: int
 ) -> list[tuple[Reading, float]]:
     """Each record's first cycles as they are read, and the F_k that all of them identify."""
@@ -153,25 +159,25 @@ def _steps(channel: Channel) -> float:
     return 2.0 * float(channel.t[1] - channel.t[0])
 
 
-def _foretold(one: Loaded, learnt: Reading, mass: Mass) -> Foretold:
-    """The cycles after those that were learnt from, from the displacement and velocity at their beginning on."""
+def _prediction(one: Loaded, first: Reading, mass: Mass) -> Prediction:
+    """Predict the cycles that follow the identified ones, from the displacement and velocity at their beginning."""
     record = one.record.whole()
-    steady = learnt.steady
+    steady = first.steady
     base, response = record.excitation, record["displacement"]
     period = 2.0 * math.pi / steady.omega
     begin = steady.start + steady.cycles * period
     kept = (response.t >= begin) & (response.t < begin + steady.cycles * period)
     t, x = response.t[kept], response.values[kept]
-    loop = friction_loop(learnt, mass.m, mass.damping)
+    loop = friction_loop(first, mass.m, mass.damping)
     X_0, Y_0 = (float(steady.mean(rows)[0].real) for rows in (steady.X, steady.Y))
     zero = X_0 - Y_0 - loop.level / mass.k
     speed = float(np.gradient(response.values, response.t)[kept][0])
     speed = speed if abs(speed) > AT_REST * np.abs(loop.v).max() else 0.0
     y = np.interp(t, base.t, base.values)
-    foretold = predicted(replace(mass, zero=zero), t, y, float(x[0]), speed, steady.omega)
+    displacement = predicted(replace(mass, zero=zero), t, y, float(x[0]), speed, steady.omega)
     phase = steady.omega * (t - steady.start) + float(np.angle(steady.mean(steady.Y)[1]))
     again = np.interp(phase % (2.0 * math.pi), *_wrapped(loop)) + X_0
-    return Foretold(t, x, foretold, again)
+    return Prediction(t, x, displacement, again)
 
 
 def _wrapped(loop: Loop) -> tuple[Array, Array]:
@@ -180,21 +186,21 @@ def _wrapped(loop: Loop) -> tuple[Array, Array]:
     return phases, np.append(loop.x, loop.x[0])
 
 
-def _errors(foretold: Foretold, X: float) -> dict[str, float]:
+def _errors(prediction: Prediction, X: float) -> dict[str, float]:
     """Root mean squares over X: of the prediction's error, and of what the mean of the other cycles is off by."""
-    off = foretold.predicted - foretold.measured
-    again = foretold.repeated - foretold.measured
+    off = prediction.predicted - prediction.measured
+    again = prediction.repeated - prediction.measured
     return {
         "rms": float(np.sqrt(np.mean(off**2))) / X,
         "rms_of_mean_cycle": float(np.sqrt(np.mean(again**2))) / X,
-        "range": float(np.ptp(foretold.predicted) / np.ptp(foretold.measured)) - 1.0,
+        "range": float(np.ptp(prediction.predicted) / np.ptp(prediction.measured)) - 1.0,
     }
 
 
 def _digests(identified: Mapping[str, Any]) -> dict[str, str]:
     """Name → SHA-256 of each file of the records."""
-    found = {}
+    digests = {}
     for record in identified["records"]:
-        found[Path(record["record"]).name] = record["sha256"]
-        found |= {Path(other["file"]).name: other["sha256"] for other in record.get("others", ())}
-    return dict(sorted(found.items()))
+        digests[Path(record["record"]).name] = record["sha256"]
+        digests |= {Path(other["file"]).name: other["sha256"] for other in record.get("others", ())}
+    return dict(sorted(digests.items()))

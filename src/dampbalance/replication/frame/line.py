@@ -1,4 +1,4 @@
-"""Friction force against the load that presses the contact: a straight line, and what the loads say against it."""
+"""Friction force against the load that presses the contact: a straight line, and how far the loads depart from it."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _CONFIDENCE = 0.95
 def load_line(
     loads: Sequence[float], forces: Sequence[float], errors: Sequence[float]
 ) -> tuple[dict[str, Any], list[float]]:
-    """F_k = F_0 + s·load by least squares, all loads alike, and what each force lies off the line over itself.
+    """F_k = F_0 + s·load by unweighted least squares, and the relative distance of each force from the line.
 
     loads : kg, three or more.   forces : F_k at each, N.   errors : their standard errors from the cycles, N.
 
     `slope_N_per_kg` s and `intercept_N` F_0, with intervals of 95 % by Student's t from the scatter about the line;
-    `coefficient` s/g of friction, if the load alone presses; `scatter`, the scatter over what the errors make of it, 1
-    where the cycles tell all of it.
+    `coefficient` s/g of friction, if the load alone presses; `scatter`, the scatter about the line relative to
+    that which the standard errors predict: 1 where the cycles explain all of it.
     """
     from scipy import special  # slow to import
 

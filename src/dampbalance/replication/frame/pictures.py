@@ -1,4 +1,4 @@
-"""The figures of the frame: the loops with the cycles foretold below them, and the friction force against the load."""
+"""The figures of the frame: the loops with the cycles predicted below them, and the friction force against the load."""
 
 from __future__ import annotations
 
@@ -23,29 +23,33 @@ from ...figures.style import (
     place,
     styled,
 )
-from .findings import Findings, Foretold
-from .loops import Loop
+from .findings import Findings, Prediction
+from .measured_loop import Loop
 
 _WIDE, _HIGH, _LEFT, _STEP = 33.5, 34.0, 13.5, 43.5  # mm
-_LEGEND, _UPPER, _LOWER, _BLOCK, _BESIDE = 8.0, 54.0, 6.0, 96.0, 4  # mm; loads beside each other
+_LEGEND, _UPPER, _LOWER, _BLOCK, _PER_ROW = 8.0, 54.0, 6.0, 96.0, 4  # mm; loads in a row
 
 ALTERNATIVE_TEXTS = {
     "loops": "friction force against displacement at each load, with the rectangle of the identified friction force, "
-    "and below it the displacement of cycles not identified from, as measured and as predicted",
+    "and below it the displacement of the held-out cycles, as measured and as predicted",
     "load": "friction force against load, with intervals, and the straight line through them",
 }
 
 
 @styled()
-def loops(found: Findings) -> Figure:
-    """First friction force against displacement, a panel for each load: of the records, and of the identified law
-    (rigid, for they do not tell K_z). Below each the cycles that the law was not identified from: measured, predicted.
-    Four loads stand beside each other, more of them below."""
-    rows = found.document["loads"]
-    below = (len(rows) - 1) // _BESIDE
+def loops(findings: Findings) -> Figure:
+    """Friction force against displacement, measured and by the identified law, a panel for each load, four in a row.
+
+    The law is drawn with a rigid contact, because the records do not determine K_z. Below each panel: the held-out
+    cycles, measured and predicted.
+    """
+    rows = findings.document["loads"]
+    below = (len(rows) - 1) // _PER_ROW
     figure = page(DOUBLE_COLUMN, _LEGEND + _BLOCK * (below + 1))
-    for i, (row, loop, foretold) in enumerate(zip(rows, found.loops, found.foretold, strict=True)):
-        down, column = divmod(i, _BESIDE)
+    for i, (row, loop, prediction) in enumerate(
+        zip(rows, findings.loops, findings.predictions, strict=True)
+    ):
+        down, column = divmod(i, _PER_ROW)
         left, bottom = _LEFT + _STEP * column, _LEGEND + _BLOCK * (below - down)
         upper, lower = (
             place(figure, left, bottom + above, _WIDE, _HIGH) for above in (_UPPER, _LOWER)
@@ -54,7 +58,7 @@ def loops(found: Findings) -> Figure:
             panel_letter(axes, ascii_lowercase[number])
         upper.set_title(row["record"], pad=3.0)
         _loop(upper, loop, row["F_k_N"])
-        _cycles(lower, foretold)
+        _cycles(lower, prediction)
         if not column:
             upper.set_ylabel("friction force (N)", labelpad=1.0)
             lower.set_ylabel("$x$ (mm)", labelpad=1.0)
@@ -74,21 +78,21 @@ def _loop(axes: Axes, loop: Loop, F_k: float) -> None:
     axes.set_ylim(-1.5 * F_k, 1.5 * F_k)
 
 
-def _cycles(axes: Axes, foretold: Foretold) -> None:
-    """Displacement of the cycles foretold, from their beginning on."""
-    t = foretold.t - foretold.t[0]
-    axes.plot(t, 1e3 * foretold.measured, color=SLIP, label="measured")
-    axes.plot(t, 1e3 * foretold.predicted, color=STICK, ls=DASHED, label="predicted")
+def _cycles(axes: Axes, prediction: Prediction) -> None:
+    """Displacement of the held-out cycles, measured and predicted, from the first of them."""
+    t = prediction.t - prediction.t[0]
+    axes.plot(t, 1e3 * prediction.measured, color=SLIP, label="measured")
+    axes.plot(t, 1e3 * prediction.predicted, color=STICK, ls=DASHED, label="predicted")
     axes.set_xlabel("time (s)")
     axes.set_xlim(0.0, float(t[-1]))
 
 
 @styled()
-def load(found: Findings) -> Figure:
-    """F_k against the load, with 95 % intervals, and the line; above each point, what it lies off the line."""
+def load(findings: Findings) -> Figure:
+    """F_k against the load, with 95 % intervals and the line; each point has its relative distance from the line."""
     figure = page(SINGLE_COLUMN, 66.0)
     axes = place(figure, 13.0, 12.0, 72.0, 50.0)
-    line, rows = found.document["line"], found.document["loads"]
+    line, rows = findings.document["line"], findings.document["loads"]
     load_kg, F_k = (np.array([row[name] for row in rows]) for name in ("load_kg", "F_k_N"))
     reach = np.abs(np.array([row["interval_N"] for row in rows]).T - F_k)
     ends = np.array([0.0, 1.1 * load_kg.max()])

@@ -1,4 +1,4 @@
-"""What an identified law makes of a base motion as it was measured: the displacement of cycles it was not found from.
+"""The displacement that an identified law predicts under a measured base motion, for cycles held out of the fit.
 
 The contact is rigid, the limit of a stiff one: the mass slides against ∓F_k, and where it comes to rest it stays until
 
@@ -20,14 +20,19 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from ...arrays import Array
-from .loops import viscous
+from .measured_loop import viscous
 
 _RTOL, _ATOL = 1e-9, 1e-13
 
 
 @dataclass(frozen=True)
 class Mass:
-    """What moves: m, kg, k, N/m, the friction force F_k, N, the other coefficients, SI, and the zero d, m."""
+    """The mass with its spring and damping, in SI.
+
+    F_k : friction force, N.
+    damping : coefficients of the other terms, by symbol.
+    zero : the difference d of the transducers' zeros, m.
+    """
 
     m: float
     k: float

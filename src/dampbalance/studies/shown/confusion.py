@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ...arrays import Mask, Words
-from ...project.wording import percent
+from ...project.wording import markdown_table, percent
 from ..routes import NONE, terms_named
 from ..stretches import column_of
 from .groups import share_interval
@@ -111,18 +111,17 @@ def confusion_markdown(summary: pd.DataFrame) -> list[str]:
     """The table for reading."""
     chosen = laws_in(summary)
     heads = [*chosen, "right", "a term too many"]
-    lines = [
-        "Rows: the true law. Columns: the law that is chosen, in cases. Right, a term too many: shares of the row, "
-        "with the bounds between which the number of cases leaves them (95 %).",
-        "",
-        f"| true law | {' | '.join(heads)} |",
-        f"|---|{'---:|' * len(heads)}",
-    ]
+    rows = []
     for row in summary.to_dict("records"):
         counts = [str(row[name] or "") for name in chosen]
         parts = [_part_in_words(row, name) for name in ("right", "extra")]
-        lines.append(f"| {' | '.join([row['law'], *counts, *parts])} |")
-    return lines
+        rows.append([row["law"], *counts, *parts])
+    return [
+        "Rows: the true law. Columns: the law that is chosen, in cases. Right, a term too many: shares of the row, "
+        "with the bounds between which the number of cases leaves them (95 %).",
+        "",
+        markdown_table(["true law", *heads], rows, "l" + "r" * len(heads)),
+    ]
 
 
 def _part_in_words(row: Mapping[Any, Any], name: str) -> str:

@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 
 from ...arrays import Array, Mask
 from ...law.terms import KNOWN_TERMS
-from ...project.wording import percent
+from ...project.wording import markdown_table, percent
 from ...solver import NORMAL_95
 from ..settings import EQUAL, RIGID, Fit, Study
 from ..stretches import column_of
@@ -196,17 +196,19 @@ def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
             f"{name} = {value if isinstance(value, str) else format(value, 'g')}"
             for name, value in zip(study.summary_by, values, strict=True)
         ]
-        more = (" bound | information |", "---:|---:|") if measured else ("", "")
-        lines += ["", f"## {', '.join(where)}", "", _HEAD + more[0], _RULE + more[1]]
-        lines += [_line(row) for row in rows.to_dict("records")]
+        heads = [*FIT_HEADS, *_HEADS, *(["bound", "information"] if measured else [])]
+        align = "l" * len(FIT_HEADS) + "r" * (len(heads) - len(FIT_HEADS))
+        cells = (_cells(row) for row in rows.to_dict("records"))
+        lines += ["", f"## {', '.join(where)}", "", markdown_table(heads, cells, align)]
     return lines
 
 
-_HEAD = (
-    "| quantity | approach | phase | φ, t_s | fit | identified | bias | scatter | standard error "
-    "| 95 % of the errors below | coverage |"
+FIT_HEADS = ("quantity", "approach", "phase", "φ, t_s", "fit")
+"""The headings of `fit_cells`."""
+_HEADS = (
+    *("identified", "bias", "scatter", "standard error"),
+    *("95 % of the errors below", "coverage"),
 )
-_RULE = "|---|---|---|---|---|---:|---:|---:|---:|---:|---:|"
 
 
 def fit_cells(row: Mapping[Any, Any]) -> list[str]:
@@ -218,9 +220,9 @@ def fit_cells(row: Mapping[Any, Any]) -> list[str]:
     return [row["quantity"], f"{row['approach']}{terms}{rigid}{equal}", phase, row["sharing"], fit]
 
 
-def _line(row: Mapping[Any, Any]) -> str:
+def _cells(row: Mapping[Any, Any]) -> list[str]:
     sign = "−" if row["bias_percent"] < 0.0 else ""
-    cells = [
+    return [
         *fit_cells(row),
         f"{row['identified']:,} of {row['runs']:,}",
         f"{sign}{_percent(row, 'bias')} ± {_percent(row, 'bias_error')}",
@@ -229,7 +231,6 @@ def _line(row: Mapping[Any, Any]) -> str:
         f"{_percent(row, 'coverage')} ({_percent(row, 'coverage_low')} to {_percent(row, 'coverage_high')})",
         *(_percent(row, name) for name in ("bound", "information") if f"{name}_percent" in row),
     ]
-    return f"| {' | '.join(cells)} |"
 
 
 def _percent(row: Mapping[Any, Any], name: str) -> str:

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from ...project.wording import in_markdown, percent
+from ...project.wording import in_markdown, markdown_table, percent
 from ..routes import LAWS
 from ..settings import Study
 from ..stretches import Sizes, stretches
 from .confusion import confusion, confusion_markdown
-from .groups import fit_cells, grouped_markdown, grouped_summary, joined, terms_of, which
+from .groups import FIT_HEADS, fit_cells, grouped_markdown, grouped_summary, joined, terms_of, which
 
 WITHIN = 0.01  # relative error that the summary counts as good
 SHARE = f"within_{100 * WITHIN:g}_percent_share"
@@ -71,20 +71,20 @@ def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure
 
 def _overall_markdown(summary: pd.DataFrame) -> list[str]:
     names = joined(summary["quantity"].unique())
-    lines = [
-        f"Size of the relative error over all cases in which {names} could be identified.",
-        "",
-        "| quantity | approach | phase | φ, t_s | fit | identified | median | 95 % | largest "
-        f"| within {100 * WITHIN:g} % |",
-        "|---|---|---|---|---|---:|---:|---:|---:|---:|",
-    ]
+    heads = [*FIT_HEADS, "identified", "median", "95 %", "largest", f"within {100 * WITHIN:g} %"]
+    rows = []
     for row in summary.to_dict("records"):
         errors = [row[f"{name}_error_percent"] for name in ("median", "p95", "max")]
-        cells = [
-            *fit_cells(row),
-            f"{row['identified']:,}",
-            *(percent(0.01 * error) for error in errors),
-            percent(row[SHARE]) if row["identified"] else "–",
-        ]
-        lines.append("| " + " | ".join(cells) + " |")
-    return lines
+        rows.append(
+            [
+                *fit_cells(row),
+                f"{row['identified']:,}",
+                *(percent(0.01 * error) for error in errors),
+                percent(row[SHARE]) if row["identified"] else "–",
+            ]
+        )
+    return [
+        f"Size of the relative error over all cases in which {names} could be identified.",
+        "",
+        markdown_table(heads, rows, "lllllrrrrr"),
+    ]

@@ -1,9 +1,9 @@
-"""What the records say of the friction force itself: its loop against the displacement, beside that of the law.
+"""The friction force itself against the displacement, from records, and how it departs from the law.
 
     f = k(y − x) − mẍ − Σ p_j h_j(ẋ, ẏ)
 
-of the mean cycle, from its harmonics. Transducers of displacement have a zero of their own, and so has f: it is placed
-so that the work of friction is the same in both directions. What makes the two directions differ cannot be told.
+of the mean cycle, from its harmonics. Each displacement transducer has an unknown zero, and so has f: it is chosen so
+that friction does the same work in both directions. A true difference between them cannot be separated from it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ...reading.noisy import Reading
 
 _POINTS = 4096  # of a cycle
 AT_REST = 0.02
-"""Of the largest speed: below it the mass stands, as far as 31 harmonics tell."""
+"""Share of the largest speed below which the mass counts as at rest: 31 harmonics do not resolve less."""
 
 _SLIDING = 0.25  # of the largest speed: above it neither the onset nor the end of slip plays a part
 _RIPPLES_HZ = np.linspace(
@@ -60,7 +60,7 @@ class Loop:
 
 
 def friction_loop(reading: Reading, m: float, damping: Mapping[str, float]) -> Loop:
-    """The loop of the mean cycle of a record.   m : kg.   damping : coefficients of terms beside friction, SI."""
+    """The loop of the mean cycle of a record.   m : kg.   damping : coefficients of terms other than friction, SI."""
     steady = reading.steady
     odd, even = reading.series(reading.mean)
     n = np.concatenate([odd.n, even.n])
@@ -92,7 +92,7 @@ def shape(loop: Loop, F_k: float) -> dict[str, float | list[float]]:
 
     Where the mass slides, well away from its stops: `rms`, `highest` and `lowest` of |f|/F_k − 1, the first per length;
     `along` and `speed`, by how much it changes from one end to the other and from rest to the largest speed, by least
-    squares; `ripple_hz`, the frequency that, beside a constant in each direction, explains most of it, with its
+    squares; `ripple_hz`, the frequency that, next to a constant in each direction, explains most of it, with its
     amplitude `ripple` and the `explained` share of the mean square. `part_at_rest` of the cycle is spent at rest;
     `given_way_m`: by how far the mass moves there, at the lower and at the upper stop, while the force grows by 2F_k,
     by least squares; an elastic contact gives way by 2F_k/K_z.
@@ -129,12 +129,12 @@ def _ripple(loop: Loop, off: Array) -> tuple[float, float, float]:
     total = math.fsum(float(np.sum((off[on] - off[on].mean()) ** 2)) for on in passes)
     for hz in _RIPPLES_HZ:
         left, square, count = 0.0, 0.0, 0
-        for on in passes:  # each with a phase of its own
+        for on in passes:  # each with a separate phase
             angle = 2.0 * math.pi * hz * t[on]
             columns = np.column_stack([np.ones(angle.size), np.cos(angle), np.sin(angle)])
-            found = np.linalg.lstsq(columns, off[on])[0]
-            left += float(np.sum((off[on] - columns @ found) ** 2))
-            square, count = square + float(found[1] ** 2 + found[2] ** 2), count + 1
+            fit = np.linalg.lstsq(columns, off[on])[0]
+            left += float(np.sum((off[on] - columns @ fit) ** 2))
+            square, count = square + float(fit[1] ** 2 + fit[2] ** 2), count + 1
         explained = 1.0 - left / total
         if explained > best[2]:
             best = (float(hz), math.sqrt(square / count), explained)

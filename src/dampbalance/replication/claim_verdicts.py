@@ -19,7 +19,7 @@ ROUTE_NAMES = {"exact": "exact", "as_published": "as published", "from_print": "
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class ClaimVerdict:
     """A verdict on a printed number.
 
     name : in tables of results.   mark : a sign for it where room is short.   meaning : in a sentence.
@@ -36,25 +36,29 @@ class Verdict:
 
 
 REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS = (
-    Verdict("reproduced", "✓", "The equations, solved exactly, give the printed digits."),
-    Verdict(
+    ClaimVerdict("reproduced", "✓", "The equations, solved exactly, give the printed digits."),
+    ClaimVerdict(
         "reconstructed",
         "≈",
         "The paper’s own numerics or printed inputs give the printed digits, by a named deviation.",
     ),
-    Verdict("last digit", "±1", "One unit off in the last printed digit."),
-    Verdict("reading", "r", "Within the resolution with which the number was read off a plot."),
-    Verdict(
+    ClaimVerdict("last digit", "±1", "One unit off in the last printed digit."),
+    ClaimVerdict(
+        "reading", "r", "Within the resolution with which the number was read off a plot."
+    ),
+    ClaimVerdict(
         "propagated",
         "u",
         "The rebuild’s own number lies in the range that unprinted digits leave.",
     ),
-    Verdict(
+    ClaimVerdict(
         "unexplained",
         "?",
         "Near, within a bound fixed beforehand, but nothing says why it is off.",
     ),
-    Verdict("differs", "✗", "None of these, or against the paper’s own numbers; see the evidence."),
+    ClaimVerdict(
+        "differs", "✗", "None of these, or against the paper’s own numbers; see the evidence."
+    ),
 )
 VERDICTS = {
     v.name: v
