@@ -24,7 +24,7 @@ from dampbalance.replication import comparison, tables
 from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
-from dampbalance.studies.shown import drawing
+from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from dampbalance.studies.shown.summary import summary_of
 from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact, unrounded
 
@@ -144,8 +144,8 @@ def _studies(folder: Path) -> tuple[list[str], list[str]]:
         table = folder / f"{STUDIES}/{name}/cases.parquet"
         outputs.write_chunk(table, evaluate.evaluate(study, 0, study.cases, threads=1), study, "0")
         if name in ("frequency", "noise", "rigid_contact"):
-            figure = drawing.study_figure(study, table)
-            _save(figure, table.with_name("figure.svg"), drawing.alternative_text(study))
+            figure = study_figure(study, table)
+            _save(figure, table.with_name("figure.svg"), alternative_text(study))
         if name == "noise":
             write_csv(table.with_name("summary.csv"), summary_of(table, study))
             outputs.write_manifest(table.with_name("manifest.json"), table, study, "0")

@@ -17,11 +17,11 @@ from ..motion.regime import Regime
 from ..replication.readout import ReadOut
 from ..solver import NORMAL_95, solve
 from .axes import case_values
+from .columns import columns_of
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, SI_COLUMNS, in_si
-from .plan import PART, columns_of
-from .responses import NOT_READ, REGIME_NAMES, Responses, exact_responses
-from .routes import LAWS
+from .responses import NOT_READ, REGIME_NAMES, Cases, Responses, exact_responses
 from .settings import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Fit, Study
+from .sizes import PART
 
 READ = ("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi")
 """What rules of reading change; the rows need no other feature that they do."""
@@ -30,7 +30,7 @@ _SLICE = 16_384  # cases worked on at a time: their arrays stay in the processor
 
 
 def evaluate(study: Study, start: int, stop: int, threads: int | None = None) -> pd.DataFrame:
-    """The cases start … stop − 1 of a study as a table with the columns of `plan.columns_of`.
+    """The cases start … stop − 1 of a study as a table with the columns of `columns_of`.
 
     threads : for the exact orbits; neither they nor the bounds change a number.
     """
@@ -58,16 +58,16 @@ def case_parameters(study: Study, start: int, stop: int) -> dict[str, Words]:
 
 def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[str, Any]:
     values = case_parameters(study, start, stop)
-    if study.route == LAWS:
+    if study.route.chooses_law:
         return _chosen(study, start, values)
     si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
     levels = np.array(study.levels)[:, None]
     Y = levels * si["Y"] if study.levels_relative else np.repeat(levels, stop - start, axis=1)
-    cases = np.arange(start, stop)
-    responses = _responses(study, si, Y, values, cases, threads)
+    cases = Cases(study, np.arange(start, stop), values, si, Y)
+    responses = _responses(cases, threads)
     rules = _read_out_rules(values)
 
-    table: dict[str, Any] = {"case": cases}
+    table: dict[str, Any] = {"case": cases.numbers}
     table |= {name: values[name] for name in study.axis_names}
     table |= {name: si[key] for key, (name, _, _) in SI_COLUMNS.items() if name not in table}
     table |= {name: si[key] for name, key in OF_LAW.items() if key in si and name not in table}
@@ -109,7 +109,7 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
 
 def _chosen(study: Study, start: int, values: Mapping[str, Words]) -> dict[str, Any]:
     """The law that is chosen in each case; all of its records slip once per half cycle."""
-    from .laws import chosen_laws  # slow to import
+    from .law_selection import chosen_laws  # slow to import
 
     count = len(values["law"])
     runs = {"run": np.zeros(count)} | dict(values)
@@ -159,32 +159,24 @@ def _intervals(
     return table
 
 
-def _responses(
-    study: Study,
-    si: Mapping[str, Array],
-    Y: Array,
-    values: Mapping[str, Words],
-    cases: Integers,
-    threads: int | None,
-) -> Responses:
-    """The responses. What a route alone needs is slow to import."""
+def _responses(cases: Cases, threads: int | None) -> Responses:
+    """The responses of the cases. What a single route needs is slow to import."""
+    study = cases.study
+    kind = study.route.kind
     terms = {symbol for fit in study.fits for symbol in fit.terms} - TERMS.keys()
-    if study.route == "exact" and (terms or si.keys() & set(OF_LAW.values())):
+    if kind == "exact" and (terms or cases.si.keys() & set(OF_LAW.values())):
         from .responses_of_laws import law_responses
 
-        return Responses(law_responses(si, Y, terms))
-    if study.route == "exact":
-        return Responses(exact_responses(si, Y, threads))
-    if study.route == "measured":
-        from .noisy import measured_responses
+        return Responses(law_responses(cases, terms))
+    if kind == "exact":
+        return Responses(exact_responses(cases, threads))
+    if kind == "measured":
+        from .experiments import measured_responses
 
-        counts = {"cycles": study.cycles, "seed": study.seed, "count": study.replicates}
-        simpson = any(fit.approach == SIMPSON for fit in study.fits)
-        return measured_responses(si, Y, values, cases, **counts, simpson=simpson)
+        return measured_responses(cases)
     from .stepwise import fixed_step_responses, sampled_responses
 
-    read = fixed_step_responses if study.route == "fixed_step" else sampled_responses
-    return Responses(read(si, Y, values, study.cycles, study.reading))
+    return Responses((fixed_step_responses if kind == "fixed_step" else sampled_responses)(cases))
 
 
 def _rows(

@@ -20,7 +20,7 @@ import pyarrow.parquet as pq
 from ..arrays import Words
 from ..project.files import replacing, write_json
 from .axes import Listed
-from .plan import Column, columns_of
+from .columns import Column, columns_of
 from .responses import REGIME_NAMES
 from .settings import Study
 from .stretches import stretches

@@ -43,6 +43,11 @@ class Parameter:
     low: float = 1e-12
     high: float = 1e12
 
+    @property
+    def is_word(self) -> bool:
+        """Whether its values are words, which have no unit and no range."""
+        return self.unit == ""
+
 
 def _decimals(feature: str, unit: str) -> Parameter:
     """How many decimals of a feature are kept when it is read off."""
@@ -123,7 +128,7 @@ def synonyms(name: str) -> list[str]:
 def objection(name: str, value: Any) -> str | None:
     """What is wrong with a value of a parameter, None if nothing is."""
     p = PARAMETERS[name]
-    if p.unit == "":
+    if p.is_word:
         return None if isinstance(value, str) else f"{shortened(value)} is not a name"
     if isinstance(value, bool) or not isinstance(value, int | float):
         return f"{shortened(value)} is not a number"

@@ -5,10 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from ..arrays import Array
+from ..arrays import Array, Integers, Words
 from ..features import Features, of_orbits
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
+from .settings import Study
+
+
+class Cases(NamedTuple):
+    """n cases that are computed together.
+
+    numbers : in the study, (n,).
+    values : of every parameter, by the names of PARAMETERS, each (n,).
+    si : m, c, k, K_z, F_k, omega and coefficients of further terms by symbol, SI units, each (n,).
+    Y : amplitudes of the base at L levels, m, (L, n).
+    """
+
+    study: Study
+    numbers: Integers
+    values: Mapping[str, Words]
+    si: Mapping[str, Array]
+    Y: Array
 
 
 class Responses(NamedTuple):
@@ -37,11 +54,9 @@ REGIME_NAMES = {
 record could not be read."""
 
 
-def exact_responses(si: Mapping[str, Array], Y: Array, threads: int | None = None) -> Features:
-    """The exact steady responses of n cases at L levels, as features of shape (L, n).
-
-    si : m, c, k, K_z, F_k, omega, each (n,).   Y : amplitudes of the base, m, (L, n).
-    """
+def exact_responses(cases: Cases, threads: int | None = None) -> Features:
+    """The exact steady responses of n cases at L levels, as features of shape (L, n)."""
+    si, Y = cases.si, cases.Y
     orbits = steady_orbits(
         **{name: si[name] for name in ("m", "c", "k", "K_z", "F_k", "omega")}, Y=Y, threads=threads
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -18,18 +18,19 @@ from ..model import BaseMotion
 from ..motion.orbit import NoSteadyOrbit
 from ..motion.regime import Regime
 from .parameters import OF_LAW, oscillator_of
+from .responses import Cases
 
 _HARMONICS = 128  # odd ones: what lies beyond takes 1e-9 of the work or less
 
 
-def law_responses(si: Mapping[str, Array], Y: Array, terms: Iterable[str]) -> Features:
+def law_responses(cases: Cases, terms: Iterable[str]) -> Features:
     """The steady responses of n cases at L levels, as features of shape (L, n).
 
-    si : m, c, k, K_z, F_k, omega and the coefficients of further terms by symbol, each (n,).   Y : amplitudes of the
-    base, m, (L, n).   terms : symbols of the further terms whose integrals are wanted.
+    terms : symbols of the further terms whose integrals are wanted.
     """
+    si, Y = cases.si, cases.Y
     terms = list(terms)
-    cases = []
+    columns = []
     for case in range(Y.shape[1]):
         oscillator = oscillator_of(si, case)
         law = {symbol: float(si[symbol][case]) for symbol in OF_LAW.values() if symbol in si}
@@ -43,8 +44,8 @@ def law_responses(si: Mapping[str, Array], Y: Array, terms: Iterable[str]) -> Fe
                 nothing = {symbol: np.full(1, np.nan) for symbol in terms}
                 lost = of_numbers(motion.omega, str(Regime.NOT_FOUND), integrals=nothing)
                 levels.append(lost)
-        cases.append(stack(levels))
-    return beside(cases)
+        columns.append(stack(levels))
+    return beside(columns)
 
 
 def of_response(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -13,7 +13,7 @@ from ..law.terms import in_order
 from ..reading.clean import ReadAt
 from .axes import Block, Listed, Range, Sampled, number_of_cases, spread
 from .parameters import PARAMETERS, synonyms
-from .routes import LAWS, REPLICATES, ROUTES
+from .routes import REPLICATES, ROUTES, Route
 
 COMPLIANT, RIGID = "compliant", "rigid"
 """Models of the contact: with the slip onset as it was read, or without one (`Features.rigid`)."""
@@ -109,7 +109,7 @@ class Study:
     levels: tuple[float, ...]
     levels_relative: bool
     fits: tuple[Fit, ...]
-    route: str
+    route: Route
     cycles: int
     reading: ReadAt
     seed: int
@@ -131,11 +131,33 @@ class Study:
         """The parameters that the axes set, in the order of the file."""
         return tuple(name for block in self.blocks for name in block.names)
 
+    @cached_property
+    def parameters(self) -> frozenset[str]:
+        """Every parameter that has a value, fixed or by an axis."""
+        return frozenset((*self.fixed, *self.axis_names))
+
+    def block_of(self, axis: str) -> Block | None:
+        """The block that sets a parameter, None where none does."""
+        return next((block for block in self.blocks if axis in block.names), None)
+
+    def values_of(self, axis: str | None) -> Sequence[float | int | str]:
+        """The listed values of an axis; none where it is sampled or there is no such axis."""
+        block = self.block_of(str(axis))
+        return block.values[str(axis)] if isinstance(block, Listed) else ()
+
+    def extent(self, name: str) -> tuple[float, float]:
+        """The least and the largest value of a parameter, whether it is fixed or an axis of numbers."""
+        block = self.block_of(name)
+        if isinstance(block, Sampled):
+            return block.ranges[name].low, block.ranges[name].high
+        values = [float(x) for x in (block.values[name] if block else [self.fixed[name]])]
+        return min(values), max(values)
+
     @property
     def seeds(self) -> list[int]:
         """Seeds of the samples, in the order of the file, and of the noise."""
         samples = [block.seed for block in self.blocks if isinstance(block, Sampled)]
-        return [*samples, self.seed] if "seed" in ROUTES[self.route].settings else samples
+        return [*samples, self.seed] if self.route.is_noisy else samples
 
     def fits_of(self, spec: Mapping[str, Any]) -> list[Fit]:
         """The fits that a fact or a figure selects by approach, phase, sharing, contact, weights and fit, as far as it
@@ -171,7 +193,7 @@ class Study:
         """The study of a document in which `checking.problems` finds nothing wrong; paper : see `paper_defaults`."""
         blocks = tuple(_block(item) for item in document["axes"])
         route = {"kind": "exact", "reading": "interpolated"} | document.get("route", {})
-        kind = route["kind"]
+        way = ROUTES[route["kind"]]
         estimation = document.get("estimation", {})
         given = document.get("base", {}) | {
             key: value
@@ -195,14 +217,14 @@ class Study:
             fixed=fixed,
             levels=tuple(levels),
             levels_relative="levels_of_Y" in document,
-            fits=() if kind == LAWS else tuple(_fits(estimation, kind == "measured")),
-            route=kind,
-            cycles=route.get("cycles", ROUTES[kind].cycles),
+            fits=() if way.chooses_law else tuple(_fits(estimation, way.has_intervals)),
+            route=way,
+            cycles=route.get("cycles", way.cycles),
             reading=route["reading"],
             seed=route.get("seed", 0),
             replicates=route.get("replicates", REPLICATES),
-            columns=tuple(document.get("columns", ["parameters", "errors"])),
-            chunk_cases=document.get("chunk_cases", ROUTES[kind].chunk_cases),
+            columns=tuple(document.get("columns", way.columns)),
+            chunk_cases=document.get("chunk_cases", way.chunk_cases),
             summary_by=tuple(document.get("summary_by", [])),
             figure=document.get("figure", {}),
             facts=document.get("facts", {}),

@@ -15,7 +15,7 @@ from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.wording import number
 from dampbalance.solver import least_squares, pair
 from dampbalance.studies import checking, evaluate, outputs
-from dampbalance.studies.shown import facts, series
+from dampbalance.studies.shown import error_curves, facts
 from folders import PAPER_FILE, ROOT, STUDY_SCHEMA
 from paper_case import PAPER
 
@@ -92,7 +92,7 @@ def test_an_axis_takes_further_values_in_their_places(make):
 @pytest.mark.parametrize(
     ("axes", "words"),
     [
-        ({"zeta": {"values": [0.1, 0.2], "also": [0.3]}}, "give either values, or from"),
+        ({"zeta": {"values": [0.1, 0.2], "also": [0.3]}}, "Give either values: [...], or from"),
         (
             {"zeta": {"from": 0.1, "to": 0.9, "count": 9, "also": [-1.0]}},
             "zeta.also: -1.0 is out of",
@@ -122,7 +122,7 @@ def test_a_figure_of_curves_takes_the_cases_that_it_names(make, tmp_path):
     study = make({"axes": axes, "figure": figure})
     frame = evaluate.evaluate(study, 0, 18)
     outputs.write_chunk(tmp_path / "cases.parquet", frame, study, __version__)
-    (panel,) = series.error_curves(study, tmp_path / "cases.parquet").panels
+    (panel,) = error_curves.error_curves(study, tmp_path / "cases.parquet").panels
     assert (frame["K_z_over_k"][panel.cases] == 9.0).all()
     assert panel.x.tolist() == sorted(set(frame["zeta"]))
     with pytest.raises(ConfigurationError, match=r"figure\.at\.K_z_over_k: 8\.0 is not among"):

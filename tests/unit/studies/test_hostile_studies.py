@@ -14,8 +14,9 @@ import yaml
 
 from dampbalance.figures.style import save
 from dampbalance.project.documents import ConfigurationError
-from dampbalance.studies import checking, evaluate, outputs, plan
-from dampbalance.studies.shown import drawing, facts, summary
+from dampbalance.studies import checking, evaluate, outputs, sizes
+from dampbalance.studies.shown import facts, summary
+from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from folders import PAPER_FILE, STUDY_SCHEMA
 
 LONGEST = 300  # characters of a line
@@ -200,17 +201,17 @@ def drawn(seed: int) -> dict:
 
 def built(study, folder) -> str:
     """Everything that the rules make of a study; returns its page."""
-    sizes, chunks = plan.plan(study), []
-    for number in range(sizes.chunks):
+    chunks = []
+    for number in range(sizes.size_of(study).chunks):
         chunks.append(folder / f"{number:05d}.parquet")
-        parts = evaluate.in_parts(study, *plan.chunk_bounds(study, number), threads=1)
+        parts = evaluate.in_parts(study, *sizes.chunk_bounds(study, number), threads=1)
         outputs.write_parts(chunks[-1], parts, study, "0")
     cases = folder / "cases.parquet"
     outputs.join_chunks(cases, chunks, study)
     outputs.write_manifest(folder / "manifest.json", cases, study, "0")
     if study.figure:
-        text = drawing.alternative_text(study)
-        save(drawing.study_figure(study, cases), folder / "a.svg", folder / "a.png", text)
+        text = alternative_text(study)
+        save(study_figure(study, cases), folder / "a.svg", folder / "a.png", text)
     table = summary.summary_of(cases, study)
     return summary.summary_markdown(study, table, facts.paragraph(study, cases), "figure.png")
 
@@ -222,7 +223,7 @@ def test_it_is_refused_or_made(tmp_path, seed):
     refusal = ""
     try:
         study = checking.read_study(file, STUDY_SCHEMA, PAPER_FILE)
-        plan.check_size(study, plan.plan(study), tmp_path, file)
+        sizes.check_size(study, sizes.size_of(study), tmp_path, file)
     except ConfigurationError as error:
         refusal = str(error)
     for line in refusal.splitlines():

@@ -12,9 +12,10 @@ from dampbalance import __version__
 from dampbalance.law.integrals import input_work, of_motion
 from dampbalance.law.response import law_orbit
 from dampbalance.project.documents import ConfigurationError
-from dampbalance.studies import evaluate, laws, outputs
+from dampbalance.studies import evaluate, law_selection, outputs
 from dampbalance.studies.routes import law_named, terms_named
-from dampbalance.studies.shown import confusion, drawing, facts, summary
+from dampbalance.studies.shown import confusion, facts, summary
+from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 
 LEVELS = (0.25, 0.5, 1.0)
 SIX = ("F_k + c", "F_k + c_r", "F_k + c_2", "F_k + c_3", "F_k + eta", "F_k + c + c_2")
@@ -41,7 +42,7 @@ def test_a_law_is_named_by_its_terms():
 @pytest.mark.parametrize("law", SIX)
 def test_what_is_drawn_has_every_term_of_its_law_matter(law):
     # the shares once more, from the motion that the integrator finds; what the harmonics cut off is below 1e-4
-    truth = laws.drawn(law, LEVELS, np.random.default_rng(3))
+    truth = law_selection.drawn(law, LEVELS, np.random.default_rng(3))
     assert law_named(truth.coefficients) == law
     taken = {symbol: [] for symbol in truth.coefficients}
     for motion in truth.motions:
@@ -64,9 +65,9 @@ def test_what_is_drawn_has_every_term_of_its_law_matter(law):
 
 
 def test_a_law_whose_oscillators_never_slip_as_wanted_is_named(monkeypatch):
-    monkeypatch.setattr(laws.Truth, "responses", lambda _: None)
+    monkeypatch.setattr(law_selection.Truth, "responses", lambda _: None)
     with pytest.raises(ArithmeticError, match="no oscillator with the law F_k \\+ c slips once"):
-        laws.drawn("F_k + c", LEVELS, np.random.default_rng(1))
+        law_selection.drawn("F_k + c", LEVELS, np.random.default_rng(1))
 
 
 @pytest.fixture(scope="module")
@@ -92,24 +93,24 @@ def test_records_that_cannot_be_read_have_no_law(monkeypatch):
     def too_short(*_):
         raise ValueError("too few cycles")
 
-    monkeypatch.setattr(laws, "read_features", too_short)
-    assert laws.chosen_law("F_k + c", (1.0,), 12, 0.01, np.random.default_rng(1)) == "none"
+    monkeypatch.setattr(law_selection, "read_features", too_short)
+    assert law_selection.chosen_law("F_k + c", (1.0,), 12, 0.01, np.random.default_rng(1)) == "none"
 
 
 def test_noise_and_oscillator_follow_from_seed_law_and_run(monkeypatch):
     seen = []
     monkeypatch.setattr(
-        laws, "chosen_law", lambda *given: seen.append(given[-1].random()) or "none"
+        law_selection, "chosen_law", lambda *given: seen.append(given[-1].random()) or "none"
     )
     values = {
         "law": np.array(["F_k + c", "F_k + c", "F_k + c_2"]),
         "noise": np.array([0.01, 0.01, 0.01]),
         "run": np.array([1, 2, 1]),
     }
-    laws.chosen_laws(values, LEVELS, 100, 1)
-    laws.chosen_laws({name: array[::-1] for name, array in values.items()}, LEVELS, 100, 1)
+    law_selection.chosen_laws(values, LEVELS, 100, 1)
+    law_selection.chosen_laws({name: array[::-1] for name, array in values.items()}, LEVELS, 100, 1)
     assert seen[:3] == seen[:2:-1]
-    laws.chosen_laws(values, LEVELS, 100, 2)
+    law_selection.chosen_laws(values, LEVELS, 100, 2)
     assert len({*seen[:3], *seen[6:]}) == 6
 
 
@@ -188,7 +189,7 @@ def test_facts_are_shares_of_all_laws_or_of_one(counted):
 
 def test_the_figure_shows_each_number_and_names_each_law(counted):
     study, path = counted
-    figure = drawing.study_figure(study, path)
+    figure = study_figure(study, path)
     (axes,) = figure.axes
     texts = [text.get_text() for text in axes.texts]
     assert texts[:10] == ["17", "0", "2", "0", "1", "1", "18", "0", "1", "0"]
@@ -200,7 +201,7 @@ def test_the_figure_shows_each_number_and_names_each_law(counted):
         "none",
     ]
     assert len(axes.patches) == 2  # the right ones
-    assert "true law" in drawing.alternative_text(study)
+    assert "true law" in alternative_text(study)
     assert set(confusion.laws_in(confusion.confusion(path))) >= {"none", "F_k + c"}
 
 

@@ -19,9 +19,11 @@ from dampbalance.project.wording import percent
 from dampbalance.reading.noisy import read_features
 from dampbalance.reading.simpson import cycle_integrals
 from dampbalance.records.synthetic import measured_orbit
-from dampbalance.studies import evaluate, outputs, plan
-from dampbalance.studies.shown import drawing, facts, groups, summary
+from dampbalance.studies import evaluate, outputs
+from dampbalance.studies.columns import columns_of
+from dampbalance.studies.shown import facts, groups, summary
 from dampbalance.studies.shown.bounds import bounds_of
+from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from paper_case import FREQUENCIES_HZ, PAPER, motions_at
 
 SMALL = {
@@ -347,7 +349,7 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
     document["columns"] = ["errors", "intervals"]
     study = make(document | {"figure": {**SMALL["figure"], "lines": lines}})
     rng, n = np.random.default_rng(8), study.cases
-    table = pd.DataFrame({c.name: np.zeros(n) for c in plan.columns_of(study)})
+    table = pd.DataFrame({c.name: np.zeros(n) for c in columns_of(study)})
     for name in study.axis_names:
         table[name] = evaluate.case_parameters(study, 0, n)[name]
     table["case"], table["regime"] = np.arange(n), "one_slip"
@@ -359,7 +361,7 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
     path = tmp_path / "cases.parquet"
     outputs.write_chunk(path, table, study, __version__)
 
-    figure = drawing.study_figure(study, path)
+    figure = study_figure(study, path)
     axes = {axes.get_label(): axes for axes in figure.axes}
     assert list(axes) == [
         f"{symbol} {hz} {what}"
@@ -396,13 +398,13 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         "direct",
         "fit alone",
     ]
-    assert "95 % of the errors" in drawing.alternative_text(study)
+    assert "95 % of the errors" in alternative_text(study)
 
 
 def test_without_intervals_or_lines_the_figure_shows_the_errors_of_all_fits(done, make):
     _, _, path = done
     study = make(SMALL | {"columns": ["errors"]})
-    axes = {axes.get_label(): axes for axes in drawing.study_figure(study, path).axes}
+    axes = {axes.get_label(): axes for axes in study_figure(study, path).axes}
     assert list(axes) == ["F_k 4.92 errors", "F_k 3.5 errors", "c 4.92 errors", "c 3.5 errors"]
     # three runs do not tell how far the largest of their errors may be off: no bars
     for points, _, (bars,) in axes["c 3.5 errors"].containers:

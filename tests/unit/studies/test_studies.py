@@ -22,7 +22,7 @@ from dampbalance.project.wording import percent
 from dampbalance.reading.clean import of_record
 from dampbalance.replication.readout import ReadOut
 from dampbalance.solver import least_squares, pair
-from dampbalance.studies import checking, evaluate, outputs, plan
+from dampbalance.studies import checking, evaluate, outputs, sizes
 from dampbalance.studies.axes import SOBOL_BITS, Listed, Range, Sampled, case_values, spread
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.shown import facts, summary
@@ -340,8 +340,11 @@ GOOD = {
     [
         ({"axes": []}, "axes: [] is not allowed"),
         ({"axes": [{"zetta": {"values": [1]}}]}, "did you mean zeta?"),
-        ({"axes": [{"zeta": {"values": [0.1], "from": 1}}]}, "either values, or from, to and"),
-        ({"axes": [{"zeta": {"from": 0.1}}]}, "give values: […], or from, to and count"),
+        (
+            {"axes": [{"zeta": {"values": [0.1], "from": 1}}]},
+            "Give either values: [...], or from, to and count",
+        ),
+        ({"axes": [{"zeta": {"from": 0.1}}]}, "Give either values: [...], or from, to and count"),
         ({"axes": [{"zeta": {"from": 0.2, "to": 0.1, "count": 3}}]}, "from must lie below to"),
         ({"axes": [{"zeta": {"from": 0, "to": 1, "count": 3, "spacing": "log"}}]}, "above zero"),
         ({"axes": [{"m_kg": {"values": [0.0]}}]}, "must be finite and positive"),
@@ -413,11 +416,11 @@ def test_the_size_told_is_an_upper_bound_and_not_far_off(study, tmp_path):
     document = copy.deepcopy(SOBOL)
     document["axes"][0]["sample"]["count"] = 3000
     made = study(document)
-    sizes = plan.plan(made)
-    assert (sizes.cases, sizes.responses, sizes.chunks) == (3000, 9000, 1)
+    size = sizes.size_of(made)
+    assert (size.cases, size.responses, size.chunks) == (3000, 9000, 1)
     outputs.write_chunk(tmp_path / "a.parquet", evaluate.evaluate(made, 0, 3000), made, "0")
-    size = (tmp_path / "a.parquet").stat().st_size
-    assert 0.6 * sizes.table_bytes < size < sizes.table_bytes
+    written = (tmp_path / "a.parquet").stat().st_size
+    assert 0.6 * size.table_bytes < written < size.table_bytes
 
 
 def test_a_study_too_large_is_refused_with_cases_and_bytes(study, tmp_path):
@@ -425,15 +428,15 @@ def test_a_study_too_large_is_refused_with_cases_and_bytes(study, tmp_path):
     document["axes"][0]["sample"] |= {"count": 10**14, "method": "random"}
     made = study(document | {"chunk_cases": 10**11})
     with pytest.raises(ConfigurationError, match=r"100,000,000,000,000 cases would take .* PB"):
-        plan.check_size(made, plan.plan(made), tmp_path / "not/there", "test.yaml")
+        sizes.check_size(made, sizes.size_of(made), tmp_path / "not/there", "test.yaml")
     made = study(document | {"chunk_cases": 1000})
     with pytest.raises(ConfigurationError, match="take chunks of at least 5,000,000,000 cases"):
-        plan.check_size(made, plan.plan(made), tmp_path, "test.yaml")
+        sizes.check_size(made, sizes.size_of(made), tmp_path, "test.yaml")
 
 
 def test_chunks_cover_every_case_once(study):
     made = study(SOBOL | {"chunk_cases": 7})
-    bounds = [plan.chunk_bounds(made, i) for i in range(plan.plan(made).chunks)]
+    bounds = [sizes.chunk_bounds(made, i) for i in range(sizes.size_of(made).chunks)]
     assert [case for start, stop in bounds for case in range(start, stop)] == list(range(40))
 
 
@@ -442,17 +445,17 @@ def test_progress_tells_what_is_left(study, tmp_path):
     for i in range(2):
         (tmp_path / f"0000{i}.parquet").touch()
     now = (tmp_path / "00001.parquet").stat().st_mtime
-    text = plan.progress(made, tmp_path, 6, now - 10.0, now)
+    text = sizes.progress(made, tmp_path, 6, now - 10.0, now)
     assert text == "Study test: 2 of 6 chunks, about 20 s left"
-    assert plan.progress(made, tmp_path, 6, math.nan, now) == "Study test: 2 of 6 chunks"
-    assert plan.progress(made, tmp_path, 2, now - 10.0, now) == "Study test: 2 of 2 chunks"
+    assert sizes.progress(made, tmp_path, 6, math.nan, now) == "Study test: 2 of 6 chunks"
+    assert sizes.progress(made, tmp_path, 2, now - 10.0, now) == "Study test: 2 of 2 chunks"
 
 
 @pytest.mark.parametrize(
     ("seconds", "words"), [(12.4, "12 s"), (240.0, "4 min"), (12600.0, "3.5 h")]
 )
 def test_durations_in_words(seconds, words):
-    assert plan.duration_in_words(seconds) == words
+    assert sizes.duration_in_words(seconds) == words
 
 
 # --- outputs ---------------------------------------------------------------------------------------
@@ -463,7 +466,7 @@ def test_chunks_join_to_the_same_table(study, tmp_path):
     chunks = []
     for i in range(3):
         chunks.append(tmp_path / f"{i}.parquet")
-        frame = evaluate.evaluate(made, *plan.chunk_bounds(made, i))
+        frame = evaluate.evaluate(made, *sizes.chunk_bounds(made, i))
         outputs.write_chunk(chunks[-1], frame, made, __version__)
     outputs.join_chunks(tmp_path / "cases.parquet", chunks, made)
     joined = pd.read_parquet(tmp_path / "cases.parquet")

@@ -18,7 +18,8 @@ from dampbalance.project.documents import ConfigurationError
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.parameters import OF_LAW, PARAMETERS
 from dampbalance.studies.responses_of_laws import of_response
-from dampbalance.studies.shown import drawing, facts, series, summary
+from dampbalance.studies.shown import error_curves, facts, summary
+from dampbalance.studies.shown.study_figure import study_figure
 from paper_case import PAPER
 
 LEFT_OUT = {
@@ -170,10 +171,10 @@ def test_the_study_tells_the_lists_of_terms_apart(done):
     assert "| c_2 | direct, F_k, c, c_2 |" in page
     out = table[f"F_k_relative_error__{WITHOUT}"].abs().max()
     assert facts.paragraph(study, path).startswith(f"{100 * out:.0f} %")
-    curves = series.error_curves(study, path)  # the first list: without the term
+    curves = error_curves.error_curves(study, path)  # the first list: without the term
     assert curves.symbols == ("F_k", "c")
     np.testing.assert_allclose(np.abs(curves.curves["F_k", 0][0].error).max(), 100.0 * out)
-    assert len(drawing.study_figure(study, path).axes) == 2
+    assert len(study_figure(study, path).axes) == 2
 
 
 def test_fixed_further_damping_is_a_column_and_other_studies_have_none(make):

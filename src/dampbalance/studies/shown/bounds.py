@@ -24,7 +24,7 @@ def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
     nothing slips, or the likelihood has no such term.
     """
     nothing = dict.fromkeys(TERMS, math.nan)
-    if study.route != "measured" or not cases.size:
+    if not study.route.has_intervals or not cases.size:
         return nothing
     values = case_parameters(study, int(cases.min()), int(cases.max()) + 1)
     here = {name: array[cases - cases.min()] for name, array in values.items() if name != "run"}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 
 from ...arrays import Array, Mask
 from ...law.terms import KNOWN_TERMS
-from ...project.wording import percent
+from ...project.wording import listed, percent
 from ...solver import NORMAL_95
 from ..settings import EQUAL, RIGID, Fit, Study
 from ..stretches import column_of
@@ -113,12 +113,6 @@ def fits_with(study: Study, symbol: str) -> list[Fit]:
     return [fit for fit in study.fits if symbol in fit.identified]
 
 
-def joined(names: Iterable[str]) -> str:
-    """Names as an enumeration in words: F_k and c."""
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last
-
-
 def spread_of(study: Study, cases: str | Path, quantity: str, fit: Fit, kept: Any = ...) -> Spread:
     """The spread of one quantity by one fit over the cases `kept` (an index or a mask; default: all)."""
     errors = column_of(cases, f"{quantity}_relative_error__{fit.label}")[kept]
@@ -154,7 +148,7 @@ def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
                 record = {**where, **which(quantity, fit), **counts}
                 record |= {f"{name}_percent": 100.0 * share for name, share in shares.items()}
                 record |= {"bias_over_standard_error": found.bias / found.standard_error}
-                if study.route == "measured":
+                if study.route.has_intervals:
                     bound = bounds[quantity]
                     used = (bound / found.rms) ** 2 if found.rms > 0.0 else np.nan
                     record |= {"bound_percent": 100.0 * bound, "information_percent": 100.0 * used}
@@ -179,9 +173,9 @@ def which(quantity: str, fit: Fit) -> dict[str, str]:
 
 def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
     """The tables for reading: one for each combination of values."""
-    measured = study.route == "measured"
+    measured = study.route.has_intervals
     lines = [
-        f"Relative errors of the identified {joined(summary['quantity'].unique())} over the runs. Scatter: their "
+        f"Relative errors of the identified {listed(list(summary['quantity'].unique()))} over the runs. Scatter: their "
         "standard deviation. Standard error: what each run states, by bootstrap (`fit`: by its covariance), rms. "
         "Coverage: share of the 95 % intervals that hold the true value, and between which bounds the number of runs "
         "leaves it (95 %). ±: one standard error from the number of runs, of the 95 % quantile by Maritz and Jarrett."

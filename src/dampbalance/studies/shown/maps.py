@@ -14,13 +14,13 @@ from ...arrays import Array
 from ...figures.looks import in_maths, label_of
 from ...figures.style import DOUBLE_COLUMN, note, place, styled
 from ...figures.style import page as empty_page
-from ...project.wording import percent
+from ...project.wording import listed, percent
 from ..axes import Sampled
 from ..settings import Fit, Study
 from ..stretches import stretches
-from .groups import joined, terms_of
+from .error_curves import symbol_of
+from .groups import terms_of
 from .logarithmic import is_even, logarithmic_ticks
-from .series import symbol_of
 
 MOST_BINS = 72  # along each axis
 PER_BIN = 40  # cases that a bin should hold on average: its share is then good to 0.08
@@ -89,8 +89,8 @@ def share_map(study: Study, cases: str | Path) -> Figure:
     bar = place(figure, DOUBLE_COLUMN - RIGHT + 2.0, BOTTOM, BAR, panels_height)
     _scale(figure, mesh, bar, within)
     if perfect:
-        names = joined(in_maths(label_of(key)) for key in perfect)
-        coefficients = joined(f"${symbol}$" for symbol in symbols)
+        names = listed([in_maths(label_of(key)) for key in perfect])
+        coefficients = listed([f"${symbol}$" for symbol in symbols])
         text = f"Within {100 * within:g} % in every case, for {coefficients}: {names}"
         middle = (LEFT + 0.5 * (DOUBLE_COLUMN - LEFT - RIGHT)) / DOUBLE_COLUMN
         level = 2.5 / (BOTTOM + panels_height + TOP)

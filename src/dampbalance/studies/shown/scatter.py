@@ -21,8 +21,8 @@ from ...project.wording import in_figure
 from ...solver import NORMAL_95
 from ..parameters import PARAMETERS
 from ..settings import EQUAL, RIGID, Fit, Study
+from .error_curves import symbol_of, with_unit
 from .groups import Spread, groups, spread_of, terms_of
-from .series import symbol_of, with_unit
 
 _APART = 1.13  # ratio by which neighbouring lines are moved apart along x, lest their bars hide each other
 _COVERAGE, _GAP, _ERRORS = 24.0, 3.0, 40.0  # heights in a row of panels, mm

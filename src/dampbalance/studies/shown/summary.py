@@ -7,12 +7,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from ...project.wording import in_markdown, percent
-from ..routes import LAWS
+from ...project.wording import in_markdown, listed, percent
 from ..settings import Study
 from ..stretches import Sizes, stretches
 from .confusion import confusion, confusion_markdown
-from .groups import fit_cells, grouped_markdown, grouped_summary, joined, terms_of, which
+from .groups import fit_cells, grouped_markdown, grouped_summary, terms_of, which
 
 WITHIN = 0.01  # relative error that the summary counts as good
 SHARE = f"within_{100 * WITHIN:g}_percent_share"
@@ -20,7 +19,7 @@ SHARE = f"within_{100 * WITHIN:g}_percent_share"
 
 def summary_of(cases: str | Path, study: Study) -> pd.DataFrame:
     """The table that the study asks for: of errors, by the values of some axes or over all cases, or of laws."""
-    if study.route == LAWS:
+    if study.route.chooses_law:
         return confusion(cases)
     return grouped_summary(cases, study) if study.summary_by else overall_summary(cases, study)
 
@@ -59,7 +58,7 @@ def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure
     lines += [f"{study.cases:,} cases; varied: {', '.join(study.axis_names)}.", ""]
     lines += [in_markdown(paragraph), ""] if paragraph else []
     lines += [f"![{title}]({figure})", ""] if figure else []
-    if study.route == LAWS:
+    if study.route.chooses_law:
         lines += confusion_markdown(summary)
     else:
         lines += (
@@ -70,7 +69,7 @@ def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure
 
 
 def _overall_markdown(summary: pd.DataFrame) -> list[str]:
-    names = joined(summary["quantity"].unique())
+    names = listed(list(summary["quantity"].unique()))
     lines = [
         f"Size of the relative error over all cases in which {names} could be identified.",
         "",
