@@ -89,40 +89,11 @@ def test_an_axis_takes_further_values_in_their_places(make):
     assert {0.05, 0.3, 0.31, 2.0} <= set(values)
 
 
-@pytest.mark.parametrize(
-    ("axes", "words"),
-    [
-        ({"zeta": {"values": [0.1, 0.2], "also": [0.3]}}, "Give either values: [...], or from"),
-        (
-            {"zeta": {"from": 0.1, "to": 0.9, "count": 9, "also": [-1.0]}},
-            "zeta.also: -1.0 is out of",
-        ),
-        (
-            {"zeta": {"from": 0.1, "to": 0.9, "count": 9, "also": ["a"]}},
-            "zeta.also: 'a' is not a number",
-        ),
-        (
-            {
-                "zeta": {"from": 0.1, "to": 0.9, "count": 2, "also": [0.3]},
-                "K_z_over_k": {"values": [50.0, 90.0]},
-            },
-            "zeta.also: cannot be paired with another axis",
-        ),
-    ],
-)
-def test_what_is_wrong_with_further_values_is_said(make, axes, words):
-    with pytest.raises(ConfigurationError) as caught:
-        make({"axes": [axes]})
-    assert words in str(caught.value)
-
-
-def test_a_figure_of_curves_takes_the_cases_that_it_names(make, tmp_path):
+def test_a_figure_of_curves_takes_the_cases_that_it_names(make, computed):
     axes = [{"zeta": {"from": 0.1, "to": 0.9, "count": 9}}, {"K_z_over_k": {"values": [9.0, 90.0]}}]
     figure = {"kind": "curves", "x": "zeta", "at": {"K_z_over_k": 9.0}}
-    study = make({"axes": axes, "figure": figure})
-    frame = evaluate.evaluate(study, 0, 18)
-    outputs.write_chunk(tmp_path / "cases.parquet", frame, study, __version__)
-    (panel,) = error_curves.error_curves(study, tmp_path / "cases.parquet").panels
+    study, frame, path = computed({"axes": axes, "figure": figure})
+    (panel,) = error_curves.error_curves(study, path).panels
     assert (frame["K_z_over_k"][panel.cases] == 9.0).all()
     assert panel.x.tolist() == sorted(set(frame["zeta"]))
     with pytest.raises(ConfigurationError, match=r"figure\.at\.K_z_over_k: 8\.0 is not among"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -158,17 +158,10 @@ def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
 
 def which(quantity: str, fit: Fit) -> dict[str, str]:
     """The columns of a table that say which quantity and which fit a line is about."""
-    by = {"approach": fit.approach, "phase": fit.phase, "sharing": fit.sharing}
-    by |= {"terms": ", ".join(fit.terms)} if fit.terms else {}
-    return (
-        {"quantity": quantity}
-        | by
-        | {
-            "contact": fit.contact,
-            "weights": fit.weights,
-            "fit": fit.kind,
-        }
-    )
+    terms = {"terms": ", ".join(fit.terms)} if fit.terms else {}
+    by = {"quantity": quantity, "approach": fit.approach, "phase": fit.phase}
+    by |= {"sharing": fit.sharing, **terms, "contact": fit.contact}
+    return by | {"weights": fit.weights, "fit": fit.kind}
 
 
 def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
@@ -191,20 +184,37 @@ def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
             for name, value in zip(study.summary_by, values, strict=True)
         ]
         more = (" bound | information |", "---:|---:|") if measured else ("", "")
-        lines += ["", f"## {', '.join(where)}", "", _HEAD + more[0], _RULE + more[1]]
-        lines += [_line(row) for row in rows.to_dict("records")]
+        lines += ["", f"## {', '.join(where)}", ""]
+        more = ["bound", "information"] if measured else []
+        lines += markdown_table(FIT_HEADS, [*_HEADS, *more], map(_cells, rows.to_dict("records")))
     return lines
 
 
-_HEAD = (
-    "| quantity | approach | phase | φ, t_s | fit | identified | bias | scatter | standard error "
-    "| 95 % of the errors below | coverage |"
+def markdown_table(
+    words: Sequence[str], numbers: Sequence[str], rows: Iterable[Sequence[str]]
+) -> list[str]:
+    """A table with columns of words, and columns of numbers, which are aligned to the right.
+
+    words, numbers : heads of the columns.   rows : their cells, as Markdown.
+    """
+    lines = [[*words, *numbers], *rows]
+    head, *others = (f"| {' | '.join(cells)} |" for cells in lines)
+    return [head, f"|{'---|' * len(words)}{'---:|' * len(numbers)}", *others]
+
+
+FIT_HEADS = ("quantity", "approach", "phase", "φ, t_s", "fit")
+_HEADS = (
+    "identified",
+    "bias",
+    "scatter",
+    "standard error",
+    "95 % of the errors below",
+    "coverage",
 )
-_RULE = "|---|---|---|---|---|---:|---:|---:|---:|---:|---:|"
 
 
 def fit_cells(row: Mapping[Any, Any]) -> list[str]:
-    """The cells of a line that say which quantity and which fit it is about."""
+    """The cells under FIT_HEADS."""
     phase, fit = (row[name].replace("_", " ") for name in ("phase", "fit"))
     rigid = ", rigid" if row["contact"] == RIGID else ""
     equal = ", equal weights" if row["weights"] == EQUAL else ""
@@ -212,9 +222,9 @@ def fit_cells(row: Mapping[Any, Any]) -> list[str]:
     return [row["quantity"], f"{row['approach']}{terms}{rigid}{equal}", phase, row["sharing"], fit]
 
 
-def _line(row: Mapping[Any, Any]) -> str:
+def _cells(row: Mapping[Any, Any]) -> list[str]:
     sign = "−" if row["bias_percent"] < 0.0 else ""
-    cells = [
+    return [
         *fit_cells(row),
         f"{row['identified']:,} of {row['runs']:,}",
         f"{sign}{_percent(row, 'bias')} ± {_percent(row, 'bias_error')}",
@@ -223,7 +233,6 @@ def _line(row: Mapping[Any, Any]) -> str:
         f"{_percent(row, 'coverage')} ({_percent(row, 'coverage_low')} to {_percent(row, 'coverage_high')})",
         *(_percent(row, name) for name in ("bound", "information") if f"{name}_percent" in row),
     ]
-    return f"| {' | '.join(cells)} |"
 
 
 def _percent(row: Mapping[Any, Any], name: str) -> str:
