@@ -30,9 +30,6 @@ from .colours import series_colour, variable
 from .legend import line, of_approaches
 from .words import italic
 
-_SHARINGS = {"individual": ", individual phi, t_s", "common": ", common phi, t_s", "": ""}
-
-
 LAW = "*m*ω²*h*"
 """The damping that backward Euler adds, as a legend names it."""
 
@@ -105,7 +102,8 @@ def _chart(study: Study, shown: curves_of.ErrorCurves, symbol: str, number: int)
         column = f"{one.approach}_{one.sharing}".strip("_")
         colour, width = series_colour(one.approach), look_of(one.approach).page_width
         layers.append(curve(column, colour, width, dashed=one.sharing == "common"))
-        says.append(Value(column, label_of(one.approach) + _SHARINGS[one.sharing], "%"))
+        shared = f", {one.sharing} phi, t_s" if one.sharing else ""
+        says.append(Value(column, label_of(one.approach) + shared, "%"))
         errors[column] = one.error
     name, unit = shown.name, curves_of.unit_of(shown.name)
     parameter = PARAMETERS[name]

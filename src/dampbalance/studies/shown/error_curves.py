@@ -12,7 +12,7 @@ import numpy as np
 from ...arrays import Array, Integers
 from ...balance import takes_phase
 from ...figures.looks import SCHEME_LOOKS
-from ...figures.series import EXACT, SignedScale, signed_scale
+from ...figures.series import EXACT, SHARINGS, SignedScale, signed_scale
 from ...model import Oscillator
 from ...motion.fixed_step import SCHEMES
 from ..parameters import PARAMETERS, SI_COLUMNS, Parameter
@@ -24,7 +24,6 @@ from .logarithmic import is_logarithmic
 
 FLOOR, CEILING = 1e-3, 1e3  # %: a smaller error is drawn on a linear axis, a larger one not at all
 FEW = 24  # cases on a curve up to which each is marked
-SHARINGS = ("individual", "common")
 PHASES = {
     "reversal": "phase of the velocity reversal",
     "zero_crossing": "phase of the zero crossing",

@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 from ...balance import TERMS
 from ...figures.grid import Grid, grid, signed_axis
 from ...figures.looks import SCHEME_LOOKS, in_maths, label_of, look_of
+from ...figures.series import SHARINGS
 from ...figures.style import (
     DASHED,
     DOTTED,
@@ -162,7 +163,7 @@ def _legend(panels: Grid, shown: curves.ErrorCurves) -> None:
     """The approaches by colour, those that are not drawn by the bound of their error; φ and t_s by the line."""
     handles = [_handle(key, shown.exact) for key in shown.approaches]
     if len(shown.sharings) > 1:
-        for name, style in zip(curves.SHARINGS, ("-", DASHED), strict=True):
+        for name, style in zip(SHARINGS, ("-", DASHED), strict=True):
             label = rf"{name} $\varphi$, $t_s$"
             handles.append(Line2D([], [], color=FAINT, lw=0.9, ls=style, label=label))
     panels.legend_below(handles, columnspacing=1.2, handlelength=1.8, handletextpad=0.5)
