@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 MINUS, TIMES, NONE = "−", "·", "–"
 GREEK = {"phi": "φ", "omega": "ω", "zeta": "ζ"}
@@ -141,6 +141,17 @@ def in_markdown(text: str) -> str:
     """Text of a user as Markdown shows it, mark by mark, in a paragraph or a cell of a table."""
     lines = "\n".join(line.strip() for line in text.splitlines())
     return _MARKS.sub(lambda mark: f"{mark[0]}\\" if mark[0].isdigit() else rf"\{mark[0]}", lines)
+
+
+def markdown_table(heads: Sequence[str], rows: Iterable[Sequence[str]], align: str = "") -> str:
+    """A table in GitHub-flavoured Markdown.
+
+    heads : a heading for each column.   rows : their cells, ready for Markdown (`in_markdown` for text of a user).
+    align : a letter for each column, l (text) or r (numbers); by default all l.
+    """
+    rule = "".join("---:|" if side == "r" else "---|" for side in align or "l" * len(heads))
+    head = "".join(f" {word} |" if word else " |" for word in heads)
+    return "\n".join([f"|{head}", f"|{rule}", *(f"| {' | '.join(cells)} |" for cells in rows)])
 
 
 def in_figure(text: str) -> str:

@@ -16,7 +16,7 @@ import pandas as pd
 
 from ..project.documents import ConfigurationError, against_schema, in_lines, read_schema, read_yaml
 from ..project.files import sha256
-from ..project.wording import in_markdown
+from ..project.wording import in_markdown, markdown_table
 from ..replication.verdicts import HOLDING, ROUTE_NAMES, VERDICTS, counts
 
 REPORT = """\
@@ -120,7 +120,7 @@ def report(
         source=configuration["source"],
         version=version,
         folder=_link(above.parent, above),
-        manifest=_table(
+        manifest=markdown_table(
             ["file", "what it reproduces", "bytes"],
             [
                 [
@@ -133,7 +133,7 @@ def report(
         ),
         digests="\n".join(f"{sha256(file)}  {item['file']}" for item, file in manifest),
         computed=total.computed,
-        counted=_table(
+        counted=markdown_table(
             ["part", "computed", *VERDICTS],
             [[c.part, str(c.computed), *map(str, c.of_verdict.values())] for c in counted],
         ),
@@ -144,7 +144,7 @@ def report(
         given_held=total.given_held,
         statements=total.statements,
         statements_held=total.statements_held,
-        rest=_table(
+        rest=markdown_table(
             ["where", "quantity", "printed", *ROUTE_NAMES.values(), "verdict", "why"],
             [_row(row) for row in rest.to_dict("records")],
         )
@@ -176,11 +176,6 @@ def _row(row: Mapping[Any, str]) -> list[str]:
         row["verdict"],
         row["explanation"],
     ]
-
-
-def _table(header: list[str], rows: list[list[str]]) -> str:
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
 
 
 def _lowered(page: str) -> str:

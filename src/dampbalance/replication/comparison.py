@@ -15,7 +15,7 @@ from ..estimates import estimate_table
 from ..features import Features, Phase
 from ..model import Oscillator
 from ..project.case import Case
-from ..project.wording import percent
+from ..project.wording import markdown_table, percent
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -66,7 +66,7 @@ def approaches_markdown(table: pd.DataFrame, title: str) -> str:
         ("Least squares over all levels", "{}_error_percent"),
         ("The pair of levels that is furthest off", "{}_largest_pair_error_percent"),
     ):
-        lines += [f"## {heading}", "", *_side_by_side(table, column), ""]
+        lines += [f"## {heading}", "", _side_by_side(table, column), ""]
     lines += [
         "From exact features: what is left is the error of the approach. Phase: the lag of x behind y of the velocity "
         "reversal, of the displacement's zero crossing, or of its fundamental; φ and t_s of each level, or their mean.",
@@ -110,20 +110,17 @@ def _errors_of(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, float]:
     return of_fit | {f"{name}_largest_pair_error_percent": error for name, error in of_pairs}
 
 
-def _side_by_side(table: pd.DataFrame, column: str) -> list[str]:
+def _side_by_side(table: pd.DataFrame, column: str) -> str:
     frequencies = dict(zip(table["frequency"], table["frequency_hz"], strict=True))
     heads = [f"{name}, {hz:g} Hz" for hz in frequencies.values() for name in TERMS]
-    lines = [
-        "| approach | phase | φ, t_s | " + " | ".join(heads) + " |",
-        "|---|---|---|" + "---:|" * len(heads),
-    ]
+    cells = []
     columns = [column.format(name) for name in TERMS]
     for key, rows in table.groupby(["approach", "phase", "sharing"], sort=False):
         errors = rows.set_index("frequency")[columns].reindex(list(frequencies)).to_numpy().ravel()
         approach, phase, sharing = (str(word) for word in key)
         words = [approach, phase.replace("_", " ") or "–", sharing or "–"]
-        lines.append("| " + " | ".join([*words, *map(_signed, errors)]) + " |")
-    return lines
+        cells.append([*words, *map(_signed, errors)])
+    return markdown_table(["approach", "phase", "φ, t_s", *heads], cells, "lll" + "r" * len(heads))
 
 
 def _signed(error: float) -> str:

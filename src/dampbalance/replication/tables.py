@@ -13,6 +13,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from ..balance import TERMS
+from ..project.wording import markdown_table
 from .claim_ids import of_cell, of_text, statistic
 from .verdicts import VERDICTS
 
@@ -24,12 +25,12 @@ Frames = Mapping[str, pd.DataFrame]
 
 TITLES = {
     "table1": "Table 1: amplitudes, slip onset and phase",
-    "table2": "Table 2: energy integrals, and estimates by direct integration",
-    "table3": "Table 3: estimates of the harmonic approaches with common phi and t_s",
-    "statistics": "Statistics of the text: least squares, and mean and standard deviation of the pairs",
-    "approaches": "Error of every approach, phase and sharing, at every frequency",
+    "table2": "Table 2: energy integrals and estimates by direct integration",
+    "table3": "Table 3: estimates of the harmonic approaches, phase and slip time common to all levels",
+    "statistics": "Least squares, and mean and standard deviation of the pairs",
+    "approaches": "Errors of F_k and c by every approach, phase and frequency",
 }
-"""What each table holds, in words."""
+"""The title of each table, wherever it is shown."""
 
 
 class Quantity(NamedTuple):
@@ -127,16 +128,16 @@ def markdown(table: pd.DataFrame, title: str) -> str:
         heads = [
             q if unit == "1" else f"{q} ({unit})" for q, unit in zip(quantities, units, strict=True)
         ]
-        parts += ["| | | " + " | ".join(heads) + " |", "|---|---|" + "---:|" * len(quantities)]
+        lines = []
         for row, cells in block.groupby("row", sort=False):
             label = str(row)
             for source in ("printed", *SHOWN_ROUTES):
                 if source == "printed" and (cells["printed"] == "").all():
                     continue
                 shown = [_shown(cell, source) for _, cell in cells.iterrows()]
-                parts.append(f"| {label} | {source.replace('_', ' ')} | {' | '.join(shown)} |")
+                lines.append([label, source.replace("_", " "), *shown])
                 label = ""
-        parts.append("")
+        parts += [markdown_table(["", "", *heads], lines, "ll" + "r" * len(heads)), ""]
     if (table["verdict"] != "").any():
         marks = ", ".join(f"{verdict.mark} {name}" for name, verdict in VERDICTS.items())
         parts += [f"Marks on printed numbers: {marks}. Reasons: claims.md.", ""]

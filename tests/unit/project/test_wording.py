@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from dampbalance.figures.style import save
-from dampbalance.project.wording import in_figure, in_markdown
+from dampbalance.project.wording import in_figure, in_markdown, markdown_table
 from dampbalance.publishing.page.charts import as_json
 from dampbalance.publishing.page.words import rich
 
@@ -69,3 +69,14 @@ def test_the_page_shows_the_text(text):
     script = as_json({"text": text})
     assert "</" not in script
     assert "<!--" not in script
+
+
+def test_a_table_in_markdown():
+    rows = [["a", "b", "1"], ["", "c", "2"]]
+    assert markdown_table(["", "name", "n"], rows, "llr").splitlines() == [
+        "| | name | n |",
+        "|---|---|---:|",
+        "| a | b | 1 |",
+        "|  | c | 2 |",
+    ]
+    assert markdown_table(["x", "y"], []) == "| x | y |\n|---|---|"

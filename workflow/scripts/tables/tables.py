@@ -6,14 +6,6 @@ from dampbalance.project.files import read_csv, read_routes, write_csv, write_te
 from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication import comparison, tables
 
-TITLES = {
-    "table1": "Table 1: amplitudes, slip onset and phase",
-    "table2": "Table 2: energy integrals and estimates by direct integration",
-    "table3": "Table 3: estimates of the harmonic approaches, phase and slip time common to all levels",
-    "approaches": "Errors of F_k and c by every approach, phase and frequency",
-    "statistics": "Least squares, and mean and standard deviation of the pairs",
-}
-
 
 def at_frequency(features, estimates, frequency, claims):
     """The paper's tables: features and estimates are route → frequency → table."""
@@ -47,9 +39,11 @@ if __name__ == "__main__":
         for name, table in at_frequency(features, estimates, frequency, printed).items():
             path = f"{folder}/tables/{name}{case.suffix(frequency)}"
             write_csv(f"{path}.csv", table)
-            write_text(f"{path}.md", tables.markdown(table, f"{TITLES[name]}, {hz:g} Hz"))
+            write_text(f"{path}.md", tables.markdown(table, f"{tables.TITLES[name]}, {hz:g} Hz"))
         printed = None  # the paper prints the first frequency only
     everywhere = compare(features["exact"], case)
     path = f"{folder}/tables/approaches"
     write_csv(f"{path}.csv", everywhere)
-    write_text(f"{path}.md", comparison.approaches_markdown(everywhere, TITLES["approaches"]))
+    write_text(
+        f"{path}.md", comparison.approaches_markdown(everywhere, tables.TITLES["approaches"])
+    )

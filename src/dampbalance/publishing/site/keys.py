@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ...project.wording import MINUS, in_markdown, listed
+from ...project.wording import MINUS, in_markdown, listed, markdown_table
 
 _UNITS = (  # by the end of a key's name, the longer one first
     ("N_s2_per_m2", "N s²/m²"),
@@ -82,11 +82,11 @@ def tables(found: Sequence[Key], level: int = 2) -> str:
 
 
 def _table(found: Sequence[Key]) -> str:
-    lines = ["| key | type | unit | meaning |", "|---|---|---|---|"]
+    rows = []
     for key in found:
         names = ", ".join(f"`{name}`" for name in key.names) + " *needed*" * key.required
-        lines.append(f"| {names} | {key.type} | {key.unit} | {key.meaning} |")
-    return "\n".join(lines) + "\n"
+        rows.append([names, key.type, key.unit, key.meaning])
+    return markdown_table(["key", "type", "unit", "meaning"], rows) + "\n"
 
 
 @dataclass(frozen=True, slots=True)

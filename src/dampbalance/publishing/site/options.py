@@ -6,7 +6,7 @@ import argparse
 import re
 from collections.abc import Iterator
 
-from ...project.wording import in_markdown, listed
+from ...project.wording import in_markdown, listed, markdown_table
 
 _EXAMPLE = re.compile(r"(?:^ {2,}\S.*\n?)+", re.MULTILINE)
 
@@ -17,7 +17,7 @@ def command(parser: argparse.ArgumentParser) -> str:
     parts = [
         _prose(parser.description or ""),
         f"```\n{usage}\n```\n",
-        "| argument | meaning |\n|---|---|\n" + "".join(_lines(parser)),
+        markdown_table(["argument", "meaning"], _rows(parser)) + "\n",
         _prose(parser.epilog or ""),
     ]
     return "\n".join(part for part in parts if part)
@@ -45,13 +45,13 @@ def _written(action: argparse.Action) -> str:
     return f"{name} {value}" if name and action.nargs != 0 else name or value
 
 
-def _lines(parser: argparse.ArgumentParser) -> Iterator[str]:
+def _rows(parser: argparse.ArgumentParser) -> Iterator[list[str]]:
     for action in _actions(parser):
         needed = " *needed*" if action.required else ""
         words = in_markdown((action.help or "") % {**vars(action), "prog": parser.prog})
         if action.choices:
             words += f": {listed([f'`{choice}`' for choice in action.choices], 'or')}"
-        yield f"| `{_written(action)}`{needed} | {words} |\n"
+        yield [f"`{_written(action)}`{needed}", words]
 
 
 def _prose(text: str) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from ...project.case import Case
-from ...project.wording import in_markdown
+from ...project.wording import in_markdown, markdown_table
 from ..claim_ids import PARTS, part_of
 from ..verdicts import HOLDING, KINDS, ROUTE_NAMES, VERDICTS, counts
 from . import of_tables, of_text
@@ -90,21 +90,23 @@ def claims_markdown(frame: pd.DataFrame) -> str:
     """The claims as a Markdown page: counts first, then a table per part of the paper."""
     lines = ["# Every printed number and its verdict", "", *_meanings(frame), ""]
     for part, rows in frame.groupby(frame["id"].map(part_of), sort=False):
-        lines += [
-            f"## {PARTS[str(part)]}",
-            "",
-            "| where | quantity | printed | exact | as published | from print | verdict | why | kind | judged "
-            "| off, of itself | off, units |",
-            "|---|---|--:|--:|--:|--:|---|---|---|---|--:|--:|",
-        ]
-        for row in rows.to_dict("records"):
-            unit = "" if row["unit"] in ("", "1") else f" ({row['unit']})"
-            row["quantity"] = f"{row['quantity']}{unit}"
-            row |= {name: in_markdown(row[name]) for name in ("where", "quantity", "printed")}
-            cells = [row[name] for name in COLUMNS if name not in ("id", "unit")]
-            lines.append("| " + " | ".join(cells) + " |")
-        lines.append("")
+        lines += [f"## {PARTS[str(part)]}", "", markdown_table(_HEADS, _cells(rows), _ALIGN), ""]
     return "\n".join(lines)
+
+
+_HEADS = (
+    *("where", "quantity", "printed", *ROUTE_NAMES.values(), "verdict", "why"),
+    *("kind", "judged", "off, of itself", "off, units"),
+)
+_ALIGN = "llrrrrllllrr"
+
+
+def _cells(rows: pd.DataFrame) -> Iterator[list[str]]:
+    for row in rows.to_dict("records"):
+        unit = "" if row["unit"] in ("", "1") else f" ({row['unit']})"
+        row["quantity"] = f"{row['quantity']}{unit}"
+        row |= {name: in_markdown(row[name]) for name in ("where", "quantity", "printed")}
+        yield [row[name] for name in COLUMNS if name not in ("id", "unit")]
 
 
 WORSE = "printed numbers are worse off than on record"

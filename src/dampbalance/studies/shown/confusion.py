@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...project.wording import percent
+from ...project.wording import markdown_table, percent
 from ..routes import NONE, terms_named
 from ..stretches import column_of
-from .groups import markdown_table, share_interval
+from .groups import share_interval
 
 
 def choices_of(cases: str | Path) -> pd.DataFrame:
@@ -68,6 +68,7 @@ def laws_in(summary: pd.DataFrame) -> list[str]:
 def confusion_markdown(summary: pd.DataFrame) -> list[str]:
     """The table for reading."""
     chosen = laws_in(summary)
+    heads = ["true law", *chosen, "right", "a term too many"]
     rows = [
         [row["law"], *(str(row[name] or "") for name in chosen), *_shares_in_words(row)]
         for row in summary.to_dict("records")
@@ -76,7 +77,7 @@ def confusion_markdown(summary: pd.DataFrame) -> list[str]:
         "Rows: the true law. Columns: the law that is chosen, in cases. Right, a term too many: shares of the row, "
         "with the bounds between which the number of cases leaves them (95 %).",
         "",
-        *markdown_table(["true law"], [*chosen, "right", "a term too many"], rows),
+        markdown_table(heads, rows, "l" + "r" * (len(heads) - 1)),
     ]
 
 

@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 
 from ...arrays import Array, Mask
 from ...law.terms import KNOWN_TERMS
-from ...project.wording import listed, percent
+from ...project.wording import listed, markdown_table, percent
 from ...solver import NORMAL_95
 from ..settings import EQUAL, RIGID, Fit, Study
 from ..stretches import column_of
@@ -186,20 +186,8 @@ def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
         more = (" bound | information |", "---:|---:|") if measured else ("", "")
         lines += ["", f"## {', '.join(where)}", ""]
         more = ["bound", "information"] if measured else []
-        lines += markdown_table(FIT_HEADS, [*_HEADS, *more], map(_cells, rows.to_dict("records")))
+        lines.append(table_of_fits([*_HEADS, *more], map(_cells, rows.to_dict("records"))))
     return lines
-
-
-def markdown_table(
-    words: Sequence[str], numbers: Sequence[str], rows: Iterable[Sequence[str]]
-) -> list[str]:
-    """A table with columns of words, and columns of numbers, which are aligned to the right.
-
-    words, numbers : heads of the columns.   rows : their cells, as Markdown.
-    """
-    lines = [[*words, *numbers], *rows]
-    head, *others = (f"| {' | '.join(cells)} |" for cells in lines)
-    return [head, f"|{'---|' * len(words)}{'---:|' * len(numbers)}", *others]
 
 
 FIT_HEADS = ("quantity", "approach", "phase", "φ, t_s", "fit")
@@ -211,6 +199,11 @@ _HEADS = (
     "95 % of the errors below",
     "coverage",
 )
+
+
+def table_of_fits(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table whose rows begin with `fit_cells`, under FIT_HEADS; further columns hold numbers."""
+    return markdown_table([*FIT_HEADS, *heads], rows, "l" * len(FIT_HEADS) + "r" * len(heads))
 
 
 def fit_cells(row: Mapping[Any, Any]) -> list[str]:

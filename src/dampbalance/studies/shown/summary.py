@@ -12,11 +12,10 @@ from ..settings import Study
 from ..stretches import Sizes, stretches
 from .confusion import confusion, confusion_markdown
 from .groups import (
-    FIT_HEADS,
     fit_cells,
     grouped_markdown,
     grouped_summary,
-    markdown_table,
+    table_of_fits,
     terms_of,
     which,
 )
@@ -91,5 +90,5 @@ def _overall_markdown(summary: pd.DataFrame) -> list[str]:
     return [
         f"Size of the relative error over all cases in which {identified} could be identified.",
         "",
-        *markdown_table(FIT_HEADS, numbers, rows),
+        table_of_fits(numbers, rows),
     ]
