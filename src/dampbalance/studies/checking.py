@@ -98,7 +98,7 @@ def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
         yield from _wrong_sample(key, **block) if "sample" in block else _wrong_lists(key, block)
         for name in block["sample"]["over"] if "sample" in block else block:
             for other in seen.intersection(synonyms(name)):
-                reason = "twice" if other == name else f"beside {other}, which it stands for"
+                reason = "twice" if other == name else f"together with {other}, the same quantity"
                 yield key, f"{name} is set {reason}; keep one"
             seen.add(name)
 
@@ -125,7 +125,7 @@ def _wrong_lists(key: Key, block: Mapping[str, Any]) -> Iterator[Problem]:
             yield (*place, "also"), "cannot be paired with another axis; list the values of both"
     if len(set(sizes.values())) > 1:
         text = ", ".join(f"{name} has {size}" for name, size in sizes.items())
-        yield key, f"paired axes need as many values each: {text}"
+        yield key, f"paired axes need the same number of values: {text}"
 
 
 def _objections(key: Key, name: str, values: Iterable[Any]) -> Iterator[Problem]:
@@ -136,7 +136,7 @@ def _objections(key: Key, name: str, values: Iterable[Any]) -> Iterator[Problem]
 def _wrong_spread(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
     values = spread_of({**spec, "also": ()})
     if len(set(values)) < len(values):
-        yield key, f"{len(values):,} values do not fit between its ends; take fewer"
+        yield key, f"its ends are too close for {len(values):,} different values; take fewer"
     elif PARAMETERS[name].whole and any(value != int(value) for value in values):
         yield key, f"{PARAMETERS[name].meaning} must be whole numbers; list the values"
 
@@ -179,7 +179,7 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
         yield ("levels_m" if "levels_m" in document else "axes",), text
     yield from _wrong_route(document, study)
     if {"X_s_mark_m", "X_s_decimals"} <= study.parameters:
-        yield ("read_out",), "X_s_mark_m and X_s_decimals say the same; keep one"
+        yield ("read_out",), "X_s_mark_m and X_s_decimals both round X_s; keep one"
     if study.route.chooses_law:
         yield from _wrong_laws(study)
     yield from _wrong_terms(estimation, study)
@@ -199,7 +199,7 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
         if used.isdisjoint(names):
             yield ("route",), f"{kind} needs {' or '.join(names)}, here or as an axis"
         elif used.issuperset(names) and len(names) > 1:
-            yield ("route",), f"{' and '.join(names)} say the same; keep one"
+            yield ("route",), f"{' and '.join(names)} set the same quantity; keep one"
     for name in sorted(used):
         if PARAMETERS[name].kind == "numerics" and name not in wanted.parameters:
             yield ("route",), f"{name} means nothing to the route {kind}"
@@ -248,7 +248,7 @@ def _wrong_terms(estimation: Mapping[str, Any], study: Study) -> Iterator[Proble
             yield key, str(error)
             continue
         if len(terms) > 2 and any(fit.levels for fit in study.fits):
-            text = f"a pair of levels tells two terms apart, not {len(terms)}: take fits: [least_squares]"
+            text = f"a pair of levels identifies two terms, not {len(terms)}: take fits: [least_squares]"
             yield key, text
 
 
@@ -352,7 +352,7 @@ def _wrong_figure(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
             yield ("figure",), "a study of laws has the figure {kind: confusion, x: law}"
         return
     if kind == "confusion":
-        yield ("figure", "kind"), "a confusion is that of laws, which the route laws alone compares"
+        yield ("figure", "kind"), "shows laws, which only the route laws compares"
         return
     if kind == "map" and y is None:
         yield ("figure", "y"), "missing; a map has two axes, x and y"
@@ -361,7 +361,7 @@ def _wrong_figure(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
     wrong = [(("figure", part), text) for part in places if (text := _not_drawn(study, part))]
     yield from wrong
     if not study.fits_of(figure):
-        yield ("figure",), "no fit of this study is meant: see estimation"
+        yield ("figure",), "selects no fit of this study: see estimation"
     if wrong:
         return
     if kind == "map" and x == y:
@@ -417,7 +417,7 @@ def _wrong_panels(study: Study, figure: Mapping[str, Any], kind: str) -> Iterato
     name, key = figure["panels"], ("figure", "panels")
     if name == "phase" and kind == "curves":
         if not any(fit.phase for fit in study.fits):
-            yield key, "no approach of this study knows a phase; leave it out"
+            yield key, "no approach of this study takes a phase; leave it out"
     elif name not in study.axis_names or name == figure["x"]:
         yield key, f"{shortened(name)} is not another axis of this study"
     elif not 0 < len(study.values_of(name)) <= MOST_PANELS:
@@ -430,21 +430,21 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
     yield from wrong
     about_laws = of == "law", take in CHOICES
     if study.route.chooses_law and not all(about_laws):
-        yield key, f"of a study of laws, take {', '.join(CHOICES)} of law"
+        yield key, f"a study of laws has facts of: law, take: {listed(CHOICES, 'or')}"
     if study.route.chooses_law:
         return
     if any(about_laws):
-        yield key, "is about laws, which the route laws alone compares"
+        yield key, "is about laws, which only the route laws compares"
         return
     if not fits:
-        yield key, "no fit of this study is meant: see estimation"
+        yield key, "selects no fit of this study: see estimation"
     columns = {column.name for column in columns_of(study)}
     if any(f"{of}_relative_error__{fit.label}" not in columns for fit in fits):
         text = f"{of} is not identified, or the oscillator has none: see estimation.terms"
         yield (*key, "of"), text
     if take in SPREADS and len(fits) > 1:
         labels = ", ".join(fit.label for fit in fits)
-        yield key, f"{take} is that of one fit, and {labels} are meant"
+        yield key, f"{take} refers to one fit, but selects {labels}"
     if take in OF_INTERVALS and "intervals" not in study.columns:
         yield (*key, "take"), "needs the columns of intervals: columns: [errors, intervals]"
     if take in (*BANDS, "share") and "within" not in spec:
@@ -525,5 +525,5 @@ def _not_held(study: Study, name: str, wanted: float) -> str:
     are = "nearest is" if len(nearest) == 1 else "nearest are"
     return (
         f"{wanted!r} is not among the {len(values)} values of {name}, whose {are} {places}; take one of them, or add "
-        f"it to the axis, in values or beside from, to and count as also: [{wanted!r}]"
+        f"it to the axis, in values or as a further value, also: [{wanted!r}]"
     )

@@ -24,7 +24,7 @@ from .settings import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Fit, Study
 from .sizes import PART
 
 READ = ("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi")
-"""What rules of reading change; the rows need no other feature that they do."""
+"""The features that rules of reading change, as far as the rows need them."""
 
 _SLICE = 16_384  # cases worked on at a time: their arrays stay in the processor's cache
 
@@ -32,7 +32,7 @@ _SLICE = 16_384  # cases worked on at a time: their arrays stay in the processor
 def evaluate(study: Study, start: int, stop: int, threads: int | None = None) -> pd.DataFrame:
     """The cases start … stop − 1 of a study as a table with the columns of `columns_of`.
 
-    threads : for the exact orbits; neither they nor the bounds change a number.
+    threads : for the exact orbits. The numbers depend neither on them nor on start and stop.
     """
     parts = [
         _evaluate(study, first, min(first + _SLICE, stop), threads)
@@ -45,13 +45,13 @@ def evaluate(study: Study, start: int, stop: int, threads: int | None = None) ->
 def in_parts(
     study: Study, start: int, stop: int, threads: int | None = None
 ) -> Iterator[pd.DataFrame]:
-    """As `evaluate`, PART cases at a time."""
+    """Like `evaluate`, PART cases at a time, so that memory does not grow with the number of cases."""
     for first in range(start, stop, PART):
         yield evaluate(study, first, min(first + PART, stop), threads)
 
 
 def case_parameters(study: Study, start: int, stop: int) -> dict[str, Words]:
-    """Value of every parameter in the cases start … stop − 1, by the names of PARAMETERS, each (stop − start,)."""
+    """The value of every parameter in the cases start … stop − 1, by the names of PARAMETERS, each (stop − start,)."""
     fixed = {name: np.full(stop - start, value) for name, value in study.fixed.items()}
     return fixed | case_values(study.blocks, start, stop)
 
@@ -76,9 +76,10 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
     for fit in study.fits:
         residual = np.full(stop - start, np.nan)
         if fit.approach == LIKELIHOOD:
-            found = {symbol: of_both[0] for symbol, of_both in responses.likelihood.items()}
-            errors = {symbol: of_both[1] for symbol, of_both in responses.likelihood.items()}
-            table |= _estimates(fit, found, si) | _intervals(fit, found, errors, si)
+            values_of, errors = (
+                {s: of[i] for s, of in responses.likelihood.items()} for i in (0, 1)
+            )
+            table |= _estimates(fit, values_of, si) | _intervals(fit, values_of, errors, si)
             table[f"residual__{fit.label}"] = residual
             continue
         read, replicates = responses.features, responses.drawn
@@ -108,7 +109,7 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
 
 
 def _chosen(study: Study, start: int, values: Mapping[str, Words]) -> dict[str, Any]:
-    """The law that is chosen in each case; all of its records slip once per half cycle."""
+    """The table of cases of a route that chooses laws; all records slip once per half cycle."""
     from .law_selection import chosen_laws  # slow to import
 
     count = len(values["law"])
@@ -122,20 +123,22 @@ def _chosen(study: Study, start: int, values: Mapping[str, Words]) -> dict[str, 
 
 
 def _relative(value: Array, true: Array) -> Array:
-    """A value over the true one; NaN where that is zero."""
+    """The ratio of a value to the true one; NaN where that is zero."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(true > 0.0, value / true, np.nan)
 
 
 def _of_levels(rows: Rows, fit: Fit) -> Rows:
-    """The rows that a fit takes: all, or those of its two levels."""
+    """The rows that a fit uses: all, or those of its two levels."""
     return rows if fit.levels is None else rows[list(fit.levels)]
 
 
-def _estimates(fit: Fit, found: Mapping[str, Array], si: Mapping[str, Array]) -> dict[str, Array]:
+def _estimates(
+    fit: Fit, estimates: Mapping[str, Array], si: Mapping[str, Array]
+) -> dict[str, Array]:
     """The coefficients, and their relative errors."""
     table = {}
-    for symbol, value in found.items():
+    for symbol, value in estimates.items():
         table[f"{KNOWN_TERMS[symbol].column}__{fit.label}"] = value
         if symbol in si:  # a term that the oscillator has
             table[f"{symbol}_relative_error__{fit.label}"] = _relative(value, si[symbol]) - 1.0
@@ -144,14 +147,14 @@ def _estimates(fit: Fit, found: Mapping[str, Array], si: Mapping[str, Array]) ->
 
 def _intervals(
     fit: Fit,
-    found: Mapping[str, Array],
+    estimates: Mapping[str, Array],
     errors: Mapping[str, Array],
     si: Mapping[str, Array],
 ) -> dict[str, Array]:
     """Standard errors of the coefficients, and whether estimate ± 1.96 of them holds the true value."""
     table = {}
-    for symbol in found.keys() & si.keys():
-        value, error, true = found[symbol], errors[symbol], si[symbol]
+    for symbol in estimates.keys() & si.keys():
+        value, error, true = estimates[symbol], errors[symbol], si[symbol]
         held = np.where(np.abs(value - true) <= NORMAL_95 * error, 1.0, 0.0)
         judged = np.isfinite(value) & np.isfinite(error)
         table[f"{symbol}_relative_standard_error__{fit.label}"] = _relative(error, true)
@@ -182,7 +185,7 @@ def _responses(cases: Cases, threads: int | None) -> Responses:
 def _rows(
     fit: Fit, responses: Features, k: Array, rules: Sequence[tuple[Integers, ReadOut]]
 ) -> Rows:
-    """Rows of the balance as the approach of a fit forms them from what is read."""
+    """Rows of the balance that the approach of a fit forms from features."""
     if fit.approach == SIMPSON:
         return direct(responses, k)
     seen = responses.with_phase(fit.phase) if fit.phase else responses
@@ -196,7 +199,7 @@ def _rows(
 
 
 def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut]]:
-    """(cases, rules of reading) for each set of rules among the cases; nothing if there are no rules."""
+    """(cases, rules of reading) for each different set of rules among the cases; empty without rules."""
     names = [name for name in values if PARAMETERS[name].kind == "read_out"]
     if not names:
         return []
@@ -213,7 +216,7 @@ def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut
 def _as_read(
     responses: Features, rules: Sequence[tuple[Integers, ReadOut]], common: bool
 ) -> Features:
-    """The responses as read, each case by its own rules; with the mean φ and t_s of its levels if `common`."""
+    """The features after rounding, each case by its own rules; with the mean φ and t_s of its levels if `common`."""
     changed = {name: np.empty(responses.X.shape) for name in READ}
     for cases, read_out in rules:
         part = responses[:, cases]
@@ -224,9 +227,9 @@ def _as_read(
 
 
 def _regime_names(words: Words) -> Words:
-    """The kind of response of each case: one name if all levels are alike, else the names of the levels."""
-    kinds, known = pd.factorize(words.ravel())
-    base = len(known)
+    """The regime of each case: one name if all levels are alike, else the names of all levels."""
+    kinds, regimes = pd.factorize(words.ravel())
+    base = len(regimes)
     packed = np.zeros(words.shape[1], dtype=np.int64)
     for row in kinds.reshape(words.shape):
         packed = packed * base + row

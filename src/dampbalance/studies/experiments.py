@@ -1,7 +1,7 @@
-"""Responses read off noisy records: the exact orbit, sampled, with white noise, as an engineer would have measured it.
+"""Responses identified from noisy records: the exact orbit, sampled, with white noise, as in a measurement.
 
-Each case is one experiment of its own. Noise and bootstrap come from generators seeded by (seed, number of the case,
-level): a case does not depend on the chunk it is computed in.
+Each case is a separate experiment. Noise and bootstrap come from generators seeded by (seed, number of the case,
+level): a case does not depend on the chunk in which it is computed.
 """
 
 from __future__ import annotations
@@ -72,12 +72,12 @@ def _measured(
     noise: float,
     random: np.random.Generator,
 ) -> tuple[Reading, Measurement] | str:
-    """What is read off one record, and the record; in words, why nothing is."""
+    """The reading of one record, and the record; the reason, in words, where it cannot be read."""
     try:
         orbit = steady_orbit(osc, motion)
     except NoSteadyOrbit:
         return str(Regime.NOT_FOUND)
-    start = random.random() * motion.period  # the record begins anywhere in the cycle
+    start = random.random() * motion.period  # a record begins anywhere in the cycle
     measurement = measured_orbit(
         orbit, rate_hz=rate_hz, cycles=cycles, noise=noise, seed=random, start=start
     )
@@ -90,9 +90,11 @@ def _measured(
 def _with_one_oscillator(
     read: Sequence[Reading | str], k: float, count: int, random: np.random.Generator
 ) -> tuple[Features, Features, Whole | None]:
-    """Features (L,) and replicates (L, count) of the levels of a case, with the onset of slip that one oscillator gives
-    them, as in `identification`, and that oscillator; a level that was not read has NaN and the reason, and where no
-    oscillator holds, none has a friction travel."""
+    """Features (L,) and replicates (L, count) of the levels of a case, and the oscillator fitted to all of them.
+
+    The onsets of slip are those of that oscillator, as in `identification`. A level that was not read has NaN and the
+    reason; where no oscillator fits the records, no level has a friction travel.
+    """
     whole = None
     readings = [reading for reading in read if isinstance(reading, Reading)]
     if readings:

@@ -1,4 +1,4 @@
-"""Exact steady responses of n cases at L levels, what can be read off responses, and the names of what they can be."""
+"""Cases and their responses, the names of regimes, and the exact steady responses of n cases at L levels."""
 
 from __future__ import annotations
 
@@ -31,9 +31,10 @@ class Cases(NamedTuple):
 class Responses(NamedTuple):
     """The responses of n cases at L levels.
 
-    features : (L, n).   Of noisy records, besides: drawn : bootstrap replicates of the features, (L, n, r).
-    simpson : features and replicates with a, b and W by `reading.simpson`, where they were asked for.
-    likelihood : symbol → value and standard error by the oscillator of largest likelihood, SI units, (2, n).
+    features : (L, n). The rest is for noisy records only.
+    drawn : bootstrap replicates of the features, (L, n, r).
+    simpson : features and replicates with a, b and W by `reading.simpson`, where a fit asks for them.
+    likelihood : symbol → value and standard error of the maximum-likelihood oscillator, SI units, (2, n).
     """
 
     features: Features
@@ -50,8 +51,8 @@ REGIME_NAMES = {
     STEP_TOO_COARSE: "step_too_coarse",
     "no slip onset could be read off the record": NOT_READ,
 }
-"""What a response is, or why a feature is missing: words → name in the table of cases. Other words are reasons why a
-record could not be read."""
+"""The regime of a response, or why a feature is missing: words → name in the table of cases. Other words give the reason
+why a record could not be read."""
 
 
 def exact_responses(cases: Cases, threads: int | None = None) -> Features:

@@ -26,7 +26,7 @@ _HARMONICS = 128  # odd ones: what lies beyond takes 1e-9 of the work or less
 def law_responses(cases: Cases, terms: Iterable[str]) -> Features:
     """The steady responses of n cases at L levels, as features of shape (L, n).
 
-    terms : symbols of the further terms whose integrals are wanted.
+    terms : symbols of the further terms to integrate.
     """
     si, Y = cases.si, cases.Y
     terms = list(terms)
@@ -53,7 +53,7 @@ def of_response(
 ) -> Features:
     """Features of one steady response under any law, (1,).
 
-    motion : of the base.   k : N/m.   terms : symbols of further terms whose integrals are wanted.
+    motion : of the base.   k : spring to the base, N/m.   terms : symbols of the further terms to integrate.
     """
     omega, n = motion.omega, np.arange(1.0, 2.0 * _HARMONICS, 2.0)
     x = response.harmonics(_HARMONICS)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..law.terms import FRICTION, in_order
 
 NONE = "none"
-"""Where no law is chosen."""
+"""The name where no law is chosen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +17,7 @@ class Route:
 
     kind : its name in the file.
     needs : parameters of the route; of each group one is needed.
-    optional : parameters that it takes besides.
+    optional : further parameters that it takes.
     settings : other keys of the section `route` that it takes.
     refuses : sections of the file that mean nothing to it, and why.
     any_law : whether the oscillator may have further damping terms, and the balance too.
@@ -91,7 +91,7 @@ ROUTES = {
 }
 
 REPLICATES = 200
-"""Bootstrap replicates if the file does not say: a standard error from them is good to 5 %."""
+"""Bootstrap replicates if the file does not say; their standard error is accurate to 5 %."""
 
 
 def law_named(terms: Iterable[str]) -> str:
@@ -100,7 +100,7 @@ def law_named(terms: Iterable[str]) -> str:
 
 
 def terms_named(name: str) -> tuple[str, ...]:
-    """The terms of a law by its name. Raises ValueError for a term that is not known, or a name of another form."""
+    """The terms of a law by its name. Raises ValueError for an unknown term, or a name of another form."""
     terms = in_order(name.split(" + "))
     if law_named(terms) != name:
         raise ValueError(f"the law {name!r} should be written {law_named(terms)!r}")

@@ -1,4 +1,4 @@
-"""Responses read off records, one after the other: fixed-step simulations, and exact orbits sampled at f_s.
+"""Features of records, one after the other: fixed-step simulations, and exact orbits sampled at f_s.
 
 Reading a record costs milliseconds where an exact orbit costs a microsecond: studies of these routes have thousands of
 responses, not millions.
@@ -68,7 +68,7 @@ def _read_each(
         try:
             if record:
                 return of_record(record, motion.omega, osc.k, cases.study.reading)
-        except ValueError:  # too short, or too coarse to hold a reversal
+        except ValueError:  # too short, or too coarse to contain a reversal
             pass
         return of_numbers(motion.omega, NOT_READ)
 

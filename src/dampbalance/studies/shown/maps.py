@@ -45,9 +45,9 @@ class Shares(NamedTuple):
 
 @styled()
 def share_map(study: Study, cases: str | Path) -> Figure:
-    """Share of the cases whose error is within the bound, over two axes; all other axes are averaged over.
+    """Share of the cases whose error is within the bound, over two axes, averaged over all other axes.
 
-    Rows: the terms, with each phase definition. Columns: approaches; one that knows no phase has a panel as high as
+    Rows: the terms, with each phase definition. Columns: approaches; one that takes no phase has a panel as high as
     all rows of a term. The line encloses the region in which at least 90 % of the cases are within the bound.
     An approach that is within it in every case is named below the panels and not drawn.
     """
@@ -117,9 +117,9 @@ def _scale(figure: Figure, mesh: Any, bar: Axes, within: float) -> None:
 
 
 def _perfect(fits: list[Fit], shares: Mapping[tuple[Fit, str], Shares]) -> list[str]:
-    """The approaches whose every fit is within the bound in every case: a map of them is of one colour.
+    """The approaches that are within the bound in every case and by every fit, so that a map would show one colour.
 
-    None where that holds for all of them: there must be something to draw.
+    Empty where that holds for all approaches: something must be drawn.
     """
     approaches = list(dict.fromkeys(fit.approach for fit in fits))
     short = {fit.approach for (fit, _), share in shares.items() if share.overall < 1.0}
@@ -154,23 +154,23 @@ def shares_within(
     }
 
 
-def _panel(axes: Axes, study: Study, found: Shares, last: bool) -> Any:
+def _panel(axes: Axes, study: Study, shares: Shares, last: bool) -> Any:
     """One map, with the line around the region where the approach holds."""
     look: dict[str, Any] = {"cmap": "viridis", "rasterized": True, "linewidth": 0}
-    mesh = axes.pcolormesh(found.x_edges, found.y_edges, found.share, vmin=0.0, vmax=1.0, **look)
-    axes.set(xlim=found.x_edges[[0, -1]], ylim=found.y_edges[[0, -1]])
+    mesh = axes.pcolormesh(shares.x_edges, shares.y_edges, shares.share, vmin=0.0, vmax=1.0, **look)
+    axes.set(xlim=shares.x_edges[[0, -1]], ylim=shares.y_edges[[0, -1]])
     centres = []
-    sides: dict[Literal["x", "y"], Array] = {"x": found.x_edges, "y": found.y_edges}
+    sides: dict[Literal["x", "y"], Array] = {"x": shares.x_edges, "y": shares.y_edges}
     for which, edges in sides.items():
         _, logarithmic = _edges(study, study.figure[which])
         middle = 0.5 * (edges[1:] + edges[:-1])
         centres.append(np.sqrt(edges[1:] * edges[:-1]) if logarithmic else middle)
         if logarithmic:
             logarithmic_ticks(axes, which, edges[0], edges[-1], ends=last or which == "y")
-    if min(found.share.shape) > 2:
+    if min(shares.share.shape) > 2:
         from scipy.ndimage import gaussian_filter  # slow to import, and needed for maps only
 
-        smooth = gaussian_filter(np.nan_to_num(found.share), sigma=1.0, mode="nearest")
+        smooth = gaussian_filter(np.nan_to_num(shares.share), sigma=1.0, mode="nearest")
         if smooth.max() > REGION > smooth.min():
             axes.contour(*centres, smooth, levels=[REGION], colors="white", linewidths=1.0)
     return mesh

@@ -130,7 +130,7 @@ def _curve(axes: Axes, panel: curves.Panel, curve: curves.Curve, number: int) ->
     style: dict[str, Any] = {"ls": "-", "mfc": look.colour, "ms": 3.2, "mew": 0.7, "lw": look.width}
     style |= {"ls": DASHED, "mfc": "white"} if curve.sharing == "common" else {}
     style |= {"color": look.colour, "marker": look.marker}
-    if not panel.few:  # with an edge, lest they vanish in curves that lie on each other
+    if not panel.few:  # with an edge, which keeps them visible on curves that coincide
         edge = look.colour if curve.sharing == "common" else "white"
         style |= {"markevery": (0.03 + 0.04 * number, 0.2), "ms": 4.0, "mec": edge}
     axes.plot(panel.x, curve.error, **style)
