@@ -142,7 +142,9 @@ def _studies(folder: Path) -> tuple[list[str], list[str]]:
             file, ROOT / "workflow/schemas/study.schema.yaml", ROOT / "config/config.yaml"
         )
         table = folder / f"{STUDIES}/{name}/cases.parquet"
-        outputs.write_chunk(table, evaluate.evaluate(study, 0, study.cases, threads=1), study, "0")
+        outputs.write_parts(
+            table, [evaluate.evaluate(study, 0, study.cases, threads=1)], study, "0"
+        )
         if name in ("frequency", "noise", "rigid_contact"):
             figure = study_figure(study, table)
             _save(figure, table.with_name("figure.svg"), alternative_text(study))

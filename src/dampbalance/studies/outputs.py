@@ -59,11 +59,6 @@ def schema_of(study: Study, version: str) -> pa.Schema:
     return pa.schema(fields, metadata=about)
 
 
-def write_chunk(path: str | Path, frame: pd.DataFrame, study: Study, version: str) -> None:
-    """Write the cases of one chunk, which appear complete or not at all."""
-    write_parts(path, [frame], study, version)
-
-
 def write_parts(
     path: str | Path, parts: Iterable[pd.DataFrame], study: Study, version: str
 ) -> None:

@@ -11,14 +11,14 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..arrays import Array, Complexes
-from ..features import Features, beside, of_numbers, of_orbit, stack, wrapped
+from ..features import Features, of_numbers, of_orbit, wrapped
 from ..law.integrals import of_harmonics
 from ..law.steady import Response, steady_response
-from ..model import BaseMotion
+from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit
 from ..motion.regime import Regime
-from .parameters import OF_LAW, oscillator_of
-from .responses import Cases
+from .parameters import OF_LAW
+from .responses import Cases, one_by_one
 
 _HARMONICS = 128  # odd ones: what lies beyond takes 1e-9 of the work or less
 
@@ -28,24 +28,17 @@ def law_responses(cases: Cases, terms: Iterable[str]) -> Features:
 
     terms : symbols of the further terms to integrate.
     """
-    si, Y = cases.si, cases.Y
-    terms = list(terms)
-    columns = []
-    for case in range(Y.shape[1]):
-        oscillator = oscillator_of(si, case)
+    si, terms = cases.si, list(terms)
+
+    def response(osc: Oscillator, motion: BaseMotion, case: int) -> Features:
         law = {symbol: float(si[symbol][case]) for symbol in OF_LAW.values() if symbol in si}
-        levels = []
-        for level in Y[:, case]:
-            motion = BaseMotion(Y=float(level), omega=float(si["omega"][case]))
-            try:
-                response = steady_response(oscillator, motion, law)
-                levels.append(of_response(response, motion, oscillator.k, terms))
-            except NoSteadyOrbit:
-                nothing = {symbol: np.full(1, np.nan) for symbol in terms}
-                lost = of_numbers(motion.omega, str(Regime.NOT_FOUND), integrals=nothing)
-                levels.append(lost)
-        columns.append(stack(levels))
-    return beside(columns)
+        try:
+            return of_response(steady_response(osc, motion, law), motion, osc.k, terms)
+        except NoSteadyOrbit:
+            nothing = {symbol: np.full(1, np.nan) for symbol in terms}
+            return of_numbers(motion.omega, str(Regime.NOT_FOUND), integrals=nothing)
+
+    return one_by_one(cases, response)
 
 
 def of_response(

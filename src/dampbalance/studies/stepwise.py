@@ -10,15 +10,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..features import Features, beside, of_numbers, stack
+from ..features import Features, of_numbers
 from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
 from ..reading.clean import CYCLES_TO_READ, of_record
 from ..record import Record
-from .parameters import oscillator_of
-from .responses import NOT_READ, STEP_TOO_COARSE, Cases
+from .responses import NOT_READ, STEP_TOO_COARSE, Cases, one_by_one
 
 
 def fixed_step_responses(cases: Cases) -> Features:
@@ -72,9 +71,4 @@ def _read_each(
             pass
         return of_numbers(motion.omega, NOT_READ)
 
-    columns = []
-    for case, omega in enumerate(cases.si["omega"].tolist()):
-        osc = oscillator_of(cases.si, case)
-        levels = cases.Y[:, case].tolist()
-        columns.append(stack([read(osc, BaseMotion(Y, omega), case) for Y in levels]))
-    return beside(columns).replaced(Y=cases.Y)
+    return one_by_one(cases, read).replaced(Y=cases.Y)

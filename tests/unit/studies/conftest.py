@@ -33,7 +33,7 @@ def computed(make, tmp_path_factory):
         study = make(document)
         table = evaluate.evaluate(study, 0, study.cases) if table is None else table
         path = tmp_path_factory.mktemp("cases") / "cases.parquet"
-        outputs.write_chunk(path, table, study, __version__)
+        outputs.write_parts(path, [table], study, __version__)
         return study, table, path
 
     return run

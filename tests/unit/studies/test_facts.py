@@ -108,7 +108,7 @@ def table(study, folder, error):
     frame = evaluate.evaluate(study, 0, study.cases)
     name = "F_k_relative_error__direct__least_squares"
     frame[name] = error(frame["zeta"].to_numpy(float))
-    outputs.write_chunk(folder / "cases.parquet", frame, study, __version__)
+    outputs.write_parts(folder / "cases.parquet", [frame], study, __version__)
     return folder / "cases.parquet"
 
 
@@ -163,7 +163,7 @@ def shipped(tmp_path_factory):
             )
             path = tmp_path_factory.mktemp(name) / "cases.parquet"
             frame = evaluate.evaluate(study, 0, study.cases)
-            outputs.write_chunk(path, frame, study, __version__)
+            outputs.write_parts(path, [frame], study, __version__)
             made[name] = study, path
         study, path = made[name]
         return [facts.fact(study, path, study.facts[fact]) for fact in wanted]

@@ -327,7 +327,7 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         if "covered" in name:
             table[name] = (rng.random(n) < 0.8).astype(float)
     path = tmp_path / "cases.parquet"
-    outputs.write_chunk(path, table, study, __version__)
+    outputs.write_parts(path, [table], study, __version__)
 
     figure = study_figure(study, path)
     axes = {axes.get_label(): axes for axes in figure.axes}

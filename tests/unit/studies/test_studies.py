@@ -309,7 +309,7 @@ def test_the_size_told_is_an_upper_bound_and_not_far_off(make, tmp_path):
     made = make(changed)
     size = sizes.size_of(made)
     assert (size.cases, size.responses, size.chunks) == (3000, 9000, 1)
-    outputs.write_chunk(tmp_path / "a.parquet", evaluate.evaluate(made, 0, 3000), made, "0")
+    outputs.write_parts(tmp_path / "a.parquet", [evaluate.evaluate(made, 0, 3000)], made, "0")
     written = (tmp_path / "a.parquet").stat().st_size
     assert 0.6 * size.table_bytes < written < size.table_bytes
 
@@ -358,7 +358,7 @@ def test_chunks_join_to_the_same_table(make, tmp_path):
     for i in range(3):
         chunks.append(tmp_path / f"{i}.parquet")
         frame = evaluate.evaluate(made, *sizes.chunk_bounds(made, i))
-        outputs.write_chunk(chunks[-1], frame, made, __version__)
+        outputs.write_parts(chunks[-1], [frame], made, __version__)
     outputs.join_chunks(tmp_path / "cases.parquet", chunks, made)
     joined = pd.read_parquet(tmp_path / "cases.parquet")
     whole = evaluate.evaluate(made, 0, 40)
@@ -373,7 +373,7 @@ def test_chunks_join_to_the_same_table(make, tmp_path):
 def test_the_summary_counts_what_is_there(make, tmp_path):
     made = make(SOBOL)
     frame = evaluate.evaluate(made, 0, 40)
-    outputs.write_chunk(tmp_path / "cases.parquet", frame, made, __version__)
+    outputs.write_parts(tmp_path / "cases.parquet", [frame], made, __version__)
     table = summary.summary_of(tmp_path / "cases.parquet", made)
     assert len(table) == 2 * len(made.fits)
     line = table[
@@ -434,7 +434,7 @@ def test_facts_are_taken_from_the_cases_they_name(make, tmp_path):
     )
     path = tmp_path / "cases.parquet"
     frame = evaluate.evaluate(made, 0, 9)
-    outputs.write_chunk(path, frame, made, __version__)
+    outputs.write_parts(path, [frame], made, __version__)
     error = frame["F_k_relative_error__X_s__reversal__individual__least_squares"]
     worst, one, part, band, cases = facts.paragraph(made, path).split("; ")
     assert worst == percent(error.abs().max())
