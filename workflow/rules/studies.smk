@@ -57,7 +57,7 @@ def study_plan(name):
 
 
 def requested_studies():
-    """The studies that the command line names; so early, only the command line knows the targets."""
+    """The studies that the command line names; the targets are not known otherwise at this point."""
     if workflow.modifier.modify_rulename("studies") in sys.argv:
         return STUDIES
     prefix = f"{placed(STUDY_RESULTS)}/"
@@ -66,7 +66,7 @@ def requested_studies():
 
 
 if workflow.is_main_process:
-    os.environ["DAMPBALANCE_STARTED"] = str(time.time())  # for the remaining time that chunks tell
+    os.environ["DAMPBALANCE_STARTED"] = str(time.time())  # for the remaining time that chunks report
     for name in requested_studies():
         logger.info(f"Study {name}: {study_plan(name)[1]}")
 

@@ -15,7 +15,7 @@ from ..features import Features
 from ..law.terms import KNOWN_TERMS
 from ..motion.regime import Regime
 from ..replication.readout import ReadOut
-from ..solver import NORMAL_95, solve
+from ..solver import NORMAL_95, Estimate, solve
 from .axes import case_values
 from .columns import columns_of
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, SI_COLUMNS, in_si
@@ -76,10 +76,8 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
     for fit in study.fits:
         residual = np.full(stop - start, np.nan)
         if fit.approach == LIKELIHOOD:
-            values_of, errors = (
-                {s: of[i] for s, of in responses.likelihood.items()} for i in (0, 1)
-            )
-            table |= _estimates(fit, values_of, si) | _intervals(fit, values_of, errors, si)
+            both = ({s: of[i] for s, of in responses.likelihood.items()} for i in (0, 1))
+            table |= _results(fit, *both, si)
             table[f"residual__{fit.label}"] = residual
             continue
         read, replicates = responses.features, responses.drawn
@@ -89,20 +87,12 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
         if key not in cached:
             cached[key] = _rows(fit, read, si["k"], rules)
         rows = _of_levels(cached[key], fit)
-        drawn = None
-        if replicates is not None:
+        if replicates is None:
+            estimate, errors = solve(rows), {}
+        else:
             drawn = _of_levels(_rows(fit, replicates, si["k"][:, None], ()), fit)
-            if fit.weights == WEIGHTED:
-                rows = replace(rows, covariance=drawn.scatter())
-        estimate = solve(rows)
-        table |= _estimates(fit, estimate.values, si)
-        if drawn is not None:
-            if fit.weights == WEIGHTED:
-                weights = rows.weighted(estimate.values).weights
-                assert weights is not None
-                drawn = replace(drawn, weights=np.broadcast_to(weights[..., None], drawn.W.shape))
-            scatter = {s: of.std(axis=1, ddof=1) for s, of in solve(drawn).values.items()}
-            table |= _intervals(fit, estimate.values, scatter, si)
+            estimate, errors = _with_errors(rows, drawn, fit.weights == WEIGHTED)
+        table |= _results(fit, estimate.values, errors, si)
         only_rounding = len(rows.W) <= len(estimate.values)
         table[f"residual__{fit.label}"] = residual if only_rounding else estimate.residual
     return table
@@ -133,32 +123,36 @@ def _of_levels(rows: Rows, fit: Fit) -> Rows:
     return rows if fit.levels is None else rows[list(fit.levels)]
 
 
-def _estimates(
-    fit: Fit, estimates: Mapping[str, Array], si: Mapping[str, Array]
+def _with_errors(rows: Rows, drawn: Rows, weighted: bool) -> tuple[Estimate, dict[str, Array]]:
+    """The estimate from rows, weighted by the scatter of replicates or not, and its standard errors by the replicates,
+    which take the weights of the rows."""
+    if weighted:
+        rows = replace(rows, covariance=drawn.scatter())
+    estimate = solve(rows)
+    if weighted:
+        weights = rows.weighted(estimate.values).weights
+        assert weights is not None
+        drawn = replace(drawn, weights=np.broadcast_to(weights[..., None], drawn.W.shape))
+    return estimate, {s: of.std(axis=1, ddof=1) for s, of in solve(drawn).values.items()}
+
+
+def _results(
+    fit: Fit, estimates: Mapping[str, Array], errors: Mapping[str, Array], si: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """The coefficients, and their relative errors."""
+    """The columns of a fit: coefficients and their relative errors; with standard errors also these, and whether
+    estimate ± 1.96 standard errors holds the true value."""
     table = {}
     for symbol, value in estimates.items():
         table[f"{KNOWN_TERMS[symbol].column}__{fit.label}"] = value
-        if symbol in si:  # a term that the oscillator has
-            table[f"{symbol}_relative_error__{fit.label}"] = _relative(value, si[symbol]) - 1.0
-    return table
-
-
-def _intervals(
-    fit: Fit,
-    estimates: Mapping[str, Array],
-    errors: Mapping[str, Array],
-    si: Mapping[str, Array],
-) -> dict[str, Array]:
-    """Standard errors of the coefficients, and whether estimate ± 1.96 of them holds the true value."""
-    table = {}
-    for symbol in estimates.keys() & si.keys():
-        value, error, true = estimates[symbol], errors[symbol], si[symbol]
-        held = np.where(np.abs(value - true) <= NORMAL_95 * error, 1.0, 0.0)
-        judged = np.isfinite(value) & np.isfinite(error)
-        table[f"{symbol}_relative_standard_error__{fit.label}"] = _relative(error, true)
-        table[f"{symbol}_covered__{fit.label}"] = np.where(judged, held, np.nan)
+        if symbol not in si:  # a term that the oscillator does not have
+            continue
+        table[f"{symbol}_relative_error__{fit.label}"] = _relative(value, si[symbol]) - 1.0
+        if symbol in errors:
+            error, off = errors[symbol], np.abs(value - si[symbol])
+            covered = np.where(off <= NORMAL_95 * error, 1.0, 0.0)
+            judged = np.isfinite(value) & np.isfinite(error)
+            table[f"{symbol}_relative_standard_error__{fit.label}"] = _relative(error, si[symbol])
+            table[f"{symbol}_covered__{fit.label}"] = np.where(judged, covered, np.nan)
     return table
 
 

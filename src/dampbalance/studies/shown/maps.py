@@ -178,7 +178,7 @@ def _panel(axes: Axes, study: Study, shares: Shares, last: bool) -> Any:
 
 def _edges(study: Study, name: str) -> tuple[Array, bool]:
     """Bin edges along an axis, around each listed value or over the range of a sample; whether it is logarithmic."""
-    block = next((block for block in study.blocks if name in block.names), None)
+    block = study.block_of(name)
     if block is None:
         raise ValueError(f"{name} is not an axis of the study {study.name}")
     if isinstance(block, Sampled):
