@@ -66,7 +66,8 @@ def requested_studies():
 
 
 if workflow.is_main_process:
-    os.environ["DAMPBALANCE_STARTED"] = str(time.time())  # for the remaining time that chunks report
+    # from which chunks estimate the remaining time
+    os.environ["DAMPBALANCE_STARTED"] = str(time.time())
     for name in requested_studies():
         logger.info(f"Study {name}: {study_plan(name)[1]}")
 

@@ -39,7 +39,7 @@ def matlab_file(path: Path, largest: int) -> RecordFile:
         truths = {name for name, _, kind in whosmat(path) if kind == "logical"}
         document = reader.read_mat(str(path))
     found = {n: v for n, v in document.items() if not n.startswith("__") and n not in truths}
-    fields = {
+    fields: dict[str, Any] = {
         name: value
         for name, value in dotted(found)
         if np.isscalar(value) or (isinstance(value, np.ndarray) and value.dtype.kind in "fiu")
