@@ -27,6 +27,7 @@ from .arguments import numbers
 from .arrays import Array, Integers
 from .balance import Rows
 from .factorisation import solve_cases
+from .law.terms import listed
 
 Pair = tuple[int, int]
 
@@ -133,13 +134,13 @@ def least_squares(rows: Rows) -> Estimate:
     unknowns, usable = list(estimate.values), int(np.count_nonzero(rows.usable))
     if usable < len(unknowns):
         raise ValueError(
-            f"{_listed(unknowns)} need at least {_number(len(unknowns))} usable responses, got {usable} of "
+            f"{listed(unknowns)} need at least {_number(len(unknowns))} usable responses, got {usable} of "
             f"{rows.usable.size}: the others lack a feature (nothing slips); raise their excitation or add levels"
         )
     if math.isnan(estimate.residual):
         raise ValueError(
             f"the {usable} usable responses are one and the same, or nothing slides in any of them: "
-            f"{_listed(unknowns)} cannot be told apart; use levels that differ and slip"
+            f"{listed(unknowns)} cannot be told apart; use levels that differ and slip"
         )
     return estimate
 
@@ -162,11 +163,11 @@ def pair(rows: Rows, i: int, j: int) -> Estimate:
         unknowns = list(estimate.values)
         if len(unknowns) > 2:
             raise ValueError(
-                f"pair {pair_label(i, j)}: two levels do not tell {_listed(unknowns)} apart; give all but two of them"
+                f"pair {pair_label(i, j)}: two levels do not tell {listed(unknowns)} apart; give all but two of them"
             )
         raise ValueError(
             f"pair {pair_label(i, j)}: levels {i + 1} and {j + 1} give the same response, or nothing slides in either: "
-            f"{_listed(unknowns)} cannot be told apart; use two levels that differ and slip"
+            f"{listed(unknowns)} cannot be told apart; use two levels that differ and slip"
         )
     return estimate
 
@@ -207,10 +208,6 @@ def contact_stiffness(F_k: ArrayLike, X: ArrayLike, X_s: ArrayLike) -> Array:
 def pair_label(i: int, j: int) -> str:
     """The paper's name of the pair of responses i, j: levels counted from 1, e.g. "1-2"."""
     return f"{i + 1}-{j + 1}"
-
-
-def _listed(symbols: Sequence[str]) -> str:
-    return " and ".join([", ".join(symbols[:-1]), symbols[-1]] if len(symbols) > 1 else symbols)
 
 
 def _number(n: int) -> str:

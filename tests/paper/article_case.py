@@ -24,7 +24,7 @@ from dampbalance.replication import comparison
 from dampbalance.replication.printed_tables import paper_tables
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
-from dampbalance.studies.shown import drawing
+from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from dampbalance.studies.shown.summary import summary_of
 from paper.routes import CASE, CONFIG, PAPER, ROOT, as_published, exact, judged
 
@@ -137,10 +137,12 @@ def _studies(folder: Path) -> tuple[list[str], list[str]]:
             file, ROOT / "workflow/schemas/study.schema.yaml", ROOT / "config/config.yaml"
         )
         table = folder / f"{STUDIES}/{name}/cases.parquet"
-        outputs.write_chunk(table, evaluate.evaluate(study, 0, study.cases, threads=1), study, "0")
+        outputs.write_parts(
+            table, [evaluate.evaluate(study, 0, study.cases, threads=1)], study, "0"
+        )
         if name in ("frequency", "noise", "rigid_contact"):
-            figure = drawing.study_figure(study, table)
-            _save(figure, table.with_name("figure.svg"), drawing.alternative_text(study))
+            figure = study_figure(study, table)
+            _save(figure, table.with_name("figure.svg"), alternative_text(study))
         if name == "noise":
             write_csv(table.with_name("summary.csv"), summary_of(table, study))
             outputs.write_manifest(table.with_name("manifest.json"), table, study, "0")

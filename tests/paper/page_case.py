@@ -75,7 +75,7 @@ def study(name: str, folder: Path) -> tuple[Study, Path]:
         file, ROOT / "workflow/schemas/study.schema.yaml", ROOT / "config/config.yaml"
     )
     cases = folder / f"{name}.parquet"
-    outputs.write_chunk(cases, evaluate.evaluate(read, 0, read.cases, threads=1), read, "0")
+    outputs.write_parts(cases, [evaluate.evaluate(read, 0, read.cases, threads=1)], read, "0")
     return read, cases
 
 

@@ -33,7 +33,7 @@ def study_files(names):
 @functools.cache
 def study_plan(name):
     """(study, its size), checked against the schema and the free disk; one clear error for a file that is wrong."""
-    from dampbalance.studies.plan import check_size, plan
+    from dampbalance.studies.sizes import check_size, size_of
     from dampbalance.studies.checking import read_study
 
     file = Path(study_file(name))
@@ -47,17 +47,17 @@ def study_plan(name):
         raise WorkflowError(f"{file}: there is no such study; known are {known}")
     try:
         study = read_study(file, STUDY_DEFAULTS["schema"], STUDY_DEFAULTS["base"])
-        sizes = plan(study)
+        size = size_of(study)
         results = placed(STUDY_RESULTS)
         if workflow.is_main_process and not Path(f"{results}/{name}/cases.parquet").exists():
-            check_size(study, sizes, results, file)
+            check_size(study, size, results, file)
     except ConfigurationError as error:
         raise WorkflowError(str(error)) from None
-    return study, sizes
+    return study, size
 
 
 def requested_studies():
-    """The studies that the command line names; so early, only the command line knows the targets."""
+    """The studies that the command line names; the targets are not known otherwise at this point."""
     if workflow.modifier.modify_rulename("studies") in sys.argv:
         return STUDIES
     prefix = f"{placed(STUDY_RESULTS)}/"
@@ -66,7 +66,8 @@ def requested_studies():
 
 
 if workflow.is_main_process:
-    os.environ["DAMPBALANCE_STARTED"] = str(time.time())  # for the remaining time that chunks tell
+    # from which chunks estimate the remaining time
+    os.environ["DAMPBALANCE_STARTED"] = str(time.time())
     for name in requested_studies():
         logger.info(f"Study {name}: {study_plan(name)[1]}")
 
@@ -79,12 +80,12 @@ def study_settings(wildcards):
 
 def study_chunks(wildcards):
     """The chunks of a study, in their order; none of a study that one job computes as a whole."""
-    _, sizes = study_plan(wildcards.study)
-    if sizes.chunks == 1:
+    _, size = study_plan(wildcards.study)
+    if size.chunks == 1:
         return []
     return [
         f"{STUDY_RESULTS}/{wildcards.study}/chunks/{chunk:05d}.parquet"
-        for chunk in range(sizes.chunks)
+        for chunk in range(size.chunks)
     ]
 
 

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 COMMON, INDIVIDUAL = "common", "individual"
+SHARINGS = {INDIVIDUAL: "of each level", COMMON: "common to all levels"}
+"""Whether levels share φ and t_s, in words, in the order of legends."""
 ALL = "all"  # what the tables name in place of a pair: least squares over all levels
 EXACT = 1e-5  # %: an approach nowhere worse than this is exact to rounding (which uneven levels magnify)
 ROUNDING = 1e-11  # %: the least bound stated for rounding; below it the errors are chance

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..arguments import items, mapping, names, number
-from .terms import FRICTION, KNOWN_TERMS, in_order, of_group, parted, term
+from .terms import FRICTION, KNOWN_TERMS, in_order, listed, of_group, parted, term
 
 _GIVEN = "a mapping of symbols to coefficients"
 _ALIKE = 1.001  # of two frequencies: nearer ones are one
@@ -119,7 +119,7 @@ class Law:
                 len(self.unknowns), f"{len(self.unknowns)} levels"
             )
             raise ValueError(
-                f"{' and '.join([', '.join(self.unknowns[:-1]), self.unknowns[-1]])} need responses at {needed} or "
+                f"{listed(self.unknowns)} need responses at {needed} or "
                 f"more, got {count}: add records at other amplitudes"
             )
 

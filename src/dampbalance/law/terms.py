@@ -14,7 +14,7 @@ For a harmonic motion x = X cos(ωt − φ) under y = Y cos ωt the integrals ha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
@@ -187,3 +187,9 @@ def in_order(symbols: Iterable[str]) -> tuple[str, ...]:
     """These terms, each once, in the order of `KNOWN_TERMS`. Raises ValueError for one that is not known."""
     asked = {term(symbol).symbol for symbol in symbols}
     return tuple(symbol for symbol in KNOWN_TERMS if symbol in asked)
+
+
+def listed(symbols: Sequence[str]) -> str:
+    """Symbols as a sentence names them: "F_k", "F_k and c", "F_k, c and c_2". Texts use `project.wording.listed`, which
+    stands on a higher floor and does without the libraries that this module imports."""
+    return " and ".join([", ".join(symbols[:-1]), symbols[-1]] if len(symbols) > 1 else symbols)

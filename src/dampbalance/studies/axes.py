@@ -18,19 +18,19 @@ from ..arrays import Array, Integers, Mask, Words
 
 # 2³² points at most; with more bits scipy cannot skip to the first point of a chunk.
 SOBOL_BITS = 32
-SAME = 1e-12  # relative: two values of an axis that differ by less are one, as computed twice
+SAME = 1e-12  # relative: values of an axis that differ by less are equal except for rounding
 Spacing = Literal["linear", "log"]
 
 
 @dataclass(frozen=True)
 class Listed:
-    """Paired axes: name → values, all of the same length. One name is a plain axis."""
+    """Paired axes: name → values, all of the same length. A plain axis has one name."""
 
     values: Mapping[str, Sequence[float | int | str]]
 
     @property
     def count(self) -> int:
-        """How many points the block has."""
+        """The number of points in the block."""
         return len(next(iter(self.values.values())))
 
     @property
@@ -39,13 +39,13 @@ class Listed:
         return tuple(self.values)
 
     def at(self, index: Integers) -> dict[str, Words]:
-        """Words of the points `index`."""
+        """The values of each parameter at the points `index`."""
         return {name: np.asarray(values)[index] for name, values in self.values.items()}
 
 
 @dataclass(frozen=True)
 class Range:
-    """Bounds of one parameter of a sample, and whether it or its logarithm is spread evenly."""
+    """Bounds of one parameter of a sample; `spacing` says whether the values or their logarithms are spread evenly."""
 
     low: float
     high: float
@@ -63,7 +63,7 @@ class Range:
 class Sampled:
     """Points in the box of `ranges`: a scrambled Sobol sequence, or independent random ones.
 
-    The points depend on method, seed and their number in the sequence alone: any stretch can be made by itself.
+    The points depend only on method, seed and their place in the sequence: any stretch can be computed by itself.
     """
 
     method: Literal["sobol", "random"]
@@ -77,7 +77,7 @@ class Sampled:
         return tuple(self.ranges)
 
     def at(self, index: Integers) -> dict[str, Words]:
-        """Words of the points `index`."""
+        """The values of each parameter at the points `index`."""
         if index.size == 0:
             return {name: np.empty(0) for name in self.ranges}
         first = int(index.min())
@@ -91,12 +91,14 @@ class Sampled:
         if self.method == "random":
             bits = np.random.PCG64(self.seed).advance(start * dimension)  # one draw a number
             return np.random.Generator(bits).random((count, dimension))
-        from scipy.stats import qmc  # takes longer to import than a chunk of cases to compute
+        from scipy.stats import qmc  # slow to import: longer than a chunk takes to compute
 
         points = qmc.Sobol(dimension, scramble=True, bits=SOBOL_BITS, rng=self.seed)
         if start:
             points.fast_forward(start)
-        with warnings.catch_warnings():  # a stretch need not be a power of two: the whole counts
+        with (
+            warnings.catch_warnings()
+        ):  # the length of the whole sequence matters, not of a stretch
             warnings.filterwarnings("ignore", "The balance properties", UserWarning)
             return np.asarray(points.random(count), dtype=np.float64)
 
@@ -105,12 +107,12 @@ Block = Listed | Sampled
 
 
 def number_of_cases(blocks: Sequence[Block]) -> int:
-    """How many cases the product of the blocks has; 1 for no block."""
+    """The number of cases in the product of the blocks; 1 without a block."""
     return math.prod(block.count for block in blocks)
 
 
 def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Words]:
-    """Value of every axis in the cases start … stop − 1, each an array of length stop − start."""
+    """The value of every axis in the cases start … stop − 1, each an array of length stop − start."""
     remaining = np.arange(start, stop, dtype=np.int64)
     values: dict[str, Words] = {}
     for block in reversed(blocks):
@@ -123,7 +125,7 @@ def spread(
     low: float, high: float, count: int, spacing: Spacing, also: Sequence[float] = ()
 ) -> list[float]:
     """`count` values from low to high, both included, evenly spaced themselves or in their logarithms, and further
-    values `also`, all in ascending order; a further value takes the place of one that equals it but for rounding."""
+    values `also`, all in ascending order; a further value replaces one that equals it except for rounding."""
     spaced = np.geomspace if spacing == "log" else np.linspace
     values: list[float] = spaced(low, high, count).tolist()
     if not also:
@@ -132,6 +134,6 @@ def spread(
 
 
 def is_value(values: Words, wanted: float) -> Mask:
-    """Which values are the one that is wanted, except for what their computation rounds."""
+    """Which values equal the wanted one, except for rounding."""
     same: Mask = np.abs(values.astype(float) - wanted) <= SAME * abs(wanted)
     return same

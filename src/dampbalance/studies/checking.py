@@ -1,10 +1,20 @@
-"""What can be wrong with the YAML file of a study, found before anything runs."""
+"""What can be wrong with the YAML file of a study, found before anything runs.
+
+The schema (workflow/schemas/study.schema.yaml) says which keys there are, and what each may hold. This module checks
+what takes more than one key to see: axes that contradict each other, a route that lacks a parameter, a figure or a fact
+about something that the study does not have, numbers that cannot be solved or held in memory.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+import math
+import string
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ..balance import APPROACHES
 from ..law.law import Law
@@ -17,12 +27,34 @@ from ..project.documents import (
     read_schema,
     read_yaml,
 )
-from .axes import SOBOL_BITS, Listed, spread
-from .parameters import MECHANICAL, OF_LAW, PARAMETERS, objection, synonyms
-from .references import wrong_references
-from .routes import LAWS, ROUTES, terms_named
-from .settings import Study, paper_defaults
-from .sizes import wrong_sizes
+from ..project.wording import listed, shortened
+from ..replication.feasibility import MOST_EVENTS, RANGES
+from .axes import SOBOL_BITS, Listed, is_value
+from .columns import columns_of
+from .parameters import MECHANICAL, OF_LAW, PARAMETERS, in_si, objection, synonyms
+from .routes import ROUTES, terms_named
+from .settings import BANDS, CHOICES, OF_INTERVALS, SPREADS, Study, paper_defaults, spread_of
+from .sizes import PART
+
+MOST_POINTS = 50_000
+"""Cases on the curves of a figure; more are drawn as a map."""
+
+MOST_PANELS, MOST_PLACES, MOST_GROUPS = 8, 500, 1000
+"""Columns of panels, listed values along an axis of a map or a scatter, groups in a summary."""
+
+FAR = 100.0
+"""A mark may lie outside the axis, which is then drawn up to it, by this factor at most."""
+
+MOST_SAMPLES = 1_000_000
+"""Samples of a record that is read; the reader holds a few arrays as long."""
+
+MOST_STEPS = 100_000_000
+"""Steps of one simulation: about a second."""
+
+MOST_NUMBERS = 200_000_000
+"""Numbers that a job holds at a time: cases × columns, or × replicates × levels × features."""
+
+_FEATURES = 20  # of a replicate
 
 
 def read_study(path: str | Path, schema_file: str | Path, paper_file: str | Path) -> Study:
@@ -45,100 +77,88 @@ def read_study(path: str | Path, schema_file: str | Path, paper_file: str | Path
 def problems(
     document: Any, schema: Mapping[str, Any], paper: Mapping[str, Any]
 ) -> Sequence[Problem]:
-    """Everything that is wrong with a study's document, (key, text) each; nothing if it can be run."""
-    return (
-        against_schema(document, schema, APPROACHES)
-        or [*_wrong_axes(document["axes"]), *_wrong_values(document)]
-        or list(_contradictions(document, Study.of("", document, paper)))
-        or list(wrong_sizes(Study.of("", document, paper)))
-        or list(wrong_references(Study.of("", document, paper)))
-    )
+    """Everything that is wrong with a study's document, (key, text) each; nothing if it can be run.
+
+    One kind after the other: what is wrong with the axes would make nonsense of what the figure refers to.
+    """
+    wrong = against_schema(document, schema, APPROACHES)
+    wrong = wrong or [*_wrong_axes(document["axes"]), *_wrong_values(document)]
+    for check in (_contradictions, _wrong_sizes, _wrong_references):
+        wrong = wrong or list(check(document, Study.of("", document, paper)))
+    return wrong
+
+
+# --- axes and values ---------------------------------------------------------------------------------
 
 
 def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
     seen: set[str] = set()
     for i, block in enumerate(axes):
         key: Key = ("axes", i)
-        if "sample" in block and len(block) > 1:
-            yield key, "a sample stands in a block of its own; begin another with '-'"
-            continue
         yield from _wrong_sample(key, **block) if "sample" in block else _wrong_lists(key, block)
-        names = list(block["sample"]["over"] if "sample" in block else block)
-        for name in names:
-            for other in synonyms(name):
-                if other in seen:
-                    reason = "twice" if other == name else f"beside {other}, which it stands for"
-                    yield key, f"{name} is set {reason}; keep one"
+        for name in block["sample"]["over"] if "sample" in block else block:
+            for other in seen.intersection(synonyms(name)):
+                reason = "twice" if other == name else f"together with {other}, the same quantity"
+                yield key, f"{name} is set {reason}; keep one"
             seen.add(name)
 
 
 def _wrong_sample(key: Key, sample: Mapping[str, Any]) -> Iterator[Problem]:
-    if sample["method"] == "sobol" and sample["count"] > 2**SOBOL_BITS:
-        points = f"{2**SOBOL_BITS:,} points"
-        text = f"a Sobol sequence has {points} at most; take fewer, or method: random"
+    most = 2**SOBOL_BITS
+    if sample["method"] == "sobol" and sample["count"] > most:
+        text = f"a Sobol sequence has {most:,} points at most; take fewer, or method: random"
         yield (*key, "sample", "count"), text
     for name, limits in sample["over"].items():
-        place = (*key, "sample", "over", name)
-        if name not in MECHANICAL:
-            yield place, "cannot be sampled: list its values in a block of their own"
-        yield from _wrong_range(place, name, limits)
+        yield from _wrong_range((*key, "sample", "over", name), name, limits)
 
 
 def _wrong_lists(key: Key, block: Mapping[str, Any]) -> Iterator[Problem]:
     sizes = {}
     for name, spec in block.items():
         place = (*key, name)
-        if "values" in spec and len(spec) > 1:
-            yield place, "give either values, or from, to and count (and also)"
-        elif "values" in spec:
-            sizes[name] = len(spec["values"])
-            objections = (objection(name, value) for value in spec["values"])
-            yield from ((place, wrong) for wrong in objections if wrong)
-        elif not {"from", "to", "count"} <= set(spec):
-            yield place, "give values: […], or from, to and count (and spacing: log)"
-        else:
-            sizes[name] = spec["count"]
-            wrong = list(_wrong_range(place, name, spec))
-            yield from wrong or _wrong_spread(place, name, spec)
-            further = spec.get("also", ())
-            objections = (objection(name, value) for value in further)
-            yield from (((*place, "also"), wrong) for wrong in objections if wrong)
-            if further and len(block) > 1:
-                yield (
-                    (*place, "also"),
-                    "cannot be paired with another axis; list the values of both",
-                )
+        sizes[name] = spec["count"] if "count" in spec else len(spec["values"])
+        yield from _objections(place, name, spec.get("values", ()))
+        if "count" in spec:
+            yield from list(_wrong_range(place, name, spec)) or _wrong_spread(place, name, spec)
+            yield from _objections((*place, "also"), name, spec.get("also", ()))
+        if spec.get("also") and len(block) > 1:
+            yield (*place, "also"), "cannot be paired with another axis; list the values of both"
     if len(set(sizes.values())) > 1:
         text = ", ".join(f"{name} has {size}" for name, size in sizes.items())
-        yield key, f"paired axes need as many values each: {text}"
+        yield key, f"paired axes need the same number of values: {text}"
+
+
+def _objections(key: Key, name: str, values: Iterable[Any]) -> Iterator[Problem]:
+    """What is wrong with values of a parameter."""
+    return ((key, wrong) for value in values if (wrong := objection(name, value)))
 
 
 def _wrong_spread(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    values = spread(spec["from"], spec["to"], spec["count"], spec.get("spacing", "linear"))
+    values = spread_of({**spec, "also": ()})
     if len(set(values)) < len(values):
-        yield key, f"{len(values):,} values do not fit between its ends; take fewer"
+        yield key, f"its ends are too close for {len(values):,} different values; take fewer"
     elif PARAMETERS[name].whole and any(value != int(value) for value in values):
         yield key, f"{PARAMETERS[name].meaning} must be whole numbers; list the values"
 
 
 def _wrong_range(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    if PARAMETERS[name].unit == "":
+    if PARAMETERS[name].is_word:
         yield key, "a word has no range; list the values"
         return
+    low, high = spec["from"], spec["to"]
     for end in ("from", "to"):
-        if wrong := objection(name, spec[end]):
-            yield (*key, end), wrong
-    if spec["from"] >= spec["to"]:
-        yield key, f"from must lie below to, got {spec['from']!r} and {spec['to']!r}"
-    if spec.get("spacing") == "log" and spec["from"] <= 0.0:
+        yield from _objections((*key, end), name, [spec[end]])
+    if low >= high:
+        yield key, f"from must lie below to, got {low!r} and {high!r}"
+    if spec.get("spacing") == "log" and low <= 0.0:
         yield (*key, "from"), "a logarithmic range begins above zero"
 
 
 def _wrong_values(document: Mapping[str, Any]) -> Iterator[Problem]:
     for section in ("base", "route", "read_out"):
         for name, value in document.get(section, {}).items():
-            if name in PARAMETERS and value is not None and (wrong := objection(name, value)):
-                yield (section, name), wrong
+            if name in PARAMETERS and value is not None:
+                yield from _objections((section, name), name, [value])
     base = document.get("base", {})
     for name in base:
         for other in synonyms(name):
@@ -146,93 +166,364 @@ def _wrong_values(document: Mapping[str, Any]) -> Iterator[Problem]:
                 yield ("base", name), f"not together with {other}; keep one"
 
 
+# --- levels, route, estimation -----------------------------------------------------------------------
+
+
 def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
-    used = {*study.fixed, *study.axis_names}
+    estimation, kind = document.get("estimation", {}), study.route.kind
+    given = {*document.get("base", {}), *study.axis_names} & {"Y_m", "F_k_over_kY"}
     if "levels_m" in document and study.levels_relative:
         yield ("levels_m",), "not together with levels_of_Y; keep one"
-    given = {*document.get("base", {}), *study.axis_names}
-    if not study.levels_relative and given & {"Y_m", "F_k_over_kY"}:
+    if given and not study.levels_relative:
         text = "with Y_m or F_k_over_kY give the levels as multiples of Y_m: levels_of_Y: [1, 2, 3]"
         yield ("levels_m" if "levels_m" in document else "axes",), text
-    yield from _wrong_route(document.get("route", {}), used, study.columns)
-    if {"X_s_mark_m", "X_s_decimals"} <= used:
-        yield ("read_out",), "X_s_mark_m and X_s_decimals say the same; keep one"
-    if study.route == LAWS:
-        yield from _wrong_for_laws(document, study)
-    yield from _wrong_terms(document.get("estimation", {}), study)
-    for i, fit in enumerate(document.get("estimation", {}).get("fits", [])):
+    yield from _wrong_route(document, study)
+    if {"X_s_mark_m", "X_s_decimals"} <= study.parameters:
+        yield ("read_out",), "X_s_mark_m and X_s_decimals both round X_s; keep one"
+    if study.route.chooses_law:
+        yield from _wrong_laws(study)
+    yield from _wrong_terms(estimation, study)
+    for i, fit in enumerate(estimation.get("fits", [])):
         if fit != "least_squares" and max(fit) > len(study.levels):
             yield ("estimation", "fits", i), f"there are only {len(study.levels)} levels"
-    if "weights" in document.get("estimation", {}) and study.route != "measured":
-        text = f"means nothing to the route {study.route}: without noise all rows weigh alike"
+    if "weights" in estimation and not study.route.has_intervals:
+        text = f"means nothing to the route {kind}: without noise all rows weigh alike"
         yield ("estimation", "weights"), text
+
+
+def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
+    """What does not fit the route: parameters and settings that are missing, or that mean nothing to it."""
+    used, wanted, section = study.parameters, study.route, document.get("route", {})
+    kind = wanted.kind
+    for names in wanted.needs:
+        if used.isdisjoint(names):
+            yield ("route",), f"{kind} needs {' or '.join(names)}, here or as an axis"
+        elif used.issuperset(names) and len(names) > 1:
+            yield ("route",), f"{' and '.join(names)} set the same quantity; keep one"
+    for name in sorted(used):
+        if PARAMETERS[name].kind == "numerics" and name not in wanted.parameters:
+            yield ("route",), f"{name} means nothing to the route {kind}"
+        if PARAMETERS[name].kind == "read_out" and wanted.is_noisy:
+            yield ("read_out", name), f"means nothing to the route {kind}: noise is its limit"
+    settings = {key for each in ROUTES.values() for key in each.settings}
+    for name in section:
+        if name in settings and name not in wanted.settings:
+            yield ("route", name), f"means nothing to the route {kind}; leave it out"
+    for key in wanted.refuses:
+        if key in document:
+            text = f"means nothing to the route {kind}, which draws oscillators; leave it out"
+            yield (key,), text
+    if wanted.is_noisy and "seed" not in section:
+        yield ("route", "seed"), "missing; the seed of the noise, an integer of at least 0"
+    if "intervals" in study.columns and not wanted.has_intervals:
+        yield ("columns",), "intervals are those of noisy records: they need the route measured"
+
+
+def _wrong_laws(study: Study) -> Iterator[Problem]:
+    """What does not fit a route that draws oscillators, and asks which law their records support."""
+    if not study.levels_relative:
+        yield ("levels_of_Y",), "missing; the levels of the route laws, in parts of the highest"
+    for name in study.axis_names:
+        if name not in study.route.parameters:
+            yield ("axes",), f"{name} means nothing to the route laws, which draws oscillators"
+    for law in study.values_of("law"):
+        try:
+            terms_named(str(law))
+        except ValueError as error:
+            yield ("axes",), str(error)
 
 
 def _wrong_terms(estimation: Mapping[str, Any], study: Study) -> Iterator[Problem]:
     """What is wrong with the terms of the balance, and with those of the oscillator's law."""
-    if study.route != "exact":
-        for name in OF_LAW:
-            if name in (*study.fixed, *study.axis_names) and study.route != LAWS:
-                yield ("route",), f"{name} needs the route exact, not {study.route}"
+    if not study.route.any_law:
+        text = f"needs the route exact, not {study.route.kind}"
+        yield from ((("route",), f"{name} {text}") for name in OF_LAW if name in study.parameters)
         if "terms" in estimation:
-            yield ("estimation", "terms"), f"needs the route exact, not {study.route}"
+            yield ("estimation", "terms"), text
     for i, terms in enumerate(estimation.get("terms", [])):
         key: Key = ("estimation", "terms", i)
         try:
-            law = Law(tuple(terms))
-            law.require([1.0] * len(study.levels))  # a case has one frequency
+            Law(tuple(terms)).require([1.0] * len(study.levels))  # a case has one frequency
         except ValueError as error:
             yield key, str(error)
             continue
         if len(terms) > 2 and any(fit.levels for fit in study.fits):
-            yield (
-                key,
-                f"a pair of levels tells two terms apart, not {len(terms)}: take fits: [least_squares]",
-            )
+            text = f"a pair of levels identifies two terms, not {len(terms)}: take fits: [least_squares]"
+            yield key, text
 
 
-def _wrong_for_laws(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
-    """What does not fit the route that draws oscillators of its own, and asks for their law."""
-    if not study.levels_relative:
-        yield ("levels_of_Y",), "missing; the levels of the route laws, in parts of the highest"
-    for key in ("base", "estimation", "columns", "summary_by"):
-        if key in document:
-            yield (key,), "means nothing to the route laws, which draws oscillators; leave it out"
-    for name in study.axis_names:
-        if name not in ROUTES[LAWS].parameters:
-            yield ("axes",), f"{name} means nothing to the route laws, which draws oscillators"
+# --- sizes -------------------------------------------------------------------------------------------
+
+
+def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
+    """What is too much: the numbers at the corners of the box that the axes span, the records, the chunks."""
+    given = [name for name in MECHANICAL if name in study.parameters]
+    corners = np.array(list(product(*map(study.extent, given)))).T
+    si = in_si(dict(zip(given, corners, strict=True)))
+    omega_n = np.sqrt(si["k"] / si["m"])
+    groups = {
+        "zeta": 0.5 * si["c"] / (si["m"] * omega_n),
+        "K_z_over_k": si["K_z"] / si["k"],
+        "omega_over_omega_n": si["omega"] / omega_n,
+    }
+    for name, values in groups.items():
+        low, high = RANGES[name]
+        wrong = values[(values > high) | ((values < low) & (values > 0.0))]
+        if wrong.size:
+            text = f"reach to {PARAMETERS[name].meaning} = {wrong[0]:.3g}; the exact solution holds"
+            yield ("axes",), f"{text} from {low:g} to {high:g}"
+    events = np.max(np.sqrt(1.0 + groups["K_z_over_k"]) / groups["omega_over_omega_n"])
+    if events > MOST_EVENTS:
+        text = (
+            f"reach to a natural frequency on the contact of {events:.3g} times that of the drive"
+        )
+        yield ("axes",), f"{text}; {MOST_EVENTS:g} at most can be solved"
+    yield from _long_records(study, 2.0 * np.pi / float(np.min(si["omega"])))
+    yield from _large_chunks(study)
+
+
+def _long_records(study: Study, period: float) -> Iterator[Problem]:
+    """period : the longest of the drive, s."""
+    simulated = study.route.kind == "fixed_step"
+    kept, most = (3, MOST_STEPS) if simulated else (study.cycles, MOST_SAMPLES)
+    for name in ("step_s", "steps_per_cycle", "sampling_hz"):
+        if name not in study.parameters:
+            continue
+        low, high = study.extent(name)
+        samples = {"step_s": period / low, "sampling_hz": period * high}.get(name, high)
+        if samples * kept > MOST_SAMPLES or samples * study.cycles > most:
+            text = f"{name} makes records of {samples * study.cycles:.3g} samples"
+            yield ("route",), f"{text}; take fewer cycles, or samples further apart"
+
+
+def _large_chunks(study: Study) -> Iterator[Problem]:
+    held = len(columns_of(study))
+    if study.route.has_intervals:
+        held = max(held, study.replicates * len(study.levels) * _FEATURES)
+    part = min(study.chunk_cases, study.cases, PART)
+    if part * held > MOST_NUMBERS:
+        enough = max(1, MOST_NUMBERS // held)
+        text = f"{part:,} cases at a time do not fit in memory; take {enough:,} at most"
+        yield ("chunk_cases",), text
+
+
+# --- what the figure, the facts, the summary and the text refer to -----------------------------------
+
+
+def _wrong_references(_: object, study: Study) -> Iterator[Problem]:
+    yield from _wrong_summary(study)
+    if study.figure:
+        yield from _wrong_figure(study, study.figure)
+    for fact, spec in study.facts.items():
+        yield from _wrong_fact(study, ("facts", fact), spec)
+    yield from _wrong_text(study)
+
+
+def _wrong_summary(study: Study) -> Iterator[Problem]:
+    groups = 1
+    for i, axis in enumerate(study.summary_by):
+        if block := study.block_of(axis):
+            groups *= block.count
+        else:
+            yield ("summary_by", i), f"{shortened(axis)} is not an axis of this study"
+    if groups > MOST_GROUPS:
+        text = f"{groups:,} groups are more than {MOST_GROUPS}; take axes of few values"
+        yield ("summary_by",), text
+
+
+def _wrong_text(study: Study) -> Iterator[Problem]:
+    try:
+        fields = [field for field in string.Formatter().parse(study.shows) if field[1] is not None]
+    except ValueError as error:
+        yield ("shows",), f"{error}: write {{name}} for a fact, and {{{{ or }}}} for a brace"
+        return
+    for _, name, form, conversion in fields:
+        if name not in (*study.facts, "cases"):
+            known = ", ".join(study.facts) or "none"
+            yield ("shows",), f"{{{name}}} is not among the facts: {known}"
+        elif form or conversion:
+            yield ("shows",), f"write {{{name}}} with nothing else in the braces: facts are words"
+
+
+def _wrong_figure(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
+    kind, x, y = figure["kind"], figure["x"], figure.get("y")
+    if study.route.chooses_law:
+        if (kind, x) != ("confusion", "law"):
+            yield ("figure",), "a study of laws has the figure {kind: confusion, x: law}"
+        return
+    if kind == "confusion":
+        yield ("figure", "kind"), "shows laws, which only the route laws compares"
+        return
+    if kind == "map" and y is None:
+        yield ("figure", "y"), "missing; a map has two axes, x and y"
+        return
+    places = ["x", "y"] if kind == "map" else ["x"]
+    wrong = [(("figure", part), text) for part in places if (text := _not_drawn(study, part))]
+    yield from wrong
+    if not study.fits_of(figure):
+        yield ("figure",), "selects no fit of this study: see estimation"
+    if wrong:
+        return
+    if kind == "map" and x == y:
+        yield ("figure", "y"), f"{y} is the axis x already; take another"
+    if kind == "steps":
+        yield from _wrong_steps(study, x)
+    if "at" in figure and kind != "curves":
+        yield ("figure", "at"), f"is for curves; a figure of {kind} takes all cases"
+    yield from _wrong_selection(study, ("figure",), {"at": figure.get("at", {})})
+    if kind == "curves" and study.cases > MOST_POINTS:
+        text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
+        yield ("figure", "kind"), text
+    if "panels" in figure and kind in ("curves", "scatter"):
+        yield from _wrong_panels(study, figure, kind)
+    low, high = study.extent(x)
+    lowest, highest = low / FAR if low > 0.0 else FAR * min(low, -high), FAR * max(high, -low)
+    for name, value in figure.get("marks", {}).items():
+        if not lowest <= value <= highest:
+            text = f"{value:g} is far from the axis x, from {low:g} to {high:g}"
+            yield ("figure", "marks", name), text
+
+
+def _not_drawn(study: Study, part: str) -> str:
+    """Why an axis of the figure cannot be drawn; nothing if it can."""
+    name, kind = study.figure[part], study.figure["kind"]
+    if name not in study.axis_names:
+        return f"{shortened(name)} is not an axis of this study"
+    if PARAMETERS[name].is_word:
+        return f"{name} holds words: take an axis of numbers, and {name} for the panels"
+    (low, high), values = study.extent(name), study.values_of(name)
+    if not low < high:
+        return f"{name} has one value; take an axis with two at least"
+    if kind in ("map", "scatter") and len(values) > MOST_PLACES:
+        return f"{name} has more than {MOST_PLACES} values; a {kind} shows no more"
+    if kind == "scatter" and (low <= 0.0 or not values):
+        return f"{name} must be listed values above zero: a scatter has a logarithmic axis"
+    return ""
+
+
+def _wrong_steps(study: Study, x: str) -> Iterator[Problem]:
+    if x != "step_s" or "scheme" not in study.axis_names:
+        text = (
+            "steps shows the error against step_s for each scheme: both must be axes, step_s as x"
+        )
+        yield ("figure", "x"), text
+    if "parameters" not in study.columns:
+        yield ("columns",), "a figure of steps needs the columns of parameters"
+    if not study.fits_of({"approach": "direct"}):
+        yield ("figure",), "a figure of steps shows the approach direct: see estimation"
+
+
+def _wrong_panels(study: Study, figure: Mapping[str, Any], kind: str) -> Iterator[Problem]:
+    name, key = figure["panels"], ("figure", "panels")
+    if name == "phase" and kind == "curves":
+        if not any(fit.phase for fit in study.fits):
+            yield key, "no approach of this study takes a phase; leave it out"
+    elif name not in study.axis_names or name == figure["x"]:
+        yield key, f"{shortened(name)} is not another axis of this study"
+    elif not 0 < len(study.values_of(name)) <= MOST_PANELS:
+        yield key, f"{name} must have {MOST_PANELS} listed values at most, a column of panels each"
+
+
+def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
+    take, of, fits = spec["take"], spec["of"], study.fits_of(spec)
+    wrong = list(_wrong_selection(study, key, spec))
+    yield from wrong
+    about_laws = of == "law", take in CHOICES
+    if study.route.chooses_law and not all(about_laws):
+        yield key, f"a study of laws has facts of: law, take: {listed(CHOICES, 'or')}"
+    if study.route.chooses_law:
+        return
+    if any(about_laws):
+        yield key, "is about laws, which only the route laws compares"
+        return
+    if not fits:
+        yield key, "selects no fit of this study: see estimation"
+    columns = {column.name for column in columns_of(study)}
+    if any(f"{of}_relative_error__{fit.label}" not in columns for fit in fits):
+        text = f"{of} is not identified, or the oscillator has none: see estimation.terms"
+        yield (*key, "of"), text
+    if take in SPREADS and len(fits) > 1:
+        labels = ", ".join(fit.label for fit in fits)
+        yield key, f"{take} refers to one fit, but selects {labels}"
+    if take in OF_INTERVALS and "intervals" not in study.columns:
+        yield (*key, "take"), "needs the columns of intervals: columns: [errors, intervals]"
+    if take in (*BANDS, "share") and "within" not in spec:
+        yield (*key, "within"), f"missing; the bound of {take}, as a relative error"
+    if take in BANDS:
+        along = str(spec.get("along"))
+        if not study.values_of(along) or PARAMETERS[along].is_word:
+            yield (*key, "along"), "must be an axis of this study whose values are listed numbers"
+        elif "around" in spec and (text := _not_held(study, along, spec["around"])):
+            yield (*key, "around"), text
+    if take == "signed" and not wrong and (cases := _selected(study, spec)) > 1:
+        text = f"is the error of one case, and {cases:,} are selected"
+        yield (*key, "take"), f"{text}; give a value of each axis in at"
+
+
+def _selected(study: Study, spec: Mapping[str, Any]) -> int:
+    """How many cases the conditions on listed axes leave."""
+    at, between = spec.get("at", {}), spec.get("between", {})
+    left = 1
     for block in study.blocks:
-        for law in block.values.get("law", ()) if isinstance(block, Listed) else ():
-            try:
-                terms_named(str(law))
-            except ValueError as error:
-                yield ("axes",), str(error)
+        kept = np.ones(block.count, dtype=bool)
+        for name, values in block.values.items() if isinstance(block, Listed) else ():
+            held = np.asarray(values)
+            if name in at:
+                kept &= held == at[name] if held.dtype.kind == "U" else is_value(held, at[name])
+            if name in between:
+                kept &= (held >= between[name][0]) & (held <= between[name][1])
+        left *= int(np.count_nonzero(kept))
+    return left
 
 
-def _wrong_route(
-    route: Mapping[str, Any], used: Collection[str], columns: Collection[str]
-) -> Iterator[Problem]:
-    """What does not fit the route: parameters and settings that are missing, or that mean nothing to it.
+def _wrong_selection(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
+    """What is wrong with the cases that a figure or a fact selects by values of axes, or by bounds."""
+    wrong = [
+        ((*key, where, name), text)
+        for where in ("at", "between")
+        for name, wanted in spec.get(where, {}).items()
+        if (text := _not_selected(study, name, wanted))
+    ]
+    yield from wrong
+    if not wrong and not _selected(study, spec):
+        text = "selects no case: paired axes go in step, and bounds must have a value between them"
+        yield key, text
 
-    route : that section of the file.   used : every parameter of the study.   columns : kinds of columns asked for.
-    """
-    kind = route.get("kind", "exact")
-    wanted = ROUTES[kind]
-    for names in wanted.numerics:
-        if not set(used) & set(names):
-            yield ("route",), f"{kind} needs {' or '.join(names)}, here or as an axis"
-        elif set(names) <= set(used) and len(names) > 1:
-            yield ("route",), f"{' and '.join(names)} say the same; keep one"
-    for name in sorted(used):
-        if PARAMETERS[name].kind == "numerics" and name not in wanted.parameters:
-            yield ("route",), f"{name} means nothing to the route {kind}"
-        if PARAMETERS[name].kind == "read_out" and "seed" in wanted.settings:
-            yield ("read_out", name), f"means nothing to the route {kind}: noise is its limit"
-    settings = {key for each in ROUTES.values() for key in each.settings}
-    for name in route:
-        if name in settings and name not in wanted.settings:
-            yield ("route", name), f"means nothing to the route {kind}; leave it out"
-    if "seed" in wanted.settings and "seed" not in route:
-        yield ("route", "seed"), "missing; the seed of the noise, an integer of at least 0"
-    if "intervals" in columns and kind != "measured":
-        yield ("columns",), "intervals are those of noisy records: they need the route measured"
+
+def _not_selected(study: Study, name: str, wanted: Any) -> str:
+    """Why cases cannot be chosen by a value of an axis, or by two bounds; nothing if they can."""
+    if name not in study.axis_names:
+        return "not an axis of this study"
+    is_word = PARAMETERS[name].is_word
+    if isinstance(wanted, list):
+        if is_word or wanted[0] > wanted[1]:
+            return f"{shortened(wanted)} are not two bounds of {name}, the lower one first"
+        return ""
+    if is_word:
+        values = study.values_of(name)
+        if wanted in values:
+            return ""
+        return f"{shortened(wanted)} is not among its values: {', '.join(map(str, values))}"
+    if isinstance(wanted, bool) or not isinstance(wanted, int | float):
+        return f"{shortened(wanted)} is not a number"
+    if not math.isfinite(wanted):
+        return f"{wanted!r} is not a finite number"
+    return _not_held(study, name, wanted)
+
+
+def _not_held(study: Study, name: str, wanted: float) -> str:
+    """Why an axis of numbers has no case at a value; nothing if it has."""
+    values = np.asarray(study.values_of(name), float)
+    if not values.size:
+        return (
+            f"{wanted:g} is no value of {name}, which is sampled: take the cases between two bounds"
+        )
+    if is_value(values, wanted).any():
+        return ""
+    nearest = sorted(values[np.argsort(np.abs(values - wanted), kind="stable")[:2]])
+    places = listed([f"{value:.10g}" for value in nearest])
+    are = "nearest is" if len(nearest) == 1 else "nearest are"
+    return (
+        f"{wanted!r} is not among the {len(values)} values of {name}, whose {are} {places}; take one of them, or add "
+        f"it to the axis, in values or as a further value, also: [{wanted!r}]"
+    )

@@ -15,24 +15,24 @@ from ..features import Features
 from ..law.terms import KNOWN_TERMS
 from ..motion.regime import Regime
 from ..replication.readout import ReadOut
-from ..solver import NORMAL_95, solve
+from ..solver import NORMAL_95, Estimate, solve
 from .axes import case_values
+from .columns import columns_of
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, SI_COLUMNS, in_si
-from .plan import PART, columns_of
-from .responses import NOT_READ, REGIME_NAMES, Responses, exact_responses
-from .routes import LAWS
+from .responses import NOT_READ, REGIME_NAMES, Cases, Responses, exact_responses
 from .settings import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Fit, Study
+from .sizes import PART
 
 READ = ("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi")
-"""What rules of reading change; the rows need no other feature that they do."""
+"""The features that rules of reading change, as far as the rows need them."""
 
 _SLICE = 16_384  # cases worked on at a time: their arrays stay in the processor's cache
 
 
 def evaluate(study: Study, start: int, stop: int, threads: int | None = None) -> pd.DataFrame:
-    """The cases start … stop − 1 of a study as a table with the columns of `plan.columns_of`.
+    """The cases start … stop − 1 of a study as a table with the columns of `columns_of`.
 
-    threads : for the exact orbits; neither they nor the bounds change a number.
+    threads : for the exact orbits. The numbers depend neither on them nor on start and stop.
     """
     parts = [
         _evaluate(study, first, min(first + _SLICE, stop), threads)
@@ -45,29 +45,29 @@ def evaluate(study: Study, start: int, stop: int, threads: int | None = None) ->
 def in_parts(
     study: Study, start: int, stop: int, threads: int | None = None
 ) -> Iterator[pd.DataFrame]:
-    """As `evaluate`, PART cases at a time."""
+    """Like `evaluate`, PART cases at a time, so that memory does not grow with the number of cases."""
     for first in range(start, stop, PART):
         yield evaluate(study, first, min(first + PART, stop), threads)
 
 
 def case_parameters(study: Study, start: int, stop: int) -> dict[str, Words]:
-    """Value of every parameter in the cases start … stop − 1, by the names of PARAMETERS, each (stop − start,)."""
+    """The value of every parameter in the cases start … stop − 1, by the names of PARAMETERS, each (stop − start,)."""
     fixed = {name: np.full(stop - start, value) for name, value in study.fixed.items()}
     return fixed | case_values(study.blocks, start, stop)
 
 
 def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[str, Any]:
     values = case_parameters(study, start, stop)
-    if study.route == LAWS:
+    if study.route.chooses_law:
         return _chosen(study, start, values)
     si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
     levels = np.array(study.levels)[:, None]
     Y = levels * si["Y"] if study.levels_relative else np.repeat(levels, stop - start, axis=1)
-    cases = np.arange(start, stop)
-    responses = _responses(study, si, Y, values, cases, threads)
+    cases = Cases(study, np.arange(start, stop), values, si, Y)
+    responses = _responses(cases, threads)
     rules = _read_out_rules(values)
 
-    table: dict[str, Any] = {"case": cases}
+    table: dict[str, Any] = {"case": cases.numbers}
     table |= {name: values[name] for name in study.axis_names}
     table |= {name: si[key] for key, (name, _, _) in SI_COLUMNS.items() if name not in table}
     table |= {name: si[key] for name, key in OF_LAW.items() if key in si and name not in table}
@@ -76,9 +76,8 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
     for fit in study.fits:
         residual = np.full(stop - start, np.nan)
         if fit.approach == LIKELIHOOD:
-            found = {symbol: of_both[0] for symbol, of_both in responses.likelihood.items()}
-            errors = {symbol: of_both[1] for symbol, of_both in responses.likelihood.items()}
-            table |= _estimates(fit, found, si) | _intervals(fit, found, errors, si)
+            both = ({s: of[i] for s, of in responses.likelihood.items()} for i in (0, 1))
+            table |= _results(fit, *both, si)
             table[f"residual__{fit.label}"] = residual
             continue
         read, replicates = responses.features, responses.drawn
@@ -88,28 +87,20 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
         if key not in cached:
             cached[key] = _rows(fit, read, si["k"], rules)
         rows = _of_levels(cached[key], fit)
-        drawn = None
-        if replicates is not None:
+        if replicates is None:
+            estimate, errors = solve(rows), {}
+        else:
             drawn = _of_levels(_rows(fit, replicates, si["k"][:, None], ()), fit)
-            if fit.weights == WEIGHTED:
-                rows = replace(rows, covariance=drawn.scatter())
-        estimate = solve(rows)
-        table |= _estimates(fit, estimate.values, si)
-        if drawn is not None:
-            if fit.weights == WEIGHTED:
-                weights = rows.weighted(estimate.values).weights
-                assert weights is not None
-                drawn = replace(drawn, weights=np.broadcast_to(weights[..., None], drawn.W.shape))
-            scatter = {s: of.std(axis=1, ddof=1) for s, of in solve(drawn).values.items()}
-            table |= _intervals(fit, estimate.values, scatter, si)
+            estimate, errors = _with_errors(rows, drawn, fit.weights == WEIGHTED)
+        table |= _results(fit, estimate.values, errors, si)
         only_rounding = len(rows.W) <= len(estimate.values)
         table[f"residual__{fit.label}"] = residual if only_rounding else estimate.residual
     return table
 
 
 def _chosen(study: Study, start: int, values: Mapping[str, Words]) -> dict[str, Any]:
-    """The law that is chosen in each case; all of its records slip once per half cycle."""
-    from .laws import chosen_laws  # slow to import
+    """The table of cases of a route that chooses laws; all records slip once per half cycle."""
+    from .law_selection import chosen_laws  # slow to import
 
     count = len(values["law"])
     runs = {"run": np.zeros(count)} | dict(values)
@@ -122,75 +113,73 @@ def _chosen(study: Study, start: int, values: Mapping[str, Words]) -> dict[str, 
 
 
 def _relative(value: Array, true: Array) -> Array:
-    """A value over the true one; NaN where that is zero."""
+    """The ratio of a value to the true one; NaN where that is zero."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(true > 0.0, value / true, np.nan)
 
 
 def _of_levels(rows: Rows, fit: Fit) -> Rows:
-    """The rows that a fit takes: all, or those of its two levels."""
+    """The rows that a fit uses: all, or those of its two levels."""
     return rows if fit.levels is None else rows[list(fit.levels)]
 
 
-def _estimates(fit: Fit, found: Mapping[str, Array], si: Mapping[str, Array]) -> dict[str, Array]:
-    """The coefficients, and their relative errors."""
-    table = {}
-    for symbol, value in found.items():
-        table[f"{KNOWN_TERMS[symbol].column}__{fit.label}"] = value
-        if symbol in si:  # a term that the oscillator has
-            table[f"{symbol}_relative_error__{fit.label}"] = _relative(value, si[symbol]) - 1.0
-    return table
+def _with_errors(rows: Rows, drawn: Rows, weighted: bool) -> tuple[Estimate, dict[str, Array]]:
+    """The estimate from rows, weighted by the scatter of replicates or not, and its standard errors by the replicates,
+    which take the weights of the rows."""
+    if weighted:
+        rows = replace(rows, covariance=drawn.scatter())
+    estimate = solve(rows)
+    if weighted:
+        weights = rows.weighted(estimate.values).weights
+        assert weights is not None
+        drawn = replace(drawn, weights=np.broadcast_to(weights[..., None], drawn.W.shape))
+    return estimate, {s: of.std(axis=1, ddof=1) for s, of in solve(drawn).values.items()}
 
 
-def _intervals(
-    fit: Fit,
-    found: Mapping[str, Array],
-    errors: Mapping[str, Array],
-    si: Mapping[str, Array],
+def _results(
+    fit: Fit, estimates: Mapping[str, Array], errors: Mapping[str, Array], si: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """Standard errors of the coefficients, and whether estimate ± 1.96 of them holds the true value."""
+    """The columns of a fit: coefficients and their relative errors; with standard errors also these, and whether
+    estimate ± 1.96 standard errors holds the true value."""
     table = {}
-    for symbol in found.keys() & si.keys():
-        value, error, true = found[symbol], errors[symbol], si[symbol]
-        held = np.where(np.abs(value - true) <= NORMAL_95 * error, 1.0, 0.0)
-        judged = np.isfinite(value) & np.isfinite(error)
-        table[f"{symbol}_relative_standard_error__{fit.label}"] = _relative(error, true)
-        table[f"{symbol}_covered__{fit.label}"] = np.where(judged, held, np.nan)
+    for symbol, value in estimates.items():
+        table[f"{KNOWN_TERMS[symbol].column}__{fit.label}"] = value
+        if symbol not in si:  # a term that the oscillator does not have
+            continue
+        table[f"{symbol}_relative_error__{fit.label}"] = _relative(value, si[symbol]) - 1.0
+        if symbol in errors:
+            error, off = errors[symbol], np.abs(value - si[symbol])
+            covered = np.where(off <= NORMAL_95 * error, 1.0, 0.0)
+            judged = np.isfinite(value) & np.isfinite(error)
+            table[f"{symbol}_relative_standard_error__{fit.label}"] = _relative(error, si[symbol])
+            table[f"{symbol}_covered__{fit.label}"] = np.where(judged, covered, np.nan)
     return table
 
 
-def _responses(
-    study: Study,
-    si: Mapping[str, Array],
-    Y: Array,
-    values: Mapping[str, Words],
-    cases: Integers,
-    threads: int | None,
-) -> Responses:
-    """The responses. What a route alone needs is slow to import."""
+def _responses(cases: Cases, threads: int | None) -> Responses:
+    """The responses of the cases. What a single route needs is slow to import."""
+    study = cases.study
+    kind = study.route.kind
     terms = {symbol for fit in study.fits for symbol in fit.terms} - TERMS.keys()
-    if study.route == "exact" and (terms or si.keys() & set(OF_LAW.values())):
+    if kind == "exact" and (terms or cases.si.keys() & set(OF_LAW.values())):
         from .responses_of_laws import law_responses
 
-        return Responses(law_responses(si, Y, terms))
-    if study.route == "exact":
-        return Responses(exact_responses(si, Y, threads))
-    if study.route == "measured":
-        from .noisy import measured_responses
+        return Responses(law_responses(cases, terms))
+    if kind == "exact":
+        return Responses(exact_responses(cases, threads))
+    if kind == "measured":
+        from .experiments import measured_responses
 
-        counts = {"cycles": study.cycles, "seed": study.seed, "count": study.replicates}
-        simpson = any(fit.approach == SIMPSON for fit in study.fits)
-        return measured_responses(si, Y, values, cases, **counts, simpson=simpson)
+        return measured_responses(cases)
     from .stepwise import fixed_step_responses, sampled_responses
 
-    read = fixed_step_responses if study.route == "fixed_step" else sampled_responses
-    return Responses(read(si, Y, values, study.cycles, study.reading))
+    return Responses((fixed_step_responses if kind == "fixed_step" else sampled_responses)(cases))
 
 
 def _rows(
     fit: Fit, responses: Features, k: Array, rules: Sequence[tuple[Integers, ReadOut]]
 ) -> Rows:
-    """Rows of the balance as the approach of a fit forms them from what is read."""
+    """Rows of the balance that the approach of a fit forms from features."""
     if fit.approach == SIMPSON:
         return direct(responses, k)
     seen = responses.with_phase(fit.phase) if fit.phase else responses
@@ -204,7 +193,7 @@ def _rows(
 
 
 def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut]]:
-    """(cases, rules of reading) for each set of rules among the cases; nothing if there are no rules."""
+    """(cases, rules of reading) for each different set of rules among the cases; empty without rules."""
     names = [name for name in values if PARAMETERS[name].kind == "read_out"]
     if not names:
         return []
@@ -221,7 +210,7 @@ def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut
 def _as_read(
     responses: Features, rules: Sequence[tuple[Integers, ReadOut]], common: bool
 ) -> Features:
-    """The responses as read, each case by its own rules; with the mean φ and t_s of its levels if `common`."""
+    """The features after rounding, each case by its own rules; with the mean φ and t_s of its levels if `common`."""
     changed = {name: np.empty(responses.X.shape) for name in READ}
     for cases, read_out in rules:
         part = responses[:, cases]
@@ -232,9 +221,9 @@ def _as_read(
 
 
 def _regime_names(words: Words) -> Words:
-    """The kind of response of each case: one name if all levels are alike, else the names of the levels."""
-    kinds, known = pd.factorize(words.ravel())
-    base = len(known)
+    """The regime of each case: one name if all levels are alike, else the names of all levels."""
+    kinds, regimes = pd.factorize(words.ravel())
+    base = len(regimes)
     packed = np.zeros(words.shape[1], dtype=np.int64)
     for row in kinds.reshape(words.shape):
         packed = packed * base + row

@@ -1,7 +1,8 @@
-"""What a study leaves behind: one Parquet file of all cases, and a manifest that says what it is.
+"""The files of a study: one Parquet file of all cases, and a manifest that describes it.
 
-The table has a row per case. Column names end in their unit, or name a pure number; each column carries its unit and
-meaning in the metadata of the file too. Same study, same bytes, whatever the number of cores or the order of chunks.
+The table has a row per case. Column names end in their unit, or name a pure number; the metadata of the file
+hold unit and meaning of each column, too. The same study gives the same bytes, whatever the number of cores or the
+order of chunks.
 """
 
 from __future__ import annotations
@@ -20,18 +21,18 @@ import pyarrow.parquet as pq
 from ..arrays import Words
 from ..project.files import replacing, write_json
 from .axes import Listed
-from .plan import Column, columns_of
+from .columns import Column, columns_of
 from .responses import REGIME_NAMES
 from .settings import Study
 from .stretches import stretches
 
 MANY = 100_000
-"""A table of so many cases or more is written as it is: numbers of which no two are alike hardly pack, and packing and
-unpacking them takes longer than computing them."""
+"""A table of so many cases or more is written uncompressed: numbers of which no two are alike hardly compress, and
+compressing them takes longer than computing them."""
 
 
 def _packing(study: Study) -> dict[str, Any]:
-    """How the columns are written."""
+    """How the columns are compressed."""
     packed: dict[str, Any] = {"write_statistics": False, "compression_level": 1}
     if study.cases < MANY:
         return packed | {"compression": "zstd"}
@@ -58,15 +59,10 @@ def schema_of(study: Study, version: str) -> pa.Schema:
     return pa.schema(fields, metadata=about)
 
 
-def write_chunk(path: str | Path, frame: pd.DataFrame, study: Study, version: str) -> None:
-    """Write the cases of one chunk: complete or not at all."""
-    write_parts(path, [frame], study, version)
-
-
 def write_parts(
     path: str | Path, parts: Iterable[pd.DataFrame], study: Study, version: str
 ) -> None:
-    """Write the cases of a chunk that come in parts, a row group each: complete or not at all."""
+    """Write the cases of a chunk that come in parts, a row group each; the file appears complete or not at all."""
     schema = schema_of(study, version)
     with (
         replacing(path) as temporary,
@@ -79,9 +75,9 @@ def write_parts(
 
 
 def join_chunks(path: str | Path, chunks: Sequence[str | Path], study: Study) -> None:
-    """Write the row groups of the chunks one after the other into one file; no more than one is in memory.
+    """Write the row groups of the chunks one after the other into one file, holding one in memory at a time.
 
-    A single chunk is the file.
+    A single chunk is copied.
     """
     with replacing(path) as temporary:
         if len(chunks) == 1:
@@ -96,7 +92,7 @@ def join_chunks(path: str | Path, chunks: Sequence[str | Path], study: Study) ->
 
 
 def write_manifest(path: str | Path, cases: str | Path, study: Study, version: str) -> None:
-    """What the table of cases is: study, version, seeds, settings, number of cases per regime, columns with units."""
+    """Write what the table of cases is: study, version, seeds, settings, cases per regime, columns with units."""
     counts = Counter(word for part in stretches(cases, ["regime"]) for word in part["regime"])
     seen = {word for pattern in counts for word in pattern.split(", ")}
     write_json(

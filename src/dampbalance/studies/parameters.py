@@ -1,6 +1,6 @@
 """What a study can vary: name, unit, bounds and meaning of every parameter, and what the names stand for in SI.
 
-Each of c, K_z, F_k and ω can be given as it is or as the dimensionless group that it is part of,
+Each of c, K_z, F_k and ω can be given by itself or by the dimensionless group that it is part of,
 
     ζ = c/(2√(km)),   K_z/k,   F_k/(kY),   ω/ω_n with ω_n = √(k/m),
 
@@ -27,10 +27,10 @@ Kind = Literal["oscillator", "excitation", "numerics", "read_out"]
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter: its unit ("1" for a pure number, "" for a word), bounds and meaning.
+    """A parameter that a study can set: its unit ("1" for a pure number, "" for a word), bounds and meaning.
 
     stands_for : the SI parameter that a dimensionless group replaces.   symbol : for figures, in TeX.
-    low, high : the least (besides zero, if that is allowed) and the largest number that is taken.
+    low, high : the smallest (apart from zero, if that is allowed) and the largest number that is accepted.
     """
 
     kind: Kind
@@ -43,9 +43,14 @@ class Parameter:
     low: float = 1e-12
     high: float = 1e12
 
+    @property
+    def is_word(self) -> bool:
+        """Whether its values are words, which have no unit and no range."""
+        return self.unit == ""
+
 
 def _decimals(feature: str, unit: str) -> Parameter:
-    """How many decimals of a feature are kept when it is read off."""
+    """The parameter for the number of decimals that are kept of a feature."""
     meaning = f"decimals (of {unit}) kept of {feature}"
     return Parameter("read_out", "1", meaning, zero_allowed=True, whole=True, high=15)
 
@@ -108,7 +113,7 @@ PARAMETERS: dict[str, Parameter] = {
 """Every name that an axis can have."""
 
 OF_LAW = {term.column: symbol for symbol, term in KNOWN_TERMS.items() if symbol not in TERMS}
-"""Parameters that are coefficients of a law's further terms, zero where they are not set → their symbols."""
+"""Coefficients of further terms of the damping law, zero where they are not set: parameter → symbol."""
 
 MECHANICAL = tuple(name for name, p in PARAMETERS.items() if p.kind in ("oscillator", "excitation"))
 
@@ -121,9 +126,9 @@ def synonyms(name: str) -> list[str]:
 
 
 def objection(name: str, value: Any) -> str | None:
-    """What is wrong with a value of a parameter, None if nothing is."""
+    """What is wrong with a value of a parameter; None for a good one."""
     p = PARAMETERS[name]
-    if p.unit == "":
+    if p.is_word:
         return None if isinstance(value, str) else f"{shortened(value)} is not a name"
     if isinstance(value, bool) or not isinstance(value, int | float):
         return f"{shortened(value)} is not a number"
@@ -140,8 +145,8 @@ def objection(name: str, value: Any) -> str | None:
 def in_si(given: Mapping[str, Array]) -> dict[str, Array]:
     """m, c, k, K_z, F_k, Y, omega of cases whose parameters are given by the names of PARAMETERS, each an array (n,).
 
-    Further terms of the law are added by their symbols, where they are given. Of each quantity else exactly one name is
-    given. ω in rad/s, the rest as in `dampbalance.model`.
+    Exactly one name of each quantity is given. Further terms of the law, where they are given, are added by symbol.
+    ω is in rad/s, the rest as in `dampbalance.model`.
     """
     m, k, Y = given["m_kg"], given["k_N_per_m"], given["Y_m"]
     c = 2.0 * given["zeta"] * np.sqrt(k * m) if "zeta" in given else given["c_N_s_per_m"]

@@ -1,22 +1,42 @@
-"""Exact steady responses of n cases at L levels, what can be read off responses, and the names of what they can be."""
+"""Cases and their responses, the names of regimes, and the exact steady responses of n cases at L levels."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from ..arrays import Array
-from ..features import Features, of_orbits
+from ..arrays import Array, Integers, Words
+from ..features import Features, beside, of_orbits, stack
+from ..model import BaseMotion, Oscillator
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
+from .parameters import oscillator_of
+from .settings import Study
+
+
+class Cases(NamedTuple):
+    """n cases that are computed together.
+
+    numbers : in the study, (n,).
+    values : of every parameter, by the names of PARAMETERS, each (n,).
+    si : m, c, k, K_z, F_k, omega and coefficients of further terms by symbol, SI units, each (n,).
+    Y : amplitudes of the base at L levels, m, (L, n).
+    """
+
+    study: Study
+    numbers: Integers
+    values: Mapping[str, Words]
+    si: Mapping[str, Array]
+    Y: Array
 
 
 class Responses(NamedTuple):
     """The responses of n cases at L levels.
 
-    features : (L, n).   Of noisy records, besides: drawn : bootstrap replicates of the features, (L, n, r).
-    simpson : features and replicates with a, b and W by `reading.simpson`, where they were asked for.
-    likelihood : symbol → value and standard error by the oscillator of largest likelihood, SI units, (2, n).
+    features : (L, n). The rest is for noisy records only.
+    drawn : bootstrap replicates of the features, (L, n, r).
+    simpson : features and replicates with a, b and W by `reading.simpson`, where a fit asks for them.
+    likelihood : symbol → value and standard error of the maximum-likelihood oscillator, SI units, (2, n).
     """
 
     features: Features
@@ -33,16 +53,28 @@ REGIME_NAMES = {
     STEP_TOO_COARSE: "step_too_coarse",
     "no slip onset could be read off the record": NOT_READ,
 }
-"""What a response is, or why a feature is missing: words → name in the table of cases. Other words are reasons why a
-record could not be read."""
+"""The regime of a response, or why a feature is missing: words → name in the table of cases. Other words give the
+reason why a record could not be read."""
 
 
-def exact_responses(si: Mapping[str, Array], Y: Array, threads: int | None = None) -> Features:
-    """The exact steady responses of n cases at L levels, as features of shape (L, n).
-
-    si : m, c, k, K_z, F_k, omega, each (n,).   Y : amplitudes of the base, m, (L, n).
-    """
+def exact_responses(cases: Cases, threads: int | None = None) -> Features:
+    """The exact steady responses of n cases at L levels, as features of shape (L, n)."""
+    si, Y = cases.si, cases.Y
     orbits = steady_orbits(
         **{name: si[name] for name in ("m", "c", "k", "K_z", "F_k", "omega")}, Y=Y, threads=threads
     )
     return of_orbits(orbits, Y, si["omega"])
+
+
+def one_by_one(
+    cases: Cases, response: Callable[[Oscillator, BaseMotion, int], Features]
+) -> Features:
+    """Features (L, n) of responses that are computed one after the other.
+
+    response : features of an oscillator under a base motion, with the place of the case among the cases.
+    """
+    columns = []
+    for case, omega in enumerate(cases.si["omega"].tolist()):
+        osc, levels = oscillator_of(cases.si, case), cases.Y[:, case].tolist()
+        columns.append(stack([response(osc, BaseMotion(Y, omega), case) for Y in levels]))
+    return beside(columns)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -11,40 +11,34 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..arrays import Array, Complexes
-from ..features import Features, beside, of_numbers, of_orbit, stack, wrapped
+from ..features import Features, of_numbers, of_orbit, wrapped
 from ..law.integrals import of_harmonics
 from ..law.steady import Response, steady_response
-from ..model import BaseMotion
+from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit
 from ..motion.regime import Regime
-from .parameters import OF_LAW, oscillator_of
+from .parameters import OF_LAW
+from .responses import Cases, one_by_one
 
 _HARMONICS = 128  # odd ones: what lies beyond takes 1e-9 of the work or less
 
 
-def law_responses(si: Mapping[str, Array], Y: Array, terms: Iterable[str]) -> Features:
+def law_responses(cases: Cases, terms: Iterable[str]) -> Features:
     """The steady responses of n cases at L levels, as features of shape (L, n).
 
-    si : m, c, k, K_z, F_k, omega and the coefficients of further terms by symbol, each (n,).   Y : amplitudes of the
-    base, m, (L, n).   terms : symbols of the further terms whose integrals are wanted.
+    terms : symbols of the further terms to integrate.
     """
-    terms = list(terms)
-    cases = []
-    for case in range(Y.shape[1]):
-        oscillator = oscillator_of(si, case)
+    si, terms = cases.si, list(terms)
+
+    def response(osc: Oscillator, motion: BaseMotion, case: int) -> Features:
         law = {symbol: float(si[symbol][case]) for symbol in OF_LAW.values() if symbol in si}
-        levels = []
-        for level in Y[:, case]:
-            motion = BaseMotion(Y=float(level), omega=float(si["omega"][case]))
-            try:
-                response = steady_response(oscillator, motion, law)
-                levels.append(of_response(response, motion, oscillator.k, terms))
-            except NoSteadyOrbit:
-                nothing = {symbol: np.full(1, np.nan) for symbol in terms}
-                lost = of_numbers(motion.omega, str(Regime.NOT_FOUND), integrals=nothing)
-                levels.append(lost)
-        cases.append(stack(levels))
-    return beside(cases)
+        try:
+            return of_response(steady_response(osc, motion, law), motion, osc.k, terms)
+        except NoSteadyOrbit:
+            nothing = {symbol: np.full(1, np.nan) for symbol in terms}
+            return of_numbers(motion.omega, str(Regime.NOT_FOUND), integrals=nothing)
+
+    return one_by_one(cases, response)
 
 
 def of_response(
@@ -52,7 +46,7 @@ def of_response(
 ) -> Features:
     """Features of one steady response under any law, (1,).
 
-    motion : of the base.   k : N/m.   terms : symbols of further terms whose integrals are wanted.
+    motion : of the base.   k : spring to the base, N/m.   terms : symbols of the further terms to integrate.
     """
     omega, n = motion.omega, np.arange(1.0, 2.0 * _HARMONICS, 2.0)
     x = response.harmonics(_HARMONICS)

@@ -1,4 +1,4 @@
-"""Where the responses of a study come from: what each route needs, and its defaults."""
+"""Where the responses of a study come from: one object per route answers what the rest asks of it."""
 
 from __future__ import annotations
 
@@ -7,60 +7,91 @@ from dataclasses import dataclass
 
 from ..law.terms import FRICTION, in_order
 
-LAWS = "laws"
-"""The route whose cases end in a law that is chosen, not in coefficients."""
-
 NONE = "none"
-"""Where no law is chosen."""
+"""The name where no law is chosen."""
 
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """A way to the responses of a case.
+    """A way to the responses of a case; what depends on the route is asked here.
 
-    numerics : the parameters of the route; of each group one is needed.   settings : other keys of `route` that mean
-    something to it.   cycles, chunk_cases : if the file does not say; a chunk is a few seconds of work.
+    kind : its name in the file.
+    needs : parameters of the route; of each group one is needed.
+    optional : further parameters that it takes.
+    settings : other keys of the section `route` that it takes.
+    refuses : sections of the file that mean nothing to it, and why.
+    any_law : whether the oscillator may have further damping terms, and the balance too.
+    columns : kinds of columns in the table of cases, if the file does not say.
+    cycles, chunk_cases : if the file does not say; a chunk is a few seconds of work.
     """
 
-    numerics: tuple[tuple[str, ...], ...] = ()
+    kind: str
+    needs: tuple[tuple[str, ...], ...] = ()
     optional: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
+    refuses: tuple[str, ...] = ()
+    any_law: bool = False
+    columns: tuple[str, ...] = ("parameters", "errors")
     cycles: int = 4
     chunk_cases: int = 512
 
     @property
     def parameters(self) -> set[str]:
         """Every parameter that means something to the route."""
-        return {name for group in self.numerics for name in group} | set(self.optional)
+        return {name for group in self.needs for name in group} | set(self.optional)
+
+    @property
+    def is_noisy(self) -> bool:
+        """Whether the records have noise, which needs a seed and makes rules of reading meaningless."""
+        return "seed" in self.settings
+
+    @property
+    def has_intervals(self) -> bool:
+        """Whether coefficients have standard errors, by which their rows can be weighted."""
+        return "replicates" in self.settings
+
+    @property
+    def chooses_law(self) -> bool:
+        """Whether a case ends in the law that its records support, instead of coefficients."""
+        return "chosen" in self.columns
 
 
 ROUTES = {
-    "exact": Route(chunk_cases=524_288),
-    "fixed_step": Route(
-        numerics=(("scheme",), ("step_s", "steps_per_cycle")),
-        settings=("cycles", "reading"),
-        cycles=10,
-        chunk_cases=64,
-    ),
-    "sampled": Route(numerics=(("sampling_hz",),), settings=("cycles", "reading")),
-    "measured": Route(
-        numerics=(("sampling_hz",), ("noise",)),
-        optional=("run",),
-        settings=("cycles", "seed", "replicates"),
-        cycles=100,
-        chunk_cases=60,
-    ),
-    LAWS: Route(
-        numerics=(("law",), ("noise",)),
-        optional=("run",),
-        settings=("cycles", "seed"),
-        cycles=100,
-        chunk_cases=2,
-    ),
+    route.kind: route
+    for route in (
+        Route("exact", any_law=True, chunk_cases=524_288),
+        Route(
+            "fixed_step",
+            needs=(("scheme",), ("step_s", "steps_per_cycle")),
+            settings=("cycles", "reading"),
+            cycles=10,
+            chunk_cases=64,
+        ),
+        Route("sampled", needs=(("sampling_hz",),), settings=("cycles", "reading")),
+        Route(
+            "measured",
+            needs=(("sampling_hz",), ("noise",)),
+            optional=("run",),
+            settings=("cycles", "seed", "replicates"),
+            cycles=100,
+            chunk_cases=60,
+        ),
+        Route(
+            "laws",
+            needs=(("law",), ("noise",)),
+            optional=("run",),
+            settings=("cycles", "seed"),
+            refuses=("base", "estimation", "columns", "summary_by"),
+            any_law=True,
+            columns=("chosen",),
+            cycles=100,
+            chunk_cases=2,
+        ),
+    )
 }
 
 REPLICATES = 200
-"""Bootstrap replicates if the file does not say: a standard error from them is good to 5 %."""
+"""Bootstrap replicates if the file does not say; their standard error is accurate to 5 %."""
 
 
 def law_named(terms: Iterable[str]) -> str:
@@ -69,7 +100,7 @@ def law_named(terms: Iterable[str]) -> str:
 
 
 def terms_named(name: str) -> tuple[str, ...]:
-    """The terms of a law by its name. Raises ValueError for a term that is not known, or a name of another form."""
+    """The terms of a law by its name. Raises ValueError for an unknown term, or a name of another form."""
     terms = in_order(name.split(" + "))
     if law_named(terms) != name:
         raise ValueError(f"the law {name!r} should be written {law_named(terms)!r}")

@@ -1,8 +1,8 @@
-"""A study as its YAML file describes it: `checking` finds what is wrong with the file."""
+"""A study as its YAML file describes it; `checking` finds what is wrong with the file."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -13,25 +13,25 @@ from ..law.terms import in_order
 from ..reading.clean import ReadAt
 from .axes import Block, Listed, Range, Sampled, number_of_cases, spread
 from .parameters import PARAMETERS, synonyms
-from .routes import LAWS, REPLICATES, ROUTES
+from .routes import REPLICATES, ROUTES, Route
 
 COMPLIANT, RIGID = "compliant", "rigid"
 """Models of the contact: with the slip onset as it was read, or without one (`Features.rigid`)."""
 
 WEIGHTED, EQUAL = "weighted", "equal"
-"""Weights of the rows of noisy records: each as it is sure, or all alike, as (9)."""
+"""Weights of the rows of noisy records: by inverse variance, or all alike, as in Eq. (9)."""
 
 SIMPSON, LIKELIHOOD = "simpson", "fit"
 YARDSTICKS = (SIMPSON, LIKELIHOOD)
-"""What stands beside the approaches of noisy records: plain direct integration (`reading.simpson`), whose contact is
-rigid and whose rows weigh alike, and the oscillator of largest likelihood by itself, without a balance."""
+"""What approaches are compared with on noisy records: plain direct integration (`reading.simpson`), which takes a
+rigid contact and equal weights, and the maximum-likelihood oscillator, which needs no balance."""
 
 OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high")
 SPREADS = ("bias", "rms", "p95_error", *OF_INTERVALS)
-"""Facts about a whole set of runs, each by one fit: see `groups.Spread`."""
+"""Facts about a set of runs, each by one fit: see `groups.Spread`."""
 
 CHOICES = ("right", "right_low", "right_high", "extra", "extra_low", "extra_high", "none")
-"""Facts about the laws that are chosen: see `confusion.Part`."""
+"""Facts about the laws that are chosen: see `confusion.choices_of`."""
 
 BANDS = ("band", "from")
 """Facts about a stretch of an axis: both its ends, or the lower one."""
@@ -39,14 +39,14 @@ BANDS = ("band", "from")
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """One way to identify F_k and c in a case: which rows, with which phase, contact, and which of the levels.
+    """One way to identify F_k and c in a case: rows, phase, contact, weights, and the levels that it takes.
 
     approach : a name in `balance.APPROACHES`, or one of YARDSTICKS.
     phase : reversal, zero_crossing or fundamental.   sharing : φ and t_s individual or common.   Both are empty for
-    an approach that knows no phase.   contact : compliant, with the slip onset as it was read, or rigid, a = 4X.
-    weights : of the rows, weighted or equal; empty where no noise tells them apart, and all weigh alike.
+    an approach that takes no phase.   contact : compliant, with the slip onset as it was read, or rigid, a = 4X.
+    weights : of the rows, weighted or equal; empty without noise, where all weigh alike.
     levels : positions of two levels counted from 0, None for least squares of all.   terms : of the balance, where the
-    study says them; else empty, and those of the approach.
+    study sets them; empty for those of the approach.
     """
 
     approach: str
@@ -75,8 +75,8 @@ class Fit:
 
     @property
     def label(self) -> str:
-        """How the columns of this fit are told apart, e.g. X_s__reversal__individual__least_squares; a rigid contact,
-        equal weights of noisy records and terms are named, direct__F_k+c+c_2__rigid__equal__least_squares."""
+        """How the names of the columns of this fit end, e.g. X_s__reversal__individual__least_squares; a rigid contact,
+        equal weights of noisy records and terms are named: direct__F_k+c+c_2__rigid__equal__least_squares."""
         contact = "" if self.contact == COMPLIANT else self.contact
         weights = EQUAL if self.weights == EQUAL else ""
         parts = (
@@ -97,8 +97,8 @@ class Study:
 
     fixed : value of each parameter that no axis sets, by the names of PARAMETERS.   blocks : the axes.
     levels : amplitudes Y, m, or multiples of Y_m if `levels_relative`.   seed, replicates : of the noise and of the
-    bootstrap, where the route is `measured`.   settings : the file as read, without the
-    text and the figure, from which everything that is computed follows.
+    bootstrap of noisy records.   settings : the file as read, without the text and the figure, from which everything
+    that is computed follows.
     """
 
     name: str
@@ -109,7 +109,7 @@ class Study:
     levels: tuple[float, ...]
     levels_relative: bool
     fits: tuple[Fit, ...]
-    route: str
+    route: Route
     cycles: int
     reading: ReadAt
     seed: int
@@ -131,15 +131,36 @@ class Study:
         """The parameters that the axes set, in the order of the file."""
         return tuple(name for block in self.blocks for name in block.names)
 
+    @cached_property
+    def parameters(self) -> frozenset[str]:
+        """Every parameter that has a value, fixed or by an axis."""
+        return frozenset((*self.fixed, *self.axis_names))
+
+    def block_of(self, axis: str) -> Block | None:
+        """The block that sets a parameter, None where none does."""
+        return next((block for block in self.blocks if axis in block.names), None)
+
+    def values_of(self, axis: str | None) -> Sequence[float | int | str]:
+        """The listed values of an axis; none where it is sampled or there is no such axis."""
+        block = self.block_of(str(axis))
+        return block.values[str(axis)] if isinstance(block, Listed) else ()
+
+    def extent(self, name: str) -> tuple[float, float]:
+        """The least and the largest value of a parameter, whether it is fixed or an axis of numbers."""
+        block = self.block_of(name)
+        if isinstance(block, Sampled):
+            return block.ranges[name].low, block.ranges[name].high
+        values = [float(x) for x in (block.values[name] if block else [self.fixed[name]])]
+        return min(values), max(values)
+
     @property
     def seeds(self) -> list[int]:
         """Seeds of the samples, in the order of the file, and of the noise."""
         samples = [block.seed for block in self.blocks if isinstance(block, Sampled)]
-        return [*samples, self.seed] if "seed" in ROUTES[self.route].settings else samples
+        return [*samples, self.seed] if self.route.is_noisy else samples
 
     def fits_of(self, spec: Mapping[str, Any]) -> list[Fit]:
-        """The fits that a fact or a figure selects by approach, phase, sharing, contact, weights and fit, as far as it
-        gives them.
+        """The fits that a fact or a figure selects by the keys that it sets.
 
         lines : label → such a selection, each of one fit; none is selected where one of them selects none or several.
         contact : compliant or rigid; if it is missing, compliant, or else all.   weights : weighted or equal; if they
@@ -171,7 +192,7 @@ class Study:
         """The study of a document in which `checking.problems` finds nothing wrong; paper : see `paper_defaults`."""
         blocks = tuple(_block(item) for item in document["axes"])
         route = {"kind": "exact", "reading": "interpolated"} | document.get("route", {})
-        kind = route["kind"]
+        way = ROUTES[route["kind"]]
         estimation = document.get("estimation", {})
         given = document.get("base", {}) | {
             key: value
@@ -195,14 +216,14 @@ class Study:
             fixed=fixed,
             levels=tuple(levels),
             levels_relative="levels_of_Y" in document,
-            fits=() if kind == LAWS else tuple(_fits(estimation, kind == "measured")),
-            route=kind,
-            cycles=route.get("cycles", ROUTES[kind].cycles),
+            fits=() if way.chooses_law else tuple(_fits(estimation, way.has_intervals)),
+            route=way,
+            cycles=route.get("cycles", way.cycles),
             reading=route["reading"],
             seed=route.get("seed", 0),
             replicates=route.get("replicates", REPLICATES),
-            columns=tuple(document.get("columns", ["parameters", "errors"])),
-            chunk_cases=document.get("chunk_cases", ROUTES[kind].chunk_cases),
+            columns=tuple(document.get("columns", way.columns)),
+            chunk_cases=document.get("chunk_cases", way.chunk_cases),
             summary_by=tuple(document.get("summary_by", [])),
             figure=document.get("figure", {}),
             facts=document.get("facts", {}),
@@ -211,7 +232,7 @@ class Study:
 
 
 def paper_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
-    """What stands for parameters and levels that a study leaves out: {base: …, levels_m: …}."""
+    """The paper's values of the parameters and levels that a study leaves out: {base: …, levels_m: …}."""
     frequencies, levels = config["excitation"]["frequencies"], config["excitation"]["levels_m"]
     base = {**config["oscillator"], "frequency_hz": frequencies[0]["hz"], "Y_m": levels[0]}
     return {"base": base, "levels_m": levels}

@@ -39,7 +39,7 @@ class Sizes:
         self._counts = np.zeros((_HIGHEST - _LOWEST) * _PER_DECADE, dtype=np.int64)
 
     def add(self, errors: Array) -> None:
-        """Take in the errors of a stretch; those that are missing count as cases only."""
+        """Add the errors of a stretch; missing ones count as cases only."""
         size = np.abs(errors)
         size = size[np.isfinite(size)]
         self.cases += len(errors)
@@ -60,7 +60,7 @@ class Sizes:
         return self.within / self.cases
 
     def quantile(self, share: float) -> float:
-        """The size that this share of the known errors does not exceed, to 0.06 %; NaN if none is known."""
+        """The size that this share of the finite errors does not exceed, to 0.06 %; NaN without one."""
         if not self.known:
             return float("nan")
         reached = int(np.searchsorted(np.cumsum(self._counts), max(1.0, share * self.known)))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 import yaml
 
-from dampbalance.studies import checking
+from dampbalance import __version__
+from dampbalance.studies import checking, evaluate, outputs
 from folders import PAPER_FILE, STUDY_SCHEMA
 
 
@@ -19,3 +20,20 @@ def make(tmp_path_factory):
         return checking.read_study(path, STUDY_SCHEMA, PAPER_FILE)
 
     return study
+
+
+@pytest.fixture(scope="session")
+def computed(make, tmp_path_factory):
+    """Makes a study and computes it: computed({"axes": …}) -> (Study, its table of cases, the file that holds it).
+
+    A table that is given stands for the computed one.
+    """
+
+    def run(document, table=None):
+        study = make(document)
+        table = evaluate.evaluate(study, 0, study.cases) if table is None else table
+        path = tmp_path_factory.mktemp("cases") / "cases.parquet"
+        outputs.write_parts(path, [table], study, __version__)
+        return study, table, path
+
+    return run

@@ -15,7 +15,7 @@ from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.wording import number
 from dampbalance.solver import least_squares, pair
 from dampbalance.studies import checking, evaluate, outputs
-from dampbalance.studies.shown import facts, series
+from dampbalance.studies.shown import error_curves, facts
 from folders import PAPER_FILE, ROOT, STUDY_SCHEMA
 from paper_case import PAPER
 
@@ -89,40 +89,11 @@ def test_an_axis_takes_further_values_in_their_places(make):
     assert {0.05, 0.3, 0.31, 2.0} <= set(values)
 
 
-@pytest.mark.parametrize(
-    ("axes", "words"),
-    [
-        ({"zeta": {"values": [0.1, 0.2], "also": [0.3]}}, "give either values, or from"),
-        (
-            {"zeta": {"from": 0.1, "to": 0.9, "count": 9, "also": [-1.0]}},
-            "zeta.also: -1.0 is out of",
-        ),
-        (
-            {"zeta": {"from": 0.1, "to": 0.9, "count": 9, "also": ["a"]}},
-            "zeta.also: 'a' is not a number",
-        ),
-        (
-            {
-                "zeta": {"from": 0.1, "to": 0.9, "count": 2, "also": [0.3]},
-                "K_z_over_k": {"values": [50.0, 90.0]},
-            },
-            "zeta.also: cannot be paired with another axis",
-        ),
-    ],
-)
-def test_what_is_wrong_with_further_values_is_said(make, axes, words):
-    with pytest.raises(ConfigurationError) as caught:
-        make({"axes": [axes]})
-    assert words in str(caught.value)
-
-
-def test_a_figure_of_curves_takes_the_cases_that_it_names(make, tmp_path):
+def test_a_figure_of_curves_takes_the_cases_that_it_names(make, computed):
     axes = [{"zeta": {"from": 0.1, "to": 0.9, "count": 9}}, {"K_z_over_k": {"values": [9.0, 90.0]}}]
     figure = {"kind": "curves", "x": "zeta", "at": {"K_z_over_k": 9.0}}
-    study = make({"axes": axes, "figure": figure})
-    frame = evaluate.evaluate(study, 0, 18)
-    outputs.write_chunk(tmp_path / "cases.parquet", frame, study, __version__)
-    (panel,) = series.error_curves(study, tmp_path / "cases.parquet").panels
+    study, frame, path = computed({"axes": axes, "figure": figure})
+    (panel,) = error_curves.error_curves(study, path).panels
     assert (frame["K_z_over_k"][panel.cases] == 9.0).all()
     assert panel.x.tolist() == sorted(set(frame["zeta"]))
     with pytest.raises(ConfigurationError, match=r"figure\.at\.K_z_over_k: 8\.0 is not among"):
@@ -137,7 +108,7 @@ def table(study, folder, error):
     frame = evaluate.evaluate(study, 0, study.cases)
     name = "F_k_relative_error__direct__least_squares"
     frame[name] = error(frame["zeta"].to_numpy(float))
-    outputs.write_chunk(folder / "cases.parquet", frame, study, __version__)
+    outputs.write_parts(folder / "cases.parquet", [frame], study, __version__)
     return folder / "cases.parquet"
 
 
@@ -192,7 +163,7 @@ def shipped(tmp_path_factory):
             )
             path = tmp_path_factory.mktemp(name) / "cases.parquet"
             frame = evaluate.evaluate(study, 0, study.cases)
-            outputs.write_chunk(path, frame, study, __version__)
+            outputs.write_parts(path, [frame], study, __version__)
             made[name] = study, path
         study, path = made[name]
         return [facts.fact(study, path, study.facts[fact]) for fact in wanted]

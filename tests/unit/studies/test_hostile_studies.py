@@ -14,51 +14,14 @@ import yaml
 
 from dampbalance.figures.style import save
 from dampbalance.project.documents import ConfigurationError
-from dampbalance.studies import checking, evaluate, outputs, plan
-from dampbalance.studies.shown import drawing, facts, summary
+from dampbalance.studies import checking, evaluate, outputs, sizes
+from dampbalance.studies.shown import facts, summary
+from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from folders import PAPER_FILE, STUDY_SCHEMA
+from unit.studies.documents import DOCUMENTS
 
 LONGEST = 300  # characters of a line
-FREQUENCY = {"frequency_hz": {"values": [3.5, 4.92]}}
-SOUND = {
-    "curves": {
-        "axes": [
-            FREQUENCY,
-            {"K_z_over_k": {"from": 10.0, "to": 90.0, "count": 5, "spacing": "log"}},
-        ],
-        "estimation": {"approaches": ["direct", "X_s"], "sharing": ["individual", "common"]},
-        "figure": {"kind": "curves", "x": "K_z_over_k", "panels": "frequency_hz"},
-    },
-    "map": {
-        "axes": [
-            {"zeta": {"from": 0.1, "to": 0.8, "count": 4}},
-            {"K_z_over_k": {"values": [10.0, 20.0, 90.0]}},
-        ],
-        "estimation": {"approaches": ["X_s", "t_s"], "fits": ["least_squares", [1, 2]]},
-        "figure": {"kind": "map", "x": "zeta", "y": "K_z_over_k", "within": 0.01},
-    },
-    "steps": {
-        "axes": [
-            {"scheme": {"values": ["backward-euler", "rk4"]}},
-            {"step_s": {"values": [5.0e-5, 1.0e-4]}},
-        ],
-        "route": {"kind": "fixed_step", "cycles": 4},
-        "levels_m": [0.004, 0.008],
-        "figure": {"kind": "steps", "x": "step_s"},
-    },
-    "scatter": {
-        "axes": [
-            {"noise": {"values": [0.001, 0.01]}},
-            {"run": {"from": 1, "to": 2, "count": 2}},
-        ],
-        "route": {"kind": "measured", "sampling_hz": 500, "cycles": 6, "seed": 1, "replicates": 10},
-        "levels_m": [0.004, 0.008],
-        "estimation": {"approaches": ["direct"]},
-        "columns": ["errors", "parameters", "intervals"],
-        "summary_by": ["noise"],
-        "figure": {"kind": "scatter", "x": "noise"},
-    },
-}
+SOUND = {name: DOCUMENTS[name] for name in ("curves", "map", "steps", "scatter")}
 TEXTS = [
     "<script>alert(1)</script>",
     "a | b",
@@ -200,17 +163,17 @@ def drawn(seed: int) -> dict:
 
 def built(study, folder) -> str:
     """Everything that the rules make of a study; returns its page."""
-    sizes, chunks = plan.plan(study), []
-    for number in range(sizes.chunks):
+    chunks = []
+    for number in range(sizes.size_of(study).chunks):
         chunks.append(folder / f"{number:05d}.parquet")
-        parts = evaluate.in_parts(study, *plan.chunk_bounds(study, number), threads=1)
+        parts = evaluate.in_parts(study, *sizes.chunk_bounds(study, number), threads=1)
         outputs.write_parts(chunks[-1], parts, study, "0")
     cases = folder / "cases.parquet"
     outputs.join_chunks(cases, chunks, study)
     outputs.write_manifest(folder / "manifest.json", cases, study, "0")
     if study.figure:
-        text = drawing.alternative_text(study)
-        save(drawing.study_figure(study, cases), folder / "a.svg", folder / "a.png", text)
+        text = alternative_text(study)
+        save(study_figure(study, cases), folder / "a.svg", folder / "a.png", text)
     table = summary.summary_of(cases, study)
     return summary.summary_markdown(study, table, facts.paragraph(study, cases), "figure.png")
 
@@ -222,7 +185,7 @@ def test_it_is_refused_or_made(tmp_path, seed):
     refusal = ""
     try:
         study = checking.read_study(file, STUDY_SCHEMA, PAPER_FILE)
-        plan.check_size(study, plan.plan(study), tmp_path, file)
+        sizes.check_size(study, sizes.size_of(study), tmp_path, file)
     except ConfigurationError as error:
         refusal = str(error)
     for line in refusal.splitlines():
@@ -242,46 +205,3 @@ def test_it_is_refused_or_made(tmp_path, seed):
 @pytest.mark.parametrize("kind", SOUND)
 def test_the_studies_that_the_draws_start_from_are_sound(tmp_path, make, kind):
     assert built(make(SOUND[kind]), tmp_path).startswith("# Test")
-
-
-@pytest.mark.parametrize(
-    ("kind", "change", "told"),
-    [
-        (
-            "curves",
-            {"figure": {"kind": "curves", "x": "frequency_hz", "fit": "pair_8_9"}},
-            "no fit",
-        ),
-        ("steps", {"figure": {"kind": "curves", "x": "scheme"}}, "scheme holds words"),
-        ("steps", {"columns": ["errors"]}, "needs the columns of parameters"),
-        ("steps", {"estimation": {"approaches": ["X_s"]}}, "shows the approach direct"),
-        ("curves", {"figure": {"kind": "steps", "x": "K_z_over_k"}}, "both must be axes"),
-        ("curves", {"figure": {"kind": "curves", "x": "phase"}}, "'phase' is not an axis"),
-        ("map", {"figure": {"kind": "map", "x": "zeta", "y": "zeta"}}, "the axis x already"),
-        ("scatter", {"axes": [{"noise": {"values": [0, 0.1]}}]}, "above zero"),
-        ("curves", {"shows": "{f.real}"}, "is not among the facts"),
-        ("curves", {"shows": "{cases:>9}"}, "nothing else in the braces"),
-        ("curves", {"shows": "{"}, "for a fact"),
-        ("curves", {"facts": {"cases": {"of": "c", "take": "max"}}}, "cannot be a name"),
-        ("curves", {"facts": {"f": {"of": "c", "take": "share"}}}, "facts.f.within: missing"),
-        (
-            "curves",
-            {"facts": {"f": {"of": "c", "take": "max", "at": {"frequency_hz": "rk4"}}}},
-            "facts.f.at.frequency_hz: 'rk4' is not a number",
-        ),
-        (
-            "steps",
-            {"facts": {"f": {"of": "c", "take": "max", "at": {"scheme": "rk5"}}}},
-            "facts.f.at.scheme: 'rk5' is not among its values",
-        ),
-        ("curves", {"summary_by": ["regime"]}, "'regime' is not an axis"),
-        ("curves", {"axes": [{"run": {"from": 0, "to": 3, "count": 10**9}}]}, "2 to 100000"),
-        ("map", {"axes": [{"zeta": {"from": 1.0, "to": 1.0 + 1e-15, "count": 50}}]}, "do not fit"),
-        ("map", {"axes": [{"c_N_s_per_m": {"values": [1e9, 2e9]}}]}, "the exact solution holds"),
-        ("curves", {"base": {"K_z_N_per_m": 1e300}}, "is out of range"),
-    ],
-)
-def test_what_is_not_there_is_named(make, kind, change, told):
-    with pytest.raises(ConfigurationError) as caught:
-        make(SOUND[kind] | change)
-    assert told in str(caught.value)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 
 import numpy as np
@@ -14,46 +13,25 @@ from dampbalance.identification.answers import answers_of_forced
 from dampbalance.identification.identify import identify_readings
 from dampbalance.identification.limits import REFERENCE
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
-from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.wording import percent
 from dampbalance.reading.noisy import read_features
 from dampbalance.reading.simpson import cycle_integrals
 from dampbalance.records.synthetic import measured_orbit
-from dampbalance.studies import evaluate, outputs, plan
-from dampbalance.studies.shown import drawing, facts, groups, summary
+from dampbalance.studies import evaluate, outputs
+from dampbalance.studies.columns import columns_of
+from dampbalance.studies.shown import facts, groups, summary
 from dampbalance.studies.shown.bounds import bounds_of
+from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from paper_case import FREQUENCIES_HZ, PAPER, motions_at
+from unit.studies.documents import document
 
-SMALL = {
-    "title": "Small",
-    "axes": [
-        {"frequency_hz": {"values": [4.92, 3.5]}},
-        {"noise": {"values": [0.001, 0.01]}},
-        {"run": {"values": [1, 2, 3]}},
-    ],
-    "levels_m": [0.004, 0.012],
-    "estimation": {"approaches": ["direct", "X_s", "fourier"], "phases": ["fundamental"]},
-    "route": {
-        "kind": "measured",
-        "sampling_hz": 1000,
-        "cycles": 20,
-        "seed": 7,
-        "replicates": 25,
-    },
-    "columns": ["parameters", "errors", "estimates", "intervals"],
-    "summary_by": ["frequency_hz", "noise"],
-    "figure": {"kind": "scatter", "x": "noise", "panels": "frequency_hz"},
-}
+SMALL = document("noisy")
 
 
 @pytest.fixture(scope="module")
-def done(make, tmp_path_factory):
-    """The small study, its table of cases, and the file that holds it."""
-    study = make(SMALL)
-    table = evaluate.evaluate(study, 0, study.cases)
-    path = tmp_path_factory.mktemp("cases") / "cases.parquet"
-    outputs.write_chunk(path, table, study, __version__)
-    return study, table, path
+def done(computed):
+    """The study, its table of cases, and the file that holds it."""
+    return computed(SMALL)
 
 
 def experiment(case):
@@ -154,13 +132,9 @@ def test_runs_differ_and_seeds_too(done, make):
 
 
 def test_without_noise_the_truth_comes_back(make):
-    document = copy.deepcopy(SMALL) | {
-        "axes": [{"frequency_hz": {"values": [*FREQUENCIES_HZ.values()]}}]
-    }
-    document["route"] |= {"noise": 0.0, "sampling_hz": 5000}
-    document |= {"summary_by": ["frequency_hz"], "figure": {}}
-    del document["figure"]
-    study = make(document)
+    axes = [{"frequency_hz": {"values": [*FREQUENCIES_HZ.values()]}}]
+    route = SMALL["route"] | {"noise": 0.0, "sampling_hz": 5000}
+    study = make(document("noisy", axes=axes, route=route, summary_by=None, figure=None))
     table = evaluate.evaluate(study, 0, 3)
     # Direct integration of the record's harmonics and of the waveform beyond: what is left is the waveform's fit.
     assert table["F_k_relative_error__direct__least_squares"].abs().max() < 1e-4
@@ -171,9 +145,8 @@ def test_without_noise_the_truth_comes_back(make):
 
 
 def test_a_record_that_cannot_be_read_says_so(make):
-    document = copy.deepcopy(SMALL)
-    document["route"] |= {"sampling_hz": 6, "cycles": 3}  # hardly a sample per cycle
-    study = make(document)
+    route = SMALL["route"] | {"sampling_hz": 6, "cycles": 3}  # hardly a sample per cycle
+    study = make(SMALL | {"route": route})
     table = evaluate.evaluate(study, 0, 1)
     assert table["regime"][0] == "not_read"
     assert math.isnan(table["F_k_relative_error__direct__least_squares"][0])
@@ -239,15 +212,13 @@ def test_the_error_of_the_stated_error_is_that_of_their_scatter():
 
 
 def test_equal_weights_are_asked_for_and_told_apart(make):
-    document = copy.deepcopy(SMALL)
-    document["levels_m"] = [0.004, 0.008, 0.012]  # two levels are met exactly, whatever they weigh
-    document["axes"] = [
-        {"frequency_hz": {"values": [4.92]}},
-        {"noise": {"values": [0.01, 0.02]}},
-        {"run": {"values": [1]}},
-    ]
-    document["estimation"] = {"approaches": ["direct"], "weights": ["weighted", "equal"]}
-    study = make(document)
+    axes = {"frequency_hz": [4.92], "noise": [0.01, 0.02], "run": [1]}
+    change = {
+        "levels_m": [0.004, 0.008, 0.012],  # two levels are met exactly, whatever they weigh
+        "axes": [{name: {"values": values}} for name, values in axes.items()],
+        "estimation": {"approaches": ["direct"], "weights": ["weighted", "equal"]},
+    }
+    study = make(SMALL | change)
     assert [fit.label for fit in study.fits] == [
         "direct__least_squares",
         "direct__equal__least_squares",
@@ -303,8 +274,7 @@ def test_no_bound_where_it_would_mean_nothing(done, make):
     of_all = bounds_of(study, table["case"].to_numpy())  # four groups at once
     assert math.isnan(of_all["F_k"])
     assert math.isnan(bounds_of(study, np.array([], dtype=int))["c"])
-    exact = make({k: v for k, v in SMALL.items() if k not in ("route", "columns", "summary_by", "figure")} | {
-        "axes": [{"frequency_hz": {"values": [4.92]}}]})  # fmt: skip
+    exact = make(document("good"))
     assert math.isnan(bounds_of(exact, np.array([0]))["F_k"])
 
 
@@ -341,13 +311,13 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         "direct": {"approach": "direct"},
         "fit alone": {"approach": "fit"},
     }
-    document = copy.deepcopy(SMALL)
-    document["axes"][2] = {"run": {"from": 1, "to": 30, "count": 30}}
-    document["estimation"] |= {"contact": ["compliant", "rigid"], "yardsticks": ["fit"]}
-    document["columns"] = ["errors", "intervals"]
-    study = make(document | {"figure": {**SMALL["figure"], "lines": lines}})
+    changed = document("noisy")
+    changed["axes"][2] = {"run": {"from": 1, "to": 30, "count": 30}}
+    changed["estimation"] |= {"contact": ["compliant", "rigid"], "yardsticks": ["fit"]}
+    changed["columns"] = ["errors", "intervals"]
+    study = make(changed | {"figure": {**SMALL["figure"], "lines": lines}})
     rng, n = np.random.default_rng(8), study.cases
-    table = pd.DataFrame({c.name: np.zeros(n) for c in plan.columns_of(study)})
+    table = pd.DataFrame({c.name: np.zeros(n) for c in columns_of(study)})
     for name in study.axis_names:
         table[name] = evaluate.case_parameters(study, 0, n)[name]
     table["case"], table["regime"] = np.arange(n), "one_slip"
@@ -357,9 +327,9 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         if "covered" in name:
             table[name] = (rng.random(n) < 0.8).astype(float)
     path = tmp_path / "cases.parquet"
-    outputs.write_chunk(path, table, study, __version__)
+    outputs.write_parts(path, [table], study, __version__)
 
-    figure = drawing.study_figure(study, path)
+    figure = study_figure(study, path)
     axes = {axes.get_label(): axes for axes in figure.axes}
     assert list(axes) == [
         f"{symbol} {hz} {what}"
@@ -396,91 +366,15 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         "direct",
         "fit alone",
     ]
-    assert "95 % of the errors" in drawing.alternative_text(study)
+    assert "95 % of the errors" in alternative_text(study)
 
 
 def test_without_intervals_or_lines_the_figure_shows_the_errors_of_all_fits(done, make):
     _, _, path = done
     study = make(SMALL | {"columns": ["errors"]})
-    axes = {axes.get_label(): axes for axes in drawing.study_figure(study, path).axes}
+    axes = {axes.get_label(): axes for axes in study_figure(study, path).axes}
     assert list(axes) == ["F_k 4.92 errors", "F_k 3.5 errors", "c 4.92 errors", "c 3.5 errors"]
     # three runs do not tell how far the largest of their errors may be off: no bars
     for points, _, (bars,) in axes["c 3.5 errors"].containers:
         ends = np.array(bars.get_segments())[:, :, 1]
         assert ends == pytest.approx(np.column_stack([points.get_ydata()] * 2))
-
-
-# --- what does not fit -----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("change", "expected"),
-    [
-        ({"route": {"kind": "measured", "sampling_hz": 1e3}}, "route.seed: missing; the seed"),
-        (
-            {"route": {"kind": "measured", "seed": 1}, "axes": [{"run": {"values": [1]}}]},
-            "measured needs sampling_hz",
-        ),
-        ({"route": {"kind": "exact"}}, "noise means nothing to the route exact"),
-        ({"route": {"kind": "sampled", "sampling_hz": 1e3, "seed": 1}}, "route.seed: means noth"),
-        (
-            {"route": SMALL["route"] | {"reading": "sample"}},
-            "route.reading: means nothing to the route measured",
-        ),
-        ({"route": SMALL["route"] | {"noise_m": 1e-6}}, "noise_m: unknown key"),
-        ({"route": SMALL["route"] | {"noise": -0.1}}, "route.noise: -0.1 is not allowed"),
-        ({"axes": [{"noise": {"values": [-0.1]}}]}, "axes[1].noise: -0.1 is out of range"),
-        ({"axes": [{"run": {"values": [1.5]}}]}, "1.5 is not a whole number"),
-        ({"read_out": {"X_decimals": 5}}, "read_out.X_decimals: means nothing to the route meas"),
-        ({"summary_by": ["zeta"]}, "summary_by[1]: 'zeta' is not an axis"),
-        ({"estimation": {"yardsticks": ["Simpson"]}}, "estimation.yardsticks[1]: 'Simpson' is not"),
-        (
-            {"facts": {"one": {"of": "c", "take": "bias", "approach": "fit"}}},
-            "facts.one: no fit of this study is meant: see estimation",
-        ),
-        (
-            {"facts": {"one": {"of": "c", "take": "bias", "approach": "fitt"}}},
-            "'fitt' is not an approach (did you mean fit?)",
-        ),
-        (
-            {"figure": {**SMALL["figure"], "lines": {"all": {"fit": "pairs"}}}},
-            "figure: no fit of this study is meant: see estimation",
-        ),
-        (
-            {"figure": {"kind": "curves", "x": "noise", "lines": {"one": {"approach": "direct"}}}},
-            "figure.kind: 'curves' is not allowed. Lines are those of a scatter.",
-        ),
-        (
-            {"facts": {"one": {"of": "c", "take": "bias"}}},
-            "facts.one: bias is that of one fit, and direct__least_squares, X_s",
-        ),
-        (
-            {
-                "columns": ["errors"],
-                "facts": {"one": {"of": "c", "take": "coverage", "approach": "direct"}},
-            },
-            "facts.one.take: needs the columns of intervals",
-        ),
-    ],
-)
-def test_a_wrong_study_is_refused_in_one_sentence(make, change, expected):
-    with pytest.raises(ConfigurationError) as caught:
-        make(copy.deepcopy(SMALL) | change)
-    assert expected in str(caught.value)
-
-
-@pytest.mark.parametrize("route", [{}, {"route": {"kind": "sampled", "sampling_hz": 1e3}}])
-def test_yardsticks_need_noisy_records(make, route):
-    document = {"axes": [{"zeta": {"values": [0.1]}}], "estimation": {"yardsticks": ["fit"]}}
-    with pytest.raises(ConfigurationError, match=r"they need the route measured"):
-        make(document | route)
-
-
-def test_intervals_need_noisy_records(make):
-    document = {
-        "title": "T",
-        "axes": [{"zeta": {"values": [0.1]}}],
-        "columns": ["errors", "intervals"],
-    }
-    with pytest.raises(ConfigurationError, match="they need the route measured"):
-        make(document)

@@ -5,30 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dampbalance import __version__
 from dampbalance.balance import APPROACHES
-from dampbalance.project.documents import ConfigurationError
-from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.shown import facts, groups, summary
 from paper_case import FREQUENCIES_HZ, LEVELS, PAPER, features_at, orbits_at
+from unit.studies.documents import document
 
 HERTZ = list(FREQUENCIES_HZ.values())
-STUDY = {
-    "title": "Rigid",
-    "axes": [{"frequency_hz": {"values": HERTZ}}],
-    "levels_m": list(LEVELS),
-    "estimation": {
-        "approaches": ["direct", "X_s", "t_s", "V_s"],
-        "contact": ["compliant", "rigid"],
-        "fits": ["least_squares", [1, 2], [2, 5]],
-    },
-}
+STUDY = document("rigid")
 
 
 @pytest.fixture(scope="module")
-def table(make):
-    study = make(STUDY)
-    return evaluate.evaluate(study, 0, study.cases)
+def table(computed):
+    assert STUDY["axes"] == [{"frequency_hz": {"values": HERTZ}}]
+    return computed(STUDY)[1]
 
 
 def exact_rows(hertz):
@@ -102,15 +91,14 @@ def test_the_harmonic_approaches_become_one(table):
         assert (np.abs(compliant - first) > 1e-6).all()
 
 
-def test_records_without_noise_give_the_same(make, table):
+def test_records_without_noise_give_the_same(computed, table):
     """The route of noisy records, at no noise: the rigid model of what is read is that of the exact features."""
-    document = STUDY | {
+    changed = STUDY | {
         "route": {"kind": "measured", "sampling_hz": 2000, "cycles": 12, "seed": 1, "noise": 0.0},
         "columns": ["errors", "intervals"],
         "estimation": STUDY["estimation"] | {"approaches": ["direct"], "weights": ["equal"]},
     }
-    study = make(document)
-    read = evaluate.evaluate(study, 0, study.cases)
+    _, read, _ = computed(changed)
     for q in ("F_k", "c"):
         column = f"{q}_relative_error__direct__rigid__least_squares"
         equal = column.replace("rigid", "rigid__equal")
@@ -119,9 +107,9 @@ def test_records_without_noise_give_the_same(make, table):
         assert np.isfinite(read[f"{q}_covered__direct__rigid__equal__least_squares"]).all()
 
 
-def test_facts_and_tables_say_which_contact(make, tmp_path):
+def test_facts_and_tables_say_which_contact(computed):
     K_z = {"from": 1.0, "to": 1.0e4, "count": 41, "spacing": "log"}
-    document = STUDY | {
+    changed = STUDY | {
         "axes": [{"K_z_over_k": K_z}],
         "estimation": {"approaches": ["direct"], "contact": ["compliant", "rigid"]},
     }
@@ -132,36 +120,21 @@ def test_facts_and_tables_say_which_contact(make, tmp_path):
         "from": band | {"take": "from"},
         "band": band | {"take": "band"},
     }
-    study = make(document | {"facts": specs})
-    frame = evaluate.evaluate(study, 0, study.cases)
-    path = tmp_path / "cases.parquet"
-    outputs.write_chunk(path, frame, study, __version__)
-    told = {name: facts.fact(study, path, spec) for name, spec in specs.items()}
+    study, frame, path = computed(changed | {"facts": specs})
+    words = {name: facts.fact(study, path, spec) for name, spec in specs.items()}
     error = frame["F_k_relative_error__direct__rigid__least_squares"].abs()
     good = frame["K_z_over_k"][error <= 0.01]
     assert len(frame) > len(good) > 10
     first = good.index[0]  # the error crosses the bound between this case and the one before
     ends = frame["K_z_over_k"][first - 1 : first + 1], error[first - 1 : first + 1]
     at = float(np.interp(0.01, ends[1][::-1], ends[0][::-1]))
-    assert told["from"] == f"{at:.3g}"
-    assert told["band"].startswith(f"{at:.0f} to 10000")
-    assert float(told["with"].split()[0]) == pytest.approx(100.0 * error.max(), rel=0.01)
-    assert "10⁻" in told["without"]  # rounding: direct integration with the compliant contact
+    assert words["from"] == f"{at:.3g}"
+    assert words["band"].startswith(f"{at:.0f} to 10000")
+    assert float(words["with"].split()[0]) == pytest.approx(100.0 * error.max(), rel=0.01)
+    assert "10⁻" in words["without"]  # rounding: direct integration with the compliant contact
     lines = summary.summary_of(path, study)
     assert lines["contact"].tolist() == ["compliant", "compliant", "rigid", "rigid"]
     assert "| F_k | direct, rigid |" in summary.summary_markdown(study, lines, "", "")
-
-
-def test_an_unknown_contact_is_refused(make):
-    document = STUDY | {"estimation": {"contact": ["soft"]}}
-    with pytest.raises(ConfigurationError, match=r"estimation.contact\[1\]"):
-        make(document)
-    document = STUDY | {
-        "estimation": {"contact": ["rigid"]},
-        "facts": {"one": {"of": "c", "take": "max", "contact": "compliant"}},
-    }
-    with pytest.raises(ConfigurationError, match="no fit of this study is meant"):
-        make(document)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 import re
 
@@ -22,7 +21,7 @@ from dampbalance.project.wording import percent
 from dampbalance.reading.clean import of_record
 from dampbalance.replication.readout import ReadOut
 from dampbalance.solver import least_squares, pair
-from dampbalance.studies import checking, evaluate, outputs, plan
+from dampbalance.studies import checking, evaluate, outputs, sizes
 from dampbalance.studies.axes import SOBOL_BITS, Listed, Range, Sampled, case_values, spread
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.shown import facts, summary
@@ -30,6 +29,7 @@ from dampbalance.studies.shown.logarithmic import is_logarithmic
 from dampbalance.studies.stretches import Sizes
 from folders import PAPER_FILE, ROOT, STUDY_SCHEMA
 from paper_case import PAPER
+from unit.studies.documents import document
 
 SCHEMA = yaml.safe_load(STUDY_SCHEMA.read_text(encoding="utf-8"))
 SHIPPED = sorted((ROOT / "config/studies").glob("*.yaml"))
@@ -39,36 +39,7 @@ SHIPPED = sorted((ROOT / "config/studies").glob("*.yaml"))
 SOLVER = 1e-12
 
 
-@pytest.fixture
-def study(make):
-    """Makes the study of a document: study({"axes": …}) -> Study."""
-    return make
-
-
-SOBOL = {
-    "axes": [
-        {
-            "sample": {
-                "method": "sobol",
-                "count": 40,
-                "seed": 3,
-                "over": {
-                    "omega_over_omega_n": {"from": 0.5, "to": 3.0, "spacing": "log"},
-                    "zeta": {"from": 0.02, "to": 1.0, "spacing": "log"},
-                    "K_z_over_k": {"from": 3.0, "to": 300.0, "spacing": "log"},
-                    "F_k_over_kY": {"from": 0.02, "to": 4.0, "spacing": "log"},
-                },
-            }
-        }
-    ],
-    "levels_of_Y": [1.0, 1.7, 3.0],
-    "estimation": {
-        "phases": ["reversal", "zero_crossing", "fundamental"],
-        "sharing": ["individual", "common"],
-        "fits": ["least_squares", [1, 3]],
-    },
-    "columns": ["parameters", "errors", "estimates", "residuals"],
-}
+SOBOL = document("sobol")
 
 
 # --- the numbers -----------------------------------------------------------------------------------
@@ -88,8 +59,8 @@ def one_by_one(row, levels, phase):
     return estimate_table(features.with_phase(phase), osc.k, [(0, 2)]), features
 
 
-def test_a_chunk_is_its_cases_one_at_a_time(study):
-    made = study(SOBOL)
+def test_a_chunk_is_its_cases_one_at_a_time(make):
+    made = make(SOBOL)
     table = evaluate.evaluate(made, 0, made.cases)
     compared = 0
     for _, row in table.iterrows():
@@ -118,8 +89,8 @@ def test_a_chunk_is_its_cases_one_at_a_time(study):
     assert len(set(table["regime"])) > 2  # levels that slip, and levels that do not
 
 
-def test_no_number_is_missing_without_a_regime_that_says_why(study):
-    made = study(SOBOL)
+def test_no_number_is_missing_without_a_regime_that_says_why(make):
+    made = make(SOBOL)
     table = evaluate.evaluate(made, 0, made.cases)
     missing = table["F_k_N__X_s__reversal__individual__least_squares"].isna()
     slipping = table["regime"].map(
@@ -133,16 +104,16 @@ def test_no_number_is_missing_without_a_regime_that_says_why(study):
 
 
 @pytest.mark.parametrize("bounds", [(0, 7), (7, 40), (13, 14)])
-def test_a_case_does_not_depend_on_its_chunk_or_the_threads(study, bounds):
-    made = study(SOBOL)
+def test_a_case_does_not_depend_on_its_chunk_or_the_threads(make, bounds):
+    made = make(SOBOL)
     whole = evaluate.evaluate(made, 0, made.cases, threads=2)
     part = evaluate.evaluate(made, *bounds, threads=1)
     expected = whole.iloc[slice(*bounds)].reset_index(drop=True)
     pd.testing.assert_frame_equal(part, expected, check_exact=True)
 
 
-def test_read_out_rules_are_applied_case_by_case(study):
-    made = study(
+def test_read_out_rules_are_applied_case_by_case(make):
+    made = make(
         {
             "axes": [{"X_decimals": {"values": [5, 6]}, "X_s_decimals": {"values": [6, 5]}}],
             "levels_m": [0.004, 0.008, 0.012],
@@ -173,8 +144,8 @@ def test_read_out_rules_are_applied_case_by_case(study):
             assert table[f"F_k_N__{label}"][case] == pytest.approx(expected["F_k"], rel=SOLVER)
 
 
-def test_a_fixed_step_route_reads_its_records_as_one_would(study):
-    made = study(
+def test_a_fixed_step_route_reads_its_records_as_one_would(make):
+    made = make(
         {
             "axes": [{"scheme": {"values": ["backward-euler", "rk4"]}}],
             "levels_m": [0.006, 0.012],
@@ -200,8 +171,8 @@ def test_a_fixed_step_route_reads_its_records_as_one_would(study):
     assert abs(errors[1]) < 0.02 * bias
 
 
-def test_a_step_too_coarse_is_a_regime_not_an_error(study):
-    made = study(
+def test_a_step_too_coarse_is_a_regime_not_an_error(make):
+    made = make(
         {
             "axes": [{"step_s": {"values": [2.0e-5, 2.0e-3, 1.0]}}],
             "levels_m": [0.004, 0.012],
@@ -214,16 +185,11 @@ def test_a_step_too_coarse_is_a_regime_not_an_error(study):
     assert errors.isna().tolist() == [False, True, True]
 
 
-def test_a_sampled_route_tends_to_the_exact_one(study):
-    document = {
-        "axes": [{"sampling_hz": {"values": [5000.0, 40000.0]}}],
-        "levels_m": [0.004, 0.012],
-        "route": {"kind": "sampled"},
-        "columns": ["errors", "estimates"],
-    }
-    sampled = evaluate.evaluate(study(document), 0, 2)
-    del document["axes"], document["route"]
-    exact = evaluate.evaluate(study(document | {"axes": [{"m_kg": {"values": [2.42]}}]}), 0, 1)
+def test_a_sampled_route_tends_to_the_exact_one(make):
+    common = {"levels_m": [0.004, 0.012], "columns": ["errors", "estimates"]}
+    axes = {"axes": [{"sampling_hz": {"values": [5000.0, 40000.0]}}], "route": {"kind": "sampled"}}
+    sampled = evaluate.evaluate(make(common | axes), 0, 2)
+    exact = evaluate.evaluate(make(common | {"axes": [{"m_kg": {"values": [2.42]}}]}), 0, 1)
     for column in ("F_k_N__t_s__reversal__individual__least_squares",):
         off = np.abs(sampled[column] / exact[column][0] - 1.0)
         assert off[1] < 0.2 * off[0]
@@ -318,7 +284,7 @@ def test_the_schema_knows_every_parameter_where_it_belongs():
 
 
 def test_an_approach_that_is_not_registered_is_refused():
-    wrong = GOOD | {"estimation": {"approaches": ["direct", "X-s"]}}
+    wrong = document("good") | {"estimation": {"approaches": ["direct", "X-s"]}}
     assert against_schema(wrong, SCHEMA, APPROACHES) == [
         (
             ("estimation", "approaches", 1),
@@ -327,144 +293,72 @@ def test_an_approach_that_is_not_registered_is_refused():
     ]
 
 
-GOOD = {
-    "title": "Good",
-    "axes": [{"zeta": {"values": [0.1, 0.2]}}],
-    "facts": {"one": {"of": "c", "take": "max"}},
-    "shows": "{one}",
-}
-
-
-@pytest.mark.parametrize(
-    ("change", "expected"),
-    [
-        ({"axes": []}, "axes: [] is not allowed"),
-        ({"axes": [{"zetta": {"values": [1]}}]}, "did you mean zeta?"),
-        ({"axes": [{"zeta": {"values": [0.1], "from": 1}}]}, "either values, or from, to and"),
-        ({"axes": [{"zeta": {"from": 0.1}}]}, "give values: […], or from, to and count"),
-        ({"axes": [{"zeta": {"from": 0.2, "to": 0.1, "count": 3}}]}, "from must lie below to"),
-        ({"axes": [{"zeta": {"from": 0, "to": 1, "count": 3, "spacing": "log"}}]}, "above zero"),
-        ({"axes": [{"m_kg": {"values": [0.0]}}]}, "must be finite and positive"),
-        ({"axes": [{"m_kg": {"values": ["1e-6"]}}]}, "'1e-6' is not a number"),
-        ({"axes": [{"X_decimals": {"values": [2.5]}}]}, "2.5 is not a whole number"),
-        ({"axes": [{"zeta": {"values": [1]}, "m_kg": {"values": [1, 2]}}]}, "as many values each"),
-        (
-            {"axes": [{"zeta": {"values": [1]}}, {"c_N_s_per_m": {"values": [1]}}]},
-            "beside zeta, which it stands for",
-        ),
-        ({"axes": [{"zeta": {"values": [1]}}, {"zeta": {"values": [2]}}]}, "zeta is set twice"),
-        ({"axes": [{"scheme": {"values": ["euler"]}}]}, "'euler' is not allowed"),
-        ({"axes": [{"step_s": {"values": [1.0e-5]}}]}, "step_s means nothing to the route exact"),
-        (
-            {"estimation": {"weights": ["equal"]}},
-            "estimation.weights: means nothing to the route exact",
-        ),
-        ({"route": {"kind": "fixed_step", "scheme": "rk4"}}, "needs step_s or steps_per_cycle"),
-        ({"route": {"kind": "sampled"}}, "sampled needs sampling_hz"),
-        ({"levels_m": [0.004]}, "levels_m"),
-        ({"levels_m": [1, 2], "levels_of_Y": [1, 2]}, "not together with levels_of_Y"),
-        ({"base": {"Y_m": 0.01}, "levels_m": [0.004, 0.006]}, "levels as multiples of Y_m"),
-        ({"base": {"zeta": 0.1, "c_N_s_per_m": 1.0}}, "not together with"),
-        ({"base": {"m_kg": -1.0}}, "base.m_kg: -1.0 is out of range"),
-        ({"estimation": {"fits": [[1, 9]]}}, "there are only 5 levels"),
-        ({"figure": {"kind": "curves", "x": "m_kg"}}, "'m_kg' is not an axis of this study"),
-        ({"figure": {"kind": "map", "x": "zeta"}}, "a map has two axes"),
-        ({"facts": {"two": {"of": "c", "take": "max"}}}, "{one} is not among the facts: two"),
-        (
-            {"facts": {"one": {"of": "c", "take": "max", "phase": "fundamental"}}},
-            None,  # direct knows no phase: there is a fit that is meant
-        ),
-        (
-            {"facts": {"one": {"of": "c", "take": "max", "approach": "X_s", "fit": "pairs"}}},
-            "no fit of this study is meant",
-        ),
-        (
-            {"facts": {"one": {"of": "c", "take": "band", "within": 0.1, "along": "m_kg"}}},
-            "facts.one.along: must be an axis of this study",
-        ),
-        (
-            {"read_out": {"X_s_decimals": 5, "X_s_mark_m": 1.0e-6}},
-            "X_s_mark_m and X_s_decimals say the same",
-        ),
-    ],
-)
-def test_a_wrong_study_is_refused_in_one_sentence(study, change, expected):
-    document = copy.deepcopy(GOOD) | change
-    if expected is None:
-        study(document)
-        return
-    with pytest.raises(ConfigurationError) as caught:
-        study(document)
-    assert expected in str(caught.value)
-    assert "test.yaml: " in str(caught.value)
-
-
-def test_a_sobol_sequence_too_long_is_refused(study):
-    document = copy.deepcopy(SOBOL)
-    document["axes"][0]["sample"]["count"] = 2**SOBOL_BITS + 1
+def test_a_sobol_sequence_too_long_is_refused(make):
+    changed = document("sobol")
+    changed["axes"][0]["sample"]["count"] = 2**SOBOL_BITS + 1
     with pytest.raises(ConfigurationError, match="4,294,967,296 points at most"):
-        study(document)
+        make(changed)
 
 
 # --- size ------------------------------------------------------------------------------------------
 
 
-def test_the_size_told_is_an_upper_bound_and_not_far_off(study, tmp_path):
-    document = copy.deepcopy(SOBOL)
-    document["axes"][0]["sample"]["count"] = 3000
-    made = study(document)
-    sizes = plan.plan(made)
-    assert (sizes.cases, sizes.responses, sizes.chunks) == (3000, 9000, 1)
-    outputs.write_chunk(tmp_path / "a.parquet", evaluate.evaluate(made, 0, 3000), made, "0")
-    size = (tmp_path / "a.parquet").stat().st_size
-    assert 0.6 * sizes.table_bytes < size < sizes.table_bytes
+def test_the_size_told_is_an_upper_bound_and_not_far_off(make, tmp_path):
+    changed = document("sobol")
+    changed["axes"][0]["sample"]["count"] = 3000
+    made = make(changed)
+    size = sizes.size_of(made)
+    assert (size.cases, size.responses, size.chunks) == (3000, 9000, 1)
+    outputs.write_parts(tmp_path / "a.parquet", [evaluate.evaluate(made, 0, 3000)], made, "0")
+    written = (tmp_path / "a.parquet").stat().st_size
+    assert 0.6 * size.table_bytes < written < size.table_bytes
 
 
-def test_a_study_too_large_is_refused_with_cases_and_bytes(study, tmp_path):
-    document = copy.deepcopy(SOBOL)
-    document["axes"][0]["sample"] |= {"count": 10**14, "method": "random"}
-    made = study(document | {"chunk_cases": 10**11})
+def test_a_study_too_large_is_refused_with_cases_and_bytes(make, tmp_path):
+    changed = document("sobol")
+    changed["axes"][0]["sample"] |= {"count": 10**14, "method": "random"}
+    made = make(changed | {"chunk_cases": 10**11})
     with pytest.raises(ConfigurationError, match=r"100,000,000,000,000 cases would take .* PB"):
-        plan.check_size(made, plan.plan(made), tmp_path / "not/there", "test.yaml")
-    made = study(document | {"chunk_cases": 1000})
+        sizes.check_size(made, sizes.size_of(made), tmp_path / "not/there", "test.yaml")
+    made = make(changed | {"chunk_cases": 1000})
     with pytest.raises(ConfigurationError, match="take chunks of at least 5,000,000,000 cases"):
-        plan.check_size(made, plan.plan(made), tmp_path, "test.yaml")
+        sizes.check_size(made, sizes.size_of(made), tmp_path, "test.yaml")
 
 
-def test_chunks_cover_every_case_once(study):
-    made = study(SOBOL | {"chunk_cases": 7})
-    bounds = [plan.chunk_bounds(made, i) for i in range(plan.plan(made).chunks)]
+def test_chunks_cover_every_case_once(make):
+    made = make(SOBOL | {"chunk_cases": 7})
+    bounds = [sizes.chunk_bounds(made, i) for i in range(sizes.size_of(made).chunks)]
     assert [case for start, stop in bounds for case in range(start, stop)] == list(range(40))
 
 
-def test_progress_tells_what_is_left(study, tmp_path):
-    made = study(SOBOL)
+def test_progress_tells_what_is_left(make, tmp_path):
+    made = make(SOBOL)
     for i in range(2):
         (tmp_path / f"0000{i}.parquet").touch()
     now = (tmp_path / "00001.parquet").stat().st_mtime
-    text = plan.progress(made, tmp_path, 6, now - 10.0, now)
+    text = sizes.progress(made, tmp_path, 6, now - 10.0, now)
     assert text == "Study test: 2 of 6 chunks, about 20 s left"
-    assert plan.progress(made, tmp_path, 6, math.nan, now) == "Study test: 2 of 6 chunks"
-    assert plan.progress(made, tmp_path, 2, now - 10.0, now) == "Study test: 2 of 2 chunks"
+    assert sizes.progress(made, tmp_path, 6, math.nan, now) == "Study test: 2 of 6 chunks"
+    assert sizes.progress(made, tmp_path, 2, now - 10.0, now) == "Study test: 2 of 2 chunks"
 
 
 @pytest.mark.parametrize(
     ("seconds", "words"), [(12.4, "12 s"), (240.0, "4 min"), (12600.0, "3.5 h")]
 )
 def test_durations_in_words(seconds, words):
-    assert plan.duration_in_words(seconds) == words
+    assert sizes.duration_in_words(seconds) == words
 
 
 # --- outputs ---------------------------------------------------------------------------------------
 
 
-def test_chunks_join_to_the_same_table(study, tmp_path):
-    made = study(SOBOL | {"chunk_cases": 15})
+def test_chunks_join_to_the_same_table(make, tmp_path):
+    made = make(SOBOL | {"chunk_cases": 15})
     chunks = []
     for i in range(3):
         chunks.append(tmp_path / f"{i}.parquet")
-        frame = evaluate.evaluate(made, *plan.chunk_bounds(made, i))
-        outputs.write_chunk(chunks[-1], frame, made, __version__)
+        frame = evaluate.evaluate(made, *sizes.chunk_bounds(made, i))
+        outputs.write_parts(chunks[-1], [frame], made, __version__)
     outputs.join_chunks(tmp_path / "cases.parquet", chunks, made)
     joined = pd.read_parquet(tmp_path / "cases.parquet")
     whole = evaluate.evaluate(made, 0, 40)
@@ -476,10 +370,10 @@ def test_chunks_join_to_the_same_table(study, tmp_path):
     assert pq.ParquetFile(tmp_path / "cases.parquet").num_row_groups == 3
 
 
-def test_the_summary_counts_what_is_there(study, tmp_path):
-    made = study(SOBOL)
+def test_the_summary_counts_what_is_there(make, tmp_path):
+    made = make(SOBOL)
     frame = evaluate.evaluate(made, 0, 40)
-    outputs.write_chunk(tmp_path / "cases.parquet", frame, made, __version__)
+    outputs.write_parts(tmp_path / "cases.parquet", [frame], made, __version__)
     table = summary.summary_of(tmp_path / "cases.parquet", made)
     assert len(table) == 2 * len(made.fits)
     line = table[
@@ -512,8 +406,8 @@ def test_sizes_are_counted_as_if_all_were_there():
     assert math.isnan(Sizes(0.01).quantile(0.5))
 
 
-def test_facts_are_taken_from_the_cases_they_name(study, tmp_path):
-    made = study(
+def test_facts_are_taken_from_the_cases_they_name(make, tmp_path):
+    made = make(
         {
             "axes": [{"zeta": {"from": 0.1, "to": 0.9, "count": 9}}],
             "facts": {
@@ -540,7 +434,7 @@ def test_facts_are_taken_from_the_cases_they_name(study, tmp_path):
     )
     path = tmp_path / "cases.parquet"
     frame = evaluate.evaluate(made, 0, 9)
-    outputs.write_chunk(path, frame, made, __version__)
+    outputs.write_parts(path, [frame], made, __version__)
     error = frame["F_k_relative_error__X_s__reversal__individual__least_squares"]
     worst, one, part, band, cases = facts.paragraph(made, path).split("; ")
     assert worst == percent(error.abs().max())

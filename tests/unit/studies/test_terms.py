@@ -7,29 +7,22 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance import BaseMotion, Oscillator, __version__
+from dampbalance import BaseMotion, Oscillator
 from dampbalance.features import of_orbit
 from dampbalance.law.integrals import input_work, of_motion
 from dampbalance.law.response import law_orbit
 from dampbalance.law.steady import steady_response
 from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.motion.orbit import steady_orbit
-from dampbalance.project.documents import ConfigurationError
-from dampbalance.studies import evaluate, outputs
+from dampbalance.studies import evaluate
 from dampbalance.studies.parameters import OF_LAW, PARAMETERS
 from dampbalance.studies.responses_of_laws import of_response
-from dampbalance.studies.shown import drawing, facts, series, summary
+from dampbalance.studies.shown import error_curves, facts, summary
+from dampbalance.studies.shown.study_figure import study_figure
 from paper_case import PAPER
+from unit.studies.documents import document
 
-LEFT_OUT = {
-    "axes": [{"c_2_N_s2_per_m2": {"values": [0.0, 10.0, 100.0]}}],
-    "levels_m": [0.004, 0.008, 0.012],
-    "estimation": {
-        "approaches": ["direct"],
-        "terms": [["F_k", "c"], ["c_2", "c", "F_k"], ["c", "F_k"]],
-    },
-    "columns": ["parameters", "errors", "estimates"],
-}
+LEFT_OUT = document("terms")
 WITHOUT, WITH = "direct__F_k+c__least_squares", "direct__F_k+c+c_2__least_squares"
 
 LAWS = {
@@ -109,23 +102,17 @@ def test_what_only_sticks_has_no_onset_of_slip():
 
 
 @pytest.fixture(scope="module")
-def done(make, tmp_path_factory):
+def done(computed):
     """The study of a term left out, its table of cases, and the file that holds it."""
-    study = make(
-        LEFT_OUT
-        | {
-            "figure": {"kind": "curves", "x": "c_2_N_s2_per_m2"},
-            "facts": {
-                "out": {"of": "F_k", "take": "max"},
-                "within": {"of": "c_2", "take": "max", "terms": ["F_k", "c", "c_2"]},
-            },
-            "shows": "{out} {within}",
-        }
+    every = {"of": "c_2", "take": "max", "terms": ["F_k", "c", "c_2"]}
+    return computed(
+        document(
+            "terms",
+            figure={"kind": "curves", "x": "c_2_N_s2_per_m2"},
+            facts={"out": {"of": "F_k", "take": "max"}, "within": every},
+            shows="{out} {within}",
+        )
     )
-    table = evaluate.evaluate(study, 0, study.cases)
-    path = tmp_path_factory.mktemp("cases") / "cases.parquet"
-    outputs.write_chunk(path, table, study, __version__)
-    return study, table, path
 
 
 def test_a_term_left_out_is_shared_out_and_a_term_taken_in_is_found(done):
@@ -170,10 +157,10 @@ def test_the_study_tells_the_lists_of_terms_apart(done):
     assert "| c_2 | direct, F_k, c, c_2 |" in page
     out = table[f"F_k_relative_error__{WITHOUT}"].abs().max()
     assert facts.paragraph(study, path).startswith(f"{100 * out:.0f} %")
-    curves = series.error_curves(study, path)  # the first list: without the term
+    curves = error_curves.error_curves(study, path)  # the first list: without the term
     assert curves.symbols == ("F_k", "c")
     np.testing.assert_allclose(np.abs(curves.curves["F_k", 0][0].error).max(), 100.0 * out)
-    assert len(drawing.study_figure(study, path).axes) == 2
+    assert len(study_figure(study, path).axes) == 2
 
 
 def test_fixed_further_damping_is_a_column_and_other_studies_have_none(make):
@@ -200,38 +187,3 @@ def test_a_case_without_a_steady_response_says_so(make):
     assert len(table) == 2
     assert "one_slip" not in table["regime"][1]
     assert np.isnan(table[f"F_k_relative_error__{WITHOUT}"][1])
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"estimation": {"terms": [["F_k", "d"]]}}, "'d' is not a term"),
-        ({"estimation": {"terms": [["c", "c_2"]]}}, "needs the friction force F_k"),
-        ({"estimation": {"terms": [["F_k", "c", "eta"]]}}, "act alike"),
-        ({"estimation": {"terms": [["F_k", "c", "c_2", "c_3"]]}}, "need responses at 4 levels"),
-        (
-            {"estimation": {"terms": [["F_k", "c", "c_2"]], "fits": [[1, 2]]}},
-            "a pair of levels tells two terms apart, not 3",
-        ),
-        (
-            {"route": {"kind": "sampled", "sampling_hz": 5e3}},
-            "c_2_N_s2_per_m2 needs the route exact",
-        ),
-        (
-            {
-                "route": {"kind": "sampled", "sampling_hz": 5e3},
-                "axes": [{"zeta": {"values": [0.1]}}],
-            },
-            "estimation.terms: needs the route exact, not sampled",
-        ),
-        ({"axes": [{"c_2_N_s2_per_m2": {"values": [-1.0]}}]}, "must be finite and not negative"),
-        (
-            {"facts": {"f": {"of": "F_k", "take": "max", "terms": ["F_k", "c_3"]}}},
-            "no fit of this study is meant",
-        ),
-        ({"facts": {"f": {"of": "c_3", "take": "max"}}}, "is not identified"),
-    ],
-)
-def test_what_cannot_be_told_apart_or_followed_is_refused(make, change, message):
-    with pytest.raises(ConfigurationError, match=message):
-        make(LEFT_OUT | change)

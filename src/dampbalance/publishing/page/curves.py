@@ -12,7 +12,7 @@ from ...figures.series import decades
 from ...project.wording import frequency_name, plain, power_of_ten
 from ...studies.parameters import PARAMETERS
 from ...studies.settings import Study
-from ...studies.shown import series
+from ...studies.shown import error_curves as curves_of
 from .charts import (
     Axis,
     Chart,
@@ -30,9 +30,6 @@ from .colours import series_colour, variable
 from .legend import line, of_approaches
 from .words import italic
 
-_SHARINGS = {"individual": ", individual phi, t_s", "common": ", common phi, t_s", "": ""}
-
-
 LAW = "*m*ω²*h*"
 """The damping that backward Euler adds, as a legend names it."""
 
@@ -48,10 +45,10 @@ def study_charts(study: Study, cases: str | Path) -> ChartSet:
 def error_curves(study: Study, cases: str | Path) -> ChartSet:
     """Error of each coefficient, %, with its sign, along the axis x of the study: a chart per term and panel.
 
-    The curves are those of `series.error_curves`: solid with φ and t_s of each level, dashed with common ones. Every
+    The curves are those of `curves_of.error_curves`: solid with φ and t_s of each level, dashed with common ones. Every
     case is drawn; values keep five digits.
     """
-    shown = series.error_curves(study, cases)
+    shown = curves_of.error_curves(study, cases)
     drawn = [one for curves in shown.curves.values() for one in curves]
     return ChartSet(
         tuple(_chart(study, shown, *place) for place in shown.curves),
@@ -68,7 +65,7 @@ def error_curves(study: Study, cases: str | Path) -> ChartSet:
 
 def error_of_steps(study: Study, cases: str | Path) -> ChartSet:
     """Size of the error of c, N s/m, by direct integration against the step h of each scheme, beside m ω² h."""
-    shown = series.error_of_steps(study, cases)
+    shown = curves_of.error_of_steps(study, cases)
     steps = shown.steps
     columns: dict[str, Any] = {"step_s": steps, "line": shown.line(steps)}
     says = [Value("step_s", "step *h*", "s"), Value("line", LAW, "N s/m")]
@@ -97,7 +94,7 @@ def error_of_steps(study: Study, cases: str | Path) -> ChartSet:
     return ChartSet((chart,), tuple(legend))
 
 
-def _chart(study: Study, shown: series.ErrorCurves, symbol: str, number: int) -> Chart:
+def _chart(study: Study, shown: curves_of.ErrorCurves, symbol: str, number: int) -> Chart:
     """The errors of one term in one panel."""
     panel, curves = shown.panels[number], shown.curves[symbol, number]
     layers, says, errors = [], [], {}
@@ -105,9 +102,10 @@ def _chart(study: Study, shown: series.ErrorCurves, symbol: str, number: int) ->
         column = f"{one.approach}_{one.sharing}".strip("_")
         colour, width = series_colour(one.approach), look_of(one.approach).page_width
         layers.append(curve(column, colour, width, dashed=one.sharing == "common"))
-        says.append(Value(column, label_of(one.approach) + _SHARINGS[one.sharing], "%"))
+        shared = f", {one.sharing} phi, t_s" if one.sharing else ""
+        says.append(Value(column, label_of(one.approach) + shared, "%"))
         errors[column] = one.error
-    name, unit = shown.name, series.unit_of(shown.name)
+    name, unit = shown.name, curves_of.unit_of(shown.name)
     parameter = PARAMETERS[name]
     meaning = _short(parameter.meaning)
     scale: Scale = "log" if shown.is_logarithmic else "linear"
@@ -127,7 +125,7 @@ def _chart(study: Study, shown: series.ErrorCurves, symbol: str, number: int) ->
     )
 
 
-def _title(panel: series.Panel) -> str:
+def _title(panel: curves_of.Panel) -> str:
     if panel.axis is None:
         return panel.value
     symbol = panel.axis.symbol

@@ -9,15 +9,13 @@ import pandas as pd
 
 from ...figures import series
 from ...figures.looks import label_of, look_of
-from ...figures.series import COMMON, INDIVIDUAL
+from ...figures.series import COMMON, INDIVIDUAL, SHARINGS
 from ...model import Oscillator
 from ...project.wording import frequency_name, plain, power_of_ten
 from .charts import Axis, Chart, ChartSet, Spec, Table, Value, coded, signed_axis
 from .colours import series_colour, variable
 from .legend import of_approaches
 from .words import italic
-
-_SHARINGS = {COMMON: "common to all levels", INDIVIDUAL: "of each level"}
 
 
 def error_charts(
@@ -83,7 +81,7 @@ def _rows(
             continue
         place = shown.places.index(pair)
         at = place + step * (drawn.index(approach) - 0.5 * (len(drawn) - 1))
-        what = (approach, plain(label_of(approach)), _SHARINGS[sharing], shown.names[place])
+        what = (approach, plain(label_of(approach)), SHARINGS[sharing], shown.names[place])
         for column, value in zip(rows, (at, error, *what), strict=True):
             rows[column].append(value)
     return rows
@@ -98,6 +96,6 @@ def _points(drawn: Sequence[str], filled: bool) -> Spec:
         "stroke": colours,
         "fill": colours if filled else {"value": variable("paper")},
     }
-    test = f"datum.sharing === '{_SHARINGS[COMMON]}'"
+    test = f"datum.sharing === '{SHARINGS[COMMON]}'"
     chosen = [{"filter": test if filled else f"!({test})"}]
     return {"transform": chosen, "mark": mark, "encoding": encoding}

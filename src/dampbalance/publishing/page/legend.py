@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from ...figures.looks import Look, label_of, look_of
+from ...figures.series import SHARINGS
 from .colours import outlined, shape, variable
 from .words import titled
 
@@ -15,7 +16,6 @@ _LINE = Markup(
     '<svg class="key" viewBox="0 0 34 14" aria-hidden="true"><path d="M1 7H33" stroke="{}" stroke-width="{}"{}/></svg>'
 )
 _MARK = Markup('<svg class="key dot" viewBox="10 0 14 14" aria-hidden="true">{}</svg>')
-_SHARINGS = {"individual": "of each level", "common": "common to all levels"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,12 +49,12 @@ def of_approaches(approaches: Iterable[str], sharings: Iterable[str], marks: boo
     shared = list(sharings)
     if len(shared) < 2:
         return entries
-    return entries + [_sharing(name, marks) for name in _SHARINGS if name in shared]
+    return entries + [_sharing(name, marks) for name in SHARINGS if name in shared]
 
 
 def _sharing(name: str, marks: bool) -> Entry:
     """A line or a mark in the colour of text: solid or open with φ and t_s of each level, dashed or filled without."""
-    words, common = f"phi and t_s {_SHARINGS[name]}", name == "common"
+    words, common = f"phi and t_s {SHARINGS[name]}", name == "common"
     if not marks:
         return line(words, variable("ink"), dash="6 4" if common else "")
     fill = variable("ink" if common else "paper")

@@ -23,7 +23,7 @@ from ...figures.looks import label_of
 from ...figures.numerics import Evidence
 from ...motion.orbit import Orbit
 from ...project.case import Case
-from ...project.wording import MINUS, NONE, frequency_name, minus, percent, unit_of
+from ...project.wording import MINUS, NONE, dotted, frequency_name, minus, percent, unit_of
 from ...replication.claim_ids import PARTS, part_of
 from ...replication.claim_verdicts import (
     DIFFERS,
@@ -211,7 +211,7 @@ def _provenance(content: PageContent) -> dict[str, Any]:
         "sections": [(name, title) for name, title in SECTIONS.items() if name not in absent],
         "origins": ORIGINS,
         "all_origins": [origin for name, origin in ORIGINS.items() if name not in absent],
-        "configuration": list(_flat(content.config)),
+        "configuration": [(key, _value(value)) for key, value in dotted(content.config)],
     }
 
 
@@ -299,15 +299,6 @@ def _signed(error: float) -> str:
     if not math.isfinite(error) or abs(error) < 1e-6:
         return _size(error)
     return (MINUS if error < 0.0 else "+") + _size(error)
-
-
-def _flat(settings: Any, above: str = "") -> Iterator[tuple[str, str]]:
-    """Every value of the configuration by its dotted key; lists in one line."""
-    if isinstance(settings, Mapping):
-        for key, value in settings.items():
-            yield from _flat(value, f"{above}.{key}" if above else str(key))
-    else:
-        yield above, _value(settings)
 
 
 def _value(value: Any, inner: bool = False) -> str:

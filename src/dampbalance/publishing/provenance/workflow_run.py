@@ -8,12 +8,13 @@ the script of the rule; each job is a CreateAction, from its inputs (object) by 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from graphlib import TopologicalSorter
 from typing import Any
 from urllib.parse import quote
 
+from ...project.wording import dotted
 from .entities import Entity, Place, entity, references
 
 WORKFLOW_FILE = "Snakefile"
@@ -29,7 +30,7 @@ def parameters(configuration: Mapping[str, Any]) -> tuple[list[Entity], list[Ent
     A key of a key is named `oscillator.m_kg`. What is no number, text or truth is given as JSON.
     """
     keys, values = [], []
-    for name, value in _leaves(configuration):
+    for name, value in dotted(configuration):
         kind = _PARAMETER_TYPES.get(type(value))
         key_id, value_id = f"#parameter/{quote(name)}", f"#value/{quote(name)}"
         keys.append(
@@ -162,14 +163,6 @@ def actions(
         endTime=run.get("endTime"),
     )
     return [run, *single.values(), *controls, organised]
-
-
-def _leaves(configuration: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in configuration.items():
-        if isinstance(value, Mapping):
-            yield from _leaves(value, f"{above}{key}.")
-        else:
-            yield f"{above}{key}", value
 
 
 def _in_order(jobs: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 import numpy as np
 from scipy.io import whosmat
 
+from ...project.wording import dotted
 from ..errors import RecordError, library
 from .named_arrays import signals_in
 from .record_file import RecordFile, intact, require_channels
@@ -38,7 +39,11 @@ def matlab_file(path: Path, largest: int) -> RecordFile:
         truths = {name for name, _, kind in whosmat(path) if kind == "logical"}
         document = reader.read_mat(str(path))
     found = {n: v for n, v in document.items() if not n.startswith("__") and n not in truths}
-    fields = dict(_flat(found, ""))
+    fields: dict[str, Any] = {
+        name: value
+        for name, value in dotted(found)
+        if np.isscalar(value) or (isinstance(value, np.ndarray) and value.dtype.kind in "fiu")
+    }
     scalars = {n.rpartition(".")[2]: value for n, value in fields.items() if np.size(value) == 1}
     arrays = [(n, v, scalars, None) for n, v in fields.items() if isinstance(v, np.ndarray)]
     return signals_in(path, "MATLAB", arrays)
@@ -122,11 +127,3 @@ class _Unpacked:
             self.ready += piece
         taken, self.ready = self.ready[:count], self.ready[count:]
         return taken
-
-
-def _flat(values: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
-    for name, value in values.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{name}.")
-        elif np.isscalar(value) or (isinstance(value, np.ndarray) and value.dtype.kind in "fiu"):
-            yield f"{prefix}{name}", value

@@ -1,8 +1,8 @@
 """What a study shows: figures, maps, summary and facts, from its table of cases.
 
-series.py    the numbers of its curves, for print and page    drawing.py, maps.py, scatter.py    the figures
-facts.py     numbers of the paragraph that says what it shows  logarithmic.py    logarithmic axes
-groups.py    errors over many runs: bias, scatter, coverage    bounds.py    the least error that records allow
-confusion.py which law is chosen for records of each     matrix.py      its figure
-summary.py   the table of errors, and the page that shows it
+error_curves.py  the numbers of its curves, for print and page  study_figure.py, maps.py, scatter.py  the figures
+facts.py         numbers of the paragraph that says what it shows  logarithmic.py  logarithmic axes
+groups.py        errors over many runs: bias, scatter, coverage  bounds.py  the least error that records allow
+confusion.py     which law is chosen for the records of each law  matrix.py  its figure
+summary.py       the table of errors, and the page that shows it
 """

@@ -19,12 +19,12 @@ from ..settings import Study
 def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
     """Least relative standard error, by term, that an unbiased estimate from the records of a case can have.
 
-    cases : numbers of cases that may differ by their noise only (the axis `run`). The bound holds for whoever knows m,
-    k and the drive frequency, but not K_z. NaN where the records are not noisy ones, the cases differ in more,
+    cases : numbers of cases that differ only by their noise (the axis `run`). The bound takes m, k and the drive
+    frequency as known and K_z as unknown. NaN where the records are not noisy ones, the cases differ in more,
     nothing slips, or the likelihood has no such term.
     """
     nothing = dict.fromkeys(TERMS, math.nan)
-    if study.route != "measured" or not cases.size:
+    if not study.route.has_intervals or not cases.size:
         return nothing
     values = case_parameters(study, int(cases.min()), int(cases.max()) + 1)
     here = {name: array[cases - cases.min()] for name, array in values.items() if name != "run"}

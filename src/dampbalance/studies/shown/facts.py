@@ -27,7 +27,7 @@ INTERPOLATED = (
 
 
 def paragraph(study: Study, cases: str | Path) -> str:
-    """What the study shows: its text with the facts filled in; how ends of stretches are had, where it names any."""
+    """The text of a study with its facts filled in, and a note on interpolation where it names the end of a stretch."""
     words = {name: fact(study, cases, spec) for name, spec in study.facts.items()}
     text = study.shows.format(cases=f"{study.cases:,}", **words)
     named = {name for _, name, _, _ in Formatter().parse(study.shows)}
@@ -70,7 +70,7 @@ def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
 
 
 def error_columns(study: Study, spec: Mapping[str, Any]) -> list[str]:
-    """The columns of the errors that a fact or a figure speaks of."""
+    """The columns of the errors to which a fact or a figure refers."""
     return [f"{spec['of']}_relative_error__{fit.label}" for fit in study.fits_of(spec)]
 
 
@@ -78,18 +78,18 @@ def worst(study: Study, stretch: Mapping[str, Words], spec: Mapping[str, Any]) -
     """The error in each case of a stretch; with several fits (all pairs) the largest among them."""
     errors = np.array([stretch[name] for name in error_columns(study, spec)])
     sizes = np.where(np.isfinite(errors), np.abs(errors), -1.0)
-    found: Array = np.take_along_axis(errors, sizes.argmax(axis=0)[None], axis=0)[0]
-    return found
+    largest: Array = np.take_along_axis(errors, sizes.argmax(axis=0)[None], axis=0)[0]
+    return largest
 
 
 def worst_errors(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> Array:
-    """`worst` in all cases: 8 bytes a case."""
+    """`worst` in all cases, held in memory as a whole."""
     names = error_columns(study, spec)
     return np.concatenate([worst(study, part, spec) for part in stretches(cases, names)])
 
 
 def _in_words(share: float, signed: bool = False) -> str:
-    """A percentage, or that there is none."""
+    """A percentage, or a note that there is none."""
     if not math.isfinite(share):
         return "nothing (it cannot be identified there)"
     return signed_percent(share) if signed else percent(share)
@@ -110,7 +110,7 @@ def _cases_of(
 class Stretch(NamedTuple):
     """The part of an axis along which an error stays within a bound.
 
-    low, high : its ends.   low_how, high_how : what each is, CROSSING where the error crosses the bound.
+    low, high : its ends.   low_how, high_how : why it ends there; CROSSING where the error crosses the bound.
     """
 
     low: float
@@ -119,8 +119,8 @@ class Stretch(NamedTuple):
     high_how: str
 
     def in_words(self, take: str) -> str:
-        """Its lower end or both, to a thousandth of its width or, for one end, to three digits; what an end is that is
-        no crossing."""
+        """Its lower end to three digits, or both ends to a thousandth of its width; with the reason for an end that is
+        not a crossing."""
         if take == "from":
             return number(self.low, 3) + self.low_how
         decimals = max(0, 2 - math.floor(math.log10(self.high - self.low or 1.0)))

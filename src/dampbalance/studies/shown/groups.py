@@ -1,4 +1,4 @@
-"""Errors over many runs, told apart by the values of some axes: bias, scatter, stated standard error, coverage."""
+"""Errors over many runs, grouped by the values of some axes: bias, scatter, stated standard error, coverage."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 
 from ...arrays import Array, Mask
 from ...law.terms import KNOWN_TERMS
-from ...project.wording import markdown_table, percent
+from ...project.wording import listed, markdown_table, percent
 from ...solver import NORMAL_95
 from ..settings import EQUAL, RIGID, Fit, Study
 from ..stretches import column_of
@@ -21,13 +21,13 @@ from .bounds import bounds_of
 
 
 class Spread(NamedTuple):
-    """What n runs say of an estimator. All but the counts relative to the true value; NaN for what is not known.
+    """Statistics of an estimator over n runs. All except the counts are relative to the true value; NaN if unknown.
 
     bias : mean error.   bias_error : its standard error, scatter/√n.   scatter : standard deviation of the errors.
     rms : root of their mean square.   median, p95 : sizes that half and 95 % do not exceed; p95_error : standard error
     of the latter, see `quantile_error`.   standard_error : rms of the stated ones; standard_error_error : its own
     standard error.   coverage : share of the runs whose 95 % interval holds the true value;
-    coverage_low, coverage_high : what so many runs leave open of it, see `share_interval`.
+    coverage_low, coverage_high : its 95 % interval, see `share_interval`.
     """
 
     runs: int
@@ -47,22 +47,22 @@ class Spread(NamedTuple):
 
 
 def spread(errors: Array, standard_errors: Array | None, covered: Array | None) -> Spread:
-    """The spread of relative errors, with the standard errors and the coverage that were stated, if they were."""
-    known = errors[np.isfinite(errors)]
-    n = len(known)
-    scatter = float(known.std(ddof=1)) if n > 1 else np.nan
+    """The spread of relative errors; also of the stated standard errors and of the coverage, where there are any."""
+    finite = errors[np.isfinite(errors)]
+    n = len(finite)
+    scatter = float(finite.std(ddof=1)) if n > 1 else np.nan
     judged = np.empty(0) if covered is None else covered[np.isfinite(covered)]
     low, high = share_interval(int(judged.sum()), len(judged))
     return Spread(
         runs=len(errors),
         identified=n,
-        bias=float(known.mean()) if n else np.nan,
+        bias=float(finite.mean()) if n else np.nan,
         bias_error=scatter / np.sqrt(n) if n else np.nan,
         scatter=scatter,
-        rms=_rms(known),
-        median=_reached(known, 0.5),
-        p95=_reached(known, 0.95),
-        p95_error=quantile_error(np.abs(known), 0.95),
+        rms=_rms(finite),
+        median=_reached(finite, 0.5),
+        p95=_reached(finite, 0.95),
+        p95_error=quantile_error(np.abs(finite), 0.95),
         standard_error=_rms(standard_errors),
         standard_error_error=_rms_error(standard_errors),
         coverage=_mean(covered),
@@ -77,7 +77,7 @@ def quantile_error(values: Array, share: float) -> float:
 
         P(x*_(k) ≤ x_(i)) = I_{i/n}(k, n − k + 1)   (the incomplete beta function)
 
-    Good to 40 % from 50 values; NaN where the quantile is the largest of them, whose error they do not tell.
+    Good to 40 % from 50 values; NaN where the quantile is the largest value, for which this gives no error.
     """
     from scipy import special  # slow to import
 
@@ -90,7 +90,7 @@ def quantile_error(values: Array, share: float) -> float:
 
 
 def share_interval(count: int, runs: int) -> tuple[float, float]:
-    """The 95 % interval of a probability that showed in `count` of `runs` (Wilson's score interval); NaN of no run.
+    """The 95 % interval of a probability observed in `count` of `runs` (Wilson's score interval); NaN without a run.
 
     (p + z²/2n ± z √(p(1 − p)/n + z²/4n²)) / (1 + z²/n),   p = count/n, n = runs, z = 1.96
     """
@@ -106,17 +106,6 @@ def terms_of(cases: str | Path) -> list[str]:
     """Symbols of the terms whose errors the table of cases holds."""
     held = {column.partition("_relative_error__")[0] for column in pq.read_schema(cases).names}
     return [symbol for symbol in KNOWN_TERMS if symbol in held]
-
-
-def fits_with(study: Study, symbol: str) -> list[Fit]:
-    """The fits that identify a coefficient."""
-    return [fit for fit in study.fits if symbol in fit.identified]
-
-
-def joined(names: Iterable[str]) -> str:
-    """Names as an enumeration in words: F_k and c."""
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last
 
 
 def spread_of(study: Study, cases: str | Path, quantity: str, fit: Fit, kept: Any = ...) -> Spread:
@@ -141,47 +130,40 @@ def groups(
 def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
     """One row per combination of values of `study.summary_by`, quantity and fit; shares of `Spread` in %.
 
-    Of noisy records, besides: the Cramér–Rao bound, and the information used, (bound/rms error)².
+    For noisy records, also the Cramér–Rao bound and the share of the information that is used, (bound/rms error)².
     """
     records = []
     for where, kept in groups(study, cases, study.summary_by):
         bounds = bounds_of(study, np.flatnonzero(kept))
         for quantity in terms_of(cases):
-            for fit in fits_with(study, quantity):
-                found = spread_of(study, cases, quantity, fit, kept)
-                shares = found._asdict()
+            for fit in (fit for fit in study.fits if quantity in fit.identified):
+                errors = spread_of(study, cases, quantity, fit, kept)
+                shares = errors._asdict()
                 counts = {name: shares.pop(name) for name in ("runs", "identified")}
                 record = {**where, **which(quantity, fit), **counts}
                 record |= {f"{name}_percent": 100.0 * share for name, share in shares.items()}
-                record |= {"bias_over_standard_error": found.bias / found.standard_error}
-                if study.route == "measured":
+                record |= {"bias_over_standard_error": errors.bias / errors.standard_error}
+                if study.route.has_intervals:
                     bound = bounds[quantity]
-                    used = (bound / found.rms) ** 2 if found.rms > 0.0 else np.nan
+                    used = (bound / errors.rms) ** 2 if errors.rms > 0.0 else np.nan
                     record |= {"bound_percent": 100.0 * bound, "information_percent": 100.0 * used}
                 records.append(record)
     return pd.DataFrame.from_records(records)
 
 
 def which(quantity: str, fit: Fit) -> dict[str, str]:
-    """The columns of a table that say which quantity and which fit a line is about."""
-    by = {"approach": fit.approach, "phase": fit.phase, "sharing": fit.sharing}
-    by |= {"terms": ", ".join(fit.terms)} if fit.terms else {}
-    return (
-        {"quantity": quantity}
-        | by
-        | {
-            "contact": fit.contact,
-            "weights": fit.weights,
-            "fit": fit.kind,
-        }
-    )
+    """The columns of a table that identify the quantity and the fit of a row."""
+    terms = {"terms": ", ".join(fit.terms)} if fit.terms else {}
+    by = {"quantity": quantity, "approach": fit.approach, "phase": fit.phase}
+    by |= {"sharing": fit.sharing, **terms, "contact": fit.contact}
+    return by | {"weights": fit.weights, "fit": fit.kind}
 
 
 def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
-    """The tables for reading: one for each combination of values."""
-    measured = study.route == "measured"
+    """The summary as Markdown: a table for each combination of values."""
+    measured = study.route.has_intervals
     lines = [
-        f"Relative errors of the identified {joined(summary['quantity'].unique())} over the runs. Scatter: their "
+        f"Relative errors of the identified {listed(list(summary['quantity'].unique()))} over the runs. Scatter: their "
         "standard deviation. Standard error: what each run states, by bootstrap (`fit`: by its covariance), rms. "
         "Coverage: share of the 95 % intervals that hold the true value, and between which bounds the number of runs "
         "leaves it (95 %). ±: one standard error from the number of runs, of the 95 % quantile by Maritz and Jarrett."
@@ -191,28 +173,35 @@ def grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
             " Information: what the approach uses of that in the records, the square of the Cramér–Rao bound (m, k and "
             "the drive frequency known, K_z not) over the rms error."
         )
+    heads = [*_HEADS, *(["bound", "information"] if measured else [])]
     for values, rows in summary.groupby(list(study.summary_by), sort=False):
         where = [
             f"{name} = {value if isinstance(value, str) else format(value, 'g')}"
             for name, value in zip(study.summary_by, values, strict=True)
         ]
-        heads = [*FIT_HEADS, *_HEADS, *(["bound", "information"] if measured else [])]
-        align = "l" * len(FIT_HEADS) + "r" * (len(heads) - len(FIT_HEADS))
-        cells = (_cells(row) for row in rows.to_dict("records"))
-        lines += ["", f"## {', '.join(where)}", "", markdown_table(heads, cells, align)]
+        lines += ["", f"## {', '.join(where)}", ""]
+        lines.append(table_of_fits(heads, map(_cells, rows.to_dict("records"))))
     return lines
 
 
 FIT_HEADS = ("quantity", "approach", "phase", "φ, t_s", "fit")
-"""The headings of `fit_cells`."""
 _HEADS = (
-    *("identified", "bias", "scatter", "standard error"),
-    *("95 % of the errors below", "coverage"),
+    "identified",
+    "bias",
+    "scatter",
+    "standard error",
+    "95 % of the errors below",
+    "coverage",
 )
 
 
+def table_of_fits(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table whose rows begin with `fit_cells`, under FIT_HEADS; further columns hold numbers."""
+    return markdown_table([*FIT_HEADS, *heads], rows, "l" * len(FIT_HEADS) + "r" * len(heads))
+
+
 def fit_cells(row: Mapping[Any, Any]) -> list[str]:
-    """The cells of a line that say which quantity and which fit it is about."""
+    """The cells under FIT_HEADS."""
     phase, fit = (row[name].replace("_", " ") for name in ("phase", "fit"))
     rigid = ", rigid" if row["contact"] == RIGID else ""
     equal = ", equal weights" if row["weights"] == EQUAL else ""
@@ -257,5 +246,5 @@ def _rms_error(values: Array | None) -> float:
 
 
 def _mean(values: Array | None) -> float:
-    known = np.empty(0) if values is None else values[np.isfinite(values)]
-    return float(known.mean()) if len(known) else np.nan
+    finite = np.empty(0) if values is None else values[np.isfinite(values)]
+    return float(finite.mean()) if len(finite) else np.nan

@@ -17,14 +17,14 @@ _SHORT = 12.0  # ratio of the ends of an axis up to which 1, 2, 3, 5 are labelle
 
 
 def is_logarithmic(places: Sequence[float] | Array) -> bool:
-    """Whether values, in ascending order, are spread in their logarithms rather than evenly."""
+    """Whether the logarithms of values, in ascending order, are spread evenly rather than the values themselves."""
     if len(places) < 3 or places[0] <= 0.0 or places[-1] / places[0] < 5.0:
         return False
     return is_even(np.log(places))
 
 
 def is_even(places: Array) -> bool:
-    """Whether most steps between values, in ascending order, are alike; a value more here and there does not count."""
+    """Whether most steps between values, in ascending order, are alike; single values in between do not matter."""
     steps = np.diff(places)
     usual = np.median(steps)
     return bool(np.median(np.abs(steps - usual)) < 0.05 * usual)
@@ -35,7 +35,7 @@ def logarithmic_ticks(
 ) -> None:
     """Make an axis from low to high logarithmic, with labels at powers of ten, or at 1, 2, 3, 5 if it is short.
 
-    ends : whether a tick at the upper end has a label (there is no panel beside it to collide with).
+    ends : whether a tick at the upper end has a label (where no panel follows with which it would collide).
     """
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # the page needs none
 

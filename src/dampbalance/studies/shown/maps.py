@@ -14,13 +14,13 @@ from ...arrays import Array
 from ...figures.looks import in_maths, label_of
 from ...figures.style import DOUBLE_COLUMN, note, place, styled
 from ...figures.style import page as empty_page
-from ...project.wording import percent
+from ...project.wording import listed, percent
 from ..axes import Sampled
 from ..settings import Fit, Study
 from ..stretches import stretches
-from .groups import joined, terms_of
+from .error_curves import symbol_of
+from .groups import terms_of
 from .logarithmic import is_even, logarithmic_ticks
-from .series import symbol_of
 
 MOST_BINS = 72  # along each axis
 PER_BIN = 40  # cases that a bin should hold on average: its share is then good to 0.08
@@ -45,9 +45,9 @@ class Shares(NamedTuple):
 
 @styled()
 def share_map(study: Study, cases: str | Path) -> Figure:
-    """Share of the cases whose error is within the bound, over two axes; all other axes are averaged over.
+    """Share of the cases whose error is within the bound, over two axes, averaged over all other axes.
 
-    Rows: the terms, with each phase definition. Columns: approaches; one that knows no phase has a panel as high as
+    Rows: the terms, with each phase definition. Columns: approaches; one that takes no phase has a panel as high as
     all rows of a term. The line encloses the region in which at least 90 % of the cases are within the bound.
     An approach that is within it in every case is named below the panels and not drawn.
     """
@@ -89,8 +89,8 @@ def share_map(study: Study, cases: str | Path) -> Figure:
     bar = place(figure, DOUBLE_COLUMN - RIGHT + 2.0, BOTTOM, BAR, panels_height)
     _scale(figure, mesh, bar, within)
     if perfect:
-        names = joined(in_maths(label_of(key)) for key in perfect)
-        coefficients = joined(f"${symbol}$" for symbol in symbols)
+        names = listed([in_maths(label_of(key)) for key in perfect])
+        coefficients = listed([f"${symbol}$" for symbol in symbols])
         text = f"Within {100 * within:g} % in every case, for {coefficients}: {names}"
         middle = (LEFT + 0.5 * (DOUBLE_COLUMN - LEFT - RIGHT)) / DOUBLE_COLUMN
         level = 2.5 / (BOTTOM + panels_height + TOP)
@@ -117,9 +117,9 @@ def _scale(figure: Figure, mesh: Any, bar: Axes, within: float) -> None:
 
 
 def _perfect(fits: list[Fit], shares: Mapping[tuple[Fit, str], Shares]) -> list[str]:
-    """The approaches whose every fit is within the bound in every case: a map of them is of one colour.
+    """The approaches that are within the bound in every case and by every fit, so that a map would show one colour.
 
-    None where that holds for all of them: there must be something to draw.
+    Empty where that holds for all approaches: something must be drawn.
     """
     approaches = list(dict.fromkeys(fit.approach for fit in fits))
     short = {fit.approach for (fit, _), share in shares.items() if share.overall < 1.0}
@@ -154,23 +154,23 @@ def shares_within(
     }
 
 
-def _panel(axes: Axes, study: Study, found: Shares, last: bool) -> Any:
+def _panel(axes: Axes, study: Study, shares: Shares, last: bool) -> Any:
     """One map, with the line around the region where the approach holds."""
     look: dict[str, Any] = {"cmap": "viridis", "rasterized": True, "linewidth": 0}
-    mesh = axes.pcolormesh(found.x_edges, found.y_edges, found.share, vmin=0.0, vmax=1.0, **look)
-    axes.set(xlim=found.x_edges[[0, -1]], ylim=found.y_edges[[0, -1]])
+    mesh = axes.pcolormesh(shares.x_edges, shares.y_edges, shares.share, vmin=0.0, vmax=1.0, **look)
+    axes.set(xlim=shares.x_edges[[0, -1]], ylim=shares.y_edges[[0, -1]])
     centres = []
-    sides: dict[Literal["x", "y"], Array] = {"x": found.x_edges, "y": found.y_edges}
+    sides: dict[Literal["x", "y"], Array] = {"x": shares.x_edges, "y": shares.y_edges}
     for which, edges in sides.items():
         _, logarithmic = _edges(study, study.figure[which])
         middle = 0.5 * (edges[1:] + edges[:-1])
         centres.append(np.sqrt(edges[1:] * edges[:-1]) if logarithmic else middle)
         if logarithmic:
             logarithmic_ticks(axes, which, edges[0], edges[-1], ends=last or which == "y")
-    if min(found.share.shape) > 2:
+    if min(shares.share.shape) > 2:
         from scipy.ndimage import gaussian_filter  # slow to import, and needed for maps only
 
-        smooth = gaussian_filter(np.nan_to_num(found.share), sigma=1.0, mode="nearest")
+        smooth = gaussian_filter(np.nan_to_num(shares.share), sigma=1.0, mode="nearest")
         if smooth.max() > REGION > smooth.min():
             axes.contour(*centres, smooth, levels=[REGION], colors="white", linewidths=1.0)
     return mesh
@@ -178,7 +178,7 @@ def _panel(axes: Axes, study: Study, found: Shares, last: bool) -> Any:
 
 def _edges(study: Study, name: str) -> tuple[Array, bool]:
     """Bin edges along an axis, around each listed value or over the range of a sample; whether it is logarithmic."""
-    block = next((block for block in study.blocks if name in block.names), None)
+    block = study.block_of(name)
     if block is None:
         raise ValueError(f"{name} is not an axis of the study {study.name}")
     if isinstance(block, Sampled):

@@ -16,13 +16,13 @@ from ..settings import Study
 from .confusion import confusion, laws_in
 
 LEFT, BOTTOM, TOP, CELL = 34.0, 4.0, 20.0, 9.0  # mm
-_WORDS = 33.0  # mm, of a column of words beside the cells
+_WORDS = 33.0  # mm, of a column of words next to the cells
 _DARK = 0.5  # share of a row from which on its number is white
 
 
 @styled()
 def confusion_matrix(study: Study, cases: str | Path) -> Figure:
-    """Numbers of cases, a row for each true law and a column for each that is chosen; shares in words beside them.
+    """Numbers of cases, a row for each true law and a column for each that is chosen; shares in words next to them.
 
     The shade of a cell is its share of the row. Right choices are framed.
     """

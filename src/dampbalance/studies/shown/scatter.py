@@ -21,10 +21,10 @@ from ...project.wording import in_figure
 from ...solver import NORMAL_95
 from ..parameters import PARAMETERS
 from ..settings import EQUAL, RIGID, Fit, Study
+from .error_curves import symbol_of, with_unit
 from .groups import Spread, groups, spread_of, terms_of
-from .series import symbol_of, with_unit
 
-_APART = 1.13  # ratio by which neighbouring lines are moved apart along x, lest their bars hide each other
+_APART = 1.13  # ratio by which neighbouring lines are moved apart along x, so that their bars do not overlap
 _COVERAGE, _GAP, _ERRORS = 24.0, 3.0, 40.0  # heights in a row of panels, mm
 _CONFIDENCE = 95.0  # %
 
@@ -34,15 +34,15 @@ def errors_of_runs(study: Study, cases: str | Path) -> Figure:
     """Over the runs, along the axis x: the size that 95 % of the errors do not exceed, %, and below it, where the study
     has intervals, the share of the 95 % intervals that hold the true value, %.
 
-    A row of panels per term, a column per value of another axis, a line per fit. Bars: what the number of runs leaves
-    open, 1.96 standard errors of the one, and the 95 % interval of the other.
+    A row of panels per term, a column per value of another axis, a line per fit. Bars: the uncertainty
+    from the number of runs, 1.96 standard errors of the size, and the 95 % interval of the coverage.
     """
     settings, lines = study.figure, _lines(study)
-    by, told = settings.get("panels"), "intervals" in study.columns
+    by, intervals = settings.get("panels"), "intervals" in study.columns
     kept = list(groups(study, cases, [settings["x"], *([by] if by else [])]))
     values: list[Any] = list(dict.fromkeys(where[by] for where, _ in kept)) if by else [None]
     symbols = terms_of(cases)
-    low = _COVERAGE + _GAP if told else 0.0
+    low = _COVERAGE + _GAP if intervals else 0.0
     panels = grid(len(symbols), len(values), height=low + _ERRORS)
     for row, symbol in enumerate(symbols):
         drawn = []
@@ -54,7 +54,7 @@ def errors_of_runs(study: Study, cases: str | Path) -> Figure:
             }
             x = np.array([x for x, _ in places])
             errors = panels.panel(row, column, low)
-            below = [panels.panel(row, column, 0.0, _COVERAGE)] if told else []
+            below = [panels.panel(row, column, 0.0, _COVERAGE)] if intervals else []
             for axes, name, draw in zip(
                 [errors, *below],
                 ("errors", "coverage"),
@@ -100,7 +100,7 @@ def _label(fit: Fit) -> str:
 
 
 def _styles(lines: Mapping[str, Fit]) -> Iterator[dict[str, Any]]:
-    """How each line is drawn, and `beside`, the ratio by which it is moved along x. The lines of one approach have its
+    """How each line is drawn, and `shift`, the ratio by which it is moved along x. The lines of one approach have its
     colour: the first has filled marks, the second open ones, the third crosses."""
     looks: Sequence[tuple[Any, dict[str, Any]]]
     looks = (("-", {}), (DASHED, {"mfc": "white"}), (DOTTED, {"marker": "x"}))
@@ -111,7 +111,7 @@ def _styles(lines: Mapping[str, Fit]) -> Iterator[dict[str, Any]]:
         seen.append(fit.approach)
         style: dict[str, Any] = {"color": look.colour, "marker": look.marker, "ls": ls}
         style |= {"ms": 3.4, "mew": 0.7, "lw": 0.6, "elinewidth": 0.7} | marks
-        yield style | {"beside": _APART ** (index - 0.5 * (len(lines) - 1))}
+        yield style | {"shift": _APART ** (index - 0.5 * (len(lines) - 1))}
 
 
 def _draw_errors(
@@ -148,7 +148,7 @@ def _bars(
     style: dict[str, Any],
 ) -> None:
     marks = dict(style)
-    x = marks.pop("beside") * 100.0 * np.array([place for place, _ in spreads])
+    x = marks.pop("shift") * 100.0 * np.array([place for place, _ in spreads])
     axes.errorbar(x, size, yerr=np.abs(np.array(reach)), **marks)
 
 
@@ -164,6 +164,6 @@ def _x_axis(axes: Axes, places: Array) -> None:
 def _legend(panels: Grid, lines: Mapping[str, Fit]) -> None:
     handles = []
     for label, style in zip(lines, _styles(lines), strict=True):
-        marks = {key: style[key] for key in style if key not in ("beside", "elinewidth")}
+        marks = {key: style[key] for key in style if key not in ("shift", "elinewidth")}
         handles.append(Line2D([], [], label=label, **marks))
     panels.legend_below(handles, columnspacing=1.2, handlelength=2.4, handletextpad=0.5)

@@ -7,12 +7,18 @@ from pathlib import Path
 
 import pandas as pd
 
-from ...project.wording import in_markdown, markdown_table, percent
-from ..routes import LAWS
+from ...project.wording import in_markdown, listed, percent
 from ..settings import Study
 from ..stretches import Sizes, stretches
 from .confusion import confusion, confusion_markdown
-from .groups import FIT_HEADS, fit_cells, grouped_markdown, grouped_summary, joined, terms_of, which
+from .groups import (
+    fit_cells,
+    grouped_markdown,
+    grouped_summary,
+    table_of_fits,
+    terms_of,
+    which,
+)
 
 WITHIN = 0.01  # relative error that the summary counts as good
 SHARE = f"within_{100 * WITHIN:g}_percent_share"
@@ -20,7 +26,7 @@ SHARE = f"within_{100 * WITHIN:g}_percent_share"
 
 def summary_of(cases: str | Path, study: Study) -> pd.DataFrame:
     """The table that the study asks for: of errors, by the values of some axes or over all cases, or of laws."""
-    if study.route == LAWS:
+    if study.route.chooses_law:
         return confusion(cases)
     return grouped_summary(cases, study) if study.summary_by else overall_summary(cases, study)
 
@@ -32,10 +38,10 @@ def overall_summary(cases: str | Path, study: Study) -> pd.DataFrame:
     with an error of at most WITHIN.
     """
     records = []
+    terms = terms_of(cases)
     for fit in study.fits:
-        for quantity in [
-            s for s in terms_of(cases) if s in fit.identified
-        ]:  # a column at a time: a file may have hundreds
+        for quantity in (symbol for symbol in terms if symbol in fit.identified):
+            # a column at a time: a file may have hundreds
             name = f"{quantity}_relative_error__{fit.label}"
             sizes = Sizes(WITHIN)
             for stretch in stretches(cases, [name]):
@@ -59,32 +65,30 @@ def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure
     lines += [f"{study.cases:,} cases; varied: {', '.join(study.axis_names)}.", ""]
     lines += [in_markdown(paragraph), ""] if paragraph else []
     lines += [f"![{title}]({figure})", ""] if figure else []
-    if study.route == LAWS:
+    if study.route.chooses_law:
         lines += confusion_markdown(summary)
+    elif study.summary_by:
+        lines += grouped_markdown(study, summary)
     else:
-        lines += (
-            grouped_markdown(study, summary) if study.summary_by else _overall_markdown(summary)
-        )
+        lines += _overall_markdown(summary)
     lines += ["", "All numbers: `cases.parquet`; what they are: `manifest.json`.", ""]
     return "\n".join(lines)
 
 
 def _overall_markdown(summary: pd.DataFrame) -> list[str]:
-    names = joined(summary["quantity"].unique())
-    heads = [*FIT_HEADS, "identified", "median", "95 %", "largest", f"within {100 * WITHIN:g} %"]
-    rows = []
-    for row in summary.to_dict("records"):
-        errors = [row[f"{name}_error_percent"] for name in ("median", "p95", "max")]
-        rows.append(
-            [
-                *fit_cells(row),
-                f"{row['identified']:,}",
-                *(percent(0.01 * error) for error in errors),
-                percent(row[SHARE]) if row["identified"] else "–",
-            ]
-        )
+    numbers = ("identified", "median", "95 %", "largest", f"within {100 * WITHIN:g} %")
+    rows = [
+        [
+            *fit_cells(row),
+            f"{row['identified']:,}",
+            *(percent(0.01 * row[f"{name}_error_percent"]) for name in ("median", "p95", "max")),
+            percent(row[SHARE]) if row["identified"] else "–",
+        ]
+        for row in summary.to_dict("records")
+    ]
+    identified = listed(list(summary["quantity"].unique()))
     return [
-        f"Size of the relative error over all cases in which {names} could be identified.",
+        f"Size of the relative error over all cases in which {identified} could be identified.",
         "",
-        markdown_table(heads, rows, "lllllrrrrr"),
+        table_of_fits(numbers, rows),
     ]

@@ -1,17 +1,16 @@
-"""Responses read off noisy records: the exact orbit, sampled, with white noise, as an engineer would have measured it.
+"""Responses identified from noisy records: the exact orbit, sampled, with white noise, as in a measurement.
 
-Each case is one experiment of its own. Noise and bootstrap come from generators seeded by (seed, number of the case,
-level): a case does not depend on the chunk it is computed in.
+Each case is a separate experiment. Noise and bootstrap come from generators seeded by (seed, number of the case,
+level): a case does not depend on the chunk in which it is computed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import Array, Integers
+from ..arrays import Array
 from ..balance import TERMS
 from ..features import Features, beside, of_numbers, stack
 from ..identification.microstick import read_samples
@@ -25,46 +24,35 @@ from ..reading.simpson import cycle_integrals, replicates_of
 from ..records.measurement import Measurement
 from ..records.synthetic import measured_orbit
 from .parameters import oscillator_of
-from .responses import NOT_READ, Responses
+from .responses import NOT_READ, Cases, Responses
+from .settings import SIMPSON
 
 
-def measured_responses(
-    si: Mapping[str, Array],
-    Y: Array,
-    numerics: Mapping[str, Any],
-    cases: Integers,
-    *,
-    cycles: int,
-    seed: int,
-    count: int,
-    simpson: bool = False,
-) -> Responses:
-    """The responses, measured over `cycles` cycles at sampling_hz with noise, and read.
+def measured_responses(cases: Cases) -> Responses:
+    """The responses, measured over the cycles of the study at sampling_hz with noise in each channel, and read.
 
-    si : m, c, k, K_z, F_k, omega, each (n,).   Y : m, (L, n).   numerics : sampling_hz (Hz) and noise (standard
-    deviation of each channel's noise over the rms of its signal), each (n,).   cases : their numbers in the study,
-    (n,).   count : of replicates.   simpson : whether to integrate the signals as they are, too; that changes no
-    other number.
-
-    The reader is told the stiffness k alone: frequency, amplitudes and phases are what it finds.
+    The reader is given the stiffness k alone: frequency, amplitudes and phases are identified. Where a fit of the study
+    asks for it, the signals are integrated as they are, by Simpson's rule; that changes no other number.
     """
+    study, si = cases.study, cases.si
+    by_simpson = any(fit.approach == SIMPSON for fit in study.fits)
     points, replicates, plain, fitted = [], [], [], []
-    for case in range(len(cases)):
+    for case, number in enumerate(cases.numbers.tolist()):
         osc = oscillator_of(si, case)
+        rate_hz, noise = (float(cases.values[name][case]) for name in ("sampling_hz", "noise"))
         records: list[tuple[Reading, Measurement] | str] = []
-        for level in range(len(Y)):
-            motion = BaseMotion(Y=float(Y[level, case]), omega=float(si["omega"][case]))
-            random = np.random.default_rng([seed, int(cases[case]), level])
-            rate_hz, noise = (float(numerics[name][case]) for name in ("sampling_hz", "noise"))
-            records.append(_measured(osc, motion, rate_hz, cycles, noise, random))
-        random = np.random.default_rng([seed, int(cases[case]), len(Y)])
+        for level, Y in enumerate(cases.Y[:, case].tolist()):
+            motion = BaseMotion(Y=Y, omega=float(si["omega"][case]))
+            random = np.random.default_rng([study.seed, number, level])
+            records.append(_measured(osc, motion, rate_hz, study.cycles, noise, random))
+        random = np.random.default_rng([study.seed, number, len(cases.Y)])
         read = [record if isinstance(record, str) else record[0] for record in records]
-        point, replicate, whole = _with_one_oscillator(read, osc.k, count, random)
+        point, replicate, whole = _with_one_oscillator(read, osc.k, study.replicates, random)
         points.append(point)
         replicates.append(replicate)
         fitted.append({} if whole is None else parameters_of(whole))
-        if simpson:
-            values, drawn = _by_simpson(records, osc.k, count, random)
+        if by_simpson:
+            values, drawn = _by_simpson(records, osc.k, study.replicates, random)
             plain.append((point.replaced(**values), replicate.replaced(**drawn)))
     likelihood = {
         symbol: np.array(
@@ -72,8 +60,8 @@ def measured_responses(
         ).T
         for symbol in TERMS
     }
-    by_simpson = tuple(beside(parts) for parts in zip(*plain, strict=True))
-    return Responses(beside(points), beside(replicates), by_simpson, likelihood)
+    simpson = tuple(beside(parts) for parts in zip(*plain, strict=True))
+    return Responses(beside(points), beside(replicates), simpson, likelihood)
 
 
 def _measured(
@@ -84,12 +72,12 @@ def _measured(
     noise: float,
     random: np.random.Generator,
 ) -> tuple[Reading, Measurement] | str:
-    """What is read off one record, and the record; in words, why nothing is."""
+    """The reading of one record, and the record; the reason, in words, where it cannot be read."""
     try:
         orbit = steady_orbit(osc, motion)
     except NoSteadyOrbit:
         return str(Regime.NOT_FOUND)
-    start = random.random() * motion.period  # the record begins anywhere in the cycle
+    start = random.random() * motion.period  # a record begins anywhere in the cycle
     measurement = measured_orbit(
         orbit, rate_hz=rate_hz, cycles=cycles, noise=noise, seed=random, start=start
     )
@@ -102,9 +90,11 @@ def _measured(
 def _with_one_oscillator(
     read: Sequence[Reading | str], k: float, count: int, random: np.random.Generator
 ) -> tuple[Features, Features, Whole | None]:
-    """Features (L,) and replicates (L, count) of the levels of a case, with the onset of slip that one oscillator gives
-    them, as in `identification`, and that oscillator; a level that was not read has NaN and the reason, and where no
-    oscillator holds, none has a friction travel."""
+    """Features (L,) and replicates (L, count) of the levels of a case, and the oscillator fitted to all of them.
+
+    The onsets of slip are those of that oscillator, as in `identification`. A level that was not read has NaN and the
+    reason; where no oscillator fits the records, no level has a friction travel.
+    """
     whole = None
     readings = [reading for reading in read if isinstance(reading, Reading)]
     if readings:

@@ -1,9 +1,9 @@
 """Records of a known damping law, and which law `identify` finds in them.
 
-Each case is one experiment: an oscillator is drawn, its steady motion under its law followed by `law/response.py`,
-sampled with noise at every level and at two frequencies, one below the resonance and one above it, and read as a
-laboratory's records are. It is drawn so that each term of the law takes a part of the work that matters at one level or
-more, and that the contact slips once per half cycle at all of them. A case follows from seed, law and run alone.
+Each case is one experiment. An oscillator is drawn; its steady motion under its law is computed by `law/response.py`,
+sampled with noise at every level and at two frequencies, one below the resonance and one above it, and identified like
+measured records. Each term of the law takes a significant share of the work at one level at least, and the contact
+slips once per half cycle at all of them. A case depends only on seed, law and run.
 """
 
 from __future__ import annotations
@@ -28,25 +28,28 @@ from ..records.synthetic import measured_orbit
 from .routes import NONE, law_named, terms_named
 
 SHARE = (0.2, 0.6)
-"""Of the work put in: what each term takes at one level or more."""
+"""Smallest and largest share of the input work that each term takes at one level at least."""
 
 MASSES, NATURAL_HZ = (0.1, 10.0), (1.0, 50.0)  # kg, Hz
 HIGHEST = (1e-4, 1e-2)  # m, amplitude of the base at the highest level
-ZETA = (0.01, 0.08)  # damping ratio of a damper that takes as much as all terms together
+ZETA = (
+    0.01,
+    0.08,
+)  # damping ratio of a viscous damper that takes as much work as all terms together
 STIFFNESSES = (10.0, 200.0)  # K_z/k
 BELOW, ABOVE = (0.6, 0.9), (1.1, 1.6)  # ω/ω_n
 
 _SAMPLES = (190.0, 210.0)  # per cycle
 _HARMONICS = 64
 _MOST_DRAWINGS = 1000
-_STICKS = 2.0  # Z_m: a motion up to so much hardly slips
+_STICKS = 2.0  # in units of Z_m: the amplitude up to which the contact hardly slips
 
 
 @dataclass(frozen=True)
 class Truth:
-    """What the records of a case are made of.
+    """The oscillator, law and base motions from which the records of a case are computed.
 
-    oscillator : with its c.   law : symbol → coefficient of the terms besides friction and c, SI.   motions : of the
+    oscillator : with its c.   law : symbol → coefficient of the terms other than friction and c, SI.   motions : of the
     base, one for each record.
     """
 
@@ -55,8 +58,8 @@ class Truth:
     motions: tuple[BaseMotion, ...]
 
     def responses(self) -> list[Response] | None:
-        """The steady motions, where each slips once per half cycle; else None."""
-        found = []
+        """The steady responses; None unless each slips once per half cycle."""
+        responses = []
         for motion in self.motions:
             try:
                 response = steady_response(self.oscillator, motion, self.law)
@@ -65,11 +68,11 @@ class Truth:
             once = response.orbit.regime == Regime.ONE_SLIP
             if not (once and _STICKS * self.oscillator.Z_m < response.X):
                 return None
-            found.append(response)
-        return found
+            responses.append(response)
+        return responses
 
     def shares(self, responses: Sequence[Response]) -> dict[str, Array]:
-        """Part of the work put in that each term takes, by symbol, each (records,); friction takes the rest."""
+        """Share of the input work that each term takes, by symbol, each (records,); friction takes the rest."""
         k, n = self.oscillator.k, np.arange(1.0, 2.0 * _HARMONICS, 2.0)
         parts: dict[str, list[float]] = {s: [] for s in self.coefficients}
         for motion, response in zip(self.motions, responses, strict=True):
@@ -84,13 +87,13 @@ class Truth:
 
     @property
     def coefficients(self) -> dict[str, float]:
-        """Of the terms besides friction."""
+        """Coefficients of the terms other than friction, by symbol."""
         c = {"c": self.oscillator.c} if self.oscillator.c else {}
         return {**c, **self.law}
 
 
 def drawn(law: str, levels: Sequence[float], random: np.random.Generator) -> Truth:
-    """An oscillator with a law, by its name, as described above.   levels : parts of the highest amplitude."""
+    """A random oscillator as described above.   law : its name.   levels : parts of the highest amplitude."""
     for _ in range(_MOST_DRAWINGS):
         truth = _candidate(terms_named(law), levels, random)
         responses = truth.responses()
@@ -103,7 +106,7 @@ def drawn(law: str, levels: Sequence[float], random: np.random.Generator) -> Tru
 
 
 def _candidate(terms: Sequence[str], levels: Sequence[float], random: np.random.Generator) -> Truth:
-    """An oscillator whose terms share the work as wanted at one of its levels, were its motion harmonic."""
+    """A random oscillator whose terms would share the work as wanted at one level if its motion were harmonic."""
 
     def spread(within: tuple[float, float]) -> float:
         return math.exp(random.uniform(math.log(within[0]), math.log(within[1])))
@@ -132,7 +135,7 @@ def _candidate(terms: Sequence[str], levels: Sequence[float], random: np.random.
 
 
 def _parts(count: int, random: np.random.Generator) -> Array:
-    """Parts of a whole, each within SHARE."""
+    """Random shares of the work, each within SHARE, whose sum is one."""
     while True:
         parts: Array = random.dirichlet(np.full(count, 4.0))
         if parts.min() >= SHARE[0] and parts.max() <= SHARE[1]:
@@ -171,8 +174,8 @@ def chosen_laws(
 
     values : law, noise and run of each, (n,).
     """
-    found = []
+    chosen = []
     for law, noise, run in zip(values["law"], values["noise"], values["run"], strict=True):
         random = np.random.default_rng([seed, *str(law).encode(), int(run)])
-        found.append(chosen_law(str(law), levels, cycles, float(noise), random))
-    return np.array(found, dtype=object)
+        chosen.append(chosen_law(str(law), levels, cycles, float(noise), random))
+    return np.array(chosen, dtype=object)

@@ -1,4 +1,4 @@
-"""The numbers of a study's curves, which are drawn once for print and once for the page."""
+"""The numbers of a study's curves, which figure and page draw."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from ...arrays import Array, Integers
 from ...balance import takes_phase
 from ...figures.looks import SCHEME_LOOKS
-from ...figures.series import EXACT, SignedScale, signed_scale
+from ...figures.series import EXACT, SHARINGS, SignedScale, signed_scale
 from ...model import Oscillator
 from ...motion.fixed_step import SCHEMES
 from ..parameters import PARAMETERS, SI_COLUMNS, Parameter
@@ -24,7 +24,6 @@ from .logarithmic import is_logarithmic
 
 FLOOR, CEILING = 1e-3, 1e3  # %: a smaller error is drawn on a linear axis, a larger one not at all
 FEW = 24  # cases on a curve up to which each is marked
-SHARINGS = ("individual", "common")
 PHASES = {
     "reversal": "phase of the velocity reversal",
     "zero_crossing": "phase of the zero crossing",
@@ -36,8 +35,8 @@ PHASES = {
 class Panel:
     """The cases that one panel shows.
 
-    axis : the parameter that has one value in them, None where there is no such.   value : that value with its unit,
-    or the phase in words.   phase : that all errors are by; "" for any.   x : of the cases, ascending.
+    axis : the parameter that is constant in the panel, or None.   value : its value with unit, or the phase in words.
+    phase : the definition that all errors use; "" for any.   x : of the cases, ascending.
     """
 
     axis: Parameter | None
@@ -54,7 +53,7 @@ class Panel:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """The error in the cases of a panel, %, with its sign. sharing : "" for an approach that knows no phase."""
+    """The error in the cases of a panel, %, with its sign. sharing : "" for an approach without a phase."""
 
     approach: str
     sharing: str
@@ -106,7 +105,7 @@ class ErrorOfSteps(NamedTuple):
         return np.unique(np.concatenate([steps for steps, _ in self.errors.values()]))
 
     def line(self, steps: Array) -> Array:
-        """What a first-order scheme adds to c (backward Euler) or takes from it (explicit Euler), m ω² h, N s/m."""
+        """The damping m ω² h, N s/m, that backward Euler adds to c and explicit Euler takes from it."""
         euler = SCHEMES["backward-euler"]
         return np.array([abs(euler.balance_bias(self.oscillator, self.omega, h)) for h in steps])
 
@@ -130,7 +129,7 @@ def axis_label(name: str) -> str:
 
 
 def with_unit(name: str, value: float | str, digits: int = 4) -> str:
-    """A value of a parameter as it is read, 4.92 Hz."""
+    """A value of a parameter with its unit, e.g. 4.92 Hz."""
     shown = value if isinstance(value, str) else f"{value:.{digits}g}"
     return f"{shown} {unit_of(name)}".rstrip()
 

@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 from ...balance import TERMS
 from ...figures.grid import Grid, grid, signed_axis
 from ...figures.looks import SCHEME_LOOKS, in_maths, label_of, look_of
+from ...figures.series import SHARINGS
 from ...figures.style import (
     DASHED,
     DOTTED,
@@ -26,11 +27,10 @@ from ...figures.style import (
     place,
     styled,
 )
-from ...project.wording import in_figure
+from ...project.wording import in_figure, listed
 from ..parameters import PARAMETERS
 from ..settings import Study
-from . import series
-from .groups import joined
+from . import error_curves as curves
 from .logarithmic import logarithmic_ticks
 from .maps import share_map
 from .matrix import confusion_matrix
@@ -48,7 +48,10 @@ def alternative_text(study: Study) -> str:
     """What the figure shows, in one sentence."""
     if study.figure["kind"] == "confusion":
         return f"{study.title}: how often each law is chosen for records of each true law."
-    axis, identified = PARAMETERS[study.figure["x"]].meaning, f"the identified {joined(TERMS)}"
+    axis, identified = (
+        PARAMETERS[study.figure["x"]].meaning,
+        f"the identified {listed(list(TERMS))}",
+    )
     size = "size of the " if study.figure["kind"] == "steps" else ""
     shown = f"{size}error of {identified} against {axis}"
     if study.figure["kind"] == "map":
@@ -66,7 +69,7 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
     Columns of panels: phase definitions, or the values of another axis. Solid: φ and t_s of each level; dashed: common
     to the levels.
     """
-    shown = series.error_curves(study, cases)
+    shown = curves.error_curves(study, cases)
     panels = grid(len(shown.symbols), len(shown.panels))
     for row, symbol in enumerate(shown.symbols):
         scale = shown.scale(symbol)
@@ -82,7 +85,7 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
             if column == 0:
                 panels.name_row(axes, f"error of ${symbol}$ (%)")
             _marks(axes, study, label=row == 0)
-    panels.text_below(series.axis_label(shown.name))
+    panels.text_below(curves.axis_label(shown.name))
     _legend(panels, shown)
     return panels.figure
 
@@ -90,7 +93,7 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
 @styled()
 def error_of_steps(study: Study, cases: str | Path) -> Figure:
     """Size of the error of c, N s/m, by direct integration against the step of each scheme, with the line m ω² h."""
-    shown = series.error_of_steps(study, cases)
+    shown = curves.error_of_steps(study, cases)
     first, last = shown.steps[[0, -1]]
     figure = page(SINGLE_COLUMN + 35.0, 76.0)
     axes = place(figure, 16.0, 12.0, SINGLE_COLUMN - 20.0, 60.0)
@@ -114,29 +117,29 @@ def error_of_steps(study: Study, cases: str | Path) -> Figure:
     return figure
 
 
-def _title(panel: series.Panel) -> str:
+def _title(panel: curves.Panel) -> str:
     if panel.axis is None:
         return panel.value
     symbol = panel.axis.symbol
     return f"${symbol}$ = {panel.value}" if symbol else f"{panel.axis.meaning}: {panel.value}"
 
 
-def _curve(axes: Axes, panel: series.Panel, curve: series.Curve, number: int) -> None:
+def _curve(axes: Axes, panel: curves.Panel, curve: curves.Curve, number: int) -> None:
     """A curve with the marks of its approach: at every case, or at places apart from those of the other approaches."""
     look = look_of(curve.approach)
     style: dict[str, Any] = {"ls": "-", "mfc": look.colour, "ms": 3.2, "mew": 0.7, "lw": look.width}
     style |= {"ls": DASHED, "mfc": "white"} if curve.sharing == "common" else {}
     style |= {"color": look.colour, "marker": look.marker}
-    if not panel.few:  # with an edge, lest they vanish in curves that lie on each other
+    if not panel.few:  # with an edge, which keeps them visible on curves that coincide
         edge = look.colour if curve.sharing == "common" else "white"
         style |= {"markevery": (0.03 + 0.04 * number, 0.2), "ms": 4.0, "mec": edge}
     axes.plot(panel.x, curve.error, **style)
 
 
-def _x_axis(axes: Axes, shown: series.ErrorCurves, last: bool) -> None:
+def _x_axis(axes: Axes, shown: curves.ErrorCurves, last: bool) -> None:
     first_place, last_place = shown.places[[0, -1]]
     margin = 0.0
-    if PARAMETERS[shown.name].whole and len(shown.places) <= series.FEW:
+    if PARAMETERS[shown.name].whole and len(shown.places) <= curves.FEW:
         axes.set_xticks(shown.places)
         axes.minorticks_off()
         margin = 0.4
@@ -156,11 +159,11 @@ def _marks(axes: Axes, study: Study, label: bool) -> None:
             note(axes, text, (value, 1.0), (0.0, 1.5), "center", size=7.5, color=FAINT, xycoords=at)
 
 
-def _legend(panels: Grid, shown: series.ErrorCurves) -> None:
+def _legend(panels: Grid, shown: curves.ErrorCurves) -> None:
     """The approaches by colour, those that are not drawn by the bound of their error; φ and t_s by the line."""
     handles = [_handle(key, shown.exact) for key in shown.approaches]
     if len(shown.sharings) > 1:
-        for name, style in zip(series.SHARINGS, ("-", DASHED), strict=True):
+        for name, style in zip(SHARINGS, ("-", DASHED), strict=True):
             label = rf"{name} $\varphi$, $t_s$"
             handles.append(Line2D([], [], color=FAINT, lw=0.9, ls=style, label=label))
     panels.legend_below(handles, columnspacing=1.2, handlelength=1.8, handletextpad=0.5)
