@@ -131,7 +131,7 @@ class _Signals:
     between_samples: bool
 
 
-class _Event(NamedTuple):
+class _Instant(NamedTuple):
     """An event: its place in the record, counted in samples (whole or not), and x, v there."""
 
     place: float
@@ -205,16 +205,16 @@ def _other_reversal(s: _Signals, n_1: int) -> int:
     return n_1 + 1 + int(changes[0])
 
 
-def _reversal(s: _Signals, n: int) -> _Event:
+def _reversal(s: _Signals, n: int) -> _Instant:
     """The velocity reversal between samples n and n + 1."""
     if not s.between_samples:
-        return _Event(n + 1.0, float(s.x[n + 1]), float(s.v[n + 1]))
+        return _Instant(n + 1.0, float(s.x[n + 1]), float(s.v[n + 1]))
     x, v = _continued(s, n - _SIDE + 1, n)
     tau = _root(v, near=s.v[n] / (s.v[n] - s.v[n + 1]))
-    return _Event(n + tau, float(x(tau)), 0.0)
+    return _Instant(n + tau, float(x(tau)), 0.0)
 
 
-def _onset(s: _Signals, n_reversal: int, n_next: int) -> _Event:
+def _onset(s: _Signals, n_reversal: int, n_next: int) -> _Instant:
     """The slip onset between two reversals: where the slope of the acceleration breaks."""
     first = n_reversal + 1
     bend = np.abs(np.diff(s.acceleration[first : n_next + 1], 2))
@@ -224,7 +224,7 @@ def _onset(s: _Signals, n_reversal: int, n_next: int) -> _Event:
     if corner - first < _FEWEST or n_next - corner < _SIDE:
         raise _NoOnset(f"no slip onset read: {corner - first} samples of stick phase are too few")
     if not s.between_samples:
-        return _Event(float(corner), float(s.x[corner]), float(s.v[corner]))
+        return _Instant(float(corner), float(s.x[corner]), float(s.v[corner]))
     # The corner sample may belong to either phase, and in a simulation overshoots: neither cubic uses it.
     n = corner - 1
     stick_first = max(first, n - _SIDE + 1)
@@ -232,7 +232,7 @@ def _onset(s: _Signals, n_reversal: int, n_next: int) -> _Event:
     slip = _through(s.acceleration, corner + 1, corner + _SIDE, origin=n)
     tau = _root(slip - stick, near=1.0)
     x, v = _continued(s, stick_first, n)
-    return _Event(n + tau, float(x(tau)), float(v(tau)))
+    return _Instant(n + tau, float(x(tau)), float(v(tau)))
 
 
 def _upward_zero(s: _Signals, n_1: int) -> float:

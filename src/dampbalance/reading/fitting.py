@@ -1,4 +1,4 @@
-"""The climbs to the oscillator of largest likelihood, from several starts: the search behind `waveforms.Fit`."""
+"""The search for the oscillator of largest likelihood, by climbs from several starts."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from ..motion.jit import interpreted
 from ..motion.orbit import NoSteadyOrbit
 from .climb import Climb, Evaluation, NoConvergence, NoStart, climb
 from .lines import Lines, Shares, starts
-from .unknowns import Unknowns, worth
-from .waveforms import Fit
+from .unknowns import Unknowns, equivalent_coefficient
+from .waveforms import WaveformFit
 
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
@@ -33,7 +33,7 @@ _MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes 
 
 def fit_oscillator(
     lines: Sequence[Lines], k: float, law: Law | None = None, *, thorough: bool = True
-) -> Fit | None:
+) -> WaveformFit | None:
     """The oscillator of largest likelihood; None where no oscillator that slips responds like the records.
 
     lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
@@ -58,7 +58,9 @@ def fit_oscillator(
     return replace(nearest, evaluations=best.evaluations + nearest.evaluations)
 
 
-def fit_quickly(lines: Sequence[Lines], k: float, law: Law, near: Sequence[Fit]) -> Fit | None:
+def fit_quickly(
+    lines: Sequence[Lines], k: float, law: Law, near: Sequence[WaveformFit]
+) -> WaveformFit | None:
     """As `fit_oscillator`, from two candidates of `lines.starts` and from fits with other laws, and not refined where
     it does not come near the records."""
     unknowns, shares = Unknowns(law, len(lines), k), shares_of(lines, law, k)
@@ -70,10 +72,10 @@ def fit_quickly(lines: Sequence[Lines], k: float, law: Law, near: Sequence[Fit])
 
 def _best(
     lines: Sequence[Lines], unknowns: Unknowns, points: Iterable[Array], most: int
-) -> Fit | None:
+) -> WaveformFit | None:
     """The fit with the smallest χ² of those that climbs from these points end in, up to one that is adequate.   most :
     evaluations at each softening."""
-    best: Fit | None = None
+    best: WaveformFit | None = None
     spent = 0
     with interpreted(False) if unknowns.law.nonlinear else nullcontext():
         for point in points:
@@ -86,9 +88,11 @@ def _best(
     return None if best is None else replace(best, evaluations=spent)
 
 
-def _as_candidate(fit: Fit) -> Array:
+def _as_candidate(fit: WaveformFit) -> Array:
     """(F_k, c, K_z, m) of an oscillator that loses about as much."""
-    worths = {key: worth(parted(key)[0], fit.lines[0], fit.k) for key in fit.law.keys}
+    worths = {
+        key: equivalent_coefficient(parted(key)[0], fit.lines[0], fit.k) for key in fit.law.keys
+    }
     damping = math.fsum(
         fit.value(key) / worths[key] for key in fit.law.keys if parted(key)[0] != FRICTION
     )
@@ -104,20 +108,20 @@ def shares_of(lines: Sequence[Lines], law: Law, k: float) -> Shares:
     means = {label: alone[[other == label for other in labels]].mean() for label in labels}
     force = np.array([means[label] for label in labels])
     free = [s for s in law.terms if s != FRICTION and s not in law.given]
-    worths = np.array([[worth(s, one, k) for one in lines] for s in free])
+    worths = np.array([[equivalent_coefficient(s, one, k) for one in lines] for s in free])
     damping = np.ones(len(lines))
     if free:
         damping = np.mean(np.median(worths, axis=1, keepdims=True) / worths, axis=0)
     return Shares(force / np.mean(list(means.values())), damping)
 
 
-def with_delay(fit: Fit) -> Fit | None:
+def with_delay(fit: WaveformFit) -> WaveformFit | None:
     """The fit with the delay between base and response left free, from there on."""
     given = set() if fit.error("m") else {"m"}
     return _climbed(fit.lines, fit.unknowns, fit.point, given, (0.0,))
 
 
-def with_mass(fit: Fit, m: float) -> Fit | None:
+def with_mass(fit: WaveformFit, m: float) -> WaveformFit | None:
     """The fit with the mass given, kg, from there on; None where nothing slips with that mass."""
     start = fit.point.copy()
     start[fit.unknowns.names.index("m")] = m
@@ -133,7 +137,7 @@ def _climbed(
     softenings: Sequence[float],
     hopeless: float = math.inf,
     most: int = _MOST,
-) -> Fit | None:
+) -> WaveformFit | None:
     """The fit that a climb from there ends in; Y and ψ start as they were read.   hopeless : χ² per datum from which on
     it is not refined.   most : evaluations at each softening."""
     names, law = unknowns.names, unknowns.law
@@ -181,7 +185,7 @@ def _climbed(
     response[free] = solution
     ends = np.cumsum([2 + 2 * one.n.size for one in lines])
     starts_at = [0, *ends[:-1]]
-    return Fit(
+    return WaveformFit(
         lines=tuple(lines),
         unknowns=unknowns,
         point=point,

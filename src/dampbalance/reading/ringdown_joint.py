@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..motion.events import PHASE_S
 from .ringdown_fit import RingFit, fit_stretches
 from .ringdown_motion import COMMON, STATE, Stretch
-from .ringdown_starts import surer
+from .ringdown_starts import refit_from_other_starts
 
 _MOST_TURNS = 4  # half cycles that slip, of what may be the work of a hand
 
@@ -53,7 +53,7 @@ def fit_all(fits: Sequence[RingFit], offsets: int) -> tuple[RingFit | None, list
         # from the oscillator of each alone, and from other shares of friction
         others = [_joined(fits, offsets, fit.point[: len(COMMON)]) for fit in fits]
         whole = min(
-            (surer(whole), *(other for other in others if other is not None)),
+            (refit_from_other_starts(whole), *(other for other in others if other is not None)),
             key=lambda one: one.chi_square,
         )
     if whole is None or whole.adequate or len(fits) == 1:

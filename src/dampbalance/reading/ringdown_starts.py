@@ -66,7 +66,7 @@ def stretches_of(
             known = zip(whole.signals, fit.stretches[0].signals, strict=True)
             signals_of = tuple(replace(one, noise=other.noise) for one, other in known)
             whole = replace(whole, signals=signals_of)
-        fit = surer(_from_earlier(fit, whole, max(since, burst.earliest)))
+        fit = refit_from_other_starts(_from_earlier(fit, whole, max(since, burst.earliest)))
         if not burst.last:
             fit = _until_grasped(fit)
         if _moves(fit) > _PART * burst.swing:  # else the swing was none of a free motion
@@ -103,10 +103,10 @@ def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | No
             # something else moves the mass before the next burst
             return _until_disturbed(fit, whole, end)
         fit = longer
-    return fit if fit is None else surer(fit, {fit.point.size - 1})
+    return fit if fit is None else refit_from_other_starts(fit, {fit.point.size - 1})
 
 
-def surer(fit: RingFit, given: Collection[int] = ()) -> RingFit:
+def refit_from_other_starts(fit: RingFit, given: Collection[int] = ()) -> RingFit:
     """The fit, or where what it leaves is hardly noise the best of those that start from other shares of friction in
     what it loses, and for a single decay from the contact at either end.
 

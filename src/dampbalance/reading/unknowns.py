@@ -91,7 +91,7 @@ class Unknowns:
         small = _LEAST * math.sqrt(self.k * m)
         for symbol in self.law.terms:
             if symbol != FRICTION:
-                least = small * worth(symbol, one, self.k)
+                least = small * equivalent_coefficient(symbol, one, self.k)
                 parts[symbol] = max(float(point[at[symbol]]), least)
         return {name: _STEP * part for name, part in parts.items()}
 
@@ -158,7 +158,10 @@ class Unknowns:
         F_k, c, K_z, m = candidate.tolist()
         law, point = self.law, np.zeros(self.size)
         free = [s for s in law.terms if s != FRICTION and s not in law.given]
-        worths = {s: float(np.median([worth(s, one, self.k) for one in lines])) for s in law.terms}
+        worths = {
+            s: float(np.median([equivalent_coefficient(s, one, self.k) for one in lines]))
+            for s in law.terms
+        }
         known = math.fsum(p / worths[s] for s, p in law.given.items() if s != FRICTION)
         for i, one in enumerate(lines):
             at = self.at(i)
@@ -188,7 +191,9 @@ class Unknowns:
             at = self.at(i)
             m = point[at["m"]]
             for symbol in self.law.terms[1:]:
-                scale[at[symbol]] = 1e-3 * math.sqrt(self.k * m) * worth(symbol, one, self.k)
+                scale[at[symbol]] = (
+                    1e-3 * math.sqrt(self.k * m) * equivalent_coefficient(symbol, one, self.k)
+                )
             for name, size in ((FRICTION, 1.0), ("rho", 1e-3), ("m", 1.0)):
                 scale[at[name]] = size * point[at[name]]
             scale[at["Y"]] = one.Y
@@ -196,7 +201,7 @@ class Unknowns:
         return scale
 
 
-def worth(symbol: str, one: Lines, k: float) -> float:
+def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
     """Coefficient of a term that takes as much in a record as a damper of 1 N s/m; about, from its fundamental."""
     harmonic = KNOWN_TERMS[symbol].harmonic
     if harmonic is None:

@@ -35,7 +35,7 @@ _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class WaveformFit:
     """The oscillator whose waveforms fit the harmonics of n records best.
 
     lines : of the records.   unknowns : names and places of its p unknowns.   point : their values, SI, (p,).
@@ -170,7 +170,7 @@ class Waveform:
     their derivatives, (harmonics, p).
     """
 
-    fit: Fit
+    fit: WaveformFit
     index: int
     response: Response
     onset: Array
@@ -208,7 +208,7 @@ class Waveform:
         return 2.0 * self.F_k * (self.fit.rho + NORMAL_95 * self.fit.error("rho")) ** 2
 
 
-def _waveform(fit: Fit, i: int) -> Waveform:
+def _waveform(fit: WaveformFit, i: int) -> Waveform:
     """What features take from the motion of record i."""
     one, response = fit.lines[i], fit.responses[i]
     onset, slope = fit.unknowns.onset(fit.point, i, one, response)

@@ -14,7 +14,7 @@ from dampbalance.reading.ringdown_bursts import Signal
 from dampbalance.reading.ringdown_fit import fit_stretches
 from dampbalance.reading.ringdown_motion import Stretch, samples_of
 from dampbalance.reading.ringdown_rows import _columns, _course, _turns
-from dampbalance.reading.ringdown_starts import _before, surer
+from dampbalance.reading.ringdown_starts import _before, refit_from_other_starts
 
 M, K, F_K, START = 2.0, 800.0, 0.2, 5e-3
 HALF = math.pi * math.sqrt(M / K)  # between two turns, s
@@ -51,7 +51,7 @@ def test_a_search_from_other_starts_keeps_what_is_given():
         far[:2] = 0.2 * F_K, 2.0
         fit = fit_stretches([replace(unread, signals=(signal,))], K, far, given={0, 1, rho, w})
         assert fit.doubtful
-        better = surer(fit, given={rho, w})
+        better = refit_from_other_starts(fit, given={rho, w})
     assert better.point[[rho, w]].tolist() == point[[rho, w]].tolist()
     # the samples are exact; the climb ends where half of χ² would fall by 1e-2
     assert better.chi_square < 2e-2 < 1e-3 * fit.chi_square

@@ -15,7 +15,7 @@ from dampbalance.reading import fitting
 from dampbalance.reading.climb import climb
 from dampbalance.reading.fitting import fit_oscillator, with_delay, with_mass
 from dampbalance.reading.lines import Lines
-from dampbalance.reading.waveforms import Fit
+from dampbalance.reading.waveforms import WaveformFit
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
 from unit.reading.harmonics import lines_of
 
@@ -27,7 +27,7 @@ CLOSE = (
 )
 
 
-def off(fit: Fit, osc: Oscillator) -> np.ndarray:
+def off(fit: WaveformFit, osc: Oscillator) -> np.ndarray:
     """F_k, c, K_z^{−1/2} and, unless it was given, m of the fit less the truth, in standard errors."""
     true = (osc.F_k, osc.c, osc.K_z**-0.5, osc.m)
     known = [j for j, name in enumerate(NAMES[:4]) if fit.error(name)]
@@ -134,7 +134,7 @@ def test_what_moves_a_datum_moves_the_answer_as_the_response_says():
 
 
 @pytest.fixture(scope="module")
-def draws() -> list[Fit]:
+def draws() -> list[WaveformFit]:
     """Fits to 60 sets of three noisy records."""
     rng = np.random.default_rng(12)
     orbits = orbits_at(3.5, (0.004, 0.008, 0.012))
@@ -317,7 +317,7 @@ def test_the_errors_that_harmonics_have_decide_what_they_weigh():
     sure = [lines_of(orbit, 1e-7) for orbit in orbits]
     worse = [lines_of(orbit, 1e-4, rng) for orbit in orbits]  # a thousand times
     both = fit_oscillator([*sure, *worse], PAPER.k)
-    alone: Fit = fit_oscillator(sure, PAPER.k)
+    alone: WaveformFit = fit_oscillator(sure, PAPER.k)
     assert np.abs(off(both, PAPER)).max() < 0.02  # moved by 1e-3 of its noise, in standard errors
     assert both.error("c") == pytest.approx(alone.error("c"), rel=1e-5)
     assert isinstance(both.lines[0], Lines)
