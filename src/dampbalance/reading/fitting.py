@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -28,6 +29,8 @@ _GAIN = 5e-8  # of half of χ², where the climb ends
 _STIFFEST = 1e12  # of K_z/k: the contact that stands for a rigid one
 _MOST = 30  # evaluations at each softening: a climb to where the records are takes about ten
 _FEWER = 12  # to see whether it comes near them
+_SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
+_REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
 _MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
 
 
@@ -38,8 +41,8 @@ def fit_oscillator(
 
     lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
     thorough : whether more and more starts are tried until one leads to an oscillator that the records may be of, or so
-    many evaluations were made that there hardly is one. Those that end far from the records are refined no further, the
-    nearest of them excepted.
+    many evaluations were made that there hardly is one. Of those that end far from the records the three nearest are
+    refined: which of them is the best shows only then.
     """
     unknowns = Unknowns(law or Law(), len(lines), k)
     shares = shares_of(lines, unknowns.law, k)
@@ -49,13 +52,16 @@ def fit_oscillator(
         for search in (False, *wide)
         for candidate in starts(lines, k, shares, wide=search)[: _STARTS[search]]
     )
-    best = _best(lines, unknowns, points, _MOST)
-    if best is None or best.adequate:
-        return best
-    nearest = _climbed(lines, unknowns, best.point, {"delay"}, _SOFTENING)
-    if nearest is None or nearest.chi_square >= best.chi_square:
-        return best
-    return replace(nearest, evaluations=best.evaluations + nearest.evaluations)
+    ends = _ends(lines, unknowns, points, _MOST)
+    if ends and not ends[0].adequate:
+        different = [
+            ends[0],
+            *(b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)),
+        ]
+        for end in different[:_REFINED]:
+            refined = _climbed(lines, unknowns, end.point, {"delay"}, _SOFTENING)
+            ends += [] if refined is None else [refined]
+    return _nearest(ends)
 
 
 def fit_quickly(
@@ -67,25 +73,33 @@ def fit_quickly(
     candidates = starts(lines, k, shares)
     known = [*candidates[:1], *(_as_candidate(fit) for fit in near), *candidates[1:2]]
     points = (unknowns.start(lines, candidate, shares.friction) for candidate in known)
-    return _best(lines, unknowns, points, _FEWER)
+    return _nearest(_ends(lines, unknowns, points, _FEWER))
 
 
-def _best(
+def _ends(
     lines: Sequence[Lines], unknowns: Unknowns, points: Iterable[Array], most: int
-) -> WaveformFit | None:
-    """The fit with the smallest χ² of those that climbs from these points end in, up to one that is adequate.   most :
-    evaluations at each softening."""
-    best: WaveformFit | None = None
+) -> list[WaveformFit]:
+    """The fits that climbs from these points end in, up to one that is adequate, that with the smallest χ² first.
+
+    most : evaluations at each softening.
+    """
+    ends: list[WaveformFit] = []
     spent = 0
     with interpreted(False) if unknowns.law.nonlinear else nullcontext():
         for point in points:
             reached = _climbed(lines, unknowns, point, {"delay"}, _SOFTENING, _HOPELESS, most)
             spent += 1 if reached is None else reached.evaluations
-            if reached is not None and (best is None or reached.chi_square < best.chi_square):
-                best = reached
-            if best is not None and (best.adequate or spent > _EFFORT):
+            if reached is not None:
+                ends.append(reached)
+            if ends and (ends[-1].adequate or spent > _EFFORT):
                 break
-    return None if best is None else replace(best, evaluations=spent)
+    return sorted(ends, key=lambda end: end.chi_square)
+
+
+def _nearest(ends: Sequence[WaveformFit]) -> WaveformFit | None:
+    """The fit with the smallest χ², with the evaluations of all."""
+    best = min(ends, key=lambda end: end.chi_square, default=None)
+    return best and replace(best, evaluations=sum(end.evaluations for end in ends))
 
 
 def _as_candidate(fit: WaveformFit) -> Array:
