@@ -10,13 +10,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..arrays import Array, Integers
+from ..arrays import Array
 from ..law.law import Law
 from ..law.steady import Response
 from ..law.terms import FRICTION, parted
 from ..motion.jit import interpreted
 from ..motion.orbit import NoSteadyOrbit
-from .climb import Climb, Evaluation, NoConvergence, NoStart, climb
+from .climb import Climb, Evaluation, climb
 from .lines import Lines, Shares, starts
 from .unknowns import Unknowns, equivalent_coefficient
 from .waveforms import WaveformFit
@@ -161,38 +161,26 @@ def _climbed(
     lower, scale = unknowns.lower(point, lines, rigid), unknowns.scale(point, lines)
     fixed = given | set(law.given)
     free = np.array([i for i in range(point.size) if not fixed & set(names[i : i + 1])])
-    climbed: Climb[Evaluation] | None = None
+    climbed: Climb | None = None
     evaluations = 0
     for softening in softenings:
-        problem = _Problem(lines, unknowns, point, free, softening)
-        try:
-            climbed = climb(
-                problem.evaluate,
-                point[free],
-                lower[free],
-                scale[free],
-                gain=_GAIN,
-                most=most if softening else _MOST,
-            )
-        except NoStart:
+        residuals = HarmonicResiduals(lines, unknowns, softening)
+        limit = most if softening else _MOST
+        climbed = climb(residuals.evaluate, point, free, lower, scale, gain=_GAIN, most=limit)
+        if climbed is None:
             return None
-        except NoConvergence as stuck:
-            climbed = stuck.best
-        point = point.copy()
-        point[free] = climbed.point
+        point = climbed.point
         evaluations += climbed.iterations
         if 2.0 * climbed.evaluation.value > hopeless * sum(2 + 2 * one.n.size for one in lines):
             break
     assert climbed is not None
-    here = climbed.evaluation
-    if problem.softening or law.nonlinear:  # as the errors are, with derivatives that hold to 1e-6
-        exact = replace(problem, softening=0.0, quickly=False).evaluate(climbed.point)
-        if exact is None:
+    here: Evaluation | None = climbed.evaluation
+    # the errors as they are, and derivatives that hold to 1e-6
+    if residuals.softening or law.nonlinear:
+        here = replace(residuals, softening=0.0, quickly=False).evaluate(point)
+        if here is None:
             return None
-        here = exact
-    assert here.residual is not None
-    assert here.jacobian is not None
-    solution = np.linalg.pinv(here.jacobian)
+    solution = np.linalg.pinv(here.jacobian[:, free])
     size = point.size
     covariance, response = np.zeros((size, size)), np.zeros((size, here.residual.size))
     covariance[np.ix_(free, free)] = solution @ solution.T
@@ -200,41 +188,39 @@ def _climbed(
     ends = np.cumsum([2 + 2 * one.n.size for one in lines])
     starts_at = [0, *ends[:-1]]
     return WaveformFit(
-        lines=tuple(lines),
-        unknowns=unknowns,
+        k=unknowns.k,
         point=point,
         covariance=covariance,
+        residual=here.residual,
+        rigid=bool(point[names.index("rho")] <= rigid),
+        lines=tuple(lines),
+        unknowns=unknowns,
         response=response,
         places=tuple(slice(int(a), int(b)) for a, b in zip(starts_at, ends, strict=True)),
-        residual=here.residual,
-        chi_square=2.0 * here.value,
         freedom=here.residual.size - free.size,
-        rigid=bool(point[names.index("rho")] <= rigid),
         undamped=tuple(key for key in law.unknowns if point[names.index(key)] <= 0.0),
         evaluations=evaluations,
     )
 
 
 @dataclass(frozen=True, eq=False)
-class _Problem:
-    """Residuals (model − data)/σ of all records as functions of the unknowns that are free.
+class HarmonicResiduals:
+    """Residuals (model − data)/σ of the harmonics of all records as functions of the unknowns.
 
-    point : all unknowns.   free : which of them are.   softening : part of the amplitudes added to the errors.
-    near : the last motion of each record, from which the next starts.   quickly : as for `Unknowns.harmonics`.
+    softening : part of the amplitudes added to the errors.
+    near : the last motion of each record, from which the next starts.
+    quickly : as for `Unknowns.harmonics`.
     """
 
     lines: Sequence[Lines]
     unknowns: Unknowns
-    point: Array
-    free: Integers
     softening: float
     near: dict[int, Response] = field(default_factory=dict)
     quickly: bool = True
 
-    def evaluate(self, free: Array) -> Evaluation | None:
-        """Half of χ² with its derivatives; None where nothing slips, there is no orbit, or the contact rattles."""
-        point, unknowns = self.point.copy(), self.unknowns
-        point[self.free] = free
+    def evaluate(self, point: Array) -> Evaluation | None:
+        """Residuals and derivatives; None where nothing slips, there is no orbit, or the contact rattles."""
+        unknowns = self.unknowns
         delay = unknowns.names.index("delay")
         residuals, slopes, slips = [], [], False
         for i, one in enumerate(self.lines):
@@ -263,4 +249,4 @@ class _Problem:
             slopes += [of_base, slope.real, slope.imag]
         if not slips:
             return None
-        return Evaluation.of_residuals(np.concatenate(residuals), np.vstack(slopes)[:, self.free])
+        return Evaluation(np.concatenate(residuals), np.vstack(slopes))

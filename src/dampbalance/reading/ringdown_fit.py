@@ -20,8 +20,8 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Array, Integers
-from ..solver import NORMAL_95
-from .climb import Climb, Evaluation, NoConvergence, NoStart, climb
+from .climb import Evaluation, climb
+from .oscillator_fit import OscillatorFit
 from .ringdown_motion import COMMON, STATE, STEP, Stretch, contact_step, phases_of, samples_of
 
 _STIFFEST = 1e8  # of K_z/k: the contact that stands for a rigid one
@@ -42,69 +42,22 @@ _BINS = 12  # of a cycle, in which the residual is averaged
 
 
 @dataclass(frozen=True, eq=False)
-class RingFit:
+class RingFit(OscillatorFit):
     """The oscillator whose free decays fit the samples of n stretches best.
 
-    k : N/m.   point : the unknowns (COMMON, the offsets, x, ẋ, w of each stretch), SI, (p,).
-    covariance : of the point, (p, p).
+    The unknowns are COMMON, the offsets, and x, ẋ, w of each stretch; the residuals run stretch by stretch, channel by
+    channel.
+
     jacobian : derivatives of the residual by the unknowns, (samples, p); zero where one was given.
-    residual : (model − sample)/σ, stretch by stretch, channel by channel.   rigid : whether ρ is at zero.
     """
 
     stretches: tuple[Stretch, ...]
-    k: float
-    point: Array
-    covariance: Array
     jacobian: Array
-    residual: Array
-    rigid: bool
 
     @property
-    def F_k(self) -> float:
-        """Friction force, N."""
-        return float(self.point[0])
-
-    @property
-    def c(self) -> float:
-        """Viscous damping, N s/m."""
-        return float(self.point[1])
-
-    @property
-    def rho(self) -> float:
-        """K_z^{−1/2}, (m/N)^{1/2}; 0 for a rigid contact."""
-        return 0.0 if self.rigid else float(self.point[2])
-
-    @property
-    def K_z(self) -> float:
-        """Contact stiffness, N/m; infinite for a rigid contact."""
-        return math.inf if self.rigid else self.rho**-2
-
-    @property
-    def m(self) -> float:
-        """Mass, kg."""
-        return float(self.point[3])
-
-    def error(self, name: str) -> float:
-        """Standard error of a common unknown, in its unit."""
-        at = COMMON.index(name)
-        return math.sqrt(self.covariance[at, at])
-
-    @property
-    def K_z_interval(self) -> tuple[float, float]:
-        """95 % interval of K_z, N/m, from ρ ± 1.96 standard errors; unbounded above where ρ = 0 is within."""
-        spread = NORMAL_95 * self.error("rho")
-        low, high = self.rho - spread, self.rho + spread
-        return high**-2, (low**-2 if low > 0.0 else math.inf)
-
-    @property
-    def natural_frequency_hz(self) -> float:
-        """√(k/m)/2π, Hz: of the oscillator while its contact slips."""
-        return math.sqrt(self.k / self.m) / (2.0 * math.pi)
-
-    @property
-    def chi_square(self) -> float:
-        """Sum of the squares of the residuals."""
-        return float(self.residual @ self.residual)
+    def names(self) -> tuple[str, ...]:
+        """F_k, c, rho, m."""
+        return COMMON
 
     @property
     def freedom(self) -> int:
@@ -212,32 +165,20 @@ def fit_stretches(
         size = max(abs(start[i]), abs(start[i + 1]) / omega, 1e-300)
         scale[i : i + STATE] = size, size * omega, 1.0
         lower[i + 2], upper[i + 2] = 0.0, 2.0
-    problem = _Problem(tuple(stretches), k, start, free, scale)
-    try:
-        climbed: Climb[Evaluation] = climb(
-            problem.evaluate,
-            start[free],
-            lower[free],
-            scale[free],
-            upper[free],
-            gain=gain,
-            most=most,
-        )
-    except NoStart:
+    residuals = _SampleResiduals(tuple(stretches), k, free, scale)
+    climbed = climb(residuals.evaluate, start, free, lower, scale, upper, gain=gain, most=most)
+    if climbed is None:
         return None
-    except NoConvergence as stuck:
-        climbed = stuck.best
-    here = climbed.evaluation
-    assert here.residual is not None
-    assert here.jacobian is not None
-    point = start.copy()
-    point[free] = climbed.point
-    jacobian = np.zeros((here.residual.size, point.size))
-    jacobian[:, free] = here.jacobian
-    solution = linear_solution(jacobian, w_errors(point.size, first_state))
-    rigid_contact = bool(point[2] <= rigid)
+    point, here = climbed.point, climbed.evaluation
+    solution = linear_solution(here.jacobian, w_errors(point.size, first_state))
     return RingFit(
-        tuple(stretches), k, point, solution @ solution.T, jacobian, here.residual, rigid_contact
+        k=k,
+        point=point,
+        covariance=solution @ solution.T,
+        residual=here.residual,
+        rigid=bool(point[2] <= rigid),
+        stretches=tuple(stretches),
+        jacobian=here.jacobian,
     )
 
 
@@ -285,22 +226,19 @@ def with_noise_of(fit: RingFit) -> RingFit:
 
 
 @dataclass(frozen=True, eq=False)
-class _Problem:
-    """Residuals (model − sample)/σ as functions of the unknowns that are free.
+class _SampleResiduals:
+    """Residuals (model − sample)/σ of all stretches as functions of the unknowns.
 
-    point : all unknowns.   free : which of them are.   scale : of all.
+    free : numbers of the unknowns by which derivatives are needed.   scale : of all unknowns.
     """
 
     stretches: tuple[Stretch, ...]
     k: float
-    point: Array
     free: Integers
     scale: Array
 
-    def evaluate(self, free: Array) -> Evaluation | None:
-        """Half of χ² with its derivatives; None where the contact rattles."""
-        point = self.point.copy()
-        point[self.free] = free
+    def evaluate(self, point: Array) -> Evaluation | None:
+        """Residuals and derivatives; None where the contact rattles."""
         wanted = set(self.free.tolist())
         sizes = [one.samples for one in self.stretches]
         residual, jacobian = np.empty(sum(sizes)), np.zeros((sum(sizes), point.size))
@@ -310,13 +248,14 @@ class _Problem:
         for i, one in enumerate(self.stretches):
             here = slice(at, at + sizes[i])
             own = slice(first + STATE * i, first + STATE * (i + 1))
-            error = np.repeat([s.noise for s in one.signals], [s.t.size for s in one.signals])
-            offset = np.empty(sizes[i])
-            place = 0
+            lengths = [s.t.size for s in one.signals]
+            error = np.repeat([s.noise for s in one.signals], lengths)
+            offset = np.repeat(point[[len(COMMON) + j for j in one.offsets]], lengths)
+            place = at
             for signal, number in zip(one.signals, one.offsets, strict=True):
                 part = slice(place, place + signal.t.size)
-                offset[part] = point[len(COMMON) + number]
-                jacobian[at + place : at + part.stop, len(COMMON) + number] = 1.0 / signal.noise
+                if len(COMMON) + number in wanted:
+                    jacobian[part, len(COMMON) + number] = 1.0 / signal.noise
                 place = part.stop
             values = np.concatenate([s.values for s in one.signals])
             try:
@@ -333,7 +272,7 @@ class _Problem:
             at += sizes[i]
         if not (np.isfinite(residual).all() and np.isfinite(jacobian).all()):
             return None
-        return Evaluation.of_residuals(residual, jacobian[:, self.free])
+        return Evaluation(residual, jacobian)
 
     def _steps(self, point: Array) -> Array:
         """Of the differences: a part of each unknown, or of what matters where it is close to zero."""

@@ -29,50 +29,43 @@ from ..law.steady import Response
 from ..law.terms import FRICTION
 from ..solver import NORMAL_95
 from .lines import Lines, improbable
+from .oscillator_fit import OscillatorFit
 from .unknowns import Unknowns
 
 _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
 
 
 @dataclass(frozen=True, eq=False)
-class WaveformFit:
+class WaveformFit(OscillatorFit):
     """The oscillator whose waveforms fit the harmonics of n records best.
 
-    lines : of the records.   unknowns : names and places of its p unknowns.   point : their values, SI, (p,).
-    covariance : of the point, (p, p); zero where an unknown was given.
-    response : of the point to the data in units of their errors, (p, data): dp = response · d(data)/σ; the data of a
-    record are |Y|, its phase, Re x_n, Im x_n.   places : where the data of each record are.
-    residual : (model − data)/σ, (data,).   chi_square : its square.   freedom : its degrees of freedom.
-    rigid : whether ρ is at zero.   undamped : keys of the coefficients that are at zero.
-    evaluations : that the search for it took.
+    lines : harmonics of the records.
+    unknowns : names and places of the p unknowns.
+    response : derivatives of the point by the data in units of their errors, (p, data): dp = response · d(data)/σ; the
+    data of a record are |Y|, its phase, Re x_n, Im x_n.
+    places : places of each record's data.
+    freedom : degrees of freedom.
+    undamped : keys of the coefficients that are at zero.
+    evaluations : evaluations that the search took.
     """
 
     lines: tuple[Lines, ...]
     unknowns: Unknowns
-    point: Array
-    covariance: Array
     response: Array
     places: tuple[slice, ...]
-    residual: Array
-    chi_square: float
     freedom: int
-    rigid: bool
     undamped: tuple[str, ...]
     evaluations: int = 0
 
     @property
     def law(self) -> Law:
-        """Whose coefficients were fitted."""
+        """The damping law whose coefficients are fitted."""
         return self.unknowns.law
 
     @property
-    def k(self) -> float:
-        """Stiffness, N/m."""
-        return self.unknowns.k
-
-    def value(self, name: str) -> float:
-        """A common unknown, in its unit: a coefficient by its key, rho, m or delay."""
-        return float(self.point[self.unknowns.names.index(name)])
+    def names(self) -> tuple[str, ...]:
+        """Keys of the law's coefficients, then rho, m and delay."""
+        return self.unknowns.names
 
     @property
     def F_k(self) -> float:
@@ -80,51 +73,14 @@ class WaveformFit:
         return float(self.unknowns.friction(self.point))
 
     @property
-    def c(self) -> float:
-        """Viscous damping, N s/m; 0 where the law has none."""
-        return self.value("c") if "c" in self.unknowns.names else 0.0
-
-    @property
-    def rho(self) -> float:
-        """K_z^{−1/2}, (m/N)^{1/2}; 0 for a rigid contact."""
-        return 0.0 if self.rigid else self.value("rho")
-
-    @property
-    def K_z(self) -> float:
-        """Contact stiffness, N/m; infinite for a rigid contact."""
-        return math.inf if self.rigid else self.rho**-2
-
-    @property
-    def m(self) -> float:
-        """Mass, kg."""
-        return self.value("m")
-
-    @property
     def delay(self) -> float:
         """Time by which the response lags the base in the records beside what the motion makes it, s."""
         return self.value("delay")
-
-    def error(self, name: str) -> float:
-        """Standard error of a common unknown, in its unit; 0 where it was given."""
-        at = self.unknowns.names.index(name)
-        return math.sqrt(self.covariance[at, at])
 
     @property
     def K_z_error(self) -> float:
         """Standard error of K_z, N/m; infinite where the contact is rigid."""
         return math.inf if self.rigid else 2.0 * self.K_z**1.5 * self.error("rho")
-
-    @property
-    def K_z_interval(self) -> tuple[float, float]:
-        """95 % interval of K_z, N/m, from ρ ± 1.96 standard errors; unbounded above where ρ = 0 is within."""
-        spread = NORMAL_95 * self.error("rho")
-        low, high = self.rho - spread, self.rho + spread
-        return high**-2, (low**-2 if low > 0.0 else math.inf)
-
-    @property
-    def natural_frequency_hz(self) -> float:
-        """√(k/m)/2π, Hz: of the oscillator while its contact slips."""
-        return math.sqrt(self.k / self.m) / (2.0 * math.pi)
 
     @property
     def misfit(self) -> float:
