@@ -103,7 +103,7 @@ class Unknowns:
         response: Response,
         count: int,
         *,
-        quickly: bool = False,
+        quickly: bool,
     ) -> tuple[Complexes, Complexes]:
         """Harmonics n = 1, 3 … of a record, turned by ψ, m, (count,), and their derivatives, (count, unknowns).
 

@@ -168,5 +168,7 @@ def _waveform(fit: WaveformFit, i: int) -> Waveform:
     """What features take from the motion of record i."""
     one, response = fit.lines[i], fit.responses[i]
     onset, slope = fit.unknowns.onset(fit.point, i, one, response)
-    tail, tail_slope = fit.unknowns.harmonics(fit.point, i, one, response, _HARMONICS)
+    tail, tail_slope = fit.unknowns.harmonics(
+        fit.point, i, one, response, _HARMONICS, quickly=False
+    )
     return Waveform(fit, i, response, onset, slope, tail, tail_slope)

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, Oscillator, steady_orbit
+from dampbalance.law.law import Law
+from dampbalance.law.steady import steady_response
 from dampbalance.likelihood.information import cramer_rao
 from dampbalance.motion.regime import Regime
 from dampbalance.reading import fitting
 from dampbalance.reading.climb import climb
-from dampbalance.reading.fitting import fit_oscillator, with_delay, with_mass
+from dampbalance.reading.fitting import fit_oscillator, fit_quickly, with_delay, with_mass
 from dampbalance.reading.lines import Lines
 from dampbalance.reading.waveforms import WaveformFit
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
@@ -107,6 +109,28 @@ def test_slopes_are_those_of_orbits_beside():
                 # curvature, a few to some tens
                 scale = np.abs(above).max() / abs(fit.point[j] or 1.0)
                 assert np.abs(slope - expected).max() < 3e-4 * max(np.abs(expected).max(), scale)
+
+
+def test_slopes_of_a_nonlinear_law_are_those_of_differences():
+    """The equations of the law, which the search uses, know ∂x/∂ρ of a stiff contact to 6e-4 only."""
+    osc, motions = replace(PAPER, c=20.0), motions_at(NEAR, (0.004, 0.012))
+    law = Law(("F_k", "c", "c_2"), given={"c": 20.0})
+    n, lines = np.arange(1, 24, 2), []
+    for motion in motions:
+        x = steady_response(osc, motion, {"c_2": 400.0}).harmonics(n.size)
+        lines.append(Lines(motion.omega, motion.Y, EXACT, n, x, np.full(n.size, EXACT), 50))
+    fit = fit_quickly(lines, osc.k, law, [])
+    rho, h = fit.names.index("rho"), 1e-4
+
+    def harmonics(by):
+        point = fit.point.copy()
+        point[rho] *= 1.0 + by
+        return fit.unknowns.response(point, 0, motions[0].omega).harmonics(n.size)
+
+    assert fit.adequate
+    expected = (harmonics(h) - harmonics(-h)) / (2.0 * h * fit.rho)
+    slope = fit.waveforms[0].tail_slope[: n.size, rho]
+    assert slope == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
 
 
 def test_what_moves_a_datum_moves_the_answer_as_the_response_says():
