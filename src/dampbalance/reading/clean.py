@@ -1,7 +1,8 @@
-"""Features read off a clean sampled record, as one reads them off the plots of acceleration against x, v and t.
+"""Features of a clean sampled record, read as from the plots of acceleration against x, v and t.
 
-The acceleration tells the phases apart: at the onset of slip its slope breaks (the corner of Figure 3), for from one
-instant to the next the contact spring no longer follows the mass. At a reversal it does not break: v = 0 there.
+Use this reader for simulated records without noise. The acceleration separates the phases: at the onset of slip its
+slope breaks (the corner of Figure 3) because the contact spring stops following the mass from one instant to the next.
+At a reversal, where v = 0, it does not break.
 
 Two ways to read an event:
 
@@ -9,8 +10,8 @@ Two ways to read an event:
     "interpolated"  between samples: the phase that ends at the event is continued, by the cubic through its last four
                     accelerations, up to v = 0, or up to where the next phase, continued backwards, meets it
 
-The interpolated reading of an exact record converges to the exact features: see `tests/unit/test_features.py`. A
-noisy acceleration has no second difference to speak of: a reader for noisy records belongs beside this one.
+The interpolated reading of an exact record converges to the exact features: see `tests/unit/test_features.py`. The
+second difference of a noisy acceleration is useless: `noisy.py` reads noisy records.
 """
 
 from __future__ import annotations
@@ -30,10 +31,10 @@ from ..record import Record
 from .quadrature import integral
 
 ReadAt = Literal["interpolated", "sample"]
-"""Where an event is read."""
+"""How an event is located: between samples, or at the first sample after it."""
 
 PROMINENCE = 10.0
-"""How far the break of slope must stand out: largest second difference of the acceleration over its median.
+"""Ratio of the largest second difference of the acceleration to its median that counts as a break of slope.
 
 A harmonic reaches √2, white noise about 6; the corner that ends a stick phase of N samples about N times the bend
 within it, which in turn exceeds the median.
@@ -58,7 +59,7 @@ def of_record(
     The cycle read is the first whole one that begins with a forward reversal (v from − to +, at x = −X).
 
         X          half the distance from the reversal t_1 to the next, t_2
-        X_s, V_s   x, v at the break of slope between t_1 and t_2; t_s from t_1 on.   X_r, V_r, t_r: the same, from t_2
+        X_s, V_s   x, v at the break of slope between t_1 and t_2; t_s from t_1 on.   X_r, V_r, t_r: likewise, from t_2
         φ          of the reversal t_1, of the upward zero of x, of the fundamental; each against the fundamental of y
         X_1, X_3, X_5, φ_1   lock-in (2/T) ∫ x e^{−inωt} dt over all whole cycles from t_1 on
         a, b, W    by Simpson's rule: 2∫|ẋ| from t_s to t_2 (7a); ∫ẋ² (7b) and ∫k y ẋ (5) over the cycle

@@ -67,8 +67,8 @@ def fit_oscillator(
 def fit_quickly(
     lines: Sequence[Lines], k: float, law: Law, near: Sequence[WaveformFit]
 ) -> WaveformFit | None:
-    """As `fit_oscillator`, from two candidates of `lines.starts` and from fits with other laws, and not refined where
-    it does not come near the records."""
+    """Like `fit_oscillator`, but from two candidates of `lines.starts` and from fits with other laws only; not refined
+    where it ends far from the records. Use it to compare many laws."""
     unknowns, shares = Unknowns(law, len(lines), k), shares_of(lines, law, k)
     candidates = starts(lines, k, shares)
     known = [*candidates[:1], *(_as_candidate(fit) for fit in near), *candidates[1:2]]
@@ -104,28 +104,28 @@ def _nearest(ends: Sequence[WaveformFit]) -> WaveformFit | None:
 
 def _as_candidate(fit: WaveformFit) -> Array:
     """(F_k, c, K_z, m) of an oscillator that loses about as much."""
-    worths = {
+    equivalents = {
         key: equivalent_coefficient(parted(key)[0], fit.lines[0], fit.k) for key in fit.law.keys
     }
     damping = math.fsum(
-        fit.value(key) / worths[key] for key in fit.law.keys if parted(key)[0] != FRICTION
+        fit.value(key) / equivalents[key] for key in fit.law.keys if parted(key)[0] != FRICTION
     )
     rho = max(fit.rho, (_STIFFEST * fit.k) ** -0.5)
     return np.array([fit.F_k, damping, rho**-2, fit.m])
 
 
 def shares_of(lines: Sequence[Lines], law: Law, k: float) -> Shares:
-    """Of friction, that of the group of each record over the mean of all, were all work taken by friction; of a damper,
-    what the terms that are not given take in each record, over the median."""
+    """Shares of F_k and c in each record: the friction of its group over the mean of all groups, if all work went into
+    friction; the work of the terms that are not given, over the median of the records."""
     labels = law.groups.get(FRICTION, ("",) * len(lines))
     alone = np.array([max(-one.Y * one.x[0].imag / abs(one.x[0]), 1e-9 * one.Y) for one in lines])
     means = {label: alone[[other == label for other in labels]].mean() for label in labels}
     force = np.array([means[label] for label in labels])
     free = [s for s in law.terms if s != FRICTION and s not in law.given]
-    worths = np.array([[equivalent_coefficient(s, one, k) for one in lines] for s in free])
+    equivalents = np.array([[equivalent_coefficient(s, one, k) for one in lines] for s in free])
     damping = np.ones(len(lines))
     if free:
-        damping = np.mean(np.median(worths, axis=1, keepdims=True) / worths, axis=0)
+        damping = np.mean(np.median(equivalents, axis=1, keepdims=True) / equivalents, axis=0)
     return Shares(force / np.mean(list(means.values())), damping)
 
 

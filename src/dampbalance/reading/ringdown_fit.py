@@ -1,13 +1,13 @@
-"""One oscillator for all free decays: the exact motions that fit their samples best.
+"""Maximum-likelihood fit of one oscillator to all free decays: the exact motions that fit their samples best.
 
 From the start of a stretch on, the base being at rest, the mass follows
 
     m ẍ + c ẋ + k x + K_z z = 0,   ż = ẋ within |z| ≤ F_k/K_z
 
-with x counted from where the spring is slack. F_k, c, ρ = K_z^{−1/2} and m are common to all stretches; each channel of
-a record has an offset of its own, which for a displacement holds the rest position of the spring; each stretch has its
-start state (x, ẋ, w), z = (w − 1) F_k/K_z with 0 ≤ w ≤ 2. The noise is white, and the maximum of the likelihood is the
-least sum of squares over all samples. The stiffness k is given.
+with x counted from the rest position of the spring. F_k, c, ρ = K_z^{−1/2} and m are common to all stretches. Each
+channel of a record has a separate offset, which for a displacement holds the rest position of the spring; each stretch
+has its start state (x, ẋ, w), z = (w − 1) F_k/K_z with 0 ≤ w ≤ 2. The noise is white, and the maximum of the likelihood
+is the least sum of squares over all samples. The stiffness k is given.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class RingFit(OscillatorFit):
         return phases_of(self.point, self.state(i), self.k, until)
 
     def residuals(self) -> list[list[Array]]:
-        """Of each stretch, of each of its channels."""
+        """The residuals of each stretch, channel by channel."""
         parts, at = [], 0
         for one in self.stretches:
             row = []
@@ -88,12 +88,12 @@ class RingFit(OscillatorFit):
 
     @cached_property
     def misfit(self) -> float:
-        """Mean square of the residual averaged over parts of a cycle, beside what noise leaves: 1 for white noise."""
+        """Mean square of the residual averaged over parts of a cycle, relative to white noise, which gives 1."""
         return self._likeness()[0]
 
     @property
     def chance(self) -> float:
-        """Probability in white noise of a residual so much like a motion."""
+        """Probability that white noise leaves a residual as similar to a motion."""
         from scipy import special  # slow to import
 
         ratio, bins, rest = self._likeness()
@@ -101,8 +101,8 @@ class RingFit(OscillatorFit):
 
     @property
     def doubtful(self) -> bool:
-        """Whether the climb may have ended beside the best fit: neighbouring residuals are alike, or their averages too
-        large. Coloured noise does the same."""
+        """Whether the climb may have missed the best fit: neighbouring residuals are correlated, or their averages too
+        large. Coloured noise has the same effect."""
         products = squares = 0.0
         for row in self.residuals():
             for residual in row:
@@ -113,11 +113,11 @@ class RingFit(OscillatorFit):
 
     @property
     def adequate(self) -> bool:
-        """Whether the residual is white: the records may be those of such an oscillator."""
+        """Whether the residual is white, so that such an oscillator may have made the records."""
         return self.chance >= _CHANCE
 
     def _likeness(self) -> tuple[float, int, int]:
-        """F of the averages against what is left about them, and its two numbers of degrees of freedom."""
+        """F ratio of the averages to the scatter about them, and its two numbers of degrees of freedom."""
         between = within = 0.0
         bins = count = 0
         for one, row in zip(self.stretches, self.residuals(), strict=True):
@@ -143,7 +143,7 @@ def fit_stretches(
     gain: float = _GAIN,
     most: int = _MOST,
 ) -> RingFit | None:
-    """The fit that a climb from a start point ends in; None where no such oscillator moves there.
+    """The fit in which a climb from a start point ends; None where the model has no motion there.
 
     given : numbers of the unknowns that keep their values.
     """
@@ -183,16 +183,15 @@ def fit_stretches(
 
 
 def w_errors(size: int, first_state: int) -> Array:
-    """Standard errors that unknowns have before any sample tells more, (p,): w lies between 0 and 2, of the others
-    nothing is known."""
+    """Prior standard errors of the unknowns, (p,): w lies between 0 and 2; the others have no prior."""
     errors = np.full(size, math.inf)
     errors[first_state + 2 :: STATE] = _W_ERROR
     return errors
 
 
 def linear_solution(design: Array, errors: Array) -> Array:
-    """The pseudo-inverse, (p, samples + p), of a design (samples, p) and what is known before, (p,); zero for what
-    nothing depends on.
+    """The pseudo-inverse, (p, samples + p), of a design (samples, p) with prior standard errors, (p,); zero for an
+    unknown on which nothing depends.
 
     Its product with (residuals, 0) is the least-squares solution, that with its own transpose the covariance.
     """
@@ -205,7 +204,7 @@ def linear_solution(design: Array, errors: Array) -> Array:
 
 
 def with_noise_of(fit: RingFit) -> RingFit:
-    """The fit with the noise of each channel as its residual has it."""
+    """The fit repeated with the noise of each channel estimated from its residual."""
     sums: dict[int, list[float]] = {}
     for one, row in zip(fit.stretches, fit.residuals(), strict=True):
         for signal, offset, residual in zip(one.signals, one.offsets, row, strict=True):
@@ -221,8 +220,7 @@ def with_noise_of(fit: RingFit) -> RingFit:
             floor = 3e-6 * float(np.ptp(signal.values))  # rounding
             signals.append(replace(signal, noise=max(noise[offset], floor)))
         stretches.append(replace(one, signals=tuple(signals)))
-    again = fit_stretches(stretches, fit.k, fit.point)
-    return fit if again is None else again
+    return fit_stretches(stretches, fit.k, fit.point) or fit
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,8 +262,8 @@ class _SampleResiduals:
                     if j in wanted:
                         moved = point.copy()
                         moved[j] += steps[j]
-                        beside = samples_of(moved, moved[own], self.k, one)
-                        jacobian[here, j] = (beside - model) / (steps[j] * error)
+                        there = samples_of(moved, moved[own], self.k, one)
+                        jacobian[here, j] = (there - model) / (steps[j] * error)
             except (ValueError, ArithmeticError):
                 return None
             residual[here] = (model + offset - values) / error
@@ -275,7 +273,7 @@ class _SampleResiduals:
         return Evaluation(residual, jacobian)
 
     def _steps(self, point: Array) -> Array:
-        """Of the differences: a part of each unknown, or of what matters where it is close to zero."""
+        """Steps of the differences: a part of each unknown, or of the size that matters where it is close to zero."""
         F_k, c, _, m = point[: len(COMMON)].tolist()
         steps = STEP * np.maximum(np.abs(point), self.scale)
         damping = max(c, 2e-2 * math.sqrt(self.k * m))

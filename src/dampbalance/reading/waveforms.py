@@ -1,9 +1,9 @@
-"""One oscillator for all records: the exact steady waveforms that fit their harmonics best.
+"""Maximum-likelihood fit of one oscillator to all records: the exact waveforms that fit their harmonics best.
 
-The waveform of a record is the steady response of the oscillator (m, k, K_z, F_k) with a damping law, F_k and c unless
-told otherwise, under y = Y cos ωt. The stiffness k is given; the coefficients of the law, ρ = K_z^{−1/2} and, unless
+The waveform of a record is the steady response of the oscillator (m, k, K_z, F_k) with a damping law, F_k and c by
+default, under y = Y cos ωt. The stiffness k is given; the coefficients of the law, ρ = K_z^{−1/2} and, unless
 it is given, the mass m are common to all records, Y and the phase ψ of the base are each record's own. Where the noise
-is white, harmonics taken by least squares over whole cycles hold all that a record tells of a steady motion, so that
+is white, harmonics taken by least squares over whole cycles hold all the information on a steady motion, so that
 
     χ² = Σ |x_n(model) e^{inψ} − x_n|²/σ_n² + (Y(model) − Y)²/σ_Y² + (Yψ)²/σ_Y²
 
@@ -11,7 +11,7 @@ is that of the fit to all samples, whatever drives, whatever answers and however
 estimate of largest likelihood; χ² itself says whether the records are those of such an oscillator. Any regime has its
 exact waveform: one slip onset per half cycle, several, none. In ρ the rigid contact, ρ = 0, is a regular point.
 
-The harmonics tell the phase of the base, too: a time by which the response lags the base in the record (a skew between
+The harmonics fix the phase of the base, too: a time by which the response lags the base in the record (a skew between
 two channels) turns harmonic n by n times its angle, and can be left free.
 """
 
@@ -27,7 +27,6 @@ from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
 from ..law.steady import Response
 from ..law.terms import FRICTION
-from ..solver import NORMAL_95
 from .lines import Lines, improbable
 from .oscillator_fit import OscillatorFit
 from .unknowns import Unknowns
@@ -74,7 +73,7 @@ class WaveformFit(OscillatorFit):
 
     @property
     def delay(self) -> float:
-        """Time by which the response lags the base in the records beside what the motion makes it, s."""
+        """Time by which the response lags the base in the records in excess of the motion's phase, s."""
         return self.value("delay")
 
     @property
@@ -89,7 +88,7 @@ class WaveformFit(OscillatorFit):
 
     @property
     def adequate(self) -> bool:
-        """Whether the records may be those of such an oscillator, as far as their noise tells."""
+        """Whether such an oscillator explains the records within their noise."""
         return not improbable(self.chi_square, self.freedom, self.lines)
 
     @property
@@ -112,13 +111,13 @@ class WaveformFit(OscillatorFit):
 
     @cached_property
     def waveforms(self) -> tuple[Waveform, ...]:
-        """What is read off the motion of each record."""
+        """Waveform of each record, from which its features are read."""
         return tuple(_waveform(self, i) for i in range(len(self.lines)))
 
 
 @dataclass(frozen=True, eq=False)
 class Waveform:
-    """What features take from the motion of one record, with derivatives by the unknowns of the fit.
+    """The waveform of one record as features use it, with derivatives by the unknowns of the fit.
 
     fit : that it belongs to.   index : of the record.   response : its motion.
     onset : (V_s, t_s, λ), SI, λ = 4X − a the travel that sticking takes from 4X: 2L for one slip onset per half cycle.
@@ -145,12 +144,6 @@ class Waveform:
         return 2.0 * self.F_k * (self.fit.rho**2 - self.fit.error("rho") ** 2)
 
     @property
-    def length_error(self) -> float:
-        """Standard error of L, m."""
-        slope = self.length_slope
-        return math.sqrt(float(slope @ self.fit.covariance @ slope))
-
-    @property
     def length_slope(self) -> Array:
         """Derivatives of L by the unknowns, (p,)."""
         slope, at = np.zeros(self.fit.point.size), self.fit.unknowns.at(self.index)
@@ -158,14 +151,9 @@ class Waveform:
         slope[at["rho"]] = 4.0 * self.F_k * self.fit.rho
         return slope
 
-    @property
-    def length_bound(self) -> float:
-        """L is below it with 97.5 % confidence, m."""
-        return 2.0 * self.F_k * (self.fit.rho + NORMAL_95 * self.fit.error("rho")) ** 2
-
 
 def _waveform(fit: WaveformFit, i: int) -> Waveform:
-    """What features take from the motion of record i."""
+    """The waveform of record i."""
     one, response = fit.lines[i], fit.responses[i]
     onset, slope = fit.unknowns.onset(fit.point, i, one, response)
     tail, tail_slope = fit.unknowns.harmonics(

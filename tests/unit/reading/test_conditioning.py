@@ -156,7 +156,7 @@ def test_the_error_that_resampling_is_said_to_make_is_the_one_it_makes():
     made = {"base_displacement": MOTION.Y * np.cos(MOTION.omega * t), "displacement": x}
     record = Measurement.of("jittered", [Channel(q, t, values) for q, values in made.items()])
     (words,) = (w for w in condition(record, PAPER.k).warnings if w.startswith("displacement"))
-    said = float(re.search(r"error about (\S+) m beside", words)[1])
+    said = float(re.search(r"error about (\S+) m in addition", words)[1])
     grid = np.arange(t[1], t[-2], np.median(np.diff(t)))
     off = CubicSpline(t, x)(grid) - 0.01 * np.cos(MOTION.omega * grid - 1.0)
     # the error of a spline of half as many samples over 2⁴: an estimate, of steps that differ
