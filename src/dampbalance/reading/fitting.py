@@ -178,8 +178,8 @@ def _climbed(
     # the errors as they are, and derivatives that hold to 1e-6
     if residuals.softening or law.nonlinear:
         here = replace(residuals, softening=0.0, quickly=False).evaluate(point)
-        if here is None:
-            return None
+    if here is None:
+        return None
     solution = np.linalg.pinv(here.jacobian[:, free])
     size = point.size
     covariance, response = np.zeros((size, size)), np.zeros((size, here.residual.size))
