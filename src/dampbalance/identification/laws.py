@@ -29,7 +29,7 @@ from ..reading.fitting import fit_quickly, with_mass
 from ..reading.lines import probability
 from ..reading.noisy import Means, Reading
 from ..reading.one_thread import one_thread
-from ..reading.waveforms import Fit
+from ..reading.waveforms import WaveformFit
 from ..solver import solve
 from .evidence import ALPHA, MOST_TERMS, Comparison, Evidence, Probability
 from .identify import RowsOf
@@ -72,7 +72,7 @@ def compare_laws(
     random = np.random.default_rng(seed)
     means = [reading.resampled(replicates, random) for reading in readings]
     lines = [reading.lines for reading in readings]
-    found: list[tuple[Evidence, Fit | None]] = []
+    found: list[tuple[Evidence, WaveformFit | None]] = []
     count = sum(math.comb(len(terms), size) for size in range(MOST_TERMS + 1))
     for size in range(MOST_TERMS + 1):
         enough = [set(e.terms) for e, _ in found if e.p > ALPHA / count]
@@ -103,7 +103,7 @@ def compare_laws(
 
 
 def _tested(
-    law: Law, readings: Sequence[Reading], means: Sequence[Means], fit: Fit | None
+    law: Law, readings: Sequence[Reading], means: Sequence[Means], fit: WaveformFit | None
 ) -> Evidence:
     """The evidence for one law.   fit : the oscillator that has it."""
     if fit is None:

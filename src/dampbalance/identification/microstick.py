@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import Array
 from ..features import Features, stack
 from ..reading.noisy import RESOLVED, Means, Reading
-from ..reading.waveforms import Fit
+from ..reading.waveforms import WaveformFit
 from ..solver import NORMAL_95
 from .result import Microstick
 
@@ -126,7 +126,7 @@ def _sample(readings: Sequence[Reading], features: Features, moved: Array) -> Sa
     return Sample(features, fit.F_k + fit.unknowns.friction(moved), rho)
 
 
-def _fit(readings: Sequence[Reading]) -> Fit | None:
+def _fit(readings: Sequence[Reading]) -> WaveformFit | None:
     """The fit that the readings were joined by."""
     waveform = readings[0].waveform
     return None if waveform is None else waveform.fit

@@ -11,7 +11,7 @@ from ..law.terms import FRICTION
 from ..reading.fitting import fit_oscillator, with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
 from ..reading.noisy import Reading
-from ..reading.waveforms import Fit
+from ..reading.waveforms import WaveformFit
 
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 
@@ -26,9 +26,9 @@ class Whole:
     mass : kg, as given, or None.   mass_fits : whether the records agree with it; if not, the fit has its own.
     """
 
-    fit: Fit | None
+    fit: WaveformFit | None
     linear: bool
-    delayed: Fit | None
+    delayed: WaveformFit | None
     late: bool = False
     mass: float | None = None
     mass_fits: bool = True

@@ -1,7 +1,7 @@
-"""What can be wrong with a record, each caught by a test that a good record passes.
+"""Checks for the faults that a record may have; a good record passes all of them.
 
-A check that makes the record useless raises ValueError; one that only lowers its worth returns a sentence, with the
-numbers. Differences count when they stand out of the scatter between cycles and are large enough to matter.
+A fault that makes the record useless raises ValueError; one that only lowers its accuracy returns a warning with the
+numbers. A difference counts when it is significant against the scatter between cycles and large enough to matter.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from ..arrays import Array, Complexes
 from .cycles import CycleHarmonics
 
 FEW_CYCLES = 10
-"""Cycles below which intervals from the scatter between cycles are no longer worth their name."""
+"""Number of cycles below which the scatter between cycles gives no trustworthy interval."""
 
 SIGNIFICANT = 5.0
 """Standard errors by which a difference must stand out: by chance once in two million."""
@@ -92,11 +92,12 @@ def few_cycles(cycles: int) -> Iterator[str]:
 def frequency(omega: float, error: float, cycles: int, frequency_hz: float | None) -> Iterator[str]:
     """Compare the frequency of the excitation with the one given; ValueError when it is another, by over 5 %.
 
-    A warning tells of all that the record resolves, from 20 ppm on: as far apart are the quartz clocks of two sound
-    devices. An error e of the recorder's clock moves times and frequencies by e, and c with them. A frequency given
-    with few digits may be rounded: no record can tell that from a clock that is off, so the sentence says both.
+    Every difference that the record resolves is reported, from 20 ppm on: the quartz clocks of two sound devices differ
+    by as much. A relative error e of the recorder's clock changes times and frequencies by e, and c with them. A
+    frequency given with few digits may be rounded; no record can distinguish that from a clock error, so the warning
+    names both.
 
-    omega, error : found, with the standard error of a line through the phases of so many cycles, rad/s.
+    omega, error : the measured frequency and the standard error of a line through the phases of so many cycles, rad/s.
     """
     if frequency_hz is None:
         return

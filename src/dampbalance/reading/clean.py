@@ -1,7 +1,8 @@
-"""Features read off a clean sampled record, as one reads them off the plots of acceleration against x, v and t.
+"""Features of a clean sampled record, read as from the plots of acceleration against x, v and t.
 
-The acceleration tells the phases apart: at the onset of slip its slope breaks (the corner of Figure 3), for from one
-instant to the next the contact spring no longer follows the mass. At a reversal it does not break: v = 0 there.
+Use this reader for simulated records without noise. The acceleration separates the phases: at the onset of slip its
+slope breaks (the corner of Figure 3) because the contact spring stops following the mass from one instant to the next.
+At a reversal, where v = 0, it does not break.
 
 Two ways to read an event:
 
@@ -9,8 +10,8 @@ Two ways to read an event:
     "interpolated"  between samples: the phase that ends at the event is continued, by the cubic through its last four
                     accelerations, up to v = 0, or up to where the next phase, continued backwards, meets it
 
-The interpolated reading of an exact record converges to the exact features: see `tests/unit/test_features.py`. A
-noisy acceleration has no second difference to speak of: a reader for noisy records belongs beside this one.
+The interpolated reading of an exact record converges to the exact features: see `tests/unit/test_features.py`. The
+second difference of a noisy acceleration is useless: `noisy.py` reads noisy records.
 """
 
 from __future__ import annotations
@@ -30,10 +31,10 @@ from ..record import Record
 from .quadrature import integral
 
 ReadAt = Literal["interpolated", "sample"]
-"""Where an event is read."""
+"""How an event is located: between samples, or at the first sample after it."""
 
 PROMINENCE = 10.0
-"""How far the break of slope must stand out: largest second difference of the acceleration over its median.
+"""Ratio of the largest second difference of the acceleration to its median that counts as a break of slope.
 
 A harmonic reaches √2, white noise about 6; the corner that ends a stick phase of N samples about N times the bend
 within it, which in turn exceeds the median.
@@ -58,7 +59,7 @@ def of_record(
     The cycle read is the first whole one that begins with a forward reversal (v from − to +, at x = −X).
 
         X          half the distance from the reversal t_1 to the next, t_2
-        X_s, V_s   x, v at the break of slope between t_1 and t_2; t_s from t_1 on.   X_r, V_r, t_r: the same, from t_2
+        X_s, V_s   x, v at the break of slope between t_1 and t_2; t_s from t_1 on.   X_r, V_r, t_r: likewise, from t_2
         φ          of the reversal t_1, of the upward zero of x, of the fundamental; each against the fundamental of y
         X_1, X_3, X_5, φ_1   lock-in (2/T) ∫ x e^{−inωt} dt over all whole cycles from t_1 on
         a, b, W    by Simpson's rule: 2∫|ẋ| from t_s to t_2 (7a); ∫ẋ² (7b) and ∫k y ẋ (5) over the cycle
@@ -131,7 +132,7 @@ class _Signals:
     between_samples: bool
 
 
-class _Event(NamedTuple):
+class _Instant(NamedTuple):
     """An event: its place in the record, counted in samples (whole or not), and x, v there."""
 
     place: float
@@ -205,16 +206,16 @@ def _other_reversal(s: _Signals, n_1: int) -> int:
     return n_1 + 1 + int(changes[0])
 
 
-def _reversal(s: _Signals, n: int) -> _Event:
+def _reversal(s: _Signals, n: int) -> _Instant:
     """The velocity reversal between samples n and n + 1."""
     if not s.between_samples:
-        return _Event(n + 1.0, float(s.x[n + 1]), float(s.v[n + 1]))
+        return _Instant(n + 1.0, float(s.x[n + 1]), float(s.v[n + 1]))
     x, v = _continued(s, n - _SIDE + 1, n)
     tau = _root(v, near=s.v[n] / (s.v[n] - s.v[n + 1]))
-    return _Event(n + tau, float(x(tau)), 0.0)
+    return _Instant(n + tau, float(x(tau)), 0.0)
 
 
-def _onset(s: _Signals, n_reversal: int, n_next: int) -> _Event:
+def _onset(s: _Signals, n_reversal: int, n_next: int) -> _Instant:
     """The slip onset between two reversals: where the slope of the acceleration breaks."""
     first = n_reversal + 1
     bend = np.abs(np.diff(s.acceleration[first : n_next + 1], 2))
@@ -224,7 +225,7 @@ def _onset(s: _Signals, n_reversal: int, n_next: int) -> _Event:
     if corner - first < _FEWEST or n_next - corner < _SIDE:
         raise _NoOnset(f"no slip onset read: {corner - first} samples of stick phase are too few")
     if not s.between_samples:
-        return _Event(float(corner), float(s.x[corner]), float(s.v[corner]))
+        return _Instant(float(corner), float(s.x[corner]), float(s.v[corner]))
     # The corner sample may belong to either phase, and in a simulation overshoots: neither cubic uses it.
     n = corner - 1
     stick_first = max(first, n - _SIDE + 1)
@@ -232,7 +233,7 @@ def _onset(s: _Signals, n_reversal: int, n_next: int) -> _Event:
     slip = _through(s.acceleration, corner + 1, corner + _SIDE, origin=n)
     tau = _root(slip - stick, near=1.0)
     x, v = _continued(s, stick_first, n)
-    return _Event(n + tau, float(x(tau)), float(v(tau)))
+    return _Instant(n + tau, float(x(tau)), float(v(tau)))
 
 
 def _upward_zero(s: _Signals, n_1: int) -> float:

@@ -1,14 +1,14 @@
-"""Levenberg–Marquardt steps towards the maximum of a likelihood, with limits on the unknowns.
+"""Levenberg–Marquardt steps towards the least sum of squares of residuals, with limits on the unknowns.
 
-At a point p the caller gives −log L, its information I and its gradient g = −∂(−log L)/∂p. A step solves
+Use it where the noise is Gaussian: half the sum of squares of r = (model − data)/σ is then −log L up to a constant. At
+a point p with residuals r and derivatives J a step solves
 
-    (I + λ diag I) δ = g
+    (JᵀJ + λ diag JᵀJ) δ = −Jᵀr
 
-over the unknowns that the gradient does not hold at a limit. λ falls after a step that helps, and rises after
-one that does not. The climb ends when a full step (λ ≈ 0) would gain less than a given amount in −log L: 10⁻⁸ unless
-the caller says otherwise, that is, move less than 10⁻⁴ of a standard error; or no unknown by more than 10⁻¹¹ of itself.
-−log L may have kinks, as where the onset of slip passes a sample: a maximum at a kink, where no step helps, counts as
-one if a full step promises less than 0.005, that is, a tenth of a standard error.
+over the unknowns that the gradient does not hold at a limit. λ falls after a step that helps and rises after one that
+does not. The climb ends when a full step (λ ≈ 0) would gain less than a given amount in −log L, 10⁻⁸ by default (less
+than 10⁻⁴ of a standard error), or would move no unknown by more than 10⁻¹¹ of itself, and where no step helps: −log L
+has kinks, as where the onset of slip passes a sample.
 """
 
 from __future__ import annotations
@@ -16,142 +16,130 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, Self, TypeVar
+from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array, Mask
+from ..arrays import Array, Integers, Mask
 
 MOST = 100
-"""Evaluations of a climb, at the most."""
+"""Default limit on the evaluations of a climb."""
 
 _GAIN = 1e-8
 _RELATIVE = 1e-11
-_KINK = 5e-3
 _STALLED = 1e-7  # of an unknown: rounding may refuse a step below this
+_STEEPEST = 1e10  # damping at which no step has helped
 # Unless zero is allowed, no positive unknown falls below this part of itself in one step.
 _SHRINK = 0.2
 
 
-class NoStart(ValueError):
-    """The model does not apply where the climb starts."""
-
-
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """−log L at a point, information (p, p) and gradient (p,).
+    """Residuals (n,) at a point and their derivatives (n, p)."""
 
-    residual, jacobian : where −log L is half the sum of squares of (n,) residuals, these and their derivatives (n, p):
-    a step from them keeps the digits that the information, JᵀJ, has lost.
-    """
+    residual: Array
+    jacobian: Array
 
-    value: float
-    information: Array
-    gradient: Array
-    residual: Array | None = None
-    jacobian: Array | None = None
+    @property
+    def value(self) -> float:
+        """Half the sum of squares, −log L."""
+        return 0.5 * float(self.residual @ self.residual)
 
-    @classmethod
-    def of_residuals(cls, residual: Array, jacobian: Array) -> Self:
-        """That of half the sum of squares of residuals."""
-        value, gradient = 0.5 * float(residual @ residual), -jacobian.T @ residual
-        return cls(value, jacobian.T @ jacobian, gradient, residual, jacobian)
+    @cached_property
+    def gradient(self) -> Array:
+        """Direction of steepest descent, −Jᵀr, (p,)."""
+        gradient: Array = -self.jacobian.T @ self.residual
+        return gradient
 
+    @cached_property
+    def lengths(self) -> Array:
+        """Lengths of the columns of J, (p,): square roots of the diagonal of the information JᵀJ."""
+        lengths: Array = np.sqrt(np.diag(self.jacobian.T @ self.jacobian))
+        return lengths
 
-E = TypeVar("E", bound=Evaluation)
+    def by(self, free: Integers) -> Evaluation:
+        """The evaluation with the derivatives by some of the unknowns only."""
+        return Evaluation(self.residual, self.jacobian[:, free])
 
 
 @dataclass(frozen=True, eq=False)
-class Climb(Generic[E]):
-    """Where a climb ended.
-
-    active : which unknowns are held at a limit.   step : the next one, not taken.
-    """
+class Climb:
+    """The point where a climb ended, (p,), the evaluation there, and the number of evaluations."""
 
     point: Array
-    evaluation: E
-    active: Mask
-    step: Array
+    evaluation: Evaluation
     iterations: int
 
 
-class NoConvergence(ArithmeticError):
-    """The likelihood has no maximum within reach of the start; `best` is the best point on the way."""
-
-    def __init__(self, message: str, best: Climb[Any]) -> None:
-        super().__init__(message)
-        self.best = best
-
-
 def climb(
-    evaluate: Callable[[Array], E | None],
+    evaluate: Callable[[Array], Evaluation | None],
     start: Array,
+    free: Integers,
     lower: Array,
     scale: Array,
     upper: Array | float = math.inf,
     *,
     gain: float = _GAIN,
     most: int = MOST,
-) -> Climb[E]:
-    """Maximise the likelihood from `start`.
+) -> Climb | None:
+    """Maximise the likelihood from `start`; None where the model does not apply there.
 
-    evaluate : None where the model does not apply.
-    lower : least value of each unknown, −∞ for one that may be negative, a phase or a logarithm.
-    scale : below it an unknown counts as zero, and steps are measured against it.   upper : greatest values.
-    gain : what a full step must promise in −log L for the climb to go on.   most : evaluations.
-
-    Raises NoStart; NoConvergence where no step helps or too many are needed.
+    evaluate : residuals and derivatives at a point, (p,); None where the model does not apply.
+    free : numbers of the unknowns that move; the others keep their values.
+    lower : least value of each unknown, (p,), −∞ for one that may be negative, a phase or a logarithm.
+    scale : size below which an unknown counts as zero, (p,); steps are measured against it.
+    upper : greatest values, (p,).
+    gain : what a full step must promise in −log L for the climb to go on.
+    most : evaluations after which the climb ends wherever it is.
     """
-    point = np.clip(start, lower, upper)
-    here = evaluate(point)
-    if here is None:
-        raise NoStart("the model does not apply where the climb starts")
+
+    def moved(values: Array) -> Array:
+        point = start.copy()
+        point[free] = values
+        return point
+
+    lower, scale = lower[free], scale[free]
+    upper = np.broadcast_to(upper, start.shape)[free]
+    point = np.clip(start[free], lower, upper)
+    whole = evaluate(moved(point))
+    if whole is None:
+        return None
+    here = whole.by(free)
     signed = np.isneginf(lower)
     damping = 1e-3
     for count in range(1, most + 1):
+        reached = Climb(moved(point), whole, count)
         active = (point <= lower) & (here.gradient <= 0.0)
         active |= (point >= upper) & (here.gradient >= 0.0)
         full = _step(here, active, 0.0)
-        step = _step(here, active, damping)
         size = float(np.max(np.abs(full) / np.maximum(np.abs(point), scale)))
-        reached = Climb(point, here, active, step, count)
         if full @ here.gradient < 2.0 * gain or size < _RELATIVE:
-            return reached
+            break
         least = np.where(signed | (lower == 0.0), lower, np.maximum(lower, _SHRINK * point))
-        trial = np.clip(point + step, least, upper)
-        there = evaluate(trial)
+        trial = np.clip(point + _step(here, active, damping), least, upper)
+        there = evaluate(moved(trial))
         if there is not None and there.value < here.value:
-            point, here = trial, there
+            point, whole, here = trial, there, there.by(free)
             damping = max(damping * 0.1, 1e-12)
         elif size < _STALLED:
-            return reached
+            break
         else:
             damping = max(10.0 * damping, 1e-6)
-        if damping > 1e10:
-            if full @ here.gradient < 2.0 * _KINK:
-                return reached
+        if damping > _STEEPEST:
             break
-    raise NoConvergence(
-        f"the fit did not converge ({count} iterations, the last step {size:.1g} of the unknowns): check m, k, ω and "
-        "the channels' units, or give a start closer to the answer",
-        reached,
-    )
+    return reached
 
 
 def _step(here: Evaluation, active: Mask, damping: float) -> Array:
-    """Solution of the damped equations in the unknowns that are not active, scaled to unit diagonal."""
+    """Solution of the damped equations in the unknowns that are not active, scaled to unit diagonal.
+
+    By the derivatives themselves: their product, the information, has lost half of the digits.
+    """
     free = np.flatnonzero(~active)
-    diagonal = np.sqrt(np.diag(here.information)[free])
-    diagonal[diagonal == 0.0] = 1.0
-    if here.residual is not None and here.jacobian is not None:
-        matrix = np.vstack(
-            [here.jacobian[:, free] / diagonal, math.sqrt(damping) * np.eye(free.size)]
-        )
-        right = np.concatenate([-here.residual, np.zeros(free.size)])
-    else:
-        matrix = here.information[np.ix_(free, free)] / np.outer(diagonal, diagonal)
-        matrix[np.diag_indices_from(matrix)] += damping
-        right = here.gradient[free] / diagonal
+    lengths = here.lengths[free]
+    lengths[lengths == 0.0] = 1.0
+    matrix = np.vstack([here.jacobian[:, free] / lengths, math.sqrt(damping) * np.eye(free.size)])
+    right = np.concatenate([-here.residual, np.zeros(free.size)])
     step = np.zeros(active.size)
-    step[free] = np.linalg.lstsq(matrix, right, rcond=1e-14)[0] / diagonal
+    step[free] = np.linalg.lstsq(matrix, right, rcond=1e-14)[0] / lengths
     return step

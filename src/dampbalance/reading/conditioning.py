@@ -1,4 +1,4 @@
-"""From a measurement to the harmonics of its steady state, with everything that is wrong with it in words.
+"""From a measurement to the harmonics of its steady state, with a warning for every fault of the record.
 
 Each channel is worked on in its own times: nothing is resampled, unless its samples are unevenly spaced. The drive
 frequency comes from the excitation; the harmonics from least squares, cycle by cycle (`cycles.py`); a slow drift of the
@@ -7,8 +7,8 @@ offset is removed with what it adds to the harmonics. Harmonics are then turned 
     y_n = −a_n/(nω)²   of a base acceleration,      y_n = f_n/k   of a force,
     x_n = v_n/(inω)    of a velocity,               x_n = −a_n/(nω)²   of an acceleration,
 
-after what is known of a channel's gain, delay and filters was taken off them (`records/correction.py`);
-and those of several response channels are averaged, weighted by the inverse of their variances, harmonic by harmonic.
+after the known gain, delay and filters of the channel have been removed (`records/correction.py`). The harmonics of
+several response channels are averaged, each weighted by its inverse variance.
 """
 
 from __future__ import annotations
@@ -40,7 +40,9 @@ _HARMONICS_OF_BASE = 9
 _LEADING = 1 << 18  # samples from which the drive frequency is first estimated
 _COMPARED = 1 << 12  # samples in which a copy of another channel shows
 _FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest is noise
-_RELATIVE_FLOOR = 1e-9  # of the fundamental: rounding, below which noise cannot be told from it
+_RELATIVE_FLOOR = (
+    1e-9  # of the fundamental: rounding, below which noise cannot be distinguished from it
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +135,7 @@ def condition_blocks(
     skip_cycles: int = 0,
     corrections: Mapping[str, Correction | None] = MappingProxyType({}),
 ) -> SteadyRecord:
-    """As `condition`, of channels that come in blocks: memory stays bounded however long the record is.
+    """Like `condition`, for channels that come in blocks: memory stays bounded however long the record is.
 
     channels : by quantity, a function that starts the blocks (t, values) of the channel from the beginning. It is
     called twice: for the leading 262,144 samples, and for all.   corrections : of their harmonics, by quantity.
@@ -235,7 +237,7 @@ def _harmonics(
 def _corrected(
     quantity: str, harmonics: CycleHarmonics, correction: Correction | None
 ) -> CycleHarmonics:
-    """The harmonics as they were before gain, delay and filters of the channel, up to those that a filter leaves."""
+    """The harmonics before gain, delay and filters of the channel acted, up to the highest that the filter passes."""
     if correction is None:
         return harmonics
     response = correction.response(harmonics.omega * np.arange(harmonics.coefficients.shape[1]))
@@ -278,7 +280,7 @@ def _common_weights(harmonics: Mapping[str, CycleHarmonics]) -> Array:
 def _checked_cycles(
     harmonics: Mapping[str, CycleHarmonics], weights: Array, omega: float
 ) -> list[str]:
-    """Warnings about cycles that are missing, and about the signals in the others."""
+    """Warnings about missing cycles, and about the signals in the remaining ones."""
     warnings = [w for q, h in harmonics.items() for w in checks.bad_cycles(q, h.bad_cycles)]
     cycles = int(weights.sum())
     checks.require_cycles(cycles, int(np.count_nonzero(weights)), omega, FEWEST_CYCLES)

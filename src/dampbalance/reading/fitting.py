@@ -1,4 +1,4 @@
-"""The climbs to the oscillator of largest likelihood, from several starts: the search behind `waveforms.Fit`."""
+"""The search for the oscillator of largest likelihood, by climbs from several starts."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..arrays import Array, Integers
+from ..arrays import Array
 from ..law.law import Law
 from ..law.steady import Response
 from ..law.terms import FRICTION, parted
 from ..motion.jit import interpreted
 from ..motion.orbit import NoSteadyOrbit, Orbit
-from .climb import Climb, Evaluation, NoConvergence, NoStart, climb
+from .climb import Climb, Evaluation, climb
 from .lines import Lines, Shares, starts
-from .unknowns import Unknowns, worth
-from .waveforms import Fit
+from .unknowns import Unknowns, equivalent_coefficient
+from .waveforms import WaveformFit
 
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
@@ -38,7 +38,7 @@ _MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes 
 
 def fit_oscillator(
     lines: Sequence[Lines], k: float, law: Law | None = None, *, thorough: bool = True
-) -> Fit | None:
+) -> WaveformFit | None:
     """The oscillator of largest likelihood; None where no oscillator that slips responds like the records.
 
     lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
@@ -70,9 +70,11 @@ def fit_oscillator(
     return _nearest(ends)
 
 
-def fit_quickly(lines: Sequence[Lines], k: float, law: Law, near: Sequence[Fit]) -> Fit | None:
-    """As `fit_oscillator`, from two candidates of `lines.starts` and from fits with other laws, and not refined where
-    it does not come near the records."""
+def fit_quickly(
+    lines: Sequence[Lines], k: float, law: Law, near: Sequence[WaveformFit]
+) -> WaveformFit | None:
+    """Like `fit_oscillator`, but from two candidates of `lines.starts` and from fits with other laws only; not refined
+    where it ends far from the records. Use it to compare many laws."""
     unknowns, shares = Unknowns(law, len(lines), k), shares_of(lines, law, k)
     candidates = starts(lines, k, shares)
     known = [*candidates[:1], *(_as_candidate(fit) for fit in near), *candidates[1:2]]
@@ -82,12 +84,12 @@ def fit_quickly(lines: Sequence[Lines], k: float, law: Law, near: Sequence[Fit])
 
 def _ends(
     lines: Sequence[Lines], unknowns: Unknowns, points: Iterable[Array], most: int
-) -> list[Fit]:
+) -> list[WaveformFit]:
     """The fits that climbs from these points end in, up to one that is adequate, that with the smallest χ² first.
 
     most : evaluations at each softening.
     """
-    ends: list[Fit] = []
+    ends: list[WaveformFit] = []
     left = np.array([_EFFORT])
     with interpreted(False) if unknowns.law.nonlinear else nullcontext():
         for point in points:
@@ -101,44 +103,46 @@ def _ends(
     return sorted(ends, key=lambda end: end.chi_square)
 
 
-def _nearest(ends: Sequence[Fit]) -> Fit | None:
+def _nearest(ends: Sequence[WaveformFit]) -> WaveformFit | None:
     """The fit with the smallest χ², with the evaluations of all."""
     best = min(ends, key=lambda end: end.chi_square, default=None)
     return best and replace(best, evaluations=sum(end.evaluations for end in ends))
 
 
-def _as_candidate(fit: Fit) -> Array:
+def _as_candidate(fit: WaveformFit) -> Array:
     """(F_k, c, K_z, m) of an oscillator that loses about as much."""
-    worths = {key: worth(parted(key)[0], fit.lines[0], fit.k) for key in fit.law.keys}
+    equivalents = {
+        key: equivalent_coefficient(parted(key)[0], fit.lines[0], fit.k) for key in fit.law.keys
+    }
     damping = math.fsum(
-        fit.value(key) / worths[key] for key in fit.law.keys if parted(key)[0] != FRICTION
+        fit.value(key) / equivalents[key] for key in fit.law.keys if parted(key)[0] != FRICTION
     )
     rho = max(fit.rho, (_STIFFEST * fit.k) ** -0.5)
     return np.array([fit.F_k, damping, rho**-2, fit.m])
 
 
 def shares_of(lines: Sequence[Lines], law: Law, k: float) -> Shares:
-    """Of friction, that of the group of each record over the mean of all, were all work taken by friction; of a damper,
-    what the terms that are not given take in each record, over the median."""
+    """Shares of F_k and c in each record: the friction of its group over the mean of all groups, if all work went into
+    friction; the work of the terms that are not given, over the median of the records."""
     labels = law.groups.get(FRICTION, ("",) * len(lines))
     alone = np.array([max(-one.Y * one.x[0].imag / abs(one.x[0]), 1e-9 * one.Y) for one in lines])
     means = {label: alone[[other == label for other in labels]].mean() for label in labels}
     force = np.array([means[label] for label in labels])
     free = [s for s in law.terms if s != FRICTION and s not in law.given]
-    worths = np.array([[worth(s, one, k) for one in lines] for s in free])
+    equivalents = np.array([[equivalent_coefficient(s, one, k) for one in lines] for s in free])
     damping = np.ones(len(lines))
     if free:
-        damping = np.mean(np.median(worths, axis=1, keepdims=True) / worths, axis=0)
+        damping = np.mean(np.median(equivalents, axis=1, keepdims=True) / equivalents, axis=0)
     return Shares(force / np.mean(list(means.values())), damping)
 
 
-def with_delay(fit: Fit) -> Fit | None:
+def with_delay(fit: WaveformFit) -> WaveformFit | None:
     """The fit with the delay between base and response left free, from there on."""
     given = set() if fit.error("m") else {"m"}
     return _climbed(fit.lines, fit.unknowns, fit.point, given, (0.0,))
 
 
-def with_mass(fit: Fit, m: float) -> Fit | None:
+def with_mass(fit: WaveformFit, m: float) -> WaveformFit | None:
     """The fit with the mass given, kg, from there on; None where nothing slips with that mass."""
     start = fit.point.copy()
     start[fit.unknowns.names.index("m")] = m
@@ -156,10 +160,10 @@ def _climbed(
     most: int = _MOST,
     last: int = _MOST,
     left: Array | None = None,
-) -> Fit | None:
+) -> WaveformFit | None:
     """The fit that a climb from there ends in; Y and ψ start as they were read.   hopeless : χ² per datum from which on
     it is not refined.   most : evaluations at each softening.   last : evaluations without any.
-    left : as for `_Problem`; default, as many as it may make at most.
+    left : as for `HarmonicResiduals`; default, as many as it may make at most.
     """
     names, law = unknowns.names, unknowns.law
     point = start.copy()
@@ -168,61 +172,48 @@ def _climbed(
     lower, scale = unknowns.lower(point, lines, rigid), unknowns.scale(point, lines)
     fixed = given | set(law.given)
     free = np.array([i for i in range(point.size) if not fixed & set(names[i : i + 1])])
-    climbed: Climb[Evaluation] | None = None
+    climbed: Climb | None = None
     evaluations = 0
     if left is None:
         left = np.array([float(most * (len(softenings) - 1) + last)])
     for softening in softenings:
-        problem = _Problem(lines, unknowns, point, free, softening, left)
-        try:
-            climbed = climb(
-                problem.evaluate,
-                point[free],
-                lower[free],
-                scale[free],
-                gain=_GAIN,
-                most=most if softening else last,
-            )
-        except NoStart:
-            if climbed is None:
-                return None
+        softened = HarmonicResiduals(lines, unknowns, softening, left=left)
+        limit = most if softening else last
+        reached = climb(softened.evaluate, point, free, lower, scale, gain=_GAIN, most=limit)
+        if reached is None:
             break
-        except NoConvergence as stuck:
-            climbed = stuck.best
-        point = point.copy()
-        point[free] = climbed.point
+        climbed, residuals, point = reached, softened, reached.point
         evaluations += climbed.iterations
         if 2.0 * climbed.evaluation.value > hopeless * sum(2 + 2 * one.n.size for one in lines):
             break
-    assert climbed is not None
-    here = climbed.evaluation
-    if problem.softening or law.nonlinear:  # as the errors are, with derivatives that hold to 1e-6
-        exact = replace(problem, softening=0.0, left=np.array([math.inf]), quickly=False).evaluate(
-            climbed.point
+    if climbed is None:
+        return None
+    here: Evaluation | None = climbed.evaluation
+    # the errors as they are, and derivatives that hold to 1e-6
+    if residuals.softening or law.nonlinear:
+        here = replace(residuals, softening=0.0, left=np.array([math.inf]), quickly=False).evaluate(
+            point
         )
-        if exact is None:
-            return None
-        here = exact
-    assert here.residual is not None
-    assert here.jacobian is not None
-    solution = np.linalg.pinv(here.jacobian)
+    if here is None:
+        return None
+    solution = np.linalg.pinv(here.jacobian[:, free])
     size = point.size
     covariance, response = np.zeros((size, size)), np.zeros((size, here.residual.size))
     covariance[np.ix_(free, free)] = solution @ solution.T
     response[free] = solution
     ends = np.cumsum([2 + 2 * one.n.size for one in lines])
     starts_at = [0, *ends[:-1]]
-    return Fit(
-        lines=tuple(lines),
-        unknowns=unknowns,
+    return WaveformFit(
+        k=unknowns.k,
         point=point,
         covariance=covariance,
+        residual=here.residual,
+        rigid=bool(point[names.index("rho")] <= rigid),
+        lines=tuple(lines),
+        unknowns=unknowns,
         response=response,
         places=tuple(slice(int(a), int(b)) for a, b in zip(starts_at, ends, strict=True)),
-        residual=here.residual,
-        chi_square=2.0 * here.value,
         freedom=here.residual.size - free.size,
-        rigid=bool(point[names.index("rho")] <= rigid),
         undamped=tuple(key for key in law.unknowns if point[names.index(key)] <= 0.0),
         evaluations=evaluations,
     )
@@ -237,31 +228,29 @@ def _swings(orbit: Orbit) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class _Problem:
-    """Residuals (model − data)/σ of all records as functions of the unknowns that are free.
+class HarmonicResiduals:
+    """Residuals (model − data)/σ of the harmonics of all records as functions of the unknowns.
 
-    point : all unknowns.   free : which of them are.   softening : part of the amplitudes added to the errors.
+    softening : part of the amplitudes added to the errors.
+    near : the last motion of each record, from which the next starts.
+    quickly : as for `Unknowns.harmonics`.
     left : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks takes
     as long as many others, and ends the climb early.
-    near : the last motion of each record, from which the next starts.   quickly : as for `Unknowns.harmonics`.
     """
 
     lines: Sequence[Lines]
     unknowns: Unknowns
-    point: Array
-    free: Integers
     softening: float
-    left: Array
     near: dict[int, Response] = field(default_factory=dict)
     quickly: bool = True
+    left: Array = field(default_factory=lambda: np.array([math.inf]))
 
-    def evaluate(self, free: Array) -> Evaluation | None:
-        """Half of χ² with its derivatives; None where nothing slips, there is no orbit, the contact rattles, or no
-        evaluation is left."""
+    def evaluate(self, point: Array) -> Evaluation | None:
+        """Residuals and derivatives; None where nothing slips, there is no orbit, the contact rattles, or no evaluation
+        is left."""
         if self.left[0] <= 0.0:
             return None
-        point, unknowns = self.point.copy(), self.unknowns
-        point[self.free] = free
+        unknowns = self.unknowns
         delay = unknowns.names.index("delay")
         residuals, slopes, slips = [], [], False
         for i, one in enumerate(self.lines):
@@ -291,4 +280,4 @@ class _Problem:
             slopes += [of_base, slope.real, slope.imag]
         if not slips:
             return None
-        return Evaluation.of_residuals(np.concatenate(residuals), np.vstack(slopes)[:, self.free])
+        return Evaluation(np.concatenate(residuals), np.vstack(slopes))

@@ -1,7 +1,7 @@
 """The drive frequency, from the excitation itself.
 
 A first guess from the highest line of a windowed spectrum; then the phase of the fundamental, cycle by cycle, against
-time: its slope is what the guess is off by. For white noise this is least squares on the sinusoid, whose variance is
+time: its slope is the error of the guess. For white noise this is least squares on the sinusoid, whose variance is
 
     var ω = 12 σ² · 2/(A² n) / duration²       (the Cramér–Rao bound: Rife & Boorstyn 1974)
 
@@ -20,7 +20,7 @@ from .cycles import CycleHarmonics, accumulate
 FEWEST_CYCLES = 3
 _LONGEST_SPECTRUM = 1 << 18
 _REFINEMENTS = 4
-_LEADING = 1 << 16  # samples that tell whether a drive moves
+_LEADING = 1 << 16  # samples that show whether a drive moves
 _LINE_OF_NOISE = 25.0  # times its mean, that no line of 32,768 in white noise has by chance
 
 
@@ -57,7 +57,7 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
 
 
 def stands_still(values: Array) -> bool:
-    """Whether a drive does not move beside its noise: the spectrum of its leading samples has no line."""
+    """Whether a drive channel holds nothing but noise: the spectrum of its leading samples has no line."""
     values = values[:_LEADING] - np.mean(values[:_LEADING])
     power = np.abs(np.fft.rfft(values)[1:]) ** 2
     return bool(power.max() < _LINE_OF_NOISE * power.mean())

@@ -6,8 +6,8 @@ For each contact stiffness of a grid the energy balance of the records,
 
     W = −πkY Im x_1 = 4(X − F_k/K_z) F_k + πω Σ n²|x_n|² c
 
-gives F_k and c, by least squares and for several shares of friction in the work (a single level does not tell the two
-apart), and the in-phase part of the fundamental the mass:
+gives F_k and c, by least squares and for several shares of friction in the work (a single level does not separate the
+two), and the in-phase part of the fundamental the mass:
 
     mω² = k + K − kY Re(1/x_1),   K = (K_z/π)(ϑ − sin ϑ cos ϑ),   cos ϑ = 1 − 2Z_m/X
 
@@ -60,8 +60,8 @@ _NEAR = 0.03  # of the fundamental: what a candidate may be off by
 
 
 class Shares(NamedTuple):
-    """What part of F_k, and what part of c, an oscillator has in each record, (n,): loads differ, and so do amplitudes,
-    with which a nonlinear damper grows."""
+    """Shares of F_k and of c that act in each record, (n,): normal loads differ, and so do amplitudes, with which
+    nonlinear damping grows."""
 
     friction: Array
     damping: Array
@@ -94,7 +94,7 @@ class Lines:
 
     @classmethod
     def of(cls, steady: SteadyRecord) -> Lines:
-        """Those of a record up to a little beyond its bandwidth."""
+        """The harmonics of a record up to a little beyond its bandwidth."""
         highest = min(steady.bandwidth + 2 * _EXTRA, len(steady.X_error) - 1)
         n = np.arange(1, highest + 1, 2)
         base = steady.mean(steady.Y[:, 1:2])[0]
@@ -113,7 +113,7 @@ class Lines:
 
 
 def _aliased(steady: SteadyRecord, n: Integers) -> Array:
-    """Size of what harmonics beyond half the sampling rate add to the mean of the harmonics n, m.
+    """Aliasing: the size of what harmonics beyond half the sampling rate add to the mean of the harmonics n, m.
 
     With M samples to the cycle, harmonic M ∓ n looks like harmonic n, turned from cycle to cycle by the part of a turn
     by which M is no whole number; over the record that leaves |sin πf/πf| of it, f = cycles · (M − round M). Where the
@@ -140,8 +140,8 @@ def starts(
     """(F_k, c, K_z, m) of oscillators that respond like the records, (n, 4), the closest first; each slips in one.
 
     k : N/m.   shares : of F_k and of c that each record has; default, all of both.   wide : the closest of
-    each contact stiffness, with masses over three decades beside those that the fundamental gives, which knows little
-    of the mass far below resonance.
+    each contact stiffness, with masses over three decades in addition to those that follow from the fundamental,
+    which hardly depends on the mass far below resonance.
     """
     shares = shares or Shares(np.ones(len(lines)), np.ones(len(lines)))
     candidates = _candidates(lines, k, shares, wide)
@@ -191,7 +191,7 @@ def _all_responses(
 def _responses_to_contact(
     candidates: Array, lines: Sequence[Lines], k: float, shares: Shares
 ) -> tuple[Complexes, Mask]:
-    """As `_all_responses`, without an orbit: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics f_n of the
+    """Like `_all_responses`, without an orbit: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics f_n of the
     force K_z z that the contact has in the motion as it was read."""
     F_k, c, K_z, m = candidates.T
     n = np.array(_COMPARED)
@@ -294,7 +294,7 @@ def _candidates(lines: Sequence[Lines], k: float, shares: Shares, wide: bool) ->
 
 
 def _not_negative(columns: Array) -> tuple[float, float]:
-    """The two numbers, neither below zero, that make up a column of ones best."""
+    """The two non-negative numbers whose combination of the columns is closest to ones."""
     ones = np.ones(len(columns))
     p, q = np.linalg.lstsq(columns, ones)[0]
     if p >= 0.0 and q >= 0.0:

@@ -53,7 +53,7 @@ class Means:
 
     Y : amplitude of the base, m, (r,).   x : x_n, m, relative to its phase, (r, h), n as in `Lines`.
     even : x_n, n = 2, 4 …, and base : y_n, n = 2, 3 …, m, likewise, up to those that stand out of the noise.
-    bias : how many variances of x_n the squares |x_n|² hold too much.
+    bias : noise bias of |x_n|², in variances of x_n: 1 for the mean, 2 for bootstrap replicates.
     """
 
     Y: Array
@@ -80,11 +80,11 @@ class Means:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """Features of one response read off a record, and how sure they are.
+    """Features of one response read off a record, with their standard errors.
 
     steady : the conditioned record.   joint : whether it was fitted together with others; else its waveform is fitted
     to this record alone.   shared : the waveform of that fit, None where none fits.   taken : λ = 4X − a, m, the travel
-    that sticking takes from 4X where no waveform tells.   terms : of a law, beyond friction and a linear damper, whose
+    by which sticking reduces 4X where no waveform fits.   terms : of a law, beyond friction and a linear damper, whose
     integrals are wanted.
     """
 
@@ -110,15 +110,8 @@ class Reading:
 
     @property
     def slips(self) -> bool | None:
-        """Whether the contact slips; None where no waveform tells."""
+        """Whether the contact slips; None where no waveform fits."""
         return None if self.waveform is None else bool(self.waveform.fit.slips[self.waveform.index])
-
-    @property
-    def onset_resolved(self) -> bool:
-        """Whether the length of the microstick line stands out of its noise."""
-        if not self.slips or self.waveform is None:
-            return False
-        return self.waveform.fit.rho > RESOLVED * self.waveform.fit.error("rho")
 
     @cached_property
     @one_thread
@@ -143,7 +136,7 @@ class Reading:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is wrong with the record, one sentence each."""
+        """Faults of the record, one sentence each."""
         return self.steady.warnings
 
     @cached_property
@@ -188,7 +181,7 @@ class Reading:
         )
 
     def moved(self, means: Means) -> Array:
-        """By how much these means of the record move the unknowns of the fit, (p, r), to first order."""
+        """Changes of the unknowns of the fit with these means of the record, (p, r), to first order."""
         waveform = self.waveform
         if waveform is None:
             return np.zeros((0, len(means.Y)))
@@ -208,7 +201,7 @@ class Reading:
     def features_of(self, means: Means, moved: Array | None = None) -> Features:
         """The features of means of the record.
 
-        moved : by how much the unknowns of the fit move with them, (p, r); default, what this record alone does.
+        moved : changes of the unknowns of the fit with them, (p, r); default, those by this record alone.
         """
         return _features(self, means, self.moved(means) if moved is None else moved)
 
@@ -293,8 +286,8 @@ def read_features(
 
 
 def bootstrap(rows: int, count: int, rng: np.random.Generator) -> tuple[Integers, float]:
-    """How often each row is in each of `count` drawings with replacement, (count, rows), and the factor √(n/(n − 1)),
-    n rows, by which the deviations of their means are to be stretched: the bootstrap falls short of the scatter by it.
+    """Numbers of times that each row occurs in each of `count` drawings with replacement, (count, rows), and the factor
+    √(n/(n − 1)), n rows, that corrects the deviations of their means: the bootstrap underestimates the scatter by it.
     """
     drawn = rng.multinomial(rows, np.full(rows, 1.0 / rows), size=count)
     return drawn, math.sqrt(rows / max(1, rows - 1))

@@ -1,8 +1,8 @@
-"""Where the free decays of a record are: its bursts, each from a push, a blow or a release until the next.
+"""Detection of the free decays (bursts) of a record, each from a push, a blow or a release until the next.
 
-What a burst looks like in any channel: over a little more than half a cycle the signal suddenly swings farther than
-before, and less and less from then on. The length of a cycle comes from the spectrum, weighted so that neither the
-displacement at which the mass was held nor the ringing of a mass that sticks stands out.
+A burst looks alike in every channel: the swing over a little more than half a cycle jumps to a larger value and then
+decays. The period comes from the spectrum, weighted so that neither the displacement at which the mass was held nor the
+ringing of the stuck mass dominates.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Signal:
 
 @dataclass(frozen=True, slots=True)
 class Burst:
-    """A free decay, roughly.
+    """A free decay, located roughly.
 
     turn : time of a turn of the free motion, s.   side : ±1, where it turns.   swing : of the motion to the next turn,
     m.   period : of the motion, s.   earliest, end : the burst begins and ends between these times, s.
@@ -70,12 +70,12 @@ class Burst:
 
 
 class NoDecay(ValueError):
-    """Nothing in a record decays."""
+    """The record holds no free decay."""
 
 
 def noise_of(values: Array) -> float:
-    """Standard deviation of white noise on a smooth signal, from its third differences where they are least, of parts
-    of the record; at least what rounding is."""
+    """Standard deviation of white noise on a smooth signal, from the third differences in the quietest part of the
+    record; at least the rounding error."""
     third = np.abs(np.diff(values, 3))
     floor = 3e-6 * float(np.ptp(values))
     parts = np.array_split(third, max(1, min(_QUIET, third.size // _QUIET_SAMPLES)))
@@ -83,7 +83,7 @@ def noise_of(values: Array) -> float:
 
 
 def bursts_of(signal: Signal) -> list[Burst]:
-    """The bursts of a channel in their order. Raises NoDecay, which says why."""
+    """The bursts of a channel in order of time. Raises NoDecay, which gives the reason."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow to import, all of them
     from scipy.signal import savgol_filter
 
@@ -108,7 +108,7 @@ def bursts_of(signal: Signal) -> list[Burst]:
         for i, j in zip(peaks, [*peaks[1:], swing.size], strict=True)
     ):
         raise NoDecay("it swings as far at its end as at its start")
-    found = []
+    bursts = []
     for place, i in enumerate(peaks):
         stop = peaks[place + 1] if place + 1 < len(peaks) else signal.values.size - 1
         before = peaks[place - 1] if place else 0
@@ -121,7 +121,7 @@ def bursts_of(signal: Signal) -> list[Burst]:
         side = math.copysign(1.0, smooth[other] - smooth[one])
         if signal.order > 0:
             side = -side
-        found.append(
+        bursts.append(
             Burst(
                 turn=float(signal.t[turn]),
                 side=side,
@@ -132,11 +132,11 @@ def bursts_of(signal: Signal) -> list[Burst]:
                 last=place + 1 == len(peaks),
             )
         )
-    return found
+    return bursts
 
 
 def _peaks(swing: Array, length: int, least: float) -> list[int]:
-    """Where the swing is the largest all around, above `least`, and was much less before."""
+    """Indices where the swing has a local maximum above `least`, after having been much smaller."""
     from scipy.ndimage import maximum_filter1d
 
     around = maximum_filter1d(swing, 4 * length + 1, mode="nearest")
@@ -150,7 +150,7 @@ def _peaks(swing: Array, length: int, least: float) -> list[int]:
 
 
 def _frequency(signal: Signal) -> float:
-    """Frequency of the motion, Hz: of the band with the most energy, weighted."""
+    """Frequency of the motion, Hz: weighted mean over the band with the most energy."""
     values = signal.values - signal.values.mean()
     size = values.size
     power = np.abs(np.fft.rfft(values, 1 << (size - 1).bit_length())) ** 2
@@ -170,5 +170,5 @@ def _frequency(signal: Signal) -> float:
 
 
 def sharpest(signals: Sequence[Signal]) -> Signal:
-    """The channel that stands out of its noise most."""
+    """The channel with the largest ratio of range to noise."""
     return max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)

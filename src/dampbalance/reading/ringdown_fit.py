@@ -1,13 +1,13 @@
-"""One oscillator for all free decays: the exact motions that fit their samples best.
+"""Maximum-likelihood fit of one oscillator to all free decays: the exact motions that fit their samples best.
 
 From the start of a stretch on, the base being at rest, the mass follows
 
     m ẍ + c ẋ + k x + K_z z = 0,   ż = ẋ within |z| ≤ F_k/K_z
 
-with x counted from where the spring is slack. F_k, c, ρ = K_z^{−1/2} and m are common to all stretches; each channel of
-a record has an offset of its own, which for a displacement holds the rest position of the spring; each stretch has its
-start state (x, ẋ, w), z = (w − 1) F_k/K_z with 0 ≤ w ≤ 2. The noise is white, and the maximum of the likelihood is the
-least sum of squares over all samples. The stiffness k is given.
+with x counted from the rest position of the spring. F_k, c, ρ = K_z^{−1/2} and m are common to all stretches. Each
+channel of a record has a separate offset, which for a displacement holds the rest position of the spring; each stretch
+has its start state (x, ẋ, w), z = (w − 1) F_k/K_z with 0 ≤ w ≤ 2. The noise is white, and the maximum of the likelihood
+is the least sum of squares over all samples. The stiffness k is given.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Array, Integers
-from ..solver import NORMAL_95
-from .climb import Climb, Evaluation, NoConvergence, NoStart, climb
+from .climb import Evaluation, climb
+from .oscillator_fit import OscillatorFit
 from .ringdown_motion import COMMON, STATE, STEP, Stretch, contact_step, phases_of, samples_of
 
 _STIFFEST = 1e8  # of K_z/k: the contact that stands for a rigid one
@@ -42,69 +42,22 @@ _BINS = 12  # of a cycle, in which the residual is averaged
 
 
 @dataclass(frozen=True, eq=False)
-class RingFit:
+class RingFit(OscillatorFit):
     """The oscillator whose free decays fit the samples of n stretches best.
 
-    k : N/m.   point : the unknowns (COMMON, the offsets, x, ẋ, w of each stretch), SI, (p,).
-    covariance : of the point, (p, p).
+    The unknowns are COMMON, the offsets, and x, ẋ, w of each stretch; the residuals run stretch by stretch, channel by
+    channel.
+
     jacobian : derivatives of the residual by the unknowns, (samples, p); zero where one was given.
-    residual : (model − sample)/σ, stretch by stretch, channel by channel.   rigid : whether ρ is at zero.
     """
 
     stretches: tuple[Stretch, ...]
-    k: float
-    point: Array
-    covariance: Array
     jacobian: Array
-    residual: Array
-    rigid: bool
 
     @property
-    def F_k(self) -> float:
-        """Friction force, N."""
-        return float(self.point[0])
-
-    @property
-    def c(self) -> float:
-        """Viscous damping, N s/m."""
-        return float(self.point[1])
-
-    @property
-    def rho(self) -> float:
-        """K_z^{−1/2}, (m/N)^{1/2}; 0 for a rigid contact."""
-        return 0.0 if self.rigid else float(self.point[2])
-
-    @property
-    def K_z(self) -> float:
-        """Contact stiffness, N/m; infinite for a rigid contact."""
-        return math.inf if self.rigid else self.rho**-2
-
-    @property
-    def m(self) -> float:
-        """Mass, kg."""
-        return float(self.point[3])
-
-    def error(self, name: str) -> float:
-        """Standard error of a common unknown, in its unit."""
-        at = COMMON.index(name)
-        return math.sqrt(self.covariance[at, at])
-
-    @property
-    def K_z_interval(self) -> tuple[float, float]:
-        """95 % interval of K_z, N/m, from ρ ± 1.96 standard errors; unbounded above where ρ = 0 is within."""
-        spread = NORMAL_95 * self.error("rho")
-        low, high = self.rho - spread, self.rho + spread
-        return high**-2, (low**-2 if low > 0.0 else math.inf)
-
-    @property
-    def natural_frequency_hz(self) -> float:
-        """√(k/m)/2π, Hz: of the oscillator while its contact slips."""
-        return math.sqrt(self.k / self.m) / (2.0 * math.pi)
-
-    @property
-    def chi_square(self) -> float:
-        """Sum of the squares of the residuals."""
-        return float(self.residual @ self.residual)
+    def names(self) -> tuple[str, ...]:
+        """F_k, c, rho, m."""
+        return COMMON
 
     @property
     def freedom(self) -> int:
@@ -123,7 +76,7 @@ class RingFit:
         return phases_of(self.point, self.state(i), self.k, until)
 
     def residuals(self) -> list[list[Array]]:
-        """Of each stretch, of each of its channels."""
+        """The residuals of each stretch, channel by channel."""
         parts, at = [], 0
         for one in self.stretches:
             row = []
@@ -135,12 +88,12 @@ class RingFit:
 
     @cached_property
     def misfit(self) -> float:
-        """Mean square of the residual averaged over parts of a cycle, beside what noise leaves: 1 for white noise."""
+        """Mean square of the residual averaged over parts of a cycle, relative to white noise, which gives 1."""
         return self._likeness()[0]
 
     @property
     def chance(self) -> float:
-        """Probability in white noise of a residual so much like a motion."""
+        """Probability that white noise leaves a residual as similar to a motion."""
         from scipy import special  # slow to import
 
         ratio, bins, rest = self._likeness()
@@ -148,8 +101,8 @@ class RingFit:
 
     @property
     def doubtful(self) -> bool:
-        """Whether the climb may have ended beside the best fit: neighbouring residuals are alike, or their averages too
-        large. Coloured noise does the same."""
+        """Whether the climb may have missed the best fit: neighbouring residuals are correlated, or their averages too
+        large. Coloured noise has the same effect."""
         products = squares = 0.0
         for row in self.residuals():
             for residual in row:
@@ -160,11 +113,11 @@ class RingFit:
 
     @property
     def adequate(self) -> bool:
-        """Whether the residual is white: the records may be those of such an oscillator."""
+        """Whether the residual is white, so that such an oscillator may have made the records."""
         return self.chance >= _CHANCE
 
     def _likeness(self) -> tuple[float, int, int]:
-        """F of the averages against what is left about them, and its two numbers of degrees of freedom."""
+        """F ratio of the averages to the scatter about them, and its two numbers of degrees of freedom."""
         between = within = 0.0
         bins = count = 0
         for one, row in zip(self.stretches, self.residuals(), strict=True):
@@ -190,7 +143,7 @@ def fit_stretches(
     gain: float = _GAIN,
     most: int = _MOST,
 ) -> RingFit | None:
-    """The fit that a climb from a start point ends in; None where no such oscillator moves there.
+    """The fit in which a climb from a start point ends; None where the model has no motion there.
 
     given : numbers of the unknowns that keep their values.
     """
@@ -212,46 +165,33 @@ def fit_stretches(
         size = max(abs(start[i]), abs(start[i + 1]) / omega, 1e-300)
         scale[i : i + STATE] = size, size * omega, 1.0
         lower[i + 2], upper[i + 2] = 0.0, 2.0
-    problem = _Problem(tuple(stretches), k, start, free, scale)
-    try:
-        climbed: Climb[Evaluation] = climb(
-            problem.evaluate,
-            start[free],
-            lower[free],
-            scale[free],
-            upper[free],
-            gain=gain,
-            most=most,
-        )
-    except NoStart:
+    residuals = _SampleResiduals(tuple(stretches), k, free, scale)
+    climbed = climb(residuals.evaluate, start, free, lower, scale, upper, gain=gain, most=most)
+    if climbed is None:
         return None
-    except NoConvergence as stuck:
-        climbed = stuck.best
-    here = climbed.evaluation
-    assert here.residual is not None
-    assert here.jacobian is not None
-    point = start.copy()
-    point[free] = climbed.point
-    jacobian = np.zeros((here.residual.size, point.size))
-    jacobian[:, free] = here.jacobian
-    solution = linear_solution(jacobian, w_errors(point.size, first_state))
-    rigid_contact = bool(point[2] <= rigid)
+    point, here = climbed.point, climbed.evaluation
+    solution = linear_solution(here.jacobian, w_errors(point.size, first_state))
     return RingFit(
-        tuple(stretches), k, point, solution @ solution.T, jacobian, here.residual, rigid_contact
+        k=k,
+        point=point,
+        covariance=solution @ solution.T,
+        residual=here.residual,
+        rigid=bool(point[2] <= rigid),
+        stretches=tuple(stretches),
+        jacobian=here.jacobian,
     )
 
 
 def w_errors(size: int, first_state: int) -> Array:
-    """Standard errors that unknowns have before any sample tells more, (p,): w lies between 0 and 2, of the others
-    nothing is known."""
+    """Prior standard errors of the unknowns, (p,): w lies between 0 and 2; the others have no prior."""
     errors = np.full(size, math.inf)
     errors[first_state + 2 :: STATE] = _W_ERROR
     return errors
 
 
 def linear_solution(design: Array, errors: Array) -> Array:
-    """The pseudo-inverse, (p, samples + p), of a design (samples, p) and what is known before, (p,); zero for what
-    nothing depends on.
+    """The pseudo-inverse, (p, samples + p), of a design (samples, p) with prior standard errors, (p,); zero for an
+    unknown on which nothing depends.
 
     Its product with (residuals, 0) is the least-squares solution, that with its own transpose the covariance.
     """
@@ -264,7 +204,7 @@ def linear_solution(design: Array, errors: Array) -> Array:
 
 
 def with_noise_of(fit: RingFit) -> RingFit:
-    """The fit with the noise of each channel as its residual has it."""
+    """The fit repeated with the noise of each channel estimated from its residual."""
     sums: dict[int, list[float]] = {}
     for one, row in zip(fit.stretches, fit.residuals(), strict=True):
         for signal, offset, residual in zip(one.signals, one.offsets, row, strict=True):
@@ -280,27 +220,23 @@ def with_noise_of(fit: RingFit) -> RingFit:
             floor = 3e-6 * float(np.ptp(signal.values))  # rounding
             signals.append(replace(signal, noise=max(noise[offset], floor)))
         stretches.append(replace(one, signals=tuple(signals)))
-    again = fit_stretches(stretches, fit.k, fit.point)
-    return fit if again is None else again
+    return fit_stretches(stretches, fit.k, fit.point) or fit
 
 
 @dataclass(frozen=True, eq=False)
-class _Problem:
-    """Residuals (model − sample)/σ as functions of the unknowns that are free.
+class _SampleResiduals:
+    """Residuals (model − sample)/σ of all stretches as functions of the unknowns.
 
-    point : all unknowns.   free : which of them are.   scale : of all.
+    free : numbers of the unknowns by which derivatives are needed.   scale : of all unknowns.
     """
 
     stretches: tuple[Stretch, ...]
     k: float
-    point: Array
     free: Integers
     scale: Array
 
-    def evaluate(self, free: Array) -> Evaluation | None:
-        """Half of χ² with its derivatives; None where the contact rattles."""
-        point = self.point.copy()
-        point[self.free] = free
+    def evaluate(self, point: Array) -> Evaluation | None:
+        """Residuals and derivatives; None where the contact rattles."""
         wanted = set(self.free.tolist())
         sizes = [one.samples for one in self.stretches]
         residual, jacobian = np.empty(sum(sizes)), np.zeros((sum(sizes), point.size))
@@ -310,13 +246,14 @@ class _Problem:
         for i, one in enumerate(self.stretches):
             here = slice(at, at + sizes[i])
             own = slice(first + STATE * i, first + STATE * (i + 1))
-            error = np.repeat([s.noise for s in one.signals], [s.t.size for s in one.signals])
-            offset = np.empty(sizes[i])
-            place = 0
+            lengths = [s.t.size for s in one.signals]
+            error = np.repeat([s.noise for s in one.signals], lengths)
+            offset = np.repeat(point[[len(COMMON) + j for j in one.offsets]], lengths)
+            place = at
             for signal, number in zip(one.signals, one.offsets, strict=True):
                 part = slice(place, place + signal.t.size)
-                offset[part] = point[len(COMMON) + number]
-                jacobian[at + place : at + part.stop, len(COMMON) + number] = 1.0 / signal.noise
+                if len(COMMON) + number in wanted:
+                    jacobian[part, len(COMMON) + number] = 1.0 / signal.noise
                 place = part.stop
             values = np.concatenate([s.values for s in one.signals])
             try:
@@ -325,18 +262,18 @@ class _Problem:
                     if j in wanted:
                         moved = point.copy()
                         moved[j] += steps[j]
-                        beside = samples_of(moved, moved[own], self.k, one)
-                        jacobian[here, j] = (beside - model) / (steps[j] * error)
+                        there = samples_of(moved, moved[own], self.k, one)
+                        jacobian[here, j] = (there - model) / (steps[j] * error)
             except (ValueError, ArithmeticError):
                 return None
             residual[here] = (model + offset - values) / error
             at += sizes[i]
         if not (np.isfinite(residual).all() and np.isfinite(jacobian).all()):
             return None
-        return Evaluation.of_residuals(residual, jacobian[:, self.free])
+        return Evaluation(residual, jacobian)
 
     def _steps(self, point: Array) -> Array:
-        """Of the differences: a part of each unknown, or of what matters where it is close to zero."""
+        """Steps of the differences: a part of each unknown, or of the size that matters where it is close to zero."""
         F_k, c, _, m = point[: len(COMMON)].tolist()
         steps = STEP * np.maximum(np.abs(point), self.scale)
         damping = max(c, 2e-2 * math.sqrt(self.k * m))

@@ -1,4 +1,4 @@
-"""One oscillator for all bursts of all records, from the fits of each by itself."""
+"""Joint fit of one oscillator to all bursts of all records, starting from the separate fits."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from ..arrays import Array
 from ..motion.events import PHASE_S
 from .ringdown_fit import RingFit, fit_stretches
 from .ringdown_motion import COMMON, STATE, Stretch
-from .ringdown_starts import surer
+from .ringdown_starts import refit_from_other_starts
 
-_MOST_TURNS = 4  # half cycles that slip, of what may be the work of a hand
+_MOST_TURNS = 4  # half cycles that slip, of a burst that may be the work of a hand
 
 
 def joint_start(fits: Sequence[RingFit], offsets: int) -> Array:
-    """Where the fit of all bursts starts: the common unknowns weighted by their information, the rest as it is.
+    """Start point of the joint fit: the common unknowns averaged, weighted by their information, the rest unchanged.
 
     offsets : how many there are in all.
     """
@@ -43,17 +43,17 @@ def joint_start(fits: Sequence[RingFit], offsets: int) -> Array:
 
 
 def fit_all(fits: Sequence[RingFit], offsets: int) -> tuple[RingFit | None, list[Stretch]]:
-    """One oscillator for the bursts that were fitted each by itself, and those that are none of its decays.
+    """One oscillator for the bursts with these separate fits, and the stretches that are not decays of it.
 
-    A hand that moves the mass from one place to another can look like half a cycle of another oscillator: where all
-    bursts together are not of one, those that slip least are left out, the fewest possible, if the others then are.
+    A hand that moves the mass from one place to another can look like half a cycle of another oscillator. Where no
+    oscillator fits all bursts, as few as possible are left out, those that slip least first, if one then fits the rest.
     """
     whole = _joined(fits, offsets)
     if whole is not None and whole.doubtful:
         # from the oscillator of each alone, and from other shares of friction
         others = [_joined(fits, offsets, fit.point[: len(COMMON)]) for fit in fits]
         whole = min(
-            (surer(whole), *(other for other in others if other is not None)),
+            (refit_from_other_starts(whole), *(other for other in others if other is not None)),
             key=lambda one: one.chi_square,
         )
     if whole is None or whole.adequate or len(fits) == 1:
@@ -74,7 +74,7 @@ def fit_all(fits: Sequence[RingFit], offsets: int) -> tuple[RingFit | None, list
 
 
 def _joined(fits: Sequence[RingFit], offsets: int, common: Array | None = None) -> RingFit | None:
-    """The fit of all bursts.   common : unknowns that it starts from, instead of the mean of all."""
+    """The fit of all bursts.   common : common unknowns of the start, instead of the weighted mean."""
     stretches = [fit.stretches[0] for fit in fits]
     start = joint_start(fits, offsets)
     if common is not None:

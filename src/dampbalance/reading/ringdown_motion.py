@@ -1,4 +1,4 @@
-"""The motion of free decays: the base at rest, an oscillator, and the state that each decay starts from."""
+"""Simulation of free decays: an oscillator on a base at rest, released from a start state."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ COMMON = ("F_k", "c", "rho", "m")
 """Unknowns common to all stretches; the offsets and the start states follow."""
 
 STATE = 3
-"""Unknowns of a start state: x, ẋ, w."""
+"""Number of unknowns of a start state: x, ẋ, w."""
 
 STEP = 1e-6
-"""Of finite differences, as a part of each unknown: motions are exact to 1e-12."""
+"""Relative step of finite differences: motions are exact to 1e-12."""
 
 _CHORD = 3e-2  # of ρ√k: K_z = 1100 k
 _MOST_PHASES = 4096  # of a stretch: a decay that slips more often than that is none
@@ -42,7 +42,7 @@ class Stretch:
     period: float
 
     def cut(self, start: float, end: float) -> Stretch:
-        """A part of it."""
+        """The part of the stretch between two times, s."""
         parts = []
         for one in self.signals:
             inside = one.between(start, end)
@@ -51,7 +51,7 @@ class Stretch:
 
     @property
     def samples(self) -> int:
-        """In all channels."""
+        """Number of samples in all channels."""
         return sum(one.t.size for one in self.signals)
 
 
@@ -62,8 +62,7 @@ def numbers_of(point: Array, k: float) -> Parameters:
 
 
 def contact_step(point: Array, k: float) -> float:
-    """Step of a difference by ρ: close to a rigid contact nothing changes but with its square, and a chord stands for
-    the slope."""
+    """Step of a difference by ρ: close to a rigid contact the motion depends on ρ², and a chord replaces the slope."""
     rho, chord = float(point[COMMON.index("rho")]), _CHORD / math.sqrt(k)
     return chord if rho < 0.3 * chord else STEP * rho
 
@@ -90,12 +89,12 @@ def slips(phases: Array) -> bool:
 
 
 def stuck_from(phases: Array, end: float) -> float:
-    """The time from which on the mass sticks for good, `end` where it does not."""
+    """The time from which on the mass stays stuck, `end` where it does not."""
     return float(phases[-1, PHASE_T]) if phases[-1, PHASE_S] == 0.0 else end
 
 
 def samples_of(point: Array, state: Array, k: float, one: Stretch) -> Array:
-    """What the channels of a stretch would hold without noise and offset, (samples,)."""
+    """Samples of all channels of a stretch without noise and offset, (samples,)."""
     longest = max(float(s.t[-1]) for s in one.signals if s.t.size)
     phases = phases_of(point, state, k, max(longest - one.start, 1e-9 * one.period))
     par = numbers_of(point, k)

@@ -7,12 +7,12 @@ Between two turns a and b of a free motion that slips the energy of the spring g
 with x counted from the rest position of the spring. The first row begins at the start state, with ½mẋ² and with
 Z_m (1 ∓ z/Z_m)²/2 in the place of 2Z_m.
 
-The turns are read off all samples: between two turns the motion is that of the fit, stretched to x_a and x_b, and these
-are found by least squares together with all that the shape and the instants of the motion tell: of m, K_z, the start,
-and of F_k and c, too (how the motion fades and sticks between its turns, how a mass that sticks for good rings on the
-contact). What the shape tells of F_k and c makes two more rows, F_k times the way and c ∫ ẋ² dt. Neighbouring rows
-share a turn, and all share m, K_z and the rest position, which hardly anything but the rows tells; the covariance of
-what was found makes that of the rows.
+The turns are estimated from all samples: between two turns the motion is that of the fit, stretched to x_a and x_b.
+Least squares gives these together with corrections of the fit from the shape and the instants of the motion: of m, K_z,
+the start, F_k and c (how the motion decays and sticks between its turns, how a mass that stays stuck rings on the
+contact). The information of the shape on F_k and c makes two more rows, F_k times the way and c ∫ ẋ² dt. Neighbouring
+rows share a turn, and all share m, K_z and the rest position, on which the rows hold nearly all the information; the
+covariance of the estimates gives that of the rows.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ class RingRows:
 
     @property
     def halves(self) -> int:
-        """How many are of half cycles."""
+        """Number of rows of half cycles."""
         return int(np.count_nonzero(self.stretch >= 0))
 
 
@@ -128,18 +128,18 @@ def rows_of(fit: RingFit) -> RingRows:
     places = [slice(end - count, end) for end, count in zip(ends.tolist(), counts, strict=True)]
     total = sum(counts)
     design, rest = np.zeros((fit.residual.size, total + p)), -fit.residual
-    changes: dict[tuple[int, int], Array] = {}  # of the columns of a stretch, by what is found
+    changes: dict[tuple[int, int], Array] = {}  # of the columns of a stretch, by each estimate
     at = 0
     for i, (one, course) in enumerate(zip(fit.stretches, courses, strict=True)):
         here = slice(at, at + one.samples)
         at += one.samples
         block, seen = _basis(fit.point, fit.k, one, course)
         start = first + STATE * i
-        told = np.where(seen[:, None], fit.jacobian[here], 0.0)
-        design[here, total : total + p] = told
+        by_unknowns = np.where(seen[:, None], fit.jacobian[here], 0.0)
+        design[here, total : total + p] = by_unknowns
         design[here, places[i]] = block
         # the start is the first of the turns, and moves the shape as well
-        design[here, places[i].start] += told[:, start]
+        design[here, places[i].start] += by_unknowns[:, start]
         design[here, total + start] = 0.0
         rest[here] = np.where(seen, rest[here], 0.0)
         for j in (*range(len(COMMON)), *range(start, start + STATE)):
@@ -157,12 +157,12 @@ def rows_of(fit: RingFit) -> RingRows:
             ) / step
     errors = np.concatenate([np.full(total, math.inf), w_errors(p, first)])
     for i, place in enumerate(places):
-        # nothing but the rows may tell the level of the turns: it must not be taken for known
+        # only the rows may determine the level of the turns: no prior must fix it
         level = fit.covariance[first + STATE * i, first + STATE * i]
         errors[place.start] = _WEAK * math.sqrt(level) if level > 0.0 else math.inf
     solution = linear_solution(design, errors)
-    found = solution[:, : rest.size] @ rest
-    return _rows(fit, courses, nodes, places, changes, found, solution @ solution.T)
+    shifts = solution[:, : rest.size] @ rest
+    return _rows(fit, courses, nodes, places, changes, shifts, solution @ solution.T)
 
 
 def _rows(
@@ -171,18 +171,18 @@ def _rows(
     nodes: Sequence[Array],
     places: Sequence[slice],
     changes: Mapping[tuple[int, int], Array],
-    found: Array,
+    shifts: Array,
     covariance: Array,
 ) -> RingRows:
-    """The rows with what was found of turns and unknowns beside the fit, and the covariance of that.
+    """The rows with estimated changes of turns and unknowns from the fit, and the covariance that follows.
 
-    changes : of the columns of a stretch, by what was found.
+    changes : derivatives of the columns of a stretch, by the estimates.   shifts : the estimates, (p,).
     """
     total = places[-1].stop
     parts, slopes, which, turns = [], [], [], []
     for i, (one, course) in enumerate(zip(fit.stretches, courses, strict=True)):
         columns = _columns(fit.point, fit.k, course, nodes[i])
-        slope = np.zeros((*columns.shape, found.size))
+        slope = np.zeros((*columns.shape, shifts.size))
         span = STEP * max(float(np.ptp(nodes[i])), 1e-300)
         for j in range(nodes[i].size if course.halves else 0):
             moved = nodes[i].copy()
@@ -193,9 +193,9 @@ def _rows(
         for (stretch, column), change in changes.items():
             if stretch == i:
                 slope[..., column] += change
-        # to first order about the fit: a level that hardly anything tells would bend the squares in W
-        columns = columns + slope @ found
-        theta = nodes[i] + found[places[i]]
+        # to first order about the fit: a poorly determined level would distort the squares in W
+        columns = columns + slope @ shifts
+        theta = nodes[i] + shifts[places[i]]
         parts.append(columns)
         slopes.append(_misfit(fit, slope))
         which += [i] * len(columns)
@@ -205,8 +205,8 @@ def _rows(
     travel = math.fsum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)
     viscous = math.fsum(course.viscous for course in courses)
     for column, (j, size) in {A: (0, travel), B: (1, viscous)}.items():
-        row, slope = np.zeros((1, 3)), np.zeros((1, found.size))
-        row[0, column], row[0, W] = size, size * (fit.point[j] + found[total + j])
+        row, slope = np.zeros((1, 3)), np.zeros((1, shifts.size))
+        row[0, column], row[0, W] = size, size * (fit.point[j] + shifts[total + j])
         slope[0, total + j] = size
         if covariance[total + j, total + j] > 0.0 and size > 0.0:
             parts.append(row)

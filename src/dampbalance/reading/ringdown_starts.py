@@ -1,4 +1,4 @@
-"""Where the fit of free decays starts: each burst by itself, from a turn on, over a growing part of it.
+"""Separate fits of the bursts, from a turn on over a growing part of each: the starts of the joint fit.
 
 At a turn p of a free motion that slips, ẋ = 0 and z = ±F_k/K_z. Its next turns follow from the swings before and after,
 
@@ -6,8 +6,8 @@ At a turn p of a free motion that slips, ẋ = 0 and z = ±F_k/K_z. Its next tur
 
 for several shares of friction in what the swing loses, and for a few stiffnesses of the contact. The closest of these
 are climbed from over the first cycle, and the fit follows the burst to its end. A mass at rest may ring on the contact,
-and the line of that in the spectrum tells K_z to the phase. Then the start is moved back for as long as the samples
-follow the motion: whatever held or pushed the mass before is left out.
+and the spectral line of that ringing gives K_z. Then the start is moved back for as long as the samples
+follow the motion: what held or pushed the mass before is left out.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .ringdown_motion import COMMON, STATE, Stretch, samples_of, slips, stuck_fr
 
 _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing loses
 _STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
-_MASSES = (0.85, 1.0, 1.15)  # beside that of the period
+_MASSES = (0.85, 1.0, 1.15)  # relative to that of the period
 _CLIMBED = 4  # candidates
 _FIRST = 1.0  # cycles that are fitted first
 _GROWTH = 2.0  # of the fitted part from one climb to the next
@@ -61,15 +61,15 @@ def stretches_of(
         fit = _grown(whole, burst, lead, k)
         if fit is None:
             continue
-        if fit.adequate:  # its residual tells the noise better than the samples alone
+        if fit.adequate:  # its residual gives the noise better than the samples alone
             fit = with_noise_of(fit)
             known = zip(whole.signals, fit.stretches[0].signals, strict=True)
             signals_of = tuple(replace(one, noise=other.noise) for one, other in known)
             whole = replace(whole, signals=signals_of)
-        fit = surer(_from_earlier(fit, whole, max(since, burst.earliest)))
+        fit = refit_from_other_starts(_from_earlier(fit, whole, max(since, burst.earliest)))
         if not burst.last:
             fit = _until_grasped(fit)
-        if _moves(fit) > _PART * burst.swing:  # else the swing was none of a free motion
+        if _moves(fit) > _PART * burst.swing:  # else the swing was not that of a free motion
             fits.append(fit)
     for good in (lambda fit: fit.adequate, lambda fit: slips(fit.phases(0))):
         fits = [fit for fit in fits if good(fit)] or fits
@@ -103,12 +103,12 @@ def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | No
             # something else moves the mass before the next burst
             return _until_disturbed(fit, whole, end)
         fit = longer
-    return fit if fit is None else surer(fit, {fit.point.size - 1})
+    return fit and refit_from_other_starts(fit, {fit.point.size - 1})
 
 
-def surer(fit: RingFit, given: Collection[int] = ()) -> RingFit:
-    """The fit, or where what it leaves is hardly noise the best of those that start from other shares of friction in
-    what it loses, and for a single decay from the contact at either end.
+def refit_from_other_starts(fit: RingFit, given: Collection[int] = ()) -> RingFit:
+    """The fit, or where its residual is unlikely to be noise the best of those that start from other shares of friction
+    in the loss, and for a single decay from the contact at either end.
 
     given : numbers of the unknowns that keep their values.
     """
@@ -137,8 +137,8 @@ def _longer(fit: RingFit, part: Stretch) -> RingFit | None:
     w = fit.point.size - 1
     part = _without_ringing(fit, part)
     best = fit_stretches([part], fit.k, fit.point, given={w}, gain=_COARSE)
-    for rho in _ringing(fit if best is None else best, part):
-        start = (fit if best is None else best).point.copy()
+    for rho in _ringing(best or fit, part):
+        start = (best or fit).point.copy()
         start[2] = rho
         other = fit_stretches([part], fit.k, start, given={w}, gain=_COARSE)
         if other is not None and (best is None or other.chi_square < best.chi_square):
@@ -156,14 +156,13 @@ def _until_disturbed(fit: RingFit, whole: Stretch, end: float) -> RingFit:
             fit, good = longer, middle
         else:
             end = middle
-    if good - start > 2.0 * whole.period:  # where the hand came may show late
-        shorter = _longer(fit, whole.cut(start, good - 0.5 * whole.period))
-        fit = fit if shorter is None else shorter
+    if good - start > 2.0 * whole.period:  # the disturbance may show late
+        fit = _longer(fit, whole.cut(start, good - 0.5 * whole.period)) or fit
     return fit
 
 
 def _until_grasped(fit: RingFit) -> RingFit:
-    """The fit up to where the mass, which rang, stands: a hand has grasped it for the next burst."""
+    """The fit, truncated where the ringing mass is caught before the next release."""
     (one,), (row,) = fit.stretches, fit.residuals()
     still = _still(fit, one.end)
     ends = []
@@ -173,7 +172,7 @@ def _until_grasped(fit: RingFit) -> RingFit:
         if tail.size < _FEW:
             continue
         level = tail[-(tail.size // 4) :].mean()
-        # what the samples from each on say for a level, against the motion
+        # evidence of the samples from each one on for a level, against the motion
         gain = off**2 - ((tail - level) / signal.noise) ** 2
         after = np.cumsum(gain[::-1])[::-1]
         best = int(np.argmax(after))
@@ -181,8 +180,7 @@ def _until_grasped(fit: RingFit) -> RingFit:
             ends.append(float(signal.t[first + best]))
     if not ends:
         return fit
-    again = fit_stretches([one.cut(one.start, min(ends))], fit.k, fit.point, gain=_COARSE)
-    return fit if again is None else again
+    return fit_stretches([one.cut(one.start, min(ends))], fit.k, fit.point, gain=_COARSE) or fit
 
 
 def _candidates(part: Stretch, burst: Burst, lead: Signal, k: float) -> list[Array]:
@@ -192,7 +190,7 @@ def _candidates(part: Stretch, burst: Burst, lead: Signal, k: float) -> list[Arr
     ahead = of_lead.values[of_lead.between(burst.turn, burst.turn + 0.6 * burst.period)]
     next_swing = min(float(np.ptp(ahead)) / omega**lead.order, burst.swing)
     lost = max(burst.swing - next_swing, 1e-3 * burst.swing)
-    found = []
+    candidates = []
     for share in _SHARES:
         ratio = min(max(1.0 - (1.0 - share) * lost / burst.swing, 0.5), 0.9999)
         zeta = -math.log(ratio) / math.hypot(math.pi, math.log(ratio))
@@ -219,9 +217,9 @@ def _candidates(part: Stretch, burst: Burst, lead: Signal, k: float) -> list[Arr
                     at += signal.t.size
                     start[len(COMMON) + offset] = off.mean()
                     misfit += float(np.var(off)) * signal.t.size / signal.noise**2
-                found.append((misfit, start))
-    found.sort(key=lambda one: one[0])
-    return [start for _, start in found]
+                candidates.append((misfit, start))
+    candidates.sort(key=lambda one: one[0])
+    return [start for _, start in candidates]
 
 
 def _ringing(fit: RingFit, part: Stretch) -> Iterator[float]:
@@ -318,15 +316,14 @@ def _from_earlier(fit: RingFit, whole: Stretch, earliest: float) -> RingFit:
     # what stopped it may have begun within the steps that are in doubt
     kept = max(0, len(points) - 1 - doubted)
     part = whole.cut(one.start - kept * step, one.end)
-    again = fit_stretches([part], fit.k, points[kept], gain=_COARSE)
-    return fit if again is None else again
+    return fit_stretches([part], fit.k, points[kept], gain=_COARSE) or fit
 
 
 def _doubted(
     there: RingFit | None, here: RingFit | None, gained: Sequence[tuple[int, float]]
 ) -> int:
-    """How many steps back are in doubt, 0 where the samples follow the motion: by what the last step, or the last
-    three, add to χ².
+    """Number of steps back that are in doubt, 0 where the samples follow the motion, judged by the contribution of the
+    last step, or of the last three, to χ².
 
     gained : samples and what they added to χ², of the steps before.
     """

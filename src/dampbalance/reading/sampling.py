@@ -1,4 +1,4 @@
-"""The samples of a channel, before anything is read off them: even steps, leading ones, the interval."""
+"""Preparation of the samples of a channel: resampling to even steps, leading samples, sampling interval."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Channe
     error = float(np.sqrt(np.mean((coarse - channel.values[1:-1:2]) ** 2))) / 16.0
     warnings.append(
         f"{name}: unevenly sampled (steps of {steps.min():.3g} to {gap:.3g} s), resampled every {dt:.3g} s by "
-        f"a cubic spline; error about {error:.2g} {channel.unit} beside the noise"
+        f"a cubic spline; error about {error:.2g} {channel.unit} in addition to the noise"
     )
     return Channel(channel.quantity, t, spline(t), channel.name)
 

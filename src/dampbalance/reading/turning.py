@@ -1,10 +1,10 @@
-"""Where a periodic motion turns and crosses zero, from the harmonics of many means at once.
+"""Turning points and zero crossings of a periodic motion, from the harmonics of many means at once.
 
 A symmetric motion, x(t + T/2) = −x(t), has odd harmonics alone: its lowest point is the mirror image of its highest.
-Even harmonics have the period T/2, so that they shift both ends alike; each is then looked for by itself.
+Even harmonics have the period T/2, so that they shift both ends alike; each end is then located separately.
 
-Where the mass rests at an end, harmonics as they were measured ring about its level, with what noise they have, and the
-highest of that would be too far out: the level is then the mean over the middle half of the rest.
+Where the mass rests at an end, the measured harmonics ring about its level and are noisy, and their maximum would lie
+too far out: the level is then the mean over the middle half of the rest.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def _end(parts: list[Series], sign: float, rests: bool) -> tuple[Array, Array]:
 
 
 def _rest(values: Array, highest: int, noise: float) -> tuple[float, float] | None:
-    """Where the middle half of the rest about the highest point begins and ends, in points; None for no rest.
+    """Begin and end of the middle half of the rest about the highest point, in points; None where there is no rest.
 
     noise : standard deviation of the values.
     """

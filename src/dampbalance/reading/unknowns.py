@@ -1,4 +1,4 @@
-"""The unknowns of a fit of one oscillator to n records: where each stands in a point, and what motion they make.
+"""The unknowns of a fit of one oscillator to n records: their places in a point, and the motion that follows.
 
 Common to all records, or to a group of them, are the coefficients of the law, ρ = K_z^{−1/2}, the mass m and a delay; Y
 and the phase ψ of the base are each record's own.
@@ -22,10 +22,10 @@ from ..model import BaseMotion, Oscillator
 from .lines import Lines
 
 OTHERS = ("rho", "m", "delay")
-"""Common unknowns beside the coefficients of the law."""
+"""Common unknowns in addition to the coefficients of the law."""
 
 _STEP = 1e-6  # of the finite differences: orbits are exact to 1e-13
-_LEAST = 2e-2  # of √(km): damping that matters beside a smaller one
+_LEAST = 2e-2  # of √(km): damping that sets the step where that of the point is smaller
 
 
 @dataclass(frozen=True)
@@ -38,12 +38,12 @@ class Unknowns:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Of the common ones: the keys of the coefficients, and `OTHERS`."""
+        """Names of the common unknowns: the keys of the coefficients, and `OTHERS`."""
         return (*self.law.keys, *OTHERS)
 
     @property
     def size(self) -> int:
-        """Number of all."""
+        """Number of unknowns."""
         return len(self.names) + 2 * self.records
 
     @cached_property
@@ -61,7 +61,7 @@ class Unknowns:
         return tuple(symbol for symbol in self.law.terms if symbol not in (FRICTION, "c"))
 
     def at(self, record: int) -> dict[str, int]:
-        """Where the unknowns of a record are: those of its law by symbol, ρ, m, delay, Y and ψ."""
+        """Places of the unknowns of a record: those of its law by symbol, rho, m, delay, Y and psi."""
         return self._places[record]
 
     def friction(self, points: Array) -> Array:
@@ -91,7 +91,7 @@ class Unknowns:
         small = _LEAST * math.sqrt(self.k * m)
         for symbol in self.law.terms:
             if symbol != FRICTION:
-                least = small * worth(symbol, one, self.k)
+                least = small * equivalent_coefficient(symbol, one, self.k)
                 parts[symbol] = max(float(point[at[symbol]]), least)
         return {name: _STEP * part for name, part in parts.items()}
 
@@ -103,13 +103,15 @@ class Unknowns:
         response: Response,
         count: int,
         *,
-        quickly: bool = False,
+        quickly: bool,
     ) -> tuple[Complexes, Complexes]:
         """Harmonics n = 1, 3 … of a record, turned by ψ, m, (count,), and their derivatives, (count, unknowns).
 
-        By the common unknowns from motions beside this one. By Y from x being homogeneous: of degree one in Y and in
+        By the common unknowns from neighbouring motions. By Y because x is homogeneous: of degree one in Y and in
         p_j^{1/(1 − d_j)}, d_j the order of the term, so that Y ∂x/∂Y = x − Σ (1 − d_j) p_j ∂x/∂p_j.
-        quickly : by the equations of a nonlinear law where there are some, good to 1e-3 or so of each.
+
+        quickly : from the equations of a nonlinear law where there are some, accurate to 1e-3 or so. Choose that during
+        a search, and differences for standard errors.
         """
         at = self.at(record)
         n = np.arange(1, 2 * count, 2)
@@ -123,8 +125,10 @@ class Unknowns:
                 slope[:, at[name]] = by
         else:
             for name, step in self.steps(point, record, one).items():
-                beside = self.response(_moved(point, at[name], step), record, one.omega, response)
-                slope[:, at[name]] = (beside.harmonics(count) - x) / step
+                neighbour = self.response(
+                    _moved(point, at[name], step), record, one.omega, response
+                )
+                slope[:, at[name]] = (neighbour.harmonics(count) - x) / step
         slope[:, at["Y"]] = self._by_base(point, record, x, slope)
         slope[:, at["psi"]] = 1j * n * x
         return x * turn, slope * turn[:, None]
@@ -136,8 +140,8 @@ class Unknowns:
         at = self.at(record)
         onset, slope = onset_of(response), np.zeros((3, point.size))
         for name, step in self.steps(point, record, one).items():
-            beside = self.response(_moved(point, at[name], step), record, one.omega, response)
-            slope[:, at[name]] = (onset_of(beside) - onset) / step
+            neighbour = self.response(_moved(point, at[name], step), record, one.omega, response)
+            slope[:, at[name]] = (onset_of(neighbour) - onset) / step
         degree = np.array([1.0, 0.0, 1.0])
         slope[:, at["Y"]] = self._by_base(point, record, degree * onset, slope)
         return onset, slope
@@ -158,13 +162,16 @@ class Unknowns:
         F_k, c, K_z, m = candidate.tolist()
         law, point = self.law, np.zeros(self.size)
         free = [s for s in law.terms if s != FRICTION and s not in law.given]
-        worths = {s: float(np.median([worth(s, one, self.k) for one in lines])) for s in law.terms}
-        known = math.fsum(p / worths[s] for s, p in law.given.items() if s != FRICTION)
+        equivalents = {
+            s: float(np.median([equivalent_coefficient(s, one, self.k) for one in lines]))
+            for s in law.terms
+        }
+        known = math.fsum(p / equivalents[s] for s, p in law.given.items() if s != FRICTION)
         for i, one in enumerate(lines):
             at = self.at(i)
             point[at[FRICTION]] = law.given.get(FRICTION, F_k * relative[i])
             for s in law.terms[1:]:
-                share = max(c - known, 0.0) / max(1, len(free)) * worths[s]
+                share = max(c - known, 0.0) / max(1, len(free)) * equivalents[s]
                 point[at[s]] = law.given.get(s, share)
             point[at["rho"]], point[at["m"]], point[at["Y"]] = K_z**-0.5, m, one.Y
         return point
@@ -188,7 +195,9 @@ class Unknowns:
             at = self.at(i)
             m = point[at["m"]]
             for symbol in self.law.terms[1:]:
-                scale[at[symbol]] = 1e-3 * math.sqrt(self.k * m) * worth(symbol, one, self.k)
+                scale[at[symbol]] = (
+                    1e-3 * math.sqrt(self.k * m) * equivalent_coefficient(symbol, one, self.k)
+                )
             for name, size in ((FRICTION, 1.0), ("rho", 1e-3), ("m", 1.0)):
                 scale[at[name]] = size * point[at[name]]
             scale[at["Y"]] = one.Y
@@ -196,8 +205,8 @@ class Unknowns:
         return scale
 
 
-def worth(symbol: str, one: Lines, k: float) -> float:
-    """Coefficient of a term that takes as much in a record as a damper of 1 N s/m; about, from its fundamental."""
+def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
+    """Coefficient of a term that dissipates about as much in a record as a damper of 1 N s/m, from its fundamental."""
     harmonic = KNOWN_TERMS[symbol].harmonic
     if harmonic is None:
         return 1.0
@@ -212,7 +221,7 @@ def onset_of(response: Response) -> Array:
 
 
 def _moved(point: Array, j: int, step: float) -> Array:
-    """The point with one unknown moved."""
+    """The point with one unknown changed."""
     moved = point.copy()
     moved[j] += step
     return moved

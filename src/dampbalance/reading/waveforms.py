@@ -1,9 +1,9 @@
-"""One oscillator for all records: the exact steady waveforms that fit their harmonics best.
+"""Maximum-likelihood fit of one oscillator to all records: the exact waveforms that fit their harmonics best.
 
-The waveform of a record is the steady response of the oscillator (m, k, K_z, F_k) with a damping law, F_k and c unless
-told otherwise, under y = Y cos ωt. The stiffness k is given; the coefficients of the law, ρ = K_z^{−1/2} and, unless
+The waveform of a record is the steady response of the oscillator (m, k, K_z, F_k) with a damping law, F_k and c by
+default, under y = Y cos ωt. The stiffness k is given; the coefficients of the law, ρ = K_z^{−1/2} and, unless
 it is given, the mass m are common to all records, Y and the phase ψ of the base are each record's own. Where the noise
-is white, harmonics taken by least squares over whole cycles hold all that a record tells of a steady motion, so that
+is white, harmonics taken by least squares over whole cycles hold all the information on a steady motion, so that
 
     χ² = Σ |x_n(model) e^{inψ} − x_n|²/σ_n² + (Y(model) − Y)²/σ_Y² + (Yψ)²/σ_Y²
 
@@ -11,7 +11,7 @@ is that of the fit to all samples, whatever drives, whatever answers and however
 estimate of largest likelihood; χ² itself says whether the records are those of such an oscillator. Any regime has its
 exact waveform: one slip onset per half cycle, several, none. In ρ the rigid contact, ρ = 0, is a regular point.
 
-The harmonics tell the phase of the base, too: a time by which the response lags the base in the record (a skew between
+The harmonics fix the phase of the base, too: a time by which the response lags the base in the record (a skew between
 two channels) turns harmonic n by n times its angle, and can be left free.
 """
 
@@ -27,52 +27,44 @@ from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
 from ..law.steady import Response
 from ..law.terms import FRICTION
-from ..solver import NORMAL_95
 from .lines import Lines, improbable
+from .oscillator_fit import OscillatorFit
 from .unknowns import Unknowns
 
 _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class WaveformFit(OscillatorFit):
     """The oscillator whose waveforms fit the harmonics of n records best.
 
-    lines : of the records.   unknowns : names and places of its p unknowns.   point : their values, SI, (p,).
-    covariance : of the point, (p, p); zero where an unknown was given.
-    response : of the point to the data in units of their errors, (p, data): dp = response · d(data)/σ; the data of a
-    record are |Y|, its phase, Re x_n, Im x_n.   places : where the data of each record are.
-    residual : (model − data)/σ, (data,).   chi_square : its square.   freedom : its degrees of freedom.
-    rigid : whether ρ is at zero.   undamped : keys of the coefficients that are at zero.
-    evaluations : that the search for it took.
+    lines : harmonics of the records.
+    unknowns : names and places of the p unknowns.
+    response : derivatives of the point by the data in units of their errors, (p, data): dp = response · d(data)/σ; the
+    data of a record are |Y|, its phase, Re x_n, Im x_n.
+    places : places of each record's data.
+    freedom : degrees of freedom.
+    undamped : keys of the coefficients that are at zero.
+    evaluations : evaluations that the search took.
     """
 
     lines: tuple[Lines, ...]
     unknowns: Unknowns
-    point: Array
-    covariance: Array
     response: Array
     places: tuple[slice, ...]
-    residual: Array
-    chi_square: float
     freedom: int
-    rigid: bool
     undamped: tuple[str, ...]
     evaluations: int = 0
 
     @property
     def law(self) -> Law:
-        """Whose coefficients were fitted."""
+        """The damping law whose coefficients are fitted."""
         return self.unknowns.law
 
     @property
-    def k(self) -> float:
-        """Stiffness, N/m."""
-        return self.unknowns.k
-
-    def value(self, name: str) -> float:
-        """A common unknown, in its unit: a coefficient by its key, rho, m or delay."""
-        return float(self.point[self.unknowns.names.index(name)])
+    def names(self) -> tuple[str, ...]:
+        """Keys of the law's coefficients, then rho, m and delay."""
+        return self.unknowns.names
 
     @property
     def F_k(self) -> float:
@@ -80,51 +72,14 @@ class Fit:
         return float(self.unknowns.friction(self.point))
 
     @property
-    def c(self) -> float:
-        """Viscous damping, N s/m; 0 where the law has none."""
-        return self.value("c") if "c" in self.unknowns.names else 0.0
-
-    @property
-    def rho(self) -> float:
-        """K_z^{−1/2}, (m/N)^{1/2}; 0 for a rigid contact."""
-        return 0.0 if self.rigid else self.value("rho")
-
-    @property
-    def K_z(self) -> float:
-        """Contact stiffness, N/m; infinite for a rigid contact."""
-        return math.inf if self.rigid else self.rho**-2
-
-    @property
-    def m(self) -> float:
-        """Mass, kg."""
-        return self.value("m")
-
-    @property
     def delay(self) -> float:
-        """Time by which the response lags the base in the records beside what the motion makes it, s."""
+        """Time by which the response lags the base in the records in excess of the motion's phase, s."""
         return self.value("delay")
-
-    def error(self, name: str) -> float:
-        """Standard error of a common unknown, in its unit; 0 where it was given."""
-        at = self.unknowns.names.index(name)
-        return math.sqrt(self.covariance[at, at])
 
     @property
     def K_z_error(self) -> float:
         """Standard error of K_z, N/m; infinite where the contact is rigid."""
         return math.inf if self.rigid else 2.0 * self.K_z**1.5 * self.error("rho")
-
-    @property
-    def K_z_interval(self) -> tuple[float, float]:
-        """95 % interval of K_z, N/m, from ρ ± 1.96 standard errors; unbounded above where ρ = 0 is within."""
-        spread = NORMAL_95 * self.error("rho")
-        low, high = self.rho - spread, self.rho + spread
-        return high**-2, (low**-2 if low > 0.0 else math.inf)
-
-    @property
-    def natural_frequency_hz(self) -> float:
-        """√(k/m)/2π, Hz: of the oscillator while its contact slips."""
-        return math.sqrt(self.k / self.m) / (2.0 * math.pi)
 
     @property
     def misfit(self) -> float:
@@ -133,7 +88,7 @@ class Fit:
 
     @property
     def adequate(self) -> bool:
-        """Whether the records may be those of such an oscillator, as far as their noise tells."""
+        """Whether such an oscillator explains the records within their noise."""
         return not improbable(self.chi_square, self.freedom, self.lines)
 
     @property
@@ -156,13 +111,13 @@ class Fit:
 
     @cached_property
     def waveforms(self) -> tuple[Waveform, ...]:
-        """What is read off the motion of each record."""
+        """Waveform of each record, from which its features are read."""
         return tuple(_waveform(self, i) for i in range(len(self.lines)))
 
 
 @dataclass(frozen=True, eq=False)
 class Waveform:
-    """What features take from the motion of one record, with derivatives by the unknowns of the fit.
+    """The waveform of one record as features use it, with derivatives by the unknowns of the fit.
 
     fit : that it belongs to.   index : of the record.   response : its motion.
     onset : (V_s, t_s, λ), SI, λ = 4X − a the travel that sticking takes from 4X: 2L for one slip onset per half cycle.
@@ -170,7 +125,7 @@ class Waveform:
     their derivatives, (harmonics, p).
     """
 
-    fit: Fit
+    fit: WaveformFit
     index: int
     response: Response
     onset: Array
@@ -189,12 +144,6 @@ class Waveform:
         return 2.0 * self.F_k * (self.fit.rho**2 - self.fit.error("rho") ** 2)
 
     @property
-    def length_error(self) -> float:
-        """Standard error of L, m."""
-        slope = self.length_slope
-        return math.sqrt(float(slope @ self.fit.covariance @ slope))
-
-    @property
     def length_slope(self) -> Array:
         """Derivatives of L by the unknowns, (p,)."""
         slope, at = np.zeros(self.fit.point.size), self.fit.unknowns.at(self.index)
@@ -202,15 +151,12 @@ class Waveform:
         slope[at["rho"]] = 4.0 * self.F_k * self.fit.rho
         return slope
 
-    @property
-    def length_bound(self) -> float:
-        """L is below it with 97.5 % confidence, m."""
-        return 2.0 * self.F_k * (self.fit.rho + NORMAL_95 * self.fit.error("rho")) ** 2
 
-
-def _waveform(fit: Fit, i: int) -> Waveform:
-    """What features take from the motion of record i."""
+def _waveform(fit: WaveformFit, i: int) -> Waveform:
+    """The waveform of record i."""
     one, response = fit.lines[i], fit.responses[i]
     onset, slope = fit.unknowns.onset(fit.point, i, one, response)
-    tail, tail_slope = fit.unknowns.harmonics(fit.point, i, one, response, _HARMONICS)
+    tail, tail_slope = fit.unknowns.harmonics(
+        fit.point, i, one, response, _HARMONICS, quickly=False
+    )
     return Waveform(fit, i, response, onset, slope, tail, tail_slope)

@@ -96,6 +96,23 @@ def test_from_a_response_beside_it_the_way_leads_to_the_same():
     assert np.abs(near.harmonics(20) - straight.harmonics(20)).max() < 1e-8 * near.X
 
 
+def test_slopes_from_the_equations_are_those_of_responses_beside():
+    osc, law, count, h = replace(BARE, c=20.0, K_z=2e3), LAWS["c_2"], 8, 1e-4
+    slopes = steady_response(osc, MOTION, law).slopes(count, ("F_k", "c", "c_2"))
+    assert set(slopes) == {"F_k", "c", "c_2", "K_z", "m"}
+    for name, slope in slopes.items():
+        value = law.get(name) or getattr(osc, name)
+
+        def moved(by, name=name, value=value):
+            beside = {} if name in law else {name: value + by}
+            coefficients = law | {name: value + by} if name in law else law
+            return steady_response(replace(osc, **beside), MOTION, coefficients).harmonics(count)
+
+        expected = (moved(h * value) - moved(-h * value)) / (2.0 * h * value)
+        # the equations leave out the harmonics of the change beyond the 63rd
+        assert slope == pytest.approx(expected, abs=1e-4 * np.abs(expected).max()), name
+
+
 def test_onset_and_velocity_are_those_of_the_motion():
     osc, law = replace(BARE, c=20.0), {"c_2": 300.0}
     found, exact = steady_response(osc, MOTION, law), law_orbit(osc, MOTION, law)

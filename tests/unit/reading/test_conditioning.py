@@ -11,6 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from dampbalance import BaseMotion, steady_orbit, transient
 from dampbalance.reading.conditioning import _bandwidth, condition, condition_blocks
+from dampbalance.reading.sampling import evenly_sampled
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import NEAR, OMEGA, PAPER
@@ -133,8 +134,18 @@ def test_uneven_sampling_is_resampled_and_said():
     )
     steady = condition(record, PAPER.k)
     assert "unevenly sampled" in " ".join(steady.warnings)
+    assert steady.start == t[0]
     ratio = steady.mean(steady.X)[1] / steady.mean(steady.Y)[1]
     assert abs(ratio) * MOTION.Y == pytest.approx(ORBIT.harmonic(1)[0], rel=1e-6)
+
+
+def test_what_is_resampled_lies_between_the_first_sample_and_the_last():
+    t = np.array([0.3, 0.4, 0.52, 0.6, 0.71, 0.8, 0.88, 1.0, 1.1, 1.23])
+    even = evenly_sampled(Channel("displacement", t, 2.0 * t), "uneven", [])
+    dt = np.median(np.diff(t))
+    assert even.t == pytest.approx(0.3 + dt * np.arange(even.t.size), rel=1e-12)
+    assert t[-1] - dt < even.t[-1] <= t[-1]
+    assert even.values == pytest.approx(2.0 * even.t, rel=1e-12)  # a cubic spline keeps a line
 
 
 def test_the_error_that_resampling_is_said_to_make_is_the_one_it_makes():
@@ -145,7 +156,7 @@ def test_the_error_that_resampling_is_said_to_make_is_the_one_it_makes():
     made = {"base_displacement": MOTION.Y * np.cos(MOTION.omega * t), "displacement": x}
     record = Measurement.of("jittered", [Channel(q, t, values) for q, values in made.items()])
     (words,) = (w for w in condition(record, PAPER.k).warnings if w.startswith("displacement"))
-    said = float(re.search(r"error about (\S+) m beside", words)[1])
+    said = float(re.search(r"error about (\S+) m in addition", words)[1])
     grid = np.arange(t[1], t[-2], np.median(np.diff(t)))
     off = CubicSpline(t, x)(grid) - 0.01 * np.cos(MOTION.omega * grid - 1.0)
     # the error of a spline of half as many samples over 2⁴: an estimate, of steps that differ

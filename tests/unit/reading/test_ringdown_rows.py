@@ -1,4 +1,4 @@
-"""Rows of free decays, against the closed form of a decay by friction alone."""
+"""Rows and fits of free decays, against closed forms and motions that are known."""
 
 from __future__ import annotations
 
@@ -14,7 +14,12 @@ from dampbalance.reading.ringdown_bursts import Signal
 from dampbalance.reading.ringdown_fit import fit_stretches
 from dampbalance.reading.ringdown_motion import Stretch, samples_of
 from dampbalance.reading.ringdown_rows import _columns, _course, _turns
-from dampbalance.reading.ringdown_starts import _before, surer
+from dampbalance.reading.ringdown_starts import (
+    _before,
+    _until_disturbed,
+    _until_grasped,
+    refit_from_other_starts,
+)
 
 M, K, F_K, START = 2.0, 800.0, 0.2, 5e-3
 HALF = math.pi * math.sqrt(M / K)  # between two turns, s
@@ -51,7 +56,7 @@ def test_a_search_from_other_starts_keeps_what_is_given():
         far[:2] = 0.2 * F_K, 2.0
         fit = fit_stretches([replace(unread, signals=(signal,))], K, far, given={0, 1, rho, w})
         assert fit.doubtful
-        better = surer(fit, given={rho, w})
+        better = refit_from_other_starts(fit, given={rho, w})
     assert better.point[[rho, w]].tolist() == point[[rho, w]].tolist()
     # the samples are exact; the climb ends where half of χ² would fall by 1e-2
     assert better.chi_square < 2e-2 < 1e-3 * fit.chi_square
@@ -68,3 +73,52 @@ def test_the_state_a_step_earlier_is_that_of_the_damped_motion():
     # of second order; 16 steps of (ωh, hc/m) = (0.016, 0.012) leave 1.3e-3
     assert [x, v] == pytest.approx(exact, rel=3e-3)
     assert w == 2.0
+
+
+def decay(last, k_z=30.0 * K, noise=1e-6):
+    """A stretch of exact samples with a little noise, `last` half cycles long, and the fit of its offset alone."""
+    t = np.arange(0.0, last * HALF, HALF / 20.0)
+    unread = Stretch("", 0.0, t[-1], (Signal("displacement", 0, t, t, noise),), (0,), 2.0 * HALF)
+    point = np.concatenate([[F_K, 0.3, k_z**-0.5, M, 0.0], STATE])
+    exact = samples_of(point, STATE, K, unread)
+    values = exact + noise * np.random.default_rng(8).standard_normal(t.size)
+    return replace(unread, signals=(replace(unread.signals[0], values=values),)), point
+
+
+def changed(whole, since, values):
+    """The stretch with other values from a time on."""
+    (signal,) = whole.signals
+    late = signal.t >= since
+    return replace(whole, signals=(replace(signal, values=np.where(late, values, signal.values)),))
+
+
+def test_a_fit_ends_where_something_else_moves_the_mass():
+    whole, point = decay(9.0)
+    disturbed = 6.3 * HALF
+    whole = changed(whole, disturbed, whole.signals[0].values + 1e-4)
+    good = disturbed - 2.0 * HALF
+    with interpreted():
+        fit = fit_stretches([whole.cut(0.0, good)], K, point, given={7})
+        found = _until_disturbed(fit, whole, whole.end)
+    end = found.stretches[0].end
+    # bisected to a twentieth of a half cycle, then half a cycle less: where a disturbance began may show late
+    assert disturbed - 1.3 * HALF < end < disturbed - 0.8 * HALF
+    assert found.adequate
+
+
+@pytest.mark.parametrize("grasped", [None, 17.3])
+def test_a_decay_ends_where_a_hand_holds_the_mass_that_rang(grasped):
+    """The mass sticks after ten half cycles, and rings on the contact until it is held."""
+    whole, point = decay(20.0)
+    if grasped is not None:
+        rng = np.random.default_rng(9)
+        held = whole.signals[0].values[-1] + 1e-6 * rng.standard_normal(whole.signals[0].t.size)
+        whole = changed(whole, grasped * HALF, held)
+    with interpreted():
+        fit = fit_stretches([whole], K, point, given={0, 1, 2, 3, 5, 6, 7})
+        found = _until_grasped(fit)
+    if grasped is None:
+        assert found is fit
+    else:
+        # the ringing, of a few times the noise, tells the instant to some samples
+        assert found.stretches[0].end == pytest.approx(grasped * HALF, abs=0.3 * HALF)

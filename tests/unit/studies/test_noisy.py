@@ -256,7 +256,7 @@ def test_the_summary_tells_the_groups_apart(done):
     bound = found.drop_duplicates(["frequency_hz", "noise", "quantity"])["bound_percent"].to_numpy()
     np.testing.assert_allclose(bound[2:4] / bound[:2], 10.0, rtol=1e-9)
     motions = motions_at(levels=study.levels)
-    noise = noise_of_rms(PAPER, motions, 0.001, ("y", "x"))
+    noise = noise_of_rms(PAPER, motions, 0.001)
     least = cramer_rao(
         PAPER, motions, rate_hz=study.fixed["sampling_hz"], cycles=study.cycles, noise=noise
     )

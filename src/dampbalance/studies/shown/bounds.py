@@ -43,7 +43,7 @@ def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
             motions,
             rate_hz=float(here["sampling_hz"][0]),
             cycles=study.cycles,
-            noise=noise_of_rms(osc, motions, noise, ("y", "x")),
+            noise=noise_of_rms(osc, motions, noise),
         )
     except (ValueError, NoSteadyOrbit, ArithmeticError):
         return nothing

@@ -1,0 +1,84 @@
+"""Results that every fit of an oscillator has, whatever the records are."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+from ..arrays import Array
+from ..solver import NORMAL_95
+
+
+@dataclass(frozen=True, eq=False)
+class OscillatorFit(ABC):
+    """The oscillator that fits records best.
+
+    k : stiffness, N/m, given.
+    point : all p unknowns, SI, (p,), those common to all records first.
+    covariance : covariance of the point, (p, p); zero where an unknown was given.
+    residual : (model − data)/σ, (n,).
+    rigid : whether ρ = K_z^{−1/2} is at its lower limit, which stands for a rigid contact.
+    """
+
+    k: float
+    point: Array
+    covariance: Array
+    residual: Array
+    rigid: bool
+
+    @property
+    @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """Names of the common unknowns, in the order of the point."""
+
+    def value(self, name: str) -> float:
+        """A common unknown, in its unit."""
+        return float(self.point[self.names.index(name)])
+
+    def error(self, name: str) -> float:
+        """Standard error of a common unknown, in its unit; 0 where it was given."""
+        at = self.names.index(name)
+        return math.sqrt(self.covariance[at, at])
+
+    @property
+    def F_k(self) -> float:
+        """Friction force, N."""
+        return self.value("F_k")
+
+    @property
+    def c(self) -> float:
+        """Viscous damping, N s/m; 0 where the law has none."""
+        return self.value("c") if "c" in self.names else 0.0
+
+    @property
+    def rho(self) -> float:
+        """ρ = K_z^{−1/2}, (m/N)^{1/2}; 0 for a rigid contact."""
+        return 0.0 if self.rigid else self.value("rho")
+
+    @property
+    def K_z(self) -> float:
+        """Contact stiffness, N/m; infinite for a rigid contact."""
+        return math.inf if self.rigid else self.rho**-2
+
+    @property
+    def K_z_interval(self) -> tuple[float, float]:
+        """95 % interval of K_z, N/m, from ρ ± 1.96 standard errors; unbounded above where that reaches ρ = 0."""
+        spread = NORMAL_95 * self.error("rho")
+        low, high = self.rho - spread, self.rho + spread
+        return high**-2, (low**-2 if low > 0.0 else math.inf)
+
+    @property
+    def m(self) -> float:
+        """Mass, kg."""
+        return self.value("m")
+
+    @property
+    def natural_frequency_hz(self) -> float:
+        """√(k/m)/2π, Hz, the natural frequency while the contact slips."""
+        return math.sqrt(self.k / self.m) / (2.0 * math.pi)
+
+    @property
+    def chi_square(self) -> float:
+        """Sum of the squares of the residuals, χ²."""
+        return float(self.residual @ self.residual)
