@@ -7,6 +7,10 @@ and the noise (two runs of each set).
 from __future__ import annotations
 
 import contextlib
+import functools
+import json
+import operator
+import re
 import runpy
 import shutil
 from collections.abc import Mapping
@@ -20,6 +24,7 @@ from matplotlib.figure import Figure
 from dampbalance import figures, steady_orbit
 from dampbalance.features import Features
 from dampbalance.project.files import write_csv
+from dampbalance.publishing.article import compiling
 from dampbalance.replication import comparison, tables
 from dampbalance.replication.claims import claims_table, read_published
 from dampbalance.studies import evaluate, outputs
@@ -29,7 +34,17 @@ from dampbalance.studies.shown.summary import summary_of
 from paper.routes import CASE, CONFIG, PAPER, PUBLISHED, ROOT, as_published, exact, unrounded
 
 RESULTS, STUDIES = "results/paper", "results/studies"
-INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}"}
+FOLDERS = {"RESULTS": RESULTS, "ARTICLE": f"{RESULTS}/article", "STUDY_RESULTS": STUDIES}
+SOURCES = {
+    f"{FOLDERS[folder]}/{file}": rule
+    for folder, file, rule in re.findall(
+        r'^ +f"\{(\w+)\}/(\S+)": "(\w+)",$',
+        (ROOT / "workflow/rules/article.smk").read_text(encoding="utf-8"),
+        re.MULTILINE,
+    )
+}
+"""The files that the article reads, and the rule that makes each, as the workflow has them."""
+INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}", "sources": SOURCES}
 OF_ARTICLE = [
     *("frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"),
     *("noise", "rigid_contact"),
@@ -39,19 +54,6 @@ COARSER = {
     "noise": ("run: {from: 1, to: 50, count: 50}", "run: {from: 1, to: 2, count: 2}"),
 }
 FIRST = next(iter(CASE.frequencies_hz))
-RULES = {
-    f"{RESULTS}/tables/table1.csv": "tables",
-    f"{RESULTS}/tables/table2.csv": "tables",
-    f"{RESULTS}/tables/table3.csv": "tables",
-    f"{RESULTS}/tables/approaches.csv": "tables",
-    f"{RESULTS}/claims.csv": "claims",
-    f"{RESULTS}/article/schemes.csv": "article_schemes",
-    f"{RESULTS}/article/evidence.json": "article_evidence",
-    f"{RESULTS}/article/studies.json": "article_studies",
-    f"{RESULTS}/article/environment.json": "article_environment",
-    f"{STUDIES}/noise/summary.csv": "study_summary",
-    f"{STUDIES}/noise/manifest.json": "study_cases",
-}
 
 
 @dataclass(frozen=True)
@@ -68,18 +70,41 @@ class Project:
     def pdf(self) -> Path:
         return self.folder / f"{RESULTS}/article.pdf"
 
-    @property
-    def values(self) -> Path:
-        return self.folder / f"{RESULTS}/article/values.json"
+    def printed(self) -> dict[str, dict[str, Any]]:
+        """Every value that the article prints, by key, with the place from which typst read it."""
+        values = self.query("<value>", "value")
+        return {value["key"]: value for value in values}
+
+    def query(self, selector: str, field: str) -> list[Any]:
+        """A field of every element of the compiled article that a selector matches."""
+        return compiling.query(self.source, self.folder, INPUTS, selector, field)
+
+    def copy(self, folder: Path) -> Project:
+        """The article and its results in another folder."""
+        for name in ("paper/article", "results"):
+            shutil.copytree(self.folder / name, folder / name)
+        return Project(folder)
+
+    def change(self, file: str, pointer: str, *value: object) -> None:
+        """Put another value at a pointer of a JSON result, or none at all."""
+        path = self.folder / RESULTS / file
+        document = json.loads(path.read_text(encoding="utf-8"))
+        *parents, name = pointer.split("/")[1:]
+        at = functools.reduce(operator.getitem, parents, document)
+        if value:
+            at[name] = value[0]
+        else:
+            del at[name]
+        path.write_text(json.dumps(document), encoding="utf-8")
 
     def run(self, script: str, inputs: object, params: object, output: Mapping[str, str]) -> None:
         """A script of the workflow, as its rule would run it."""
         for file in output.values():
             (self.folder / file).parent.mkdir(parents=True, exist_ok=True)
-        told = SimpleNamespace(input=inputs, params=params, output=SimpleNamespace(**output))
+        job = SimpleNamespace(input=inputs, params=params, output=SimpleNamespace(**output))
         with contextlib.chdir(self.folder):
             runpy.run_path(
-                str(ROOT / f"workflow/scripts/article/{script}.py"), {"snakemake": told}, "__main__"
+                str(ROOT / f"workflow/scripts/article/{script}.py"), {"snakemake": job}, "__main__"
             )
 
     def typeset(self, output: str = f"{RESULTS}/article.pdf") -> None:
@@ -155,7 +180,7 @@ def _studies(folder: Path) -> tuple[list[str], list[str]]:
 
 
 def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
-    """schemes.csv, evidence.json, studies.json, environment.json, values.json."""
+    """schemes.csv, evidence.json, studies.json, environment.json."""
     article = f"{RESULTS}/article"
     project.run(
         "article_schemes",
@@ -190,14 +215,6 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
         SimpleNamespace(citation="CITATION.cff"),
         SimpleNamespace(packages=packages),
         {"json": f"{article}/environment.json"},
-    )
-    project.run(
-        "article_values",
-        None,
-        SimpleNamespace(
-            rules=RULES, top=".", folder=RESULTS, frequencies=list(CASE.frequencies_hz)
-        ),
-        {"json": f"{article}/values.json"},
     )
 
 

@@ -20,13 +20,14 @@ from ...figures import glance
 from ...figures.numerics import Evidence
 from ...model import Oscillator
 from ...project.case import Case
+from ...reading.clean import CYCLES_TO_READ
 from ...replication import comparison
 from ...replication.as_published import added_damping, coefficients
 from ...replication.claim_ids import of_cell
+from ...replication.readout import ReadOut
 from ...replication.tables import TABLE_2
-from ...replication.verdicts import counts
+from ...replication.verdicts import VERDICTS, counts
 from ...solver import Pair
-from . import recipe
 
 Json = dict[str, Any]
 
@@ -38,7 +39,7 @@ GLANCE = {
 """Label of the figure at a glance → its way of `comparison.WAYS`."""
 
 
-def evidence(
+def derived_numbers(
     case: Case,
     features: Mapping[str, Mapping[str, pd.DataFrame]],
     estimates: Mapping[str, Mapping[str, pd.DataFrame]],
@@ -63,7 +64,7 @@ def evidence(
         {
             "setting": setting(case, exact[first]),
             "verdicts": verdict_counts(claims),
-            "recipe": recipe.evidence(case, exact[first]),
+            "recipe": recipe(case, exact[first]),
             "dissipation": dissipation(case, float(exact[first].omega[0])),
             "integrals": integral_deviations(features, claims, schemes, first),
             "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},
@@ -77,6 +78,10 @@ def evidence(
             "slip_detected": samples_off(features["as_published"][first], claims, case),
             "step_from_W": step_from_work(claims, schemes, case),
             "cycles": sampling_instants(cycles, claims, case),
+            "vocabulary": {
+                "verdicts": [asdict(verdict) for verdict in VERDICTS.values()],
+                "ways": comparison.WAYS,
+            },
         }
     )
     return numbers
@@ -118,6 +123,34 @@ def setting(case: Case, first: Features) -> Json:
         **coefficients(case),
         "t_s_mean_ms": 1e3 * float(np.mean(first.t_s)),
         "phi_mean": float(np.mean(first.phi)),
+    }
+
+
+def recipe(case: Case, exact: Features) -> Json:
+    """What the rules of reading make of the responses at the first frequency. None: the case has no such rule.
+
+    periods : simulated before the cycle that is read.   slip_samples : after slip is seen, where a begins.
+    X_um, mark_um : units to which X and X + X_s are read.   swing_um : X + X_s as read, at every level.
+    steps : off t_s.   t_s_unit_ms, t_s_ms : unit of t_s, and the one that stands for all levels.
+    phi, phi_decimals : the phase that stands for all levels, rad.
+
+    exact : features of the exact responses; what is read to so coarse a unit is the same off the simulation.
+    """
+    numerics = case.numerics
+    rules = ReadOut.from_config(numerics.two_point)
+    common = rules.common(exact)
+    swings = sorted({round(1e6 * swing, 6) for swing in (common.X + common.X_s).tolist()})
+    return {
+        "periods": numerics.cycles - CYCLES_TO_READ,
+        "slip_samples": ", ".join(map(str, numerics.slip_samples)),
+        "X_um": None if rules.X_decimals is None else 10.0 ** (6 - rules.X_decimals),
+        "mark_um": None if rules.X_s_mark is None else 1e6 * rules.X_s_mark,
+        "swing_um": swings[0] if rules.X_s_mark is not None and len(swings) == 1 else None,
+        "steps": round(rules.t_s_inset / numerics.step_s, 3),
+        "t_s_unit_ms": None if rules.t_s_unit is None else 1e3 * rules.t_s_unit,
+        "t_s_ms": 1e3 * float(common.t_s[0]),
+        "phi": float(common.phi[0]),
+        "phi_decimals": rules.common_phi_decimals,
     }
 
 

@@ -12,7 +12,7 @@ import pytest
 from dampbalance.features import Features
 from dampbalance.figures.glance import Damping, glance
 from dampbalance.figures.numerics import Evidence
-from dampbalance.publishing.article.evidence import (
+from dampbalance.publishing.article.derived_numbers import (
     at_a_glance,
     lock_in_errors,
     sampling_instants,
