@@ -14,6 +14,8 @@ import pandas as pd
 import pytest
 
 from dampbalance.features import Features
+from dampbalance.project.files import write_json
+from dampbalance.publishing.article import compiling, derived_numbers
 from paper.routes import CASE, PUBLISHED, ROOT, exact
 from paper_case import LEVELS, PAIRS, PAPER
 
