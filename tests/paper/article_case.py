@@ -97,20 +97,22 @@ class Project:
             del at[name]
         path.write_text(json.dumps(document), encoding="utf-8")
 
-    def run(self, script: str, inputs: object, params: object, output: Mapping[str, str]) -> None:
+    def run(
+        self, script: str, output: Mapping[str, str], inputs: Mapping[str, object], **params: object
+    ) -> None:
         """A script of the workflow, as its rule would run it."""
         for file in output.values():
             (self.folder / file).parent.mkdir(parents=True, exist_ok=True)
-        job = SimpleNamespace(input=inputs, params=params, output=SimpleNamespace(**output))
+        job = {"input": inputs, "params": params, "output": output}
+        snakemake = SimpleNamespace(**{name: SimpleNamespace(**of) for name, of in job.items()})
+        file = ROOT / f"workflow/scripts/article/{script}.py"
         with contextlib.chdir(self.folder):
-            runpy.run_path(
-                str(ROOT / f"workflow/scripts/article/{script}.py"), {"snakemake": job}, "__main__"
-            )
+            runpy.run_path(str(file), {"snakemake": snakemake}, "__main__")
 
     def typeset(self, output: str = f"{RESULTS}/article.pdf") -> None:
         """The rule `article`."""
-        params = SimpleNamespace(folder="paper/article", results="results", inputs=INPUTS)
-        self.run("article", None, params, {"pdf": output})
+        params = {"folder": "paper/article", "results": "results", "inputs": INPUTS}
+        self.run("article", {"pdf": output}, {}, **params)
 
 
 def build(folder: Path) -> Project:
@@ -182,63 +184,43 @@ def _studies(folder: Path) -> tuple[list[str], list[str]]:
 def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
     """schemes.csv, evidence.json, studies.json, environment.json."""
     article = f"{RESULTS}/article"
-    project.run(
-        "article_schemes",
-        None,
-        SimpleNamespace(case=CONFIG, frequency=FIRST),
-        {"csv": f"{article}/schemes.csv", "cycles": f"{article}/cycles.csv"},
-    )
-    project.run(
-        "article_evidence",
-        SimpleNamespace(
-            claims=f"{RESULTS}/claims.csv",
-            approaches=f"{RESULTS}/tables/approaches.csv",
-            schemes=f"{article}/schemes.csv",
-            cycles=f"{article}/cycles.csv",
-        ),
-        SimpleNamespace(case=CONFIG, folder=RESULTS),
-        {"json": f"{article}/evidence.json"},
-    )
+    schemes = {"csv": f"{article}/schemes.csv", "cycles": f"{article}/cycles.csv"}
+    project.run("article_schemes", schemes, {}, case=CONFIG, frequency=FIRST)
+    tables = {
+        "claims": f"{RESULTS}/claims.csv",
+        "approaches": f"{RESULTS}/tables/approaches.csv",
+        "schemes": schemes["csv"],
+        "cycles": schemes["cycles"],
+    }
+    output = {"json": f"{article}/evidence.json"}
+    project.run("article_evidence", output, tables, case=CONFIG, folder=RESULTS)
     project.run(
         "article_studies",
-        SimpleNamespace(cases=cases, files=files),
-        SimpleNamespace(
-            studies=OF_ARTICLE,
-            schema="workflow/schemas/study.schema.yaml",
-            base="config/config.yaml",
-        ),
         {"json": f"{article}/studies.json"},
+        {"cases": cases, "files": files},
+        studies=OF_ARTICLE,
+        schema="workflow/schemas/study.schema.yaml",
+        base="config/config.yaml",
     )
+    output = {"json": f"{article}/environment.json"}
     packages = ["dampbalance", "numpy", "typst"]
-    project.run(
-        "article_environment",
-        SimpleNamespace(citation="CITATION.cff"),
-        SimpleNamespace(packages=packages),
-        {"json": f"{article}/environment.json"},
-    )
+    project.run("article_environment", output, {"citation": "CITATION.cff"}, packages=packages)
 
 
 def _figures(project: Project, cases: list[str]) -> None:
-    """The figure of the numerics by its script; the others as theirs draw them."""
+    """The article's own figures by their script; the others as theirs draw them."""
     folder = f"{RESULTS}/figures"
-    project.run(
-        "article_figure",
-        SimpleNamespace(
-            claims=f"{RESULTS}/claims.csv",
-            exact=f"{RESULTS}/features/exact/{FIRST}.csv",
-            estimates=f"{RESULTS}/estimates/as_published/{FIRST}.csv",
-            schemes=f"{RESULTS}/article/schemes.csv",
-            steps=cases[OF_ARTICLE.index("step_size")],
-            approaches=f"{RESULTS}/tables/approaches.csv",
-        ),
-        SimpleNamespace(case=CONFIG),
-        {
-            "svg": f"{folder}/numerics.svg",
-            "png": f"{folder}/numerics.png",
-            "glance_svg": f"{folder}/glance.svg",
-            "glance_png": f"{folder}/glance.png",
-        },
-    )
+    inputs = {
+        "claims": f"{RESULTS}/claims.csv",
+        "exact": f"{RESULTS}/features/exact/{FIRST}.csv",
+        "estimates": f"{RESULTS}/estimates/as_published/{FIRST}.csv",
+        "schemes": f"{RESULTS}/article/schemes.csv",
+        "steps": cases[OF_ARTICLE.index("step_size")],
+        "approaches": f"{RESULTS}/tables/approaches.csv",
+    }
+    output = {kind: f"{folder}/numerics.{kind}" for kind in ("svg", "png")}
+    output |= {f"glance_{kind}": f"{folder}/glance.{kind}" for kind in ("svg", "png")}
+    project.run("article_figure", output, inputs, case=CONFIG)
     orbits = [steady_orbit(PAPER, motion) for motion in CASE.motions(FIRST)]
     others = {
         "figure1": figures.schematic(),

@@ -95,6 +95,16 @@ def test_the_attached_list_holds_every_printed_value_and_its_source(values, read
         assert (value["file"], value["rule"]) == (source["file"], source["rule"])
 
 
+def test_every_key_of_the_article_is_printed(article, values):
+    """values.typ holds no place that nothing is printed from, and every claim stands in the tables."""
+    source = b"""#import "paper/article/values.typ": family, rows-of, single, claims-file
+        #metadata((single.keys(), family.keys(), rows-of(claims-file).map(it => it.id)))<keys>"""
+    single, family, claims = compiling.query(source, article.folder, INPUTS, "<keys>", "value")[0]
+    assert set(single) - values.keys() == set()
+    assert set(family) - {key.partition(".")[0] for key in values} == set()
+    assert {f"claim.{claim}.printed" for claim in claims} - values.keys() == set()
+
+
 def test_every_value_is_what_its_file_says(article, values):
     wrong = [key for key, value in values.items() if not agrees(value, raw(article, value))]
     assert wrong == []

@@ -125,9 +125,7 @@ if config["published"]:
 
     rule article:
         input:
-            texts=[
-                project_input(file) for file in sorted((ROOT / "paper/article").rglob("*.typ"))
-            ],
+            texts=[project_input(file) for file in sorted((ROOT / "paper/article").rglob("*.typ"))],
             references=project_input("paper/article/references.yml"),
             sources=list(ARTICLE_SOURCES),
             figures=list(ARTICLE_FIGURES.values()),
