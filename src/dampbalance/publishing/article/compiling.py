@@ -7,7 +7,7 @@ import shutil
 import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import typst
 
@@ -19,25 +19,24 @@ equation without alternative text is an error."""
 TIMESTAMP = 1_767_225_600
 
 Inputs = Mapping[str, str | Mapping[str, str]]
+Source = TypeVar("Source", Path, bytes)
+"""A typst file, or its text."""
 
 
 class ArticleError(RuntimeError):
     """The article does not compile, or compiles with a warning."""
 
 
-def compiler(source: str | Path | bytes, root: str | Path, inputs: Inputs) -> typst.Compiler:
+def compiler(source: Source, root: str | Path, inputs: Inputs) -> typst.Compiler:
     """A compiler that uses only the fonts that typst brings along: the article looks the same on every machine.
 
     inputs : name → what the article finds under it in `sys.inputs`; anything but text as JSON.
     """
     texts = {name: of if isinstance(of, str) else json.dumps(of) for name, of in inputs.items()}
-    file = source if isinstance(source, bytes) else str(source)
-    return typst.Compiler(file, root=str(root), ignore_system_fonts=True, sys_inputs=texts)
+    return typst.Compiler(source, root=str(root), ignore_system_fonts=True, sys_inputs=texts)
 
 
-def query(
-    source: str | Path | bytes, root: str | Path, inputs: Inputs, selector: str, field: str
-) -> list[Any]:
+def query(source: Source, root: str | Path, inputs: Inputs, selector: str, field: str) -> list[Any]:
     """Compile a source and return a field of every element that a selector matches, in the order of the document."""
     fields: list[Any] = json.loads(
         compiler(source, root, inputs).query(selector, field=field, format="json")
@@ -63,7 +62,7 @@ def article(folder: str | Path, results: str | Path, inputs: Inputs) -> bytes:
         return pdf(source / "article.typ", top, inputs)
 
 
-def pdf(source: str | Path, root: str | Path, inputs: Inputs) -> bytes:
+def pdf(source: Path, root: str | Path, inputs: Inputs) -> bytes:
     """The article as PDF/A and PDF/UA. Raises ArticleError for an error of typst, and for a warning."""
     try:
         document, warnings = compiler(source, root, inputs).compile_with_warnings(
