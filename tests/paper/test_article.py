@@ -43,12 +43,12 @@ def content(path: Path) -> object:
 
 def raw(article, value: dict) -> object:
     """The entry in the file that a value names."""
-    found = content(article.folder / value["file"])
+    entry = content(article.folder / value["file"])
     if "pointer" in value:
         for name in value["pointer"].split("/")[1:]:
-            found = found[int(name)] if isinstance(found, list) else found[name]
-        return found
-    rows = [row for row in found if value["row"].items() <= row.items()]
+            entry = entry[int(name)] if isinstance(entry, list) else entry[name]
+        return entry
+    rows = [row for row in entry if value["row"].items() <= row.items()]
     assert len(rows) == 1
     return rows[0][value["column"]]
 
@@ -68,14 +68,14 @@ def number(text: str) -> tuple[float, float]:
 WORDS = {"two": 2, "three": 3, "four": 4, "five": 5, "six": 6}
 
 
-def agrees(value: dict, found: object) -> bool:
+def agrees(value: dict, entry: object) -> bool:
     """Whether the printed text is that entry: rounded, in the scale stated, below a bound, or word for word."""
     style = value["style"]
     if style["form"] == "text":
-        return value["text"] == str(found)
+        return value["text"] == str(entry)
     if value["text"] == "–":
-        return found in ("", None)
-    wanted = float(str(found)) * float(style["scale"])
+        return entry in ("", None)
+    wanted = float(str(entry)) * float(style["scale"])
     wanted = abs(wanted) if style["unsigned"] else wanted
     if style["form"] == "word":
         return WORDS[value["text"]] == wanted
@@ -237,9 +237,9 @@ def test_each_source_is_named_with_the_rule_of_the_workflow_that_makes_it(values
     )
     assert {value["file"] for value in values.values()} == SOURCES.keys()
     for file, rule in SOURCES.items():
-        found = re.search(rf"^ *rule {rule}:\n(.*?)(?=^ *rule |\Z)", workflow, re.M | re.S)
-        assert found, rule
-        outputs = found[1].partition("output:")[2].partition("message:")[0]
+        lines = re.search(rf"^ *rule {rule}:\n(.*?)(?=^ *rule |\Z)", workflow, re.M | re.S)
+        assert lines, rule
+        outputs = lines[1].partition("output:")[2].partition("message:")[0]
         name = "table_files" if "/tables/" in file else file.rpartition("/")[2]
         assert name in outputs, (file, rule)
 
@@ -303,9 +303,9 @@ def test_every_equation_and_figure_can_be_read_aloud(article, reader):
         assert all(text and re.search(r"\w", text) for text in texts), kind
     elements = structure(reader.trailer["/Root"]["/StructTreeRoot"])
     for kind, least in {"/Figure": 6, "/Formula": 100}.items():
-        found = [e for e in elements if e.get("/S") == kind]
-        assert len(found) >= least
-        assert all(str(e.get("/Alt", "")).strip() for e in found), kind
+        shown = [e for e in elements if e.get("/S") == kind]
+        assert len(shown) >= least
+        assert all(str(e.get("/Alt", "")).strip() for e in shown), kind
 
 
 def test_values_are_links_to_the_files_and_rules_that_the_last_page_names(reader):
