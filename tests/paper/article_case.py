@@ -98,7 +98,12 @@ class Project:
         path.write_text(json.dumps(document), encoding="utf-8")
 
     def run(
-        self, script: str, output: Mapping[str, str], inputs: Mapping[str, object], **params: object
+        self,
+        script: str,
+        output: Mapping[str, str],
+        inputs: Mapping[str, object],
+        /,
+        **params: object,
     ) -> None:
         """A script of the workflow, as its rule would run it."""
         for file in output.values():
