@@ -7,6 +7,10 @@ and the noise (two runs of each set).
 from __future__ import annotations
 
 import contextlib
+import functools
+import json
+import operator
+import re
 import runpy
 import shutil
 from collections.abc import Mapping
@@ -20,6 +24,7 @@ from matplotlib.figure import Figure
 from dampbalance import figures, steady_orbit
 from dampbalance.features import Features
 from dampbalance.project.files import write_csv
+from dampbalance.publishing.article import compiling
 from dampbalance.replication import comparison
 from dampbalance.replication.printed_tables import paper_tables
 from dampbalance.studies import evaluate, outputs
@@ -29,7 +34,17 @@ from dampbalance.studies.shown.summary import summary_of
 from paper.routes import CASE, CONFIG, PAPER, ROOT, as_published, exact, judged
 
 RESULTS, STUDIES = "results/paper", "results/studies"
-INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}"}
+FOLDERS = {"RESULTS": RESULTS, "ARTICLE": f"{RESULTS}/article", "STUDY_RESULTS": STUDIES}
+SOURCES = {
+    f"{FOLDERS[folder]}/{file}": rule
+    for folder, file, rule in re.findall(
+        r'^ +f"\{(\w+)\}/(\S+)": "(\w+)",$',
+        (ROOT / "workflow/rules/article.smk").read_text(encoding="utf-8"),
+        re.MULTILINE,
+    )
+}
+"""The files that the article reads, and the rule that makes each, as the workflow has them."""
+INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}", "sources": SOURCES}
 OF_ARTICLE = [
     *("frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"),
     *("noise", "rigid_contact"),
@@ -39,19 +54,6 @@ COARSER = {
     "noise": ("run: {from: 1, to: 50, count: 50}", "run: {from: 1, to: 2, count: 2}"),
 }
 FIRST = next(iter(CASE.frequencies_hz))
-RULES = {
-    f"{RESULTS}/tables/table1.csv": "tables",
-    f"{RESULTS}/tables/table2.csv": "tables",
-    f"{RESULTS}/tables/table3.csv": "tables",
-    f"{RESULTS}/tables/approaches.csv": "tables",
-    f"{RESULTS}/claims.csv": "claims",
-    f"{RESULTS}/article/schemes.csv": "article_schemes",
-    f"{RESULTS}/article/evidence.json": "article_evidence",
-    f"{RESULTS}/article/studies.json": "article_studies",
-    f"{RESULTS}/article/environment.json": "article_environment",
-    f"{STUDIES}/noise/summary.csv": "study_summary",
-    f"{STUDIES}/noise/manifest.json": "study_cases",
-}
 
 
 @dataclass(frozen=True)
@@ -68,24 +70,54 @@ class Project:
     def pdf(self) -> Path:
         return self.folder / f"{RESULTS}/article.pdf"
 
-    @property
-    def values(self) -> Path:
-        return self.folder / f"{RESULTS}/article/values.json"
+    def printed(self) -> dict[str, dict[str, Any]]:
+        """Every value that the article prints, by key, with the place from which typst read it."""
+        values = self.query("<value>", "value")
+        return {value["key"]: value for value in values}
 
-    def run(self, script: str, inputs: object, params: object, output: Mapping[str, str]) -> None:
+    def query(self, selector: str, field: str) -> list[Any]:
+        """A field of every element of the compiled article that a selector matches."""
+        return compiling.query(self.source, self.folder, INPUTS, selector, field)
+
+    def copy(self, folder: Path) -> Project:
+        """The article and its results in another folder."""
+        for name in ("paper/article", "results"):
+            shutil.copytree(self.folder / name, folder / name)
+        return Project(folder)
+
+    def change(self, file: str, pointer: str, *value: object) -> None:
+        """Put another value at a pointer of a JSON result, or none at all."""
+        path = self.folder / RESULTS / file
+        document = json.loads(path.read_text(encoding="utf-8"))
+        *parents, name = pointer.split("/")[1:]
+        at = functools.reduce(operator.getitem, parents, document)
+        if value:
+            at[name] = value[0]
+        else:
+            del at[name]
+        path.write_text(json.dumps(document), encoding="utf-8")
+
+    def run(
+        self,
+        script: str,
+        output: Mapping[str, str],
+        inputs: Mapping[str, object],
+        /,
+        **params: object,
+    ) -> None:
         """A script of the workflow, as its rule would run it."""
         for file in output.values():
             (self.folder / file).parent.mkdir(parents=True, exist_ok=True)
-        told = SimpleNamespace(input=inputs, params=params, output=SimpleNamespace(**output))
+        job = {"input": inputs, "params": params, "output": output}
+        snakemake = SimpleNamespace(**{name: SimpleNamespace(**of) for name, of in job.items()})
+        file = ROOT / f"workflow/scripts/article/{script}.py"
         with contextlib.chdir(self.folder):
-            runpy.run_path(
-                str(ROOT / f"workflow/scripts/article/{script}.py"), {"snakemake": told}, "__main__"
-            )
+            runpy.run_path(str(file), {"snakemake": snakemake}, "__main__")
 
     def typeset(self, output: str = f"{RESULTS}/article.pdf") -> None:
         """The rule `article`."""
-        params = SimpleNamespace(folder="paper/article", results="results", inputs=INPUTS)
-        self.run("article", None, params, {"pdf": output})
+        params = {"folder": "paper/article", "results": "results", "inputs": INPUTS}
+        self.run("article", {"pdf": output}, {}, **params)
 
 
 def build(folder: Path) -> Project:
@@ -152,73 +184,45 @@ def _studies(folder: Path) -> tuple[list[str], list[str]]:
 
 
 def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
-    """schemes.csv, evidence.json, studies.json, environment.json, values.json."""
+    """schemes.csv, evidence.json, studies.json, environment.json."""
     article = f"{RESULTS}/article"
-    project.run(
-        "article_schemes",
-        None,
-        SimpleNamespace(case=CONFIG, frequency=FIRST),
-        {"csv": f"{article}/schemes.csv", "cycles": f"{article}/cycles.csv"},
-    )
-    project.run(
-        "article_evidence",
-        SimpleNamespace(
-            claims=f"{RESULTS}/claims.csv",
-            approaches=f"{RESULTS}/tables/approaches.csv",
-            schemes=f"{article}/schemes.csv",
-            cycles=f"{article}/cycles.csv",
-        ),
-        SimpleNamespace(case=CONFIG, folder=RESULTS),
-        {"json": f"{article}/evidence.json"},
-    )
+    schemes = {"csv": f"{article}/schemes.csv", "cycles": f"{article}/cycles.csv"}
+    project.run("article_schemes", schemes, {}, case=CONFIG, frequency=FIRST)
+    tables = {
+        "claims": f"{RESULTS}/claims.csv",
+        "approaches": f"{RESULTS}/tables/approaches.csv",
+        "schemes": schemes["csv"],
+        "cycles": schemes["cycles"],
+    }
+    output = {"json": f"{article}/evidence.json"}
+    project.run("article_evidence", output, tables, case=CONFIG, folder=RESULTS)
     project.run(
         "article_studies",
-        SimpleNamespace(cases=cases, files=files),
-        SimpleNamespace(
-            studies=OF_ARTICLE,
-            schema="workflow/schemas/study.schema.yaml",
-            base="config/config.yaml",
-        ),
         {"json": f"{article}/studies.json"},
+        {"cases": cases, "files": files},
+        studies=OF_ARTICLE,
+        schema="workflow/schemas/study.schema.yaml",
+        base="config/config.yaml",
     )
+    output = {"json": f"{article}/environment.json"}
     packages = ["dampbalance", "numpy", "typst"]
-    project.run(
-        "article_environment",
-        SimpleNamespace(citation="CITATION.cff"),
-        SimpleNamespace(packages=packages),
-        {"json": f"{article}/environment.json"},
-    )
-    project.run(
-        "article_values",
-        None,
-        SimpleNamespace(
-            rules=RULES, top=".", folder=RESULTS, frequencies=list(CASE.frequencies_hz)
-        ),
-        {"json": f"{article}/values.json"},
-    )
+    project.run("article_environment", output, {"citation": "CITATION.cff"}, packages=packages)
 
 
 def _figures(project: Project, cases: list[str]) -> None:
-    """The figure of the numerics by its script; the others as theirs draw them."""
+    """The article's own figures by their script; the others as theirs draw them."""
     folder = f"{RESULTS}/figures"
-    project.run(
-        "article_figure",
-        SimpleNamespace(
-            claims=f"{RESULTS}/claims.csv",
-            exact=f"{RESULTS}/features/exact/{FIRST}.csv",
-            estimates=f"{RESULTS}/estimates/as_published/{FIRST}.csv",
-            schemes=f"{RESULTS}/article/schemes.csv",
-            steps=cases[OF_ARTICLE.index("step_size")],
-            approaches=f"{RESULTS}/tables/approaches.csv",
-        ),
-        SimpleNamespace(case=CONFIG),
-        {
-            "svg": f"{folder}/numerics.svg",
-            "png": f"{folder}/numerics.png",
-            "glance_svg": f"{folder}/glance.svg",
-            "glance_png": f"{folder}/glance.png",
-        },
-    )
+    inputs = {
+        "claims": f"{RESULTS}/claims.csv",
+        "exact": f"{RESULTS}/features/exact/{FIRST}.csv",
+        "estimates": f"{RESULTS}/estimates/as_published/{FIRST}.csv",
+        "schemes": f"{RESULTS}/article/schemes.csv",
+        "steps": cases[OF_ARTICLE.index("step_size")],
+        "approaches": f"{RESULTS}/tables/approaches.csv",
+    }
+    output = {kind: f"{folder}/numerics.{kind}" for kind in ("svg", "png")}
+    output |= {f"glance_{kind}": f"{folder}/glance.{kind}" for kind in ("svg", "png")}
+    project.run("article_figure", output, inputs, case=CONFIG)
     orbits = [steady_orbit(PAPER, motion) for motion in CASE.motions(FIRST)]
     others = {
         "figure1": figures.schematic(),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import dataclasses
 import json
 import math
 import re
@@ -16,7 +15,7 @@ import pytest
 from pypdf import PdfReader
 
 from dampbalance.publishing.article import compiling
-from paper.article_case import INPUTS, build
+from paper.article_case import INPUTS, SOURCES, build
 from paper.routes import ROOT
 
 pytestmark = pytest.mark.slow
@@ -32,19 +31,7 @@ def article(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def values(article) -> dict:
-    return json.loads(article.values.read_text(encoding="utf-8"))["values"]
-
-
-def queried(article, selector: str, field: str) -> list:
-    """What the compiled article holds: a field of all elements of a kind."""
-    compiler = compiling.compiler(article.source, article.folder, INPUTS)
-    return json.loads(compiler.query(selector, field=field, format="json"))
-
-
-@pytest.fixture(scope="module")
-def printed(article) -> list[dict]:
-    """What the compiled article prints of results: key and text of each place."""
-    return queried(article, "<value>", "value")
+    return article.printed()
 
 
 @lru_cache
@@ -56,12 +43,12 @@ def content(path: Path) -> object:
 
 def raw(article, value: dict) -> object:
     """The entry in the file that a value names."""
-    found = content(article.folder / value["file"])
+    entry = content(article.folder / value["file"])
     if "pointer" in value:
         for name in value["pointer"].split("/")[1:]:
-            found = found[int(name)] if isinstance(found, list) else found[name]
-        return found
-    rows = [row for row in found if value["row"].items() <= row.items()]
+            entry = entry[int(name)] if isinstance(entry, list) else entry[name]
+        return entry
+    rows = [row for row in entry if value["row"].items() <= row.items()]
     assert len(rows) == 1
     return rows[0][value["column"]]
 
@@ -81,14 +68,14 @@ def number(text: str) -> tuple[float, float]:
 WORDS = {"two": 2, "three": 3, "four": 4, "five": 5, "six": 6}
 
 
-def agrees(value: dict, found: object) -> bool:
+def agrees(value: dict, entry: object) -> bool:
     """Whether the printed text is that entry: rounded, in the scale stated, below a bound, or word for word."""
     style = value["style"]
     if style["form"] == "text":
-        return value["text"] == str(found)
+        return value["text"] == str(entry)
     if value["text"] == "–":
-        return found in ("", None)
-    wanted = float(str(found)) * float(style["scale"])
+        return entry in ("", None)
+    wanted = float(str(entry)) * float(style["scale"])
     wanted = abs(wanted) if style["unsigned"] else wanted
     if style["form"] == "word":
         return WORDS[value["text"]] == wanted
@@ -98,11 +85,24 @@ def agrees(value: dict, found: object) -> bool:
     return math.isclose(shown, wanted, rel_tol=1e-13, abs_tol=0.5 * unit * (1.0 + 1e-9))
 
 
-def test_everything_printed_is_a_value_and_every_value_is_printed(values, printed):
-    keys = {entry["key"] for entry in printed}
-    assert keys - values.keys() == set()
-    assert values.keys() - keys == set(), "entered and never printed"
-    assert all(entry["text"] == values[entry["key"]]["text"] for entry in printed)
+def test_the_attached_list_holds_every_printed_value_and_its_source(values, reader):
+    attached = json.loads(attachments(reader)["values.json"])
+    assert len(values) > 2000
+    assert attached["values"] == values
+    assert {source["file"]: source["rule"] for source in attached["sources"]} == SOURCES
+    for value in values.values():
+        source = attached["sources"][value["source"] - 1]
+        assert (value["file"], value["rule"]) == (source["file"], source["rule"])
+
+
+def test_every_key_of_the_article_is_printed(article, values):
+    """values.typ holds no place that nothing is printed from, and every claim stands in the tables."""
+    source = b"""#import "paper/article/values.typ": family, rows-of, single, claims-file
+        #metadata((single.keys(), family.keys(), rows-of(claims-file).map(it => it.id)))<keys>"""
+    single, family, claims = compiling.query(source, article.folder, INPUTS, "<keys>", "value")[0]
+    assert set(single) - values.keys() == set()
+    assert set(family) - {key.partition(".")[0] for key in values} == set()
+    assert {f"claim.{claim}.printed" for claim in claims} - values.keys() == set()
 
 
 def test_every_value_is_what_its_file_says(article, values):
@@ -235,10 +235,11 @@ def test_each_source_is_named_with_the_rule_of_the_workflow_that_makes_it(values
     workflow = "\n".join(
         p.read_text(encoding="utf-8") for p in (ROOT / "workflow/rules").glob("*.smk")
     )
-    for file, rule in {(value["file"], value["rule"]) for value in values.values()}:
-        found = re.search(rf"^ *rule {rule}:\n(.*?)(?=^ *rule |\Z)", workflow, re.M | re.S)
-        assert found, rule
-        outputs = found[1].partition("output:")[2].partition("message:")[0]
+    assert {value["file"] for value in values.values()} == SOURCES.keys()
+    for file, rule in SOURCES.items():
+        lines = re.search(rf"^ *rule {rule}:\n(.*?)(?=^ *rule |\Z)", workflow, re.M | re.S)
+        assert lines, rule
+        outputs = lines[1].partition("output:")[2].partition("message:")[0]
         name = "table_files" if "/tables/" in file else file.rpartition("/")[2]
         assert name in outputs, (file, rule)
 
@@ -249,6 +250,11 @@ def test_each_source_is_named_with_the_rule_of_the_workflow_that_makes_it(values
 @pytest.fixture(scope="module")
 def reader(article) -> PdfReader:
     return PdfReader(article.pdf)
+
+
+def attachments(reader: PdfReader) -> dict[str, bytes]:
+    """The attached files by name."""
+    return {Path(name).name: contents[0] for name, contents in reader.attachments.items()}
 
 
 def test_the_same_bytes_wherever_the_results_are_kept(article, tmp_path):
@@ -263,9 +269,9 @@ def test_the_same_bytes_each_time(article):
 
 
 def test_the_article_is_an_archive_with_the_claims_in_it(article, reader):
-    attached = {Path(name).name: of[0] for name, of in reader.attachments.items()}
-    assert attached["claims.csv"] == (article.folder / "results/paper/claims.csv").read_bytes()
-    assert attached["values.json"] == article.values.read_bytes()
+    assert attachments(reader).keys() == {"claims.csv", "values.json"}
+    claims = (article.folder / "results/paper/claims.csv").read_bytes()
+    assert attachments(reader)["claims.csv"] == claims
     root = reader.trailer["/Root"]
     kinds = {one.get_object()["/AFRelationship"] for one in root["/AF"]}
     assert kinds == {"/Data"}
@@ -292,14 +298,14 @@ def structure(element) -> list[dict]:
 def test_every_equation_and_figure_can_be_read_aloud(article, reader):
     """In the sources none is without alternative text, or with symbols only; in the PDF none was lost."""
     for kind in ("math.equation", "image"):
-        texts = queried(article, kind, "alt")
+        texts = article.query(kind, "alt")
         assert texts
         assert all(text and re.search(r"\w", text) for text in texts), kind
     elements = structure(reader.trailer["/Root"]["/StructTreeRoot"])
     for kind, least in {"/Figure": 6, "/Formula": 100}.items():
-        found = [e for e in elements if e.get("/S") == kind]
-        assert len(found) >= least
-        assert all(str(e.get("/Alt", "")).strip() for e in found), kind
+        shown = [e for e in elements if e.get("/S") == kind]
+        assert len(shown) >= least
+        assert all(str(e.get("/Alt", "")).strip() for e in shown), kind
 
 
 def test_values_are_links_to_the_files_and_rules_that_the_last_page_names(reader):
@@ -316,21 +322,15 @@ def test_values_are_links_to_the_files_and_rules_that_the_last_page_names(reader
 
 
 def test_a_changed_result_changes_the_page(article, tmp_path):
-    """Article and results in another folder: another text of a value is printed in its place."""
-    for name in ("paper/article", "results"):
-        shutil.copytree(article.folder / name, tmp_path / name)
-    changed = dataclasses.replace(article, folder=tmp_path)
-    book = json.loads(article.values.read_text(encoding="utf-8"))
-    assert book["values"]["added"]["text"] != "7.7777"
-    book["values"]["added"]["text"] = "7.7777"
-    changed.values.write_text(json.dumps(book), encoding="utf-8")
+    """Article and results in another folder: another number in a result file is printed in its place."""
+    changed = article.copy(tmp_path)
+    changed.change("article/evidence.json", "/dissipation/added", 7.77774)
     changed.typeset()
     assert "7.7777" not in PdfReader(article.pdf).pages[0].extract_text()
     assert "7.7777" in PdfReader(changed.pdf).pages[0].extract_text()
-    del book["values"]["added"]
-    changed.values.write_text(json.dumps(book), encoding="utf-8")
+    changed.change("article/evidence.json", "/dissipation/added")
     before = changed.pdf.read_bytes()
-    with pytest.raises(SystemExit, match=r"values\.json has no value added"):
+    with pytest.raises(SystemExit, match=r"evidence\.json: nothing at /dissipation/added"):
         changed.typeset()
     assert changed.pdf.read_bytes() == before
 
@@ -356,14 +356,8 @@ def test_what_typst_complains_about_stops_the_build(tmp_path, source, message):
 def test_an_address_is_printed_where_citation_states_one(article, tmp_path):
     """Without one, the article says so, and claims no openness."""
     assert "names no public address" in all_text(article)
-    for name in ("paper/article", "results"):
-        shutil.copytree(article.folder / name, tmp_path / name)
-    changed = dataclasses.replace(article, folder=tmp_path)
-    book = json.loads(article.values.read_text(encoding="utf-8"))
-    book["lists"]["addresses"] = ["commit"]
-    stated = book["values"]["software.version"] | {"text": "0123abc"}
-    book["values"]["software.commit"] = stated
-    changed.values.write_text(json.dumps(book), encoding="utf-8")
+    changed = article.copy(tmp_path)
+    changed.change("article/environment.json", "/software/addresses/commit", "0123abc")
     changed.typeset()
     assert "states for it: commit 0123abc" in all_text(changed)
     assert "names no public address" not in all_text(changed)
@@ -384,9 +378,7 @@ def test_the_version_of_typst_is_that_of_the_creator(article, reader):
 
 def test_a_warning_of_typst_fails_the_article_itself(article, tmp_path):
     """A reference to a font that is not there, in the article: no PDF, and the reason."""
-    for name in ("paper/article", "results"):
-        shutil.copytree(article.folder / name, tmp_path / name)
-    changed = dataclasses.replace(article, folder=tmp_path)
+    changed = article.copy(tmp_path)
     changed.pdf.unlink()
     text = changed.source.read_text(encoding="utf-8")
     changed.source.write_text(f'{text}\n#text(font: "No Such Font")[x]\n', encoding="utf-8")

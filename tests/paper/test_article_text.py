@@ -1,29 +1,31 @@
-"""The text of the article holds no number of a result: values come from files, made into text in one place."""
+"""The text of the article holds no number of a result: values come from the result files, rounded in one place."""
 
 from __future__ import annotations
 
+import json
+import random
 import re
+import shutil
+from decimal import Decimal
 
 import pytest
 import yaml
 
 import dampbalance
-from dampbalance.publishing.article.book import Book
-from dampbalance.publishing.article.places import MissingValue, Place, ResultFiles
+from dampbalance.publishing.article import compiling
 from dampbalance.publishing.article.software import software
-from dampbalance.publishing.article.style import Style
 from paper.routes import ROOT
 from paper.typed import not_excused, typed_numbers
 
 ARTICLE = ROOT / "paper/article"
-
+HELPERS = ("template.typ", "values.typ", "numbers.typ")
 
 # --- numbers typed in the text -------------------------------------------------------------------
 
 
 def sources() -> dict[str, str]:
-    """The texts of the article; template.typ is layout and helpers, and is looked at by a test of its own."""
-    files = [path for path in sorted(ARTICLE.rglob("*.typ")) if path.name != "template.typ"]
+    """The texts of the article; the other sources hold no prose, which a test of their own sees to."""
+    files = [path for path in sorted(ARTICLE.rglob("*.typ")) if path.name not in HELPERS]
     return {
         path.relative_to(ARTICLE).as_posix(): path.read_text(encoding="utf-8") for path in files
     }
@@ -83,9 +85,10 @@ def test_every_exception_says_why():
     assert all(exception["why"] for exception in exceptions())
 
 
-def test_the_template_holds_no_prose():
-    """What template.typ shows comes from values; else a number could hide there."""
-    text = (ARTICLE / "template.typ").read_text(encoding="utf-8")
+@pytest.mark.parametrize("file", HELPERS)
+def test_layout_and_lookup_hold_no_prose(file):
+    """What they show comes from values; else a number could hide there."""
+    text = (ARTICLE / file).read_text(encoding="utf-8")
     shown = re.findall(r"\[([^\[\]#]*)\]", text)
     assert [words for words in shown if re.search(r"\d", words)] == []
 
@@ -165,74 +168,159 @@ def test_nothing_is_stated_that_the_citation_lacks():
 # --- a number as it is printed -------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("style", "raw", "text"),
-    [
-        (Style("plain"), "208000.0", "208\u2009000"),
-        (Style("plain"), 2310.0, "2310"),
-        (Style("plain"), 11.1, "11.1"),
-        (Style("fixed", 2), "-0.125", "−0.12"),  # half to even, in decimal
-        (Style("fixed", 2, scale="1e3"), "0.00273", "2.73"),
-        (Style("fixed", 1, signed=True), "0.25", "+0.2"),
-        (Style("fixed", 1), "-0.04", "0.0"),
-        (Style("fixed", 1, signed=True), "0.04", "0.0"),
-        (Style("fixed", 1), "nan", "–"),
-        (Style("fixed", 1), "", "–"),
-        (Style("fixed", 1), None, "–"),
-        (Style("significant", 2), "66.6", "67"),
-        (Style("significant", 2), "0.0999", "0.10"),
-        (Style("significant", 2), "0", "0"),
-        (Style("power", 1), "-1.27e-4", "−1.3·10⁻⁴"),
-        (Style("significant", 2, unsigned=True), "-0.0999", "0.10"),
-        (Style("bound"), "3.1e-12", "10⁻¹¹"),
-        (Style("bound"), "1e-12", "10⁻¹²"),
-        (Style("verbatim"), "2.9E-3", "2.9·10⁻³"),
-        (Style("verbatim"), "1.280030", "1.280030"),
-        (Style("word"), "5", "five"),
-        (Style("word"), "133", "133"),
-        (Style("text"), "last digit", "last digit"),
-    ],
-)
-def test_style(style, raw, text):
-    assert style.render(raw) == text
+def printed(cases) -> list[str]:
+    """The entries as typst prints them.   cases : entry of a result file, form, and what else the style states."""
+    source = b"""#import "numbers.typ": *
+        #let cases = json(bytes(sys.inputs.cases))
+        #metadata(cases.map(((raw, form, more)) => printed(raw, style(form, ..more))))<text>"""
+    inputs = {"cases": json.dumps(cases)}
+    return compiling.query(source, ARTICLE, inputs, "<text>", "value")[0]
 
 
-def test_text_is_no_number():
-    with pytest.raises(ValueError, match="is not a number"):
-        Style("fixed", 2).render("degraded")
+EXAMPLES = [
+    ("208000.0", "plain", {}, "208\u2009000"),
+    (1234567.0, "plain", {}, "1\u2009234\u2009567"),
+    (2310.0, "plain", {}, "2310"),
+    (11.1, "plain", {}, "11.1"),
+    (0, "plain", {}, "0"),
+    ("-0.125", "fixed", {"digits": 2}, "−0.12"),  # half to even, in decimal
+    (
+        "1.005",
+        "fixed",
+        {"digits": 2},
+        "1.00",
+    ),  # though its binary neighbour lies below, 0.995 above
+    ("0.995", "fixed", {"digits": 2}, "1.00"),
+    ("0.00273", "fixed", {"digits": 2, "scale": "1e3"}, "2.73"),
+    ("0.25", "fixed", {"digits": 1, "signed": True}, "+0.2"),
+    ("-0.04", "fixed", {"digits": 1}, "0.0"),
+    ("0.04", "fixed", {"digits": 1, "signed": True}, "0.0"),
+    ("nan", "fixed", {"digits": 1}, "–"),
+    ("", "fixed", {"digits": 1}, "–"),
+    (None, "fixed", {"digits": 1}, "–"),
+    ("66.6", "significant", {"digits": 2}, "67"),
+    ("0.0999", "significant", {"digits": 2}, "0.10"),
+    ("0", "significant", {"digits": 2}, "0"),
+    ("-0.0999", "significant", {"digits": 2, "unsigned": True}, "0.10"),
+    ("-1.27e-4", "power", {"digits": 1}, "−1.3·10⁻⁴"),
+    ("9.96e+12", "power", {"digits": 1}, "1.0·10¹³"),
+    ("3.1e-12", "bound", {}, "10⁻¹¹"),
+    ("-3.1e-12", "bound", {}, "10⁻¹¹"),
+    ("1e-12", "bound", {}, "10⁻¹²"),
+    ("2.9E-3", "verbatim", {}, "2.9·10⁻³"),
+    ("1.280030", "verbatim", {}, "1.280030"),
+    ("-1.280030", "verbatim", {}, "−1.280030"),
+    ("5", "word", {}, "five"),
+    (2.0, "word", {}, "two"),
+    ("133", "word", {}, "133"),
+    ("2.5", "word", {}, "2.5"),
+    ("last digit", "text", {}, "last digit"),
+]
+
+
+def test_numbers_are_printed_in_their_form():
+    assert printed([case[:3] for case in EXAMPLES]) == [text for *_, text in EXAMPLES]
+
+
+def by_python(raw: object, form: str, digits: int) -> str:
+    """A number in a form by Python's own formatting, which rounds half to even; ASCII, without spaces."""
+    number = Decimal(str(raw))
+    if form == "fixed":
+        text = f"{number:.{digits}f}"
+        return text if text.strip("-0.") else text.removeprefix("-")
+    if form == "significant":
+        return f"{Decimal(f'{number:.{digits - 1}e}'):f}"
+    mantissa, _, exponent = f"{number:.{digits}e}".partition("e")
+    return f"{mantissa}·10{int(exponent)}"
+
+
+def test_numbers_are_rounded_as_python_rounds_them():
+    """Text and floats of up to seventeen digits; every second one is a tie, half a unit of the last digit printed."""
+    chance = random.Random(2010)
+    cases = []
+    for _ in range(4000):
+        digits, form = chance.randint(1, 5), chance.choice(["fixed", "significant", "power"])
+        mantissa, exponent = (
+            chance.randrange(1, 10 ** chance.randint(1, 17)),
+            chance.randint(-25, -9),
+        )
+        if chance.random() < 0.5:  # a tie: …5 in the place behind the last one
+            mantissa = 10 * chance.randrange(10 ** (digits - 1), 10**digits) + 5
+            exponent = -digits - 1 if form == "fixed" else chance.randint(-15, 2)
+        raw = f"{chance.choice(['', '-'])}{mantissa}e{exponent}"
+        places = {"digits": digits - 1 if form == "power" else digits}
+        cases.append((chance.choice([raw, float(raw)]), form, places))
+    ascii_ = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789", "\u2009")
+    expected = [by_python(raw, form, **places) for raw, form, places in cases]
+    wrong = [
+        (case, text, wanted)
+        for case, text, wanted in zip(cases, printed(cases), expected, strict=True)
+        if text.translate(ascii_) != wanted
+    ]
+    assert wrong == []
 
 
 # --- where it comes from -------------------------------------------------------------------------
 
+FILES = {
+    "results/article/evidence.json": '{"setting": {"m": 2.42, "k": "stiff", "levels_mm": [4]}}',
+    "results/article/schemes.csv": """scheme,coefficients,level,c_N_s_per_m
+rk4,rounded,1,90.1
+leapfrog,rounded,1,90.2
+leapfrog,rounded,1,90.3
+""",
+}
+
 
 @pytest.fixture
-def results(tmp_path):
-    (tmp_path / "t.csv").write_text("id,x\na,1.0\nb,2.0\nb,3.0\n", encoding="utf-8")
-    (tmp_path / "d.json").write_text('{"p": {"q": [7]}}', encoding="utf-8")
-    return ResultFiles(tmp_path)
+def value_of(tmp_path):
+    """A function from a key to its value in a folder that lacks one of three listed results."""
+    (tmp_path / "results/article").mkdir(parents=True)
+    for name in ("values.typ", "numbers.typ"):
+        shutil.copy(ARTICLE / name, tmp_path)
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    listed = dict.fromkeys([*FILES, "results/article/studies.json"], "a rule")
+    inputs = {"results": "/results", "studies": "/studies", "sources": listed}
+
+    def value(key: str) -> dict:
+        source = f'#import "values.typ": value-of\n#metadata(value-of("{key}"))<value>'.encode()
+        return compiling.query(source, tmp_path, inputs, "<value>", "value")[0]
+
+    return value
 
 
-def test_places(results):
-    assert results.at(Place("t.csv", row={"id": "a"}, column="x")) == "1.0"
-    assert results.at(Place("d.json", pointer="/p/q/0")) == 7
+def test_a_value_names_its_place(value_of):
+    mass = value_of("m")
+    assert mass["text"] == "2.42"
+    assert mass["unit"] == "kg"
+    assert (mass["file"], mass["pointer"]) == ("results/article/evidence.json", "/setting/m")
+    damping = value_of("c.rk4")
+    assert damping["text"] == "90.1000"
+    assert damping["row"] == {"scheme": "rk4", "coefficients": "rounded", "level": "1"}
+    assert (damping["column"], damping["rule"], damping["source"]) == ("c_N_s_per_m", "a rule", 2)
 
 
 @pytest.mark.parametrize(
-    ("place", "message"),
+    ("key", "message"),
     [
-        (Place("t.csv", row={"id": "b"}, column="x"), "2 rows"),
-        (Place("t.csv", row={"id": "z"}, column="x"), "0 rows"),
-        (Place("t.csv", row={"id": "a"}, column="y"), "no column 'y'"),
-        (Place("d.json", pointer="/p/q/1"), "nothing at /p/q/1"),
-        (Place("d.json", pointer="/p/r"), "nothing at /p/r"),
+        ("c.leapfrog", r"article/schemes\.csv: 2 rows with .*leapfrog.*, the article needs one"),
+        ("c.euler", r"article/schemes\.csv: 0 rows with .*euler.*, the article needs one"),
+        ("level.1", r"results/article/evidence\.json: nothing at /setting/levels_mm/1"),
+        ("dev.a", r"results/article/evidence\.json: nothing at /integrals/a/printed/last"),
+        ("k", r'k: results/article/evidence\.json: /setting/k: "stiff" is not a number'),
+        ("within", r"file not found .*results/article/studies\.json"),
+        ("python", r"results/article/environment\.json is not among the inputs of the article"),
+        ("mass", "the article has no value mass"),
     ],
 )
-def test_a_value_that_is_not_there_is_an_error(results, place, message):
-    with pytest.raises(MissingValue, match=message):
-        results.at(place)
+def test_a_value_that_is_not_there_is_an_error(value_of, key, message):
+    with pytest.raises(RuntimeError, match=message):
+        value_of(key)
 
 
-def test_a_value_needs_a_rule_and_a_key_of_its_own(results):
-    book = Book(results, {"results/t.csv": "make_t"}, "results")
-    with pytest.raises(ValueError, match=r"d\.json is not among the inputs"):
-        book.item("q", "d.json", "/p/q/0", Style("plain"))
+def test_a_table_without_the_column_is_an_error(value_of, tmp_path):
+    file = tmp_path / "results/article/schemes.csv"
+    file.write_text(file.read_text("utf-8").replace("c_N_s_per_m", "c"), encoding="utf-8")
+    with pytest.raises(RuntimeError, match=r'schemes\.csv: no column "c_N_s_per_m"'):
+        value_of("c.rk4")

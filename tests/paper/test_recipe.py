@@ -5,63 +5,58 @@ Every number comes from the text of the recipe as it is set; a number that the r
 
 from __future__ import annotations
 
-import json
 import math
 import re
+import shutil
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from dampbalance.features import Features
-from dampbalance.project.files import write_csv
-from dampbalance.publishing.article import evidence, recipe
-from dampbalance.publishing.article.book import Book
-from dampbalance.publishing.article.places import ResultFiles
-from dampbalance.publishing.article.style import Style
+from dampbalance.project.files import write_json
+from dampbalance.publishing.article import compiling, derived_numbers
 from paper.routes import CASE, PRINT, ROOT, exact
 from paper_case import LEVELS, PAIRS, PAPER
 
 pytestmark = pytest.mark.slow
 
 TEXT = (ROOT / "paper/article/supplement/recipe.typ").read_text(encoding="utf-8")
+OTHERS = ("recipe.from_table_1", "verdicts.table3.computed")  # not numbers of a step
 WORDS = ["no", "one", "two", "three", "four", "five", "six"]
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory):
+def stated(tmp_path_factory):
     """A function from the key of a value to its number as the recipe prints it; fails for one that it does not."""
     folder = tmp_path_factory.mktemp("recipe")
     first = Features.from_frame(exact().features["omega1"])
-    numbers = {"setting": evidence.setting(CASE, first), "recipe": recipe.evidence(CASE, first)}
-    (folder / "evidence.json").write_text(json.dumps(numbers), encoding="utf-8")
-    claim = {"id": ["table3.t_s.F_k.1-2"], "from_print": ["1.2904861"]}
-    write_csv(folder / "claims.csv", pd.DataFrame(claim))
-    book = Book(ResultFiles(folder), {"./evidence.json": "-", "./claims.csv": "-"}, ".")
-    recipe.enter(book, "evidence.json")
-    for name, pointer in (("step", "step_us"), ("c_over_m", "c_over_m"), ("k_over_m", "k_over_m")):
-        book.item(name, "evidence.json", f"/setting/{pointer}", Style("plain"))
-    book.item("f.omega1", "evidence.json", "/setting/frequency_hz/omega1", Style("plain"))
-    book.item("scheme", "evidence.json", "/setting/scheme", Style("text"))
-    values = book.as_json()["values"]
+    setting, recipe = derived_numbers.setting(CASE, first), derived_numbers.recipe(CASE, first)
+    for name in ("values.typ", "numbers.typ"):
+        shutil.copy(ROOT / "paper/article" / name, folder)
+    write_json(folder / "article/evidence.json", {"setting": setting, "recipe": recipe})
+    keys = [key for key in re.findall(r'#(?:v|n|words)\("([^"]+)"\)', TEXT) if key not in OTHERS]
+    source = b"""#import "values.typ": value-of
+        #metadata(json(bytes(sys.inputs.keys)).map(key => (key, value-of(key).text)))<texts>"""
+    inputs = {"results": "", "studies": "", "sources": {"article/evidence.json": "-"}, "keys": keys}
+    texts = dict(compiling.query(source, folder, inputs, "<texts>", "value")[0])
 
     def number(key):
-        assert f'"{key}"' in TEXT, f"the recipe does not state {key}"
-        text = values[key]["text"]
+        assert key in texts, f"the recipe does not state {key}"
+        text = texts[key]
         return float(WORDS.index(text) if text in WORDS else text)
 
-    assert values["scheme"]["text"] == "backward Euler"
-    assert '#words("scheme")' in TEXT
+    assert texts["scheme"] == "backward Euler"
     return number
 
 
-def steps(Y, told):
+def steps(Y, stated):
     """Steps 1 to 4: the last samples n, x, ẋ and whether the contact sticks, of the equation divided by m."""
-    C, K = told("c_over_m"), told("k_over_m")
+    C, K = stated("c_over_m"), stated("k_over_m")
     F, K_z, Z_m = PAPER.F_k / PAPER.m, PAPER.K_z / PAPER.m, PAPER.F_k / PAPER.K_z
-    omega, h = 2.0 * math.pi * told("f.omega1"), 1e-6 * told("step")
+    omega, h = 2.0 * math.pi * stated("f.omega1"), 1e-6 * stated("step")
     per_period = 2.0 * math.pi / omega / h
-    first, last = (math.floor((told("recipe.periods") + more) * per_period) for more in (0, 1.9))
+    first, last = (math.floor((stated("recipe.periods") + more) * per_period) for more in (0, 1.9))
     x = v = z = 0.0
     sticks, direction = True, 0.0
     samples = []
@@ -84,40 +79,40 @@ def steps(Y, told):
     return np.array(samples)
 
 
-def read(Y, told):
+def read(Y, stated):
     """Steps 4 to 9, each level by itself: X and the way to slip as read (m), V_s (m/s), t_s (s), φ (rad); X in full."""
-    n, x, v, sticks = steps(Y, told).T
-    h, omega = 1e-6 * told("step"), 2.0 * math.pi * told("f.omega1")
+    n, x, v, sticks = steps(Y, stated).T
+    h, omega = 1e-6 * stated("step"), 2.0 * math.pi * stated("f.omega1")
     i = int(np.flatnonzero((v[:-1] < 0.0) & (v[1:] >= 0.0))[0])
     j = i + 1 + int(np.flatnonzero((v[i + 1 : -1] >= 0.0) & (v[i + 2 :] < 0.0))[0])
     slips = i + 1 + int(np.argmax(sticks[i + 1 :] == 0.0))
     X_unit, mark, unit = (
-        1e-6 * told("recipe.X_um"),
-        1e-6 * told("recipe.mark_um"),
-        1e-3 * told("recipe.t_s_unit_ms"),
+        1e-6 * stated("recipe.X_um"),
+        1e-6 * stated("recipe.mark_um"),
+        1e-3 * stated("recipe.t_s_unit_ms"),
     )
     distance = 0.5 * (x[j] - x[i + 1])
     X = round(distance / X_unit) * X_unit
     way = math.ceil((x[slips] - x[i + 1]) / mark) * mark
     reached = (2.0 * PAPER.Z_m - (x[slips - 1] - x[i + 1])) / (x[slips] - x[slips - 1])
     V_s = v[slips - 1] + reached * (v[slips] - v[slips - 1])
-    t_s = math.floor((n[slips] - n[i + 1] - told("recipe.steps")) * h / unit + 1e-9) * unit
+    t_s = math.floor((n[slips] - n[i + 1] - stated("recipe.steps")) * h / unit + 1e-9) * unit
     t_1 = (n[i] + v[i] / (v[i] - v[i + 1])) * h
     return X, way, V_s, t_s, (omega * t_1 - math.pi) % (2.0 * math.pi), distance
 
 
 @pytest.fixture(scope="module")
-def table(told):
+def table(stated):
     """What is read at every level, one row each."""
-    return np.array([read(Y, told) for Y in LEVELS])
+    return np.array([read(Y, stated) for Y in LEVELS])
 
 
-def pairs(table, told, *, t_s=None, X=None, way=None):
+def pairs(table, stated, *, t_s=None, X=None, way=None):
     """Step 10, as the printed columns: (column, printed, computed) for every number of Table 3."""
-    omega, k = 2.0 * math.pi * told("f.omega1"), PAPER.k
+    omega, k = 2.0 * math.pi * stated("f.omega1"), PAPER.k
     X = table[:, 0] if X is None else X
-    t_s, way = t_s or 1e-3 * told("recipe.t_s_ms"), way or 1e-6 * told("recipe.swing_um")
-    X_s, phi, V_s = -(X - way), told("recipe.phi"), table[:, 2]
+    t_s, way = t_s or 1e-3 * stated("recipe.t_s_ms"), way or 1e-6 * stated("recipe.swing_um")
+    X_s, phi, V_s = -(X - way), stated("recipe.phi"), table[:, 2]
     b, W = math.pi * omega * X**2, math.pi * k * np.array(LEVELS) * X * math.sin(phi)
     travels = {
         "t_s": 2.0 * X * (1.0 + math.cos(omega * t_s)),
@@ -141,28 +136,28 @@ def misses(cells):
     return [name for name, printed, computed in cells if printed != computed]
 
 
-def test_the_recipe_gives_all_thirty_numbers(table, told):
-    cells = list(pairs(table, told))
+def test_the_recipe_gives_all_thirty_numbers(table, stated):
+    cells = list(pairs(table, stated))
     assert len(cells) == 30
     assert misses(cells) == []
 
 
-def test_what_the_recipe_says_of_its_readings_is_so(table, told):
-    assert table[:, 1] == pytest.approx(1e-6 * told("recipe.swing_um"), abs=1e-12)
-    assert np.mean(table[:, 3]) == pytest.approx(1e-3 * told("recipe.t_s_ms"), abs=1e-12)
-    decimals = int(told("recipe.phi_decimals"))
-    assert round(float(np.mean(table[:, 4])), decimals) == told("recipe.phi")
+def test_what_the_recipe_says_of_its_readings_is_so(table, stated):
+    assert table[:, 1] == pytest.approx(1e-6 * stated("recipe.swing_um"), abs=1e-12)
+    assert np.mean(table[:, 3]) == pytest.approx(1e-3 * stated("recipe.t_s_ms"), abs=1e-12)
+    decimals = int(stated("recipe.phi_decimals"))
+    assert round(float(np.mean(table[:, 4])), decimals) == stated("recipe.phi")
 
 
-def test_the_digits_that_chose_the_rules(table, told):
+def test_the_digits_that_chose_the_rules(table, stated):
     """What the table beside the recipe names: each rule changed by itself."""
     one_more, one_less = (np.round(table[:, 5], decimals) for decimals in (7, 5))
-    assert len(misses(pairs(table, told, X=one_more))) >= 15
-    assert len(misses(pairs(table, told, X=one_less))) >= 15
+    assert len(misses(pairs(table, stated, X=one_more))) >= 15
+    assert len(misses(pairs(table, stated, X=one_less))) >= 15
     for way in (12e-6, 2.0 * PAPER.Z_m):
-        assert misses(pairs(table, told, way=way)) == ["X_s F_k 1-5"]
+        assert misses(pairs(table, stated, way=way)) == ["X_s F_k 1-5"]
     for t_s in (2.0e-3, 2.2e-3):
-        assert misses(pairs(table, told, t_s=t_s)) == []
+        assert misses(pairs(table, stated, t_s=t_s)) == []
 
 
 def test_the_steps_are_numbered_and_all_there():

@@ -1,6 +1,6 @@
 """Numbers that stand in the text of the article itself: there should be none but those of a short, reviewed list.
 
-A number of a result gets into the text through a key of values.json. What is scanned here is all the rest of the
+A number of a result gets into the text through a key of values.typ. What is scanned here is all the rest of the
 typst sources: prose, alternative text, captions. Left out are keys and paths (strings handed to the functions that
 print values or load files), labels and references, comments, layout (numbers with a unit of length, widths), and single
 digits inside mathematics, which are coefficients and indices.

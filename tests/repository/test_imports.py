@@ -62,7 +62,6 @@ def test_an_identification_loads_what_it_uses(arguments, needed, tmp_path):
         ("studies/study_figure", {"numba", "scipy"}),
         ("page/page", {"matplotlib", "numba", "scipy"}),
         ("page/match", {"matplotlib", "numba", "pandas", "scipy"}),
-        ("article/article_values", {"matplotlib", "numba", "pandas", "scipy"}),
         ("article/article", HEAVY),
         ("provenance/manifest", HEAVY),
         ("provenance/crate", HEAVY),

@@ -1,5 +1,5 @@
-# The replication article: numbers it argues with, the values it prints, its figure, and the PDF. It exists where there
-# are printed numbers to compare with.
+# The replication article: the numbers that no other result holds, its figures, and the PDF, which reads every number from
+# the result files itself. It exists where there are printed numbers to compare with.
 
 ARTICLE = f"{RESULTS}/article"
 ARTICLE_STUDIES = [
@@ -108,54 +108,31 @@ if config["published"]:
         script:
             "../scripts/article/article_figure.py"
 
-    # The files that the article takes numbers from, and the rule that makes each.
-    ARTICLE_READS = {
-        *("table1.csv", "table2.csv", "table3.csv", "approaches.csv", "claims.csv"),
-        *("schemes.csv", "evidence.json", "studies.json", "environment.json"),
-    }
-    ARTICLE_MAKERS = [
-        *("tables", "claims", "article_schemes"),
-        *("article_evidence", "article_studies", "article_environment"),
-    ]
+    # The files that the article reads its numbers from, in the order of its list of sources, and the rule that makes each.
     ARTICLE_SOURCES = {
-        str(file).removeprefix(PREFIX): maker
-        for maker in ARTICLE_MAKERS
-        for file in getattr(rules, maker).output
-        if Path(file).name in ARTICLE_READS
-    } | {
-        f"{STUDY_RESULTS}/noise/summary.csv": "study_summary",
+        f"{ARTICLE}/evidence.json": "article_evidence",
+        f"{ARTICLE}/schemes.csv": "article_schemes",
+        f"{RESULTS}/claims.csv": "claims",
+        f"{RESULTS}/tables/approaches.csv": "tables",
+        f"{ARTICLE}/studies.json": "article_studies",
         f"{STUDY_RESULTS}/noise/manifest.json": "study_cases",
+        f"{STUDY_RESULTS}/noise/summary.csv": "study_summary",
+        f"{RESULTS}/tables/table1.csv": "tables",
+        f"{RESULTS}/tables/table2.csv": "tables",
+        f"{RESULTS}/tables/table3.csv": "tables",
+        f"{ARTICLE}/environment.json": "article_environment",
     }
-
-    rule article_values:
-        input:
-            sources=list(ARTICLE_SOURCES),
-            modules=script_modules("article/article_values.py"),
-        output:
-            json=f"{ARTICLE}/values.json",
-        params:
-            rules=ARTICLE_SOURCES,
-            top=PREFIX or ".",
-            folder=RESULTS,
-            frequencies=FREQUENCIES,
-        message:
-            "Article: the values it prints"
-        script:
-            "../scripts/article/article_values.py"
 
     rule article:
         input:
-            sources=[
-                project_input(file) for file in sorted((ROOT / "paper/article").rglob("*.typ"))
-            ],
+            texts=[project_input(file) for file in sorted((ROOT / "paper/article").rglob("*.typ"))],
             references=project_input("paper/article/references.yml"),
-            values=rules.article_values.output.json,
+            sources=list(ARTICLE_SOURCES),
             figures=list(ARTICLE_FIGURES.values()),
             study_figures=expand(
                 f"{STUDY_RESULTS}/{{study}}/figure.svg",
                 study=("frequency", "noise", "rigid_contact"),
             ),
-            claims=rules.claims.output.csv,
             modules=script_modules("article/article.py"),
         output:
             pdf=report(
@@ -170,6 +147,7 @@ if config["published"]:
             inputs={
                 "results": f"/{RESULTS}",
                 "studies": f"/{STUDY_RESULTS}",
+                "sources": ARTICLE_SOURCES,
             },
         message:
             "Article: PDF"

@@ -3,13 +3,13 @@
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, read_routes, write_json
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.publishing.article.evidence import evidence
+from dampbalance.publishing.article.derived_numbers import derived_numbers
 
 if __name__ == "__main__":
     brief_troubles()
     i, folder = snakemake.input, snakemake.params.folder
     case = Case.from_config(snakemake.params.case)
-    numbers = evidence(
+    numbers = derived_numbers(
         case,
         features=read_routes(folder, "features", case.frequencies_hz),
         estimates=read_routes(folder, "estimates", case.frequencies_hz),

@@ -8,7 +8,7 @@ from dampbalance.figures.style import save
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.publishing.article.evidence import at_a_glance
+from dampbalance.publishing.article.derived_numbers import at_a_glance
 
 if __name__ == "__main__":
     brief_troubles()

@@ -10,17 +10,17 @@ from dampbalance.studies.shown import facts
 
 def main(file, cases, params):
     study = checking.read_study(file, params.schema, params.base)
-    told = {name: facts.fact(study, cases, spec) for name, spec in study.facts.items()}
+    statements = {name: facts.fact(study, cases, spec) for name, spec in study.facts.items()}
     axes = pd.read_parquet(cases, columns=list(study.axis_names)).select_dtypes("number")
     ranges = {name: [float(axes[name].min()), float(axes[name].max())] for name in axes}
-    return {"cases": study.cases, "facts": told, "specs": study.facts, "ranges": ranges}
+    return {"cases": study.cases, "facts": statements, "specs": study.facts, "ranges": ranges}
 
 
 if __name__ == "__main__":
     brief_troubles()
     i = snakemake.input
-    found = {
+    studies = {
         name: main(file, cases, snakemake.params)
         for name, file, cases in zip(snakemake.params.studies, i.files, i.cases, strict=True)
     }
-    write_json(snakemake.output.json, found)
+    write_json(snakemake.output.json, studies)

@@ -1,10 +1,9 @@
-"""The replication article: which numbers it prints, where each comes from, and how the PDF is made.
+"""The replication article: the numbers that only it needs, and how the PDF is made.
 
-evidence.py   numbers that the other results do not hold, computed from them
-style.py      a number as it is printed
-places.py     reading one number out of a result file
-recipe.py     the numbers of the recipe for the paper's Table 3
-software.py   what CITATION.cff states of the software
-values.py     the list of values that the article prints, its tables in tabulated.py
-compiling.py  typst, with warnings as errors
+derived_numbers.py   numbers that no other result holds, computed from the tables of results
+software.py          what CITATION.cff states of the software
+compiling.py         typst, with warnings as errors
+
+The article reads every number from its result file where it prints it: `paper/article/values.typ` says where each
+stands, `paper/article/numbers.typ` rounds it.
 """

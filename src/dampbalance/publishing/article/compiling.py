@@ -1,4 +1,4 @@
-"""typst, with warnings as errors, and the same bytes each time."""
+"""Compile the article with typst: a warning is an error, and the same inputs give the same bytes."""
 
 from __future__ import annotations
 
@@ -7,40 +7,54 @@ import shutil
 import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal, TypeVar
 
 import typst
 
 STANDARDS: list[Literal["a-3a", "ua-1"]] = ["a-3a", "ua-1"]
-"""PDF/A-3 at level a, which holds all that level b asks for, for keeping; PDF/UA, so that it can be read aloud: a
-figure or an equation without alternative text is an error."""
+"""PDF/A-3 at level a (which includes level b), for archiving; PDF/UA, so that it can be read aloud: a figure or an
+equation without alternative text is an error."""
 
-# 1 January 2026, a constant: the bytes do not change with the day of the build
+# 1 January 2026, always: the bytes do not depend on the day of the build.
 TIMESTAMP = 1_767_225_600
+
+Inputs = Mapping[str, str | Mapping[str, str]]
+Source = TypeVar("Source", Path, bytes)
+"""A typst file, or its text."""
 
 
 class ArticleError(RuntimeError):
     """The article does not compile, or compiles with a warning."""
 
 
-def compiler(source: str | Path, root: str | Path, inputs: Mapping[str, str]) -> typst.Compiler:
-    """A compiler that knows no fonts but typst's own: the article looks the same on every machine."""
-    return typst.Compiler(
-        str(source), root=str(root), ignore_system_fonts=True, sys_inputs=dict(inputs)
+def compiler(source: Source, root: str | Path, inputs: Inputs) -> typst.Compiler:
+    """A compiler that uses only the fonts that typst brings along: the article looks the same on every machine.
+
+    inputs : name → what the article finds under it in `sys.inputs`; anything but text as JSON.
+    """
+    texts = {name: of if isinstance(of, str) else json.dumps(of) for name, of in inputs.items()}
+    return typst.Compiler(source, root=str(root), ignore_system_fonts=True, sys_inputs=texts)
+
+
+def query(source: Source, root: str | Path, inputs: Inputs, selector: str, field: str) -> list[Any]:
+    """Compile a source and return a field of every element that a selector matches, in the order of the document."""
+    fields: list[Any] = json.loads(
+        compiler(source, root, inputs).query(selector, field=field, format="json")
     )
+    return fields
 
 
 def version() -> str:
-    """The version of typst itself, as a PDF names its creator; that of the Python package may differ."""
-    told = typst.Compiler(b'#metadata(array(sys.version).map(str).join("."))<version>')
-    return str(json.loads(told.query("<version>", field="value", one=True, format="json")))
+    """The version of typst, which a PDF names as its creator; that of its package for Python may differ."""
+    source = b'#metadata(array(sys.version).map(str).join("."))<version>'
+    return str(query(source, ".", {}, "<version>", "value")[0])
 
 
-def article(folder: str | Path, results: str | Path, inputs: Mapping[str, str]) -> bytes:
-    """The article of this folder with these results.
+def article(folder: str | Path, results: str | Path, inputs: Inputs) -> bytes:
+    """The PDF of the article in a folder, with results that are kept anywhere.
 
-    typst reads below one folder, and names the files that it attaches by their paths from there: a passing folder, in
-    which the results are /results wherever they are kept.
+    typst reads files below one folder only, and names the files that it attaches by their paths from there. So the
+    article is compiled in a temporary folder in which /article is a copy of `folder` and /results leads to `results`.
     """
     with tempfile.TemporaryDirectory(prefix="article-") as top:
         source = shutil.copytree(folder, Path(top, "article"))
@@ -48,7 +62,7 @@ def article(folder: str | Path, results: str | Path, inputs: Mapping[str, str]) 
         return pdf(source / "article.typ", top, inputs)
 
 
-def pdf(source: str | Path, root: str | Path, inputs: Mapping[str, str]) -> bytes:
+def pdf(source: Path, root: str | Path, inputs: Inputs) -> bytes:
     """The article as PDF/A and PDF/UA. Raises ArticleError for an error of typst, and for a warning."""
     try:
         document, warnings = compiler(source, root, inputs).compile_with_warnings(

@@ -12,7 +12,7 @@ import pytest
 from dampbalance.features import Features
 from dampbalance.figures.glance import Damping, glance
 from dampbalance.figures.numerics import Evidence
-from dampbalance.publishing.article.evidence import (
+from dampbalance.publishing.article.derived_numbers import (
     at_a_glance,
     lock_in_errors,
     sampling_instants,
@@ -75,9 +75,9 @@ def test_the_step_is_found_from_the_work_that_it_gave(factor):
             "W_J": [*limit, *euler],
         }
     )
-    found = step_from_work(claims_of("W", limit + factor * (euler - limit)), table, CASE)
-    assert found["min"] == pytest.approx(factor * STEP_US, rel=1e-9)
-    assert found["max"] == pytest.approx(factor * STEP_US, rel=1e-9)
+    step = step_from_work(claims_of("W", limit + factor * (euler - limit)), table, CASE)
+    assert step["min"] == pytest.approx(factor * STEP_US, rel=1e-9)
+    assert step["max"] == pytest.approx(factor * STEP_US, rel=1e-9)
 
 
 def test_instants_agree_to_what_they_were_moved_by():
@@ -93,9 +93,9 @@ def test_instants_agree_to_what_they_were_moved_by():
             "V_s_m_per_s": [*V_s, *V_s],
         }
     )
-    found = sampling_instants(cycles, claims_of("a", a), CASE)
-    assert found["count"] == 2
-    assert found["spread"] == pytest.approx(0.02, rel=1e-6)  # half of 0.34 − 0.30
+    instants = sampling_instants(cycles, claims_of("a", a), CASE)
+    assert instants["count"] == 2
+    assert instants["spread"] == pytest.approx(0.02, rel=1e-6)  # half of 0.34 − 0.30
 
 
 def test_the_errors_of_a_fit_have_their_sign():

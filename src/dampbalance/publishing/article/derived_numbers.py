@@ -1,6 +1,6 @@
 """Numbers that the article argues with and no other result holds, each computed from the tables of results.
 
-`evidence` collects them as one nested dictionary, so that every one has a place (a JSON pointer) in one file.
+`derived_numbers` collects them in one nested dictionary, so that each has a place (a JSON pointer) in one file.
 """
 
 from __future__ import annotations
@@ -20,13 +20,14 @@ from ...figures import glance
 from ...figures.numerics import Evidence
 from ...model import Oscillator
 from ...project.case import Case
+from ...reading.clean import CYCLES_TO_READ
 from ...replication import comparison
 from ...replication.as_published import added_damping, coefficients
 from ...replication.claim_ids import of_cell
-from ...replication.claim_verdicts import counts
+from ...replication.claim_verdicts import VERDICTS, counts
 from ...replication.printed_tables import TABLE_2
+from ...replication.readout import ReadOut
 from ...solver import Pair
-from . import recipe
 
 Json = dict[str, Any]
 
@@ -38,7 +39,7 @@ GLANCE = {
 """Label of the figure at a glance → its way of `comparison.WAYS`."""
 
 
-def evidence(
+def derived_numbers(
     case: Case,
     features: Mapping[str, Mapping[str, pd.DataFrame]],
     estimates: Mapping[str, Mapping[str, pd.DataFrame]],
@@ -47,12 +48,12 @@ def evidence(
     schemes: pd.DataFrame,
     cycles: pd.DataFrame,
 ) -> Json:
-    """Everything below, by name.
+    """All numbers of evidence.json, each group under the name of what it describes.
 
     features, estimates : route (exact, as_published) → frequency → table.   claims : the table of verdicts, as text.
-    approaches : of `comparison.approaches_table`.   schemes, cycles : of `schemes.scheme_table`, `cycle_table`.
+    approaches, schemes, cycles : the tables of `comparison.approaches_table`, `schemes.scheme_table` and `cycle_table`.
 
-    None stands where there is no number: an error relative to a true value of zero.
+    None stands for a number that does not exist, such as the relative error of a true value of zero.
     """
     oscillator, pairs = case.oscillator, case.pairs
     exact = {name: Features.from_frame(table) for name, table in features["exact"].items()}
@@ -63,7 +64,7 @@ def evidence(
         {
             "setting": setting(case, exact[first]),
             "verdicts": verdict_counts(claims),
-            "recipe": recipe.evidence(case, exact[first]),
+            "recipe": recipe(case, exact[first]),
             "dissipation": dissipation(case, float(exact[first].omega[0])),
             "integrals": integral_deviations(features, claims, schemes, first),
             "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},
@@ -77,14 +78,18 @@ def evidence(
             "slip_detected": samples_off(features["as_published"][first], claims, case),
             "step_from_W": step_from_work(claims, schemes, case),
             "cycles": sampling_instants(cycles, claims, case),
+            "vocabulary": {
+                "verdicts": [asdict(verdict) for verdict in VERDICTS.values()],
+                "ways": comparison.WAYS,
+            },
         }
     )
     return numbers
 
 
 def verdict_counts(claims: pd.DataFrame) -> Json:
-    """part or "all" → how many numbers it computes (printed), how many of these by verdict, and how many are given
-    or stated; statements_held : the statements that hold.   claims : columns id, kind and verdict.
+    """Count the verdicts: part of the paper or "all" → how many of its numbers are computed, given and stated, how many
+    of the computed ones have each verdict, and how many statements hold.   claims : columns id, kind and verdict.
     """
     return {
         count.key: {
@@ -99,7 +104,7 @@ def verdict_counts(claims: pd.DataFrame) -> Json:
 
 
 def setting(case: Case, first: Features) -> Json:
-    """The case: parameters, frequencies, levels, and the rounded coefficients of the equation divided by m."""
+    """Describe the case: parameters, frequencies, levels, and the rounded coefficients of the equation divided by m."""
     osc, numerics = case.oscillator, case.numerics
     return {
         **asdict(osc),
@@ -121,8 +126,42 @@ def setting(case: Case, first: Features) -> Json:
     }
 
 
+def recipe(case: Case, exact: Features) -> Json:
+    """The numbers of the recipe for Table 3: how the responses at the first frequency are read.
+
+    None stands for a rule that the case does not have.
+
+    periods : number simulated before the cycle that is read.
+    slip_samples : number of samples after the detection of slip at which a begins, level by level.
+    X_um, mark_um : units to which X and X + X_s are read.   swing_um : X + X_s as read, if all levels agree.
+    steps : number of steps subtracted from t_s.   t_s_unit_ms, t_s_ms : unit of t_s, and its value for all levels.
+    phi, phi_decimals : the phase for all levels, rad, and its decimals.
+
+    exact : features of the exact responses; read to such coarse units, those of the simulation give the same numbers.
+    """
+    numerics = case.numerics
+    rules = ReadOut.from_config(numerics.two_point)
+    common = rules.common(exact)
+    swings = sorted({round(1e6 * swing, 6) for swing in (common.X + common.X_s).tolist()})
+    return {
+        "periods": numerics.cycles - CYCLES_TO_READ,
+        "slip_samples": ", ".join(map(str, numerics.slip_samples)),
+        "X_um": None if rules.X_decimals is None else 10.0 ** (6 - rules.X_decimals),
+        "mark_um": None if rules.X_s_mark is None else 1e6 * rules.X_s_mark,
+        "swing_um": swings[0] if rules.X_s_mark is not None and len(swings) == 1 else None,
+        "steps": round(rules.t_s_inset / numerics.step_s, 3),
+        "t_s_unit_ms": None if rules.t_s_unit is None else 1e3 * rules.t_s_unit,
+        "t_s_ms": 1e3 * float(common.t_s[0]),
+        "phi": float(common.phi[0]),
+        "phi_decimals": rules.common_phi_decimals,
+    }
+
+
 def dissipation(case: Case, omega: float) -> Json:
-    """Backward Euler near resonance: c acts as c + mω²h.   added, effective : N s/m.   relative : of c."""
+    """Numerical dissipation of backward Euler near resonance, where c acts as c + mω²h.
+
+    added, effective : mω²h and the sum, N s/m.   relative : mω²h over c.
+    """
     c, added = case.oscillator.c, added_damping(case, omega)
     return {"added": added, "effective": c + added, "relative": added / c if c else math.nan}
 
@@ -133,11 +172,11 @@ def integral_deviations(
     schemes: pd.DataFrame,
     frequency: str,
 ) -> Json:
-    """a, b, W of Table 2: relative deviations, smallest and largest over the levels.
+    """Relative deviations of a, b and W of Table 2, as ranges over the levels.
 
-    printed : of the printed numbers from the exact ones.   as_published : of the rebuilt simulation from the exact.
-    printed_from_rebuilt : size of that of the printed from the rebuilt numbers; for b also without the first level.
-    printed_from_unrounded : the same, had the coefficients of the equation not been rounded.
+    printed : of the printed numbers from the exact ones.   as_published : of the rebuilt simulation from the exact one.
+    printed_from_rebuilt : of the printed numbers from the rebuilt ones, in size; without the first level as well.
+    printed_from_unrounded : of the printed numbers from a simulation with unrounded coefficients, in size.
     """
     unrounded = schemes[
         (schemes["scheme"] == "backward-euler") & (schemes["coefficients"] == "exact")
@@ -159,9 +198,9 @@ def integral_deviations(
 
 
 def samples_off(rebuilt: pd.DataFrame, claims: pd.DataFrame, case: Case) -> Json:
-    """How far each printed a lies from the rebuilt one, in samples of the instant at which slip is detected.
+    """Distance of each printed a from the rebuilt one, in samples of the instant at which slip is detected.
 
-    A sample more or less changes a by 2 V_s h.   rebuilt : as-published features of the levels of Table 2.
+    One sample more or less changes a by 2 V_s h.   rebuilt : as-published features of the levels of Table 2.
     """
     printed = _printed(claims, "a")
     per_sample = 2.0 * rebuilt["V_s_m_per_s"] * case.numerics.step_s
@@ -169,9 +208,11 @@ def samples_off(rebuilt: pd.DataFrame, claims: pd.DataFrame, case: Case) -> Json
 
 
 def step_from_work(claims: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> Json:
-    """The step, µs, at which backward Euler would give each printed W of Table 2; its error is proportional to h.
+    """The step, µs, at which backward Euler would give each printed W of Table 2.
 
-    Runge–Kutta on the same rounded coefficients gives W for h → 0.   schemes : of `schemes.scheme_table`.
+    Its error is proportional to h, and Runge–Kutta with the same rounded coefficients gives W for h → 0.
+
+    schemes : the table of `schemes.scheme_table`.
     """
     rounded = schemes[schemes["coefficients"] == "rounded"].set_index("scheme")["W_J"]
     euler, limit = (rounded[name].to_numpy() for name in ("backward-euler", "rk4"))
@@ -182,10 +223,10 @@ def step_from_work(claims: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> J
 def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame, case: Case) -> Json:
     """How well the printed a of all levels agree on the instant, within a step, at which the motion is sampled.
 
-    count : of the steady cycles tried.   spread : the largest deviation of a level from the mean of its cycle, in
-    steps, of any cycle. Whole steps do not count: a may begin a sample earlier or later.
+    count : number of steady cycles tried.   spread : largest deviation of a level from the mean of its cycle, in steps,
+    over all cycles. Whole steps do not count, because a may begin a sample earlier or later.
 
-    cycles : of `schemes.cycle_table`.
+    cycles : the table of `schemes.cycle_table`.
     """
     per_step = 2.0 * cycles["V_s_m_per_s"] * case.numerics.step_s
     printed = _printed(claims, "a")[cycles["level"].to_numpy() - 1]
@@ -198,7 +239,10 @@ def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame, case: Case) ->
 def at_a_glance(
     evidence: Evidence, approaches: pd.DataFrame, case: Case
 ) -> tuple[glance.Damping, dict[str, list[float]], list[float]]:
-    """What `figures.glance` draws.   evidence : of the figure of the numerics.   approaches : as for `evidence`."""
+    """What `figures.glance` draws: damping, and errors of F_k at each frequency, Hz.
+
+    evidence : what the figure of the numerics draws.   approaches : the table of `comparison.approaches_table`.
+    """
     estimates, c = evidence.estimates, case.oscillator.c
     direct = (estimates["approach"] == "direct") & (estimates["kind"] == "least_squares")
     damping = glance.Damping(
@@ -218,7 +262,7 @@ def at_a_glance(
 def direct_largest(approaches: pd.DataFrame) -> Json:
     """Size of the largest error of F_k and c, %, that direct integration makes with exact features at any frequency.
 
-    approaches : of `comparison.approaches_table`.
+    approaches : the table of `comparison.approaches_table`.
     """
     rows = approaches[approaches["approach"] == "direct"]
     columns = ("{}_error_percent", "{}_largest_pair_error_percent")
@@ -229,9 +273,9 @@ def direct_largest(approaches: pd.DataFrame) -> Json:
 
 
 def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[Pair]) -> Json:
-    """{pair, least_squares} → error of F_k and c, %, of the Fourier balance with b = πωX_1² alone: a lock-in at ω.
+    """Errors of F_k and c, %, by the Fourier balance with b = πωX_1² alone, which a lock-in amplifier at ω measures.
 
-    The error of a pair is the size of the largest of all pairs; that of least squares has its sign.
+    pair : size of the largest error of all pairs.   least_squares : error with its sign.
     """
     table = estimate_table(features.replaced(X_3=0.0, X_5=0.0), oscillator.k, pairs)
     rows = table[table["approach"] == "fourier"]
@@ -244,13 +288,13 @@ def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[P
 
 
 def balance_terms(features: Features, oscillator: Oscillator) -> Json:
-    """How the terms of the balance compare, per level and as ranges over the levels, in %.
+    """How the terms of the balance compare, as ranges over the levels, in %.
 
-    friction_share : a F_k / W.   sine : sin φ, φ of the reversal, no percentage.   phase_spread : (largest − smallest
-    sin φ)/mean, φ of the reversal and of the fundamental.
-    W_common, W_individual : error of W = πkYX sin φ with the mean and with the own φ of the reversal.
-    W_fundamental : error of πkYX_1 sin φ_1, which is rounding.   b_harmonic : error of πωX².   b_first, b_fifth :
-    error of πωΣn²X_n² up to n = 1, 5.   third : X_3/X_1.
+    friction_share : a F_k / W.   sine : sin φ with φ of the reversal, not in %.
+    phase_spread : (largest − smallest sin φ)/mean, with φ of the reversal and of the fundamental.
+    W_common, W_individual : error of W = πkYX sin φ with the mean φ and with each level's φ of the reversal.
+    W_fundamental : size of the error of πkYX_1 sin φ_1, which is rounding.   b_harmonic : error of πωX².
+    b_first, b_fifth : error of πωΣn²X_n² up to n = 1, 5.   third : X_3/X_1.
     """
     k, Y, X = oscillator.k, features.Y, features.X
     work = np.pi * k * Y * X
@@ -281,7 +325,7 @@ def balance_terms(features: Features, oscillator: Oscillator) -> Json:
 def largest_errors(
     estimates: Mapping[str, Mapping[str, pd.DataFrame]], oscillator: Oscillator
 ) -> Json:
-    """route → frequency → largest error of F_k and c, %, of the pairs by Table 3's two-point formulas."""
+    """Largest error of F_k and c, %, of the pairs by Table 3's two-point formulas: route → frequency → coefficient."""
 
     def of_table(table: pd.DataFrame) -> Json:
         harmonic = table["approach"].map(takes_phase)
@@ -301,7 +345,7 @@ def _printed(claims: pd.DataFrame, name: str) -> np.ndarray:
 
 
 def _range(values: np.ndarray) -> Json:
-    """Smallest and largest, and the first and the last, in the order of the levels."""
+    """Smallest and largest value, those of the first and the last level, and the largest size."""
     return {
         "min": float(np.min(values)),
         "max": float(np.max(values)),
@@ -312,7 +356,7 @@ def _range(values: np.ndarray) -> Json:
 
 
 def _without_nan(document: Any) -> Any:
-    """A document with None for every number that is not finite, which JSON cannot hold."""
+    """A copy of a document with None for every number that is not finite, which JSON cannot hold."""
     if isinstance(document, dict):
         return {name: _without_nan(value) for name, value in document.items()}
     if isinstance(document, list):
