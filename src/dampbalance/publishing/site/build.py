@@ -67,7 +67,7 @@ def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]
         "version": dampbalance.__version__,
         "commands": commands,
         "command": lambda name: options.command(commands[name]),
-        "schema": lambda path: keys.tables(keys.keys(read_yaml(root / path), _REGISTRIES)),
+        "schema": lambda path: keys.tables(read_yaml(root / path), _REGISTRIES),
         "gallery": lambda: gallery(root),
         "terms": KNOWN_TERMS.values(),
         "public": names.by_room(dampbalance.__all__, PACKAGE),
@@ -78,11 +78,8 @@ def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]
 
 def commands_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
     """The commands of a command line, by name."""
-    found: dict[str, argparse.ArgumentParser] = {}
-    for action in parser._actions:
-        if isinstance(action, argparse._SubParsersAction):
-            found |= action.choices
-    return found
+    (commands,) = (a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
+    return dict(commands.choices)
 
 
 def _run_sphinx(stage: Path, made: Path, trees: Path) -> None:
@@ -93,13 +90,8 @@ def _run_sphinx(stage: Path, made: Path, trees: Path) -> None:
         "SOURCE_DATE_EPOCH": "0",
     }
     flags = ["-b", "html", "-W", "--keep-going", "-n", "-q", "-j", "1", "-d", str(trees)]
-    done = subprocess.run(
-        [sys.executable, "-m", "sphinx", *flags, str(stage), str(made)],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = [sys.executable, "-m", "sphinx", *flags, str(stage), str(made)]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     if done.returncode:
         said = (done.stderr or done.stdout).replace(f"{stage}/", f"{SOURCE}/")
         raise SiteError(f"the site was not built:\n{said}")
@@ -109,8 +101,7 @@ def _put(made: Path, target: Path) -> None:
     """Put a folder in the place of another; what was there goes only when all is ready."""
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=f"{UNFINISHED}site-") as folder:
-        ready = Path(folder, "ready")
-        shutil.copytree(made, ready)
+        ready = shutil.copytree(made, Path(folder, "ready"))
         if target.exists():
             target.rename(Path(folder, "before"))
         ready.rename(target)

@@ -4,38 +4,30 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Iterator
 
 from ...project.wording import in_markdown, listed
 
-_EXAMPLE = re.compile(r"(?:^ {2,}\S.*\n?)+", re.MULTILINE)
+_EXAMPLE = re.compile(r"((?:^ {2,}\S.*\n?)+)", re.MULTILINE)
 
 
 def command(parser: argparse.ArgumentParser) -> str:
     """What a command does, how it is called, its arguments and options, and what its help ends with."""
-    usage = f"{parser.prog} {' '.join(_called(parser))}".rstrip()
+    actions = [one for one in parser._actions if not isinstance(one, argparse._HelpAction)]
+    given = [f"{_written(one)}{' …' * (one.nargs == '+')}" for one in actions if _place(one) == 0]
+    given += [_written(one) for one in actions if _place(one) == 1]
+    given += ["[options]"] * any(_place(one) == 2 for one in actions)
     parts = [
         _prose(parser.description or ""),
-        f"```\n{usage}\n```\n",
-        "| argument | meaning |\n|---|---|\n" + "".join(_lines(parser)),
+        f"```\n{' '.join([parser.prog, *given])}\n```\n",
+        "| argument | meaning |\n|---|---|\n" + "".join(_line(one, parser) for one in actions),
         _prose(parser.epilog or ""),
     ]
     return "\n".join(part for part in parts if part)
 
 
-def _actions(parser: argparse.ArgumentParser) -> list[argparse.Action]:
-    return [action for action in parser._actions if not isinstance(action, argparse._HelpAction)]
-
-
-def _called(parser: argparse.ArgumentParser) -> Iterator[str]:
-    """What must be given, and a word for the rest."""
-    actions = _actions(parser)
-    for action in actions:
-        if not action.option_strings:
-            yield f"{action.metavar or action.dest}{' …' * (action.nargs == '+')}"
-    yield from (_written(action) for action in actions if action.option_strings and action.required)
-    if any(action.option_strings and not action.required for action in actions):
-        yield "[options]"
+def _place(action: argparse.Action) -> int:
+    """Where an argument stands in the call: 0 for one without a name, 1 for a needed option, 2 for any other."""
+    return 0 if not action.option_strings else 1 if action.required else 2
 
 
 def _written(action: argparse.Action) -> str:
@@ -45,22 +37,21 @@ def _written(action: argparse.Action) -> str:
     return f"{name} {value}" if name and action.nargs != 0 else name or value
 
 
-def _lines(parser: argparse.ArgumentParser) -> Iterator[str]:
-    for action in _actions(parser):
-        needed = " *needed*" if action.required else ""
-        words = in_markdown((action.help or "") % {**vars(action), "prog": parser.prog})
-        if action.choices:
-            words += f": {listed([f'`{choice}`' for choice in action.choices], 'or')}"
-        yield f"| `{_written(action)}`{needed} | {words} |\n"
+def _line(action: argparse.Action, parser: argparse.ArgumentParser) -> str:
+    needed = " *needed*" if action.required else ""
+    words = in_markdown((action.help or "") % {**vars(action), "prog": parser.prog})
+    if action.choices:
+        words += f": {listed([f'`{choice}`' for choice in action.choices], 'or')}"
+    return f"| `{_written(action)}`{needed} | {words} |\n"
 
 
 def _prose(text: str) -> str:
     """Text of a help as Markdown: what is indented is an example."""
-    blocks, at = [], 0
-    for example in _EXAMPLE.finditer(text):
-        blocks.append(in_markdown(text[at : example.start()]).strip())
-        lines = (line.removeprefix("  ") for line in example[0].rstrip().splitlines())
-        blocks.append("```\n" + "\n".join(lines) + "\n```")
-        at = example.end()
-    blocks.append(in_markdown(text[at:]).strip())
-    return "\n\n".join(block for block in blocks if block) + "\n"
+    blocks = []
+    for number, part in enumerate(_EXAMPLE.split(text)):
+        if number % 2:
+            lines = (line.removeprefix("  ") for line in part.rstrip().splitlines())
+            blocks.append("```\n" + "\n".join(lines) + "\n```")
+        else:
+            blocks.append(in_markdown(part).strip())
+    return "\n\n".join(filter(None, blocks)) + "\n"
