@@ -17,9 +17,11 @@ import os
 import re
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import jupytext  # type: ignore[import-untyped]
 import nbformat
@@ -169,82 +171,62 @@ def _shown(output: NotebookNode, cell: NotebookNode) -> str:
         image = f'<img alt="{html.escape(alt)}" src="{source}">'
         return f'<figure tabindex="0" aria-label="Picture">{image}</figure>'
     if "text/html" in data:
-        before, start, rest = data["text/html"].partition("<table")
-        table, end, after = rest.partition("</table>")
-        plain = _plain_table(start + table + end)
-        region = (
-            f'<div class="table" tabindex="0" role="region" aria-label="Table">\n{plain}\n</div>'
-        )
-        parts = "\n".join([*_sentences(before), region, *_sentences(after)])
-        return f"```{{=html}}\n{parts}\n```"  # as it is: pandoc would read Markdown into its cells
+        # as it is: pandoc would read Markdown into the cells of a table
+        return f"```{{=html}}\n{_of_html(data['text/html'], cell.id)}\n```"
     return f"```{{.output}}\n{data['text/plain'].rstrip()}\n```"
 
 
-def _plain_table(table: str) -> str:
-    """A data frame's table as the page shows it: symbols set, every head in one place and with its scope.
+def _of_html(shown: str, cell: str) -> str:
+    """Paragraphs, lists and tables of an output in HTML as the page shows them, symbols set."""
+    try:
+        content = ElementTree.fromstring(shown.replace("<style scoped>", "<style>"))
+    except ElementTree.ParseError as error:
+        raise NotebookError(f"{cell} shows HTML that is not well-formed: {error}") from None
+    parts = []
+    for part in content:
+        if part.tag == "table":
+            parts += ['<div class="table" tabindex="0" role="region" aria-label="Table">']
+            parts += [*_table_lines(part), "</div>"]
+        elif part.tag == "ul":
+            parts.append(f"<ul>{''.join(f'<li>{_set(item)}</li>' for item in part)}</ul>")
+        elif part.tag == "p":
+            parts.append(f"<p>{_set(part)}</p>")
+    return "\n".join(parts)
+
+
+def _table_lines(table: Element) -> Iterator[str]:
+    """A data frame's table as the page shows it: every head in one place and with its scope.
 
     pandas gives the name of the index a row of its own below the heads, in which all other cells are empty. Here it
-    stands beside them, and what is still empty is no head.
+    stands next to them, and what is still empty is no head.
     """
-    head, _, body = table.partition("</thead>")
-    heads, rows = _cells(head), _cells(body)
-    name = ""
-    if len(heads) > 1 and not any(text for _, text in heads[-1][1:]):
-        name = heads.pop()[0][1]
-    lines = ["<table>", "<thead>"]
-    for n, cells in enumerate(heads):
-        corner, *others = cells
-        first = [_corner(name or corner[1], len(heads))] if n == 0 else []
-        lines.append(_row([*first, *(_head(*cell) for cell in others)]))
-    lines += ["</thead>", "<tbody>"]
-    for (_, label), *values in rows:
-        of_row = f'<th scope="row">{_set(label)}</th>'
-        lines.append(_row([of_row, *(f"<td>{_set(value)}</td>" for _, value in values)]))
-    return "\n".join([*lines, "</tbody>", "</table>"])
+    heads = [list(row) for row in table.iterfind("thead/tr")]
+    name = heads[0][0]
+    if len(heads) > 1 and not any(cell.text for cell in heads[-1][1:]):
+        name = heads.pop()[0]
+    rowspan = f' rowspan="{len(heads)}"' if len(heads) > 1 else ""
+    corner = f'<th scope="col"{rowspan}>{_set(name)}</th>' if name.text else f"<td{rowspan}></td>"
+    yield "<table>\n<thead>"
+    for _, *cells in heads:
+        yield f"<tr>{corner}{''.join(map(_head, cells))}</tr>"
+        corner = ""
+    yield "</thead>\n<tbody>"
+    for label, *values in table.iterfind("tbody/tr"):
+        cells_of_row = "".join(f"<td>{_set(value)}</td>" for value in values)
+        yield f'<tr><th scope="row">{_set(label)}</th>{cells_of_row}</tr>'
+    yield "</tbody>\n</table>"
 
 
-def _sentences(part: str) -> list[str]:
-    """What is said beside a table: its paragraphs and lists, symbols set."""
-    found = []
-    for tag, inner in re.findall(r"<(p|ul)>(.*?)</\1>", part, re.DOTALL):
-        items = re.findall(r"<li>(.*?)</li>", inner, re.DOTALL)
-        text = "".join(f"<li>{_set(item)}</li>" for item in items) if tag == "ul" else _set(inner)
-        found.append(f"<{tag}>{text}</{tag}>")
-    return found
-
-
-def _cells(rows: str) -> list[list[tuple[int, str]]]:
-    """Every row of a part of a table: its cells, each with the columns that it spans and its text."""
-    return [
-        [
-            (int(span[1]) if (span := re.search(r'colspan="(\d+)"', attributes)) else 1, text)
-            for attributes, text in re.findall(
-                r"<t[hd]\b([^>]*)>\s*(.*?)\s*</t[hd]>", row, re.DOTALL
-            )
-        ]
-        for row in re.findall(r"<tr\b.*?</tr>", rows, re.DOTALL)
-    ]
-
-
-def _corner(name: str, rows: int) -> str:
-    """The cell above the names of the rows."""
-    span = f' rowspan="{rows}"' if rows > 1 else ""
-    return f'<th scope="col"{span}>{_set(name)}</th>' if name else f"<td{span}></td>"
-
-
-def _head(columns: int, text: str) -> str:
+def _head(cell: Element) -> str:
     """A cell above one column or several."""
+    columns = int(cell.get("colspan", "1"))
     scope = f'scope="colgroup" colspan="{columns}"' if columns > 1 else 'scope="col"'
-    return f"<th {scope}>{_set(text)}</th>"
+    return f"<th {scope}>{_set(cell)}</th>"
 
 
-def _row(cells: Iterable[str]) -> str:
-    return f"<tr>{''.join(cells)}</tr>"
-
-
-def _set(text: str) -> str:
-    """A cell's text with its symbols set and true minus signs."""
-    return str(words.rich(minus(html.unescape(text))))
+def _set(part: Element) -> str:
+    """The text of a part with its symbols set and true minus signs."""
+    return str(words.rich(minus((part.text or "").strip())))
 
 
 def _settled(notebook: NotebookNode) -> NotebookNode:
