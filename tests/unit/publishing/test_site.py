@@ -9,7 +9,7 @@ import textwrap
 import docutils.core
 import pytest
 
-from dampbalance.publishing.site import keys, mirror, names, options, pages, texts
+from dampbalance.publishing.site import command_help, keys, mirror, names, pages, texts
 from dampbalance.publishing.site.docstrings import markup
 
 TEXT = """\
@@ -251,7 +251,7 @@ def test_a_command_as_a_table():
     parser.add_argument("--kind", choices=["a", "b"], required=True, help="of file")
     parser.add_argument("--n", type=int, default=7, help="how many (default: %(default)s)")
     parser.add_argument("--fast", action="store_true", help="sooner | worse")
-    text = options.command(parser)
+    text = command_help.command(parser)
     assert "```\np do FILE … --kind KIND [options]\n```" in text
     assert "| `FILE` *needed* | what is read |" in text
     assert "| `--kind KIND` *needed* | of file: `a` or `b` |" in text

@@ -2,7 +2,7 @@
 
 RO-Crate 1.1 with the profiles Workflow RO-Crate 1.0 and Process, Workflow and Provenance Run Crate 0.5. Files are
 named by their paths from the folder of the crate. The crate of a case lies among its results: it names its sources by
-the way up to them (../..), and holds in place. The crate of an archive has all of them below its own folder: it is the
+the way up to them (../..), and holds in folder. The crate of an archive has all of them below its own folder: it is the
 one to deposit. Where the workflow ran in another folder than its own, a crate describes the sources and does not have
 them; the profiles require the workflow itself.
 
@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .entities import Entity, Place, entity, references
+from .entities import CrateFolder, Entity, entity, references
 from .workflow_run import BIOSCHEMAS, LANGUAGE, WORKFLOW_FILE, actions, engine, parameters, steps
 
 DESCRIPTOR = "ro-crate-metadata.json"
@@ -43,18 +43,18 @@ def crate(
     manifest: Mapping[str, Any],
     manifest_file: str,
     citation: Mapping[str, Any],
-    place: Place | None = None,
+    folder: CrateFolder | None = None,
     others: Mapping[str, str] | None = None,
     ended: Mapping[str, float] | None = None,
 ) -> dict[str, Any]:
     """The metadata of a crate, as JSON-LD.
 
     manifest : from `manifest.manifest`, which stands in the file `manifest_file`.   citation : CITATION.cff.
-    place : of the crate, the project itself when left out.   others : more files of the crate, path → digest.
+    folder : of the crate, the project itself when left out.   others : more files of the crate, path → digest.
     ended : when results were finished, path → s since 1970; none of it for a crate without times.
     """
     made, run = manifest["reproducible"], manifest["run"]
-    jobs, others, place = made["jobs"], others or {}, place or Place()
+    jobs, others, folder = made["jobs"], others or {}, folder or CrateFolder()
     results = {result["path"]: result for result in made["results"]}
     digests = {**made["sources"], **others, **{p: r["sha256"] for p, r in results.items()}}
     configuration = made["configuration_files"]  # what every job takes its parameters from
@@ -63,11 +63,13 @@ def crate(
     named = {*results, *others, *scripts, WORKFLOW_FILE} | (used & digests.keys())
 
     files = {
-        path: place.file(path, digests.get(path), results.get(path, {}).get("bytes"))
+        path: folder.file(path, digests.get(path), results.get(path, {}).get("bytes"))
         for path in sorted(named)
     }
-    files[manifest_file] = place.file(manifest_file) | {"description": ABOUT_MANIFEST}
-    authors = [_author(author, i, place) for i, author in enumerate(citation.get("authors", []), 1)]
+    files[manifest_file] = folder.file(manifest_file) | {"description": ABOUT_MANIFEST}
+    authors = [
+        _author(author, i, folder) for i, author in enumerate(citation.get("authors", []), 1)
+    ]
     terms = citation["license"]
     licence = entity(
         f"{LICENCES}{terms}", "CreativeWork", name=terms, identifier=f"{LICENCES}{terms}"
@@ -75,15 +77,15 @@ def crate(
     responsible = references(authors)
     common = {"license": {"@id": licence["@id"]}, "author": responsible}
     keys, settings = parameters(made["configuration"])
-    howto = steps(jobs, place)
-    acts = actions(jobs, settings, configuration, named, responsible, place, ended or {})
+    howto = steps(jobs, folder)
+    acts = actions(jobs, settings, configuration, named, responsible, folder, ended or {})
 
     version = made["version"]
     tools = {path: files[path] for path in sorted(scripts)}
     for path, tool in tools.items():
-        tool |= _software(place.name(path), SOURCE, version, "Python")
+        tool |= _software(folder.name(path), SOURCE, version, "Python")
     files[WORKFLOW_FILE] |= _software(
-        place.name(WORKFLOW_FILE),
+        folder.name(WORKFLOW_FILE),
         [*SOURCE, "ComputationalWorkflow", "HowTo"],
         version,
         {"@id": LANGUAGE},
@@ -95,7 +97,7 @@ def crate(
         input=references(keys),
         step=references(howto),
     )
-    if not place.root and "README.md" in files:
+    if not folder.root and "README.md" in files:
         files["README.md"] |= {"about": {"@id": "./"}}
 
     published = citation.get("date-released") or run["code"].get("committed")
@@ -108,7 +110,7 @@ def crate(
         **common,
         publisher=references(a for a in authors if a["@type"] == "Organization"),
         conformsTo=[{"@id": profile} for profile in PROFILES],
-        mainEntity={"@id": place.name(WORKFLOW_FILE)},
+        mainEntity={"@id": folder.name(WORKFLOW_FILE)},
         hasPart=references(files.values()),
         mentions=references(a for a in acts if a["@type"] != "ControlAction"),
         datePublished=str(published) if published else None,
@@ -131,18 +133,18 @@ def crate(
 def _software(
     at: str, kind: list[str], version: str, language: str | dict[str, str], **more: Any
 ) -> Entity:
-    """What makes a file of the crate a piece of software; its address is its place."""
+    """What makes a file of the crate a piece of software; its address is its folder."""
     return entity(at, kind, url={"@id": at}, version=version, programmingLanguage=language, **more)
 
 
-def _author(author: Mapping[str, str], number: int, place: Place) -> Entity:
+def _author(author: Mapping[str, str], number: int, folder: CrateFolder) -> Entity:
     """A person or an organisation as the citation names it; without a page of its own, the citation is its page."""
     person = f"{author.get('given-names', '')} {author.get('family-names', '')}".strip()
     return entity(
         author.get("orcid") or f"#author-{number}",
         "Organization" if "name" in author else "Person",
         name=author.get("name") or person,
-        url=author.get("website") or {"@id": place.name("CITATION.cff")},
+        url=author.get("website") or {"@id": folder.name("CITATION.cff")},
     )
 
 

@@ -22,7 +22,7 @@ from ...balance import APPROACHES
 from ...law.terms import KNOWN_TERMS
 from ...project.documents import read_yaml
 from ...project.files import UNFINISHED
-from . import keys, names, options
+from . import command_help, keys, names
 from .gallery import gallery
 from .pages import EXTRA, Pages, SiteError
 
@@ -66,7 +66,7 @@ def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]
     return {
         "version": dampbalance.__version__,
         "commands": commands,
-        "command": lambda name: options.command(commands[name]),
+        "command": lambda name: command_help.command(commands[name]),
         "schema": lambda path: keys.tables(read_yaml(root / path), _REGISTRIES),
         "gallery": lambda: gallery(root),
         "terms": KNOWN_TERMS.values(),
