@@ -1,11 +1,11 @@
-"""A notebook written as a plain script: run it, and turn it into a page that needs no network.
+"""Runs a notebook that is written as a plain script, and turns it into a page that needs no network.
 
-The script is in the percent format of jupytext. Everything that would make one run differ from the next is kept out:
-the user's own IPython settings, execution times, random cell ids, dates and software versions in pictures, what is
-written to stderr. Cells say with their metadata what a reader needs to know of them:
+The script is in the percent format of jupytext. Everything that would differ between two runs is excluded: the user's
+IPython settings, execution times, random cell ids, dates and software versions in pictures, and output to stderr.
+Metadata of a cell control how the page shows it:
 
-    # %% alt="…"             what the picture shows, for readers who cannot see it
-    # %% tags=["outcome"]    belongs to the solution of an exercise, folded away on the page
+    # %% alt="…"             describes the picture for readers who cannot see it
+    # %% tags=["outcome"]    marks the solution of an exercise, which is folded on the page
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ c.InlineBackend.print_figure_kwargs = {"bbox_inches": "tight", "metadata": {"Dat
 _MATH_AND_STOP = re.compile(
     r'(<math display="inline"(?:(?!</math>).)*</math>)([,.;:)]+)', re.DOTALL
 )
-# What is pushed sideways on a narrow screen must be within reach of the keyboard.
+# Parts that scroll sideways on a narrow screen must be reachable by keyboard.
 _DISPLAYED = re.compile(r'<math display="block".*?</math>', re.DOTALL)
 _EQUATION = r'<span class="equation" role="group" tabindex="0" aria-label="Equation">\g<0></span>'
 _REMOTE = re.compile(
@@ -52,11 +52,11 @@ _REMOTE = re.compile(
 
 
 class NotebookError(RuntimeError):
-    """A notebook that cannot be run or shown; the message names the cell and what went wrong in it."""
+    """A notebook cannot be run or shown; the message names the cell and the problem."""
 
 
 def run(source: str | Path, timeout: int = 300) -> NotebookNode:
-    """The notebook of a percent script, executed from top to bottom in a kernel of its own.
+    """The notebook of a percent script, executed from top to bottom in a separate kernel.
 
     source : the script.   timeout : seconds that one cell may take.
 
@@ -99,11 +99,11 @@ def write(notebook: NotebookNode) -> str:
 
 
 def page(notebook: NotebookNode, style: str, template: str | Path) -> str:
-    """The notebook as one HTML page that holds all it shows: formulas as MathML, pictures as data, its style sheet.
+    """The notebook as one self-contained HTML page: formulas as MathML, pictures as data, and the style sheet.
 
     style : CSS.   template : a template of pandoc with the variables title, style, toc and body.
 
-    Raises NotebookError: no heading at the top, a picture without `alt`, something that would load from elsewhere.
+    Raises NotebookError for a missing title, a picture without `alt`, and anything that would be loaded from elsewhere.
     """
     title = re.match(r"#\s+(.+)", notebook.cells[0].source)
     if title is None:
@@ -121,7 +121,7 @@ def page(notebook: NotebookNode, style: str, template: str | Path) -> str:
 
 
 def _numbered(text: str) -> str:
-    """The page with a number in the name of every table, picture and equation: no two are called alike."""
+    """The page with a number in the label of every table, picture and equation, so that labels are unique."""
     numbers = {kind: itertools.count(1) for kind in ("Table", "Picture", "Equation")}
     return re.sub(
         rf'aria-label="({"|".join(numbers)})"',
@@ -131,7 +131,7 @@ def _numbered(text: str) -> str:
 
 
 def markdown(notebook: NotebookNode) -> str:
-    """The notebook as pandoc's Markdown: text as it is, code and its outputs as blocks, outcomes folded."""
+    """The notebook in pandoc's Markdown: text unchanged, code and outputs as blocks, solutions folded."""
     parts: list[str] = []
     for folded, cells in itertools.groupby(
         notebook.cells, key=lambda cell: "outcome" in cell.metadata.get("tags", [])
@@ -158,7 +158,7 @@ def _blocks(cell: NotebookNode) -> Iterator[str]:
 
 
 def _shown(output: NotebookNode, cell: NotebookNode) -> str:
-    """One output of a cell: a picture if it is one, else a table, else text."""
+    """One output of a cell, as a picture, a table or text."""
     if output.output_type == "stream":
         return f"```{{.output}}\n{output.text.rstrip()}\n```"
     data = output.data
@@ -195,10 +195,10 @@ def _of_html(shown: str, cell: str) -> str:
 
 
 def _table_lines(table: Element) -> Iterator[str]:
-    """A data frame's table as the page shows it: every head in one place and with its scope.
+    """The table of a data frame as the page shows it: each head appears once and with its scope.
 
-    pandas gives the name of the index a row of its own below the heads, in which all other cells are empty. Here it
-    stands next to them, and what is still empty is no head.
+    pandas writes the name of the index into a separate row below the heads, in which all other cells are empty. Here it
+    is moved to the corner, and a corner that is still empty is not a head.
     """
     heads = [list(row) for row in table.iterfind("thead/tr")]
     name = heads[0][0]
@@ -230,7 +230,7 @@ def _set(part: Element) -> str:
 
 
 def _settled(notebook: NotebookNode) -> NotebookNode:
-    """The executed notebook without what depends on the run or the machine; stderr goes where it belongs."""
+    """The executed notebook without anything that depends on the run or the machine; stderr is passed on."""
     notebook.metadata.pop("jupytext", None)
     notebook.metadata.get("language_info", {}).pop("version", None)
     for cell in notebook.cells:
@@ -243,7 +243,7 @@ def _settled(notebook: NotebookNode) -> NotebookNode:
 
 @contextmanager
 def _kernel_environment(folder: Path) -> Iterator[None]:
-    """What a kernel started in this block sees: this interpreter first, our own IPython settings, pictures inline."""
+    """Environment of a kernel started in this block: this interpreter, fixed IPython settings, inline pictures."""
     profile = folder / "ipython" / "profile_default"
     profile.mkdir(parents=True)
     (profile / "ipython_kernel_config.py").write_text(KERNEL_SETTINGS, encoding="utf-8")

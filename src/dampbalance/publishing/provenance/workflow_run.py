@@ -1,4 +1,4 @@
-"""The run of a workflow as entities of an RO-Crate: parameters, steps, tools, and the actions that made the results.
+"""Describes the run of a workflow as entities of an RO-Crate: parameters, steps, tools and actions.
 
 Names are those of the profiles Workflow Run Crate and Provenance Run Crate, version 0.5. A step is a rule, its tool
 the script of the rule; each job is a CreateAction, from its inputs (object) by its tool (instrument) to its outputs
@@ -24,9 +24,10 @@ _PARAMETER_TYPES = {bool: "Boolean", int: "Integer", float: "Number", str: "Text
 
 
 def parameters(configuration: Mapping[str, Any]) -> tuple[list[Entity], list[Entity]]:
-    """The keys of a configuration as FormalParameters, and what each was set to as a PropertyValue.
+    """The keys of a configuration as FormalParameters, and their values as PropertyValues.
 
-    A key of a key is named `oscillator.m_kg`. What is no number, text or truth is given as JSON.
+    Nested keys are joined by dots, as in `oscillator.m_kg`. A value that is not a number, text or truth value is
+    written as JSON.
     """
     keys, values = [], []
     for name, value in _leaves(configuration):
@@ -55,7 +56,7 @@ def parameters(configuration: Mapping[str, Any]) -> tuple[list[Entity], list[Ent
 
 
 def engine(version: str | None) -> list[Entity]:
-    """Snakemake: the language of the workflow, and what ran it."""
+    """Snakemake as the language of the workflow and as the engine that ran it."""
     language = entity(
         LANGUAGE,
         "ComputerLanguage",
@@ -94,10 +95,10 @@ def actions(
     folder: CrateFolder,
     ended: Mapping[str, float],
 ) -> list[Entity]:
-    """The run, its jobs, and how the engine organised them; the run comes first.
+    """The actions of the run, of its jobs and of the engine that organised them; the run comes first.
 
     settings : values of the parameters.   configuration : the files that hold them; every job takes its own from there.
-    known : the files that the crate describes.   agents : references to who is responsible for the run.
+    known : the files that the crate describes.   agents : references to those who are responsible for the run.
     ended : when each output was finished, s since 1970; without an entry, its action has no `endTime`.
     """
     configured = set(configuration)

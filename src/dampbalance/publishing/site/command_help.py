@@ -1,4 +1,4 @@
-"""A command as a table of its arguments and options, from its parser, for Markdown."""
+"""Shows a command as a Markdown table of its arguments and options, taken from its parser."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _EXAMPLE = re.compile(r"((?:^ {2,}\S.*\n?)+)", re.MULTILINE)
 
 
 def command(parser: argparse.ArgumentParser) -> str:
-    """What a command does, how it is called, its arguments and options, and what its help ends with."""
+    """The description of a command, its usage, a table of its arguments and options, and the end of its help."""
     actions = [one for one in parser._actions if not isinstance(one, argparse._HelpAction)]
     given = [f"{_written(one)}{' …' * (one.nargs == '+')}" for one in actions if _place(one) == 0]
     given += [_written(one) for one in actions if _place(one) == 1]
@@ -26,12 +26,12 @@ def command(parser: argparse.ArgumentParser) -> str:
 
 
 def _place(action: argparse.Action) -> int:
-    """Where an argument stands in the call: 0 for one without a name, 1 for a needed option, 2 for any other."""
+    """The position of an argument in the usage: 0 for a positional argument, 1 for a required option, 2 for others."""
     return 0 if not action.option_strings else 1 if action.required else 2
 
 
 def _written(action: argparse.Action) -> str:
-    """An argument as it is typed."""
+    """An argument as it is typed on the command line."""
     value = str(action.metavar or action.dest.upper())
     name = ", ".join(action.option_strings)
     return f"{name} {value}" if name and action.nargs != 0 else name or value
@@ -46,7 +46,7 @@ def _line(action: argparse.Action, parser: argparse.ArgumentParser) -> str:
 
 
 def _prose(text: str) -> str:
-    """Text of a help as Markdown: what is indented is an example."""
+    """Help text as Markdown; indented lines are examples."""
     blocks = []
     for number, part in enumerate(_EXAMPLE.split(text)):
         if number % 2:

@@ -1,8 +1,8 @@
-"""Docstrings in the style of this project as the markup that Sphinx reads (reStructuredText).
+"""Converts docstrings in the style of this project to reStructuredText, the markup that Sphinx reads.
 
-A paragraph that begins like `m : mass, kg.   c : viscous damping, N s/m.` describes arguments, several on a line with
-three blanks between them; what is indented is an equation or a table, to be shown as it is; backticks are code. All
-else is text, whatever characters it holds: |x|, x*, F_k.
+A paragraph that begins like `m : mass, kg.   c : viscous damping, N s/m.` describes arguments; several on one line are
+separated by three blanks. Indented lines are equations or tables and are shown unchanged; backticks mark code.
+Everything else is text, whatever characters it contains: |x|, x*, F_k.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _INLINE = re.compile(
 
 
 def markup(lines: Iterable[str]) -> list[str]:
-    """A docstring, by lines, as lines of reStructuredText."""
+    """The lines of a docstring as lines of reStructuredText."""
     made: list[str] = []
     for paragraph in _paragraphs(lines):
         made += [*_block(paragraph), ""]
@@ -34,7 +34,7 @@ def markup(lines: Iterable[str]) -> list[str]:
 
 
 def _paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
-    """Stretches of lines with no empty one between them; an indented one lasts until the indent ends."""
+    """The paragraphs of a text, as lines; an indented one may contain empty lines and ends with the indentation."""
     block: list[str] = []
     for line in [*lines, "", "end"]:
         indented = bool(block) and block[0].startswith(" ")
@@ -65,7 +65,7 @@ def _block(paragraph: list[str]) -> list[str]:
 
 
 def _arguments(text: str) -> Iterator[str]:
-    """A list of arguments, each with its meaning."""
+    """A definition list of arguments with their meanings."""
     _, *parts = _ARGUMENT.split(text)
     for names, meaning in zip(parts[::2], parts[1::2], strict=True):
         yield f"``{names}``"
@@ -73,14 +73,14 @@ def _arguments(text: str) -> Iterator[str]:
 
 
 def _listed(text: str) -> Iterator[str]:
-    """A list, an entry for each mark at the beginning of a line."""
+    """A list with one entry for each mark at the beginning of a line."""
     for entry in re.split(r"\n(?=(?:[-*]|\d+\.) )", text):
         mark, words = entry.split(" ", 1)
         yield f"{mark} {_inline(' '.join(words.split()))}"
 
 
 def _inline(text: str) -> str:
-    """Text with its code and its emphasis, everything else as it is."""
+    """Text in which code and emphasis are marked up and all other characters are literal."""
     return _INLINE.sub(_set, text)
 
 

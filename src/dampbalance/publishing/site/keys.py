@@ -1,4 +1,4 @@
-"""A schema as tables of its keys: type with bounds, unit and meaning of each, for Markdown."""
+"""Shows a schema as Markdown tables of its keys, each with its type, bounds, unit and meaning."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 from ...project.wording import MINUS, in_markdown, listed
 
-# The unit at the end of a key's name, N_s2_per_m2 for one, and how it is written as people read it
+# The unit at the end of the name of a key, such as N_s2_per_m2, and the replacements that make it readable
 _UNIT = re.compile(r"(?:^|_)((?:N(?:_s\d?)?|rad)_per_(?:m\d?|s)|hz|kg|N|m|s)$")
 _AS_READ = (("_per_", "/"), ("_", " "), ("hz", "Hz"), ("2", "²"), ("3", "³"))
 _TYPES = {
@@ -33,12 +33,12 @@ _LIMITS = (
 def tables(
     schema: Mapping[str, Any], registered: Mapping[str, Sequence[str]], level: int = 2
 ) -> str:
-    """Every key that a schema knows as Markdown: a table of those at the top, then of those inside others.
+    """Markdown tables of all keys of a schema: first the keys at the top level, then those inside other keys.
 
-    Above each table but the first stands the name of what its keys are inside of, as a heading of that level: [] is
-    each entry of a list, * a name of the user's choice. Neighbours that are described alike share a line.
+    Each further table has a heading of that level with the path of its keys, in which [] stands for each entry of a
+    list and * for a name chosen by the user. Consecutive keys with the same description share a row.
 
-    registered : name of a registry → its keys, for what the schema leaves to one (`registered: NAME`).
+    registered : the names in each registry to which the schema refers (`registered: NAME`).
     """
     reader = _Reader(schema, registered)
     reader.read(schema, "")
@@ -52,9 +52,9 @@ def tables(
 
 @dataclass(frozen=True, slots=True)
 class _Reader:
-    """Reads nodes of a schema, with what they refer to, into lines of tables.
+    """Reads nodes of a schema into rows of tables and follows references.
 
-    lines : of each table, by the names that lead to its keys.
+    lines : the rows of each table, by the path of its keys.
     """
 
     schema: Mapping[str, Any]
@@ -62,7 +62,7 @@ class _Reader:
     lines: dict[str, dict[str, None]] = field(default_factory=dict)
 
     def read(self, node: Mapping[str, Any], parent: str) -> None:
-        """Add the keys below a node, each before those inside it."""
+        """Add the keys below a node; each key precedes the keys inside it."""
         node = self.followed(node)
         for inner, name in (("items", "[]"), ("additionalProperties", ".*")):
             if isinstance(node.get(inner), Mapping):
@@ -84,7 +84,7 @@ class _Reader:
             self.read(child, f"{parent}.{names[0] if len(names) == 1 else '*'}".lstrip("."))
 
     def followed(self, node: Mapping[str, Any]) -> Mapping[str, Any]:
-        """The node, with what it refers to within the schema."""
+        """The node with its reference (`$ref`) within the schema resolved."""
         if "$ref" not in node:
             return node
         target: Any = self.schema
@@ -93,7 +93,7 @@ class _Reader:
         return {**target, **{name: value for name, value in node.items() if name != "$ref"}}
 
     def type_of(self, node: Mapping[str, Any]) -> str:
-        """The type in words, with its bounds, or the values to choose from."""
+        """The type in words with its bounds, or the admissible values."""
         node = self.followed(node)
         if "registered" in node:
             names = [*self.registered[node["registered"]], *node.get("also", [])]
@@ -108,7 +108,7 @@ class _Reader:
         return listed(list(dict.fromkeys(words)), "or")
 
     def _word(self, name: str, node: Mapping[str, Any]) -> str:
-        """One type in words, with that of its entries."""
+        """One type in words; for a list, with the type of its entries."""
         items = node.get("items")
         if name == "array" and isinstance(items, Mapping):
             inner = self.type_of(items)
@@ -118,7 +118,7 @@ class _Reader:
 
 
 def _unit(key: str) -> str:
-    """The unit that the end of a key's name states; "" for none."""
+    """The unit that is stated at the end of the name of a key; "" if there is none."""
     unit = found[1] if (found := _UNIT.search(key)) else ""
     for typed, read in _AS_READ:
         unit = unit.replace(typed, read)
@@ -132,7 +132,7 @@ def _value(value: object) -> str:
 
 
 def _range(node: Mapping[str, Any]) -> str:
-    """The bounds of a number, to stand behind its type."""
+    """The bounds of a number, to be written after its type."""
     low, high = node.get("minimum"), node.get("maximum")
     if low is not None and high is not None:
         return f" from {_number(low)} to {_number(high)}"
@@ -140,7 +140,7 @@ def _range(node: Mapping[str, Any]) -> str:
 
 
 def _length(node: Mapping[str, Any]) -> str:
-    """How many entries a list must have, to stand before what they are."""
+    """The admissible number of entries of a list, to be written before their type."""
     least, most = node.get("minItems"), node.get("maxItems")
     if least and most:
         return f"{least} " if least == most else f"{least} to {most} "
@@ -150,5 +150,5 @@ def _length(node: Mapping[str, Any]) -> str:
 
 
 def _number(value: float) -> str:
-    """A number without the zeros and the plus of its exponent."""
+    """A number whose exponent has no plus sign and no leading zeros."""
     return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:g}").replace("-", MINUS)

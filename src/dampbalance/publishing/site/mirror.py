@@ -1,7 +1,6 @@
-"""Files of the project that pages link to, as they lie in the project: the site has them in the folder `files`.
+"""Copies the files of the project to which pages link into the folder `files` of the site, at their paths.
 
-A page of results (HTML) keeps those of its links that lead to other small files; from the others the link is taken, not
-the words.
+An HTML page of results keeps its links to other small files; its other links are replaced by their text.
 """
 
 from __future__ import annotations
@@ -16,14 +15,14 @@ _LOCAL_LINK = re.compile(r"""(?<=<a)([^>]*?)\shref="(?![a-z]+:|#)([^"#]*)(?:#[^"
 
 
 class Mirror:
-    """What a site shows of the files of a project: paths from its root on, added one by one and copied at the end."""
+    """The files of a project that the site contains, by path from the root; added one by one and copied at the end."""
 
     def __init__(self, root: str | Path) -> None:
         self.root = Path(root)
         self.contents: dict[str, bytes] = {}
 
     def add(self, path: str) -> str | None:
-        """Where the site has that file, from its own root on; None where there is no such file, or a large one."""
+        """The path of the copy, from the root of the site; None if the file does not exist or is too large."""
         file = self.root / path
         if path.startswith("..") or not file.is_file() or file.stat().st_size > _LARGEST:
             return None
@@ -34,7 +33,7 @@ class Mirror:
         return f"{FOLDER}/{path}"
 
     def _with_live_links(self, path: str) -> str:
-        """A page without the links that would be dead; what the others lead to is added."""
+        """A page without the links that would be dead; the targets of the others are added."""
 
         def kept(link: re.Match[str]) -> str:
             target = posixpath.normpath(posixpath.join(posixpath.dirname(path), link[2]))

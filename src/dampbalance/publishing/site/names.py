@@ -1,4 +1,4 @@
-"""Which names the reference of the package holds, and the directives by which Sphinx documents them."""
+"""Selects the names that the reference of the package documents, and writes the Sphinx directives for them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _NAMED = re.compile(r"`((?:[a-z_]+\.)+\w+)`")
 
 
 def directives(names: Iterable[str], module: str) -> str:
-    """Blocks of Markdown that document names of a module, each at its place."""
+    """Markdown that documents names of a module."""
     blocks = [directive(f"{module}.{name}") for name in names]
     return "\n".join(["```{eval-rst}", *blocks, "```", ""])
 
@@ -36,11 +36,10 @@ def directive(name: str) -> str:
 
 
 def by_room(names: Iterable[str], package: str) -> list[tuple[str, str, list[str]]]:
-    """The names that a package hands on by the room that they come from: (room, what it is for, its names).
+    """The public names of a package grouped by the room that defines them: (room, its purpose, its names).
 
-    Rooms in the order of the alphabet; of a room, first the functions.
-
-    A room is a module or a folder at the root of the package.
+    A room is a module or a folder at the root of the package. Rooms are in alphabetical order; the functions of a room
+    precede its classes.
     """
     rooms: dict[str, list[str]] = {}
     for name in sorted(names, key=lambda name: (name[0].isupper(), name)):
@@ -57,8 +56,9 @@ def _first_paragraph(module: Any) -> str:
 
 
 def others(naming: Iterable[str], package: str) -> dict[str, list[str]]:
-    """Module → its functions, classes and registries that texts name in backticks, without those that the package hands
-    on; in the order of the modules. A method stands for its class.
+    """The functions, classes and registries that texts name in backticks, by module, except public names.
+
+    A method stands for its class.
     """
     public = import_module(package)
     own = {id(getattr(public, name)) for name in public.__all__}
@@ -75,7 +75,7 @@ def others(naming: Iterable[str], package: str) -> dict[str, list[str]]:
 
 
 def resolved(name: str) -> tuple[str, Any, str]:
-    """(module, object, its path in the module) of a dotted name. Raises LookupError where there is none."""
+    """(module, object, path in the module) of a dotted name. Raises LookupError if there is no such object."""
     try:
         target = pkgutil.resolve_name(name)
     except (ImportError, AttributeError):

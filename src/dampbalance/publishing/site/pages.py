@@ -1,8 +1,8 @@
-"""Templates of `paper/site` → pages for Sphinx, with what each of them shows of the project's texts.
+"""Renders the templates of `paper/site` to pages for Sphinx and inserts the texts of the project that they show.
 
-A page is Markdown and a template of Jinja: `{{ text("config/README.md") }}` stands for a whole text of the project,
-`{{ section("README.md", "Rebuild it") }}` for what one of its sections says, without its heading. The texts stay where
-they are; their links are led to the page that shows what they mean, or to a copy of the file.
+A page is a Jinja template in Markdown: `{{ text("config/README.md") }}` inserts a whole text of the project,
+`{{ section("README.md", "Rebuild it") }}` one of its sections without the heading. The links of an inserted text are
+rewritten to the page that shows their target, or to a copy of the file.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from . import texts
 from .mirror import Mirror
 
 FILE = "copied:"
-"""How a link begins that leads to a copied file; Sphinx leaves the rest of it as it is."""
+"""Prefix of a link to a copied file; Sphinx does not change the rest of such a link."""
 
 EXTRA = "extra"
-"""Folder beside the pages for what Sphinx copies as it is."""
+"""Folder next to the pages that Sphinx copies unchanged."""
 
 
 class SiteError(ValueError):
-    """A page that cannot be made; the message names the page, and what is wrong with it."""
+    """A page cannot be rendered; the message names the page and the problem."""
 
 
 class Pages:
@@ -43,10 +43,10 @@ class Pages:
         self.mirror = Mirror(root)
 
     def made(self) -> dict[str, str]:
-        """Page, by its path below the folder, → its Markdown. Raises SiteError for a page that cannot be made."""
+        """The Markdown of each page, by its path below the folder. Raises SiteError if a page cannot be rendered."""
         templates = jinja2.Environment(
             loader=jinja2.FileSystemLoader(self.root / self.folder),
-            autoescape=False,  # Markdown, of nothing but files of the project
+            autoescape=False,  # the pages are Markdown and contain only files of the project
             undefined=jinja2.StrictUndefined,
             trim_blocks=True,
             lstrip_blocks=True,
@@ -72,16 +72,16 @@ class Pages:
         return texts.sections(texts.of_project(text, posixpath.dirname(path)))
 
     def _text(self, page: str, path: str) -> str:
-        """A whole text, its title that of the page."""
+        """A whole text, whose title becomes that of the page."""
         if path in self.whole:
             raise SiteError(f"{self.folder}/{page}: {path} is on {self.whole[path]} already")
         self.whole[path] = page
         return texts.written(self._sections(path))
 
     def _section(self, page: str, path: str, title: str, level: int = 0, inner: bool = True) -> str:
-        """What a section of a text says; for the title "", what stands before the first heading below that of the text.
+        """A section of a text; for the title "", the opening of the text up to its first heading below the title.
 
-        level : of its heading here; 0 for none.   inner : whether the sections inside it are shown, too.
+        level : the level of its heading on the page; 0 for no heading.   inner : whether to include its subsections.
         """
         known = self._sections(path)
         if not title:
@@ -105,7 +105,7 @@ class Pages:
         return texts.written([replace(first, level=level), *others])
 
     def _led(self, page: str, target: str, picture: bool) -> str:
-        """Where a link of a page to a file of the project leads: to a page that shows it, or to a copy."""
+        """The target of a link; for one to a file of the project, the page that shows the file, or its copy."""
         if not target.startswith(texts.SCHEME):
             return target
         path, _, place = target.removeprefix(texts.SCHEME).partition("#")

@@ -1,4 +1,4 @@
-"""Markdown cut into its sections, with links that say which file of the project they mean."""
+"""Cuts Markdown into sections and resolves its links to files of the project."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import dropwhile, groupby, takewhile
 
 SCHEME = "project:"
-"""How a link begins that names a file of the project by its path from the root."""
+"""Prefix of a link to a file of the project, followed by the path from the root."""
 
 _HEADING = re.compile(r"(#{1,6})\s+(.+?)\s*$")
 _FENCE = re.compile(r"\s*(`{3,}|~{3,})")
@@ -23,9 +23,9 @@ _NOT_IN_AN_ANCHOR = re.compile(r"[^\w\- ]")
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A heading of a text and what stands below it, up to the next heading of any level.
+    """A heading of a text with the lines below it, up to the next heading of any level.
 
-    level : 1 to 6; 0 for what stands before the first heading.   title : as written.   body : lines below it.
+    level : 1 to 6; 0 for the lines before the first heading.   title : as written.   body : the lines below it.
     """
 
     level: int
@@ -34,12 +34,12 @@ class Section:
 
     @property
     def anchor(self) -> str:
-        """The name of the heading in links, as repositories on the web and Sphinx's reader of Markdown form it."""
+        """The anchor of the heading in links, formed as code hosts and MyST form it."""
         return _NOT_IN_AN_ANCHOR.sub("", self.title.strip().lower().replace(" ", "-"))
 
 
 def sections(text: str) -> list[Section]:
-    """A text as its sections, in their order; without comments, and without the empty one that would be the first."""
+    """The sections of a text in their order, without comments; an empty first section is omitted."""
     parts: list[tuple[int, str, list[str]]] = [(0, "", [])]
     for in_code, line in _lines(_COMMENT.sub("", text)):
         if (heading := _HEADING.match(line)) and not in_code:
@@ -51,7 +51,7 @@ def sections(text: str) -> list[Section]:
 
 
 def with_inner(text: list[Section], title: str) -> list[Section]:
-    """The section of that title with those inside it. Raises KeyError where there is none of that title."""
+    """The section of that title with its subsections. Raises KeyError if no section has that title."""
     found = list(dropwhile(lambda one: one.title != title, text))
     if not found:
         raise KeyError(title)
@@ -69,9 +69,9 @@ def written(text: list[Section]) -> str:
 
 
 def of_project(text: str, folder: str) -> str:
-    """A text with its links to files as `project:PATH`, from the root of the project on.
+    """A text with its links to files rewritten as `project:PATH`, the path taken from the root of the project.
 
-    folder : of the text, from the root on; "" for the root.   Links to addresses and within the text stay.
+    folder : the folder of the text, from the root; "" for the root.   Links to URLs and within the text are kept.
     """
 
     def named(target: str, picture: bool) -> str:
@@ -84,9 +84,9 @@ def of_project(text: str, folder: str) -> str:
 
 
 def relinked(text: str, new: Callable[[str, bool], str]) -> str:
-    """A text with the target of every link and picture replaced; what stands in code stays.
+    """A text with the target of every link and picture replaced, except in code.
 
-    new : (target, whether it is that of a picture) → target.
+    new : (target, whether the target is a picture) → new target.
     """
 
     def replaced(link: re.Match[str]) -> str:
@@ -102,7 +102,7 @@ def relinked(text: str, new: Callable[[str, bool], str]) -> str:
 
 
 def _lines(text: str) -> Iterator[tuple[bool, str]]:
-    """The lines of a text with their ends, each with whether it belongs to a fenced block of code."""
+    """The lines of a text, including their line ends, each with whether it belongs to a fenced code block."""
     fence = ""
     for line in text.splitlines(keepends=True):
         mark = _FENCE.match(line)
