@@ -1,16 +1,16 @@
 """Describes the results and the run of the workflow as an RO-Crate, in the terms that data repositories read.
 
-It follows RO-Crate 1.1 with the profiles Workflow RO-Crate 1.0 and Process, Workflow and Provenance Run Crate 0.5. Files
-are named by their paths from the folder of the crate. The crate of a case lies among its results and names the sources
-by relative paths (../..), so it is valid only in place. The crate of an archive has all files below its own folder:
-deposit this one. If the workflow ran in another folder than its own, the crate describes the sources but does not
-contain them, although the profiles require the workflow itself.
+It follows RO-Crate 1.1 with the profiles Workflow RO-Crate 1.0 and Process, Workflow and Provenance Run Crate 0.5.
+Files are named by their paths from the folder of the crate. The crate of a case lies among its results and names the
+sources by relative paths (../..), so it is valid only in place. The crate of an archive has all files below its own
+folder: deposit this one. If the workflow ran in another folder than its own, the crate describes the sources but does
+not contain them, although the profiles require the workflow itself.
 
-All recommendations of the profiles are followed, with these exceptions. Tools should have an address on the web, and the
-sources have none. The crate of a case has no time of the run (`endTime`), so that the same inputs give the same bytes;
-the crate of an archive, which describes one run, has it. If neither a release date nor a commit is known, the date of
-publication (`datePublished`) is missing. The agent of the run is the author named in the citation, who is responsible
-for the published results.
+All recommendations of the profiles are followed, with these exceptions. Tools should have an address on the web, and
+the sources have none. The crate of a case has no time of the run (`endTime`), so that the same inputs give the same
+bytes; the crate of an archive, which describes one run, has it. If neither a release date nor a commit is known, the
+date of publication (`datePublished`) is missing. The agent of the run is the author named in the citation, who is
+responsible for the published results.
 """
 
 from __future__ import annotations
