@@ -425,10 +425,18 @@ def test_a_page_that_would_lack_something_is_refused(cells, message):
 
 
 def table_of(frame):
-    cell = nbformat.v4.new_code_cell("table")
-    html = {"text/html": frame.to_html(notebook=True)}
-    cell.outputs = [nbformat.v4.new_output("execute_result", data=html)]
+    return markdown_of(frame.to_html(notebook=True))
+
+
+def markdown_of(text):
+    cell = nbformat.v4.new_code_cell("table", id="cell-07")
+    cell.outputs = [nbformat.v4.new_output("execute_result", data={"text/html": text})]
     return notebook.markdown(made(cell))
+
+
+def test_html_that_cannot_be_read_is_refused():
+    with pytest.raises(notebook.NotebookError, match="cell-07 shows HTML that is not well-formed"):
+        markdown_of("<div><p>one<br>two</p></div>")
 
 
 def test_a_table_keeps_its_heads_and_loses_its_own_look():

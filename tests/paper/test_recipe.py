@@ -10,7 +10,6 @@ import re
 import shutil
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from dampbalance.features import Features

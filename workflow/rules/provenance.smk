@@ -116,7 +116,7 @@ rule crate:
             labels={"result": "The same as an RO-Crate, for repositories of data"},
         ),
     params:
-        place={"root": RESULTS, "beside_sources": Path.cwd() == ROOT and not IS_MODULE},
+        folder={"root": RESULTS, "beside_sources": Path.cwd() == ROOT and not IS_MODULE},
         manifest_name=f"{RESULTS}/manifest.json",
     message:
         "RO-Crate of the results"

@@ -1,11 +1,11 @@
-"""A notebook written as a plain script: run it, and turn it into a page that needs no network.
+"""Runs a notebook that is written as a plain script, and turns it into a page that needs no network.
 
-The script is in the percent format of jupytext. Everything that would make one run differ from the next is kept out:
-the user's own IPython settings, execution times, random cell ids, dates and software versions in pictures, what is
-written to stderr. Cells say with their metadata what a reader needs to know of them:
+The script is in the percent format of jupytext. Everything that would differ between two runs is excluded: the user's
+IPython settings, execution times, random cell ids, dates and software versions in pictures, and output to stderr.
+Metadata of a cell control how the page shows it:
 
-    # %% alt="…"             what the picture shows, for readers who cannot see it
-    # %% tags=["outcome"]    belongs to the solution of an exercise, folded away on the page
+    # %% alt="…"             describes the picture for readers who cannot see it
+    # %% tags=["outcome"]    marks the solution of an exercise, which is folded on the page
 """
 
 from __future__ import annotations
@@ -17,9 +17,11 @@ import os
 import re
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import jupytext  # type: ignore[import-untyped]
 import nbformat
@@ -39,7 +41,7 @@ c.InlineBackend.print_figure_kwargs = {"bbox_inches": "tight", "metadata": {"Dat
 _MATH_AND_STOP = re.compile(
     r'(<math display="inline"(?:(?!</math>).)*</math>)([,.;:)]+)', re.DOTALL
 )
-# What is pushed sideways on a narrow screen must be within reach of the keyboard.
+# Parts that scroll sideways on a narrow screen must be reachable by keyboard.
 _DISPLAYED = re.compile(r'<math display="block".*?</math>', re.DOTALL)
 _EQUATION = r'<span class="equation" role="group" tabindex="0" aria-label="Equation">\g<0></span>'
 _REMOTE = re.compile(
@@ -50,11 +52,11 @@ _REMOTE = re.compile(
 
 
 class NotebookError(RuntimeError):
-    """A notebook that cannot be run or shown; the message names the cell and what went wrong in it."""
+    """A notebook cannot be run or shown; the message names the cell and the problem."""
 
 
 def run(source: str | Path, timeout: int = 300) -> NotebookNode:
-    """The notebook of a percent script, executed from top to bottom in a kernel of its own.
+    """The notebook of a percent script, executed from top to bottom in a separate kernel.
 
     source : the script.   timeout : seconds that one cell may take.
 
@@ -97,11 +99,11 @@ def write(notebook: NotebookNode) -> str:
 
 
 def page(notebook: NotebookNode, style: str, template: str | Path) -> str:
-    """The notebook as one HTML page that holds all it shows: formulas as MathML, pictures as data, its style sheet.
+    """The notebook as one self-contained HTML page: formulas as MathML, pictures as data, and the style sheet.
 
     style : CSS.   template : a template of pandoc with the variables title, style, toc and body.
 
-    Raises NotebookError: no heading at the top, a picture without `alt`, something that would load from elsewhere.
+    Raises NotebookError for a missing title, a picture without `alt`, and anything that would be loaded from elsewhere.
     """
     title = re.match(r"#\s+(.+)", notebook.cells[0].source)
     if title is None:
@@ -119,7 +121,7 @@ def page(notebook: NotebookNode, style: str, template: str | Path) -> str:
 
 
 def _numbered(text: str) -> str:
-    """The page with a number in the name of every table, picture and equation: no two are called alike."""
+    """The page with a number in the label of every table, picture and equation, so that labels are unique."""
     numbers = {kind: itertools.count(1) for kind in ("Table", "Picture", "Equation")}
     return re.sub(
         rf'aria-label="({"|".join(numbers)})"',
@@ -129,7 +131,7 @@ def _numbered(text: str) -> str:
 
 
 def markdown(notebook: NotebookNode) -> str:
-    """The notebook as pandoc's Markdown: text as it is, code and its outputs as blocks, outcomes folded."""
+    """The notebook in pandoc's Markdown: text unchanged, code and outputs as blocks, solutions folded."""
     parts: list[str] = []
     for folded, cells in itertools.groupby(
         notebook.cells, key=lambda cell: "outcome" in cell.metadata.get("tags", [])
@@ -156,7 +158,7 @@ def _blocks(cell: NotebookNode) -> Iterator[str]:
 
 
 def _shown(output: NotebookNode, cell: NotebookNode) -> str:
-    """One output of a cell: a picture if it is one, else a table, else text."""
+    """One output of a cell, as a picture, a table or text."""
     if output.output_type == "stream":
         return f"```{{.output}}\n{output.text.rstrip()}\n```"
     data = output.data
@@ -169,86 +171,66 @@ def _shown(output: NotebookNode, cell: NotebookNode) -> str:
         image = f'<img alt="{html.escape(alt)}" src="{source}">'
         return f'<figure tabindex="0" aria-label="Picture">{image}</figure>'
     if "text/html" in data:
-        before, start, rest = data["text/html"].partition("<table")
-        table, end, after = rest.partition("</table>")
-        plain = _plain_table(start + table + end)
-        region = (
-            f'<div class="table" tabindex="0" role="region" aria-label="Table">\n{plain}\n</div>'
-        )
-        parts = "\n".join([*_sentences(before), region, *_sentences(after)])
-        return f"```{{=html}}\n{parts}\n```"  # as it is: pandoc would read Markdown into its cells
+        # as it is: pandoc would read Markdown into the cells of a table
+        return f"```{{=html}}\n{_of_html(data['text/html'], cell.id)}\n```"
     return f"```{{.output}}\n{data['text/plain'].rstrip()}\n```"
 
 
-def _plain_table(table: str) -> str:
-    """A data frame's table as the page shows it: symbols set, every head in one place and with its scope.
+def _of_html(shown: str, cell: str) -> str:
+    """Paragraphs, lists and tables of an output in HTML as the page shows them, symbols set."""
+    try:
+        content = ElementTree.fromstring(shown.replace("<style scoped>", "<style>"))
+    except ElementTree.ParseError as error:
+        raise NotebookError(f"{cell} shows HTML that is not well-formed: {error}") from None
+    parts = []
+    for part in content:
+        if part.tag == "table":
+            parts += ['<div class="table" tabindex="0" role="region" aria-label="Table">']
+            parts += [*_table_lines(part), "</div>"]
+        elif part.tag == "ul":
+            parts.append(f"<ul>{''.join(f'<li>{_set(item)}</li>' for item in part)}</ul>")
+        elif part.tag == "p":
+            parts.append(f"<p>{_set(part)}</p>")
+    return "\n".join(parts)
 
-    pandas gives the name of the index a row of its own below the heads, in which all other cells are empty. Here it
-    stands beside them, and what is still empty is no head.
+
+def _table_lines(table: Element) -> Iterator[str]:
+    """The table of a data frame as the page shows it: each head appears once and with its scope.
+
+    pandas writes the name of the index into a separate row below the heads, in which all other cells are empty. Here it
+    is moved to the corner, and a corner that is still empty is not a head.
     """
-    head, _, body = table.partition("</thead>")
-    heads, rows = _cells(head), _cells(body)
-    name = ""
-    if len(heads) > 1 and not any(text for _, text in heads[-1][1:]):
-        name = heads.pop()[0][1]
-    lines = ["<table>", "<thead>"]
-    for n, cells in enumerate(heads):
-        corner, *others = cells
-        first = [_corner(name or corner[1], len(heads))] if n == 0 else []
-        lines.append(_row([*first, *(_head(*cell) for cell in others)]))
-    lines += ["</thead>", "<tbody>"]
-    for (_, label), *values in rows:
-        of_row = f'<th scope="row">{_set(label)}</th>'
-        lines.append(_row([of_row, *(f"<td>{_set(value)}</td>" for _, value in values)]))
-    return "\n".join([*lines, "</tbody>", "</table>"])
+    heads = [list(row) for row in table.iterfind("thead/tr")]
+    name = heads[0][0]
+    if len(heads) > 1 and not any(cell.text for cell in heads[-1][1:]):
+        name = heads.pop()[0]
+    rowspan = f' rowspan="{len(heads)}"' if len(heads) > 1 else ""
+    corner = f'<th scope="col"{rowspan}>{_set(name)}</th>' if name.text else f"<td{rowspan}></td>"
+    yield "<table>\n<thead>"
+    for _, *cells in heads:
+        yield f"<tr>{corner}{''.join(map(_head, cells))}</tr>"
+        corner = ""
+    yield "</thead>\n<tbody>"
+    for label, *values in table.iterfind("tbody/tr"):
+        cells_of_row = "".join(f"<td>{_set(value)}</td>" for value in values)
+        yield f'<tr><th scope="row">{_set(label)}</th>{cells_of_row}</tr>'
+    yield "</tbody>\n</table>"
 
 
-def _sentences(part: str) -> list[str]:
-    """What is said beside a table: its paragraphs and lists, symbols set."""
-    found = []
-    for tag, inner in re.findall(r"<(p|ul)>(.*?)</\1>", part, re.DOTALL):
-        items = re.findall(r"<li>(.*?)</li>", inner, re.DOTALL)
-        text = "".join(f"<li>{_set(item)}</li>" for item in items) if tag == "ul" else _set(inner)
-        found.append(f"<{tag}>{text}</{tag}>")
-    return found
-
-
-def _cells(rows: str) -> list[list[tuple[int, str]]]:
-    """Every row of a part of a table: its cells, each with the columns that it spans and its text."""
-    return [
-        [
-            (int(span[1]) if (span := re.search(r'colspan="(\d+)"', attributes)) else 1, text)
-            for attributes, text in re.findall(
-                r"<t[hd]\b([^>]*)>\s*(.*?)\s*</t[hd]>", row, re.DOTALL
-            )
-        ]
-        for row in re.findall(r"<tr\b.*?</tr>", rows, re.DOTALL)
-    ]
-
-
-def _corner(name: str, rows: int) -> str:
-    """The cell above the names of the rows."""
-    span = f' rowspan="{rows}"' if rows > 1 else ""
-    return f'<th scope="col"{span}>{_set(name)}</th>' if name else f"<td{span}></td>"
-
-
-def _head(columns: int, text: str) -> str:
+def _head(cell: Element) -> str:
     """A cell above one column or several."""
+    columns = int(cell.get("colspan", "1"))
     scope = f'scope="colgroup" colspan="{columns}"' if columns > 1 else 'scope="col"'
-    return f"<th {scope}>{_set(text)}</th>"
+    return f"<th {scope}>{_set(cell)}</th>"
 
 
-def _row(cells: Iterable[str]) -> str:
-    return f"<tr>{''.join(cells)}</tr>"
-
-
-def _set(text: str) -> str:
-    """A cell's text with its symbols set and true minus signs."""
-    return str(words.rich(minus(html.unescape(text))))
+def _set(part: Element) -> str:
+    """The text of a part with its symbols set and true minus signs."""
+    return str(words.rich(minus((part.text or "").strip())))
 
 
 def _settled(notebook: NotebookNode) -> NotebookNode:
-    """The executed notebook without what depends on the run or the machine; stderr goes where it belongs."""
+    """The executed notebook without anything that depends on the run or the machine; stderr is passed on."""
     notebook.metadata.pop("jupytext", None)
     notebook.metadata.get("language_info", {}).pop("version", None)
     for cell in notebook.cells:
@@ -261,7 +243,7 @@ def _settled(notebook: NotebookNode) -> NotebookNode:
 
 @contextmanager
 def _kernel_environment(folder: Path) -> Iterator[None]:
-    """What a kernel started in this block sees: this interpreter first, our own IPython settings, pictures inline."""
+    """Environment of a kernel started in this block: this interpreter, fixed IPython settings, inline pictures."""
     profile = folder / "ipython" / "profile_default"
     profile.mkdir(parents=True)
     (profile / "ipython_kernel_config.py").write_text(KERNEL_SETTINGS, encoding="utf-8")

@@ -18,7 +18,7 @@ from committing import git
 from dampbalance.project.files import sha256
 from dampbalance.publishing.provenance import archive
 from dampbalance.publishing.provenance.crate import crate
-from dampbalance.publishing.provenance.entities import Place
+from dampbalance.publishing.provenance.entities import CrateFolder
 from dampbalance.publishing.provenance.manifest import manifest
 from dampbalance.publishing.provenance.sources import PROJECT, code_version, digest_of, files_of
 from folders import ROOT
@@ -109,7 +109,7 @@ def test_the_date_of_a_crate_is_that_of_the_release(tmp_path, monkeypatch):
 
 
 def test_sources_in_another_folder_are_described_and_results_are_found():
-    beside, away = Place("results/it"), Place("results/it", beside_sources=False)
+    beside, away = CrateFolder("results/it"), CrateFolder("results/it", beside_sources=False)
     assert beside.name("results/it/a b.csv") == away.name("results/it/a b.csv") == "a%20b.csv"
     assert beside.name("results/studies/x.csv") == away.name("results/studies/x.csv")
     assert beside.name("results/studies/x.csv") == "../studies/x.csv"

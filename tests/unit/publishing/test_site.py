@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import re
 import textwrap
 
 import docutils.core
 import pytest
 
-from dampbalance.publishing.site import keys, mirror, names, options, texts
+from dampbalance.publishing.site import command_help, keys, mirror, names, pages, texts
 from dampbalance.publishing.site.docstrings import markup
 
 TEXT = """\
@@ -54,7 +55,26 @@ def test_a_text_is_cut_at_its_headings_and_not_in_its_code():
 def test_what_is_cut_goes_together_again():
     comment = "<!-- kept by a test -->\n"
     assert texts.written(texts.sections(TEXT)) == TEXT.replace(comment, "")
-    assert "### One\n" in texts.written(texts.sections(TEXT), shift=1)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "shown"),
+    [
+        ("'One'", ["## no heading", "## Inner"]),
+        ("'One', 3", ["### One", "## no heading", "#### Inner"]),
+        ("'One', 1, inner=False", ["# One", "## no heading"]),
+        ("''", []),
+    ],
+)
+def test_a_section_takes_its_level_on_a_page(tmp_path, arguments, shown):
+    for name, text in {"README.md": TEXT, "docs/x.md": "# X\n", "a.svg": "<svg/>"}.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    (tmp_path / "site").mkdir()
+    (tmp_path / "site/page.md").write_text(f'{{{{ section("README.md", {arguments}) }}}}\n')
+    page = pages.Pages(tmp_path, "site", {}).made()["page.md"]
+    assert [line for line in page.splitlines() if line.startswith("#")] == shown
+    assert ("Before." in page) == (not shown)
 
 
 def test_links_are_named_from_the_root_on():
@@ -69,9 +89,12 @@ def test_links_are_named_from_the_root_on():
 
 
 def test_the_anchor_of_a_heading():
-    assert texts.anchor("How the printed numbers fare") == "how-the-printed-numbers-fare"
-    assert texts.anchor("What is printed wrongly ✎") == "what-is-printed-wrongly-"
-    assert texts.anchor("1. One `linear` phase") == "1-one-linear-phase"
+    def anchor(title):
+        return texts.Section(2, title, "").anchor
+
+    assert anchor("How the printed numbers fare") == "how-the-printed-numbers-fare"
+    assert anchor("What is printed wrongly ✎") == "what-is-printed-wrongly-"
+    assert anchor("1. One `linear` phase") == "1-one-linear-phase"
 
 
 # --- docstrings ----------------------------------------------------------------------------------
@@ -109,7 +132,6 @@ def test_arguments_on_one_line_or_several_become_a_list():
 )
 def test_text_stays_as_it_is_whatever_it_holds(text):
     import html
-    import re
 
     said = html.unescape(re.sub(r"<[^>]*>", "", shown(text)))
     assert said == text.replace("`", "")
@@ -172,34 +194,53 @@ SCHEMA = {
 }
 
 
-def test_keys_of_a_schema():
-    found = keys.keys(SCHEMA, {"approach": ["direct", "X_s"]})
-    assert [key.names for key in found] == [
-        ("hz",),
-        ("levels_m",),
-        ("phase",),
-        ("sets",),
-        ("m_kg", "c_N_s_per_m"),
-        ("what",),
+@pytest.mark.parametrize(
+    "line",
+    [
+        "| `hz` *needed* | number > 0 | Hz | Drive frequency \\| f. |",
+        "| `levels_m` | list of 2 or more number from 0 to 1e7 | m |  |",
+        "| `phase` | `a`, `b` or `c` |  |  |",
+        "| `sets` | list of entries with keys or `null` |  |  |",
+        "### `sets[]`",
+        "| `m_kg`, `c_N_s_per_m` | whole number | kg, N s/m | One. |",
+        "| `what` | `direct` or `X_s` |  |  |",
+    ],
+)
+def test_keys_of_a_schema(line):
+    assert line in keys.tables(SCHEMA, {"approach": ["direct", "X_s"]}, level=3).splitlines()
+
+
+def test_every_key_of_a_schema_stands_once_below_what_it_is_inside_of():
+    lines = keys.tables(SCHEMA, {"approach": ["direct"]}).splitlines()
+    named = [re.match(r"## `(.*)`|\| `(\w+)`", line) for line in lines]
+    assert [name[1] or name[2] for name in named if name] == [
+        *("hz", "levels_m", "phase", "sets", "what"),
+        *("sets[]", "m_kg"),
     ]
-    by_name = {key.names[0]: key for key in found}
-    assert by_name["hz"].type == "number > 0"
-    assert by_name["hz"].unit == "Hz"
-    assert by_name["hz"].required
-    assert by_name["levels_m"].type == "list of 2 or more number from 0 to 1e7"
-    assert by_name["phase"].type == "`a`, `b` or `c`"
-    assert by_name["sets"].type == "list of entries with keys or `null`"
-    assert by_name["m_kg"].parent == ("sets", "[]")
-    assert by_name["m_kg"].unit == "kg, N s/m"
-    assert by_name["m_kg"].meaning == "One."
-    assert by_name["what"].type == "`direct` or `X_s`"
 
 
-def test_tables_of_keys():
-    text = keys.tables(keys.keys(SCHEMA, {"approach": ["direct"]}), level=3)
-    assert "| `hz` *needed* | number > 0 | Hz | Drive frequency \\| f. |" in text
-    assert "### `sets[]`\n" in text
-    assert "| `m_kg`, `c_N_s_per_m` |" in text
+@pytest.mark.parametrize(
+    ("key", "unit"),
+    [
+        ("c_3_N_s3_per_m3", "N s³/m³"),
+        ("c_2_N_s2_per_m2", "N s²/m²"),
+        ("K_z_N_per_m", "N/m"),
+        ("poles_rad_per_s", "rad/s"),
+        ("step_s", "s"),
+        ("hz", "Hz"),
+        ("terms", ""),
+        ("item", ""),
+    ],
+)
+def test_the_unit_of_a_key_is_the_end_of_its_name(key, unit):
+    table = keys.tables({"properties": {key: {"type": "number"}}}, {})
+    assert table.splitlines()[2] == f"| `{key}` | number | {unit} |  |"
+
+
+@pytest.mark.parametrize(("value", "shown"), [(-1e-9, "−1e−9"), (1e12, "1e12"), (250000, "250000")])
+def test_bounds_are_written_as_short_as_they_can_be(value, shown):
+    table = keys.tables({"properties": {"x": {"type": "number", "minimum": value}}}, {})
+    assert f"number ≥ {shown} " in table
 
 
 def test_a_command_as_a_table():
@@ -210,7 +251,7 @@ def test_a_command_as_a_table():
     parser.add_argument("--kind", choices=["a", "b"], required=True, help="of file")
     parser.add_argument("--n", type=int, default=7, help="how many (default: %(default)s)")
     parser.add_argument("--fast", action="store_true", help="sooner | worse")
-    text = options.command(parser)
+    text = command_help.command(parser)
     assert "```\np do FILE … --kind KIND [options]\n```" in text
     assert "| `FILE` *needed* | what is read |" in text
     assert "| `--kind KIND` *needed* | of file: `a` or `b` |" in text

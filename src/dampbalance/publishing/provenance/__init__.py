@@ -1,1 +1,1 @@
-"""Where results come from: a manifest of a run, an RO-Crate that describes it, an archive that outlives both."""
+"""The provenance of results: the manifest of a run, an RO-Crate that describes it, an archive for long-term storage."""

@@ -1,8 +1,8 @@
-"""An archive that a reader can verify and rebuild in ten years: sources, results, digests and a README of its own.
+"""Packs an archive that a reader can verify and rebuild years later: sources, results, digests and instructions.
 
-The same files give the same bytes: names sorted, one time and one owner for all, no time in the compression. (Another
-version of zlib may compress differently; what is unpacked is the same.) Of the times of the files, the crate tells
-those of the results, which are when they were made: results made again are another run, and give another crate.
+The same files give the same bytes: names are sorted, all entries have the same time and owner, and the compressed
+stream has no time. (Another version of zlib may compress differently; the unpacked files are the same.) The crate
+states when each result was written. Results that are built again belong to another run and give another crate.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ...project.files import replacing, sha256
 from .crate import DESCRIPTOR, crate
 from .sources import ARCHIVED_VERSION
 
-# Bytes; larger results are not packed: a rebuild makes them, the manifest has their digests
+# Bytes; larger results are not packed, because a rebuild makes them again and the manifest has their digests
 LARGEST_PACKED = 5_000_000
 TIME = 315_532_800  # of every file, s: 1980-01-01, the earliest that all formats can hold
 SUMS = "SHA256SUMS"
@@ -33,7 +33,8 @@ README = """\
 # {name}
 
 Sources of dampbalance {version} ({commit})
-with the results of the case `{case}`. Start with `README.md`: what this is; `results/README.md`: what the results mean.
+with the results of the case `{case}`. Start with `README.md`, which describes the project, and `results/README.md`,
+which describes the results.
 
 ## Verify
 
@@ -43,38 +44,39 @@ In this folder
 sha256sum --check --quiet SHA256SUMS
 ```
 
-says nothing when every file is as it was packed.
+prints nothing if every file is as it was packed.
 
 ## Rebuild
 
-The results were made with {python}. Needed are Python 3.11 or newer, make, and once,
-for the packages, a connection to a package index:
+The results were computed with {python}. A rebuild needs Python 3.11 or newer, make and, for the
+installation of the packages, a connection to a package index:
 
 ```
 make setup    # the packages of requirements.lock, each checked against its digest
-make clean    # removes the packed results; keep a copy if you like
+make clean    # removes the packed results; keep a copy if you need them
 {rebuild}
 sha256sum --check --quiet SHA256SUMS
 ```
 
-Then only `{manifest}` may differ, because it names the machine of the run. On another kind of
-processor, or with other packages, the last bits of numbers may differ, and digests with them; verdicts should not.
+Afterwards only `{manifest}` may differ, because it names the machine of the run. On another kind of
+processor, or with other packages, the last bits of numbers may differ, and so may the digests; verdicts should not.
 
-Where the packages themselves were kept beside this archive (`make wheels`), no connection is needed: unpack them into a
-folder, and `PIP_NO_INDEX=1 PIP_FIND_LINKS=that/folder make setup`. They fit one Python and one kind of system only.
+If the packages were stored together with this archive (`make wheels`), no connection is needed: unpack them into a
+folder and run `PIP_NO_INDEX=1 PIP_FIND_LINKS=that/folder make setup`. They fit one version of Python and one kind of
+system only.
 
-Should the packages no longer be on offer: `requirements.lock` says which version of which package it took, and the
-manifest which were installed, with their licences. Those that compute the numbers are {packages}.
+If the packages are no longer available, `requirements.lock` states the version of each package, and the manifest lists
+those that were installed, with their licences. The numbers were computed by {packages}.
 
-## What is here
+## What is included
 
 - `SHA256SUMS`: the digest of every file
-- `VERSION.json`: which commit the sources are
-- `ro-crate-metadata.json`: the archive as an RO-Crate, with the job that made each result
-- `{manifest}`: the configuration as merged, digests, packages and machine
-- everything else: the project as under version control, and its results
+- `VERSION.json`: the commit of the sources
+- `ro-crate-metadata.json`: the description of the archive as an RO-Crate, with the job that produced each result
+- `{manifest}`: the merged configuration, digests, packages and machine
+- all other files: the project as under version control, and its results
 
-## What is not
+## What is omitted
 
 {omitted}
 """
@@ -89,10 +91,10 @@ def pack(
     citation: Mapping[str, Any],
     rebuild: str,
 ) -> None:
-    """Write the archive. All paths are relative to the folder of the project, which is the current one.
+    """Write the archive. All paths are relative to the folder of the project, which must be the current folder.
 
     sources : files of the project.   manifest, manifest_file, citation : as in `crate.crate`.   crate_file : the
-    crate of the results, packed as it is.   rebuild : the command that builds the results again.
+    crate of the results, which is packed unchanged.   rebuild : the command that builds the results again.
 
     Raises ValueError for a file that changes while it is packed.
     """
@@ -142,7 +144,7 @@ def pack(
 
 
 def unpack(path: str | Path, folder: str | Path) -> None:
-    """Unpack an archive into a folder. Nothing is written unless all of it is files in one folder dampbalance-….
+    """Unpack an archive into a folder. Nothing is written unless all entries are files in one folder dampbalance-….
 
     Raises ValueError naming the archive, and the entry that `pack` would not have written.
     """
@@ -184,18 +186,18 @@ def _misplaced(entry: tarfile.TarInfo) -> str:
 def readme(
     name: str, manifest: Mapping[str, Any], left_out: set[str], manifest_file: str, rebuild: str
 ) -> str:
-    """What the archive holds, how to verify it and how to rebuild it."""
+    """The instructions in the archive: its contents, how to verify it and how to rebuild the results."""
     made, run = manifest["reproducible"], manifest["run"]
     code = run["code"]
     commit = f"commit {code['commit']}" if code["commit"] else "a commit that is not known"
     if code["modified"]:
         commit += ", with changes that the archive holds"
     sizes = {result["path"]: result["bytes"] for result in made["results"]}
-    omitted = "Nothing: every result is here."
+    omitted = "Nothing: the archive contains every result."
     if left_out:
         omitted = (
-            f"Results above {LARGEST_PACKED / 1e6:.0f} MB are left out. A rebuild makes them again; "
-            f"their digests stand in `{manifest_file}`.\n"
+            f"Results larger than {LARGEST_PACKED / 1e6:.0f} MB are omitted. A rebuild makes them again; "
+            f"their digests are in `{manifest_file}`.\n"
         ) + "".join(f"\n- `{file}` ({sizes[file] / 1e6:.0f} MB)" for file in sorted(left_out))
     packages = [f"{p} {run['packages'][p]}" for p in NUMERICAL if p in run["packages"]]
     return README.format(
@@ -218,7 +220,7 @@ def _entry(name: str, size: int, executable: bool) -> tarfile.TarInfo:
 
 
 def _when_written(files: Iterable[str]) -> dict[str, float]:
-    """When each file was last written, s since 1970, which is when its job ended; not of files out of an archive."""
+    """The time when each file was last written, s since 1970, which is when its job ended; none for unpacked files."""
     times = {file: Path(file).stat().st_mtime for file in files}
     return {file: time for file, time in times.items() if time > TIME}
 

@@ -1,16 +1,16 @@
-"""The manifest as an RO-Crate: results, and the run of the workflow that made them, in terms that repositories know.
+"""Describes the results and the run of the workflow as an RO-Crate, in the terms that data repositories read.
 
-RO-Crate 1.1 with the profiles Workflow RO-Crate 1.0 and Process, Workflow and Provenance Run Crate 0.5. Files are
-named by their paths from the folder of the crate. The crate of a case lies among its results: it names its sources by
-the way up to them (../..), and holds in place. The crate of an archive has all of them below its own folder: it is the
-one to deposit. Where the workflow ran in another folder than its own, a crate describes the sources and does not have
-them; the profiles require the workflow itself.
+It follows RO-Crate 1.1 with the profiles Workflow RO-Crate 1.0 and Process, Workflow and Provenance Run Crate 0.5.
+Files are named by their paths from the folder of the crate. The crate of a case lies among its results and names the
+sources by relative paths (../..), so it is valid only in place. The crate of an archive has all files below its own
+folder: deposit this one. If the workflow ran in another folder than its own, the crate describes the sources but does
+not contain them, although the profiles require the workflow itself.
 
-What the profiles recommend is there, with these exceptions. The sources have no address on the web, and tools should
-have one. The crate of a case holds no time of the run (`endTime`), so that the same inputs give the same bytes; that of
-an archive, which is of one run, does. Where neither a date of release nor a commit is known, nothing says when a crate
-was published (`datePublished`). The agent of the run is who the citation names: they answer for what is published under
-it.
+All recommendations of the profiles are followed, with these exceptions. Tools should have an address on the web, and
+the sources have none. The crate of a case has no time of the run (`endTime`), so that the same inputs give the same
+bytes; the crate of an archive, which describes one run, has it. If neither a release date nor a commit is known, the
+date of publication (`datePublished`) is missing. The agent of the run is the author named in the citation, who is
+responsible for the published results.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .entities import Entity, Place, entity, references
+from .entities import CrateFolder, Entity, entity, references
 from .workflow_run import BIOSCHEMAS, LANGUAGE, WORKFLOW_FILE, actions, engine, parameters, steps
 
 DESCRIPTOR = "ro-crate-metadata.json"
@@ -43,31 +43,33 @@ def crate(
     manifest: Mapping[str, Any],
     manifest_file: str,
     citation: Mapping[str, Any],
-    place: Place | None = None,
+    folder: CrateFolder | None = None,
     others: Mapping[str, str] | None = None,
     ended: Mapping[str, float] | None = None,
 ) -> dict[str, Any]:
     """The metadata of a crate, as JSON-LD.
 
     manifest : from `manifest.manifest`, which stands in the file `manifest_file`.   citation : CITATION.cff.
-    place : of the crate, the project itself when left out.   others : more files of the crate, path → digest.
-    ended : when results were finished, path → s since 1970; none of it for a crate without times.
+    folder : the folder of the crate; by default the project itself.   others : further files, path → digest.
+    ended : the time when each result was finished, path → s since 1970; empty for a crate without times.
     """
     made, run = manifest["reproducible"], manifest["run"]
-    jobs, others, place = made["jobs"], others or {}, place or Place()
+    jobs, others, folder = made["jobs"], others or {}, folder or CrateFolder()
     results = {result["path"]: result for result in made["results"]}
     digests = {**made["sources"], **others, **{p: r["sha256"] for p, r in results.items()}}
-    configuration = made["configuration_files"]  # what every job takes its parameters from
+    configuration = made["configuration_files"]  # every job takes its parameters from these
     scripts = {job["script"] for job in jobs}
     used = {file for job in jobs for file in job["inputs"]} | set(configuration)
     named = {*results, *others, *scripts, WORKFLOW_FILE} | (used & digests.keys())
 
     files = {
-        path: place.file(path, digests.get(path), results.get(path, {}).get("bytes"))
+        path: folder.file(path, digests.get(path), results.get(path, {}).get("bytes"))
         for path in sorted(named)
     }
-    files[manifest_file] = place.file(manifest_file) | {"description": ABOUT_MANIFEST}
-    authors = [_author(author, i, place) for i, author in enumerate(citation.get("authors", []), 1)]
+    files[manifest_file] = folder.file(manifest_file) | {"description": ABOUT_MANIFEST}
+    authors = [
+        _author(author, i, folder) for i, author in enumerate(citation.get("authors", []), 1)
+    ]
     terms = citation["license"]
     licence = entity(
         f"{LICENCES}{terms}", "CreativeWork", name=terms, identifier=f"{LICENCES}{terms}"
@@ -75,15 +77,15 @@ def crate(
     responsible = references(authors)
     common = {"license": {"@id": licence["@id"]}, "author": responsible}
     keys, settings = parameters(made["configuration"])
-    howto = steps(jobs, place)
-    acts = actions(jobs, settings, configuration, named, responsible, place, ended or {})
+    howto = steps(jobs, folder)
+    acts = actions(jobs, settings, configuration, named, responsible, folder, ended or {})
 
     version = made["version"]
     tools = {path: files[path] for path in sorted(scripts)}
     for path, tool in tools.items():
-        tool |= _software(place.name(path), SOURCE, version, "Python")
+        tool |= _software(folder.name(path), SOURCE, version, "Python")
     files[WORKFLOW_FILE] |= _software(
-        place.name(WORKFLOW_FILE),
+        folder.name(WORKFLOW_FILE),
         [*SOURCE, "ComputationalWorkflow", "HowTo"],
         version,
         {"@id": LANGUAGE},
@@ -95,7 +97,7 @@ def crate(
         input=references(keys),
         step=references(howto),
     )
-    if not place.root and "README.md" in files:
+    if not folder.root and "README.md" in files:
         files["README.md"] |= {"about": {"@id": "./"}}
 
     published = citation.get("date-released") or run["code"].get("committed")
@@ -108,7 +110,7 @@ def crate(
         **common,
         publisher=references(a for a in authors if a["@type"] == "Organization"),
         conformsTo=[{"@id": profile} for profile in PROFILES],
-        mainEntity={"@id": place.name(WORKFLOW_FILE)},
+        mainEntity={"@id": folder.name(WORKFLOW_FILE)},
         hasPart=references(files.values()),
         mentions=references(a for a in acts if a["@type"] != "ControlAction"),
         datePublished=str(published) if published else None,
@@ -131,18 +133,18 @@ def crate(
 def _software(
     at: str, kind: list[str], version: str, language: str | dict[str, str], **more: Any
 ) -> Entity:
-    """What makes a file of the crate a piece of software; its address is its place."""
+    """The properties of a file that is software; its URL is its path in the crate."""
     return entity(at, kind, url={"@id": at}, version=version, programmingLanguage=language, **more)
 
 
-def _author(author: Mapping[str, str], number: int, place: Place) -> Entity:
-    """A person or an organisation as the citation names it; without a page of its own, the citation is its page."""
+def _author(author: Mapping[str, str], number: int, folder: CrateFolder) -> Entity:
+    """A person or an organisation named in the citation; without a website, the citation file serves as its URL."""
     person = f"{author.get('given-names', '')} {author.get('family-names', '')}".strip()
     return entity(
         author.get("orcid") or f"#author-{number}",
         "Organization" if "name" in author else "Person",
         name=author.get("name") or person,
-        url=author.get("website") or {"@id": place.name("CITATION.cff")},
+        url=author.get("website") or {"@id": folder.name("CITATION.cff")},
     )
 
 

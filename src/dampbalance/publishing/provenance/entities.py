@@ -1,4 +1,4 @@
-"""What the graph of an RO-Crate is made of: entities, references between them, and the names of files."""
+"""The parts of which the graph of an RO-Crate consists: entities, references between them, and names of files."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from urllib.parse import quote
 
 Entity = dict[str, Any]
 
-# What is not here is text. The library of Python knows more with every version, and asks the system.
+# Everything else is text. Python's own table grows with every version and depends on the system.
 _TYPES = {
     ".cff": "application/yaml",
     ".css": "text/css",
@@ -34,7 +34,7 @@ _TYPES = {
 
 
 def entity(identifier: str, kind: str | list[str], /, **properties: Any) -> Entity:
-    """An entity with those of its properties that are known; a list of one is written as that one."""
+    """An entity with those of its properties that have a value; a list of one item is written as that item."""
     entries = {key: _unpacked(value) for key, value in properties.items()}
     return {"@id": identifier, "@type": kind} | {
         key: value for key, value in entries.items() if value not in (None, [])
@@ -42,27 +42,31 @@ def entity(identifier: str, kind: str | list[str], /, **properties: Any) -> Enti
 
 
 def references(entities: Iterable[Mapping[str, Any]]) -> list[dict[str, str]]:
-    """What points at these entities."""
+    """References to these entities."""
     return [{"@id": one["@id"]} for one in entities]
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """Where a crate lies, and how files are named from there.
+class CrateFolder:
+    """The folder that holds a crate, and the names of files as seen from there.
 
-    root : its folder, relative to the project; "" is the project itself.   beside_sources : whether the files of the
-    project are found from there. They are not when the workflow was run in another folder: then the crate describes
-    them, under names that begin with '#'.
+    root : the folder, relative to the project; "" is the project itself.   beside_sources : whether the files of the
+    project can be reached from there. They cannot when the workflow was run in another folder: then the crate only
+    describes them, under names that begin with '#'.
     """
 
     root: str = ""
     beside_sources: bool = True
 
     def name(self, path: str) -> str:
-        """The name of a file in the crate: its path from the folder of the crate. path : relative to the project."""
+        """The name of a file in the crate, which is its path from there.   path : relative to the project."""
         if not self.beside_sources and not path.startswith("results/"):
             return f"#{quote(path)}"
         return quote(Path(os.path.relpath(path, self.root or ".")).as_posix())
+
+    def references(self, paths: Iterable[str]) -> list[dict[str, str]]:
+        """References to these files, in the order of their paths."""
+        return [{"@id": self.name(path)} for path in sorted(paths)]
 
     def file(self, path: str, digest: str | None = None, size: int | None = None) -> Entity:
         """A file as an entity.   digest : SHA-256.   size : bytes."""

@@ -1,4 +1,4 @@
-"""Under which licences the installed packages say that they are, as SPDX expressions."""
+"""The licences that installed packages state in their metadata, as SPDX expressions."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from importlib.metadata import PackageMetadata
 
 from packaging.licenses import InvalidLicenseExpression, canonicalize_license_expression
 
-# Words of packages that name one licence and no other. "BSD License" is not among them: there are several.
+# Names that packages use for exactly one licence. "BSD License" is not among them, as there are several.
 WORDS = {
     "Apache 2.0": "Apache-2.0",
     "Apache License, Version 2.0": "Apache-2.0",
@@ -21,7 +21,7 @@ UNKNOWN = "unknown"
 
 
 def licence(package: str) -> str:
-    """The licence of an installed package as an SPDX expression, or "unknown" and what the package says instead.
+    """The licence of an installed package as an SPDX expression, or "unknown" with the words that the package uses.
 
     Raises PackageNotFoundError for a package that is not installed.
     """

@@ -1,9 +1,9 @@
-"""The manifest of a run: which configuration, code and packages made which files.
+"""The manifest of a run: the configuration, code and packages that produced each file.
 
-It has two parts. `reproducible` holds what the same sources, with the locked packages, give again on the same kind of
-machine: settings, digests of sources, of results, and the jobs that made them. `run` holds what belongs to this run:
-where the code came from, the Python, the packages and the machine. Neither holds a time: the manifest of an unchanged
-project is unchanged.
+It has two parts. `reproducible` is the same whenever the same sources are run with the locked packages on the same kind
+of machine: settings, digests of sources and results, and the jobs that produced them. `run` describes this particular
+run: the origin of the code, the version of Python, the packages and the machine. Neither part contains a time, so the
+manifest of an unchanged project does not change.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ def manifest(
 ) -> dict[str, Any]:
     """The manifest as plain data.
 
-    case : its name.   configuration : as merged from the files named.   sources : all files that results may depend on,
-    by the names that they have in the project.   jobs : what made the results, each {rule, script, inputs, outputs}
+    case : its name.   configuration : merged from the named files.   sources : all files on which results may depend,
+    by their names in the project.   jobs : the jobs that produced the results, each {rule, script, inputs, outputs}
     with such names.   code : from `sources.code_version`.   lock : the file that pins the packages.   top : the folder
     that holds the results.
     """
@@ -79,14 +79,16 @@ def manifest(
 
 
 def _packages(lock: Path) -> dict[str, Any]:
-    """Versions and licences of the installed packages that the lock names, and which are not as locked."""
+    """Versions and licences of the installed packages that the lock lists, and the names of those not as locked."""
     text = lock.read_text(encoding="utf-8") if lock.is_file() else ""
     pinned: dict[str, set[str]] = {}
     for name, version in re.findall(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", text, re.MULTILINE):
         pinned.setdefault(name, set()).add(version)
     installed = {}
     for name in sorted(pinned):
-        with suppress(metadata.PackageNotFoundError):  # for another system, or not asked for
+        with suppress(
+            metadata.PackageNotFoundError
+        ):  # for another system, or an extra that is not installed
             installed[name] = metadata.version(name)
     return {
         "packages": installed,

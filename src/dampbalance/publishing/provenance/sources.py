@@ -1,4 +1,4 @@
-"""Which files are the project's own, and which version of them this is."""
+"""Lists the files of the project and determines their version."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ COMPUTING = (
     "src",
     "workflow",
 )
-"""Files and folders that results can depend on."""
+"""Files and folders on which results can depend."""
 
 PROJECT = (
     *COMPUTING,
@@ -42,14 +42,14 @@ PROJECT = (
     "results/README.md",
     "tests",
 )
-"""All files and folders of the project: what version control holds."""
+"""All files and folders of the project, as under version control."""
 
 ARCHIVED_VERSION = "VERSION.json"  # written into an archive, where there is no git
 _LEFT_BEHIND = re.compile(r"__pycache__|\.ipynb_checkpoints|.*\.egg-info|\.DS_Store|.*~|\..*_cache")
 
 
 def files_of(root: str | Path, names: Iterable[str] = PROJECT) -> list[str]:
-    """The files below `names` that exist in the folder `root`: relative paths with slashes, sorted; no caches."""
+    """The files below `names` in the folder `root`, as sorted relative paths with slashes; caches are excluded."""
     root = Path(root)
     return sorted(
         path.relative_to(root).as_posix() for name in names for path in _below(root / name)
@@ -57,22 +57,22 @@ def files_of(root: str | Path, names: Iterable[str] = PROJECT) -> list[str]:
 
 
 def digest_of(data: Any) -> str:
-    """The SHA-256 digest of plain data (mappings, lists, numbers, text), whatever the order of the keys."""
+    """The SHA-256 digest of plain data (mappings, lists, numbers, text), independent of the order of keys."""
     text = json.dumps(data, sort_keys=True, ensure_ascii=False, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def code_version(root: str | Path, version: str) -> dict[str, Any]:
-    """Which code this is.
+    """The version of the code in a folder, from git or, in an unpacked archive, from its VERSION.json.
 
-    version : of the package.   commit, committed : hash and date (ISO 8601) of the commit that the files stem from, or
-    None.   modified : whether files differ from that commit, or None.   known_from : git, archive, or nothing.
+    version : of the package.   commit, committed : hash and date (ISO 8601) of the commit of the files, or None.
+    modified : whether files differ from that commit, or None.   known_from : git, archive, or nothing.
     """
     root = Path(root).resolve()
     state: dict[str, Any] = dict.fromkeys(("commit", "committed", "modified"))
     known_from = "nothing"
     archived = root / ARCHIVED_VERSION
-    # A folder of an archive may lie within someone else's repository: that one says nothing of this code.
+    # An unpacked archive may lie within another repository, whose commit does not describe this code.
     own = _git(root, "rev-parse", "--show-toplevel") == str(root)
     if own and (commit := _git(root, "log", "-1", "--format=%H %cs")):
         state["commit"], _, state["committed"] = commit.partition(" ")
@@ -96,7 +96,7 @@ def _below(path: Path) -> Iterator[Path]:
 
 
 def _git(root: Path, *arguments: str) -> str | None:
-    """What git answers in that folder; None where there is no git, or no repository that it trusts."""
+    """The output of git in that folder; None without git, or without a repository that git trusts."""
     command = ["git", "--no-optional-locks", *arguments]
     try:
         done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True)

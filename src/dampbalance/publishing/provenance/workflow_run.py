@@ -1,4 +1,4 @@
-"""The run of a workflow as entities of an RO-Crate: parameters, steps, tools, and the actions that made the results.
+"""Describes the run of a workflow as entities of an RO-Crate: parameters, steps, tools and actions.
 
 Names are those of the profiles Workflow Run Crate and Provenance Run Crate, version 0.5. A step is a rule, its tool
 the script of the rule; each job is a CreateAction, from its inputs (object) by its tool (instrument) to its outputs
@@ -15,7 +15,7 @@ from typing import Any
 from urllib.parse import quote
 
 from ...project.wording import dotted
-from .entities import Entity, Place, entity, references
+from .entities import CrateFolder, Entity, entity, references
 
 WORKFLOW_FILE = "Snakefile"
 LANGUAGE = "https://w3id.org/workflowhub/workflow-ro-crate#snakemake"
@@ -25,9 +25,10 @@ _PARAMETER_TYPES = {bool: "Boolean", int: "Integer", float: "Number", str: "Text
 
 
 def parameters(configuration: Mapping[str, Any]) -> tuple[list[Entity], list[Entity]]:
-    """The keys of a configuration as FormalParameters, and what each was set to as a PropertyValue.
+    """The keys of a configuration as FormalParameters, and their values as PropertyValues.
 
-    A key of a key is named `oscillator.m_kg`. What is no number, text or truth is given as JSON.
+    Nested keys are joined by dots, as in `oscillator.m_kg`. A value that is not a number, text or truth value is
+    written as JSON.
     """
     keys, values = [], []
     for name, value in dotted(configuration):
@@ -56,7 +57,7 @@ def parameters(configuration: Mapping[str, Any]) -> tuple[list[Entity], list[Ent
 
 
 def engine(version: str | None) -> list[Entity]:
-    """Snakemake: the language of the workflow, and what ran it."""
+    """Snakemake as the language of the workflow and as the engine that ran it."""
     language = entity(
         LANGUAGE,
         "ComputerLanguage",
@@ -72,18 +73,17 @@ def engine(version: str | None) -> list[Entity]:
     return [language, application]
 
 
-def steps(jobs: Sequence[Mapping[str, Any]], place: Place) -> list[Entity]:
+def steps(jobs: Sequence[Mapping[str, Any]], folder: CrateFolder) -> list[Entity]:
     """The rules of the jobs, in an order in which they can run."""
-    scripts = {job["rule"]: job["script"] for job in _in_order(jobs)}
     return [
         entity(
             _step(rule),
             "HowToStep",
             name=rule,
             position=str(position),
-            workExample={"@id": place.name(script)},
+            workExample={"@id": folder.name(script)},
         )
-        for position, (rule, script) in enumerate(scripts.items(), start=1)
+        for position, (rule, script) in enumerate(_tools(jobs).items(), start=1)
     ]
 
 
@@ -93,46 +93,44 @@ def actions(
     configuration: Iterable[str],
     known: set[str],
     agents: list[dict[str, str]],
-    place: Place,
+    folder: CrateFolder,
     ended: Mapping[str, float],
 ) -> list[Entity]:
-    """The run, its jobs, and how the engine organised them; the run comes first.
+    """The actions of the run, of its jobs and of the engine that organised them; the run comes first.
 
     settings : values of the parameters.   configuration : the files that hold them; every job takes its own from there.
-    known : the files that the crate describes.   agents : references to who is responsible for the run.
-    ended : when each output was finished, s since 1970, as far as the crate is to tell.
+    known : the files that the crate describes.   agents : references to those who are responsible for the run.
+    ended : when each output was finished, s since 1970; without an entry, its action has no `endTime`.
     """
     configured = set(configuration)
 
-    def made(
-        identifier: str, tool: str, paths: set[str], outputs: list[str], **more: Any
+    def action(
+        identifier: str, tool: str, inputs: set[str], outputs: list[str], **more: Any
     ) -> Entity:
         times = [ended[file] for file in outputs if file in ended]
-        inputs = [{"@id": place.name(file)} for file in sorted(paths & known)]
         return entity(
             identifier,
             "CreateAction",
-            instrument={"@id": place.name(tool)},
+            instrument={"@id": folder.name(tool)},
             agent=agents,
-            object=[*inputs, *references(more.pop("values", []))],
-            result=[{"@id": place.name(file)} for file in sorted(outputs)],
+            object=[*folder.references(inputs & known), *references(more.pop("values", []))],
+            result=folder.references(outputs),
             endTime=_iso(max(times)) if times else None,
             **more,
         )
 
     results = [file for job in jobs for file in job["outputs"]]
-    read = {file for job in jobs for file in job["inputs"]} - set(results)
-    run = made(
+    run = action(
         "#run",
         WORKFLOW_FILE,
-        read | configured,
+        {file for job in jobs for file in job["inputs"]} - set(results) | configured,
         results,
         values=settings,
         name="The run of the workflow",
         description=f"Snakemake ran {len(jobs)} jobs, which made {len(results)} files.",
     )
     single = {
-        _action(job): made(
+        _action(job): action(
             _action(job),
             job["script"],
             {*job["inputs"], *configured},
@@ -150,7 +148,7 @@ def actions(
             instrument={"@id": _step(rule)},
             object=references(single[_action(job)] for job in jobs if job["rule"] == rule),
         )
-        for rule in dict.fromkeys(job["rule"] for job in _in_order(jobs))
+        for rule in _tools(jobs)
     ]
     organised = entity(
         "#organisation",
@@ -165,14 +163,15 @@ def actions(
     return [run, *single.values(), *controls, organised]
 
 
-def _in_order(jobs: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """The jobs, each after those whose outputs it reads."""
+def _tools(jobs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """The rules of the jobs with their scripts, each rule after those whose outputs its first job reads."""
     maker = {file: number for number, job in enumerate(jobs) for file in job["outputs"]}
     needs = {
         number: [maker[file] for file in job["inputs"] if file in maker]
         for number, job in enumerate(jobs)
     }
-    return [jobs[number] for number in TopologicalSorter(needs).static_order()]
+    order = (jobs[number] for number in TopologicalSorter(needs).static_order())
+    return {job["rule"]: job["script"] for job in order}
 
 
 def _step(rule: str) -> str:

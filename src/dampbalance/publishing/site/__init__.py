@@ -1,12 +1,12 @@
 """The site of documentation: the project's own texts, docstrings, schemas and commands as pages that need no network.
 
-texts.py        Markdown cut into its sections, with links that say which file of the project they mean
-pages.py        templates of `paper/site` → pages for Sphinx, with what each of them shows of the texts
-mirror.py       files that pages link to, as they lie in the project
-keys.py         a schema as tables of its keys
-options.py      a command as a table of its options
-names.py        which names the reference of the package holds
-docstrings.py   docstrings in the style of this project as the markup that Sphinx reads (paper/site/extension.py)
-gallery.py      the studies, each with its figure and what it shows
-build.py        from all of these to the site
+texts.py         cuts Markdown into sections and resolves its links to files of the project
+pages.py         renders the templates of `paper/site` to pages for Sphinx and inserts the texts that they show
+mirror.py        copies the files to which pages link
+keys.py          shows a schema as tables of its keys
+command_help.py  shows a command as a table of its options
+names.py         selects the names that the reference of the package documents
+docstrings.py    converts docstrings in the style of this project to the markup that Sphinx reads
+gallery.py       lists the studies, each with its figure and its result
+build.py         builds the site from all of these
 """

@@ -1,7 +1,7 @@
-"""The site: templates, texts, docstrings, schemas, commands and studies → pages that need no network.
+"""Builds the site from templates, texts, docstrings, schemas, commands and studies.
 
-Sphinx makes it, in a temporary folder and a process of its own; a warning of it is an error. The same project gives the
-same bytes, wherever it lies.
+Sphinx runs in a temporary folder and in a separate process; any warning that it gives is an error. The same project
+gives the same bytes in any folder.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ...balance import APPROACHES
 from ...law.terms import KNOWN_TERMS
 from ...project.documents import read_yaml
 from ...project.files import UNFINISHED
-from . import keys, names, options
+from . import command_help, keys, names
 from .gallery import gallery
 from .pages import EXTRA, Pages, SiteError
 
@@ -35,22 +35,22 @@ _REGISTRIES = {"approach": list(APPROACHES), "term": list(KNOWN_TERMS)}
 def build(root: str | Path, target: str | Path, parser: argparse.ArgumentParser) -> None:
     """Build the site of the project in the folder `root` into the folder `target`, which is replaced.
 
-    parser : of the command line, with its commands.
+    parser : the parser of the command line, with its commands.
 
-    Raises SiteError for a page that cannot be made, and for whatever Sphinx warns of.
+    Raises SiteError for a page that cannot be rendered, and for any warning of Sphinx.
     """
     root, target = Path(root), Path(target)
     with tempfile.TemporaryDirectory(prefix="site-") as folder:
         stage, made = Path(folder, "pages"), Path(folder, "made")
         write_pages(root, stage, parser)
         _run_sphinx(stage, made, Path(folder, "trees"))
-        (made / ".buildinfo").unlink()  # for the next run of Sphinx in this folder: there is none
+        (made / ".buildinfo").unlink()  # serves only another run of Sphinx in this folder
         (made / "_sources").rmdir()
         _put(made, target)
 
 
 def write_pages(root: Path, stage: Path, parser: argparse.ArgumentParser) -> None:
-    """What Sphinx makes the site of: pages, settings, styles, and the files that pages show or lead to."""
+    """Write the sources of the site for Sphinx: pages, settings, styles, and the files that pages show or link to."""
     shutil.copytree(root / SOURCE, stage, ignore=shutil.ignore_patterns("*.md", "__pycache__"))
     pages = Pages(root, SOURCE, _functions(root, parser))
     for name, text in pages.made().items():
@@ -60,14 +60,14 @@ def write_pages(root: Path, stage: Path, parser: argparse.ArgumentParser) -> Non
 
 
 def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]:
-    """What the templates may ask for."""
+    """The functions and values that templates may use."""
     commands = commands_of(parser)
     equations = (root / EQUATIONS).read_text(encoding="utf-8")
     return {
         "version": dampbalance.__version__,
         "commands": commands,
-        "command": lambda name: options.command(commands[name]),
-        "schema": lambda path: keys.tables(keys.keys(read_yaml(root / path), _REGISTRIES)),
+        "command": lambda name: command_help.command(commands[name]),
+        "schema": lambda path: keys.tables(read_yaml(root / path), _REGISTRIES),
         "gallery": lambda: gallery(root),
         "terms": KNOWN_TERMS.values(),
         "public": names.by_room(dampbalance.__all__, PACKAGE),
@@ -78,11 +78,8 @@ def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]
 
 def commands_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
     """The commands of a command line, by name."""
-    found: dict[str, argparse.ArgumentParser] = {}
-    for action in parser._actions:
-        if isinstance(action, argparse._SubParsersAction):
-            found |= action.choices
-    return found
+    (commands,) = (a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
+    return dict(commands.choices)
 
 
 def _run_sphinx(stage: Path, made: Path, trees: Path) -> None:
@@ -93,24 +90,18 @@ def _run_sphinx(stage: Path, made: Path, trees: Path) -> None:
         "SOURCE_DATE_EPOCH": "0",
     }
     flags = ["-b", "html", "-W", "--keep-going", "-n", "-q", "-j", "1", "-d", str(trees)]
-    done = subprocess.run(
-        [sys.executable, "-m", "sphinx", *flags, str(stage), str(made)],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = [sys.executable, "-m", "sphinx", *flags, str(stage), str(made)]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     if done.returncode:
         said = (done.stderr or done.stdout).replace(f"{stage}/", f"{SOURCE}/")
         raise SiteError(f"the site was not built:\n{said}")
 
 
 def _put(made: Path, target: Path) -> None:
-    """Put a folder in the place of another; what was there goes only when all is ready."""
+    """Replace a folder by another; the old one is removed only when the new one is complete."""
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=f"{UNFINISHED}site-") as folder:
-        ready = Path(folder, "ready")
-        shutil.copytree(made, ready)
+        ready = shutil.copytree(made, Path(folder, "ready"))
         if target.exists():
             target.rename(Path(folder, "before"))
         ready.rename(target)

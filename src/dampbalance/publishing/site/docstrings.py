@@ -1,30 +1,32 @@
-"""Docstrings in the style of this project as the markup that Sphinx reads (reStructuredText).
+"""Converts docstrings in the style of this project to reStructuredText, the markup that Sphinx reads.
 
-A paragraph that begins like `m : mass, kg.   c : viscous damping, N s/m.` describes arguments, several on a line with
-three blanks between them; what is indented is an equation or a table, to be shown as it is; backticks are code. All
-else is text, whatever characters it holds: |x|, x*, F_k.
+A paragraph that begins like `m : mass, kg.   c : viscous damping, N s/m.` describes arguments; several on one line are
+separated by three blanks. Indented lines are equations or tables and are shown unchanged; backticks mark code.
+Everything else is text, whatever characters it contains: |x|, x*, F_k.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from textwrap import dedent, indent
 
 _NAME = r"\*{0,2}[A-Za-z_φω][\w.\[\]]*"
 _NAMES = rf"{_NAME}(?:, {_NAME})*"
 _ARGUMENT = re.compile(rf"(?:^|(?<=\n)|(?<= {{3}}))({_NAMES}) : ")
 _LIST = re.compile(r"(?:[-*]|\d+\.) ")
-_CODE = re.compile(
+_MARK = r"[\\*`|_<]"
+_INLINE = re.compile(
     r"(?P<ticks>`+)(?P<code>.+?)(?P=ticks)"
     r"|(?<![\w*])\*(?P<stressed>[^\s*](?:[^*]*[^\s*])?)\*(?![\w*])"
-    r"|\b(?P<name>[A-Z]\w*Error|(?<=Raises )[A-Z]\w+|None|True|False|NaN)\b",
+    r"|\b(?P<name>[A-Z]\w*Error|(?<=Raises )[A-Z]\w+|None|True|False|NaN)\b"
+    rf"|(?P<mark>{_MARK})",
     re.DOTALL,
 )
-_MARKS = re.compile(r"[\\*`|_<]")
 
 
 def markup(lines: Iterable[str]) -> list[str]:
-    """A docstring, by lines, as lines of reStructuredText."""
+    """The lines of a docstring as lines of reStructuredText."""
     made: list[str] = []
     for paragraph in _paragraphs(lines):
         made += [*_block(paragraph), ""]
@@ -32,7 +34,7 @@ def markup(lines: Iterable[str]) -> list[str]:
 
 
 def _paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
-    """Stretches of lines with no empty one between them; an indented one lasts until the indent ends."""
+    """The paragraphs of a text, as lines; an indented one may contain empty lines and ends with the indentation."""
     block: list[str] = []
     for line in [*lines, "", "end"]:
         indented = bool(block) and block[0].startswith(" ")
@@ -54,7 +56,7 @@ def _block(paragraph: list[str]) -> list[str]:
     if text.startswith(">>> "):
         return paragraph
     if text.startswith(" "):
-        return [".. code-block:: none", "", *("    " + line for line in _dedented(text))]
+        return [".. code-block:: none", "", *indent(dedent(text), "    ").split("\n")]
     if _ARGUMENT.match(text):
         return list(_arguments(text))
     if _LIST.match(text):
@@ -62,40 +64,30 @@ def _block(paragraph: list[str]) -> list[str]:
     return _inline(text).split("\n")
 
 
-def _dedented(text: str) -> list[str]:
-    lines = text.split("\n")
-    indent = min(len(line) - len(line.lstrip()) for line in lines if line.strip())
-    return [line[indent:] for line in lines]
-
-
 def _arguments(text: str) -> Iterator[str]:
-    """A list of arguments, each with its meaning."""
-    starts = list(_ARGUMENT.finditer(text))
-    ends = [start.start() for start in starts[1:]] + [len(text)]
-    for start, end in zip(starts, ends, strict=True):
-        yield f"``{start[1]}``"
-        yield f"    {_inline(' '.join(text[start.end() : end].split()))}"
+    """A definition list of arguments with their meanings."""
+    _, *parts = _ARGUMENT.split(text)
+    for names, meaning in zip(parts[::2], parts[1::2], strict=True):
+        yield f"``{names}``"
+        yield f"    {_inline(' '.join(meaning.split()))}"
 
 
 def _listed(text: str) -> Iterator[str]:
-    """A list, an entry for each mark at the beginning of a line."""
+    """A list with one entry for each mark at the beginning of a line."""
     for entry in re.split(r"\n(?=(?:[-*]|\d+\.) )", text):
         mark, words = entry.split(" ", 1)
         yield f"{mark} {_inline(' '.join(words.split()))}"
 
 
 def _inline(text: str) -> str:
-    """Text with its code and its emphasis, everything else as it is."""
-    made, at = "", 0
-    for found in _CODE.finditer(text):
-        made += _plain(text[at : found.start()])
-        if found["stressed"]:
-            made += rf"\ *{_plain(found['stressed'])}*\ "
-        else:
-            made += rf"\ ``{found['code'] or found['name']}``\ "
-        at = found.end()
-    return made + _plain(text[at:])
+    """Text in which code and emphasis are marked up and all other characters are literal."""
+    return _INLINE.sub(_set, text)
 
 
-def _plain(text: str) -> str:
-    return _MARKS.sub(lambda mark: "\\" + mark[0], text)
+def _set(found: re.Match[str]) -> str:
+    if found["mark"]:
+        return f"\\{found[0]}"
+    if found["stressed"]:
+        stressed = re.sub(_MARK, r"\\\g<0>", found["stressed"])
+        return rf"\ *{stressed}*\ "
+    return rf"\ ``{found['code'] or found['name']}``\ "

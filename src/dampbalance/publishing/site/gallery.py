@@ -1,4 +1,4 @@
-"""The studies, each with its title, its figure and what it shows; or how to make them, where that was not done."""
+"""Lists the studies with title, figure and result, or with the command that computes them if there is no result yet."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _VARIED = re.compile(r"(?<= cases; varied: )[\w, ]+")
 
 
 def gallery(root: str | Path) -> str:
-    """All studies of a project as sections of Markdown, in the order of their files."""
+    """Markdown sections for all studies of a project, in the order of their files."""
     root = Path(root)
     return "\n".join(_entry(root, file) for file in sorted((root / STUDIES).glob("*.yaml")))
 
@@ -38,7 +38,7 @@ def _entry(root: Path, file: Path) -> str:
 
 
 def _shown(summary: str) -> str:
-    """The paragraphs of a summary between its title and its figure, or its table; names of axes as code."""
+    """The paragraphs of a summary between its title and its figure or table, with the names of axes as code."""
     body = summary.split("\n", 1)[1]
     before = _FIGURE_OR_TABLE.split(body, maxsplit=1)[0].strip()
     return _VARIED.sub(lambda line: re.sub(r"\w+", r"`\g<0>`", line[0]), before)

@@ -1,25 +1,19 @@
-"""A schema as tables of its keys: type with bounds, unit and meaning of each, for Markdown."""
+"""Shows a schema as Markdown tables of its keys, each with its type, bounds, unit and meaning."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import groupby
+from operator import itemgetter
 from typing import Any
 
 from ...project.wording import MINUS, in_markdown, listed, markdown_table
 
-_UNITS = (  # by the end of a key's name, the longer one first
-    ("N_s2_per_m2", "N s²/m²"),
-    ("N_s3_per_m3", "N s³/m³"),
-    ("N_s_per_m", "N s/m"),
-    ("N_per_m", "N/m"),
-    ("rad_per_s", "rad/s"),
-    ("hz", "Hz"),
-    ("kg", "kg"),
-    ("N", "N"),
-    ("m", "m"),
-    ("s", "s"),
-)
+# The unit at the end of the name of a key, such as N_s2_per_m2, and the replacements that make it readable
+_UNIT = re.compile(r"(?:^|_)((?:N(?:_s\d?)?|rad)_per_(?:m\d?|s)|hz|kg|N|m|s)$")
+_AS_READ = (("_per_", "/"), ("_", " "), ("hz", "Hz"), ("2", "²"), ("3", "³"))
 _TYPES = {
     "array": "list",
     "boolean": "true or false",
@@ -28,7 +22,6 @@ _TYPES = {
     "object": "keys",
     "string": "text",
 }
-_NUMBERS = ("number", "integer")
 _LIMITS = (
     ("minimum", "≥"),
     ("exclusiveMinimum", ">"),
@@ -37,101 +30,60 @@ _LIMITS = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Key:
-    """A key of a file, as its schema describes it; several names where neighbours are described alike.
+def tables(
+    schema: Mapping[str, Any], registered: Mapping[str, Sequence[str]], level: int = 2
+) -> str:
+    """Markdown tables of all keys of a schema: first the keys at the top level, then those inside other keys.
 
-    parent : the names that lead to it; [] stands for each entry of a list, * for a name of the user's choice.
-    names : of the keys.   type, with its bounds, and meaning : as Markdown.   required : whether it must be given.
-    """
+    Each further table has a heading of that level with the path of its keys, in which [] stands for each entry of a
+    list and * for a name chosen by the user. Consecutive keys with the same description share a row.
 
-    parent: tuple[str, ...]
-    names: tuple[str, ...]
-    type: str
-    meaning: str
-    required: bool
-
-    @property
-    def unit(self) -> str:
-        """The unit that the ends of the names tell; "" for none."""
-        units = [_unit(name) for name in self.names]
-        return ", ".join(dict.fromkeys(unit for unit in units if unit))
-
-
-def keys(schema: Mapping[str, Any], registered: Mapping[str, Sequence[str]]) -> list[Key]:
-    """Every key that a schema knows, each before those inside it.
-
-    registered : name of a registry → its keys, for what the schema leaves to one (`registered: NAME`).
+    registered : the names in each registry to which the schema refers (`registered: NAME`).
     """
     reader = _Reader(schema, registered)
-    return list(dict.fromkeys(reader.inside(schema, ())))
-
-
-def tables(found: Sequence[Key], level: int = 2) -> str:
-    """Keys as Markdown: a table of those at the top, then of those inside others, below headings of that level."""
-    groups: dict[tuple[str, ...], list[Key]] = {}
-    for key in found:
-        groups.setdefault(key.parent, []).append(key)
+    reader.read(schema, "")
     parts = []
-    for parent, inside in groups.items():
-        if parent:
-            dotted = ".".join(parent).replace(".[]", "[]")
-            parts.append(f"{'#' * level} `{dotted}`\n")
-        parts.append(_table(inside))
+    for parent, lines in reader.lines.items():
+        parts += [f"{'#' * level} `{parent}`\n"] if parent else []
+        parts.append(markdown_table(["key", "type", "unit", "meaning"], lines) + "\n")
     return "\n".join(parts)
-
-
-def _table(found: Sequence[Key]) -> str:
-    rows = []
-    for key in found:
-        names = ", ".join(f"`{name}`" for name in key.names) + " *needed*" * key.required
-        rows.append([names, key.type, key.unit, key.meaning])
-    return markdown_table(["key", "type", "unit", "meaning"], rows) + "\n"
 
 
 @dataclass(frozen=True, slots=True)
 class _Reader:
-    """Reads nodes of a schema, with what they refer to."""
+    """Reads nodes of a schema into rows of tables and follows references.
+
+    lines : the rows of each table, by the path of its keys.
+    """
 
     schema: Mapping[str, Any]
     registered: Mapping[str, Sequence[str]]
+    lines: dict[str, dict[tuple[str, ...], None]] = field(default_factory=dict)
 
-    def inside(self, node: Mapping[str, Any], parent: tuple[str, ...]) -> Iterator[Key]:
-        """The keys below a node."""
+    def read(self, node: Mapping[str, Any], parent: str) -> None:
+        """Add the keys below a node; each key precedes the keys inside it."""
         node = self.followed(node)
-        items = node.get("items")
-        if isinstance(items, Mapping):
-            yield from self.inside(items, (*parent, "[]"))
-        free = node.get("additionalProperties")
-        if isinstance(free, Mapping):
-            yield from self.inside(free, (*parent, "*"))
-        required = node.get("required", ())
-        alike: list[tuple[str, Mapping[str, Any]]] = []
-        for name, child in [*node.get("properties", {}).items(), ("", {})]:
-            child = self.followed(child)
-            if alike and (child != alike[0][1] or not name):
-                yield from self._entry(alike, parent, required)
-                alike = []
-            alike.append((name, child))
-
-    def _entry(
-        self,
-        alike: Sequence[tuple[str, Mapping[str, Any]]],
-        parent: tuple[str, ...],
-        required: Sequence[str],
-    ) -> Iterator[Key]:
-        names, child = tuple(name for name, _ in alike), alike[0][1]
-        yield Key(
-            parent=parent,
-            names=names,
-            type=self.type_of(child),
-            meaning=in_markdown(" ".join(child.get("description", "").split())),
-            required=names[0] in required,
-        )
-        yield from self.inside(child, (*parent, names[0] if len(names) == 1 else "*"))
+        for inner, name in (("items", "[]"), ("additionalProperties", ".*")):
+            if isinstance(node.get(inner), Mapping):
+                self.read(node[inner], f"{parent}{name}".lstrip("."))
+        children = [
+            (self.followed(child), key) for key, child in node.get("properties", {}).items()
+        ]
+        for child, alike in groupby(children, key=itemgetter(0)):
+            names = [name for _, name in alike]
+            units = dict.fromkeys(filter(None, map(_unit, names)))
+            cells = (
+                ", ".join(f"`{name}`" for name in names)
+                + " *needed*" * (names[0] in node.get("required", ())),
+                self.type_of(child),
+                ", ".join(units),
+                in_markdown(" ".join(child.get("description", "").split())),
+            )
+            self.lines.setdefault(parent, {})[cells] = None
+            self.read(child, f"{parent}.{names[0] if len(names) == 1 else '*'}".lstrip("."))
 
     def followed(self, node: Mapping[str, Any]) -> Mapping[str, Any]:
-        """The node, with what it refers to within the schema."""
+        """The node with its reference (`$ref`) within the schema resolved."""
         if "$ref" not in node:
             return node
         target: Any = self.schema
@@ -140,38 +92,36 @@ class _Reader:
         return {**target, **{name: value for name, value in node.items() if name != "$ref"}}
 
     def type_of(self, node: Mapping[str, Any]) -> str:
-        """The type in words, or the values to choose from."""
+        """The type in words with its bounds, or the admissible values."""
         node = self.followed(node)
         if "registered" in node:
             names = [*self.registered[node["registered"]], *node.get("also", [])]
-            return _choice([f"`{name}`" for name in names])
-        if "enum" in node:
-            return _choice([_value(value) for value in node["enum"]])
-        if "const" in node:
-            return _value(node["const"])
-        if "anyOf" in node:
-            return _choice([self.type_of(choice) for choice in node["anyOf"]])
-        names = node.get("type", "any value")
-        return _choice(
-            [self._word(one, node) for one in ([names] if names == str(names) else names)]
-        )
+            words = [f"`{name}`" for name in names]
+        elif "enum" in node or "const" in node:
+            words = [_value(value) for value in node.get("enum", [node.get("const")])]
+        elif "anyOf" in node:
+            words = [self.type_of(choice) for choice in node["anyOf"]]
+        else:
+            names = node.get("type", "any value")
+            words = [self._word(one, node) for one in ([names] if names == str(names) else names)]
+        return listed(list(dict.fromkeys(words)), "or")
 
     def _word(self, name: str, node: Mapping[str, Any]) -> str:
-        """One type in words, with that of its entries."""
+        """One type in words; for a list, with the type of its entries."""
         items = node.get("items")
         if name == "array" and isinstance(items, Mapping):
             inner = self.type_of(items)
             what = "entries with keys" if inner == _TYPES["object"] else inner
             return f"list of {_length(node)}{what}"
-        return _TYPES.get(name, name) + (_range(node) if name in _NUMBERS else "")
+        return _TYPES.get(name, name) + (_range(node) if name in ("number", "integer") else "")
 
 
-def _unit(name: str) -> str:
-    return next((unit for end, unit in _UNITS if name.endswith(f"_{end}") or name == end), "")
-
-
-def _choice(words: Sequence[str]) -> str:
-    return listed(list(dict.fromkeys(words)), "or")
+def _unit(key: str) -> str:
+    """The unit that is stated at the end of the name of a key; "" if there is none."""
+    unit = found[1] if (found := _UNIT.search(key)) else ""
+    for typed, read in _AS_READ:
+        unit = unit.replace(typed, read)
+    return unit
 
 
 def _value(value: object) -> str:
@@ -181,16 +131,15 @@ def _value(value: object) -> str:
 
 
 def _range(node: Mapping[str, Any]) -> str:
-    """The bounds of a number, to stand behind its type."""
+    """The bounds of a number, to be written after its type."""
     low, high = node.get("minimum"), node.get("maximum")
     if low is not None and high is not None:
         return f" from {_number(low)} to {_number(high)}"
-    signs = [f" {sign} {_number(node[name])}" for name, sign in _LIMITS if name in node]
-    return ",".join(signs)
+    return ",".join(f" {sign} {_number(node[name])}" for name, sign in _LIMITS if name in node)
 
 
 def _length(node: Mapping[str, Any]) -> str:
-    """How many entries a list must have, to stand before what they are."""
+    """The admissible number of entries of a list, to be written before their type."""
     least, most = node.get("minItems"), node.get("maxItems")
     if least and most:
         return f"{least} " if least == most else f"{least} to {most} "
@@ -200,8 +149,5 @@ def _length(node: Mapping[str, Any]) -> str:
 
 
 def _number(value: float) -> str:
-    if isinstance(value, int) and abs(value) < 1e6:
-        return str(value).replace("-", MINUS)
-    return (
-        f"{value:g}".replace("e+0", "e").replace("e+", "e").replace("e-0", "e-").replace("-", MINUS)
-    )
+    """A number whose exponent has no plus sign and no leading zeros."""
+    return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:g}").replace("-", MINUS)

@@ -1,15 +1,16 @@
-"""Templates of `paper/site` → pages for Sphinx, with what each of them shows of the project's texts.
+"""Renders the templates of `paper/site` to pages for Sphinx and inserts the texts of the project that they show.
 
-A page is Markdown and a template of Jinja: `{{ text("config/README.md") }}` stands for a whole text of the project,
-`{{ section("README.md", "Rebuild it") }}` for what one of its sections says, without its heading. The texts stay where
-they are; their links are led to the page that shows what they mean, or to a copy of the file.
+A page is a Jinja template in Markdown: `{{ text("config/README.md") }}` inserts a whole text of the project,
+`{{ section("README.md", "Rebuild it") }}` one of its sections without the heading. The links of an inserted text are
+rewritten to the page that shows their target, or to a copy of the file.
 """
 
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,127 +20,104 @@ from . import texts
 from .mirror import Mirror
 
 FILE = "copied:"
-"""How a link begins that leads to a copied file; Sphinx leaves the rest of it as it is."""
+"""Prefix of a link to a copied file; Sphinx does not change the rest of such a link."""
 
 EXTRA = "extra"
-"""Folder beside the pages for what Sphinx copies as it is."""
+"""Folder next to the pages that Sphinx copies unchanged."""
 
 
 class SiteError(ValueError):
-    """A page that cannot be made; the message names the page, and what is wrong with it."""
-
-
-@dataclass
-class Placed:
-    """Where the texts of the project are shown.
-
-    whole : path → page.   parts : (path, anchor) → (page, anchor there, "" for its top).
-    """
-
-    whole: dict[str, str] = field(default_factory=dict)
-    parts: dict[tuple[str, str], tuple[str, str]] = field(default_factory=dict)
-
-    def page_of(self, path: str, place: str) -> tuple[str, str] | None:
-        """The page that shows a text, or the part of it with that anchor, and the anchor there."""
-        if (path, place) in self.parts:
-            return self.parts[path, place]
-        if path in self.whole:
-            return self.whole[path], place
-        return None
+    """A page cannot be rendered; the message names the page and the problem."""
 
 
 class Pages:
-    """The pages of a site, made from the templates in a folder of the project."""
+    """The pages of a site, made from the templates in a folder of the project.
+
+    whole : text → the page that shows all of it.   parts : (text, anchor) → (page, anchor there, "" for its top).
+    """
 
     def __init__(self, root: str | Path, folder: str, functions: Mapping[str, Any]) -> None:
         self.root, self.folder, self.functions = Path(root), folder, functions
-        self.placed, self.mirror = Placed(), Mirror(root)
+        self.whole: dict[str, str] = {}
+        self.parts: dict[tuple[str, str], tuple[str, str]] = {}
+        self.mirror = Mirror(root)
 
     def made(self) -> dict[str, str]:
-        """Page, by its path below the folder, → its Markdown. Raises SiteError for a page that cannot be made."""
-        names = sorted(
-            path.relative_to(self.root / self.folder).as_posix()
-            for path in (self.root / self.folder).rglob("*.md")
-        )
-        rendered = {name: self._rendered(name) for name in names}
-        return {name: self._linked(name, text) for name, text in rendered.items()}
-
-    def _rendered(self, name: str) -> str:
-        environment = jinja2.Environment(
+        """The Markdown of each page, by its path below the folder. Raises SiteError if a page cannot be rendered."""
+        templates = jinja2.Environment(
             loader=jinja2.FileSystemLoader(self.root / self.folder),
-            autoescape=False,  # Markdown, of nothing but files of the project
+            autoescape=False,  # the pages are Markdown and contain only files of the project
             undefined=jinja2.StrictUndefined,
             trim_blocks=True,
             lstrip_blocks=True,
             keep_trailing_newline=True,
         )
-        given: dict[str, Callable[..., Any]] = {
-            "text": lambda path: self._text(name, path),
-            "section": lambda path, title, level=0, inner=True: self._section(
-                name, path, title, level, inner
-            ),
-            "there": lambda path: (self.root / path).is_file(),
+        rendered = {}
+        for name in sorted(templates.list_templates(extensions=["md"])):
+            given = {
+                "text": partial(self._text, name),
+                "section": partial(self._section, name),
+                "there": lambda path: (self.root / path).is_file(),
+            }
+            try:
+                rendered[name] = templates.get_template(name).render(**given, **self.functions)
+            except jinja2.TemplateError as error:
+                raise SiteError(f"{self.folder}/{name}: {error}") from error
+        return {
+            name: texts.relinked(text, partial(self._led, name)) for name, text in rendered.items()
         }
-        try:
-            return environment.get_template(name).render(**given, **self.functions)
-        except jinja2.TemplateError as error:
-            raise SiteError(f"{self.folder}/{name}: {error}") from error
 
     def _sections(self, path: str) -> list[texts.Section]:
         text = (self.root / path).read_text(encoding="utf-8")
         return texts.sections(texts.of_project(text, posixpath.dirname(path)))
 
     def _text(self, page: str, path: str) -> str:
-        """A whole text, its title that of the page."""
-        if path in self.placed.whole:
-            raise SiteError(f"{self.folder}/{page}: {path} is on {self.placed.whole[path]} already")
-        self.placed.whole[path] = page
+        """A whole text, whose title becomes that of the page."""
+        if path in self.whole:
+            raise SiteError(f"{self.folder}/{page}: {path} is on {self.whole[path]} already")
+        self.whole[path] = page
         return texts.written(self._sections(path))
 
-    def _section(self, page: str, path: str, title: str, level: int, inner: bool) -> str:
-        """What a section of a text says; for the title "", what stands before the first heading below that of the text.
+    def _section(self, page: str, path: str, title: str, level: int = 0, inner: bool = True) -> str:
+        """A section of a text; for the title "", the opening of the text up to its first heading below the title.
 
-        level : of its heading here; 0 for none.   inner : whether the sections inside it are shown, too.
+        level : the level of its heading on the page; 0 for no heading.   inner : whether to include its subsections.
         """
-        found = self._sections(path)
+        known = self._sections(path)
         if not title:
-            self.placed.parts[path, ""] = (page, "")
-            return texts.written([texts.Section(0, "", found[0].body)])
+            self.parts[path, ""] = (page, "")
+            return texts.written([replace(known[0], level=0)])
         try:
-            first, *others = texts.with_inner(found, title)
+            first, *others = texts.with_inner(known, title)
         except KeyError:
-            known = ", ".join(repr(section.title) for section in found)
+            titles = ", ".join(repr(section.title) for section in known)
             raise SiteError(
-                f"{self.folder}/{page}: {path} has no section {title!r}; it has {known}"
+                f"{self.folder}/{page}: {path} has no section {title!r}; it has {titles}"
             ) from None
-        if (path, first.anchor) in self.placed.parts:
-            where = self.placed.parts[path, first.anchor][0]
+        if (path, first.anchor) in self.parts:
+            where = self.parts[path, first.anchor][0]
             raise SiteError(f"{self.folder}/{page}: {title!r} of {path} is on {where} already")
         others = others if inner else []
-        self.placed.parts[path, first.anchor] = (page, first.anchor if level else "")
-        self.placed.parts |= {(path, one.anchor): (page, one.anchor) for one in others}
-        if not level:
-            others = [replace(one, level=one.level - first.level + 1) for one in others]
-            return texts.written([replace(first, level=0), *others])
-        return texts.written([first, *others], shift=level - first.level)
+        self.parts[path, first.anchor] = (page, first.anchor if level else "")
+        self.parts |= {(path, one.anchor): (page, one.anchor) for one in others}
+        down = (level or 1) - first.level
+        others = [replace(one, level=one.level + down) for one in others]
+        return texts.written([replace(first, level=level), *others])
 
-    def _linked(self, name: str, text: str) -> str:
-        """The page with its links to files of the project led to pages, or to copies."""
-
-        def led(target: str, picture: bool) -> str:
-            if not target.startswith(texts.SCHEME):
-                return target
-            path, _, place = target.removeprefix(texts.SCHEME).partition("#")
-            for known in (path, posixpath.join(path, "README.md")):
-                if found := self.placed.page_of(known, place):
-                    page = posixpath.relpath(found[0], posixpath.dirname(name) or ".")
-                    return f"{page}#{found[1]}" if found[1] else page
-            copied = self.mirror.add(path)
-            if copied is None:
-                raise SiteError(
-                    f"{self.folder}/{name}: a link leads to {path}, which is on no page and no small file"
-                )
-            up = "../" * name.count("/")
-            return f"{up}{EXTRA}/{copied}" if picture else f"{FILE}{up}{copied}"
-
-        return texts.relinked(text, led)
+    def _led(self, page: str, target: str, picture: bool) -> str:
+        """The target of a link; for one to a file of the project, the page that shows the file, or its copy."""
+        if not target.startswith(texts.SCHEME):
+            return target
+        path, _, place = target.removeprefix(texts.SCHEME).partition("#")
+        for text in (path, posixpath.join(path, "README.md")):
+            if (text, place) in self.parts or text in self.whole:
+                shown, anchor = self.parts.get((text, place)) or (self.whole[text], place)
+                address = posixpath.relpath(shown, posixpath.dirname(page) or ".")
+                return f"{address}#{anchor}" if anchor else address
+        copied = self.mirror.add(path)
+        if copied is None:
+            raise SiteError(
+                f"{self.folder}/{page}: a link leads to {path}, which is on no page and no small file"
+            )
+        up = "../" * page.count("/")
+        return f"{up}{EXTRA}/{copied}" if picture else f"{FILE}{up}{copied}"

@@ -1,4 +1,4 @@
-"""Markdown cut into its sections, with links that say which file of the project they mean."""
+"""Cuts Markdown into sections and resolves its links to files of the project."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import posixpath
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import dropwhile, groupby, takewhile
 
 SCHEME = "project:"
-"""How a link begins that names a file of the project by its path from the root."""
+"""Prefix of a link to a file of the project, followed by the path from the root."""
 
 _HEADING = re.compile(r"(#{1,6})\s+(.+?)\s*$")
 _FENCE = re.compile(r"\s*(`{3,}|~{3,})")
@@ -17,14 +18,14 @@ _LINK = re.compile(
     r"(`+)(?:(?!\1).)+?\1|(?P<before>(?P<picture>!?)\[[^\[\]]*\]\()(?P<target>[^()\s]+)\)",
     re.DOTALL,
 )
-_NOT_IN_A_NAME = re.compile(r"[^\w\- ]")
+_NOT_IN_AN_ANCHOR = re.compile(r"[^\w\- ]")
 
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A heading of a text and what stands below it, up to the next heading of any level.
+    """A heading of a text with the lines below it, up to the next heading of any level.
 
-    level : 1 to 6; 0 for what stands before the first heading.   title : as written.   body : lines below it.
+    level : 1 to 6; 0 for the lines before the first heading.   title : as written.   body : the lines below it.
     """
 
     level: int
@@ -33,64 +34,48 @@ class Section:
 
     @property
     def anchor(self) -> str:
-        """The name by which links know it."""
-        return anchor(self.title)
-
-
-def anchor(title: str) -> str:
-    """The name of a heading in links, as repositories on the web and Sphinx's reader of Markdown form it."""
-    return _NOT_IN_A_NAME.sub("", title.strip().lower().replace(" ", "-"))
+        """The anchor of the heading in links, formed as code hosts and MyST form it."""
+        return _NOT_IN_AN_ANCHOR.sub("", self.title.strip().lower().replace(" ", "-"))
 
 
 def sections(text: str) -> list[Section]:
-    """A text as its sections, in their order; without comments, and without the empty one that would be the first."""
-    found: list[tuple[int, str, list[str]]] = [(0, "", [])]
-    fence = ""
-    for line in _COMMENT.sub("", text).splitlines():
-        opening = _FENCE.match(line)
-        if opening and (not fence or opening[1].startswith(fence)):
-            fence = "" if fence else opening[1]
-        heading = None if fence or opening else _HEADING.match(line)
-        if heading:
-            found.append((len(heading[1]), heading[2], []))
+    """The sections of a text in their order, without comments; an empty first section is omitted."""
+    parts: list[tuple[int, str, list[str]]] = [(0, "", [])]
+    for in_code, line in _lines(_COMMENT.sub("", text)):
+        if (heading := _HEADING.match(line)) and not in_code:
+            parts.append((len(heading[1]), heading[2], []))
         else:
-            found[-1][2].append(line)
-    made = [Section(level, title, "\n".join(lines).strip("\n")) for level, title, lines in found]
-    return made if made[0].body else made[1:]
+            parts[-1][2].append(line)
+    cut = [Section(level, title, "".join(lines).strip("\n")) for level, title, lines in parts]
+    return cut if cut[0].body else cut[1:]
 
 
 def with_inner(text: list[Section], title: str) -> list[Section]:
-    """The section of that title with those inside it. Raises KeyError where there is none of that title."""
-    for start, first in enumerate(text):
-        if first.title == title:
-            inner = [first]
-            for section in text[start + 1 :]:
-                if section.level <= first.level:
-                    break
-                inner.append(section)
-            return inner
-    raise KeyError(title)
+    """The section of that title with its subsections. Raises KeyError if no section has that title."""
+    found = list(dropwhile(lambda one: one.title != title, text))
+    if not found:
+        raise KeyError(title)
+    first, *after = found
+    return [first, *takewhile(lambda one: one.level > first.level, after)]
 
 
-def written(text: list[Section], shift: int = 0) -> str:
-    """Sections as Markdown, their headings moved down by so many levels (up, where it is negative)."""
+def written(text: list[Section]) -> str:
+    """Sections as Markdown."""
     parts: list[str] = []
-    for section in text:
-        if section.level:
-            parts.append(f"{'#' * max(1, section.level + shift)} {section.title}")
-        if section.body:
-            parts.append(section.body)
+    for one in text:
+        parts += [f"{'#' * one.level} {one.title}"] if one.level else []
+        parts += [one.body] if one.body else []
     return "\n\n".join(parts) + "\n"
 
 
 def of_project(text: str, folder: str) -> str:
-    """A text with its links to files as `project:PATH`, from the root of the project on.
+    """A text with its links to files rewritten as `project:PATH`, the path taken from the root of the project.
 
-    folder : of the text, from the root on; "" for the root.   Links to addresses and within the text stay.
+    folder : the folder of the text, from the root; "" for the root.   Links to URLs and within the text are kept.
     """
 
     def named(target: str, picture: bool) -> str:
-        if re.match(r"[a-z]+:", target) or target.startswith("#"):
+        if re.match(r"[a-z]+:|#", target):
             return target
         path, mark, place = target.partition("#")
         return f"{SCHEME}{posixpath.normpath(posixpath.join(folder, path))}{mark}{place}"
@@ -99,32 +84,28 @@ def of_project(text: str, folder: str) -> str:
 
 
 def relinked(text: str, new: Callable[[str, bool], str]) -> str:
-    """A text with the target of every link and picture replaced; what stands in code stays.
+    """A text with the target of every link and picture replaced, except in code.
 
-    new : (target, whether it is that of a picture) → target.
+    new : (target, whether the target is a picture) → new target.
     """
 
-    def replaced(found: re.Match[str]) -> str:
-        if not found["target"]:
-            return found[0]
-        return f"{found['before']}{new(found['target'], bool(found['picture']))})"
+    def replaced(link: re.Match[str]) -> str:
+        if not link["target"]:
+            return link[0]
+        return f"{link['before']}{new(link['target'], bool(link['picture']))})"
 
-    return "".join(
-        part if is_code else _LINK.sub(replaced, part) for is_code, part in _blocks(text)
+    blocks = (
+        (in_code, "".join(line for _, line in lines))
+        for in_code, lines in groupby(_lines(text), key=lambda line: line[0])
     )
+    return "".join(block if in_code else _LINK.sub(replaced, block) for in_code, block in blocks)
 
 
-def _blocks(text: str) -> Iterator[tuple[bool, str]]:
-    """The text in stretches of lines: (whether it is a fenced block of code, the stretch)."""
-    fence, lines = "", list[str]()
+def _lines(text: str) -> Iterator[tuple[bool, str]]:
+    """The lines of a text, including their line ends, each with whether it belongs to a fenced code block."""
+    fence = ""
     for line in text.splitlines(keepends=True):
         mark = _FENCE.match(line)
-        if mark and not fence:
-            yield False, "".join(lines)
-            fence, lines = mark[1], [line]
-        elif mark and mark[1].startswith(fence):
-            yield True, "".join([*lines, line])
-            fence, lines = "", []
-        else:
-            lines.append(line)
-    yield bool(fence), "".join(lines)
+        yield bool(fence or mark), line
+        if mark and mark[1].startswith(fence):
+            fence = "" if fence else mark[1]
