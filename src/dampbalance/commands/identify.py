@@ -11,7 +11,7 @@ from typing import Any, get_args
 from ..arguments import MOST_REPLICATES
 from ..balance import APPROACHES
 from ..features import Phase
-from ..identification.identify import REPLICATES, SEED
+from ..identification.forced import REPLICATES, SEED
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, write_json

@@ -17,11 +17,12 @@ from ..project.wording import visible
 from ..records.limits import LARGEST
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, read_records
-from .identified import QUICK, Identified, IdentifiedDecays, IdentifiedSteady
-from .identify import REPLICATES, SEED, identify_readings
-from .laws import compare_laws
+from .answer import Remark
+from .decays import identify_ring_downs
+from .forced import REPLICATES, SEED, identify_readings
+from .identified import QUICK, Identified
+from .law_comparison import compare_laws
 from .loading import Loaded, NotDriven, load
-from .ringdown import identify_ring_downs
 
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
@@ -169,7 +170,7 @@ def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
 @interpreted(calls=QUICK)  # whatever was compiled before: the last bits may differ
 def _of_steady(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
-) -> IdentifiedSteady:
+) -> Identified:
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]
     loaded = tuple(
         load(
@@ -185,20 +186,19 @@ def _of_steady(
     common = {name: options[name] for name in ("replicates", "seed")} | {"law": law, "mass": mass}
     chosen = {name: APPROACHES[name] for name in options["approaches"]}
     result = identify_readings(readings, k, approaches=chosen, phase=options["phase"], **common)
-    if options["laws"]:
-        result = replace(result, laws=compare_laws(readings, k, **common))
-    return IdentifiedSteady(records, options, result, loaded)
+    laws = compare_laws(readings, k, **common) if options["laws"] else None
+    return Identified(records, options, replace(result, laws=laws, loaded=loaded))
 
 
 @interpreted(False)  # a motion of thousands of samples, hundreds of times
-def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> IdentifiedDecays:
-    told = [f"{record.name}: {words}" for record in records for words in record.warnings]
+def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> Identified:
+    odd = [Remark(words, record.name) for record in records for words in record.warnings]
     measurements = [record.whole() for record in records]
     result = identify_ring_downs(
         measurements, options["stiffness_N_per_m"], mass=options["mass_kg"]
     )
-    result = replace(result, warnings=(*told, *result.warnings))
-    return IdentifiedDecays(records, options, result)
+    result = replace(result, warnings=(*odd, *result.warnings))
+    return Identified(records, options, result)
 
 
 def _require_different(records: Sequence[MeasuredRecord]) -> None:

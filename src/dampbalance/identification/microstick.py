@@ -18,7 +18,6 @@ from ..features import Features, stack
 from ..reading.noisy import RESOLVED, Means, Reading
 from ..reading.waveforms import Fit
 from ..solver import NORMAL_95
-from .result import Microstick
 
 _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 
@@ -45,6 +44,20 @@ class Samples:
     point: Sample
     drawn: Sample
     left: tuple[Sample, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Microstick:
+    """Length of the microstick line X + X_s = 2F_k/K_z that all records share, m.
+
+    resolved : whether its root stands out of its noise.   bound : it is below that with 97.5 % confidence.
+    All NaN where the waveforms of the records are not known.
+    """
+
+    length: float
+    standard_error: float
+    resolved: bool
+    bound: float
 
 
 def read_samples(

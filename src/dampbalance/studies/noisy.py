@@ -15,8 +15,7 @@ from ..arrays import Array, Integers
 from ..balance import TERMS
 from ..features import Features, beside, of_numbers, stack
 from ..identification.microstick import read_samples
-from ..identification.oscillator import Whole, joined, whole_oscillator
-from ..identification.result import parameters_of
+from ..identification.oscillator import JointFit, joined, whole_oscillator
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
@@ -62,13 +61,13 @@ def measured_responses(
         point, replicate, whole = _with_one_oscillator(read, osc.k, count, random)
         points.append(point)
         replicates.append(replicate)
-        fitted.append({} if whole is None else parameters_of(whole))
+        fitted.append(None if whole is None else whole.answer)
         if simpson:
             values, drawn = _by_simpson(records, osc.k, count, random)
             plain.append((point.replaced(**values), replicate.replaced(**drawn)))
     likelihood = {
         symbol: np.array(
-            [(p[symbol].value, p[symbol].standard_error) if p else (np.nan,) * 2 for p in fitted]
+            [(a.values[symbol], a.standard_errors[symbol]) if a else (np.nan,) * 2 for a in fitted]
         ).T
         for symbol in TERMS
     }
@@ -101,7 +100,7 @@ def _measured(
 
 def _with_one_oscillator(
     read: Sequence[Reading | str], k: float, count: int, random: np.random.Generator
-) -> tuple[Features, Features, Whole | None]:
+) -> tuple[Features, Features, JointFit | None]:
     """Features (L,) and replicates (L, count) of the levels of a case, with the onset of slip that one oscillator gives
     them, as in `identification`, and that oscillator; a level that was not read has NaN and the reason, and where no
     oscillator holds, none has a friction travel."""

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from dampbalance import BaseMotion, read_records, steady_orbit
-from dampbalance.identification import drawing
-from dampbalance.identification.identify import identify_readings
+from dampbalance.identification import pictures
+from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.loading import Loaded, load
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.synthetic import measured_orbit
@@ -28,7 +28,7 @@ def _loaded(Y: float, zero: float) -> Loaded:
 def test_the_averaged_cycle_lies_on_the_samples_whatever_the_zero_of_the_transducer():
     loaded = [_loaded(0.003, 0.0), _loaded(0.005, 0.02)]
     result = identify_readings([one.reading for one in loaded], PAPER.k, replicates=20)
-    for one, axes in zip(loaded, drawing.cycles(loaded, result).axes, strict=True):
+    for one, axes in zip(loaded, pictures.cycles(loaded, result.readings).axes, strict=True):
         dots, line = axes.get_lines()
         on_line = np.interp(dots.get_xdata(), line.get_xdata(), line.get_ydata(), period=360.0)
         X = 1e3 * one.reading.features.X[0]

@@ -12,9 +12,9 @@ import numpy as np
 
 from ...arrays import Array
 from ...balance import APPROACHES
-from ...identification.identify import identify_readings
+from ...identification.forced import identify_readings
 from ...identification.loading import Loaded, load
-from ...identification.notes import YARDSTICK
+from ...identification.remarks import YARDSTICK
 from ...law.law import Law, law_of
 from ...law.terms import FRICTION, named_with_unit, term
 from ...reading.noisy import Reading, read_features
