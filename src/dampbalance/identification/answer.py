@@ -9,13 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
 from ..balance import Rows
 from ..law.terms import term
+from ..reading.ringdown_fit import RingFit
+from ..reading.waveforms import Fit
 from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95
@@ -24,6 +26,10 @@ REFERENCE = "maximum likelihood"
 """Name of the answer of the fit to all records, against which the approaches are checked."""
 
 USABLE, DOUBTFUL, NONE = "usable", "doubtful", "none"
+
+
+AnyFit = Fit | RingFit
+"""A fit of one oscillator by maximum likelihood: to forced records, or to free decays."""
 
 
 class Interval(NamedTuple):
@@ -174,39 +180,8 @@ class Answer:
         return () if self.balance is None else self.balance.names
 
 
-class OscillatorFit(Protocol):
-    """A fit of one oscillator to all records, as far as its answer reads it; its unknown rho is K_z^{−1/2}."""
-
-    @property
-    def m(self) -> float:
-        """Mass, kg."""
-
-    @property
-    def K_z(self) -> float:
-        """Contact stiffness, N/m."""
-
-    @property
-    def K_z_interval(self) -> tuple[float, float]:
-        """95 % interval of K_z, N/m."""
-
-    @property
-    def natural_frequency_hz(self) -> float:
-        """√(k/m)/2π, Hz."""
-
-    @property
-    def misfit(self) -> float:
-        """χ² per degree of freedom."""
-
-    @property
-    def covariance(self) -> Array:
-        """Of the errors of its unknowns."""
-
-    def error(self, name: str, /) -> float:
-        """Standard error of an unknown."""
-
-
 def answer_of_fit(
-    fit: OscillatorFit,
+    fit: AnyFit,
     coefficients: Mapping[str, float],
     unknowns: Sequence[str],
     notes: tuple[str, ...],
@@ -216,7 +191,9 @@ def answer_of_fit(
 
     coefficients : by key.   unknowns : names in the order of the covariance of the fit.   merit : what else is known.
     """
-    parameters = estimates_of_fit(fit, coefficients)
+    parameters = {key: normal(value, fit.error(key)) for key, value in coefficients.items()}
+    error = math.inf if math.isinf(fit.K_z) else 2.0 * fit.K_z**1.5 * fit.error("rho")
+    parameters["K_z"] = ParameterEstimate(fit.K_z, error, math.nan, Interval(*fit.K_z_interval))
     places = [unknowns.index("rho" if symbol == "K_z" else symbol) for symbol in parameters]
     # K_z = ρ^{−2}, dK_z = −2ρ^{−3} dρ
     slopes = np.array([-2.0 * fit.K_z**1.5 if symbol == "K_z" else 1.0 for symbol in parameters])
@@ -229,16 +206,6 @@ def answer_of_fit(
         "misfit": fit.misfit,
     }
     return Answer(REFERENCE, parameters, covariance, notes, merit=of_fit | merit)
-
-
-def estimates_of_fit(
-    fit: OscillatorFit, coefficients: Mapping[str, float]
-) -> dict[str, ParameterEstimate]:
-    """The coefficients of a fit and its K_z, with standard errors and intervals, by symbol."""
-    estimates = {key: normal(value, fit.error(key)) for key, value in coefficients.items()}
-    error = math.inf if math.isinf(fit.K_z) else 2.0 * fit.K_z**1.5 * fit.error("rho")
-    K_z = ParameterEstimate(fit.K_z, error, math.nan, Interval(*fit.K_z_interval))
-    return {**estimates, "K_z": K_z}
 
 
 def normal(value: float, error: float) -> ParameterEstimate:

@@ -159,10 +159,10 @@ def identify_ring_downs(
 ) -> DecayOutcome:
     """F_k, c and K_z from records of free decays, one or more.
 
-    k : stiffness, N/m.   mass : kg, if it is known.
+    k : stiffness, N/m.   mass : kg, if it is known; the fit takes it unless the decays contradict it.
 
-    Raises ValueError for a stiffness or a mass that is not positive, a record whose drive moves, one without a decay
-    that slips, and a channel with a filter.
+    Raises ValueError for a stiffness or a mass that is not positive, a record whose excitation channel moves, one
+    without a decay that slips, and a channel with a filter.
     """
     number("stiffness", k)
     if mass is not None:
@@ -219,7 +219,9 @@ def _unclear(record: Measurement) -> str:
     """How a record without a decay is reported."""
     if record.driven:
         return f"{visible(record.excitation.name)} stands still, and no free decay was found"
-    return f"nothing drives it (one of {', '.join(EXCITATIONS)} would), and no free decay was found"
+    return (
+        f"the excitation channel is missing ({', '.join(EXCITATIONS)}), and no free decay was found"
+    )
 
 
 def _signal(record: Measurement, channel: Channel, warnings: list[str]) -> Signal:

@@ -1,4 +1,4 @@
-"""Which damping law do the records support? Each law that can be had of a few terms is tested, the smallest one kept.
+"""Which damping law do the records support? Every law of a few terms is tested; the smallest not rejected is kept.
 
 A law is tested in two ways, both with the onset of slip of the oscillator that has this law:
 
@@ -6,10 +6,10 @@ A law is tested in two ways, both with the onset of slip of the oscillator that 
                  replicates of the records, all rows together: a common K_z moves them all
     waveforms    χ² of the harmonics of all records about the steady responses of the oscillator
 
-each against the F distribution of its degrees of freedom; a law is as probable as the less probable of the two, times
-two. Those that noise would make improbable are rejected by Holm's procedure, which keeps the chance to reject any law
-that is true, with terms too many or not, below `ALPHA`. The smallest law that is not rejected is the answer: an extra
-term is there by chance in less than that part of all cases. Where no law's waveforms hold, the balance alone decides.
+each against the F distribution with its degrees of freedom. The p-value of a law is the smaller of the two, times two.
+Laws are rejected by Holm's procedure, which keeps the probability of rejecting any true law, superfluous terms or not,
+below `ALPHA`. The smallest law that is not rejected is the answer; it has a superfluous term with a probability below
+`ALPHA`. Where the waveforms reject every law, the balance alone decides.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from .remarks import YARDSTICK
 from .screen import aligned
 
 ALPHA = 0.05
-"""Chance to reject any law that is true."""
+"""Probability of rejecting any true law."""
 
 MOST_TERMS = 2
 """Most terms of a law that is tried, in addition to friction."""
@@ -49,7 +49,7 @@ MOST_TERMS = 2
 
 @dataclass(frozen=True, slots=True)
 class Probability:
-    """χ² with its degrees of freedom, and the probability of one as large in noise; NaN without degrees of freedom."""
+    """A χ² with its degrees of freedom and its p-value, that of one as large in noise; NaN without freedom."""
 
     chi_square: float
     freedom: int
@@ -64,8 +64,8 @@ class Probability:
 class LawTest:
     """The tests of one law.
 
-    coefficients : by key, (value, standard error), SI, of the balance.   balance, waveforms : its two tests; None where
-    no oscillator with this law was found.   rejected : by both together, by the balance alone.
+    coefficients : by key, (value, standard error), SI units, of the balance.   balance, waveforms : the two tests; None
+    where no oscillator with this law was found.   rejected, rejected_by_balance : by both tests, by the balance alone.
     """
 
     law: Law
@@ -82,7 +82,7 @@ class LawTest:
 
     @property
     def p(self) -> float:
-        """Probability of the less probable of the two tests, times two."""
+        """The p-value of both tests together: the smaller one, times two."""
         if self.balance is None or self.waveforms is None:
             return 0.0
         known = [t.p for t in (self.balance, self.waveforms) if not math.isnan(t.p)]
@@ -90,7 +90,7 @@ class LawTest:
 
     @property
     def p_of_balance(self) -> float:
-        """Probability of its balance alone."""
+        """The p-value of the balance alone."""
         if self.balance is None:
             return 0.0
         return 1.0 if math.isnan(self.balance.p) else self.balance.p
@@ -208,8 +208,8 @@ def _words(terms: Sequence[str]) -> str:
     return f"{words} ({', '.join(terms)})"
 
 
-_REPEATS = 4  # of generalised least squares, whose covariance depends on its solution
-_ALIKE = 1.001  # of frequencies: nearer ones are one
+_REPEATS = 4  # of generalised least squares, since its covariance depends on the solution
+_ALIKE = 1.001  # of frequencies: closer ones count as one
 
 
 @one_thread
@@ -222,11 +222,13 @@ def compare_laws(
     replicates: int = 1000,
     seed: int = 2010,
 ) -> LawComparison:
-    """Test every law of no, one or two terms beside friction; once one is not rejected, of the larger ones those alone
-    that hold it.
+    """Test every law of no, one or two terms in addition to friction.
 
-    readings, k, mass, replicates, seed : as for `identify`.   law : whose given coefficients are part of every law, and
-    whose groups hold for the terms that have some.
+    Once a law is not rejected, of the larger laws only those that contain it are tested. Use it where the damping is
+    not known to be viscous: on records of several amplitudes, and of two frequencies or more to distinguish c from eta.
+
+    readings, k, mass, replicates, seed : as for `identify`.   law : its given coefficients are part of every law, and
+    its groups apply to the terms that have some.
     """
     if replicates <= len(readings):
         raise ValueError(

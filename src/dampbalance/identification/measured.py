@@ -1,4 +1,4 @@
-"""From measured records, of steady responses or of free decays, to F_k, c and K_z."""
+"""The interface for measured records, of steady responses or of free decays: `identify`."""
 
 from __future__ import annotations
 
@@ -28,9 +28,10 @@ if TYPE_CHECKING:
     from ..records.measured import RecordLike
 
 Kind = Literal["recognised", "forced", "ring-down"]
-"""Of records: as the first of them is recognised, driven, or free decays."""
+"""Kind of records: as the first of them is recognised, forced, or free decays."""
 
-_MOST_SWINGS = 1000.0  # of the free oscillator in a cycle of the drive, or cycles in a swing: beyond it a unit is wrong
+# of the free oscillator in a cycle of the drive, or cycles in a swing; beyond that a unit is wrong
+_MOST_SWINGS = 1000.0
 
 
 def identify(
@@ -54,23 +55,31 @@ def identify(
 ) -> Identified:
     """The coefficients of a damping law and the contact stiffness K_z from measured records, each with an interval.
 
-    Each steady response gives a row a F_k + b c = W of the energy balance, each half cycle of a free decay, too (Eq. 6
-    of the paper). A row weighs as much as it is sure; one oscillator fitted to all records is the yardstick.
+    Each steady response, and each half cycle of a free decay, gives a row a F_k + b c = W of the energy balance (Eq. 6
+    of the paper). Rows are weighted by inverse variance; a maximum-likelihood fit of one oscillator to all records is
+    the cross-check.
 
-    records : as `read_records` returns or takes them: files, tables of pandas, arrays; one for each level of excitation
-    and at least as many as there are coefficients, or free decays, of which one is enough.
-    stiffness : k of the spring, N/m.   mapping : what the records do not say of their channels, where they are read
-    here.   kind : "forced" or "ring-down", where it is not to be recognised.
-    frequency : of the drive as known, Hz; compared with that found in each record.   mass : kg, if it is known.
-    terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.   given : symbol →
-    coefficient that is known, SI.   groups : symbol → a label for each record, of the group that has a coefficient of
-    its own.   laws : whether all laws of one or two terms beside friction are compared, too.
-    approaches : names of `APPROACHES`; default, all.   phase : that the harmonic approaches X_s, t_s and V_s take.
-    skip_cycles : left out at the start of each record.   replicates, seed : of the bootstrap.
+    records : as `read_records` returns or takes them: files, tables of pandas, arrays. Forced records: one for each
+    level of excitation, at least as many as there are coefficients; more levels, far apart, sharpen all of them. Free
+    decays: one is enough.
+    stiffness : k of the spring, N/m; it scales F_k and c.
+    mapping : what the records do not say of their channels, where they are read here.
+    kind : "forced" or "ring-down", where it is not to be recognised.
+    frequency : of the drive as known, Hz; compared with that found in each record.
+    mass : kg, if it is known: it sharpens K_z.
+    terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.
+    given : symbol → known coefficient, SI units.
+    groups : symbol → a label for each record, where each group of records has its own coefficient.
+    laws : whether to compare all laws of one or two terms in addition to friction, too.
+    approaches : names of `APPROACHES`; default, all. Use "direct", which assumes no shape of x(t); the others show what the
+    approximations of the paper cost.
+    phase : that the harmonic approaches X_s, t_s and V_s take.
+    skip_cycles : left out at the start of each record, where the motion has not settled.
+    replicates, seed : of the bootstrap.
     largest : numbers (samples × channels) that may be read of a record.
 
-    Free decays know F_k and c alone, and take stiffness, mass, mapping and largest. Names and labels in order (terms,
-    approaches, those of groups) may be a text with commas between them, as on the command line: terms="F_k,c".
+    Free decays determine F_k, c and K_z only, and take stiffness, mass, mapping and largest. Names and labels in order
+    (terms, approaches, those of groups) may be a text with commas between them, as on the command line: terms="F_k,c".
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range or of another kind, a record that cannot be used, records of both kinds, fewer of them
@@ -141,8 +150,8 @@ def identify(
     for name, (value, default) in of_forced.items():
         if value != default:
             raise ValueError(
-                f"{name} = {value!r} is for forced records, and these are free decays, which tell F_k, c and K_z: "
-                "leave it out"
+                f"{name} = {value!r} is for forced records, and these are free decays, which determine F_k, c and K_z "
+                "only: leave it out"
             )
     options = {
         "kind": "ring-down",
@@ -159,7 +168,7 @@ _OF_THE_WORKFLOW = ("name", "records")
 
 
 def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The arguments of `identify` that a set of records in a configuration states, but for the records."""
+    """The arguments of `identify` that a set of records in a configuration states, except the records."""
     return {
         _CONFIGURED.get(key, key): value
         for key, value in settings.items()
@@ -202,7 +211,7 @@ def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) 
 
 
 def _require_different(records: Sequence[MeasuredRecord]) -> None:
-    """ValueError for no records, and for a file that is named twice, also by a link or another spelling of its path."""
+    """Raise ValueError for no records, and for a file named twice, also by a link or another spelling of its path."""
     if not records:
         raise ValueError("no records are given; name one for each level, or one of a free decay")
     known: dict[tuple[int, int], str] = {}
@@ -218,8 +227,8 @@ def _require_different(records: Sequence[MeasuredRecord]) -> None:
 
 
 def _require_possible(loaded: Sequence[Loaded], mass: float | None, k: float) -> None:
-    """ValueError for a mass with which the oscillator would be a thousand times faster or slower than the drive."""
-    if mass is None or not mass > 0.0:  # what is no mass is refused where it is used
+    """Raise ValueError for a mass with which the oscillator is a thousand times faster or slower than the drive."""
+    if mass is None or not mass > 0.0:  # what is no mass is refused later
         return
     for one in loaded:
         swings = math.sqrt(k / mass) / one.reading.steady.omega

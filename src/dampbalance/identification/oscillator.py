@@ -41,12 +41,12 @@ class JointFit:
 
     @property
     def waveforms_hold(self) -> bool:
-        """Whether the waveforms of the fit are those of the records."""
+        """Whether the waveforms of the fit are those of the records, so that the onset of slip and K_z are known."""
         return self.fit is not None and self.fit.adequate and not self.linear
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader must know of the fit itself."""
+        """What a reader must know before using the numbers of the fit."""
         fit = self.fit
         if fit is None or self.linear:
             return ()
@@ -107,8 +107,13 @@ def whole_oscillator(
 
 
 def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None) -> list[Reading]:
-    """The readings with the waveforms of the fit; where they do not hold, without any, and with no more of the nearest
-    oscillator than the travel that its sticking takes.   law : the terms whose integrals are wanted."""
+    """The readings with the waveforms of the fit.
+
+    Where the waveforms do not hold, the readings have none; of the nearest oscillator they then have only the travel
+    that its sticking takes.
+
+    law : of the terms whose integrals are wanted.
+    """
     wanted = () if law is None else tuple(s for s in law.terms if s not in (FRICTION, "c"))
     if joint.fit is None or joint.linear:
         return [replace(reading, joint=True, shared=None, terms=wanted) for reading in readings]

@@ -31,7 +31,7 @@ _SHAPE_SHOWS = 0.5  # standard errors: an interval of 95 % holds the truth in 92
 _SHAPE_LEAST = 1e-6  # of a value: what the harmonics that a waveform leaves out are worth
 _FOLDED = 2.0  # of the noise
 _FAR = 3.0  # standard deviations of the rows
-_ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly tell F_k and c apart
+_ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly distinguish F_k from c
 
 
 def with_notes(
@@ -66,7 +66,7 @@ def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> list
         if answer.misfit > _FAR**2:
             notes.append(
                 f"its rows lie {times(math.sqrt(answer.misfit))} farther from the balance than noise explains, and "
-                "the intervals do not tell"
+                "the intervals do not show it"
             )
     if joint.late:
         notes.append(
@@ -80,7 +80,7 @@ def forbidden(
 ) -> list[str]:
     """A sentence on each coefficient whose whole interval is negative, with the likely cause.
 
-    clipped : signals that are.   suspects : what else may be wrong, "a gain or the stiffness".
+    clipped : names of clipped signals.   suspects : what else may be wrong, "a gain or the stiffness".
     """
     cause = f"{suspects} may be wrong"
     if clipped:
@@ -93,7 +93,7 @@ def forbidden(
 
 
 def _shape(answer: Answer) -> str:
-    """A sentence where the shape of x(t) that an approach assumes costs more than its interval tells."""
+    """A sentence where the shape of x(t) that an approach assumes costs more than its interval shows."""
     parts = []
     for symbol, bias in answer.shape_bias.items():
         own = answer.coefficients[symbol]
@@ -106,7 +106,7 @@ def _shape(answer: Answer) -> str:
         return ""
     return (
         f"the shape of x(t) that this approach assumes makes {listed(parts)} for the oscillator found, and its "
-        "intervals do not tell"
+        "intervals do not show it"
     )
 
 
@@ -116,7 +116,7 @@ def agreement(
     joint: JointFit,
     answers: Mapping[str, Answer],
 ) -> list[str]:
-    """Warnings on all records together."""
+    """Warnings on all records together: what the joint fit shows, which levels fail, where answers contradict."""
     warnings = _on_the_oscillator(readings, joint)
     still = [str(i + 1) for i, reading in enumerate(readings) if reading.slips is False]
     if still:
@@ -133,14 +133,14 @@ def agreement(
     if folded and not joint.linear:
         warnings.append(
             f"the sampling rate of record {', '.join(folded)} folds back harmonics that are larger than the noise: K_z "
-            "may be off by more than its interval tells; sample faster, or through an anti-alias filter that the "
+            "may be off by more than its interval shows; sample faster, or through an anti-alias filter that the "
             "mapping names"
         )
     fit = joint.fit
     if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
         warnings.append(
-            f"c and c_r together cannot be told from a skew of the channels: if the response lags by 1 µs, c_r is "
-            f"{1e-6 * fit.k:.2g} N s/m too small and c as much too large"
+            f"c and c_r together cannot be distinguished from a skew of the channels: if the response lags by 1 µs, c_r "
+            f"is {1e-6 * fit.k:.2g} N s/m too small and c as much too large"
         )
     apart = _apart(answers.get(YARDSTICK), joint)
     if apart:
@@ -149,18 +149,18 @@ def agreement(
     first = next(((a, rows) for a, rows in solved if rows.usable.sum() >= 2), None)
     if first is not None and _sine(first[1]) < _ALIKE:
         warnings.append(
-            f"the levels are so alike that {listed(list(first[0].coefficients))} can hardly be told apart: add a "
-            "record at a much higher or lower amplitude"
+            f"the levels are so alike that {listed(list(first[0].coefficients))} can hardly be distinguished: add "
+            "a record at a much higher or lower amplitude"
         )
     return warnings
 
 
 def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> list[str]:
-    """What the fit of the whole oscillator says."""
+    """Warnings from the joint fit."""
     if joint.linear:
         return [
             "the records are those of a linear oscillator within their noise: the contact only sticks, or there is no "
-            "friction, and F_k and K_z cannot be told; raise the excitation"
+            "friction, and F_k and K_z cannot be determined; raise the excitation"
         ]
     if joint.fit is None:
         return [
@@ -179,22 +179,22 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> list[str
         warnings.append(
             "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
             f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in "
-            f"{readings[worst].steady.source}; K_z and the onset of slip cannot be told; a channel may be skewed, "
-            "coupled (AC) or filtered, a gain or a sign may be wrong, the levels may differ in more than their "
+            f"{readings[worst].steady.source}; K_z and the onset of slip cannot be determined; a channel may be skewed,"
+            " coupled (AC) or filtered, a gain or a sign may be wrong, the levels may differ in more than their "
             "amplitude, the damping may follow another law (compare the laws), or the oscillator is of another kind"
         )
     if joint.late and delayed is not None:
         without = [f"{key} = {delayed.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]
         warnings.append(
             f"the harmonics say that the response lags the drive by {1e6 * delayed.delay:.4g} ± "
-            f"{1e6 * delayed.error('delay'):.2g} µs beside the motion; without that, {listed(without)}: "
+            f"{1e6 * delayed.error('delay'):.2g} µs more than the motion explains; without that, {listed(without)}: "
             "give the delay in the mapping, or sample all channels at once"
         )
     return warnings
 
 
 def _apart(answer: Answer | None, joint: JointFit) -> str:
-    """A sentence where the balance contradicts the fit of the whole oscillator beyond what their errors allow."""
+    """A sentence where the balance contradicts the joint fit by more than their errors allow."""
     if answer is None or joint.fit is None or not joint.waveforms_hold:
         return ""
     parts = []
@@ -208,8 +208,8 @@ def _apart(answer: Answer | None, joint: JointFit) -> str:
     if not parts:
         return ""
     return (
-        f"the balance of energy and the fit of the whole oscillator differ, {' and '.join(parts)}, by more than their "
-        "errors allow: trust neither interval"
+        f"the energy balance and the fit of one oscillator to all records differ, {' and '.join(parts)}, by more than "
+        "their errors allow: trust neither interval"
     )
 
 

@@ -172,7 +172,7 @@ def test_dampers_to_base_and_ground_together_say_what_a_skew_would_do():
         readings(*LAWS["c_r"]), PAPER.k, law=Law(("F_k", "c", "c_r")), approaches=DIRECT
     )
     assert found.joint.delayed is None
-    assert any("cannot be told from a skew" in words for words in found.warnings)
+    assert any("cannot be distinguished from a skew" in words for words in found.warnings)
 
 
 def test_an_approach_without_a_form_of_a_term_says_so():

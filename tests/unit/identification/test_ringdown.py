@@ -257,7 +257,9 @@ def test_a_record_without_a_decay_is_refused_in_a_sentence(values, message):
     measured, _ = record(PLUCKED)
     t, x = measured["displacement"].t, measured["displacement"].values
     none = Measurement.of("run", [Channel("displacement", t, values(t, x))])
-    with pytest.raises(ValueError, match=rf"run: nothing drives it .* no free decay .*{message}"):
+    with pytest.raises(
+        ValueError, match=rf"run: the excitation channel is missing .* no free decay .*{message}"
+    ):
         identify_ring_downs([none], PLUCKED.k)
 
 
@@ -268,7 +270,7 @@ def test_a_forced_record_is_not_taken_for_a_decay(tmp_path):
     for names in ([path], [free, path], [path, free]):
         with pytest.raises(ValueError, match=r"level\.csv: .* moves: .* not identified together"):
             identify(names, PLUCKED.k, kind="ring-down" if len(names) == 1 else "recognised")
-    with pytest.raises(ValueError, match=r"decay\.csv: nothing drives it"):
+    with pytest.raises(ValueError, match=r"decay\.csv: the excitation channel is missing"):
         identify([free], PLUCKED.k, kind="forced")
 
 

@@ -214,4 +214,4 @@ def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference
         JointFit(fit, False, None),
         {"direct": with_parameters(c=off)},
     )
-    assert any("the balance of energy and the fit" in words for words in warnings) == apart
+    assert any("the energy balance and the fit" in words for words in warnings) == apart
