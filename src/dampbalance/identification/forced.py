@@ -48,7 +48,7 @@ from .loading import Loaded
 from .microstick import Microstick, Sample, Samples, microstick, read_samples
 from .oscillator import JointFit, joined, whole_oscillator
 from .outcome import Outcome, Picture
-from .remarks import YARDSTICK, agreement, limits, with_notes
+from .remarks import DIRECT, agreement, limits, with_notes
 from .screen import implied, with_error
 from .sensitivities import FAULTS, sensitivities
 
@@ -144,11 +144,11 @@ class ForcedOutcome(Outcome):
 
     def sensitivities(self) -> dict[str, dict[str, float]]:
         """What each of `FAULTS` does to direct integration; nothing where that was not asked for."""
-        if YARDSTICK not in self.estimates:
+        if DIRECT not in self.estimates:
             return {}
-        way = APPROACHES[YARDSTICK]
+        way = APPROACHES[DIRECT]
         rows_of = LawRows(way, self.law, self.k, self.phase, self.joint.linear)
-        return sensitivities(self.readings, rows_of, self.estimates[YARDSTICK])
+        return sensitivities(self.readings, rows_of, self.estimates[DIRECT])
 
     def _record(self, i: int) -> dict[str, Any]:
         reading, steady = self.readings[i], self.readings[i].steady
@@ -321,7 +321,7 @@ def _answer(
     try:
         estimate = least_squares(replace(rows, covariance=covariance))
     except ValueError as error:
-        unresolved = not joint.waveforms_hold and not joint.linear and name != YARDSTICK
+        unresolved = not joint.waveforms_hold and not joint.linear and name != DIRECT
         unshaped = any(
             np.isnan(g).all() and parted(key)[0] not in rows_of.approach.terms
             for key, g in rows.terms.items()

@@ -17,12 +17,11 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
 from ..balance import APPROACHES, Rows
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS, named_with_unit, term
@@ -37,7 +36,7 @@ from .answer import unit_of
 from .law_rows import LawRows
 from .microstick import sample_of
 from .oscillator import JointFit, joined
-from .remarks import YARDSTICK
+from .remarks import DIRECT
 from .screen import aligned
 
 ALPHA = 0.05
@@ -64,14 +63,14 @@ class Probability:
 class LawTest:
     """The tests of one law.
 
-    coefficients : by key, (value, standard error), SI units, of the balance.   balance, waveforms : the two tests; None
-    where no oscillator with this law was found.   rejected, rejected_by_balance : by both tests, by the balance alone.
+    fit : the oscillator with this law; None where there is none.   coefficients : by key, (value, standard error), SI
+    units, of the balance.   balance : its test.   rejected, rejected_by_balance : by both tests, by the balance alone.
     """
 
     law: Law
-    coefficients: Mapping[str, tuple[float, float]]
-    balance: Probability | None
-    waveforms: Probability | None
+    fit: Fit | None
+    coefficients: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    balance: Probability | None = None
     rejected: bool = True
     rejected_by_balance: bool = True
 
@@ -79,6 +78,14 @@ class LawTest:
     def terms(self) -> tuple[str, ...]:
         """Its terms."""
         return self.law.terms
+
+    @property
+    def waveforms(self) -> Probability | None:
+        """The test of the waveforms."""
+        if self.fit is None:
+            return None
+        chi_square, freedom = self.fit.chi_square, self.fit.freedom
+        return Probability(chi_square, freedom, probability(chi_square, freedom, self.fit.lines))
 
     @property
     def p(self) -> float:
@@ -245,10 +252,10 @@ def compare_laws(
     random = np.random.default_rng(seed)
     means = [reading.resampled(replicates, random) for reading in readings]
     lines = [reading.lines for reading in readings]
-    found: list[tuple[LawTest, Fit | None]] = []
+    tests: list[LawTest] = []
     count = sum(math.comb(len(terms), size) for size in range(MOST_TERMS + 1))
     for size in range(MOST_TERMS + 1):
-        enough = [set(e.terms) for e, _ in found if e.p > ALPHA / count]
+        enough = [set(e.terms) for e in tests if e.p > ALPHA / count]
         for some in itertools.combinations(terms, size):
             if enough and not any(smaller < {FRICTION, *asked.given, *some} for smaller in enough):
                 continue  # a smaller law may be the one: only what more terms would add to it is of interest
@@ -259,12 +266,16 @@ def compare_laws(
             )
             if len(tried.unknowns) > len(readings):
                 continue
-            within = [f for e, f in found if f is not None and set(e.terms) < set(tried.terms)]
+            within = [e.fit for e in tests if e.fit and set(e.terms) < set(tried.terms)]
             near = sorted(within, key=lambda fit: fit.chi_square)[:1]
             fit = fit_quickly(lines, k, tried, near)
             known = None if mass is None or fit is None else with_mass(fit, mass)
-            found.append((_tested(tried, readings, means, known or fit), known or fit))
-    tests = _judged([e for e, _ in found])
+            tests.append(_tested(tried, readings, means, known or fit))
+    both, alone = _rejected([e.p for e in tests]), _rejected([e.p_of_balance for e in tests])
+    tests = [
+        replace(e, rejected=one, rejected_by_balance=other)
+        for e, one, other in zip(tests, both, alone, strict=True)
+    ]
     by_balance = all(e.rejected for e in tests)
     kept = [e for e in tests if not (e.rejected_by_balance if by_balance else e.rejected)]
     kept = [e for e in kept if e.balance is not None and not math.isnan(e.balance.p)]
@@ -280,24 +291,22 @@ def _tested(
 ) -> LawTest:
     """The tests of one law.   fit : the oscillator that has it."""
     if fit is None:
-        return LawTest(law, {}, None, None)
-    waveforms = Probability(
-        fit.chi_square, fit.freedom, probability(fit.chi_square, fit.freedom, fit.lines)
-    )
+        return LawTest(law, None)
     mine = joined(readings, JointFit(fit, False, None), law)
-    rows_of = LawRows(APPROACHES[YARDSTICK], law, fit.k, "reversal", linear=False)
-    rows = rows_of(sample_of(mine, [reading.mean for reading in mine]).features)
-    rows = rows[:, 0]
+    rows_of = LawRows(APPROACHES[DIRECT], law, fit.k, "reversal", linear=False)
+    rows = rows_of(sample_of(mine, [reading.mean for reading in mine]).features)[:, 0]
     drawn = rows_of(sample_of(mine, means).features)
     cycles = min(len(reading.steady.weights) for reading in readings)
     balance, coefficients = _generalised(rows, drawn, cycles)
-    return LawTest(law, coefficients, balance, waveforms)
+    return LawTest(law, fit, coefficients, balance)
 
 
 def _generalised(
     rows: Rows, drawn: Rows, cycles: int
 ) -> tuple[Probability | None, dict[str, tuple[float, float]]]:
     """Test of the rows by generalised least squares, and the coefficients.   drawn : replicates of the rows, (L, r)."""
+    from scipy import special  # slow to import
+
     used = rows.usable
     rows, drawn = rows[used], drawn[used]
     symbols = [key for key in rows.terms if key not in rows.given]
@@ -309,7 +318,8 @@ def _generalised(
     A = np.column_stack([rows.terms[symbol] for symbol in symbols])
     right = rows.W - sum(p * rows.terms[key] for key, p in rows.given.items())
     for _ in range(_REPEATS):
-        factor = np.linalg.cholesky(_covariance(drawn, {**rows.given, **values}))
+        misfits = drawn.misfit({**rows.given, **values})
+        factor = np.linalg.cholesky(np.atleast_2d(np.cov(misfits)))
         white, aim = np.linalg.solve(factor, A), np.linalg.solve(factor, right)
         size = np.linalg.norm(white, axis=0)
         solution = np.linalg.lstsq(white / size, aim)[0] / size
@@ -317,30 +327,10 @@ def _generalised(
     chi_square = float(np.sum((white @ solution - aim) ** 2))
     inverse = np.linalg.pinv(white / size) / size[:, None]
     errors = np.sqrt(np.sum(inverse**2, axis=1)).tolist()
-    found = {s: (values[s], error) for s, error in zip(symbols, errors, strict=True)}
-    return Probability(chi_square, freedom, _chance(chi_square, freedom, cycles - 1)), found
-
-
-def _covariance(drawn: Rows, values: Mapping[str, float]) -> Array:
-    """Covariance of the misfits of the rows, (L, L), J²."""
-    return np.atleast_2d(np.cov(drawn.misfit(values)))
-
-
-def _chance(chi_square: float, freedom: int, known: int) -> float:
-    """Probability of a χ² as large, with a covariance from `known` degrees of freedom."""
-    from scipy import special  # slow to import
-
-    return float(special.fdtrc(freedom, known, chi_square / freedom)) if freedom else math.nan
-
-
-def _judged(tests: Sequence[LawTest]) -> list[LawTest]:
-    """The tests with what Holm's procedure rejects."""
-    both = _rejected([e.p for e in tests])
-    alone = _rejected([e.p_of_balance for e in tests])
-    return [
-        replace(e, rejected=one, rejected_by_balance=other)
-        for e, one, other in zip(tests, both, alone, strict=True)
-    ]
+    # the covariance comes from as many degrees of freedom as there are cycles, less one
+    p = float(special.fdtrc(freedom, cycles - 1, chi_square / freedom)) if freedom else math.nan
+    coefficients = {s: (values[s], error) for s, error in zip(symbols, errors, strict=True)}
+    return Probability(chi_square, freedom, p), coefficients
 
 
 def _rejected(p: Sequence[float]) -> list[bool]:

@@ -71,8 +71,8 @@ def identify(
     given : symbol → known coefficient, SI units.
     groups : symbol → a label for each record, where each group of records has its own coefficient.
     laws : whether to compare all laws of one or two terms in addition to friction, too.
-    approaches : names of `APPROACHES`; default, all. Use "direct", which assumes no shape of x(t); the others show what the
-    approximations of the paper cost.
+    approaches : names of `APPROACHES`; default, all. Use "direct", which assumes no shape of x(t); the others show
+    what the approximations of the paper cost.
     phase : that the harmonic approaches X_s, t_s and V_s take.
     skip_cycles : left out at the start of each record, where the motion has not settled.
     replicates, seed : of the bootstrap.

@@ -23,7 +23,7 @@ from .answer import Answer, ParameterEstimate, Remark
 from .microstick import Microstick
 from .oscillator import JointFit
 
-YARDSTICK = "direct"
+DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
 
 _APART = 4.0  # standard errors
@@ -139,10 +139,10 @@ def agreement(
     fit = joint.fit
     if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
         warnings.append(
-            f"c and c_r together cannot be distinguished from a skew of the channels: if the response lags by 1 µs, c_r "
-            f"is {1e-6 * fit.k:.2g} N s/m too small and c as much too large"
+            f"c and c_r together cannot be distinguished from a skew of the channels: if the response lags by 1 µs, "
+            f"c_r is {1e-6 * fit.k:.2g} N s/m too small and c as much too large"
         )
-    apart = _apart(answers.get(YARDSTICK), joint)
+    apart = _apart(answers.get(DIRECT), joint)
     if apart:
         warnings.append(apart)
     solved = [(a, a.balance.rows) for a in answers.values() if a.balance is not None]
