@@ -110,58 +110,55 @@ def identify(
     skip_cycles, replicates = whole("skip_cycles", skip_cycles), whole("replicates", replicates)
     seed, largest = whole("seed", seed), whole("largest", largest)
     asked = () if approaches is None else names("approaches", approaches, APPROACHES)
-    chosen = [name for name in APPROACHES if not asked or name in asked]
     law = law_of(terms, given, groups)
     read = read_records(records, mapping=mapping, largest=largest)
     _require_different(read)
     stated = str(mapping) if isinstance(mapping, str | Path) else None
+    options: dict[str, Any] = {
+        "stiffness_N_per_m": stiffness,
+        "frequency_hz": frequency,
+        "mass_kg": mass,
+        "terms": list(law.terms),
+        "given": dict(law.given),
+        "groups": {symbol: list(labels) for symbol, labels in law.groups.items()},
+        "laws": laws,
+        "approaches": [name for name in APPROACHES if not asked or name in asked],
+        "phase": phase,
+        "mapping": stated,
+        "skip_cycles": skip_cycles,
+        "replicates": replicates,
+        "seed": seed,
+        "largest": largest,
+    }
     if kind != "ring-down":
-        options: dict[str, Any] = {
-            "stiffness_N_per_m": stiffness,
-            "frequency_hz": frequency,
-            "mass_kg": mass,
-            "terms": list(law.terms),
-            "given": dict(law.given),
-            "groups": {symbol: list(labels) for symbol, labels in law.groups.items()},
-            "laws": laws,
-            "approaches": chosen,
-            "phase": phase,
-            "mapping": stated,
-            "skip_cycles": skip_cycles,
-            "replicates": replicates,
-            "seed": seed,
-            "largest": largest,
-        }
         try:
             return _of_steady(read, law, options)
         except NotDriven:
             if kind == "forced":
                 raise
-    of_forced: dict[str, tuple[object, object]] = {
-        "frequency": (frequency, None),
-        "skip_cycles": (skip_cycles, 0),
-        "approaches": (asked, ()),
-        "phase": (phase, "reversal"),
-        "terms": (law.terms, tuple(TERMS)),
-        "given": (dict(law.given), {}),
-        "groups": (dict(law.groups), {}),
-        "laws": (laws, False),
-    }
-    for name, (value, default) in of_forced.items():
+    for name, default in _FORCED_DEFAULTS.items():
+        value = asked if name == "approaches" else options[name]
         if value != default:
             raise ValueError(
-                f"{name} = {value!r} is for forced records, and these are free decays, which determine F_k, c and K_z "
-                "only: leave it out"
+                f"{_CONFIGURED.get(name, name)} = {value!r} is for forced records, and these are free decays, which "
+                "determine F_k, c and K_z only: leave it out"
             )
-    options = {
-        "kind": "ring-down",
-        "stiffness_N_per_m": stiffness,
-        "mass_kg": mass,
-        "mapping": stated,
-        "largest": largest,
-    }
-    return _of_decays(read, options)
+    of_decays = {name: options[name] for name in _DECAY_OPTIONS}
+    return _of_decays(read, {"kind": "ring-down", **of_decays})
 
+
+_DECAY_OPTIONS = ("stiffness_N_per_m", "mass_kg", "mapping", "largest")
+_FORCED_DEFAULTS: dict[str, object] = {
+    "frequency_hz": None,
+    "skip_cycles": 0,
+    "approaches": (),
+    "phase": "reversal",
+    "terms": list(TERMS),
+    "given": {},
+    "groups": {},
+    "laws": False,
+}
+"""Options that free decays do not take, with their defaults."""
 
 _CONFIGURED = {"stiffness_N_per_m": "stiffness", "mass_kg": "mass", "frequency_hz": "frequency"}
 _OF_THE_WORKFLOW = ("name", "records")
