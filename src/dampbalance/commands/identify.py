@@ -45,7 +45,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 --approach      an approach; may be repeated (default: all)
 --phase         phase φ that the approaches X_s, t_s and V_s take (default: reversal)
 --mass          mass, kg, if it is known: the fit takes it, unless the records contradict it
---mapping       file that names the channels of all records (default: the one next to each record)
+--mapping       file or folder that names the channels of the records (default: the file next to each)
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
 --replicates    of the bootstrap (default: %(default)s)
 --seed          of the bootstrap (default: %(default)s)

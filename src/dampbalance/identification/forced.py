@@ -46,7 +46,7 @@ from .law_comparison import LawComparison
 from .law_rows import LawRows
 from .loading import Loaded
 from .microstick import Microstick, Sample, Samples, microstick, read_samples
-from .oscillator import JointFit, joined, whole_oscillator
+from .oscillator import JointFit, joined, joint_fit
 from .outcome import Outcome, Picture
 from .remarks import DIRECT, agreement, limits, with_notes
 from .screen import implied, with_error
@@ -235,7 +235,7 @@ def identify_readings(
     _require(readings, k, law, approaches, replicates)
     if mass is not None:
         number("mass", mass)
-    joint = whole_oscillator([reading.lines for reading in readings], k, mass, law)
+    joint = joint_fit([reading.lines for reading in readings], k, mass, law)
     readings = joined(readings, joint, law)
     samples = read_samples(readings, replicates, np.random.default_rng(seed))
     line = microstick(samples)

@@ -76,7 +76,7 @@ class JointFit:
         )
 
 
-def whole_oscillator(
+def joint_fit(
     lines: Sequence[Lines],
     k: float,
     m: float | None = None,

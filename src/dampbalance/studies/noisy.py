@@ -15,7 +15,7 @@ from ..arrays import Array, Integers
 from ..balance import TERMS
 from ..features import Features, beside, of_numbers, stack
 from ..identification.microstick import read_samples
-from ..identification.oscillator import JointFit, joined, whole_oscillator
+from ..identification.oscillator import JointFit, joined, joint_fit
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
@@ -107,7 +107,7 @@ def _with_one_oscillator(
     whole = None
     readings = [reading for reading in read if isinstance(reading, Reading)]
     if readings:
-        whole = whole_oscillator([reading.lines for reading in readings], k)
+        whole = joint_fit([reading.lines for reading in readings], k)
         samples = read_samples(joined(readings, whole), count, random, jackknife=False)
         of_all = samples.point.features, samples.drawn.features
         if not whole.waveforms_hold:
