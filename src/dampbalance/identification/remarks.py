@@ -28,7 +28,7 @@ DIRECT = "direct"
 
 _APART = 4.0  # standard errors
 _SHAPE_SHOWS = 0.5  # standard errors: an interval of 95 % holds the truth in 92 % of all cases then
-_SHAPE_LEAST = 1e-6  # of a value: what the harmonics that a waveform leaves out are worth
+_SHAPE_LEAST = 1e-6  # of a value: the size of the harmonics that a waveform leaves out
 _FOLDED = 2.0  # of the noise
 _FAR = 3.0  # standard deviations of the rows
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly distinguish F_k from c
@@ -105,7 +105,7 @@ def _shape(answer: Answer) -> str:
     if not parts:
         return ""
     return (
-        f"the shape of x(t) that this approach assumes makes {listed(parts)} for the oscillator found, and its "
+        f"the shape of x(t) that this approach assumes makes {listed(parts)} for the oscillator identified, and its "
         "intervals do not show it"
     )
 
@@ -245,7 +245,7 @@ class Limit:
 def limits(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> list[Limit]:
     """What limits the answers, each thing once: notes on answers, then warnings on records and on all of them.
 
-    The same words on several of them become one sentence.
+    Sentences that differ only in their numbers become one, with the range of each number.
     """
     notes = [(name, note) for name, answer in answers.items() for note in answer.notes]
     of_records = [(remark.source, remark.words) for remark in warnings if remark.source]
