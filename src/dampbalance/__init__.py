@@ -8,11 +8,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .identification.answers import Answer
+    from .identification.answer import Answer, Interval, ParameterEstimate, Verdict
     from .identification.identified import Identified
     from .identification.measured import identify
-    from .identification.result import Interval, ParameterEstimate
-    from .identification.verdicts import Verdict
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
@@ -55,11 +53,9 @@ __all__ = [
 
 # Loaded when they are asked for: the command line starts without NumPy.
 _MODULES = {
-    "identification.answers": ("Answer",),
+    "identification.answer": ("Answer", "Interval", "ParameterEstimate", "Verdict"),
     "identification.identified": ("Identified",),
     "identification.measured": ("identify",),
-    "identification.result": ("Interval", "ParameterEstimate"),
-    "identification.verdicts": ("Verdict",),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),

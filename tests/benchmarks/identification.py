@@ -21,7 +21,7 @@ import pandas as pd
 from dampbalance import BaseMotion, steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
-from dampbalance.identification.identify import REPLICATES, identify_readings
+from dampbalance.identification.forced import REPLICATES, identify_readings
 from dampbalance.project.files import write_csv, write_text
 from dampbalance.reading.fitting import fit_oscillator
 from dampbalance.reading.noisy import read_features
@@ -56,7 +56,7 @@ _FIRST_CALL = """
 import sys, time
 clocks = lambda: (time.perf_counter(), time.process_time())
 start = clocks()
-from dampbalance.identification.identify import identify_readings
+from dampbalance.identification.forced import identify_readings
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.reading.noisy import read_features
 from dampbalance.reading.fitting import fit_oscillator
@@ -124,7 +124,7 @@ def errors(samples: int) -> pd.DataFrame:
                 *_relative(c.value, c.standard_error, PAPER.c),
             )
         )
-    fit = found.whole.fit
+    fit = found.joint.fit
     assert fit is not None
     F_k_error, c_error = fit.error("F_k"), fit.error("c")
     rows.append(

@@ -21,7 +21,7 @@ import pandas as pd
 from scipy.optimize import curve_fit
 from scipy.signal import find_peaks, savgol_filter
 
-from dampbalance.identification.ringdown import identify_ring_downs
+from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.motion.jit import interpreted
 from dampbalance.records.measurement import Measurement
 
@@ -156,19 +156,14 @@ def tried(index: int) -> list[dict[str, object]]:
         rows.append(of_set | {"way": "balance", "refused": str(error)})
     else:
         lasted = time.process_time() - began
-        noted = {
-            "balance": bool(result.notes),
-            "maximum likelihood": bool(result.fit_notes),
-        }
-        ways = {"balance": result.coefficients, "maximum likelihood": result.of_fit}
-        for way, parameters in ways.items():
-            for symbol, p in parameters.items():
+        for way, answer in result.answers.items():
+            for symbol, p in answer.parameters.items():
                 rows.append(
                     of_set
                     | {"way": way, "symbol": symbol, "true": getattr(decay, symbol)}
                     | {"value": p.value, "standard_error": p.standard_error}
                     | {"low": p.interval.low, "high": p.interval.high}
-                    | {"seconds": lasted, "noted": noted[way]}
+                    | {"seconds": lasted, "noted": bool(answer.notes)}
                 )
     peaks, omega = peaks_of(decay, measured, free)
     for way, method in WAYS.items():

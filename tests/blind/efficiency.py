@@ -13,7 +13,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from dampbalance import BaseMotion, Oscillator
-from dampbalance.identification.identify import identify_readings
+from dampbalance.identification.forced import identify_readings
 from dampbalance.likelihood.information import cramer_rao
 from dampbalance.reading.noisy import read_features
 from paper_case import FREQUENCIES_HZ, LEVELS, PAPER

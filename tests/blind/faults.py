@@ -18,8 +18,8 @@ import pandas as pd
 from scipy import signal
 from scipy.interpolate import CubicSpline
 
-from dampbalance.identification.identify import identify_readings
-from dampbalance.identification.limits import REFERENCE
+from dampbalance.identification.answer import REFERENCE
+from dampbalance.identification.forced import identify_readings
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.measurement import Channel, Measurement
 

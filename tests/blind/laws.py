@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from dampbalance.identification.laws import compare_laws
+from dampbalance.identification.law_comparison import compare_laws
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.measurement import Channel, Measurement
 

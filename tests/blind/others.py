@@ -26,7 +26,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 from scipy.signal import find_peaks, savgol_filter
 
-from dampbalance.identification.identify import identify_readings
+from dampbalance.identification.forced import identify_readings
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.measurement import Measurement
 

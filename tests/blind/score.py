@@ -10,24 +10,15 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from dampbalance.identification.identify import identify_readings
-from dampbalance.identification.limits import REFERENCE
-from dampbalance.identification.notes import notes_of
-from dampbalance.identification.oscillator import Whole
-from dampbalance.identification.result import (
-    Identification,
-    Interval,
-    ParameterEstimate,
-    parameters_of,
-)
+from dampbalance.identification.answer import REFERENCE, ParameterEstimate, normal
+from dampbalance.identification.forced import ForcedOutcome, identify_readings
 from dampbalance.reading.noisy import read_features
-from dampbalance.solver import NORMAL_95
 
 from .records import levels, records
 from .truths import Truth, draw
 
 HELD = ("direct", REFERENCE)
-"""Approaches that are held against the aims: the balance of energy, and the fit of the whole oscillator."""
+"""Approaches that are held against the aims: the balance of energy, and the fit to all records."""
 
 PUBLISHED = "Eq. (9)"
 """Name of an approach with all rows weighing alike: "direct, Eq. (9)"."""
@@ -84,11 +75,11 @@ def outcome(index: int) -> list[dict[str, object]]:
     return [of_set | row for row in numbers(result, truth)]
 
 
-def numbers(result: Identification, truth: Truth) -> Iterator[dict[str, object]]:
+def numbers(result: ForcedOutcome, truth: Truth) -> Iterator[dict[str, object]]:
     """Approach, symbol, truth, value, its error and interval, and the words: the one place that knows a result."""
     found = [(name, e.parameters, e.notes) for name, e in result.estimates.items()]
     found += [(f"{name}, {PUBLISHED}", e.equal, e.notes) for name, e in result.estimates.items()]
-    found.append((REFERENCE, _of_whole(result.whole), notes_of(result.whole)))
+    found.append((REFERENCE, _of_fit(result), result.joint.notes))
     for name, parameters, notes in found:
         for symbol, parameter in parameters.items():
             yield {
@@ -104,14 +95,12 @@ def numbers(result: Identification, truth: Truth) -> Iterator[dict[str, object]]
             }
 
 
-def _of_whole(whole: Whole) -> dict[str, ParameterEstimate]:
-    """What the fit of the whole oscillator tells, the mass m, kg, among it."""
-    parameters = parameters_of(whole)
-    if whole.fit is not None and parameters:
-        m, error = whole.fit.m, whole.fit.error("m")
-        reach = NORMAL_95 * error
-        parameters["m"] = ParameterEstimate(m, error, math.nan, Interval(m - reach, m + reach))
-    return parameters
+def _of_fit(result: ForcedOutcome) -> dict[str, ParameterEstimate]:
+    """What the fit to all records identifies, the mass m, kg, among it."""
+    fit = result.joint.fit
+    if fit is None or result.reference is None:
+        return {}
+    return {**result.reference.parameters, "m": normal(fit.m, fit.error("m"))}
 
 
 def judged(rows: pd.DataFrame) -> pd.DataFrame:

@@ -11,7 +11,7 @@ from typing import Any, get_args
 from ..arguments import MOST_REPLICATES
 from ..balance import APPROACHES
 from ..features import Phase
-from ..identification.identify import REPLICATES, SEED
+from ..identification.forced import REPLICATES, SEED
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, write_json
@@ -23,12 +23,11 @@ EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
 at least one of the mass (displacement, velocity, acceleration). Formats: CSV, TSV, Parquet, MATLAB, HDF5, universal
 file 58, TDMS, LabVIEW's text, WAV, spreadsheets. What a file does not say of its channels stands in a small YAML file
-beside it, NAME.yaml or channels.yaml.
+next to it, NAME.yaml or channels.yaml.
 
   dampbalance identify level*.csv --stiffness 2310 --frequency 3.5 --output found
 
-A record without a driving channel, or with one that stands still, is one of free decays, one or several after releases
-or blows:
+A record whose driving channel is missing or constant is one of free decays, one or several after releases or blows:
 
   dampbalance identify decay.csv --stiffness 2310
 """
@@ -37,16 +36,16 @@ or blows:
 _HELP = f"""\
 records         a file, one per level; as many as there are coefficients, or more; of a free decay one is enough
 --kind          forced records or free decays (default: as the first record is recognised)
---stiffness     stiffness k, N/m; it scales F_k and c, and shows in nothing but the mass that the records imply
---frequency     drive frequency as known, Hz; compared with the one found in each record
+--stiffness     stiffness k, N/m; it scales F_k and c; only the mass that the records imply shows whether it is right
+--frequency     known drive frequency, Hz; compared with the one found in each record
 --terms         of the damping law, such as F_k,c,c_2 (default: F_k,c); known: {", ".join(KNOWN_TERMS)}
 --given         a coefficient that is known, such as c=0.669, SI; may be repeated
 --groups        a coefficient for each group of records: F_k=A,A,B, a label per record; may be repeated
---laws          compare the laws of one or two terms beside friction, and tell which the records support
+--laws          compare the laws of one or two terms in addition to friction, and name the one that the records support
 --approach      an approach; may be repeated (default: all)
 --phase         phase φ that the approaches X_s, t_s and V_s take (default: reversal)
 --mass          mass, kg, if it is known: the fit takes it, unless the records contradict it
---mapping       channels of all records (default: beside each)
+--mapping       file or folder that names the channels of the records (default: the file next to each)
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
 --replicates    of the bootstrap (default: %(default)s)
 --seed          of the bootstrap (default: %(default)s)

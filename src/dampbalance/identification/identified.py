@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,14 +15,11 @@ from ..arguments import flag, one_of, path
 from ..motion.jit import interpreted
 from ..project.files import write_json, write_rows, write_text
 from ..records.measured import MeasuredRecord
-from . import reporting, ringdown_reporting
-from .answers import Answer, answers_of_decays, answers_of_forced
-from .loading import Loaded
-from .outputs import ALL_PICTURES, FIGURES, RING_DOWN_FIGURES, TABLES, pictures_of, require_room
-from .result import Identification, Interval, unit_of
-from .ringdown import RingDown
-from .showing import Shown
-from .verdicts import Verdict
+from . import screen
+from .answer import Answer, Interval, Verdict, unit_of
+from .document import document, estimates_table
+from .outcome import Outcome
+from .outputs import ALL_PICTURES, TABLES, pictures_of, require_room
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,10 +30,11 @@ QUICK = 200_000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Identified(ABC):
+class Identified:
     """The coefficients of a damping law and K_z from measured records, by every approach; what `identify` returns.
 
-    records : that they come from.   options : what was asked for, by the keys of a configuration.
+    records : that they come from.   options : as given, by the keys of a configuration.   result : the answers, and
+    what else a report says of them.
 
     `values`, `intervals`, `covariance`, `rows` and the like are those of one approach, the first of `approaches`:
     direct integration, unless others were chosen; for free decays, their balance. Those of any other are in
@@ -46,21 +44,25 @@ class Identified(ABC):
 
     records: tuple[MeasuredRecord, ...]
     options: Mapping[str, Any]
+    result: Outcome
 
-    @property
-    @abstractmethod
+    @cached_property
     def approaches(self) -> dict[str, Answer]:
-        """What each approach says, by its name, and the fit of one oscillator to all records, "maximum likelihood"."""
+        """The answer of each approach, by its name, and of the fit of one oscillator to all records, "maximum
+        likelihood"."""
+        return self.result.answers
 
     @property
-    @abstractmethod
     def warnings(self) -> tuple[str, ...]:
         """What is wrong with the records, and where the answers disagree."""
+        return self.result.warnings
 
     @property
-    @abstractmethod
     def figures(self) -> tuple[str, ...]:
-        """Names of the pictures that `plot` draws, the first if none is named."""
+        """Names of the pictures that `plot` draws, the first if none is named: of forced records cycles (each record
+        folded onto one cycle), loops (acceleration against displacement) and balance (its rows, and what they leave);
+        of free decays decays (each with the motion fitted to it)."""
+        return tuple(self.result.pictures)
 
     @property
     def answer(self) -> Answer:
@@ -84,7 +86,7 @@ class Identified(ABC):
 
     @property
     def verdicts(self) -> dict[str, Verdict]:
-        """What each is worth: usable, doubtful or none, and why."""
+        """The verdict on each: usable, doubtful or none, and why."""
         return self.answer.verdicts
 
     @property
@@ -111,11 +113,11 @@ class Identified(ABC):
 
         lines = []
         for name, answer in self.approaches.items():
-            verdicts = answer.verdicts
-            for symbol, p in answer.parameters.items():
+            for symbol, verdict in answer.verdicts.items():
+                p = answer.parameters[symbol]
                 line: dict[str, Any] = {"approach": name, "symbol": symbol, "unit": unit_of(symbol)}
                 line |= {"value": p.value, "standard_error": p.standard_error}
-                lines.append(line | p.interval._asdict() | verdicts[symbol]._asdict())
+                lines.append(line | p.interval._asdict() | verdict._asdict())
         return pd.DataFrame(lines)
 
     def plot(self, figure: str | None = None) -> Figure:
@@ -124,17 +126,18 @@ class Identified(ABC):
         Raises ValueError for a name that is none of them.
         """
         name = self.figures[0] if figure is None else one_of("figure", figure, self.figures)
-        with warnings.catch_warnings():  # a name in a script that the font lacks shows as boxes
-            warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
-            return self._draw(name)()
+        with _lacking_glyphs():
+            return self.result.pictures[name].draw()
 
     def text(self) -> str:
         """The table for a screen, with what limits the answer."""
-        return self._shown.text()
+        return screen.text(self.result)
 
-    @abstractmethod
+    @interpreted(calls=QUICK)
     def document(self) -> dict[str, Any]:
         """Everything, as plain data for JSON: what `identification.json` holds."""
+        files = [record.files or {} for record in self.records]
+        return document(self.result, __version__, self.options, files)
 
     def save(
         self, folder: str | Path, *, figures: bool = True, overwrite: bool = False
@@ -154,9 +157,8 @@ class Identified(ABC):
             (folder / name).unlink(missing_ok=True)
         if figures:
             self._save_figures(folder)
-        estimates, features = self._tables
-        write_rows(folder / "identification.csv", estimates)
-        write_rows(folder / "features.csv", features)
+        write_rows(folder / "identification.csv", estimates_table(self.result))
+        write_rows(folder / "features.csv", self.result.features_table())
         write_text(folder / "summary.txt", self.text())
         write_json(folder / "identification.json", self.document())
         return [folder / name for name in (*TABLES, *pictures)]
@@ -164,140 +166,25 @@ class Identified(ABC):
     @interpreted(calls=QUICK)
     def _save_figures(self, folder: Path) -> None:
         from ..figures.style import save  # slow to import, and needed for pictures only
-        from .drawing import DPI
+        from .pictures import DPI
 
-        with warnings.catch_warnings():  # a name in a script that the font lacks shows as boxes
-            warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
-            for name in self.figures:
-                svg, png = (folder / file for file in pictures_of([name]))
-                save(self._draw(name)(), svg, png, self._in_words[name], DPI)
-
-    @property
-    @abstractmethod
-    def _shown(self) -> Shown: ...
-
-    @property
-    @abstractmethod
-    def _tables(self) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-        """The rows of the tables of estimates and of features."""
-
-    @abstractmethod
-    def _draw(self, name: str) -> Callable[[], Figure]: ...
-
-    @property
-    @abstractmethod
-    def _in_words(self) -> Mapping[str, str]:
-        """What each picture shows."""
-
-    @property
-    def _files(self) -> list[Mapping[str, Any]]:
-        return [record.files or {} for record in self.records]
+        for name, picture in self.result.pictures.items():
+            svg, png = (folder / file for file in pictures_of([name]))
+            with _lacking_glyphs():
+                save(picture.draw(), svg, png, picture.words, DPI)
 
     def __repr__(self) -> str:
         """The table for a screen."""
         return self.text().rstrip("\n")
 
     def _repr_html_(self) -> str:
-        """The same for a notebook."""
-        return self._shown.html()
+        """The table for a notebook."""
+        return screen.html(self.result)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class IdentifiedSteady(Identified):
-    """`Identified` from records of steady responses.
-
-    result : with all that the estimates come from.   loaded : the records as they were read.
-    """
-
-    result: Identification
-    loaded: tuple[Loaded, ...]
-
-    @cached_property
-    def approaches(self) -> dict[str, Answer]:
-        """What each approach says, and the fit, by name."""
-        return answers_of_forced(self.result)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What is wrong with the records, and where the answers disagree."""
-        return self.result.warnings
-
-    @property
-    def figures(self) -> tuple[str, ...]:
-        """cycles : each record folded onto one cycle.   loops : acceleration against displacement.   balance : its rows
-        and what they leave."""
-        return FIGURES
-
-    @interpreted(calls=QUICK)
-    def document(self) -> dict[str, Any]:
-        """Everything, as plain data for JSON."""
-        return reporting.document(self.result, __version__, self.options, self._files)
-
-    @property
-    def _shown(self) -> Shown:
-        return reporting.shown(self.result)
-
-    @property
-    def _tables(self) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-        return reporting.estimates_table(self.result), reporting.features_table(self.result)
-
-    def _draw(self, name: str) -> Callable[[], Figure]:
-        from . import drawing  # slow to import
-
-        return {
-            "cycles": lambda: drawing.cycles(self.loaded, self.result),
-            "loops": lambda: drawing.loops(self.loaded, self.result),
-            "balance": lambda: drawing.balance(self.result),
-        }[name]
-
-    @property
-    def _in_words(self) -> Mapping[str, str]:
-        from . import drawing  # slow to import
-
-        return drawing.alternative_texts(self.result)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class IdentifiedDecays(Identified):
-    """`Identified` from records of free decays.   result : with all that the estimates come from."""
-
-    result: RingDown
-
-    @cached_property
-    def approaches(self) -> dict[str, Answer]:
-        """What the balance says, and the fit, by name."""
-        return answers_of_decays(self.result)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What is wrong with the records."""
-        return self.result.warnings
-
-    @property
-    def figures(self) -> tuple[str, ...]:
-        """decays : each with the motion fitted to it."""
-        return RING_DOWN_FIGURES
-
-    def document(self) -> dict[str, Any]:
-        """Everything, as plain data for JSON."""
-        return ringdown_reporting.document(self.result, __version__, self.options, self._files)
-
-    @property
-    def _shown(self) -> Shown:
-        return ringdown_reporting.shown(self.result)
-
-    @property
-    def _tables(self) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-        of = ringdown_reporting
-        return of.estimates_table(self.result), of.features_table(self.result)
-
-    def _draw(self, name: str) -> Callable[[], Figure]:
-        from . import ringdown_drawing  # slow to import
-
-        return {"decays": lambda: ringdown_drawing.decays(self.result)}[name]
-
-    @property
-    def _in_words(self) -> Mapping[str, str]:
-        from . import ringdown_drawing  # slow to import
-
-        return {"decays": ringdown_drawing.alternative_text(self.result)}
+@contextmanager
+def _lacking_glyphs() -> Iterator[None]:
+    """A name in a script that the font lacks shows as boxes, without a warning."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
+        yield

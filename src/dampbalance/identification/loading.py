@@ -1,4 +1,4 @@
-"""From a record to what was read off it; large files a block at a time."""
+"""Reads the features of a record; large files a block at a time."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ EXCERPT = 16_384  # leading samples of each channel that are kept for plots
 
 
 class NotDriven(ValueError):
-    """A record without a drive, or with one that stands still: a free decay."""
+    """A record whose excitation channel is missing or constant: a free decay."""
 
 
 @dataclass(frozen=True, eq=False)
 class Loaded:
-    """One record, its features, and its leading samples (t, values) by quantity, s and SI."""
+    """A record, its features, and its leading samples (t, values) by quantity, s and SI units, for pictures."""
 
     record: MeasuredRecord
     reading: Reading
@@ -38,11 +38,12 @@ def load(
 ) -> Loaded:
     """The features of a record.
 
-    k : stiffness, N/m.   frequency_hz : the drive frequency as known, or that of the record's mapping; compared with
-    the one found.   skip_cycles : left out at the start.
+    k : stiffness, N/m.   frequency_hz : the known drive frequency, compared with the one in the record; default, that
+    of the mapping.   skip_cycles : left out at the start.
 
-    What its reader finds odd is among the warnings of the reading. Raises NotDriven for a free decay, ValueError naming
-    the record for one that cannot be used.
+    What the reader of the file found odd is among the warnings of the reading.
+
+    Raises NotDriven for a free decay, ValueError naming the record for one that cannot be used.
     """
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
     measurement = record.measurement
@@ -70,9 +71,9 @@ def load(
 
 
 def _require_driven(record: MeasuredRecord, driven: bool) -> None:
-    """NotDriven for a record of a free decay."""
+    """Raise NotDriven for a record of a free decay."""
     if not driven:
         raise NotDriven(
-            f"{record.name}: nothing drives it: a record at a level of excitation needs a drive that moves "
+            f"{record.name}: the excitation channel is missing or constant: a forced record needs one that moves "
             f"({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
         )

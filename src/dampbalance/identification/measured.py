@@ -1,4 +1,4 @@
-"""From measured records, of steady responses or of free decays, to F_k, c and K_z."""
+"""The interface for measured records, of steady responses or of free decays: `identify`."""
 
 from __future__ import annotations
 
@@ -17,19 +17,21 @@ from ..project.wording import visible
 from ..records.limits import LARGEST
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, read_records
-from .identified import QUICK, Identified, IdentifiedDecays, IdentifiedSteady
-from .identify import REPLICATES, SEED, identify_readings
-from .laws import compare_laws
+from .answer import Remark
+from .decays import identify_ring_downs
+from .forced import REPLICATES, SEED, identify_readings
+from .identified import QUICK, Identified
+from .law_comparison import compare_laws
 from .loading import Loaded, NotDriven, load
-from .ringdown import identify_ring_downs
 
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
 
 Kind = Literal["recognised", "forced", "ring-down"]
-"""Of records: as the first of them is recognised, driven, or free decays."""
+"""Kind of records: as the first of them is recognised, forced, or free decays."""
 
-_MOST_SWINGS = 1000.0  # of the free oscillator in a cycle of the drive, or cycles in a swing: beyond it a unit is wrong
+# of the free oscillator in a cycle of the drive, or cycles in a swing; beyond that a unit is wrong
+_MOST_SWINGS = 1000.0
 
 
 def identify(
@@ -53,23 +55,31 @@ def identify(
 ) -> Identified:
     """The coefficients of a damping law and the contact stiffness K_z from measured records, each with an interval.
 
-    Each steady response gives a row a F_k + b c = W of the energy balance, each half cycle of a free decay, too (Eq. 6
-    of the paper). A row weighs as much as it is sure; one oscillator fitted to all records is the yardstick.
+    Each steady response, and each half cycle of a free decay, gives a row a F_k + b c = W of the energy balance (Eq. 6
+    of the paper). Rows are weighted by inverse variance; a maximum-likelihood fit of one oscillator to all records is
+    the cross-check.
 
-    records : as `read_records` returns or takes them: files, tables of pandas, arrays; one for each level of excitation
-    and at least as many as there are coefficients, or free decays, of which one is enough.
-    stiffness : k of the spring, N/m.   mapping : what the records do not say of their channels, where they are read
-    here.   kind : "forced" or "ring-down", where it is not to be recognised.
-    frequency : of the drive as known, Hz; compared with that found in each record.   mass : kg, if it is known.
-    terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.   given : symbol →
-    coefficient that is known, SI.   groups : symbol → a label for each record, of the group that has a coefficient of
-    its own.   laws : whether all laws of one or two terms beside friction are compared, too.
-    approaches : names of `APPROACHES`; default, all.   phase : that the harmonic approaches X_s, t_s and V_s take.
-    skip_cycles : left out at the start of each record.   replicates, seed : of the bootstrap.
+    records : as `read_records` returns or takes them: files, tables of pandas, arrays. Forced records: one for each
+    level of excitation, at least as many as there are coefficients; more levels, far apart, sharpen all of them. Free
+    decays: one is enough.
+    stiffness : k of the spring, N/m; it scales F_k and c.
+    mapping : what the records do not say of their channels, where they are read here.
+    kind : "forced" or "ring-down", where it is not to be recognised.
+    frequency : of the drive as known, Hz; compared with that found in each record.
+    mass : kg, if it is known: it sharpens K_z.
+    terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.
+    given : symbol → known coefficient, SI units.
+    groups : symbol → a label for each record, where each group of records has its own coefficient.
+    laws : whether to compare all laws of one or two terms in addition to friction, too.
+    approaches : names of `APPROACHES`; default, all. Use "direct", which assumes no shape of x(t); the others show
+    what the approximations of the paper cost.
+    phase : that the harmonic approaches X_s, t_s and V_s take.
+    skip_cycles : left out at the start of each record, where the motion has not settled.
+    replicates, seed : of the bootstrap.
     largest : numbers (samples × channels) that may be read of a record.
 
-    Free decays know F_k and c alone, and take stiffness, mass, mapping and largest. Names and labels in order (terms,
-    approaches, those of groups) may be a text with commas between them, as on the command line: terms="F_k,c".
+    Free decays determine F_k, c and K_z only, and take stiffness, mass, mapping and largest. Names and labels in order
+    (terms, approaches, those of groups) may be a text with commas between them, as on the command line: terms="F_k,c".
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range or of another kind, a record that cannot be used, records of both kinds, fewer of them
@@ -100,65 +110,62 @@ def identify(
     skip_cycles, replicates = whole("skip_cycles", skip_cycles), whole("replicates", replicates)
     seed, largest = whole("seed", seed), whole("largest", largest)
     asked = () if approaches is None else names("approaches", approaches, APPROACHES)
-    chosen = [name for name in APPROACHES if not asked or name in asked]
     law = law_of(terms, given, groups)
     read = read_records(records, mapping=mapping, largest=largest)
     _require_different(read)
     stated = str(mapping) if isinstance(mapping, str | Path) else None
+    options: dict[str, Any] = {
+        "stiffness_N_per_m": stiffness,
+        "frequency_hz": frequency,
+        "mass_kg": mass,
+        "terms": list(law.terms),
+        "given": dict(law.given),
+        "groups": {symbol: list(labels) for symbol, labels in law.groups.items()},
+        "laws": laws,
+        "approaches": [name for name in APPROACHES if not asked or name in asked],
+        "phase": phase,
+        "mapping": stated,
+        "skip_cycles": skip_cycles,
+        "replicates": replicates,
+        "seed": seed,
+        "largest": largest,
+    }
     if kind != "ring-down":
-        options: dict[str, Any] = {
-            "stiffness_N_per_m": stiffness,
-            "frequency_hz": frequency,
-            "mass_kg": mass,
-            "terms": list(law.terms),
-            "given": dict(law.given),
-            "groups": {symbol: list(labels) for symbol, labels in law.groups.items()},
-            "laws": laws,
-            "approaches": chosen,
-            "phase": phase,
-            "mapping": stated,
-            "skip_cycles": skip_cycles,
-            "replicates": replicates,
-            "seed": seed,
-            "largest": largest,
-        }
         try:
             return _of_steady(read, law, options)
         except NotDriven:
             if kind == "forced":
                 raise
-    of_forced: dict[str, tuple[object, object]] = {
-        "frequency": (frequency, None),
-        "skip_cycles": (skip_cycles, 0),
-        "approaches": (asked, ()),
-        "phase": (phase, "reversal"),
-        "terms": (law.terms, tuple(TERMS)),
-        "given": (dict(law.given), {}),
-        "groups": (dict(law.groups), {}),
-        "laws": (laws, False),
-    }
-    for name, (value, default) in of_forced.items():
+    for name, default in _FORCED_DEFAULTS.items():
+        value = asked if name == "approaches" else options[name]
         if value != default:
             raise ValueError(
-                f"{name} = {value!r} is for forced records, and these are free decays, which tell F_k, c and K_z: "
-                "leave it out"
+                f"{_CONFIGURED.get(name, name)} = {value!r} is for forced records, and these are free decays, which "
+                "determine F_k, c and K_z only: leave it out"
             )
-    options = {
-        "kind": "ring-down",
-        "stiffness_N_per_m": stiffness,
-        "mass_kg": mass,
-        "mapping": stated,
-        "largest": largest,
-    }
-    return _of_decays(read, options)
+    of_decays = {name: options[name] for name in _DECAY_OPTIONS}
+    return _of_decays(read, {"kind": "ring-down", **of_decays})
 
+
+_DECAY_OPTIONS = ("stiffness_N_per_m", "mass_kg", "mapping", "largest")
+_FORCED_DEFAULTS: dict[str, object] = {
+    "frequency_hz": None,
+    "skip_cycles": 0,
+    "approaches": (),
+    "phase": "reversal",
+    "terms": list(TERMS),
+    "given": {},
+    "groups": {},
+    "laws": False,
+}
+"""Options that free decays do not take, with their defaults."""
 
 _CONFIGURED = {"stiffness_N_per_m": "stiffness", "mass_kg": "mass", "frequency_hz": "frequency"}
 _OF_THE_WORKFLOW = ("name", "records")
 
 
 def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The arguments of `identify` that a set of records in a configuration states, but for the records."""
+    """The arguments of `identify` that a set of records in a configuration states, except the records."""
     return {
         _CONFIGURED.get(key, key): value
         for key, value in settings.items()
@@ -169,7 +176,7 @@ def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
 @interpreted(calls=QUICK)  # whatever was compiled before: the last bits may differ
 def _of_steady(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
-) -> IdentifiedSteady:
+) -> Identified:
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]
     loaded = tuple(
         load(
@@ -185,24 +192,23 @@ def _of_steady(
     common = {name: options[name] for name in ("replicates", "seed")} | {"law": law, "mass": mass}
     chosen = {name: APPROACHES[name] for name in options["approaches"]}
     result = identify_readings(readings, k, approaches=chosen, phase=options["phase"], **common)
-    if options["laws"]:
-        result = replace(result, laws=compare_laws(readings, k, **common))
-    return IdentifiedSteady(records, options, result, loaded)
+    laws = compare_laws(readings, k, **common) if options["laws"] else None
+    return Identified(records, options, replace(result, laws=laws, loaded=loaded))
 
 
 @interpreted(False)  # a motion of thousands of samples, hundreds of times
-def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> IdentifiedDecays:
-    told = [f"{record.name}: {words}" for record in records for words in record.warnings]
+def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> Identified:
+    odd = [Remark(words, record.name) for record in records for words in record.warnings]
     measurements = [record.whole() for record in records]
     result = identify_ring_downs(
         measurements, options["stiffness_N_per_m"], mass=options["mass_kg"]
     )
-    result = replace(result, warnings=(*told, *result.warnings))
-    return IdentifiedDecays(records, options, result)
+    result = replace(result, warnings=(*odd, *result.warnings))
+    return Identified(records, options, result)
 
 
 def _require_different(records: Sequence[MeasuredRecord]) -> None:
-    """ValueError for no records, and for a file that is named twice, also by a link or another spelling of its path."""
+    """Raise ValueError for no records, and for a file named twice, also by a link or another spelling of its path."""
     if not records:
         raise ValueError("no records are given; name one for each level, or one of a free decay")
     known: dict[tuple[int, int], str] = {}
@@ -218,8 +224,8 @@ def _require_different(records: Sequence[MeasuredRecord]) -> None:
 
 
 def _require_possible(loaded: Sequence[Loaded], mass: float | None, k: float) -> None:
-    """ValueError for a mass with which the oscillator would be a thousand times faster or slower than the drive."""
-    if mass is None or not mass > 0.0:  # what is no mass is refused where it is used
+    """Raise ValueError for a mass with which the oscillator is a thousand times faster or slower than the drive."""
+    if mass is None or not mass > 0.0:  # what is no mass is refused later
         return
     for one in loaded:
         swings = math.sqrt(k / mass) / one.reading.steady.omega

@@ -1,8 +1,8 @@
-"""Features of all records, with the onset of slip that their common oscillator gives them, and replicates of them.
+"""Features of all records, with the onset of slip of the oscillator fitted to them, and replicates of these features.
 
 The microstick line has one length for all records of a contact, L = X + X_s = 2F_k/K_z (10). It comes from the
-waveforms of the fit to all of them (`oscillator.py`); its errors, and those of what else the waveforms give, follow the
-data of every record.
+waveforms of the joint fit (`oscillator.py`); the errors of all that the waveforms give follow from the data of every
+record.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from ..features import Features, stack
 from ..reading.noisy import RESOLVED, Means, Reading
 from ..reading.waveforms import WaveformFit
 from ..solver import NORMAL_95
-from .result import Microstick
 
 _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 
@@ -37,9 +36,10 @@ class Sample:
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """What is read off n records.
+    """Features of n records, with what their errors are computed from.
 
-    point : as read.   drawn : r bootstrap replicates.   left : without each group of rows of the record j, for each j.
+    point : as read.   drawn : r bootstrap replicates.   left : for each record, the samples without one group of its
+    rows after the other.
     """
 
     point: Sample
@@ -47,12 +47,27 @@ class Samples:
     left: tuple[Sample, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Microstick:
+    """Length of the microstick line X + X_s = 2F_k/K_z that all records share, m.
+
+    resolved : whether its root stands out of its noise.   bound : upper bound at 97.5 % confidence.
+    All numbers are NaN where the waveforms of the records are not known.
+    """
+
+    length: float
+    standard_error: float
+    resolved: bool
+    bound: float
+
+
 def read_samples(
     readings: Sequence[Reading], count: int, random: np.random.Generator, *, jackknife: bool = True
 ) -> Samples:
-    """Features of readings that were joined (`oscillator.joined`).
+    """Features of readings that share the waveforms of a joint fit (`oscillator.joined`), as read and resampled.
 
-    count : of replicates.   random : that they are drawn from.   jackknife : whether groups of rows are left out, too.
+    count : of replicates.   random : generator of the drawings.   jackknife : whether groups of rows are left out, too;
+    a study that needs no propagated errors saves that time.
     """
     drawn = sample_of(readings, [reading.resampled(count, random) for reading in readings])
     points = [reading.features for reading in readings]
@@ -63,14 +78,14 @@ def read_samples(
 
 
 def sample_of(readings: Sequence[Reading], means: Sequence[Means]) -> Sample:
-    """What r means of each of n records, in their order, give for all of them, (n, r)."""
+    """Features of n records from r means of each, (n, r)."""
     moved = np.sum([r.moved(m) for r, m in zip(readings, means, strict=True)], axis=0)
     features = [r.features_of(m, moved)[None] for r, m in zip(readings, means, strict=True)]
     return _sample(readings, stack(features), moved)
 
 
 def microstick(samples: Samples) -> Microstick:
-    """The length of the line, and whether it stands out of the scatter of its replicates."""
+    """The length of the microstick line, and whether it stands out of the scatter of its replicates."""
     F_k, rho = float(samples.point.F_k[0]), float(samples.point.rho[0])
     length = 2.0 * F_k * rho**2
     if not math.isfinite(length):
@@ -86,7 +101,7 @@ def microstick(samples: Samples) -> Microstick:
 
 
 def _left_out(readings: Sequence[Reading], points: Sequence[Features], j: int) -> Sample:
-    """All records as read, but of record j without each group of its rows."""
+    """All records as read, except that record j lacks one group of its rows after the other."""
     means = readings[j].left_out()
     moved = readings[j].moved(means)
     count = len(means.Y)
@@ -100,7 +115,7 @@ def _left_out(readings: Sequence[Reading], points: Sequence[Features], j: int) -
 
 
 def _followed(reading: Reading, features: Features, moved: Array) -> Features:
-    """The features of a record whose waveform moves with the unknowns of the fit, and nothing else; (1, r)."""
+    """The features of a record of which only the waveform follows the unknowns of the fit, (1, r)."""
     waveform = reading.waveform
     if waveform is None or not reading.slips:
         return features
@@ -127,6 +142,6 @@ def _sample(readings: Sequence[Reading], features: Features, moved: Array) -> Sa
 
 
 def _fit(readings: Sequence[Reading]) -> WaveformFit | None:
-    """The fit that the readings were joined by."""
+    """The joint fit whose waveforms the readings share."""
     waveform = readings[0].waveform
     return None if waveform is None else waveform.fit

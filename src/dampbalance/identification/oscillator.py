@@ -1,4 +1,4 @@
-"""The oscillator behind all records, by the fit of largest likelihood: the yardstick, and what it says of them."""
+"""One oscillator fitted to all records by maximum likelihood: the cross-check of the balance."""
 
 from __future__ import annotations
 
@@ -12,18 +12,19 @@ from ..reading.fitting import fit_oscillator, with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
 from ..reading.noisy import Reading
 from ..reading.waveforms import WaveformFit
+from .answer import Answer, answer_of_fit
 
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 
 
 @dataclass(frozen=True, eq=False)
-class Whole:
-    """What the records are, taken together.
+class JointFit:
+    """One oscillator fitted to all records.
 
-    fit : the oscillator that responds most like them; None where none does that slips.
-    linear : whether a linear oscillator explains them within their noise: nothing slips, or it does not show.
-    delayed : the fit with a delay between base and response; late : whether that explains what noise does not.
-    mass : kg, as given, or None.   mass_fits : whether the records agree with it; if not, the fit has its own.
+    fit : the oscillator that responds most like them; None where no oscillator that slips does.
+    linear : whether a linear oscillator explains them within their noise: nothing slips, or slip does not show.
+    delayed : the fit with a delay between base and response.   late : whether the delay explains what noise does not.
+    mass : kg, as given, or None.   mass_fits : whether the records agree with it; if not, the fit has its own mass.
     """
 
     fit: WaveformFit | None
@@ -40,19 +41,53 @@ class Whole:
 
     @property
     def waveforms_hold(self) -> bool:
-        """Whether the waveforms of the fit are those of the records."""
+        """Whether the waveforms of the fit are those of the records, so that the onset of slip and K_z are known."""
         return self.fit is not None and self.fit.adequate and not self.linear
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader must know before using the numbers of the fit."""
+        fit = self.fit
+        if fit is None or self.linear:
+            return ()
+        nearest = (
+            "the records are not those of such an oscillator: it is only the one that comes nearest"
+        )
+        of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
+        return (
+            *(() if fit.adequate else (nearest,)),
+            *(f"the best {key} {of_zero}" for key in fit.undamped),
+        )
 
-def whole_oscillator(
+    @property
+    def answer(self) -> Answer | None:
+        """The answer of the fit; None where no oscillator that slips fits."""
+        fit, delayed = self.fit, self.delayed
+        if fit is None or self.linear:
+            return None
+        return answer_of_fit(
+            fit,
+            {key: fit.value(key) for key in fit.law.unknowns},
+            fit.unknowns.names,
+            self.notes,
+            misfit_of_records=fit.misfits,
+            delay_s=None if delayed is None else delayed.delay,
+            delay_standard_error_s=None if delayed is None else delayed.error("delay"),
+        )
+
+
+def joint_fit(
     lines: Sequence[Lines],
     k: float,
     m: float | None = None,
     law: Law | None = None,
-) -> Whole:
-    """The oscillator behind the records.   k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k, c.
+) -> JointFit:
+    """The oscillator behind the records.
 
-    The records tell the mass by themselves, nearly as well as a balance: one that contradicts them is left out.
+    The records determine the mass by themselves, nearly as well as scales would: a given mass that contradicts them is
+    left out.
+
+    k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.
     """
     law = law or Law()
     chi_square, freedom = linear_misfit(lines, k, law.terms)
@@ -61,23 +96,28 @@ def whole_oscillator(
     explained = 0.0 if fit is None else chi_square - fit.chi_square
     linear = explained < _SHOWS and not slips
     if fit is None or linear:
-        return Whole(fit, linear, None, mass=m)
+        return JointFit(fit, linear, None, mass=m)
     known = None if m is None else with_mass(fit, m)
     fits = known is not None and known.chi_square - fit.chi_square < _SHOWS
     fit = known if known is not None and fits else fit
     # a damper to the base and one to the ground together make up for any delay
     delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
     late = delayed is not None and delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS
-    return Whole(fit, linear, delayed, late, m, m is None or fits)
+    return JointFit(fit, linear, delayed, late, m, m is None or fits)
 
 
-def joined(readings: Sequence[Reading], whole: Whole, law: Law | None = None) -> list[Reading]:
-    """The readings with the waveforms of the fit; where they do not hold, without any, and with no more of the nearest
-    oscillator than the travel that its sticking takes.   law : the terms whose integrals are wanted."""
+def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None) -> list[Reading]:
+    """The readings with the waveforms of the fit.
+
+    Where the waveforms do not hold, the readings have none; of the nearest oscillator they then have only the travel
+    that its sticking takes.
+
+    law : of the terms whose integrals are wanted.
+    """
     wanted = () if law is None else tuple(s for s in law.terms if s not in (FRICTION, "c"))
-    if whole.fit is None or whole.linear:
+    if joint.fit is None or joint.linear:
         return [replace(reading, joint=True, shared=None, terms=wanted) for reading in readings]
-    if not whole.fit.adequate:
+    if not joint.fit.adequate:
         return [
             replace(
                 reading,
@@ -86,9 +126,9 @@ def joined(readings: Sequence[Reading], whole: Whole, law: Law | None = None) ->
                 terms=wanted,
                 taken=response.taken if response.slips else math.nan,
             )
-            for reading, response in zip(readings, whole.fit.responses, strict=True)
+            for reading, response in zip(readings, joint.fit.responses, strict=True)
         ]
     return [
         replace(reading, joint=True, shared=waveform, terms=wanted)
-        for reading, waveform in zip(readings, whole.fit.waveforms, strict=True)
+        for reading, waveform in zip(readings, joint.fit.waveforms, strict=True)
     ]

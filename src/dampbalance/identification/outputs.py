@@ -9,7 +9,7 @@ from pathlib import Path
 FIGURES = ("cycles", "loops", "balance")
 
 TABLES = ("identification.json", "identification.csv", "features.csv", "summary.txt")
-"""All that is known; the estimates; the features; the table of the screen."""
+"""The document with everything; the estimates; the features; the table of the screen."""
 
 
 def pictures_of(figures: Iterable[str]) -> tuple[str, ...]:
@@ -22,15 +22,15 @@ PICTURES = pictures_of(FIGURES)
 OUTPUTS = (*TABLES, *PICTURES)
 
 RING_DOWN_FIGURES = ("decays",)
-"""The picture of an identification from free decays, in the place of FIGURES."""
+"""The picture of an identification from free decays, instead of FIGURES."""
 
 ALL_PICTURES = (*PICTURES, *pictures_of(RING_DOWN_FIGURES))
 
 
 def require_room(folder: Path, names: Iterable[str], permission: str) -> None:
-    """ValueError where results of those names could not be written to a folder, or would replace others unasked.
+    """Raise ValueError where results of those names could not be written to a folder, or would replace others.
 
-    permission : what a caller would have to say so that they may be replaced; empty where they may.
+    permission : the option that allows a caller to replace them; empty where it was given.
     """
     from ..records.readers.formats import require_showable  # slow to import
 

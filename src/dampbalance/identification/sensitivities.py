@@ -1,4 +1,4 @@
-"""What faults of calibration and timing that a record hardly tells would do to an identification, by its own rows.
+"""Effect of faults of calibration and timing, which a record hardly shows, on an identification, by its own rows.
 
 A gain of the drive multiplies Y, one of the response all x_n; a response that is late by τ has x_n e^{−inωτ}; a phase
 error at the drive frequency is a delay of that part of a cycle. The rows are read again from harmonics changed in that
@@ -9,23 +9,21 @@ equation of motion, and so of every coefficient.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
 
-from ..balance import APPROACHES
 from ..law.terms import FRICTION
 from ..reading.noisy import Means, Reading
 from ..reading.one_thread import one_thread
 from ..solver import solve
-from .identify import RowsOf
+from .answer import Answer
+from .law_rows import LawRows
 from .microstick import sample_of
-from .notes import YARDSTICK
-from .result import Identification
 
-_STEP = 1e-3  # of each fault: small enough for first order, large enough beside rounding
+_STEP = 1e-3  # of each fault: small enough for first order, large compared with rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,29 +56,28 @@ FAULTS: Mapping[str, Fault] = MappingProxyType(
 
 
 @one_thread
-def sensitivities(result: Identification) -> dict[str, dict[str, float]]:
+def sensitivities(
+    readings: Sequence[Reading], rows_of: LawRows, answer: Answer
+) -> dict[str, dict[str, float]]:
     """By how much each of `FAULTS` changes what direct integration identifies, relative to it: fault → symbol → number.
 
-    NaN where rows or waveforms do not tell; nothing where direct integration was not asked for.
+    NaN where rows or waveforms do not determine it.
+
+    readings : of the records.   rows_of : the balance of direct integration.   answer : of direct integration.
     """
-    estimated = result.estimates.get(YARDSTICK)
-    if estimated is None:
-        return {}
+    assert answer.balance is not None
     faults = list(FAULTS.values())
-    sample = sample_of(result.readings, [_faulty(reading, faults) for reading in result.readings])
+    sample = sample_of(readings, [_faulty(reading, faults) for reading in readings])
     stiffer = 1.0 + _STEP * np.array([0.0, *(fault.stiffness for fault in faults)])
     features = sample.features.replaced(W=sample.features.W * stiffer)
-    rows_of = RowsOf(APPROACHES[YARDSTICK], result.law, result.whole, result.k, result.phase)
-    rows = rows_of(features)
-    weights = np.where(estimated.row_errors > 0.0, estimated.row_errors, 1.0) ** -2.0
+    rows, errors = rows_of(features), answer.balance.errors
+    weights = np.where(errors > 0.0, errors, 1.0) ** -2.0
     solved = solve(replace(rows, weights=np.broadcast_to(weights[:, None], rows.W.shape)))
-    values = {
-        symbol: solved[symbol] for symbol in estimated.coefficients if symbol in solved.values
-    }
+    values = {symbol: solved[symbol] for symbol in answer.coefficients if symbol in solved.values}
     with np.errstate(divide="ignore", invalid="ignore"):
-        if math.isfinite(estimated.K_z.value):
+        if math.isfinite(answer.K_z.value):
             # 2F_k/L, the L of the waveforms, which does not know the stiffness
-            friction = [values[key] for key in result.law.keys_of(FRICTION) if key in values]
+            friction = [values[key] for key in rows_of.law.keys_of(FRICTION) if key in values]
             values["K_z"] = np.mean(friction, axis=0) / (sample.F_k * sample.rho**2)
         changes = {symbol: (of[1:] / of[0] - 1.0) / _STEP for symbol, of in values.items()}
     return {

@@ -14,8 +14,7 @@ from ..arrays import Array
 from ..balance import TERMS
 from ..features import Features, beside, of_numbers, stack
 from ..identification.microstick import read_samples
-from ..identification.oscillator import Whole, joined, whole_oscillator
-from ..identification.result import parameters_of
+from ..identification.oscillator import JointFit, joined, joint_fit
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
@@ -50,13 +49,13 @@ def measured_responses(cases: Cases) -> Responses:
         point, replicate, whole = _with_one_oscillator(read, osc.k, study.replicates, random)
         points.append(point)
         replicates.append(replicate)
-        fitted.append({} if whole is None else parameters_of(whole))
+        fitted.append(None if whole is None else whole.answer)
         if by_simpson:
             values, drawn = _by_simpson(records, osc.k, study.replicates, random)
             plain.append((point.replaced(**values), replicate.replaced(**drawn)))
     likelihood = {
         symbol: np.array(
-            [(p[symbol].value, p[symbol].standard_error) if p else (np.nan,) * 2 for p in fitted]
+            [(a.values[symbol], a.standard_errors[symbol]) if a else (np.nan,) * 2 for a in fitted]
         ).T
         for symbol in TERMS
     }
@@ -89,7 +88,7 @@ def _measured(
 
 def _with_one_oscillator(
     read: Sequence[Reading | str], k: float, count: int, random: np.random.Generator
-) -> tuple[Features, Features, Whole | None]:
+) -> tuple[Features, Features, JointFit | None]:
     """Features (L,) and replicates (L, count) of the levels of a case, and the oscillator fitted to all of them.
 
     The onsets of slip are those of that oscillator, as in `identification`. A level that was not read has NaN and the
@@ -98,7 +97,7 @@ def _with_one_oscillator(
     whole = None
     readings = [reading for reading in read if isinstance(reading, Reading)]
     if readings:
-        whole = whole_oscillator([reading.lines for reading in readings], k)
+        whole = joint_fit([reading.lines for reading in readings], k)
         samples = read_samples(joined(readings, whole), count, random, jackknife=False)
         of_all = samples.point.features, samples.drawn.features
         if not whole.waveforms_hold:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Words
-from ..identification.laws import compare_laws
+from ..identification.law_comparison import compare_laws
 from ..law.integrals import of_harmonics
 from ..law.response import law_orbit
 from ..law.steady import Response, steady_response

@@ -11,10 +11,11 @@ import pytest
 
 from dampbalance import BaseMotion
 from dampbalance.balance import APPROACHES
-from dampbalance.identification.identify import identify_readings
-from dampbalance.identification.laws import _rejected, compare_laws
-from dampbalance.identification.reporting import document, estimates_table, shown
-from dampbalance.identification.verdicts import USABLE, verdicts_of
+from dampbalance.identification.answer import USABLE
+from dampbalance.identification.document import document, estimates_table
+from dampbalance.identification.forced import identify_readings
+from dampbalance.identification.law_comparison import _rejected, compare_laws
+from dampbalance.identification.screen import text
 from dampbalance.law.law import Law
 from dampbalance.law.response import law_orbit
 from dampbalance.reading.noisy import read_features
@@ -63,7 +64,7 @@ def test_the_coefficients_of_any_law_are_found(name):
     osc, law = LAWS[name]
     true = {symbol: value for symbol, value in truth(osc, law).items() if value}
     found = identify_readings(readings(osc, law), osc.k, law=Law(tuple(true)), approaches=DIRECT)
-    assert found.whole.waveforms_hold
+    assert found.joint.waveforms_hold
     assert found.warnings == ()
     direct = found.estimates["direct"]
     assert set(direct.coefficients) == set(true)
@@ -72,7 +73,7 @@ def test_the_coefficients_of_any_law_are_found(name):
         # one drawing: 4 standard errors are exceeded by chance in 6 of 100,000
         assert abs(estimate.value - value) < 4.0 * estimate.standard_error
         assert estimate.standard_error < 0.01 * value
-        assert abs(found.whole.fit.value(symbol) - value) < 4.0 * found.whole.fit.error(symbol)
+        assert abs(found.joint.fit.value(symbol) - value) < 4.0 * found.joint.fit.error(symbol)
     assert direct.K_z.interval.low < osc.K_z < direct.K_z.interval.high
     assert direct.misfit < 5.0  # χ² per degree of freedom, of 3 or 4
     # it assumes no shape: what is left is what the waveforms themselves leave out
@@ -120,7 +121,7 @@ def test_each_load_has_its_friction_and_all_have_one_damper(two_loads):
     law = Law(groups={"F_k": ("light", "heavy") * 3})
     found = identify_readings(two_loads, PAPER.k, law=law, approaches=DIRECT)
     direct = found.estimates["direct"]
-    assert found.whole.waveforms_hold
+    assert found.joint.waveforms_hold
     for key, value in (("F_k[light]", 1.28), ("F_k[heavy]", 2.0), ("c", 90.0)):
         estimate = direct.coefficients[key]
         assert abs(estimate.value - value) < 4.0 * estimate.standard_error
@@ -130,7 +131,7 @@ def test_each_load_has_its_friction_and_all_have_one_damper(two_loads):
     rows = document(found)["approaches"]["direct"]["rows"]
     assert rows["a_light_m"][1] == 0.0 < rows["a_heavy_m"][1]
     assert json.loads(json.dumps(document(found)))["law"]["groups"]["F_k"][:2] == ["light", "heavy"]
-    assert "F_k[heavy] (N)" in shown(found).text()
+    assert "F_k[heavy] (N)" in text(found)
 
 
 def test_without_groups_no_law_fits_records_of_two_loads(two_loads):
@@ -160,7 +161,7 @@ def test_a_group_whose_records_only_stick_has_no_usable_friction_force_and_the_o
     law = Law(groups={"F_k": ("loose", "loose", "stuck")})
     found = identify_readings(records, PAPER.k, law=law, approaches=DIRECT)
     direct = found.estimates["direct"]
-    verdicts = verdicts_of(direct)
+    verdicts = direct.verdicts
     assert verdicts["F_k[stuck]"].verdict != USABLE
     assert verdicts["F_k[loose]"].verdict == USABLE
     assert abs(direct.coefficients["F_k[loose]"].value / 1.28 - 1.0) < 0.02
@@ -170,8 +171,8 @@ def test_dampers_to_base_and_ground_together_say_what_a_skew_would_do():
     found = identify_readings(
         readings(*LAWS["c_r"]), PAPER.k, law=Law(("F_k", "c", "c_r")), approaches=DIRECT
     )
-    assert found.whole.delayed is None
-    assert any("cannot be told from a skew" in words for words in found.warnings)
+    assert found.joint.delayed is None
+    assert any("cannot be distinguished from a skew" in words for words in found.warnings)
 
 
 def test_an_approach_without_a_form_of_a_term_says_so():
@@ -192,9 +193,9 @@ def test_the_smallest_law_that_is_not_rejected_is_the_true_one(name):
     assert compared.chosen == tuple(s for s, value in truth(osc, law).items() if value)
     assert not compared.by_balance
     assert compared.alike == ()
-    rejected = {e.terms: e.rejected for e in compared.evidence}
+    rejected = {e.terms: e.rejected for e in compared.tests}
     assert rejected["F_k",]
-    chosen = next(e for e in compared.evidence if e.terms == compared.chosen)
+    chosen = next(e for e in compared.tests if e.terms == compared.chosen)
     for symbol, (value, error) in chosen.coefficients.items():
         assert abs(value - truth(osc, law)[symbol]) < 4.0 * error
 
@@ -202,7 +203,7 @@ def test_the_smallest_law_that_is_not_rejected_is_the_true_one(name):
 def test_structural_damping_is_not_tried_at_one_frequency():
     compared = compare_laws(readings(PAPER, {}, at=AT[:3]), PAPER.k, replicates=100)
     assert compared.chosen == ("F_k", "c")
-    assert not any("eta" in e.terms for e in compared.evidence)
+    assert not any("eta" in e.terms for e in compared.tests)
     assert any("acts as viscous damping c does" in words for words in compared.words())
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib
 import json
 import math
@@ -22,6 +23,7 @@ from dampbalance import (
     steady_orbit,
 )
 from dampbalance.identification.outputs import ALL_PICTURES, OUTPUTS, TABLES, pictures_of
+from dampbalance.records.measurement import Channel, Measurement
 from folders import ROOT
 from paper_case import PAPER
 
@@ -29,12 +31,12 @@ LEVELS = (0.004, 0.007, 0.010, 0.012)
 FILES = sorted((ROOT / "config/records/example").glob("level*.csv"))
 
 
-def made(**options):
+def made(noise=0.01, **options):
     """A record of each level, below resonance."""
     return [
         measured_orbit(
             steady_orbit(PAPER, BaseMotion(Y=Y, omega=2.0 * math.pi * 3.5)),
-            rate_hz=1000.0, cycles=20.0, noise=0.01, seed=i, **options,
+            rate_hz=1000.0, cycles=20.0, noise=noise, seed=i, **options,
         )
         for i, Y in enumerate(LEVELS)
     ]  # fmt: skip
@@ -263,3 +265,51 @@ def test_names_in_a_text_are_read_as_on_the_command_line():
 def test_OUTPUTS_are_those_of_steady_records():
     assert set(OUTPUTS) <= {*TABLES, *ALL_PICTURES}
     assert Path(OUTPUTS[0]).suffix == ".json"
+
+
+def test_the_averaged_cycle_lies_on_the_samples_whatever_the_zero_of_the_transducer():
+    records = made(noise=1e-4)[:2]
+    x = records[1]["displacement"]
+    channels = [records[1]["base_displacement"], Channel(x.quantity, x.t, x.values + 0.02)]
+    records[1] = Measurement.of("with a zero of its own", channels)
+    found = identify(records, PAPER.k, approaches=["direct"], replicates=20)
+    for reading, axes in zip(found.result.readings, found.plot("cycles").axes, strict=True):
+        dots, line = axes.get_lines()
+        on_line = np.interp(dots.get_xdata(), line.get_xdata(), line.get_ydata(), period=360.0)
+        # half a degree between the points of the line, and the noise
+        X = 1e3 * reading.features.X[0]
+        np.testing.assert_allclose(dots.get_ydata(), on_line, atol=1e-3 * X)
+
+
+def _written(folder, level, record):
+    """A record in one file, and in one for each channel."""
+    base, response = (
+        pd.DataFrame({"time_s": record[q].t, f"{q}_m": record[q].values})
+        for q in ("base_displacement", "displacement")
+    )
+    whole = folder / f"level{level}.csv"
+    base.assign(displacement_m=response["displacement_m"]).to_csv(whole, index=False)
+    base.to_csv(folder / f"base{level}.csv", index=False)
+    response.to_csv(folder / f"mass{level}.csv", index=False)
+    (folder / f"base{level}.yaml").write_text(
+        f"channels:\n  base_displacement: {{channel: 2, unit: m}}\n"
+        f"  displacement: {{file: mass{level}.csv, channel: 2, unit: m}}\nlevel: level{level}.csv\n",
+        encoding="utf-8",
+    )
+    return whole, folder / f"base{level}.csv"
+
+
+def test_a_file_for_each_channel_gives_the_same_and_all_are_listed(tmp_path):
+    records = enumerate(made(noise=1e-3)[:2])
+    whole, several = zip(*(_written(tmp_path, i, record) for i, record in records), strict=True)
+    options = {"approaches": ["fourier"], "replicates": 10}
+    one, other = (
+        json.loads(json.dumps(identify(files, PAPER.k, **options).document()))
+        for files in (whole, several)
+    )
+    assert other["approaches"] == one["approaches"]
+    for i, record in enumerate(other["records"]):
+        part = tmp_path / f"mass{i}.csv"
+        digest = hashlib.sha256(part.read_bytes()).hexdigest()
+        assert record["others"] == [{"file": str(part), "sha256": digest}]
+        assert "others" not in one["records"][i]

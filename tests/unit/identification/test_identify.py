@@ -11,14 +11,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from dampbalance.balance import APPROACHES
-from dampbalance.identification.identify import identify_readings
-from dampbalance.identification.reporting import (
-    document,
-    estimates_table,
-    features_table,
-    shown,
-)
-from dampbalance.identification.verdicts import verdicts_of
+from dampbalance.identification.document import document, estimates_table
+from dampbalance.identification.forced import identify_readings
+from dampbalance.identification.screen import text
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
 from dampbalance.reading.noisy import RESOLVED, read_features
 from dampbalance.records.measurement import Channel, Measurement
@@ -71,7 +66,7 @@ def test_exact_records_give_the_truth_off_resonance_too(hz):
     assert fourier.shape_bias["F_k"] == pytest.approx(
         relative(fourier.coefficients["F_k"], PAPER.F_k), abs=2e-5
     )
-    assert found.whole.fit.m == pytest.approx(PAPER.m, rel=1e-6)
+    assert found.joint.fit.m == pytest.approx(PAPER.m, rel=1e-6)
     assert found.warnings == ()
 
 
@@ -127,7 +122,7 @@ def test_the_records_share_what_no_single_one_resolves():
     # one length for all: X + X_s is freed of the square of the error of ρ, L itself is not
     lengths = found.features.X + found.features.X_s
     assert lengths == pytest.approx([lengths[0]] * 5, rel=1e-9)
-    off = 2.0 * found.whole.fit.F_k * found.whole.fit.error("rho") ** 2
+    off = 2.0 * found.joint.fit.F_k * found.joint.fit.error("rho") ** 2
     assert lengths[0] == pytest.approx(found.microstick.length - off, rel=1e-9)
     assert found.warnings == ()
 
@@ -149,7 +144,7 @@ def test_an_onset_that_is_not_resolved_enters_with_its_error_and_K_z_has_a_limit
     assert not np.array_equal(found.features.X_s, -found.features.X)
     low, high = direct.coefficients["F_k"].interval
     assert low < stiff.F_k < high
-    assert "> " in shown(found).text().splitlines()[3]
+    assert "> " in text(found).splitlines()[3]
     told = document(found)["approaches"]["direct"]
     assert told["K_z_N_per_m"] is None
     assert told["K_z_interval_N_per_m"][1] is None
@@ -182,7 +177,7 @@ def test_a_level_that_does_not_belong_is_noticed():
     )
     assert "the records are not those of one mass on a spring" in found.warnings[0]
     direct = found.estimates["direct"]
-    assert all(verdict != "usable" for verdict, _ in verdicts_of(direct).values())
+    assert all(verdict != "usable" for verdict, _ in direct.verdicts.values())
     assert math.isnan(direct.K_z.value)
     assert document(found)["approaches"]["direct"]["K_z_N_per_m"] is None
 
@@ -222,12 +217,12 @@ def test_tables_and_documents_hold_the_same_numbers():
         for key in ("F_k_N", "c_standard_error_N_s_per_m", "K_z_N_per_m", "misfit"):
             assert row[key] == numbers[key]
         assert [row["F_k_low_N"], row["F_k_high_N"]] == numbers["F_k_interval_N"]
-    features = features_table(found)
+    features = found.features_table()
     assert len(features) == 5
     assert all(row["X_standard_error_m"] > 0.0 for row in features)
     assert all(row["W_standard_error_J"] > 0.0 for row in features)
     direct = found.estimates["direct"].coefficients["F_k"]
-    line = shown(found).text().splitlines()[3]
+    line = text(found).splitlines()[3]
     assert f"{direct.value:.4f} [{direct.interval.low:.4f}, {direct.interval.high:.4f}]" in line
 
 
@@ -277,7 +272,7 @@ def test_where_no_level_slips_there_is_no_friction_force():
     found = identify_readings(
         readings(noise=0.01, levels=(0.0002, 0.0003, 0.0004)), PAPER.k, replicates=50
     )
-    assert found.whole.linear
+    assert found.joint.linear
     (warning,) = found.warnings
     assert "the records are those of a linear oscillator" in warning
     direct, told = found.estimates["direct"], document(found)
@@ -288,7 +283,7 @@ def test_where_no_level_slips_there_is_no_friction_force():
     low, high = direct.coefficients["c"].interval
     assert low < PAPER.c < high
     assert high - low < 0.05 * PAPER.c
-    line = shown(found).text().splitlines()[3]
+    line = text(found).splitlines()[3]
     assert re.match(r"direct \* +– +\d", line)
 
 
@@ -301,7 +296,7 @@ def test_a_level_that_does_not_slip_leaves_the_balance_without_a_star():
     assert "only sticks in record 1" in warning
     direct = found.estimates["direct"]
     assert direct.notes == ()
-    assert direct.rows.usable.tolist() == [False, True, True, True]
+    assert direct.balance.rows.usable.tolist() == [False, True, True, True]
     for symbol in ("F_k", "c", "K_z"):
         # three of 95 % intervals: four standard errors
         parameter, true = direct.parameters[symbol], getattr(PAPER, symbol)
@@ -422,7 +417,7 @@ def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
     found = identify_readings(
         gradual, PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=100
     )
-    assert not found.whole.waveforms_hold
+    assert not found.joint.waveforms_hold
     assert "are not those of one mass on a spring" in found.warnings[0]
     direct = found.estimates["direct"]
     assert math.isnan(direct.K_z.value)
@@ -445,11 +440,11 @@ def test_two_levels_of_such_a_contact_are_enough(gradual):
         gradual[::2], PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=50
     )
     direct = found.estimates["direct"]
-    assert not found.whole.waveforms_hold
+    assert not found.joint.waveforms_hold
     assert math.isnan(direct.K_z.value)
     assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.003)
-    assert np.all(direct.rows.terms["F_k"] < 4.0 * found.features.X)
-    assert {verdict for verdict, _ in verdicts_of(direct).values()} == {"doubtful", "none"}
+    assert np.all(direct.balance.rows.terms["F_k"] < 4.0 * found.features.X)
+    assert {verdict for verdict, _ in direct.verdicts.values()} == {"doubtful", "none"}
 
 
 def test_approaches_that_need_the_onset_of_slip_give_nothing_where_it_is_not_known(gradual):

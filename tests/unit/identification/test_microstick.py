@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dampbalance.identification.microstick import microstick, read_samples
-from dampbalance.identification.oscillator import Whole, joined, whole_oscillator
+from dampbalance.identification.oscillator import JointFit, joined, joint_fit
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER, orbits_at
@@ -26,7 +26,7 @@ def readings():
 
 @pytest.fixture(scope="module")
 def samples(readings):
-    whole = whole_oscillator([reading.lines for reading in readings], PAPER.k)
+    whole = joint_fit([reading.lines for reading in readings], PAPER.k)
     return read_samples(joined(readings, whole), 2000, np.random.default_rng(1))
 
 
@@ -71,7 +71,7 @@ def test_the_length_of_the_line_and_its_errors(samples):
 
 
 def test_without_an_oscillator_there_is_no_line(readings):
-    without = joined(readings, Whole(None, False, None))
+    without = joined(readings, JointFit(None, False, None))
     samples = read_samples(without, 20, np.random.default_rng(1), jackknife=False)
     assert samples.left == ()
     line = microstick(samples)

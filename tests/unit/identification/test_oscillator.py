@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance.identification.oscillator import joined, whole_oscillator
+from dampbalance.identification.oscillator import joined, joint_fit
 from dampbalance.reading.noisy import read_features
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import NEAR, PAPER, orbits_at
@@ -23,7 +23,7 @@ def lines(osc=PAPER, levels=LEVELS, hz=NEAR, seed=1, sigma=SIGMA, **changed):
 
 
 def test_records_of_an_oscillator_are_one_and_nothing_else():
-    whole = whole_oscillator(lines(), PAPER.k)
+    whole = joint_fit(lines(), PAPER.k)
     assert whole.waveforms_hold
     assert not whole.linear
     assert not whole.late
@@ -39,22 +39,22 @@ def test_records_of_an_oscillator_are_one_and_nothing_else():
 )
 def test_linear_records_are_linear(osc, levels):
     for seed in range(5):
-        whole = whole_oscillator(lines(osc, levels, seed=seed), PAPER.k)
+        whole = joint_fit(lines(osc, levels, seed=seed), PAPER.k)
         assert whole.linear
         assert not whole.waveforms_hold
 
 
 def test_slip_that_shows_is_no_linear_oscillator_and_slip_that_noise_hides_is_one():
     slight = replace(PAPER, F_k=0.1)
-    assert not whole_oscillator(lines(slight), PAPER.k).linear
-    assert whole_oscillator(lines(slight, sigma=1e-3), PAPER.k).linear
+    assert not joint_fit(lines(slight), PAPER.k).linear
+    assert joint_fit(lines(slight, sigma=1e-3), PAPER.k).linear
 
 
 @pytest.mark.parametrize(("mass", "fits"), [(PAPER.m, True), (1.02 * PAPER.m, False)])
 def test_a_mass_is_taken_where_the_records_agree_with_it(mass, fits):
-    free = whole_oscillator(lines(), PAPER.k).fit
+    free = joint_fit(lines(), PAPER.k).fit
     assert abs(mass - free.m) > 16.0 * free.error("m") or fits
-    whole = whole_oscillator(lines(), PAPER.k, mass)
+    whole = joint_fit(lines(), PAPER.k, mass)
     assert (whole.mass, whole.mass_fits, whole.mass_given) == (mass, fits, fits)
     assert whole.waveforms_hold
     if fits:
@@ -65,12 +65,12 @@ def test_a_mass_is_taken_where_the_records_agree_with_it(mass, fits):
 
 @pytest.mark.parametrize("mass", [None, PAPER.m])
 def test_a_delay_is_said_where_it_explains_more_than_noise_would(mass):
-    whole = whole_oscillator(lines(late=1e-3, sigma=1e-7), PAPER.k, mass)
+    whole = joint_fit(lines(late=1e-3, sigma=1e-7), PAPER.k, mass)
     assert whole.late
     late = whole.delayed
     assert abs(late.delay - 1e-3) < 4.0 * late.error("delay")
     assert abs(late.c - PAPER.c) < 4.0 * late.error("c")
-    found = [whole_oscillator(lines(seed=seed), PAPER.k, mass) for seed in range(10)]
+    found = [joint_fit(lines(seed=seed), PAPER.k, mass) for seed in range(10)]
     assert not any(whole.late for whole in found)
     sizes = np.array([whole.delayed.delay / whole.delayed.error("delay") for whole in found])
     assert np.abs(sizes).max() < 4.0  # standard errors
@@ -83,7 +83,7 @@ def test_readings_share_the_waveforms_that_hold_and_have_none_where_none_do():
         )
         for i, orbit in enumerate(orbits_at(NEAR, LEVELS))
     ]
-    whole = whole_oscillator([reading.lines for reading in readings], PAPER.k)
+    whole = joint_fit([reading.lines for reading in readings], PAPER.k)
     shared = joined(readings, whole)
     assert [reading.waveform for reading in shared] == list(whole.fit.waveforms)
     assert all(reading.slips for reading in shared)

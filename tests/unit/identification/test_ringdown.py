@@ -13,8 +13,8 @@ import pytest
 from blind.decays import draw, record
 from dampbalance import BaseMotion, Oscillator, identify, steady_orbit
 from dampbalance.commands.main import main
-from dampbalance.identification.identify import identify_readings
-from dampbalance.identification.ringdown import identify_ring_downs
+from dampbalance.identification.decays import identify_ring_downs
+from dampbalance.identification.forced import identify_readings
 from dampbalance.motion.jit import interpreted
 from dampbalance.reading.cycles import clipped
 from dampbalance.reading.noisy import read_features
@@ -57,11 +57,13 @@ def compiled():
 
 def holds(result, decay, far=FAR):
     """Whether F_k, c and K_z of balance and fit are those of the truth within their errors."""
-    for found in (result.coefficients, result.of_fit):
+    for found in (answer.parameters for answer in result.answers.values()):
         for symbol in ("F_k", "c"):
             off = found[symbol].value - getattr(decay, symbol)
             assert abs(off) < far * found[symbol].standard_error, symbol
-    low, high = (1.0 / math.sqrt(end) for end in reversed(result.of_fit["K_z"].interval))
+    low, high = (
+        1.0 / math.sqrt(end) for end in reversed(result.reference.parameters["K_z"].interval)
+    )
     middle, spread = 0.5 * (low + high), 0.5 * (high - low)
     assert abs(decay.K_z**-0.5 - middle) < far / 1.96 * spread
 
@@ -73,7 +75,7 @@ def test_a_release_tells_friction_damping_and_contact(quantity):
     holds(result, decay)
     assert result.fit.adequate
     # what 1 % noise over 12 half cycles leaves
-    assert result.coefficients["F_k"].standard_error < 0.02 * decay.F_k
+    assert result.estimates["balance"].parameters["F_k"].standard_error < 0.02 * decay.F_k
     assert result.fit.m == pytest.approx(decay.m, abs=FAR * result.fit.error("m"))
 
 
@@ -84,7 +86,7 @@ def test_a_record_without_noise_gives_the_oscillator_back(quantity):
     )
     result = identify_ring_downs([clean], OSCILLATOR.k)
     assert result.fit.adequate
-    for found in (result.coefficients, result.of_fit):
+    for found in (answer.parameters for answer in result.answers.values()):
         for symbol in SYMBOLS:
             # where a climb ends: 1e-4 of the errors that the least noise assumed, 3e-6 of the swing, leaves: 3e-5 of c
             assert found[symbol].value == pytest.approx(getattr(OSCILLATOR, symbol), rel=1e-8)
@@ -93,10 +95,10 @@ def test_a_record_without_noise_gives_the_oscillator_back(quantity):
 def test_the_balance_uses_what_the_samples_hold():
     result = identify_ring_downs([record(PLUCKED)[0]], PLUCKED.k)
     for symbol in ("F_k", "c"):
-        bound = result.of_fit[symbol].standard_error
-        assert bound**2 > 0.8 * result.coefficients[symbol].standard_error ** 2
+        bound = result.reference.parameters[symbol].standard_error
+        assert bound**2 > 0.8 * result.estimates["balance"].parameters[symbol].standard_error ** 2
     # χ² of rows that share turns: their covariance is full
-    assert 0.1 < result.misfit < 3.0
+    assert 0.1 < result.estimates["balance"].misfit < 3.0
 
 
 def test_what_held_the_mass_before_is_left_out():
@@ -126,7 +128,10 @@ def test_records_go_together():
     records = [record(replace(PLUCKED, index=i))[0] for i in range(3)]
     one, all_of_them = (identify_ring_downs(some, PLUCKED.k) for some in (records[:1], records))
     holds(all_of_them, PLUCKED)
-    ratio = all_of_them.of_fit["F_k"].standard_error / one.of_fit["F_k"].standard_error
+    ratio = (
+        all_of_them.reference.parameters["F_k"].standard_error
+        / one.reference.parameters["F_k"].standard_error
+    )
     # the starts are found within a tenth of a cycle, the first tenth of the largest of 12 half cycles
     assert ratio == pytest.approx(3.0**-0.5, rel=0.12)
     assert len(all_of_them.sources) == 3
@@ -141,7 +146,7 @@ def test_it_agrees_with_the_forced_result_for_the_same_oscillator():
     driven = identify_readings(forced, PLUCKED.k, replicates=100).estimates["direct"]
     free = identify_ring_downs([record(PLUCKED)[0]], PLUCKED.k)
     for symbol in ("F_k", "c"):
-        one, other = driven.coefficients[symbol], free.coefficients[symbol]
+        one, other = driven.coefficients[symbol], free.estimates["balance"].parameters[symbol]
         error = math.hypot(one.standard_error, other.standard_error)
         assert abs(one.value - other.value) < FAR * error
 
@@ -150,7 +155,10 @@ def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
     measured, _ = record(PLUCKED)
     free, given = (identify_ring_downs([measured], PLUCKED.k, mass=m) for m in (None, PLUCKED.m))
     assert given.fit.m == PLUCKED.m
-    assert given.of_fit["K_z"].standard_error < free.of_fit["K_z"].standard_error
+    assert (
+        given.reference.parameters["K_z"].standard_error
+        < free.reference.parameters["K_z"].standard_error
+    )
     wrong = identify_ring_downs([measured], PLUCKED.k, mass=1.3 * PLUCKED.m)
     assert wrong.fit.m == pytest.approx(free.fit.m)
     assert "is not that of these decays" in wrong.warnings[0]
@@ -164,7 +172,9 @@ def test_a_contact_of_another_kind_is_told():
     other = Measurement.of("bent", [Channel("displacement", channel.t, bent)])
     result = identify_ring_downs([other], PLUCKED.k)
     assert not result.fit.adequate
-    assert any("not those of one mass on a spring" in words for words in result.notes)
+    assert any(
+        "not those of one mass on a spring" in words for words in result.estimates["balance"].notes
+    )
 
 
 def test_a_clipped_decay_is_named_and_what_physics_forbids(tmp_path):
@@ -173,8 +183,8 @@ def test_a_clipped_decay_is_named_and_what_physics_forbids(tmp_path):
     half = 0.5 * np.abs(channel.values).max()
     cut_off = Channel("displacement", channel.t, np.clip(channel.values, -half, half))
     result = identify_ring_downs([Measurement.of("decay", [cut_off])], OSCILLATOR.k)
-    assert result.coefficients["c"].interval.high < 0.0
-    (words,) = [note for note in result.notes if "physics forbids" in note]
+    assert result.estimates["balance"].parameters["c"].interval.high < 0.0
+    (words,) = [note for note in result.estimates["balance"].notes if "physics forbids" in note]
     assert re.match(
         r"c = -\d.* N s/m is negative, .* clipping is the likely cause \(displacement of decay\)",
         words,
@@ -223,7 +233,7 @@ def test_gain_and_delay_are_taken_off_and_a_filter_is_refused():
         return identify_ring_downs([Measurement.of("run", [changed])], PLUCKED.k)
 
     plain, gained = corrected(None), corrected(Correction(gain=1.25, delay=0.01), 1.25)
-    one, other = (result.of_fit["F_k"] for result in (plain, gained))
+    one, other = (result.reference.parameters["F_k"] for result in (plain, gained))
     # the start may be found at another sample; without the gain F_k would be 25 % off, 20 standard errors
     assert abs(one.value - other.value) < 0.5 * one.standard_error
     with pytest.raises(ValueError, match=r"run: x has a filter .* as it was before the filter"):
@@ -247,7 +257,9 @@ def test_a_record_without_a_decay_is_refused_in_a_sentence(values, message):
     measured, _ = record(PLUCKED)
     t, x = measured["displacement"].t, measured["displacement"].values
     none = Measurement.of("run", [Channel("displacement", t, values(t, x))])
-    with pytest.raises(ValueError, match=rf"run: nothing drives it .* no free decay .*{message}"):
+    with pytest.raises(
+        ValueError, match=rf"run: the excitation channel is missing .* no free decay .*{message}"
+    ):
         identify_ring_downs([none], PLUCKED.k)
 
 
@@ -258,7 +270,7 @@ def test_a_forced_record_is_not_taken_for_a_decay(tmp_path):
     for names in ([path], [free, path], [path, free]):
         with pytest.raises(ValueError, match=r"level\.csv: .* moves: .* not identified together"):
             identify(names, PLUCKED.k, kind="ring-down" if len(names) == 1 else "recognised")
-    with pytest.raises(ValueError, match=r"decay\.csv: nothing drives it"):
+    with pytest.raises(ValueError, match=r"decay\.csv: the excitation channel is missing"):
         identify([free], PLUCKED.k, kind="forced")
 
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance.identification.identify import identify_readings
-from dampbalance.identification.reporting import document
-from dampbalance.identification.sensitivities import FAULTS, sensitivities
+from dampbalance.identification.document import document
+from dampbalance.identification.forced import identify_readings
+from dampbalance.identification.sensitivities import FAULTS
 from dampbalance.reading.noisy import Reading, read_features
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER, orbits_at
@@ -58,7 +58,7 @@ def test_records_with_the_fault_change_as_is_said(name, found):
     fault, part = FAULTS[name], 0.01
     faulty = [with_fault(reading, fault, part) for reading in readings]
     again = identify_readings(faulty, PAPER.k * (1.0 + part * fault.stiffness), replicates=20)
-    told = sensitivities(result)[name]
+    told = result.sensitivities()[name]
     for symbol in SYMBOLS:
         before, after = (
             each.estimates["direct"].parameters[symbol].value for each in (result, again)
@@ -68,7 +68,7 @@ def test_records_with_the_fault_change_as_is_said(name, found):
 
 
 def test_gains_and_stiffness_scale_the_equations(found):
-    told = sensitivities(found[1])
+    told = found[1].sensitivities()
     # m, c, k, K_z and F_k times a number are an oscillator of the same motion
     assert [told["stiffness_1_percent"][s] for s in SYMBOLS] == pytest.approx([0.01] * 3, rel=1e-6)
     # drive and response times a number are a motion of the same oscillator with F_k times that number
@@ -90,4 +90,4 @@ def test_the_document_has_them_in_percent(found):
 def test_without_direct_integration_there_are_none(found):
     result = found[1]
     only = replace(result, estimates={"fourier": result.estimates["fourier"]})
-    assert sensitivities(only) == {}
+    assert only.sensitivities() == {}

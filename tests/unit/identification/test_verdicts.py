@@ -10,70 +10,85 @@ import numpy as np
 import pytest
 
 from dampbalance.balance import Rows
-from dampbalance.identification.limits import Limit, limits, shown
-from dampbalance.identification.notes import forbidden, with_notes
-from dampbalance.identification.oscillator import Whole
-from dampbalance.identification.result import ApproachResult, Interval, ParameterEstimate
-from dampbalance.identification.showing import with_interval
-from dampbalance.identification.verdicts import in_one, verdicts_of
+from dampbalance.identification.answer import (
+    UNKNOWN,
+    Answer,
+    Balance,
+    Interval,
+    ParameterEstimate,
+    Remark,
+)
+from dampbalance.identification.microstick import Microstick
+from dampbalance.identification.oscillator import JointFit
+from dampbalance.identification.remarks import (
+    Limit,
+    agreement,
+    forbidden,
+    in_a_sentence,
+    limits,
+    with_notes,
+)
+from dampbalance.identification.screen import in_one, with_interval
 from dampbalance.project.wording import listed, times
-
-NOTHING = ParameterEstimate(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
 
 
 def parameter(value, half):
     return ParameterEstimate(value, half / 2.0, half / 2.0, Interval(value - half, value + half))
 
 
-SOUND = ApproachResult(
-    approach="direct",
-    coefficients={"F_k": parameter(1.28, 0.01), "c": parameter(90.0, 0.1)},
-    equal={"F_k": parameter(1.28, 0.02), "c": parameter(90.0, 0.2)},
-    K_z=parameter(208e3, 2e3),
-    shape_bias={},
-    correlations={},
-    residual=1e-4,
-    misfit=1.0,
-    rows=Rows({"F_k": np.ones(2), "c": np.ones(2)}, np.ones(2)),
-    row_errors=np.ones(2),
+SOUND = Answer(
+    "direct",
+    {"F_k": parameter(1.28, 0.01), "c": parameter(90.0, 0.1), "K_z": parameter(208e3, 2e3)},
+    covariance=np.full((3, 3), math.nan),
+    balance=Balance(
+        Rows({"F_k": np.ones(2), "c": np.array([1.0, 2.0])}, np.ones(2)), np.ones(2), ("a", "b")
+    ),
+    merit={"misfit": 1.0},
 )
 
 
+def with_parameters(**changed):
+    return replace(SOUND, parameters={**SOUND.parameters, **changed})
+
+
 def words(estimated):
-    return {s: v.verdict for s, v in verdicts_of(estimated).items()}
+    return {s: v.verdict for s, v in estimated.verdicts.items()}
 
 
 def test_sound_numbers_are_usable_without_a_reason():
-    verdicts = verdicts_of(SOUND)
+    verdicts = SOUND.verdicts
     assert list(verdicts) == ["F_k", "c", "K_z"]
     assert {(v.verdict, v.reason) for v in verdicts.values()} == {("usable", "")}
     assert in_one(verdicts) == "usable"
 
 
 def test_a_note_makes_every_number_of_its_approach_doubtful():
-    noted = verdicts_of(replace(SOUND, notes=("off by 16 %",)))
+    noted = replace(SOUND, notes=("off by 16 %",)).verdicts
     assert {(v.verdict, v.reason) for v in noted.values()} == {("doubtful", "off by 16 %")}
     assert in_one(noted) == "doubtful"
 
 
 def test_a_number_that_is_not_there_has_the_reason():
-    without = verdicts_of(replace(SOUND, K_z=NOTHING))
+    without = with_parameters(K_z=UNKNOWN).verdicts
     assert in_one(without) == "usable: F_k, c; none: K_z"
-    assert "do not tell K_z" in without["K_z"].reason
-    nothing = {"F_k": NOTHING, "c": NOTHING}
-    unsolved = replace(SOUND, coefficients=nothing, K_z=NOTHING, notes=("needs two levels",))
-    assert {tuple(v) for v in verdicts_of(unsolved).values()} == {("none", "needs two levels")}
+    assert "do not determine K_z" in without["K_z"].reason
+    nothing = dict.fromkeys(SOUND.parameters, UNKNOWN)
+    unsolved = replace(SOUND, parameters=nothing, notes=("needs two levels",))
+    assert {tuple(v) for v in unsolved.verdicts.values()} == {("none", "needs two levels")}
 
 
 @pytest.mark.parametrize(("half", "verdict"), [(0.63, "usable"), (0.65, "doubtful")])
 def test_an_interval_wider_than_the_value_is_a_reason(half, verdict):
-    wide = replace(SOUND, coefficients={**SOUND.coefficients, "F_k": parameter(1.28, half)})
-    assert words(wide) == {"F_k": verdict, "c": "usable", "K_z": "usable"}
+    assert words(with_parameters(F_k=parameter(1.28, half))) == {
+        "F_k": verdict,
+        "c": "usable",
+        "K_z": "usable",
+    }
 
 
 def test_a_lower_limit_is_doubtful_and_says_the_limit():
     limit = ParameterEstimate(math.inf, math.nan, math.nan, Interval(41234.5, math.inf))
-    verdict = verdicts_of(replace(SOUND, K_z=limit))["K_z"]
+    verdict = with_parameters(K_z=limit).verdicts["K_z"]
     assert verdict.verdict == "doubtful"
     assert "above 4.123e+04 N/m" in verdict.reason
 
@@ -81,34 +96,23 @@ def test_a_lower_limit_is_doubtful_and_says_the_limit():
 SOURCES = ["data/a.csv", "data/b.csv", "data/c.csv"]
 
 
-def identified(warnings=(), notes=None, sources=SOURCES):
-    readings = tuple(SimpleNamespace(steady=SimpleNamespace(source=s)) for s in sources)
-    estimates = {name: replace(SOUND, notes=of) for name, of in (notes or {}).items()}
-    whole = Whole(fit=None, linear=False, delayed=None)
-    return SimpleNamespace(
-        readings=readings, warnings=tuple(warnings), estimates=estimates, whole=whole
-    )
-
-
-def sentences(**given):
-    return [shown(limit, given.get("sources", SOURCES)) for limit in limits(identified(**given))]
+def sentences(warnings, sources=SOURCES):
+    """Warnings, of all records or (words, record), as a reader sees them."""
+    remarks = [Remark(*([one] if isinstance(one, str) else one)) for one in warnings]
+    return [in_a_sentence(limit, sources) for limit in limits({}, remarks)]
 
 
 def test_the_same_warning_on_several_records_is_one_sentence_with_its_range():
-    drift = "{}: drifts by {} % in {} s: let it warm up"
-    said = [drift.format(SOURCES[0], 3.5, 20), drift.format(SOURCES[1], "1e-05", 20)]
-    assert sentences(warnings=said) == [
-        "a.csv and b.csv: drifts by 1e-05 to 3.5 % in 20 s: let it warm up"
-    ]
-    said.append(drift.format(SOURCES[2], -2, 20))
-    assert sentences(warnings=said) == [
-        "all 3 records: drifts by -2 to 3.5 % in 20 s: let it warm up"
-    ]
+    drift = "drifts by {} % in {} s: let it warm up".format
+    said = [(drift(3.5, 20), SOURCES[0]), (drift("1e-05", 20), SOURCES[1])]
+    assert sentences(said) == ["a.csv and b.csv: drifts by 1e-05 to 3.5 % in 20 s: let it warm up"]
+    said.append((drift(-2, 20), SOURCES[2]))
+    assert sentences(said) == ["all 3 records: drifts by -2 to 3.5 % in 20 s: let it warm up"]
 
 
 def test_different_warnings_stay_apart_and_names_keep_their_numbers():
-    said = [f"{SOURCES[0]}: acc1 is clipped", f"{SOURCES[0]}: acc2 is clipped", "too alike"]
-    assert sentences(warnings=said) == [
+    said = [("acc1 is clipped", SOURCES[0]), ("acc2 is clipped", SOURCES[0]), "too alike"]
+    assert sentences(said) == [
         "a.csv: acc1 is clipped",
         "a.csv: acc2 is clipped",
         "too alike",
@@ -117,28 +121,29 @@ def test_different_warnings_stay_apart_and_names_keep_their_numbers():
 
 def test_factors_beyond_a_thousand_go_into_the_range():
     said = [
-        f"{s}: {times(x)} worse" for s, x in zip(SOURCES, (450.2, 3883747.0, 12.4), strict=True)
+        (f"{times(x)} worse", s) for s, x in zip(SOURCES, (450.2, 3883747.0, 12.4), strict=True)
     ]
-    assert sentences(warnings=said) == ["all 3 records: 12 to more than 1000 times worse"]
+    assert sentences(said) == ["all 3 records: 12 to more than 1000 times worse"]
 
 
 def test_records_of_one_name_are_told_apart_by_their_folders():
     sources = ["one/a.csv", "two/a.csv", "three/b.csv"]
-    said = [f"{source}: clipped" for source in sources[:2]]
-    assert sentences(warnings=said, sources=sources) == ["one/a.csv and two/a.csv: clipped"]
+    said = [("clipped", source) for source in sources[:2]]
+    assert sentences(said, sources=sources) == ["one/a.csv and two/a.csv: clipped"]
 
 
 def test_many_records_are_counted():
     sources = [f"{i}.csv" for i in range(20)]
-    said = [f"{source}: clipped" for source in sources[:9]]
-    assert sentences(warnings=said, sources=sources) == [
+    said = [("clipped", source) for source in sources[:9]]
+    assert sentences(said, sources=sources) == [
         "9 of 20 records (0.csv, 1.csv, 2.csv, 3.csv, 4.csv …): clipped"
     ]
 
 
 def test_notes_of_approaches_go_together():
-    found = limits(identified(notes={"X_s": ("F_k by -16 %",), "t_s": ("F_k by -17 %",)}))
-    assert found == [Limit("approaches", ("X_s", "t_s"), "F_k by -17 to -16 %")]
+    notes = {"X_s": "F_k by -16 %", "t_s": "F_k by -17 %"}
+    answers = {name: replace(SOUND, notes=(note,)) for name, note in notes.items()}
+    assert limits(answers, []) == [Limit("approaches", ("X_s", "t_s"), "F_k by -17 to -16 %")]
 
 
 def test_words_in_a_row():
@@ -161,8 +166,8 @@ def read(source, **clipped):
 
 
 def test_a_coefficient_that_physics_forbids_is_named_with_the_likely_cause():
-    negative = replace(SOUND, coefficients={"F_k": parameter(-0.1, 0.2), "c": parameter(-6.0, 1.0)})
-    linear = Whole(None, True, None)
+    negative = with_parameters(F_k=parameter(-0.1, 0.2), c=parameter(-6.0, 1.0))
+    linear = JointFit(None, True, None)
     for readings, cause in (
         ([read("a", force=0.0)], "a sign, a gain, a channel or the stiffness may be wrong"),
         (
@@ -191,3 +196,22 @@ def test_a_coefficient_that_physics_forbids_is_named_with_the_likely_cause():
 )
 def test_a_number_of_any_size_fits_its_cell(value, half, expected):
     assert with_interval(parameter(value, half)) == expected
+
+
+@pytest.mark.parametrize(("sizes", "apart"), [(3.9, False), (4.1, True)])
+def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference_on(sizes, apart):
+    # the variance of the difference is that of the balance, 0.5², less that of the fit, 0.3²
+    fit = SimpleNamespace(
+        adequate=True,
+        law=SimpleNamespace(unknowns=("F_k", "c")),
+        value={"F_k": 1.28, "c": 90.0}.get,
+        error={"F_k": 0.004, "c": 0.3}.get,
+    )
+    off = ParameterEstimate(90.0 + 0.4 * sizes, 0.5, 0.5, Interval(89.0, 93.0))
+    warnings = agreement(
+        [],
+        Microstick(1e-5, 1e-7, True, 2e-5),
+        JointFit(fit, False, None),
+        {"direct": with_parameters(c=off)},
+    )
+    assert any("the energy balance and the fit" in words for words in warnings) == apart

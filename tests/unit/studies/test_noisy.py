@@ -9,9 +9,7 @@ import pandas as pd
 import pytest
 
 from dampbalance import BaseMotion, __version__, steady_orbit
-from dampbalance.identification.answers import answers_of_forced
-from dampbalance.identification.identify import identify_readings
-from dampbalance.identification.limits import REFERENCE
+from dampbalance.identification.forced import identify_readings
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
 from dampbalance.project.wording import percent
 from dampbalance.reading.noisy import read_features
@@ -88,7 +86,7 @@ def test_yardsticks_stand_beside_the_approaches_and_change_nothing(done, make):
 
     # The fit is what `identify` says of the same records.
     result = identify_readings([reading for _, reading in records], PAPER.k, replicates=10)
-    answer = answers_of_forced(result)[REFERENCE]
+    answer = result.reference
     for symbol, column, true in (("F_k", "F_k_N", PAPER.F_k), ("c", "c_N_s_per_m", PAPER.c)):
         value, error = answer.values[symbol], answer.standard_errors[symbol]
         assert found[f"{column}__{fit}"] == pytest.approx(value, rel=1e-11)

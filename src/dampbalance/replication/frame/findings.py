@@ -12,9 +12,9 @@ import numpy as np
 
 from ...arrays import Array
 from ...balance import APPROACHES
-from ...identification.identify import identify_readings
+from ...identification.forced import identify_readings
 from ...identification.loading import Loaded, load
-from ...identification.notes import YARDSTICK
+from ...identification.remarks import DIRECT
 from ...law.law import Law, law_of
 from ...law.terms import FRICTION, named_with_unit, term
 from ...reading.noisy import Reading, read_features
@@ -106,8 +106,8 @@ def require(measured: Mapping[str, Any], frame: Mapping[str, Any], records: int)
     """ValueError where the section `frame` does not fit its set of so many records."""
     if measured.get("mass_kg") is None:
         raise ValueError("frame: needs the mass of the records; give mass_kg for their set")
-    if YARDSTICK not in (measured.get("approaches") or APPROACHES):
-        raise ValueError(f"frame: needs the approach {YARDSTICK}; add it to those of its set")
+    if DIRECT not in (measured.get("approaches") or APPROACHES):
+        raise ValueError(f"frame: needs the approach {DIRECT}; add it to those of its set")
     if (loads := len(frame["loads_kg"])) != records:
         raise ValueError(
             f"frame: loads_kg names {loads} loads for {records} records; give one for each"
@@ -116,14 +116,14 @@ def require(measured: Mapping[str, Any], frame: Mapping[str, Any], records: int)
 
 def _force(identified: Mapping[str, Any], law: Law, i: int) -> dict[str, Any]:
     """F_k of record i with its standard error and interval, N, by direct integration."""
-    estimates, key = identified["approaches"][YARDSTICK], law.key(FRICTION, i)
+    estimates, key = identified["approaches"][DIRECT], law.key(FRICTION, i)
     ends = {"F_k_N": "", "standard_error_N": "_standard_error", "interval_N": "_interval"}
     return {name: estimates[named_with_unit(f"{key}{end}", "N")] for name, end in ends.items()}
 
 
 def _share(identified: Mapping[str, Any], law: Law, i: int) -> float:
     """The share of the work of record i that goes to the terms whose coefficients are given."""
-    rows = identified["approaches"][YARDSTICK]["rows"]
+    rows = identified["approaches"][DIRECT]["rows"]
     lost = math.fsum(p * rows[term(key).integral_column][i] for key, p in law.given.items())
     return float(lost / rows["W_J"][i])
 
@@ -145,9 +145,9 @@ def _first_cycles(
             for c in channels
         ]
         parts.append(read_features(Measurement.of(one.record.name, kept), k))
-    direct = {YARDSTICK: APPROACHES[YARDSTICK]}
+    direct = {DIRECT: APPROACHES[DIRECT]}
     result = identify_readings(parts, k, law=law, approaches=direct, replicates=_REPLICATES)
-    values = result.estimates[YARDSTICK].coefficients
+    values = result.estimates[DIRECT].coefficients
     return [
         (replace(part, joint=True), values[law.key(FRICTION, i)].value)
         for i, part in enumerate(parts)

@@ -1,0 +1,250 @@
+"""An answer: numbers with their intervals, what they are good for, and the rows of the balance that they come from.
+
+Every approach to forced records or free decays ends in an `Answer`, and so does the fit of maximum likelihood. Table,
+document, figures and studies read answers and nothing else, so that none of them asks what kind of record it was.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..balance import Rows
+from ..law.terms import term
+from ..reading.ringdown_fit import RingFit
+from ..reading.waveforms import WaveformFit
+from ..solver import NORMAL_95
+
+CONFIDENCE = 0.95
+
+REFERENCE = "maximum likelihood"
+"""Name of the answer of the fit to all records, against which the approaches are checked."""
+
+USABLE, DOUBTFUL, NONE = "usable", "doubtful", "none"
+
+
+AnyFit = WaveformFit | RingFit
+"""A fit of one oscillator by maximum likelihood: to forced records, or to free decays."""
+
+
+class Interval(NamedTuple):
+    """Interval that holds the true value with probability CONFIDENCE; an end that is not known is infinite."""
+
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterEstimate:
+    """One identified number, SI units; NaN where it could not be identified.
+
+    standard_error : by bootstrap, or of the fit.   propagated_error : the same error by propagation (jackknife); NaN
+    where there is none.   interval : at CONFIDENCE.
+    """
+
+    value: float
+    standard_error: float
+    propagated_error: float
+    interval: Interval
+
+
+UNKNOWN = ParameterEstimate(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
+"""The estimate of a number that the records do not determine."""
+
+
+class Verdict(NamedTuple):
+    """usable: value and interval hold.   doubtful: a value with a reason not to trust it.   none: no value."""
+
+    verdict: str
+    reason: str = ""
+
+
+class Remark(str):
+    """A sentence on records, as a reader sees it, that knows which record it is about.
+
+    source : name of the record; empty where the sentence is about all of them.   words : the sentence without the name.
+    """
+
+    source: str
+    words: str
+
+    def __new__(cls, words: str, source: str = "") -> Remark:
+        """The sentence, after the name of the record where it is about one."""
+        remark = super().__new__(cls, f"{source}: {words}" if source else words)
+        remark.source, remark.words = source, words
+        return remark
+
+
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """Rows of the energy balance, as an answer solved them.
+
+    errors : standard deviation of the misfit Σ g_j p_j − W of each row, J, (n,).   names : of the records or decays
+    that the rows belong to.   labels : further columns of a table of the rows.
+    """
+
+    rows: Rows
+    errors: Array
+    names: tuple[str, ...]
+    labels: Mapping[str, Sequence[Any]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What one approach, or the fit of maximum likelihood, identifies.
+
+    name : of the approach.
+    parameters : by symbol, SI units: the coefficients of the law (F_k in N, c in N s/m, …) and K_z, N/m.
+    covariance : of their errors, in the order of `parameters`, (n, n), in the products of their units; NaN where it is
+    not known.
+    notes : what a reader must know before using the numbers, and why something is missing.
+    balance : the rows that were solved; None for the fit.
+    correlations : of the errors of two parameters, by their symbols.
+    equal : the coefficients with all rows weighted alike, Eq. (9) as published; empty where there is one weighting.
+    shape_bias : relative error that the shape of x(t) which the approach assumes makes in each coefficient, for the
+    oscillator of the fit; empty where that does not hold.
+    merit : how well the rows or the records are met, and what else the fit identifies, by the keys of the document.
+    """
+
+    name: str
+    parameters: Mapping[str, ParameterEstimate]
+    covariance: Array
+    notes: tuple[str, ...] = ()
+    balance: Balance | None = None
+    correlations: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    equal: Mapping[str, ParameterEstimate] = field(default_factory=dict)
+    shape_bias: Mapping[str, float] = field(default_factory=dict)
+    merit: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def coefficients(self) -> dict[str, ParameterEstimate]:
+        """The parameters of the law, without K_z."""
+        return {symbol: p for symbol, p in self.parameters.items() if symbol != "K_z"}
+
+    @property
+    def K_z(self) -> ParameterEstimate:
+        """The contact stiffness, N/m; its interval comes from that of K_z^{−1/2}."""
+        return self.parameters["K_z"]
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Each value by its symbol, SI units."""
+        return {symbol: p.value for symbol, p in self.parameters.items()}
+
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """Each standard error by its symbol, SI units."""
+        return {symbol: p.standard_error for symbol, p in self.parameters.items()}
+
+    @property
+    def intervals(self) -> dict[str, Interval]:
+        """Each interval of 95 % by its symbol, SI units."""
+        return {symbol: p.interval for symbol, p in self.parameters.items()}
+
+    @property
+    def verdicts(self) -> dict[str, Verdict]:
+        """Whether each value is usable, doubtful or missing, by its symbol, and why."""
+        return {symbol: _judged(symbol, p, self.notes) for symbol, p in self.parameters.items()}
+
+    @property
+    def misfit(self) -> float:
+        """χ² of the rows about the solution per degree of freedom; NaN where there is no degree of freedom left."""
+        return float(self.merit.get("misfit", math.nan))
+
+    @property
+    def rows(self) -> dict[str, Array]:
+        """The rows of the balance, a column each, (rows,): the integrals, the input work W, its standard error, and the
+        misfit that the values leave; empty for the fit."""
+        if self.balance is None:
+            return {}
+        rows = self.balance.rows
+        columns = {term(key).integral_column: g for key, g in rows.terms.items()}
+        columns |= {"W_J": rows.W, "standard_error_J": self.balance.errors}
+        return columns | {"misfit_J": self.row_misfit}
+
+    @property
+    def row_misfit(self) -> Array:
+        """Σ g_j p_j − W of each row with the values of this answer, J, (rows,)."""
+        assert self.balance is not None
+        values = {symbol: p.value for symbol, p in self.coefficients.items()}
+        return self.balance.rows.misfit({**self.balance.rows.given, **values})
+
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """Names of the records or decays that the rows belong to."""
+        return () if self.balance is None else self.balance.names
+
+
+def answer_of_fit(
+    fit: AnyFit,
+    coefficients: Mapping[str, float],
+    unknowns: Sequence[str],
+    notes: tuple[str, ...],
+    **merit: Any,
+) -> Answer:
+    """The answer of a fit of maximum likelihood.
+
+    coefficients : by key.   unknowns : names in the order of the covariance of the fit.   merit : what else is known.
+    """
+    parameters = {key: normal(value, fit.error(key)) for key, value in coefficients.items()}
+    error = math.inf if math.isinf(fit.K_z) else 2.0 * fit.K_z**1.5 * fit.error("rho")
+    parameters["K_z"] = ParameterEstimate(fit.K_z, error, math.nan, Interval(*fit.K_z_interval))
+    places = [unknowns.index("rho" if symbol == "K_z" else symbol) for symbol in parameters]
+    # K_z = ρ^{−2}, dK_z = −2ρ^{−3} dρ
+    slopes = np.array([-2.0 * fit.K_z**1.5 if symbol == "K_z" else 1.0 for symbol in parameters])
+    with np.errstate(invalid="ignore"):
+        covariance = fit.covariance[np.ix_(places, places)] * np.outer(slopes, slopes)
+    of_fit = {
+        "m_kg": fit.m,
+        "m_standard_error_kg": fit.error("m"),
+        "natural_frequency_Hz": fit.natural_frequency_hz,
+        "misfit": fit.misfit,
+    }
+    return Answer(REFERENCE, parameters, covariance, notes, merit=of_fit | merit)
+
+
+def normal(value: float, error: float) -> ParameterEstimate:
+    """A number whose error has a normal distribution."""
+    reach = NORMAL_95 * error
+    return ParameterEstimate(value, error, math.nan, Interval(value - reach, value + reach))
+
+
+def covariance_of(
+    parameters: Mapping[str, ParameterEstimate], correlations: Mapping[tuple[str, str], float]
+) -> Array:
+    """The covariance that standard errors and correlations make; NaN where a correlation is not given."""
+    errors = np.array([p.standard_error for p in parameters.values()])
+    known = np.full((errors.size, errors.size), np.nan)
+    np.fill_diagonal(known, 1.0)
+    places = {symbol: i for i, symbol in enumerate(parameters)}
+    for (one, other), correlation in correlations.items():
+        i, j = places[one], places[other]
+        known[i, j] = known[j, i] = correlation
+    return np.asarray(known * np.outer(errors, errors))
+
+
+def unit_of(key: str) -> str:
+    """SI unit of an identified parameter: a coefficient by its key, or K_z."""
+    return "N/m" if key == "K_z" else term(key).unit
+
+
+def _judged(symbol: str, parameter: ParameterEstimate, notes: Sequence[str]) -> Verdict:
+    """The verdict on a number by itself, and by the notes on its answer: the only place that decides it."""
+    if math.isnan(parameter.value):
+        return Verdict(NONE, "; ".join(notes) or f"these records do not determine {symbol}")
+    reasons = "; ".join([*notes, *_reasons(symbol, parameter)])
+    return Verdict(DOUBTFUL, reasons) if reasons else Verdict(USABLE)
+
+
+def _reasons(symbol: str, parameter: ParameterEstimate) -> Iterator[str]:
+    """Why a number is doubtful by itself."""
+    low, high = parameter.interval
+    if math.isinf(parameter.value) or math.isinf(high):
+        yield f"a lower limit only: {symbol} is above {low:.4g} {unit_of(symbol)}"
+    elif not high - low <= abs(parameter.value):
+        yield "its interval is wider than its value"

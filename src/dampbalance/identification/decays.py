@@ -1,0 +1,363 @@
+"""F_k, c and K_z from free decays: by rows of half cycles, weighted with their covariance, and by a fit of all samples.
+
+Every half cycle between turns gives a row a F_k + b c = W (`reading/ringdown_rows.py`). Neighbouring rows share a turn,
+and all share the rest position of the spring: rows are made independent by the root of their covariance before they are
+solved.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..arguments import number
+from ..arrays import Array
+from ..balance import TERMS, Rows
+from ..project.wording import times, visible
+from ..reading.cycles import clipped
+from ..reading.frequency import stands_still
+from ..reading.one_thread import one_thread
+from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
+from ..reading.ringdown_fit import RingFit, fit_stretches, with_noise_of
+from ..reading.ringdown_joint import fit_all
+from ..reading.ringdown_motion import COMMON
+from ..reading.ringdown_rows import RingRows, W, at_rest, rows_of
+from ..reading.ringdown_starts import stretches_of
+from ..reading.sampling import evenly_sampled
+from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
+from ..solver import NORMAL_95, solve
+from .answer import (
+    CONFIDENCE,
+    UNKNOWN,
+    Answer,
+    Balance,
+    Remark,
+    answer_of_fit,
+    covariance_of,
+    normal,
+)
+from .outcome import Outcome, Picture
+from .remarks import forbidden
+from .screen import implied
+
+BALANCE = "balance"
+"""Name of the one approach to free decays."""
+
+_ORDERS = {quantity: order for order, quantity in enumerate(RESPONSES)}
+_CHANCE = 1e-4  # probability of a misfit in noise, below which there is another reason
+_MASS_OFF = 4.0  # standard errors
+# half cycles, and K_z/k, below which a motion that does not fit shows no contact
+_FEWEST, _LOOSE = 2, 1e-2
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DecayOutcome(Outcome):
+    """The answers to records of free decays, and all that they come from.
+
+    fit : of one oscillator to all samples; the balance has its K_z.
+    half_cycles : rows of the balance.   mass_given : whether the fit takes the mass as given.
+    """
+
+    fit: RingFit
+    half_cycles: RingRows
+    mass_given: bool
+
+    kind: ClassVar[Mapping[str, str]] = {"kind": "ring-down"}
+
+    @property
+    def head(self) -> str:
+        """How many records, decays and half cycles."""
+        records, decays = len(self.sources), len(self.fit.stretches)
+        halves = self.half_cycles.halves
+        return (
+            f"{_counted(records, 'record')} with {_counted(decays, 'free decay')}, {_slipping(halves)}; "
+            "values with 95 % intervals"
+        )
+
+    @property
+    def rig(self) -> list[str]:
+        """Mass and natural frequency of the fit."""
+        return implied(self.fit, self.mass_given)
+
+    def settings(self) -> dict[str, Any]:
+        """The probability of the intervals."""
+        return {"confidence": CONFIDENCE}
+
+    def findings(self, files: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+        """The decays of each record."""
+        decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.stretches)]
+        return {
+            "records": [
+                {"record": name, "decays": [decay for source, decay in decays if source == name]}
+                | dict(file)
+                for name, file in zip(self.sources, files, strict=True)
+            ]
+        }
+
+    def _decay(self, i: int) -> dict[str, Any]:
+        one, (turns, errors) = self.fit.stretches[i], self.half_cycles.turns[i]
+        still = at_rest(self.fit, i)
+        # where the spring is slack, in the channel of displacement if there is one
+        offsets = zip(one.signals, one.offsets, strict=True)
+        rest = next((number for signal, number in offsets if signal.order == 0), None)
+        return {
+            "decay": i + 1,
+            "start_s": one.start,
+            "end_s": one.end,
+            "sticks_from_s": None if still is None else one.start + still,
+            "rest_m": None if rest is None else self.fit.point[len(COMMON) + rest],
+            "noise_rms": {signal.quantity: signal.noise for signal in one.signals},
+            "turns_s": turns[:, 0],
+            "turns_m": turns[:, 1],
+            "turns_standard_error_m": errors,
+        }
+
+    def features_table(self) -> list[dict[str, Any]]:
+        """A row for each turn of each decay: when, where, and the standard error."""
+        turns_of_all = zip(self.fit.stretches, self.half_cycles.turns, strict=True)
+        return [
+            {
+                "record": one.source,
+                "decay": i + 1,
+                "time_s": float(t),
+                "x_m": float(x),
+                "x_standard_error_m": float(error),
+            }
+            for i, (one, (turns, errors)) in enumerate(turns_of_all)
+            for (t, x), error in zip(turns, errors, strict=True)
+        ]
+
+    @property
+    def pictures(self) -> dict[str, Picture]:
+        """decays : each with the motion fitted to it."""
+
+        def draw() -> Any:
+            from .pictures import decays  # slow to import
+
+            return decays(self.fit, self.half_cycles.turns)
+
+        count = len(self.fit.stretches)
+        words = f"{count} free decays with the motion fitted to them, their turns and the residual"
+        return {"decays": Picture(draw, words)}
+
+
+def _counted(n: int, what: str) -> str:
+    return f"{n} {what}{'s' * (n != 1)}"
+
+
+def _slipping(halves: int) -> str:
+    return f"{_counted(halves, 'half cycle')} that slip{'s' * (halves == 1)}"
+
+
+@one_thread
+def identify_ring_downs(
+    records: Sequence[Measurement], k: float, *, mass: float | None = None
+) -> DecayOutcome:
+    """F_k, c and K_z from records of free decays, one or more.
+
+    k : stiffness, N/m.   mass : kg, if it is known; the fit takes it unless the decays contradict it.
+
+    Raises ValueError for a stiffness or a mass that is not positive, a record whose excitation channel moves, one
+    without a decay that slips, and a channel with a filter.
+    """
+    number("stiffness", k)
+    if mass is not None:
+        number("mass", mass)
+    fits: list[RingFit] = []
+    warnings: list[Remark] = []
+    offsets = 0
+    for record in records:
+        if record.driven and not stands_still(record.excitation.values):
+            raise ValueError(
+                f"{record.source}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
+                "and free decays are not identified together"
+            )
+        odd: list[str] = []
+        signals = [_signal(record, channel, odd) for channel in record.responses]
+        warnings += [Remark(words, record.source) for words in odd]
+        numbers = range(offsets, offsets + len(signals))
+        try:
+            stretches = stretches_of(record.source, signals, k, numbers)
+        except NoDecay as error:
+            raise ValueError(f"{record.source}: {_unclear(record)}: {error}") from None
+        if not stretches:
+            raise ValueError(
+                f"{record.source}: {_unclear(record)}: what moves in it is not the motion of a mass on a spring of "
+                f"{k:g} N/m with friction; give the record from the release or the blow on"
+            )
+        offsets += len(signals)
+        fits += stretches
+    common, left_out = fit_all(fits, offsets)
+    if common is None:
+        raise ValueError(f"{records[0].source}: no oscillator moves like its free decays")
+    warnings += [
+        Remark(
+            f"{one.source}: what moves from {one.start:.4g} s to {one.end:.4g} s is no free decay of this oscillator, "
+            "and is left out"
+        )
+        for one in left_out
+    ]
+    fit = with_noise_of(common)
+    if mass is not None:
+        fit = _with_mass(fit, mass, warnings)
+    rows = rows_of(fit)
+    if not fit.adequate and (rows.halves < _FEWEST or fit.K_z < _LOOSE * k):
+        raise ValueError(
+            f"{', '.join(dict.fromkeys(one.source for one in fit.stretches))}: what moves in it is no free decay of a "
+            f"mass on a spring of {k:g} N/m with a friction contact: the motion of the nearest one shows "
+            f"{_slipping(rows.halves)} and leaves {times(math.sqrt(fit.misfit))} the noise; is the mass still driven, "
+            "or is its frequency or its gain not constant? Give the record from the release or the blow on"
+        )
+    return _solved(fit, rows, tuple(r.source for r in records), mass is not None, warnings)
+
+
+def _unclear(record: Measurement) -> str:
+    """How a record without a decay is reported."""
+    if record.driven:
+        return f"{visible(record.excitation.name)} stands still, and no free decay was found"
+    return (
+        f"the excitation channel is missing ({', '.join(EXCITATIONS)}), and no free decay was found"
+    )
+
+
+def _signal(record: Measurement, channel: Channel, warnings: list[str]) -> Signal:
+    """A channel of the mass, evenly sampled and with its known gain and delay taken off."""
+    correction = channel.correction
+    channel = evenly_sampled(channel, record.source, warnings)
+    t, values = channel.t, channel.values
+    if correction is not None:
+        if correction.low_pass or correction.high_pass:
+            raise ValueError(
+                f"{record.source}: {visible(channel.name)} has a filter in its mapping, which cannot be taken off a "
+                "free decay; give the channel as it was before the filter"
+            )
+        t, values = t - correction.delay, values / correction.gain
+    return Signal(channel.quantity, _ORDERS[channel.quantity], t, values, noise_of(values))
+
+
+def _with_mass(fit: RingFit, mass: float, warnings: list[Remark]) -> RingFit:
+    """The fit with the mass given, unless the decays contradict it."""
+    off = (fit.m - mass) / fit.error("m")
+    start = fit.point.copy()
+    start[3] = mass
+    again = fit_stretches(fit.stretches, fit.k, start, given={3}) if abs(off) < _MASS_OFF else None
+    if again is None:
+        warnings.append(
+            Remark(
+                f"the mass given, {mass:g} kg, is not that of these decays, {fit.m:.6g} ± {fit.error('m'):.2g} kg, and "
+                "is left out: a gain, a unit or the stiffness may be wrong"
+            )
+        )
+        return fit
+    return again
+
+
+def _solved(
+    fit: RingFit,
+    rows: RingRows,
+    sources: tuple[str, ...],
+    mass_given: bool,
+    warnings: list[Remark],
+) -> DecayOutcome:
+    """The rows solved, with notes and warnings."""
+    from scipy import special  # slow to import
+
+    values, covariance, misfit, freedom = _least_squares(fit, rows)
+    notes, fit_notes = [], []
+    if not fit.adequate:
+        fit_notes.append(
+            f"the decays are not those of one mass on a spring, a damper and one friction contact within white noise: "
+            f"what is left is {fit.misfit:.3g} times as large as noise would leave it over a twelfth of a cycle"
+        )
+    notes += fit_notes
+    if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < _CHANCE:
+        notes.append(f"the half cycles do not share one F_k and c: χ² is {misfit:.3g} per row")
+    if not values:
+        notes.append(
+            f"{_slipping(rows.halves)} do not distinguish F_k from c: start the decay higher, or give more of them"
+        )
+    if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
+        words = (
+            "no friction shows in addition to the damping: if the contact sticks all the time, c belongs to the "
+            "stiffness k + K_z, and is 1 + K_z/k times as large"
+        )
+        notes.append(words)
+        fit_notes.append(words)
+    errors = {symbol: math.sqrt(covariance[i, i]) for i, symbol in enumerate(values)}
+    estimates = {s: normal(values[s], errors[s]) for s in TERMS if s in values}
+    clipped_signals = {
+        f"{signal.quantity} of {one.source}": Remark(
+            f"{signal.quantity} is clipped: several samples hold its extreme value; swings are too small; raise the "
+            "measuring range",
+            one.source,
+        )
+        for one in fit.stretches
+        for signal in one.signals
+        if clipped(signal.values)
+    }
+    suspects = "the drive, a hand on the mass, a gain or a filter"
+    notes += forbidden(estimates, list(clipped_signals), suspects)
+    coefficients = {symbol: getattr(fit, symbol) for symbol in TERMS}
+    reference = answer_of_fit(fit, coefficients, COMMON, tuple(fit_notes))
+    parameters = {s: estimates.get(s, UNKNOWN) for s in TERMS} | {"K_z": reference.K_z}
+    correlations = (
+        {("F_k", "c"): float(covariance[0, 1]) / (errors["F_k"] * errors["c"])} if values else {}
+    )
+    numbers = [i + 1 if i >= 0 else None for i in rows.stretch.tolist()]
+    balance = Balance(
+        Rows(rows.terms, rows.columns[:, W]),
+        np.sqrt(np.diag(rows.covariance)),
+        tuple("shape" if i is None else f"decay {i}" for i in numbers),
+        {"decay": numbers},
+    )
+    answer = Answer(
+        BALANCE,
+        parameters,
+        covariance_of(parameters, correlations),
+        tuple(notes),
+        balance,
+        correlations,
+        merit={"misfit": misfit, "degrees_of_freedom": freedom},
+    )
+    return DecayOutcome(
+        k=fit.k,
+        sources=sources,
+        estimates={BALANCE: answer},
+        reference=reference,
+        warnings=(*warnings, *clipped_signals.values()),
+        fit=fit,
+        half_cycles=rows,
+        mass_given=mass_given,
+    )
+
+
+def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Array, float, int]:
+    """(F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom)."""
+    nothing: dict[str, float] = {}
+    count = len(rows.columns)
+    if not count:
+        return nothing, np.empty((0, 0)), math.nan, 0
+    scale = np.sqrt(np.diag(rows.covariance))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    correlations = rows.covariance / np.outer(scale, scale)
+    # rows that the same samples make may nearly be one
+    sizes, vectors = np.linalg.eigh(correlations)
+    whitening = (vectors / np.sqrt(np.maximum(sizes, 1e-10 * sizes[-1]))).T / scale
+    white = Rows(
+        {name: whitening @ g for name, g in rows.terms.items()}, whitening @ rows.columns[:, W]
+    )
+    estimate = solve(white)
+    if math.isnan(estimate.residual):
+        return nothing, np.empty((0, 0)), math.nan, 0
+    design = np.column_stack(list(white.terms.values()))
+    length = np.linalg.norm(design, axis=0)
+    covariance = np.linalg.inv((design / length).T @ (design / length)) / np.outer(length, length)
+    values = {name: float(value) for name, value in estimate.values.items()}
+    freedom = count - len(values)
+    left = white.misfit(values)
+    misfit = float(left @ left) / freedom if freedom > 0 else math.nan
+    return values, covariance, misfit, freedom

@@ -1,0 +1,469 @@
+"""F_k, c and K_z from measured responses at several levels, by every approach, with standard errors and intervals.
+
+Each response gives one row a F_k + b c = W of the energy balance (6); rows of different frequencies go together, since
+neither F_k nor c depends on the frequency. Rows are weighted by the inverse variance of their misfit; the result of
+Eq. (9) as published, where all rows are weighted alike, is given next to it.
+
+What a row needs of the onset of slip comes from the waveforms of one oscillator fitted to all records. Where the
+records are not those of such an oscillator, the onset is unknown and K_z is not identified: direct integration then
+takes a = 4X − λ with the λ of the oscillator that comes nearest, a small part of 4X where the contact is stiff. A level
+that does not slip leaves the balance; where none slips, F_k is unknown, and W = b c gives c.
+
+The effect of noise on the estimates is computed twice: by bootstrap (cycles of every record drawn with replacement, the
+balance solved for each drawing) and by propagation (the jackknife: one cycle of one record left out after the other).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..arguments import number, whole
+from ..arrays import Array, Mask
+from ..balance import APPROACHES, Approach, Rows
+from ..features import COLUMNS, Features, Phase, stack
+from ..law.law import Law
+from ..law.terms import FRICTION, parted
+from ..reading.noisy import Reading
+from ..reading.one_thread import one_thread
+from ..solver import Estimate, least_squares, solve
+from .answer import (
+    CONFIDENCE,
+    UNKNOWN,
+    Answer,
+    Balance,
+    Interval,
+    ParameterEstimate,
+    Remark,
+    covariance_of,
+)
+from .law_comparison import LawComparison
+from .law_rows import LawRows
+from .loading import Loaded
+from .microstick import Microstick, Sample, Samples, microstick, read_samples
+from .oscillator import JointFit, joined, joint_fit
+from .outcome import Outcome, Picture
+from .remarks import DIRECT, agreement, limits, with_notes
+from .screen import implied, with_error
+from .sensitivities import FAULTS, sensitivities
+
+REPLICATES = 1000
+SEED = 2010
+
+_COPIED = 1e-9  # of the largest harmonic: what writing a record in another format may change
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ForcedOutcome(Outcome):
+    """The answers to records of steady responses, and all that they come from.
+
+    law : whose coefficients are identified.
+    phase : that the harmonic approaches take.
+    readings : what was read off each record.
+    joint : the fit of one oscillator to all records.
+    features : of the records, (n,), with the onset of slip of that oscillator.
+    microstick : the line that all records share.
+    replicates, seed : of the bootstrap.
+    laws : which laws the records support, where that was asked for.
+    loaded : the records with their leading samples, for pictures.
+    """
+
+    law: Law
+    phase: Phase
+    readings: tuple[Reading, ...]
+    joint: JointFit
+    features: Features
+    microstick: Microstick
+    replicates: int
+    seed: int
+    laws: LawComparison | None = None
+    loaded: tuple[Loaded, ...] = ()
+
+    @property
+    def head(self) -> str:
+        """How many records, at which frequencies."""
+        hz = sorted({round(r.steady.frequency_hz, 4) for r in self.readings})
+        return (
+            f"{len(self.readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; values with 95 % intervals from "
+            f"{self.replicates} bootstrap replicates"
+        )
+
+    @property
+    def rig(self) -> list[str]:
+        """Mass and natural frequency of the fit, and the delay between the channels."""
+        fit, delayed = self.joint.fit, self.joint.delayed
+        if fit is None or self.joint.linear:
+            return []
+        sentences = implied(fit, self.joint.mass_given)
+        if fit.adequate and delayed is not None:
+            delay, error = 1e6 * delayed.delay, 1e6 * delayed.error("delay")
+            sentences.append(
+                f"Left free, a delay of the response is {with_error(delay, error)} µs."
+            )
+        return sentences
+
+    @property
+    def comparison(self) -> list[str]:
+        """The comparison of damping laws."""
+        return [] if self.laws is None else self.laws.lines()
+
+    def settings(self) -> dict[str, Any]:
+        """Law, phase and bootstrap."""
+        groups = {symbol: list(labels) for symbol, labels in self.law.groups.items()}
+        return {
+            "law": {"terms": self.law.terms, "given": self.law.given, "groups": groups},
+            "phase": self.phase,
+            "confidence": CONFIDENCE,
+            "bootstrap": {"replicates": self.replicates, "seed": self.seed},
+        }
+
+    def findings(self, files: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+        """Comparison of laws, microstick line, features of each record, effect of faults, and limits."""
+        line = self.microstick
+        return {
+            **({} if self.laws is None else {"laws": self.laws.document()}),
+            "microstick": {
+                "length_m": line.length,
+                "standard_error_m": line.standard_error,
+                "resolved": line.resolved,
+                "upper_bound_m": line.bound,
+            },
+            "records": [{**self._record(i), **file} for i, file in enumerate(files)],
+            "sensitivities": {
+                name: {"fault": FAULTS[name].words}
+                | {f"{symbol}_percent": 100.0 * change for symbol, change in changes.items()}
+                for name, changes in self.sensitivities().items()
+            },
+            "limits": [asdict(limit) for limit in limits(self.answers, self.warnings)],
+        }
+
+    def sensitivities(self) -> dict[str, dict[str, float]]:
+        """What each of `FAULTS` does to direct integration; nothing where that was not asked for."""
+        if DIRECT not in self.estimates:
+            return {}
+        way = APPROACHES[DIRECT]
+        rows_of = LawRows(way, self.law, self.k, self.phase, self.joint.linear)
+        return sensitivities(self.readings, rows_of, self.estimates[DIRECT])
+
+    def _record(self, i: int) -> dict[str, Any]:
+        reading, steady = self.readings[i], self.readings[i].steady
+        errors = reading.standard_errors
+        return {
+            "record": steady.source,
+            "frequency_Hz": steady.frequency_hz,
+            "frequency_standard_error_Hz": steady.omega_standard_error / (2.0 * math.pi),
+            "cycles": steady.cycles,
+            "highest_harmonic": steady.bandwidth,
+            "noise_rms": steady.noise_rms,
+            "slips": reading.slips,
+            "features": {c: getattr(self.features, name)[i] for name, c in COLUMNS.items()},
+            "standard_errors": {column: errors[name] for name, column in COLUMNS.items()},
+            "warnings": reading.warnings,
+        }
+
+    def features_table(self) -> list[dict[str, Any]]:
+        """A row for each record: its features, and the standard error of each."""
+        columns = self.features.to_columns()
+        return [
+            {"record": reading.steady.source}
+            | {column: values[i] for column, values in columns.items()}
+            | {
+                column.replace(name, f"{name}_standard_error", 1): reading.standard_errors[name]
+                for name, column in COLUMNS.items()
+            }
+            for i, reading in enumerate(self.readings)
+        ]
+
+    @property
+    def pictures(self) -> dict[str, Picture]:
+        """cycles : each record folded onto one cycle.   loops : acceleration against displacement.   balance : its rows
+        and what they leave."""
+        count, two = len(self.readings), set(self.law.keys) == {"F_k", "c"}
+        line = "on a line of slope F_k" if two else "on the line where the law takes the input work"
+        return {
+            "cycles": Picture(
+                lambda: _drawing().cycles(self.loaded, self.readings),
+                f"{count} records folded onto one cycle of the drive, with their averaged cycle",
+            ),
+            "loops": Picture(
+                lambda: _drawing().loops(self.loaded, self.readings, self.microstick),
+                f"acceleration against displacement of {count} records, with the fitted microstick lines",
+            ),
+            "balance": Picture(
+                lambda: _drawing().balance(self.estimates, two),
+                f"rows of the energy balance {line}, and the residual of each row by approach",
+            ),
+        }
+
+
+def _drawing() -> Any:
+    from . import pictures  # slow to import
+
+    return pictures
+
+
+@one_thread
+def identify_readings(
+    readings: Sequence[Reading],
+    k: float,
+    *,
+    law: Law | None = None,
+    approaches: Mapping[str, Approach] = APPROACHES,
+    phase: Phase = "reversal",
+    mass: float | None = None,
+    replicates: int = REPLICATES,
+    seed: int = SEED,
+) -> ForcedOutcome:
+    """The coefficients of a damping law and K_z from the features of n measured responses, with intervals.
+
+    Use `identify` for records; this function is for readings that are at hand, as in studies.
+
+    readings : of `read_features`, one per level; levels that differ, at least as many as there are unknowns.
+    k : stiffness of the readings, N/m.
+    law : default, F_k and c.
+    approaches : by name.
+    phase : that the harmonic approaches take.
+    mass : kg, if it is known.
+    replicates, seed : of the bootstrap; 1000 replicates know a standard error to 2 %.
+
+    Raises ValueError for fewer readings than unknowns, terms that act alike in all of them, two of the same signals, a
+    stiffness or a mass that is not positive, a stiffness that is not that of the readings, and too few or too many
+    replicates. An approach whose rows cannot be solved stays in the result with NaN and the reason.
+    """
+    law = law or Law()
+    _require(readings, k, law, approaches, replicates)
+    if mass is not None:
+        number("mass", mass)
+    joint = joint_fit([reading.lines for reading in readings], k, mass, law)
+    readings = joined(readings, joint, law)
+    samples = read_samples(readings, replicates, np.random.default_rng(seed))
+    line = microstick(samples)
+    estimates = {
+        name: _answer(
+            name, LawRows(way, law, k, phase, joint.linear), joint, readings, samples, line
+        )
+        for name, way in approaches.items()
+    }
+    estimates = with_notes(estimates, readings, joint)
+    of_records = [Remark(words, r.steady.source) for r in readings for words in r.warnings]
+    of_all = [Remark(words) for words in agreement(readings, line, joint, estimates)]
+    return ForcedOutcome(
+        k=k,
+        sources=tuple(reading.steady.source for reading in readings),
+        estimates=estimates,
+        reference=joint.answer,
+        warnings=(*of_records, *of_all),
+        law=law,
+        phase=phase,
+        readings=tuple(readings),
+        joint=joint,
+        features=samples.point.features.with_phase(phase),
+        microstick=line,
+        replicates=replicates,
+        seed=seed,
+    )
+
+
+def _require(
+    readings: Sequence[Reading],
+    k: float,
+    law: Law,
+    approaches: Mapping[str, Approach],
+    replicates: int,
+) -> None:
+    number("stiffness", k)
+    whole("replicates", replicates)
+    law.require([reading.steady.frequency_hz for reading in readings])
+    for reading in readings:
+        if reading.steady.k != k:
+            raise ValueError(
+                f"{reading.steady.source} was read with k = {reading.steady.k:g} N/m, not with {k:g} N/m"
+            )
+    for reading, other in itertools.combinations(readings, 2):
+        if _same(reading, other):
+            raise ValueError(
+                f"{reading.steady.source} and {other.steady.source} hold the same signals: each record is one level"
+            )
+    if not approaches:
+        raise ValueError(f"no approach is asked for; known are {', '.join(APPROACHES)}")
+
+
+def _same(one: Reading, other: Reading) -> bool:
+    """Whether two records are copies of one, in whatever format: their cycles have the same harmonics."""
+    rows, others = one.steady.X, other.steady.X
+    bound = _COPIED * abs(rows[0, 1])
+    if rows.shape != others.shape or not abs(rows[0, 1] - others[0, 1]) < bound:
+        return False
+    return bool(np.abs(rows - others).max() < bound)
+
+
+_NO_FORM = "this approach has no form of a term of the law"
+_NO_ONSET = "this approach needs the onset of slip, which these records do not determine"
+
+
+def _answer(
+    name: str,
+    rows_of: LawRows,
+    joint: JointFit,
+    readings: Sequence[Reading],
+    samples: Samples,
+    line: Microstick,
+) -> Answer:
+    """The answer of one approach, with standard errors and intervals."""
+    unknowns = rows_of.law.unknowns
+    sources = tuple(reading.steady.source for reading in readings)
+    rows = rows_of(samples.point.features)
+    drawn = rows_of(samples.drawn.features)
+    left = [rows_of(sample.features) for sample in samples.left]
+    covariance = drawn.scatter()
+    nothing = dict.fromkeys(unknowns, UNKNOWN)
+    try:
+        estimate = least_squares(replace(rows, covariance=covariance))
+    except ValueError as error:
+        unresolved = not joint.waveforms_hold and not joint.linear and name != DIRECT
+        unshaped = any(
+            np.isnan(g).all() and parted(key)[0] not in rows_of.approach.terms
+            for key, g in rows.terms.items()
+        )
+        parameters = {**nothing, "K_z": UNKNOWN}
+        return Answer(
+            name,
+            parameters,
+            covariance_of(parameters, {}),
+            (_NO_FORM if unshaped else _NO_ONSET if unresolved else str(error),),
+            Balance(rows, np.full(len(rows.W), math.nan), sources),
+            equal=nothing,
+            merit={"residual": math.nan, "misfit": math.nan},
+        )
+    weights = replace(rows, covariance=covariance).weighted(estimate.values).weights
+    assert weights is not None
+    known = weights if np.isfinite(weights[rows.usable]).all() else np.ones(len(weights))
+    of_drawn, of_left = solve(_weighing(drawn, known)), [solve(_weighing(r, known)) for r in left]
+    plain, plain_drawn, plain_left = solve(rows), solve(drawn), [solve(r) for r in left]
+    values = {symbol: float(value) for symbol, value in estimate.values.items()}
+    freedom = int(estimate.n) - len(values)
+    symbols = [symbol for symbol in unknowns if symbol in values]
+    W = rows.W[rows.usable]
+    off = rows.misfit({**rows.given, **values})[rows.usable]
+    K_z, roots = _stiffness(samples, line, rows_of.law, estimate, of_drawn, of_left)
+    errors = {symbol: of_drawn[symbol] for symbol in symbols}
+    if roots is not None:
+        errors["K_z"] = -roots  # K_z falls as its inverse root grows
+    correlations = {
+        (one, other): float(np.corrcoef(errors[one], errors[other])[0, 1])
+        for one, other in itertools.combinations(errors, 2)
+    }
+    parameters = nothing | _parameters(symbols, estimate, of_drawn, of_left) | {"K_z": K_z}
+    weighed = freedom and known is weights
+    return Answer(
+        name,
+        parameters,
+        covariance_of(parameters, correlations),
+        balance=Balance(rows, 1.0 / np.sqrt(weights), sources),
+        correlations=correlations,
+        equal=nothing | _parameters(symbols, plain, plain_drawn, plain_left),
+        shape_bias=_shape_bias(rows_of, joint, readings, known, rows.usable),
+        merit={
+            "residual": float(np.linalg.norm(off) / np.linalg.norm(W)) if freedom else math.nan,
+            "misfit": float(known[rows.usable] @ off**2) / freedom if weighed else math.nan,
+        },
+    )
+
+
+def _weighing(rows: Rows, weights: Array) -> Rows:
+    """Rows of replicates, (n, r), weighted like those of the records, (n,)."""
+    return replace(rows, weights=np.broadcast_to(weights[:, None], rows.W.shape))
+
+
+def _parameters(
+    symbols: Sequence[str], estimate: Estimate, drawn: Estimate, left: Sequence[Estimate]
+) -> dict[str, ParameterEstimate]:
+    return {
+        symbol: _parameter(float(estimate[symbol]), drawn[symbol], [e[symbol] for e in left])
+        for symbol in symbols
+    }
+
+
+def _shape_bias(
+    rows_of: LawRows, joint: JointFit, readings: Sequence[Reading], weights: Array, used: Mask
+) -> dict[str, float]:
+    """Relative error of each coefficient that the approach finds in the exact responses of the joint fit."""
+    fit = joint.fit
+    if fit is None or not joint.waveforms_hold:
+        return {}
+    exact = stack([reading.exact_features for reading in readings])
+    estimate = solve(replace(rows_of(exact), weights=weights)[used])
+    return {
+        key: float(estimate[key]) / fit.value(key) - 1.0
+        for key in estimate.values
+        if fit.value(key) > 0.0
+    }
+
+
+def _stiffness(
+    samples: Samples,
+    line: Microstick,
+    law: Law,
+    estimate: Estimate,
+    drawn: Estimate,
+    left: Sequence[Estimate],
+) -> tuple[ParameterEstimate, Array | None]:
+    """K_z = 2F_k/L (10), from the root of its inverse, whose errors are nearly normal, and that root of each drawing.
+
+    Where the microstick line is not resolved, K_z is a lower limit and there are no roots.
+    """
+
+    def friction(of: Estimate) -> Array:
+        known = [
+            of[key] if key in of.values else np.asarray(law.given.get(key, math.nan))
+            for key in law.keys_of(FRICTION)
+        ]
+        return np.asarray(np.mean(np.broadcast_arrays(*known), axis=0))
+
+    if not float(friction(estimate)) > 0.0 or not math.isfinite(line.length):
+        return UNKNOWN, None
+
+    def root(sample: Sample, of: Estimate) -> Array:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.maximum(sample.F_k / friction(of), 0.0)
+            return np.asarray(sample.rho * np.sqrt(ratio))
+
+    here, roots = float(root(samples.point, estimate)[0]), root(samples.drawn, drawn)
+    parts = [root(sample, of) for sample, of in zip(samples.left, left, strict=True)]
+    inverse_root = _parameter(here, roots, parts)
+    low, high = inverse_root.interval
+    if not line.resolved:
+        unbounded = Interval(high**-2, math.inf)
+        return ParameterEstimate(math.inf, math.nan, math.nan, unbounded), None
+    slope = 2.0 * here**-3
+    K_z = ParameterEstimate(
+        here**-2,
+        slope * inverse_root.standard_error,
+        slope * inverse_root.propagated_error,
+        Interval(high**-2, low**-2 if low > 0.0 else math.inf),
+    )
+    return K_z, roots
+
+
+def _parameter(value: float, drawn: Array, left: Sequence[Array]) -> ParameterEstimate:
+    """Standard errors and interval of one number.
+
+    The variances that the records contribute, v_i of g_i groups, give the degrees of freedom of their sum,
+    (Σ v_i)²/Σ v_i²/(g_i − 1) (Welch–Satterthwaite), and the degrees of freedom the quantile of Student's t.
+
+    drawn : values of the bootstrap.   left : values without each group of cycles, for each record.
+    """
+    from scipy import special  # slow to import, as scipy.stats with the same functions is
+
+    error = float(drawn.std(ddof=1))
+    parts = np.array([(len(p) - 1) / len(p) * np.sum((p - p.mean()) ** 2) for p in left])
+    groups = np.array([len(p) for p in left])
+    total = float(parts.sum())
+    freedom = total**2 / float(np.sum(parts**2 / (groups - 1))) if total > 0.0 else math.inf
+    reach = float(special.stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE)) * error
+    return ParameterEstimate(value, error, math.sqrt(total), Interval(value - reach, value + reach))

@@ -1,0 +1,133 @@
+"""An identification for a screen and for a notebook: a table of the answers, and sentences around it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from html import escape
+
+from .answer import Answer, AnyFit, ParameterEstimate, Verdict, unit_of
+from .outcome import Outcome
+from .remarks import in_a_sentence, limits
+
+LIMITS = "What limits the answer:"
+
+_SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
+_DIGITS = 15  # significant digits of a float
+_MANTISSA = 6  # decimals of a number with a power of ten
+
+
+def text(outcome: Outcome) -> str:
+    """For a screen: the answers with their 95 % intervals and verdicts, a line each, then what limits them."""
+    lines = [outcome.head, "", *aligned(_table(outcome.answers)), "", *outcome.rig]
+    lines += ["", *outcome.comparison] if outcome.comparison else []
+    sentences = _limits(outcome)
+    lines += ["", LIMITS, *sentences] if sentences else []
+    return "\n".join(lines) + "\n"
+
+
+def html(outcome: Outcome) -> str:
+    """For a notebook: what `text` says, as HTML."""
+    heads, *lines = _table(outcome.answers)
+    columns = "".join(f'<th scope="col">{escape(head)}</th>' for head in heads)
+    rows = "".join(
+        f'<tr><th scope="row">{escape(name)}</th>'
+        + "".join(f"<td>{escape(cell)}</td>" for cell in cells)
+        + "</tr>"
+        for name, *cells in lines
+    )
+    parts = [
+        f"<p>{escape(outcome.head)}</p>",
+        f"<table><thead><tr>{columns}</tr></thead><tbody>{rows}</tbody></table>",
+    ]
+    parts += [f"<p>{escape(' '.join(outcome.rig))}</p>"] if outcome.rig else []
+    if outcome.comparison:
+        parts.append(f"<pre>{escape(chr(10).join(outcome.comparison))}</pre>")
+    if sentences := _limits(outcome):
+        items = "".join(f"<li>{escape(words)}</li>" for words in sentences)
+        parts.append(f"<p>{escape(LIMITS)}</p><ul>{items}</ul>")
+    return f"<div>{''.join(parts)}</div>"
+
+
+def aligned(table: Sequence[Sequence[str]]) -> list[str]:
+    """The lines of a table with columns of equal width."""
+    widths = [max(len(line[i]) for line in table) for i in range(len(table[0]))]
+    return [
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
+        for line in table
+    ]
+
+
+def _table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
+    """The values with their intervals and verdicts, a line for each answer below a line of heads."""
+    symbols = dict.fromkeys(s for answer in answers.values() for s in answer.parameters)
+    order = sorted(symbols, key=lambda symbol: symbol == "K_z")  # the contact last
+    lines = [("", *map(_headed, order), "verdict")]
+    for name, answer in answers.items():
+        known = answer.parameters
+        cells = (with_interval(known[s]) if s in known else "" for s in order)
+        lines.append((name + " *" * bool(answer.notes), *cells, in_one(answer.verdicts)))
+    return lines
+
+
+def in_one(verdicts: Mapping[str, Verdict]) -> str:
+    """The verdicts on several parameters for a line of a table: "usable", or "usable: F_k, c; none: K_z"."""
+    by_word: dict[str, list[str]] = {}
+    for symbol, (word, _) in verdicts.items():
+        by_word.setdefault(word, []).append(symbol)
+    if len(by_word) == 1:
+        return next(iter(by_word))
+    return "; ".join(f"{word}: {', '.join(symbols)}" for word, symbols in by_word.items())
+
+
+def _limits(outcome: Outcome) -> list[str]:
+    """What limits the answers, in sentences: "*" begins a note on answers, "warning:" all else."""
+    return [
+        f"{'* ' if limit.kind == 'approaches' else 'warning: '}{in_a_sentence(limit, outcome.sources)}"
+        for limit in limits(outcome.answers, outcome.warnings)
+    ]
+
+
+def implied(fit: AnyFit, mass_given: bool) -> list[str]:
+    """What a fit implies about the rig: numbers that its owner can check."""
+    mass = "the mass given" if mass_given else f"m = {with_error(fit.m, fit.error('m'))} kg"
+    return [
+        f"The oscillator of largest likelihood has {mass} and a natural frequency of {fit.natural_frequency_hz:.4g} Hz "
+        "with the contact loose.",
+        "If that is not your rig, a gain, a unit or the stiffness is wrong.",
+    ]
+
+
+def with_error(value: float, error: float) -> str:
+    """2.4197 ± 0.0003"""
+    return f"{_rounded(value, error)} ± {_rounded(error, error)}"
+
+
+def with_interval(parameter: ParameterEstimate) -> str:
+    """1.2807 [1.2784, 1.2831]: digits down to a tenth of the interval's half width."""
+    value, (low, high) = parameter.value, parameter.interval
+    if math.isfinite(low) and not math.isfinite(high):
+        return f"> {_rounded(low, low)}"
+    if not all(map(math.isfinite, (value, low, high))):
+        return "–"
+    half = 0.5 * (high - low)
+    return f"{_rounded(value, half)} [{_rounded(low, half)}, {_rounded(high, half)}]"
+
+
+def _headed(symbol: str) -> str:
+    """F_k (N): the head of a column of a table."""
+    unit = unit_of(symbol)
+    return f"{symbol} ({unit})" if unit else symbol
+
+
+def _rounded(value: float, spread: float) -> str:
+    """The value with two digits of the spread, as a power of ten where either is far from one."""
+    if not spread > 0.0:
+        return f"{value:.6g}"
+    size = math.floor(math.log10(max(abs(value), spread)))
+    # what a float holds
+    decimals = min(1 - math.floor(math.log10(spread)), _DIGITS - size)
+    value = round(value, decimals)
+    if _SMALLEST <= size < _LARGEST:
+        return f"{value:.{max(0, decimals)}f}"
+    return f"{value:.{min(max(0, size + decimals), _MANTISSA)}e}" if value else "0"
