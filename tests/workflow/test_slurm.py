@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -10,14 +11,16 @@ import yaml
 
 from folders import ROOT
 
-CLUSTER = ROOT / "tests/cluster"
+CLUSTER = ROOT / "trials/cluster"
+PATHS = os.pathsep.join(str(ROOT / name) for name in ("trials", "tests"))
 UNAVAILABLE = 69  # loopback.sh: SLURM cannot be started here, with the reason on stderr
 
 
 def loopback(*command: str, timeout: float) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [str(CLUSTER / "loopback.sh"), *command],
-        cwd=ROOT / "tests",
+        cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": PATHS},
         capture_output=True,
         text=True,
         check=False,

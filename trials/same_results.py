@@ -1,7 +1,7 @@
 """Compare the results of two builds: which files have the same bytes, and how far the numbers of the others are apart.
 
     make compare WITH=OTHER/results                      the results here with those of another machine or Python
-    cd tests && python -m same_results FIRST SECOND      two folders
+    python trials/same_results.py FIRST SECOND           two folders
 
 Exit status: 0 if all files have the same bytes, except those that tell of the run itself; 1 if not.
 """

@@ -1,6 +1,6 @@
 """The blind set at any size (`make blind`).
 
-python -m blind [PART] [--sets 900] [--first 0] [--processes 2] [--drawings 200] [--approach direct] [--output DIR]
+make blind BLIND_ARGS="[PART] [--sets 900] [--first 0] [--processes 2] [--drawings 200] [--approach direct]"
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Run a command beside a real SLURM of one node, which lives as long as the command:
 #
-#     tests/cluster/loopback.sh squeue
+#     trials/cluster/loopback.sh squeue
 #
 # Needed: root, and slurmctld, slurmd, sinfo, munged (Debian: slurmctld slurmd slurm-client munge), unshare, ip. Everything
 # happens in namespaces of its own (mounts, processes, network, host name): /etc/slurm is covered, not changed, a SLURM or

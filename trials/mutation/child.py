@@ -156,8 +156,8 @@ def run_tests(run: Run) -> None:
     for stream in (1, 2):
         os.dup2(log, stream)
     os.chdir(run.folder)
-    sys.path[:0] = [str(run.folder / "src"), str(run.folder / "tests")]
-    os.environ["PYTHONPATH"] = os.pathsep.join(sys.path[:2])
+    sys.path[:0] = [str(run.folder / name) for name in ("src", "tests", "trials")]
+    os.environ["PYTHONPATH"] = os.pathsep.join(sys.path[:3])
     if run.stop:  # a mutant: its bytes must never be taken for those of the original
         sys.dont_write_bytecode = True
         os.environ["PYTHONDONTWRITEBYTECODE"] = "1"

@@ -1,6 +1,6 @@
 """Put errors into the method, one at a time, and see whether its tests notice (`make mutants`).
 
-    cd tests && python -m mutation [MODULE …] [--number 100] [--seed 1] [--jobs 1] [--budget 60]
+    make mutants MUTANTS_ARGS="[MODULE …] [--number 100] [--seed 1] [--jobs 1] [--budget 60]"
 
 A sample of all mutants of the method (`METHOD`) is drawn by a seed and tried in copies of the project. The first run
 finds out how long each test takes, which functions it calls, and which tests fail without any error: these are left
