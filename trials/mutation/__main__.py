@@ -1,109 +1,187 @@
-"""Put errors into the method, one at a time, and see whether its tests notice (`make mutants`).
+"""Put errors into the method, one at a time, and see whether its tests notice.
 
-    make mutants MUTANTS_ARGS="[MODULE …] [--number 100] [--seed 1] [--jobs 1] [--budget 60]"
+    make mutants MUTANTS_ARGS="[MODULE …] [--number 100] [--seed 1] [--budget 60] [--output .mutants]"
 
-A sample of all mutants of the method (`METHOD`) is drawn by a seed and tried in copies of the project. The first run
-finds out how long each test takes, which functions it calls, and which tests fail without any error: these are left
-out. A mutant meets the tests that call its function, quickest first, until one fails. One that no test notices has
-survived: either a statement about behaviour is missing from the tests, or the code is not needed, or the mutant is
-equivalent: nothing that anyone could observe differs, and `equivalent.yaml` says why.
-
-Results go to .mutants: `trials.jsonl`, a line for each trial, and `table.md`. Trials of an earlier run that killed a
-mutant count as long as its module is unchanged.
+A sample of all mutants of the method (`METHOD`) is drawn by a seed and tried in a copy of the project. First all tests
+run without an error: how long each takes, which functions it calls, and which fail; these are left out. A mutant meets
+the tests that call its function, quickest first, until one fails. One that no test notices has survived: either a
+statement about behaviour is missing from the tests, or the code is not needed, or nobody could observe a difference:
+the mutant is equivalent, and `equivalent.yaml` says why. The table by room is written to `table.md`.
 """
 
 from __future__ import annotations
 
 import argparse
-import hashlib
+import functools
 import json
+import os
+import shutil
+import subprocess
 import sys
 import time
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
-from itertools import groupby
+from itertools import accumulate
 from pathlib import Path
-from queue import Queue
 from typing import Any
 
 import yaml
 
+from benchmarks.measuring import markdown
+
 from .mutants import Mutant, mutants
-from .trials import PACKAGE, ROOT, Bench
 
-METHOD = (
-    "*.py",
-    *(f"{room}/*.py" for room in ("motion", "law", "reading", "likelihood", "identification")),
-    "records/**/*.py",
-    "replication/claims/*.py",
-    "replication/verdicts.py",
-    "studies/evaluate.py",
-)
-"""Modules that errors are put into, but for those that draw."""
+ROOT = Path(__file__).parents[2]
+PACKAGE = "src/dampbalance"
+ROOMS = ("motion", "law", "reading", "likelihood", "identification", "records", "records/readers")
+METHOD = ("*.py", *(f"{room}/*.py" for room in ROOMS), "replication/claims/*.py")
+METHOD += ("replication/verdicts.py", "studies/evaluate.py")
+"""Modules that errors are put into, except those that draw."""
+SHOWN = "repository workflow commands figures project publishing article notebook page recipe site"
+"""Words in the paths of tests that say nothing about the method."""
+KERNELS = ("arguments.py", "arrays.py", "model.py", "record.py", "motion/")
+"""An error in these has all kernels compiled anew, which takes a minute: tests first run with the kernels in Python."""
+CALLS = 4000
+"""Calls of kernels, at the most, in a test that runs with them in Python."""
+SHORTEST, FACTOR, COMPILING = 30.0, 5.0, 120.0
+"""Tests may take so many seconds, so many times what they took without an error, and so many to compile kernels."""
 GOAL = 0.9
-"""Of the mutants that are not equivalent, the share to be killed."""
-EQUIVALENT = Path(__file__).with_name("equivalent.yaml")
+"""The share of the mutants that are not equivalent that tests should kill."""
+EQUIVALENT = yaml.safe_load(Path(__file__).with_name("equivalent.yaml").read_text("utf-8"))
+VERDICTS = ("killed", "timed out", "equivalent", "survived")
 
-Description = tuple[str, str, str, str, int]
-"""Module, text of the line, what was there before and after, its occurrence in the line."""
+
+class Bench:
+    """A copy of the project in `folder`, whose tests run with and without a mutant."""
+
+    def __init__(self, folder: Path) -> None:
+        self.project, self.report = folder / "project", folder / "report.json"
+        self.passing = functools.cache(self._passing)
+        shutil.rmtree(self.project, ignore_errors=True)
+        ignore = shutil.ignore_patterns(".*", "results", "*.pyc", "kernels-*")
+        shutil.copytree(ROOT, self.project, ignore=ignore)
+        paths = sorted(self.project.glob("tests/*/**/test_*.py"))
+        names = (path.relative_to(self.project).as_posix() for path in paths)
+        self.files = [name for name in names if not any(word in name for word in SHOWN.split())]
+
+    def run(self, *tests: str, interpreted: bool, limit: float | None = None) -> tuple[int, Any]:
+        """(pytest's exit status, what `watch` recorded); TimeoutExpired after `limit` seconds."""
+        self.report.unlink(missing_ok=True)
+        environment = {
+            "PYTHONPATH": f"{self.project / 'src'}{os.pathsep}{Path(__file__).parents[1]}",
+            "PYTHONDONTWRITEBYTECODE": "1",  # a mutant must never be taken for the original
+            "MUTATION_PACKAGE": str(self.project / PACKAGE),
+            "MUTATION_REPORT": str(self.report),
+            "MUTATION_INTERPRETED": str(CALLS * interpreted),
+        }
+        command = [sys.executable, "-m", "pytest", "-q", "-m", "not slow", "-p", "mutation.watch"]
+        command += ["-p", "no:cacheprovider", "-p", "no:xdist", *tests]
+        if interpreted:  # compiled code divides and overflows without a warning
+            command += ["-W", "ignore::RuntimeWarning"]
+        done = subprocess.run(
+            command,
+            cwd=self.project,
+            env=os.environ | environment,
+            timeout=limit,
+            capture_output=True,
+        )
+        return done.returncode, json.loads(
+            self.report.read_text("utf-8")
+        ) if self.report.exists() else {}
+
+    def _passing(self, file: str, interpreted: bool = False) -> dict[str, Any]:
+        """The records of the tests of a file that pass without an error in the package."""
+        status, records = self.run(file, interpreted=interpreted)
+        if status not in (0, 5):
+            failed = [name for name, test in records.items() if "failed" in test["outcomes"]]
+            print("left out, as they fail without any error:", *(failed or [file]), flush=True)
+        return {name: test for name, test in records.items() if {*test["outcomes"]} == {"passed"}}
+
+    def trial(self, mutant: Mutant, budget: float) -> tuple[str, str]:
+        """("killed", the test that failed), ("timed out", "") or ("survived", the number of tests).
+
+        Tests that call the function of the mutant, or else its module, come first, then the others in their files.
+        """
+        tests = {name: test for file in self.files for name, test in self.passing(file).items()}
+        own, module = f"{mutant.module}:{mutant.where}", f"{mutant.module}:"
+        calling = {name for name, test in tests.items() if own in test["called"]} or {
+            name
+            for name, test in tests.items()
+            if any(f.startswith(module) for f in test["called"])
+        }
+        order = [name for name in tests if _file(name) in {*map(_file, calling)}]
+        order.sort(key=lambda name: (name not in calling, tests[name]["seconds"]))
+        total = accumulate(tests[name]["seconds"] for name in order)
+        chosen = [name for name, seconds in zip(order, total, strict=True) if seconds < budget]
+        kernels = mutant.module.startswith(KERNELS)
+        python = [name for name in chosen if kernels and name in self.passing(_file(name), True)]
+        compiled = [name for name in chosen if name not in python]
+        path = self.project / PACKAGE / mutant.module
+        original, times = path.read_bytes(), path.stat()
+        path.write_bytes(mutant.source(original))
+        try:
+            for interpreted, names in (
+                (True, python),
+                (False, compiled[:8]),
+                (False, compiled[8:]),
+            ):
+                if not names:
+                    continue
+                limit = SHORTEST + FACTOR * sum(tests[name]["seconds"] for name in names)
+                limit += COMPILING if kernels else 0.0
+                status, records = self.run("-x", *names, interpreted=interpreted, limit=limit)
+                if status:
+                    return "killed", next(reversed(records), "(import)")
+        except subprocess.TimeoutExpired:
+            return "timed out", ""
+        finally:
+            path.write_bytes(original)  # with its time, by which compiled kernels are known
+            os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+        return "survived", f"{len(chosen)} tests"
+
+
+def _file(test: str) -> str:
+    return test.partition("::")[0]
 
 
 def modules() -> list[str]:
     """The modules of the method, below the package."""
     package = ROOT / PACKAGE
-    found = sorted({path for pattern in METHOD for path in package.glob(pattern)})
-    return [
-        path.relative_to(package).as_posix()
-        for path in found
-        if not path.name.startswith("__") and "drawing" not in path.stem
-    ]
+    paths = {path.relative_to(package) for pattern in METHOD for path in package.glob(pattern)}
+    return sorted(p.as_posix() for p in paths if "drawing" not in p.stem and p.stem[0] != "_")
 
 
 def mutants_of(module: str) -> list[Mutant]:
     """All mutants of a module."""
-    return mutants(module, (ROOT / PACKAGE / module).read_text(encoding="utf-8"))
+    return [*mutants(module, (ROOT / PACKAGE / module).read_bytes())]
 
 
-def equivalents() -> dict[Description, str]:
-    """Reason why a mutant is equivalent, by its description."""
-    listed = yaml.safe_load(EQUIVALENT.read_text(encoding="utf-8")) or {}
-    return {
-        (module, e["line"], str(e["before"]), str(e["after"]), e.get("occurrence", 1)): e["reason"]
-        for module, entries in listed.items()
-        for e in entries
-    }
+def equivalent(mutant: Mutant) -> str:
+    """Why nobody could notice the mutant, according to `equivalent.yaml`; empty where somebody could."""
+    for entry in EQUIVALENT.get(mutant.module, []):
+        if all(getattr(mutant, key) == entry[key] for key in entry.keys() - {"reason"}):
+            return entry["reason"]
+    return ""
 
 
-def described(mutant: Mutant) -> Description:
-    """What a mutant is listed by."""
-    return mutant.module, mutant.line, mutant.before, mutant.after, mutant.occurrence
-
-
-def table(trials: list[dict[str, Any]], seed: int) -> str:
-    """What became of the mutants, by room, and the survivors, as Markdown."""
-    lines = [
-        f"Seed {seed}.\n",
-        "| room | mutants | killed | timed out | equivalent | survived |",
-        "|---|--:|--:|--:|--:|--:|",
-    ]
+def table(trials: list[tuple[Mutant, str, str]], seed: int) -> str:
+    """The number of mutants by room and verdict, and the survivors, as Markdown."""
     counts: dict[str, Counter[str]] = {}
-    for trial in trials:
-        room = trial["module"].rpartition("/")[0] or trial["module"]
-        counts.setdefault(room, Counter())[trial["verdict"]] += 1
-    for room, of in [*counts.items(), ("all", sum(counts.values(), Counter()))]:
-        numbers = [of.total(), *(of[v] for v in ("killed", "timed out", "equivalent", "survived"))]
-        lines.append(f"| {room} | {' | '.join(map(str, numbers))} |")
-    survivors = [trial for trial in trials if trial["verdict"] == "survived"]
-    telling = len(trials) - sum(trial["verdict"] == "equivalent" for trial in trials)
-    killed = telling - len(survivors)
-    lines.append(
-        f"\nKilled: {killed} of {telling} that are not equivalent; the goal is {GOAL:.0%}.\n"
+    for mutant, verdict, _ in trials:
+        counts.setdefault(mutant.module.rpartition("/")[0] or mutant.module, Counter())[
+            verdict
+        ] += 1
+    of = Counter(verdict for _, verdict, _ in trials)
+    rows = [
+        [room, by.total(), *(by[verdict] for verdict in VERDICTS)]
+        for room, by in [*sorted(counts.items()), ("all", of)]
+    ]
+    killed, telling = of["killed"] + of["timed out"], of.total() - of["equivalent"]
+    survivors = [f"- {mutant} ({by})\n" for mutant, verdict, by in trials if verdict == "survived"]
+    return (
+        f"Seed {seed}.\n\n{markdown(['room', 'mutants', *VERDICTS], rows)}\n"
+        f"Killed: {killed} of {telling} that are not equivalent; the goal is {GOAL:.0%}.\n\n"
+        f"{''.join(survivors)}"
     )
-    for trial in survivors:
-        place = f"{trial['module']}:{trial['number']}"
-        change = f"`{trial['before']}` → `{trial['after']}`"
-        lines.append(f"- {place} {change} in `{trial['line']}` ({trial['by']})")
-    return "\n".join(lines) + "\n"
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -111,72 +189,24 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="mutation", description="Mutation testing of the method.")
     parser.add_argument("modules", nargs="*", help="such as motion/flow.py (default: all)")
     parser.add_argument("--number", type=int, default=100, help="of mutants (%(default)s)")
-    parser.add_argument("--seed", type=int, help="of the sample (default: by the clock)")
-    parser.add_argument("--jobs", type=int, default=1, help="trials at a time (%(default)s)")
-    parser.add_argument(
-        "--budget", type=float, default=60.0, help="seconds of tests a mutant meets (%(default)s)"
-    )
+    parser.add_argument("--seed", type=int, default=int(time.time()), help="default: by the clock")
+    parser.add_argument("--budget", type=float, default=60.0, help="seconds of tests (%(default)s)")
     parser.add_argument("--output", type=Path, default=ROOT / ".mutants")
     options = parser.parse_args(arguments)
     if unknown := {*options.modules} - {*modules()}:
         parser.error(f"no modules of the method: {unknown}; known are {', '.join(modules())}")
-    seed = int(time.time()) if options.seed is None else options.seed
-    options.output.mkdir(parents=True, exist_ok=True)
-    journal, tests = options.output / "trials.jsonl", options.output / "tests.json"
-    earlier: dict[str, dict[str, Any]] = {}
-    if journal.exists():
-        lines = journal.read_text(encoding="utf-8").splitlines()
-        earlier = {trial["key"]: trial for trial in map(json.loads, lines)}
-    known = json.loads(tests.read_text(encoding="utf-8")) if tests.exists() else {}
-    reasons = equivalents()
     every = [mutant for module in options.modules or modules() for mutant in mutants_of(module)]
-    drawn = sorted(every, key=lambda mutant: mutant.rank(seed))[: options.number]
-    print(f"{len(drawn)} of {len(every)} mutants, seed {seed}", flush=True)
-
-    benches: Queue[Bench] = Queue()
-
-    def tried(mutant: Mutant) -> dict[str, Any]:
-        text = (ROOT / PACKAGE / mutant.module).read_bytes()
-        key = f"{mutant.rank(0)[:16]} {mutant.start} {hashlib.sha256(text).hexdigest()[:16]}"
-        if earlier.get(key, {}).get("verdict") in ("killed", "timed out"):
-            return earlier[key]
-        names = ("module", "number", "line", "before", "after", "occurrence")
-        trial: dict[str, Any] = {"key": key} | {name: getattr(mutant, name) for name in names}
-        if described(mutant) in reasons:
-            return {**trial, "verdict": "equivalent"}
-        bench, start = benches.get(), time.perf_counter()
-        try:
-            trial["verdict"], trial["by"] = bench.trial(mutant)
-        finally:
-            benches.put(bench)
-        seconds = time.perf_counter() - start
-        with journal.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(trial, ensure_ascii=False) + "\n")
-        place = f"{mutant.module}:{mutant.number}"
-        change = f"{mutant.before} → {mutant.after}"
-        print(
-            f"{trial['verdict']:9} {seconds:5.0f} s  {place}  {change}  {trial['by']}", flush=True
-        )
-        return trial
-
-    def measured(files: list[str]) -> None:
-        bench = benches.get()
-        bench.measure(files)
-        benches.put(bench)
-
-    with ThreadPoolExecutor(options.jobs) as pool:
-        for i in range(options.jobs):
-            bench = Bench(options.output / str(i), known, options.budget)
-            benches.put(bench)
-        folders = groupby(bench.files, lambda file: file.rpartition("/")[0])
-        for _ in pool.map(measured, [[*files] for _, files in folders]):
-            tests.write_text(json.dumps(known), encoding="utf-8")
-        trials = list(pool.map(tried, drawn))
-    tests.write_text(json.dumps(known), encoding="utf-8")
-    text = table(trials, seed)
-    (options.output / "table.md").write_text(text, encoding="utf-8")
-    print(f"\n{text}")
-    of = Counter(trial["verdict"] for trial in trials)
+    drawn = sorted(every, key=lambda mutant: mutant.rank(options.seed))[: options.number]
+    print(f"{len(drawn)} of {len(every)} mutants, seed {options.seed}", flush=True)
+    bench, trials = Bench(options.output), []
+    for mutant in drawn:
+        reason = equivalent(mutant)
+        trial = ("equivalent", reason) if reason else bench.trial(mutant, options.budget)
+        trials.append((mutant, *trial))
+        print(f"{trial[0]:10} {mutant} ({trial[1]})", flush=True)
+        (options.output / "table.md").write_text(table(trials, options.seed), encoding="utf-8")
+    print(f"\n{table(trials, options.seed)}")
+    of = Counter(verdict for _, verdict, _ in trials)
     return int(of["survived"] > (1.0 - GOAL) * (len(trials) - of["equivalent"]))
 
 
