@@ -14,9 +14,9 @@ from urllib.parse import unquote
 import pytest
 from rocrate.rocrate import ROCrate
 
-from committing import git
 from dampbalance import __version__
 from dampbalance.project.files import sha256
+from processes import git
 from workflow.copies import SMALL
 from workflow.validating import issues
 

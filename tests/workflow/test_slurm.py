@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from folders import ROOT
+from processes import run
 
 CLUSTER = ROOT / "trials/cluster"
 PATHS = os.pathsep.join(str(ROOT / name) for name in ("trials", "tests"))
@@ -17,15 +18,7 @@ UNAVAILABLE = 69  # loopback.sh: SLURM cannot be started here, with the reason o
 
 
 def loopback(*command: str, timeout: float) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [str(CLUSTER / "loopback.sh"), *command],
-        cwd=ROOT,
-        env=os.environ | {"PYTHONPATH": PATHS},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=timeout,
-    )
+    return run(CLUSTER / "loopback.sh", *command, timeout=timeout, PYTHONPATH=PATHS)
 
 
 @pytest.fixture(scope="module")
