@@ -21,7 +21,7 @@ from processes import run
 
 LOCKS = ("requirements.lock", "requirements-build.lock")
 MODULES = sorted((ROOT / "src").rglob("*.py"))
-LONGEST_MODULE = 400  # lines; a longer one no longer reads top to bottom in one sitting
+LONGEST_MODULE = 600  # lines; a file is a concept that an expert names
 
 
 def project_files() -> list[Path]:
