@@ -1,5 +1,7 @@
-"""Run tests as on a processor that lacks instructions of this one: NumPy, Numba, OpenBLAS and the C library then use
-others, and the last bits of results differ.
+"""Run tests as on a processor that lacks instructions of this one.
+
+NumPy, Numba, OpenBLAS and the C library then use other instructions, and the last bits of results differ. Use it after
+a change of a tolerance, or when a test fails on another machine only.
 
     make processors                                        the tests that compare closely, as on each such processor
     cd trials && python -m processors without-avx2 ARGUMENTS    those of pytest, as on one of them
@@ -57,7 +59,7 @@ INSIDE = "--inside"
 def traits() -> dict[str, Any]:
     """What this process computes with: features of NumPy; targets of OpenBLAS and of Numba, which keeps its kernels by
     them; a digest of the last bits of the C library's functions."""
-    import scipy.linalg  # noqa: F401  has an OpenBLAS of its own
+    import scipy.linalg  # noqa: F401  has a separate OpenBLAS
     from numba.core.registry import cpu_target
     from numpy._core._multiarray_umath import __cpu_features__
     from threadpoolctl import threadpool_info

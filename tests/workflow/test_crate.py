@@ -40,7 +40,7 @@ NO_README = {
     "The README.md SHOULD be about the crate",
     "The README.md SHOULD have text/markdown as its encodingFormat",
 }
-"""One README, results/README.md, tells what the results of every case mean."""
+"""One README, results/README.md, says what the results of every case mean."""
 
 
 @pytest.fixture(scope="module")

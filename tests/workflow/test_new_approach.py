@@ -29,7 +29,7 @@ TERM = """            Term(
                 order=4,
             ),
 """
-# Direct integration beside a quartic damper. There is none.
+# Direct integration with a quartic damper in addition. There is none.
 ADDED = """
 
 TERMS["c_4"] = KNOWN_TERMS["c_4"]

@@ -34,7 +34,7 @@ def odd(tmp_path):
 
 
 def make(folder, *arguments, **environment):
-    """What `make` does in a folder: (the run, what its Python was told, call by call)."""
+    """What `make` does in a folder: (the run, the arguments of each call of its Python)."""
     handed_down = dict.fromkeys(name for name in os.environ if name.startswith("MAKE"))
     command = ("make", "--no-print-directory", *arguments)
     done = run(*command, folder=folder, timeout=60, **handed_down | environment)

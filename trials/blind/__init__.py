@@ -1,2 +1,2 @@
-"""The blind set: records as a laboratory would have them, from an integrator of another make, and what `identify`
-makes of them. README.md says what is in it; `make blind` runs it."""
+"""The blind set: records with known parameters from an independent integrator, and how well `identify` recovers
+them. README.md says what is in it; `make blind` runs it."""

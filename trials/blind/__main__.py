@@ -72,7 +72,7 @@ def confused(options: argparse.Namespace) -> str:
 
 
 def decays(options: argparse.Namespace) -> str:
-    """Identify free decays, beside what laboratories do; goes on where an earlier run stopped."""
+    """Identify free decays and compare the decrements of laboratories; resume an interrupted run."""
     file = options.output / "decays.csv"
     done = pd.read_csv(file) if file.exists() else pd.DataFrame({"set": []})
     wanted = range(options.first, options.first + options.sets)

@@ -1,4 +1,4 @@
-"""Records of free decays: each set drawn by (seed, index) alone, its motion from an integrator of another make."""
+"""Records of free decays: each set drawn by (seed, index) alone, its motion from an independent integrator."""
 
 from __future__ import annotations
 

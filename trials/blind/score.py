@@ -105,7 +105,7 @@ def numbers(result: Identification, truth: Truth) -> Iterator[dict[str, object]]
 
 
 def _of_whole(whole: Whole) -> dict[str, ParameterEstimate]:
-    """What the fit of the whole oscillator tells, the mass m, kg, among it."""
+    """The results of the fit of the whole oscillator, with the mass m, kg."""
     parameters = parameters_of(whole)
     if whole.fit is not None and parameters:
         m, error = whole.fit.m, whole.fit.error("m")

@@ -34,7 +34,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGE = "src/dampbalance"
 ROOMS = ("motion", "law", "reading", "likelihood", "identification", "records", "records/readers")
 METHOD = ("*.py", *(f"{room}/*.py" for room in ROOMS), "replication/claims/*.py")
-METHOD += ("replication/verdicts.py", "studies/evaluate.py")
+METHOD += ("replication/*verdicts.py", "studies/evaluate.py")
 """Modules that errors are put into, except those that draw."""
 SHOWN = "repository workflow commands figures project publishing article notebook page recipe site"
 """Words in the paths of tests that say nothing about the method."""
