@@ -21,6 +21,7 @@ import sys
 import time
 from collections import Counter
 from itertools import accumulate
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -77,16 +78,10 @@ class Bench:
         command += ["-p", "no:cacheprovider", "-p", "no:xdist", *tests]
         if interpreted:  # compiled code divides and overflows without a warning
             command += ["-W", "ignore::RuntimeWarning"]
-        done = subprocess.run(
-            command,
-            cwd=self.project,
-            env=os.environ | environment,
-            timeout=limit,
-            capture_output=True,
-        )
-        return done.returncode, json.loads(
-            self.report.read_text("utf-8")
-        ) if self.report.exists() else {}
+        options: dict[str, Any] = {"env": os.environ | environment, "timeout": limit}
+        done = subprocess.run(command, cwd=self.project, capture_output=True, **options)
+        text = self.report.read_text("utf-8") if self.report.exists() else "{}"
+        return done.returncode, json.loads(text)
 
     def _passing(self, file: str, interpreted: bool = False) -> dict[str, Any]:
         """The records of the tests of a file that pass without an error in the package."""
@@ -102,12 +97,9 @@ class Bench:
         Tests that call the function of the mutant, or else its module, come first, then the others in their files.
         """
         tests = {name: test for file in self.files for name, test in self.passing(file).items()}
-        own, module = f"{mutant.module}:{mutant.where}", f"{mutant.module}:"
-        calling = {name for name, test in tests.items() if own in test["called"]} or {
-            name
-            for name, test in tests.items()
-            if any(f.startswith(module) for f in test["called"])
-        }
+        own, module = f"{mutant.module}:{mutant.where}", f"\n{mutant.module}:"
+        in_module = {name for name in tests if module in "\n".join(["", *tests[name]["called"]])}
+        calling = {name for name in in_module if own in tests[name]["called"]} or in_module
         order = [name for name in tests if _file(name) in {*map(_file, calling)}]
         order.sort(key=lambda name: (name not in calling, tests[name]["seconds"]))
         total = accumulate(tests[name]["seconds"] for name in order)
@@ -115,17 +107,12 @@ class Bench:
         kernels = mutant.module.startswith(KERNELS)
         python = [name for name in chosen if kernels and name in self.passing(_file(name), True)]
         compiled = [name for name in chosen if name not in python]
+        runs = [(True, python), (False, compiled[:8]), (False, compiled[8:])]
         path = self.project / PACKAGE / mutant.module
         original, times = path.read_bytes(), path.stat()
         path.write_bytes(mutant.source(original))
         try:
-            for interpreted, names in (
-                (True, python),
-                (False, compiled[:8]),
-                (False, compiled[8:]),
-            ):
-                if not names:
-                    continue
+            for interpreted, names in filter(itemgetter(1), runs):
                 limit = SHORTEST + FACTOR * sum(tests[name]["seconds"] for name in names)
                 limit += COMPILING if kernels else 0.0
                 status, records = self.run("-x", *names, interpreted=interpreted, limit=limit)

@@ -63,20 +63,15 @@ def mutants(module: str, source: bytes) -> Iterator[Mutant]:
     lines = source.splitlines(keepends=True)
     starts = [0, *accumulate(map(len, lines))]
     for where, node, changed in _changes(ast.parse(source), ""):
-        first, last, column, after = (
-            node.lineno,
-            node.end_lineno,
-            node.col_offset,
-            ast.unparse(changed),
-        )
-        words = where, lines[first - 1].decode().strip(), ast.unparse(node), after
-        place = slice(starts[first - 1] + column, starts[last - 1] + node.end_col_offset)
+        line, column, after = node.lineno, node.col_offset, ast.unparse(changed)
+        end = starts[node.end_lineno - 1] + node.end_col_offset
+        words = where, lines[line - 1].decode().strip(), ast.unparse(node), after
         text = after if isinstance(node, ast.stmt) else f"({after})"
-        yield Mutant(module, first, column, *words, place, text)
+        yield Mutant(module, line, column, *words, slice(starts[line - 1] + column, end), text)
 
 
 def _changes(node: ast.AST, where: str) -> Iterator[tuple[str, Any, ast.AST]]:
-    """(function, node, what replaces it) for a node and all that it holds."""
+    """The function, the node and its replacement, for every error in a node and in all that it holds."""
     if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
         where = f"{where}.{node.name}".lstrip(".")
     # A formatted string gives its parts no positions of their own before Python 3.12.
@@ -95,7 +90,7 @@ def _changes(node: ast.AST, where: str) -> Iterator[tuple[str, Any, ast.AST]]:
 
 
 def _of_node(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:
-    """The errors that can be put into one node: (node, what replaces it)."""
+    """The errors that can be put into one node, as pairs of a node and its replacement."""
     other = _OTHER.get(type(getattr(node, "op", node)).__name__, "")
     match node:
         case ast.Compare():
