@@ -9,6 +9,8 @@ WITH ?=
 VENV := .venv
 # As in an activated environment: what is started from here finds the same Python.
 RUN := PATH="$$HERE/$(VENV)/bin:$$PATH" python -m
+# Programs of trials/ use helpers of the tests.
+TRIAL := PYTHONPATH="$$HERE/trials:$$HERE/tests" $(RUN)
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 # What `make archive` packs; of another case it is dampbalance-<version>-<case>.tar.gz.
 ARCHIVE ?= results/archive/dampbalance-$(VERSION).tar.gz
@@ -41,7 +43,7 @@ endif
 LOCKED := $(VENV)/locked
 READY := $(VENV)/ready
 BENCH := .venv-bench
-BENCH_RUN := PATH="$$HERE/$(BENCH)/bin:$$PATH" python -m
+BENCH_RUN := PYTHONPATH="$$HERE/trials:$$HERE/tests" PATH="$$HERE/$(BENCH)/bin:$$PATH" python -m
 ifneq ($(shell test -x $(VENV)/bin/python && cat $(LOCKED) 2>/dev/null),$(CURDIR))
 STALE := stale
 endif
@@ -99,22 +101,22 @@ verify: archive ## Unpack the archive elsewhere, build everything anew there fro
 
 compare: setup ## List what differs between the results here and those of another build (say which: WITH=../other/results)
 	@test -n "$$WITH" || { echo "error: Name the other folder: make compare WITH=../other/results" >&2; exit 1; }
-	@PYTHONPATH=tests $(RUN) same_results results "$$WITH"
+	@$(TRIAL) same_results results "$$WITH"
 
 bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and scipy (choose with BENCH_ARGS="peers")
-	@cd tests && $(BENCH_RUN) benchmarks --output ../results/benchmarks $(BENCH_ARGS)
+	@$(BENCH_RUN) benchmarks $(BENCH_ARGS)
 
 peers: $(BENCH)/ready ## Test the benchmarks with heyoka and diffrax, which `make test` leaves out
 	@$(BENCH_RUN) pytest tests/repository/test_benchmarks.py -k "heyoka or diffrax" $(PYTEST_ARGS)
 
 processors: setup ## Run the tests that compare closely as on processors without AVX-512, and without AVX2 and FMA
-	@cd tests && $(RUN) processors --numprocesses auto --dist loadscope $(PYTEST_ARGS)
+	@$(TRIAL) processors --numprocesses auto --dist loadscope $(PYTEST_ARGS)
 
 mutants: setup ## Put errors into the method and see whether its tests notice (choose with MUTANTS_ARGS="motion/flow.py --number 20")
-	@cd tests && $(RUN) mutation $(MUTANTS_ARGS)
+	@$(TRIAL) mutation $(MUTANTS_ARGS)
 
 blind: setup ## Identify records of other make whose truth is known (choose with BLIND_ARGS="efficiency --drawings 50")
-	@cd tests && $(RUN) blind --output ../results/blind $(BLIND_ARGS)
+	@$(TRIAL) blind $(BLIND_ARGS)
 
 format: setup ## Format the sources
 	@$(RUN) ruff check --fix .
@@ -134,7 +136,7 @@ lock: setup ## Pin the newest versions that pyproject.toml allows, with hashes
 
 clean: ## Remove results and caches; the environment stays
 	find results -mindepth 1 -maxdepth 1 ! -name README.md -exec rm -rf {} +
-	find src tests workflow paper -name __pycache__ -type d -prune -exec rm -rf {} +
+	find src tests trials workflow paper -name __pycache__ -type d -prune -exec rm -rf {} +
 	rm -rf .snakemake .mutants .pytest_cache .mypy_cache .ruff_cache .hypothesis build dist
 
 distclean: clean ## Remove the environment as well

@@ -25,8 +25,8 @@ hypothesis.settings.load_profile("deterministic")
 
 @pytest.fixture(scope="session", autouse=True)
 def sum_of_no_floats():
-    """Let the package's own calls of `sum` fail for floats: its last bits are others from Python 3.12 on (complex
-    numbers: 3.14). Those of `math.fsum` and `numpy.sum` are not."""
+    """Let calls of `sum` in the package fail for floats, as its last bits changed with Python 3.12 (for complex numbers
+    with 3.14); use `math.fsum` or `numpy.sum`. A linter does not know which sums are of floats."""
     plain = builtins.sum
 
     def checked(items, /, start=0):
@@ -43,7 +43,7 @@ def sum_of_no_floats():
 
 
 def pytest_collection_modifyitems(items):
-    """The slow ones first, and first of all the workflow: no process is left alone with one of them at the end."""
+    """Run slow tests first, those of the workflow before all others, so that no process ends with one of them alone."""
     items.sort(
         key=lambda item: (
             item.get_closest_marker("slow") is None,
@@ -56,13 +56,13 @@ def pytest_collection_modifyitems(items):
 
 
 OPTIONAL = {"slurm": "in a real SLURM", "browser": "in a real browser"}
-"""Fixture → how a test with it is run, which not every machine can."""
+"""Fixture → how a test with it is run. Not every machine has these programs."""
 
 CLOSING = pytest.StashKey[list[str]]()
 
 
 def pytest_terminal_summary(terminalreporter, config):
-    """Count what passed by means of a program that not every machine has, and what was skipped by its reason."""
+    """Count the tests that passed with a program that not every machine has, and the skipped tests by reason."""
     passed, skipped = (terminalreporter.stats.get(name, []) for name in ("passed", "skipped"))
     needed = Counter(how for report in passed for name, how in report.user_properties)
     reasons = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in skipped)
@@ -74,6 +74,6 @@ def pytest_terminal_summary(terminalreporter, config):
 
 
 def pytest_unconfigure(config):
-    """The last lines of a run: what was checked with the help of other programs, what was not, and what to install."""
+    """Print the counts as the last lines of a run: tests with other programs, skipped tests, and what to install."""
     for line in config.stash.get(CLOSING, []):
         print(line)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import shutil
-import subprocess
 import sys
 from email.message import Message
 from importlib import metadata
@@ -17,6 +16,7 @@ from packaging.licenses import canonicalize_license_expression
 
 from dampbalance.publishing.provenance.licences import UNKNOWN, licence, stated_licence
 from folders import ROOT
+from processes import run
 
 CFF_SCHEMA = ROOT / "tests/repository/cff-1.2.0.schema.json"
 CATALOGUE = ROOT / ".snakemake-workflow-catalog.yml"
@@ -70,12 +70,7 @@ def test_a_wrong_citation_would_be_seen(change, where):
     reason="not a git checkout: which files belong to the project is unknown",
 )
 def test_every_file_has_a_licence_by_the_rules_of_reuse():
-    done = subprocess.run(
-        [sys.executable, "-m", "reuse", "--root", str(ROOT), "lint", "--json"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run(sys.executable, "-m", "reuse", "--root", ROOT, "lint", "--json")
     found = json.loads(done.stdout)
     assert done.returncode == 0, found["non_compliant"]
     assert found["summary"]["compliant"]

@@ -1,4 +1,4 @@
-"""`paper/equations.md` tells the truth: every equation has its line, and every function and test named there exists."""
+"""`paper/equations.md` is true: every equation has its line, and every function and test named there exists."""
 
 from __future__ import annotations
 

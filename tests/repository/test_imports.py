@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 
 import pytest
 
-from folders import ROOT
+from processes import run
 
 HEAVY = {"numpy", "scipy", "pandas", "numba", "matplotlib", "pyarrow", "jsonschema", "vl_convert"}
 
@@ -15,13 +14,8 @@ HEAVY = {"numpy", "scipy", "pandas", "numba", "matplotlib", "pyarrow", "jsonsche
 def loaded(program: str) -> set[str]:
     """The heavy packages that a process has loaded when it has run this program."""
     listing = f"\nimport sys\nprint(*(set({sorted(HEAVY)}) & sys.modules.keys()), file=sys.stderr)"
-    done = subprocess.run(
-        [sys.executable, "-c", program + listing],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = run(sys.executable, "-c", program + listing)
+    assert done.returncode == 0, done.stderr
     return set(done.stderr.split())
 
 

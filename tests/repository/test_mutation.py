@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from mutation import __main__ as command
+from mutation.__main__ import PACKAGE, ROOT, Bench
 from mutation.mutants import mutants
-from mutation.trials import PACKAGE, ROOT, Bench
 
 SOURCE = '''\
 """A module of 1 + 1 lines."""
@@ -29,10 +29,11 @@ def clipped(values: list[float], low: int = 0) -> float:
 class ω:
     flag = True and None is None
 '''
+MUTANTS = [*mutants("toy.py", SOURCE.encode())]
 
 
 def test_the_errors_are_these():
-    found = [(m.number, m.where, m.before, m.after) for m in mutants("toy.py", SOURCE)]
+    found = [(m.number, m.where, m.before, m.after) for m in MUTANTS]
     inside = "clipped"
     condition = "not values or len(values) < 3"
     assert sorted(found) == [
@@ -59,36 +60,31 @@ def test_the_errors_are_these():
 
 
 def test_a_mutant_differs_from_the_original_in_its_place_alone():
-    for mutant in mutants("toy.py", SOURCE):
-        changed = mutant.source(SOURCE)
-        differing = [
-            number
-            for number, lines in enumerate(
-                zip(SOURCE.splitlines(), changed.splitlines(), strict=True), start=1
-            )
-            if lines[0] != lines[1]
-        ]
-        assert differing == [mutant.number]
+    for mutant in MUTANTS:
+        changed = mutant.source(SOURCE.encode()).decode().splitlines()
+        pairs = enumerate(zip(SOURCE.splitlines(), changed, strict=True), start=1)
+        assert [number for number, (before, after) in pairs if before != after] == [mutant.number]
+        compile("\n".join(changed), "toy.py", "exec")
 
 
 def test_a_sample_stays_the_same_while_other_lines_are_edited():
-    def drawn(source):
-        every = sorted(mutants("toy.py", source), key=lambda mutant: mutant.rank(5))
+    def drawn(source, seed):
+        every = sorted(mutants("toy.py", source.encode()), key=lambda mutant: mutant.rank(seed))
         return [(mutant.line, mutant.before, mutant.after) for mutant in every[:6]]
 
-    edited = SOURCE.replace(
-        "    values.sort()\n", "    # sorted, from low to high\n\n    values.sort()\n"
-    )
-    assert drawn(edited) == drawn(SOURCE)
-    other = sorted(mutants("toy.py", SOURCE), key=lambda mutant: mutant.rank(6))
-    assert [(m.line, m.before, m.after) for m in other[:6]] != drawn(SOURCE)
+    edited = SOURCE.replace("    values.sort()\n", "    # from low to high\n\n    values.sort()\n")
+    assert drawn(edited, 5) == drawn(SOURCE, 5)
+    assert drawn(SOURCE, 6) != drawn(SOURCE, 5)
 
 
-def test_every_equivalent_mutant_is_still_a_mutant():
-    for described, reason in command.equivalents().items():
-        module = described[0]
-        assert described in {command.described(mutant) for mutant in command.mutants_of(module)}
-        assert len(reason) > 20
+@pytest.mark.parametrize(
+    ("module", "entry"),
+    [(m, entry) for m, listed in command.EQUIVALENT.items() for entry in listed],
+)
+def test_every_equivalent_mutant_is_still_a_mutant(module, entry, monkeypatch):
+    monkeypatch.setattr(command, "EQUIVALENT", {module: [entry]})
+    assert any(map(command.equivalent, command.mutants_of(module)))
+    assert len(entry["reason"]) > 20
 
 
 MODULES = {
@@ -162,29 +158,27 @@ def bench(tmp_path, monkeypatch):
     (tmp_path / "toy/tests/unit").mkdir(parents=True)
     (tmp_path / "toy/tests/unit/test_law.py").write_text(TESTS, encoding="utf-8")
     (tmp_path / "toy/pytest.ini").write_text("[pytest]\nmarkers = slow\n", encoding="utf-8")
-    monkeypatch.setattr("mutation.trials.ROOT", tmp_path / "toy")
-    monkeypatch.setattr("mutation.trials.HEAVY", ["numba", "pytest"])
-    monkeypatch.setattr("mutation.trials.SHORTEST", 2.0)
-    monkeypatch.setattr("mutation.trials.FACTOR", 1.0)
-    return Bench(tmp_path / "bench", {}, budget=60.0)
+    monkeypatch.setattr(command, "ROOT", tmp_path / "toy")
+    monkeypatch.setattr(command, "SHORTEST", 20.0)
+    monkeypatch.setattr(command, "COMPILING", 20.0)
+    return Bench(tmp_path / "bench")
 
 
+@pytest.mark.slow
 def test_a_mutant_meets_the_tests_that_call_its_function(bench, capsys):
     (file,) = bench.files
-    called = {
-        name.partition("::")[2]: test["called"] for name, test in bench.baseline(file).items()
-    }
+    passing = bench.passing(file)
+    called = {name.partition("::")[2]: test["called"] for name, test in passing.items()}
     assert capsys.readouterr().out.endswith(f": {file}::test_wrong\n")
-    assert set(called) == {"test_four_times", "test_compiled", "test_same", "test_limit"}
+    assert {*called} == {"test_four_times", "test_compiled", "test_same", "test_limit"}
     assert {"law.py:four_times", "motion/twice.py:twice"} <= {*called["test_compiled"]}
     assert "law.py:up_to_the_limit" in called["test_limit"]
-    assert {*bench.baseline(file, interpreted=True)} >= {f"{file}::test_four_times"}
-    assert f"{file}::test_compiled" not in bench.baseline(file, interpreted=True)
+    assert {*bench.passing(file, True)} == {*passing} - {f"{file}::test_compiled"}
 
     verdicts = {}
     for module in ("law.py", "motion/twice.py"):
-        for mutant in mutants(module, MODULES[module]):
-            verdicts[mutant.after] = bench.trial(mutant)
+        for mutant in mutants(module, MODULES[module].encode()):
+            verdicts[mutant.after] = bench.trial(mutant, budget=60.0)
             assert (bench.project / PACKAGE / module).read_text(encoding="utf-8") == MODULES[module]
     assert verdicts == {
         "6": ("killed", f"{file}::test_limit"),  # of a constant: the function that uses it
@@ -199,26 +193,29 @@ def test_a_mutant_meets_the_tests_that_call_its_function(bench, capsys):
     }
 
 
-def test_a_run_says_what_became_of_its_mutants_and_goes_on_where_it_stopped(
-    bench, monkeypatch, capsys
-):
-    monkeypatch.setattr(command, "ROOT", bench.folder.parent / "toy")
-    output = bench.folder.parent / "output"
-    arguments = ["law.py", "--seed", "1", "--number", "4", "--output", str(output)]
+def test_a_run_reports_what_became_of_its_mutants(tmp_path, monkeypatch, capsys):
+    class Fake:
+        def __init__(self, folder):
+            folder.mkdir()
+
+        def trial(self, mutant, budget):
+            return ("killed", "a test") if "1.0" in mutant.before else ("survived", f"{budget} s")
+
+    monkeypatch.setattr(command, "Bench", Fake)
+    monkeypatch.setattr(command, "modules", lambda: ["law.py", "motion/twice.py"])
+    monkeypatch.setattr(command, "EQUIVALENT", {"law.py": [{"after": "6", "reason": "none asks"}]})
+    monkeypatch.setattr(
+        command, "mutants_of", lambda module: [*mutants(module, MODULES[module].encode())]
+    )
     with pytest.raises(SystemExit):
         command.main(["lore.py"])
-    assert "known are arguments.py, arrays.py, law.py" in capsys.readouterr().err
-    status = command.main(arguments)
-    text = (output / "table.md").read_text(encoding="utf-8")
-    (counts,) = (line for line in text.splitlines() if line.startswith("| all "))
-    number, killed, timed_out, equivalent, survived = map(int, counts.split("|")[2:-1])
-    assert (number, equivalent) == (4, 0)
-    assert status == int(survived > 0.4)
-    assert text.startswith("Seed 1.")
-    assert text.count("\n- law.py:") == survived
-    assert f"Killed: {killed + timed_out} of 4 that are not equivalent" in text
-    trials = (output / "trials.jsonl").read_text(encoding="utf-8").count("\n")
-    monkeypatch.setattr(Bench, "trial", lambda bench, mutant: ("survived", "0 tests"))
-    assert command.main(arguments) == status
-    again = (output / "trials.jsonl").read_text(encoding="utf-8").count("\n")
-    assert (trials, again) == (4, 4 + survived)  # those that survived are tried again
+    assert "known are law.py, motion/twice.py" in capsys.readouterr().err
+    arguments = ["--seed", "1", "--number", "50", "--budget", "9", "--output"]
+    assert command.main([*arguments, str(tmp_path / "all")]) == 1
+    text = (tmp_path / "all/table.md").read_text(encoding="utf-8")
+    assert text.startswith("Seed 1.\n\n| room | mutants | killed | timed out | equivalent | ")
+    assert "\n| law.py | 7 | 2 | 0 | 1 | 4 |\n| motion | 2 | 0 | 0 | 0 | 2 |\n" in text
+    assert "Killed: 2 of 8 that are not equivalent; the goal is 90%." in text
+    assert "\n- motion/twice.py:6 `2.0 * x` → `2.0 / x` in `return 2.0 * x` (9.0 s)\n" in text
+    command.main([*arguments[:3], "4", "--output", str(tmp_path / "some")])
+    assert "\n| all | 4 |" in (tmp_path / "some/table.md").read_text(encoding="utf-8")

@@ -75,7 +75,7 @@ def test_the_run_itself_may_differ_and_nothing_else_of_a_manifest(two, capsys):
     manifest = two[1] / "paper/manifest.json"
     write_json(manifest, {"reproducible": {"n": 1}, "run": {"python": "b"}})
     assert compare(*two) == 0
-    assert "tells of the run" in capsys.readouterr().out
+    assert "describes the run" in capsys.readouterr().out
     write_json(manifest, {"reproducible": {"n": 2}, "run": {"python": "a"}})
     assert compare(*two) == 1
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
 import sys
 import sysconfig
 import tarfile
 import venv
 import zipfile
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -16,6 +15,7 @@ import pytest
 import dampbalance
 from dampbalance.publishing.provenance.sources import files_of
 from folders import ROOT
+from processes import output_of
 
 pytestmark = pytest.mark.slow
 
@@ -23,19 +23,7 @@ NAME = f"dampbalance-{dampbalance.__version__}"
 PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet")
 
 
-def run(*command: str | Path, folder: Path, **variables: str) -> str:
-    """What a command says, without anything of this process's own search path."""
-    inherited = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    done = subprocess.run(
-        [*map(str, command)],
-        cwd=folder,
-        env=inherited | variables,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+run = partial(output_of, PYTHONPATH=None)  # of this process
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Copies of the whole project, each in a folder of its own, and a way to run the workflow there."""
+"""Copies of the whole project, each in its folder, and a way to run the workflow there."""
 
 from __future__ import annotations
 

@@ -25,12 +25,12 @@ def run(script: str, **given: Any) -> None:
     """One job: `script` is a path below workflow/scripts; input, output, params and wildcards are by name."""
     groups = {name: Named(**value) for name, value in given.items()}
     snakemake = SimpleNamespace(**{"input": Named(), "output": Named()} | groups)
-    told = sys.excepthook  # a script sets its own
+    hook = sys.excepthook  # which a script replaces
     try:
         path = ROOT / "workflow/scripts" / script
         runpy.run_path(str(path), init_globals={"snakemake": snakemake}, run_name="__main__")
     finally:
-        sys.excepthook = told
+        sys.excepthook = hook
 
 
 def case_jobs(config: Mapping[str, Any], folder: Path, shown: bool = False) -> None:

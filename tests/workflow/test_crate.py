@@ -14,9 +14,9 @@ from urllib.parse import unquote
 import pytest
 from rocrate.rocrate import ROCrate
 
-from committing import git
 from dampbalance import __version__
 from dampbalance.project.files import sha256
+from processes import git
 from workflow.copies import SMALL
 from workflow.validating import issues
 
@@ -40,7 +40,7 @@ NO_README = {
     "The README.md SHOULD be about the crate",
     "The README.md SHOULD have text/markdown as its encodingFormat",
 }
-"""One README, results/README.md, tells what the results of every case mean."""
+"""One README, results/README.md, says what the results of every case mean."""
 
 
 @pytest.fixture(scope="module")

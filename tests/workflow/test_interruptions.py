@@ -14,6 +14,7 @@ import psutil
 import pytest
 
 from folders import ROOT
+from processes import run
 from workflow.copies import SMALL
 
 pytestmark = pytest.mark.slow
@@ -36,15 +37,7 @@ def environment(copy):
 
 
 def finished(copy, *command):
-    return subprocess.run(
-        command,
-        cwd=copy.folder,
-        env=environment(copy),
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
+    return run(*command, folder=copy.folder, timeout=PATIENCE, PYTHONPATH=f"{copy.folder / 'src'}")
 
 
 @contextmanager

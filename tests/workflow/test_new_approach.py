@@ -7,12 +7,13 @@ Tables, figures, page, a study, an identification and a simulation then know the
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 
 import pandas as pd
 import pytest
 import yaml
+
+from processes import output_of
 
 pytestmark = pytest.mark.slow
 
@@ -28,7 +29,7 @@ TERM = """            Term(
                 order=4,
             ),
 """
-# Direct integration beside a quartic damper. There is none.
+# Direct integration with a quartic damper in addition. There is none.
 ADDED = """
 
 TERMS["c_4"] = KNOWN_TERMS["c_4"]
@@ -115,16 +116,8 @@ def test_a_study_can_ask_for_it(extended):
 
 
 def dampbalance(extended, *arguments):
-    done = subprocess.run(
-        [sys.executable, "-m", "dampbalance", *arguments],
-        cwd=extended.folder,
-        env={"PYTHONPATH": str(extended.folder / "src"), "MPLBACKEND": "Agg"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    command, folder = (sys.executable, "-m", "dampbalance", *arguments), extended.folder
+    return output_of(*command, folder=folder, PYTHONPATH=str(folder / "src"))
 
 
 def test_measured_records_are_identified_with_it(extended):

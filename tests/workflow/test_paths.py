@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import shutil
-import subprocess
 import sys
 
 import pytest
 
 from dampbalance import __version__
 from folders import ROOT
+from processes import output_of, run
 
 ODD = "ä b'c & (e) [f] #h %i"
 STUB = """#!/bin/sh
@@ -34,17 +34,10 @@ def odd(tmp_path):
 
 
 def make(folder, *arguments, **environment):
-    """What `make` does in a folder: (the run, what its Python was told, call by call)."""
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("MAKE")}
-    done = subprocess.run(
-        ["make", "--no-print-directory", *arguments],
-        cwd=folder,
-        env=kept | environment,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
+    """What `make` does in a folder: (the run, the arguments of each call of its Python)."""
+    handed_down = dict.fromkeys(name for name in os.environ if name.startswith("MAKE"))
+    command = ("make", "--no-print-directory", *arguments)
+    done = run(*command, folder=folder, timeout=60, **handed_down | environment)
     calls = folder / "calls"
     text = calls.read_text(encoding="utf-8") if calls.exists() else ""
     return done, [call.split("\n") for call in text.split("\nend\n")[:-1]]
@@ -131,13 +124,7 @@ def test_jobs_run_by_a_python_with_an_odd_path(checkout, tmp_path):
     case = folder / "s m.yaml"
     shutil.copy(ROOT / "tests/workflow/small.yaml", case)
     target = "results/small/orbits/above.json"
-    done = subprocess.run(
-        [folder / ".venv/bin/python", "workflow/run.py", "--cores=1", f"--configfile={case.name}", target],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(folder / "src")},
-        capture_output=True,
-        text=True,
-        check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    command = ("workflow/run.py", "--cores=1", f"--configfile={case.name}", target)
+    python = folder / ".venv/bin/python"
+    output_of(python, *command, folder=folder, PYTHONPATH=str(folder / "src"))
     assert (folder / target).is_file()

@@ -154,6 +154,6 @@ def test_a_wrong_configuration_is_refused_and_nothing_is_lost(built, old, new, e
 )
 def test_the_tables_have_the_bytes_on_record(built):
     """Whatever the Python. After a change that is meant to change numbers, in a copy with the small case built:
-    cd tests && python -m same_results ../results/small > workflow/small.sha256"""
+    python trials/same_results.py results/small > tests/workflow/small.sha256"""
     record = (ROOT / "tests/workflow/small.sha256").read_text(encoding="utf-8")
     assert digests(built.folder / "results/small").splitlines() == record.splitlines()

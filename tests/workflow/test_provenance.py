@@ -17,12 +17,12 @@ from importlib import metadata
 
 import pytest
 
-from committing import git
 from dampbalance import __version__
 from dampbalance.project.files import sha256
 from dampbalance.publishing.provenance import archive
 from dampbalance.publishing.provenance.sources import digest_of, files_of
 from folders import ROOT
+from processes import git
 from workflow.copies import SMALL, Checkout
 
 pytestmark = pytest.mark.slow

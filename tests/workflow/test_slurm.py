@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -9,20 +10,15 @@ import pytest
 import yaml
 
 from folders import ROOT
+from processes import run
 
-CLUSTER = ROOT / "tests/cluster"
+CLUSTER = ROOT / "trials/cluster"
+PATHS = os.pathsep.join(str(ROOT / name) for name in ("trials", "tests"))
 UNAVAILABLE = 69  # loopback.sh: SLURM cannot be started here, with the reason on stderr
 
 
 def loopback(*command: str, timeout: float) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [str(CLUSTER / "loopback.sh"), *command],
-        cwd=ROOT / "tests",
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=timeout,
-    )
+    return run(CLUSTER / "loopback.sh", *command, timeout=timeout, PYTHONPATH=PATHS)
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ SITE_SOURCES = (
         "results/README.md",
     ),
     *("config", "paper", "src", "workflow"),
-    *("tests/analytic/README.md", "tests/benchmarks", "tests/blind"),
+    *("tests/analytic/README.md", "trials/benchmarks", "trials/blind"),
 )
 
 # It is of the project as it lies there, whose folder must be that of the results.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -20,6 +19,7 @@ from dampbalance.identification.outputs import OUTPUTS, TABLES
 from dampbalance.records.readers import read
 from folders import ROOT
 from paper_case import PAPER
+from processes import output_of
 
 EXAMPLE = ROOT / "config/records/example"
 RECORDS = sorted(str(path) for path in EXAMPLE.glob("level*.csv"))
@@ -36,24 +36,8 @@ def simulate(path, *arguments):
 def output(tmp_path_factory):
     """Where the example was identified, and what was shown."""
     folder = tmp_path_factory.mktemp("identified") / "found"
-    done = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "dampbalance",
-            "identify",
-            *RECORDS,
-            *COMMON,
-            *WHOLE,
-            "--output",
-            str(folder),
-        ],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return folder, done.stdout
+    command = (sys.executable, "-m", "dampbalance", "identify", *RECORDS, *COMMON, *WHOLE)
+    return folder, output_of(*command, "--output", folder)
 
 
 def test_everything_is_written(output):

@@ -6,7 +6,6 @@ import ast
 import functools
 import itertools
 import math
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -29,6 +28,7 @@ from dampbalance.figures.cycle import branches
 from dampbalance.figures.series import signed_scale
 from dampbalance.law.terms import Term
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, OMEGA, PAIRS, PAPER, features_at, orbits_at
+from processes import output_of
 
 NAMES = ("figure1", "figure2", "figure3", "estimation_error")
 
@@ -228,8 +228,7 @@ def test_figures_leave_the_global_state_of_pyplot_alone():
         "import sys; from dampbalance.figures.style import page; page(40.0, 30.0); "
         "print('matplotlib.pyplot' in sys.modules)"
     )
-    said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert said.stdout == "False\n"
+    assert output_of(sys.executable, "-c", program) == "False\n"
     for module in Path(figures.__file__).parent.glob("*.py"):
         if module.name == "style.py":  # where a notebook is told how to show figures
             continue

@@ -6,7 +6,6 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -19,6 +18,7 @@ import dampbalance.motion.jit
 from dampbalance import BaseMotion
 from dampbalance.project.dependencies import package_modules
 from paper_case import PAPER
+from processes import output_of
 
 SOURCE = Path(dampbalance.__file__).parent
 
@@ -57,15 +57,8 @@ def package(tmp_path):
 
 def run(package):
     """What PROGRAM prints when it runs on that copy, in a fresh process."""
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", PROGRAM],
-        env=os.environ | {"PYTHONPATH": str(package.parent), "PYTHONDONTWRITEBYTECODE": "1"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    result = json.loads(done.stdout)
+    variables = {"PYTHONPATH": str(package.parent), "PYTHONDONTWRITEBYTECODE": "1"}
+    result = json.loads(output_of(sys.executable, "-W", "error", "-c", PROGRAM, **variables))
     assert Path(result["module"]).parents[1] == package
     return result
 
@@ -246,7 +239,7 @@ def test_interpreting_needs_no_numba():
         "    print(steady_orbit(osc, BaseMotion(Y=0.004, omega=30.0)).X)\n"
         "assert 'numba' not in sys.modules\n"
     )
-    subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
+    output_of(sys.executable, "-c", program)
 
 
 def test_beyond_a_number_of_calls_kernels_are_compiled():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import json
-import subprocess
 import sys
 from pathlib import Path
 
@@ -12,6 +11,7 @@ import pytest
 
 from dampbalance.project.dependencies import package_modules
 from folders import ROOT
+from processes import output_of
 
 SCRIPTS = sorted((ROOT / "workflow/scripts").rglob("*.py"))
 
@@ -65,14 +65,7 @@ def loaded():
             if str(init.relative_to(ROOT / "src")) not in listed
         }
         told.append(["\n".join(map(ast.unparse, imports)), faces])
-    run = subprocess.run(
-        [sys.executable, "-c", PROGRAM],
-        input=json.dumps(told),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    lines = run.stdout.splitlines()
+    lines = output_of(sys.executable, "-c", PROGRAM, given=json.dumps(told)).splitlines()
     return dict(zip(SCRIPTS, map(json.loads, lines), strict=True))
 
 

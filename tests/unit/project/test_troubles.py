@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import errno
-import subprocess
 import sys
 
 import pytest
 
 from dampbalance.project.troubles import trouble
+from processes import run
 
 
 def script(body):
     begin = "from dampbalance.project.troubles import brief_troubles; brief_troubles();"
-    done = subprocess.run(
-        [sys.executable, "-c", f"{begin} {body}"], capture_output=True, text=True, check=False
-    )
+    done = run(sys.executable, "-c", f"{begin} {body}")
     assert done.returncode != 0
     return done.stderr
 

@@ -14,7 +14,6 @@ from pathlib import Path
 import pytest
 import yaml
 
-from committing import git
 from dampbalance.project.files import sha256
 from dampbalance.publishing.provenance import archive
 from dampbalance.publishing.provenance.crate import crate
@@ -22,6 +21,7 @@ from dampbalance.publishing.provenance.entities import CrateFolder
 from dampbalance.publishing.provenance.manifest import manifest
 from dampbalance.publishing.provenance.sources import PROJECT, code_version, digest_of, files_of
 from folders import ROOT
+from processes import git
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
 

@@ -8,7 +8,6 @@ import random
 import re
 import signal
 import struct
-import subprocess
 import sys
 import tracemalloc
 import warnings
@@ -37,6 +36,7 @@ from dampbalance.records.measured import read_records
 from dampbalance.records.readers import channels, open_channels, read
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER
+from processes import run
 
 RATE = 500.0
 NAMES = ("time_s", "base_displacement_m", "displacement_m")
@@ -552,8 +552,7 @@ def test_a_spreadsheet_takes_no_more_memory_than_it_explains(name, tmp_path):
         "print(re.search(r'VmHWM:\\s*(\\d+)', Path('/proc/self/status').read_text())[1])\n"
         "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)\n"
     )
-    run = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True)
-    said, *peaks = run.stdout.splitlines()
+    said, *peaks = run(sys.executable, "-c", code, path).stdout.splitlines()
     assert re.search(message, said)
     assert str(path) in said
     assert max(map(int, peaks)) < 400_000  # kB

@@ -41,6 +41,7 @@ PROJECT = (
     "requirements-build.lock",
     "results/README.md",
     "tests",
+    "trials",
 )
 """All files and folders of the project, as under version control."""
 

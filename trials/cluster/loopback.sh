@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Run a command beside a real SLURM of one node, which lives as long as the command:
+# Run a command while a real SLURM of one node is up, which ends with the command:
 #
-#     tests/cluster/loopback.sh squeue
+#     trials/cluster/loopback.sh squeue
 #
 # Needed: root, and slurmctld, slurmd, sinfo, munged (Debian: slurmctld slurmd slurm-client munge), unshare, ip. Everything
 # happens in namespaces of its own (mounts, processes, network, host name): /etc/slurm is covered, not changed, a SLURM or
@@ -44,7 +44,7 @@ printf '%s\n' "127.0.0.1 localhost" "$address loopback" > "$folder/hosts"
 mount --bind "$folder/hosts" /etc/hosts
 mount -t tmpfs slurm /etc/slurm
 
-# What a node offers: all processors, and the memory of the machine but for a tenth.
+# What a node offers: all processors, and nine tenths of the memory of the machine.
 memory_mb=$(awk '/^MemTotal:/ { printf "%d", 0.9 * $2 / 1024 }' /proc/meminfo)
 # The place is fixed: the job step of the executor drops SLURM_CONF from the environment of its srun.
 cat > /etc/slurm/slurm.conf <<CONF

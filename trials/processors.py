@@ -1,8 +1,10 @@
-"""Run tests as on a processor that lacks instructions of this one: NumPy, Numba, OpenBLAS and the C library then use
-others, and the last bits of results differ.
+"""Run tests as on a processor that lacks instructions of this one.
+
+NumPy, Numba, OpenBLAS and the C library then use other instructions, and the last bits of results differ. Use it after
+a change of a tolerance, or when a test fails on another machine only.
 
     make processors                                        the tests that compare closely, as on each such processor
-    cd tests && python -m processors without-avx2 ARGUMENTS    those of pytest, as on one of them
+    cd trials && python -m processors without-avx2 ARGUMENTS    those of pytest, as on one of them
 
 Exit status: that of pytest; 0 where the processor here lacks the same instructions, so that no test needs another run.
 """
@@ -15,11 +17,12 @@ import os
 import struct
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from folders import ROOT
+ROOT = Path(__file__).parents[1]
 
 PROCESSORS = {
     # like an AMD EPYC before Zen 4
@@ -56,7 +59,7 @@ INSIDE = "--inside"
 def traits() -> dict[str, Any]:
     """What this process computes with: features of NumPy; targets of OpenBLAS and of Numba, which keeps its kernels by
     them; a digest of the last bits of the C library's functions."""
-    import scipy.linalg  # noqa: F401  has an OpenBLAS of its own
+    import scipy.linalg  # noqa: F401  has a separate OpenBLAS
     from numba.core.registry import cpu_target
     from numpy._core._multiarray_umath import __cpu_features__
     from threadpoolctl import threadpool_info
@@ -96,7 +99,7 @@ def _libm_without(variable: str) -> str:
     environment = {key: value for key, value in os.environ.items() if key != variable}
     found = subprocess.run(
         [sys.executable, "-c", program],
-        cwd=ROOT / "tests", env=environment, check=True, capture_output=True, text=True,
+        cwd=ROOT / "trials", env=environment, check=True, capture_output=True, text=True,
     )  # fmt: skip
     return found.stdout.strip()
 
@@ -109,7 +112,7 @@ def run(name: str, arguments: list[str]) -> int:
     print(f"{name}: pytest {' '.join(arguments)}", flush=True)
     inside = [sys.executable, "-m", "processors", INSIDE, name, *arguments]
     environment = os.environ | PROCESSORS[name]
-    return subprocess.run(inside, cwd=ROOT / "tests", env=environment, check=False).returncode
+    return subprocess.run(inside, cwd=ROOT / "trials", env=environment, check=False).returncode
 
 
 def main(arguments: list[str]) -> int:

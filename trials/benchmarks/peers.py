@@ -1,4 +1,4 @@
-"""Time per steady state, ours beside that of the peers, with the accuracy of each.
+"""Time per steady state and accuracy, of ours and of the peers.
 
 Writes peers.{csv,md,svg,png} and peers_repetitions.csv. Peers that are not installed are left out; the table says so.
 """

@@ -1,7 +1,7 @@
-"""Two other ways from measurements to F_k, c and K_z, on three sets of the blind set, beside `identify`.
+"""Two other ways from measurements to F_k, c and K_z, on three sets of the blind set, compared with `identify`.
 
 The first is what many would write: simulate the records with `solve_ivp` until the motion repeats, and let
-`scipy.optimize.least_squares` fit m, c, F_k and K_z to all samples, from a start 30 % off. It is told the frequency.
+`scipy.optimize.least_squares` fit m, c, F_k and K_z to all samples, from a start 30 % off. It is given the frequency.
 
 The second takes no drive at all: the mass is released at the highest displacement of the records, or at 30 F_k/k if
 that is more, with the noise that those have, as often as fits into their duration. From reversal to reversal the
@@ -10,7 +10,7 @@ displacement shrinks as
     |x_{i+1}| = q |x_i| − (1 + q) F_k/k,     q = e^{−πζ/√(1 − ζ²)}
 
 by a viscous and a dry part (rigid contact); a straight line through the pairs gives q and F_k, and the time between
-reversals the mass, thus c = 2ζ√(k m). It tells nothing of K_z.
+reversals the mass, thus c = 2ζ√(k m). It does not give K_z.
 """
 
 from __future__ import annotations

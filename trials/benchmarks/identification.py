@@ -1,8 +1,8 @@
 """Identification of measured levels, five of 20,000 samples: by every approach, and by maximum likelihood.
 
 Reading and identifying are timed together and apart, and so is the fit of one oscillator to the harmonics of all
-levels, which identifying contains; the errors of what is found stand beside the times. Start-up, import and first
-call, is timed in processes of its own, and the import split by package. Writes identification.{csv,md,svg,png},
+levels, which identifying contains; the errors of the estimates are listed with the times. Start-up, import and first
+call, is timed in separate processes, and the import split by package. Writes identification.{csv,md,svg,png},
 identification_{repetitions,errors}.csv, start_up.csv and imports.csv.
 """
 
@@ -111,7 +111,7 @@ def contestants(samples: int) -> list[Contestant]:
 
 
 def errors(samples: int) -> pd.DataFrame:
-    """Columns name, then of F_k and of c the relative error and the standard error that each approach tells."""
+    """Columns name, then of F_k and of c the relative error and the standard error that each approach reports."""
     given = measurements(samples)
     found = identify_readings([read_features(m, PAPER.k) for m in given], PAPER.k)
     rows: list[tuple[str, float, float, float, float]] = []
@@ -165,7 +165,7 @@ def start_up(samples: int, repetitions: int) -> tuple[pd.DataFrame, pd.DataFrame
 
 
 def imports(told: str) -> pd.DataFrame:
-    """Columns package, seconds: what `-X importtime` told, its own time summed over the modules of each package."""
+    """Columns package, seconds: the times of `-X importtime`, summed over the modules of each package."""
     seconds: dict[str, float] = {}
     for own, module in _IMPORTED.findall(told):
         package = module.split(".")[0]

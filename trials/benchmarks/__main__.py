@@ -1,4 +1,4 @@
-"""All benchmarks, or those named (`make bench`): python -m benchmarks [PART …] [--output DIR]."""
+"""All benchmarks, or those named: make bench BENCH_ARGS="[PART …] [--output DIR]"."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""What a laboratory makes of free decays today, beside `identify`: the decrements of successive peaks.
+"""The decrements of successive peaks, by which laboratories evaluate free decays, for comparison with `identify`.
 
 Peaks are read off each decay from a smoothed record; of a velocity or an acceleration they are divided by ω or ω², as
-for a harmonic motion. They are told what the record does not show: when the mass came free, and the offset of the
-channel, that is, where the spring is at rest. Peaks that come quicker than the motion, as of a mass that sticks and
+for a harmonic motion. The decrements use what the record does not show: when the mass came free, and the offset of
+the channel, that is, where the spring is at rest. Peaks that come quicker than the motion, as of a mass that sticks and
 rings, end the decay.
 
     logarithmic decrement    ln X_i falls by βπ: all damping is viscous

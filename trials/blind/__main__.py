@@ -1,6 +1,6 @@
 """The blind set at any size (`make blind`).
 
-python -m blind [PART] [--sets 900] [--first 0] [--processes 2] [--drawings 200] [--approach direct] [--output DIR]
+make blind BLIND_ARGS="[PART] [--sets 900] [--first 0] [--processes 2] [--drawings 200] [--approach direct]"
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def confused(options: argparse.Namespace) -> str:
 
 
 def decays(options: argparse.Namespace) -> str:
-    """Identify free decays, beside what laboratories do; goes on where an earlier run stopped."""
+    """Identify free decays and compare the decrements of laboratories; resume an interrupted run."""
     file = options.output / "decays.csv"
     done = pd.read_csv(file) if file.exists() else pd.DataFrame({"set": []})
     wanted = range(options.first, options.first + options.sets)

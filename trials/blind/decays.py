@@ -1,4 +1,4 @@
-"""Records of free decays: each set drawn by (seed, index) alone, its motion from an integrator of another make."""
+"""Records of free decays: each set drawn by (seed, index) alone, its motion from an independent integrator."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 from dampbalance.records.measurement import Channel, Measurement
 
 from .other_motion import ring_down
-from .truths import ANSWERS, NOISE, SEED
+from .truths import ANSWERS, NOISE, SEED, Linear
 
 _DECAYS = 2  # so that the draws are not those of the forced sets
 _SETTLES = 3.0  # time constants of the slowest decay that a burst lasts at the most
 
 
 @dataclass(frozen=True)
-class Decay:
+class Decay(Linear):
     """One record of one to three free decays. SI units.
 
     starts : of each, ("pluck", x) for a release from x or ("blow", v) for a velocity added at rest.   lead : time that
@@ -39,16 +39,6 @@ class Decay:
     answers: tuple[str, ...]
     noise: float
     offset: float
-
-    @property
-    def omega_n(self) -> float:
-        """√(k/m), rad/s."""
-        return math.sqrt(self.k / self.m)
-
-    @property
-    def zeta(self) -> float:
-        """c/(2 √(k m))."""
-        return self.c / (2.0 * math.sqrt(self.k * self.m))
 
     @property
     def height(self) -> float:

@@ -9,11 +9,11 @@ what does not run: annotations, decorators, `TYPE_CHECKING`.
 from __future__ import annotations
 
 import ast
-import copy
 import hashlib
-from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import accumulate
+from typing import Any
 
 _BOTH_WAYS = """
 Lt LtE, Gt GtE, Eq NotEq, Is IsNot, In NotIn, And Or, Add Sub, Mult Div, BitAnd BitOr, Break Continue,
@@ -23,6 +23,7 @@ _ONE_WAY = "FloorDiv Div, Mod Mult, Pow Mult, MatMult Mult"
 _BOTH, _ONE = ([pair.split() for pair in pairs.split(",")] for pairs in (_BOTH_WAYS, _ONE_WAY))
 _OTHER = dict([*_BOTH, *((other, one) for one, other in _BOTH), *_ONE])
 """What stands in the place of an operator, a statement or a function, by their names."""
+_TURNED = (ast.Eq, ast.NotEq, ast.Is, ast.IsNot, ast.In, ast.NotIn)
 _NOT_RUN = ("annotation", "returns", "decorator_list", "bases")
 
 
@@ -30,60 +31,47 @@ _NOT_RUN = ("annotation", "returns", "decorator_list", "bases")
 class Mutant:
     """One error: `before` becomes `after` in the function `where`, in the line whose text is `line`.
 
-    number : of the line.   start, end : place of the replaced text in the source, in bytes.   text : what stands there
-    instead.   occurrence : of `before` in the line, from 1.
+    number : of the line.   column : of `before`, in bytes.   place : of the replaced bytes in the source.   text : what
+    replaces them.
     """
 
     module: str
     number: int
+    column: int
     where: str
     line: str
     before: str
     after: str
-    start: int
-    end: int
+    place: slice
     text: str
-    occurrence: int = 1
 
-    def source(self, original: str) -> str:
-        """The source of the module with the error in it; SyntaxError if that is no Python."""
-        data = original.encode()
-        changed = (data[: self.start] + self.text.encode() + data[self.end :]).decode()
-        compile(changed, self.module, "exec")
-        return changed
+    def __str__(self) -> str:
+        return f"{self.module}:{self.number} `{self.before}` → `{self.after}` in `{self.line}`"
+
+    def source(self, original: bytes) -> bytes:
+        """The source of the module with the error in it."""
+        return original[: self.place.start] + self.text.encode() + original[self.place.stop :]
 
     def rank(self, seed: int) -> str:
-        """By which a sample is drawn: an edit elsewhere in the module leaves the others' ranks alone."""
-        words = (str(seed), self.module, self.where, self.line, self.before, self.after)
-        again = f" {self.occurrence}" if self.occurrence > 1 else ""
-        return hashlib.sha256(("\0".join(words) + again).encode()).hexdigest()
+        """The key by which a sample is drawn; an edit of another line of the module does not change it."""
+        words = seed, self.module, self.where, self.line, self.column, self.before, self.after
+        return hashlib.sha256("\0".join(map(str, words)).encode()).hexdigest()
 
 
-def mutants(module: str, source: str) -> list[Mutant]:
-    """All mutants of a module, in the order of its lines."""
+def mutants(module: str, source: bytes) -> Iterator[Mutant]:
+    """All mutants of a module."""
     lines = source.splitlines(keepends=True)
-    starts = [0]
-    for line in lines:
-        starts.append(starts[-1] + len(line.encode()))
-    found = []
+    starts = [0, *accumulate(map(len, lines))]
     for where, node, changed in _changes(ast.parse(source), ""):
-        first, last = node.lineno, node.end_lineno or 0
-        after = ast.unparse(changed)
+        line, column, after = node.lineno, node.col_offset, ast.unparse(changed)
+        end = starts[node.end_lineno - 1] + node.end_col_offset
+        words = where, lines[line - 1].decode().strip(), ast.unparse(node), after
         text = after if isinstance(node, ast.stmt) else f"({after})"
-        place = starts[first - 1] + node.col_offset, starts[last - 1] + (node.end_col_offset or 0)
-        words = lines[first - 1].strip(), ast.unparse(node), after
-        found.append(Mutant(module, first, where, *words, *place, text))
-    found.sort(key=lambda mutant: (mutant.start, mutant.end, mutant.after))
-    seen: Counter[tuple[int, str, str]] = Counter()
-    for i, mutant in enumerate(found):
-        alike = mutant.number, mutant.before, mutant.after
-        seen[alike] += 1
-        found[i] = replace(mutant, occurrence=seen[alike])
-    return found
+        yield Mutant(module, line, column, *words, slice(starts[line - 1] + column, end), text)
 
 
-def _changes(node: ast.AST, where: str) -> Iterator[tuple[str, ast.expr | ast.stmt, ast.AST]]:
-    """(function, node, what replaces it) for a node and all that it holds."""
+def _changes(node: ast.AST, where: str) -> Iterator[tuple[str, Any, ast.AST]]:
+    """The function, the node and its replacement, for every error in a node and in all that it holds."""
     if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
         where = f"{where}.{node.name}".lstrip(".")
     # A formatted string gives its parts no positions of their own before Python 3.12.
@@ -101,19 +89,17 @@ def _changes(node: ast.AST, where: str) -> Iterator[tuple[str, ast.expr | ast.st
                 yield from _changes(child, where)
 
 
-def _of_node(node: ast.AST) -> Iterator[tuple[ast.expr | ast.stmt, ast.AST]]:
-    """The errors that can be put into one node."""
+def _of_node(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:
+    """The errors that can be put into one node, as pairs of a node and its replacement."""
     other = _OTHER.get(type(getattr(node, "op", node)).__name__, "")
     match node:
         case ast.Compare():
             for i, operator in enumerate(node.ops):
-                changed = copy.deepcopy(node)
-                changed.ops[i] = getattr(ast, _OTHER[type(operator).__name__])()
-                yield node, changed
+                ops = [*node.ops]
+                ops[i] = getattr(ast, _OTHER[type(operator).__name__])()
+                yield node, ast.Compare(node.left, ops, node.comparators)
         case ast.BoolOp() | ast.BinOp() | ast.AugAssign() if other:
-            changed = copy.deepcopy(node)
-            changed.op = getattr(ast, other)()
-            yield node, changed
+            yield node, type(node)(**{**vars(node), "op": getattr(ast, other)()})
         case ast.UnaryOp(op=ast.USub() | ast.Not() | ast.Invert()):
             yield node, node.operand
         case ast.Constant(value=bool()):
@@ -130,16 +116,11 @@ def _of_node(node: ast.AST) -> Iterator[tuple[ast.expr | ast.stmt, ast.AST]]:
             yield node, ast.Pass()
         case ast.Break() | ast.Continue():
             yield node, getattr(ast, other)()
-        case ast.If() | ast.IfExp() | ast.While() if not _turned_anyway(node.test):
-            yield node.test, ast.UnaryOp(ast.Not(), node.test)
-
-
-def _turned_anyway(condition: ast.expr) -> bool:
-    """Whether another error turns the condition round: a `not` lost, == for !=."""
-    turned = (ast.Eq, ast.NotEq, ast.Is, ast.IsNot, ast.In, ast.NotIn)
-    match condition:
-        case ast.Compare(ops=[operator]):
-            return isinstance(operator, turned)
-        case ast.UnaryOp() | ast.Constant():
-            return True
-    return False
+        case ast.If() | ast.IfExp() | ast.While():
+            match node.test:  # which another error turns round anyway: a `not` lost, == for !=
+                case ast.UnaryOp() | ast.Constant():
+                    pass
+                case ast.Compare(ops=[operator]) if isinstance(operator, _TURNED):
+                    pass
+                case condition:
+                    yield condition, ast.UnaryOp(ast.Not(), condition)

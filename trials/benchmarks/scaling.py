@@ -75,7 +75,7 @@ def measure(largest: int, repetitions: int) -> pd.DataFrame:
 
 
 def peak_memory(largest: int) -> pd.DataFrame:
-    """Columns cases, peak_bytes (of a process of its own), bytes_per_case (what the peak grows by from 1000 cases);
+    """Columns cases, peak_bytes (of a separate process), bytes_per_case (the growth of the peak from 1000 cases);
     no rows where the system does not tell."""
     rows = []
     if Path("/proc/self/status").exists():
@@ -86,7 +86,7 @@ def peak_memory(largest: int) -> pd.DataFrame:
 
 
 def process_costs(repetitions: int) -> pd.DataFrame:
-    """Columns quantity, seconds: medians of a process of its own, the kernels being compiled already."""
+    """Columns quantity, seconds: medians of separate processes, with the kernels compiled already."""
     times = [[float(x) for x in _process(_START_UP)] for _ in range(repetitions)]
     loading, first = np.median(times, axis=0)
     rows = [("import", loading), ("first call", first)]
@@ -135,13 +135,13 @@ def table(times: pd.DataFrame, memory: pd.DataFrame, costs: pd.DataFrame) -> str
         f"\nOf the bytes per case, {_BYTES_OUT} are the results; inputs that vary take 8 each.\n\n"
     )
     rows = [[row.quantity, quantity(row.seconds)] for row in costs.itertuples(index=False)]
-    text += markdown(["in a process of its own, kernels compiled before", "time"], rows)
+    text += markdown(["in a separate process, kernels compiled before", "time"], rows)
     return text + f"\nMachine: {machine()}.\n"
 
 
 @styled()
 def figure(times: pd.DataFrame, memory: pd.DataFrame, svg: Path, png: Path) -> None:
-    """Time per case against the number of cases, one line for each number of threads; peak memory beside it."""
+    """Time per case against the number of cases, one line for each number of threads; next to it peak memory."""
     drawn = page(180.0, 66.0)
     axes = place(drawn, 17.0, 12.0, 69.0, 50.0)
     for colour, (threads, group) in zip((SLIP, STICK) * 64, times.groupby("threads"), strict=False):

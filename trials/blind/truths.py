@@ -18,8 +18,26 @@ SEED = 2010
 _EVERY, _NOTHING, _SEVERAL = 30, 14, 29
 
 
+class Linear:
+    """The oscillator of a set without its contact."""
+
+    m: float
+    c: float
+    k: float
+
+    @property
+    def omega_n(self) -> float:
+        """√(k/m), rad/s."""
+        return math.sqrt(self.k / self.m)
+
+    @property
+    def zeta(self) -> float:
+        """c/(2 √(k m))."""
+        return self.c / (2.0 * math.sqrt(self.k * self.m))
+
+
 @dataclass(frozen=True)
-class Truth:
+class Truth(Linear):
     """One set: an oscillator, its levels, and how they are measured. SI units.
 
     kind : "model" of the design, "nothing slips", "several slips" (ζ at most 0.05, ω/ω_n 0.22–0.4).
@@ -45,16 +63,6 @@ class Truth:
     answers: tuple[str, ...]
     noise: float
     equal: bool
-
-    @property
-    def omega_n(self) -> float:
-        """√(k/m), rad/s."""
-        return math.sqrt(self.k / self.m)
-
-    @property
-    def zeta(self) -> float:
-        """c/(2 √(k m))."""
-        return self.c / (2.0 * math.sqrt(self.k * self.m))
 
     def parameter(self, symbol: str) -> float:
         """The true value of F_k, c, K_z or m."""

@@ -1,9 +1,9 @@
 """Compare the results of two builds: which files have the same bytes, and how far the numbers of the others are apart.
 
     make compare WITH=OTHER/results                      the results here with those of another machine or Python
-    cd tests && python -m same_results FIRST SECOND      two folders
+    python trials/same_results.py FIRST SECOND           two folders
 
-Exit status: 0 if all files have the same bytes, except those that tell of the run itself; 1 if not.
+Exit status: 0 if all files have the same bytes, except those that describe the run itself; 1 if not.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import pandas as pd
 from dampbalance.project.files import sha256
 
 CRATE = "ro-crate-metadata.json"
-"""Tells of the run as the manifest of a case does under `run`: Python, packages, machine, commit."""
+"""Describes the run, like `run` in the manifest of a case: Python, packages, machine, commit."""
 
 DIGESTED = ("features/exact/*.csv", "estimates/exact/*.csv", "tables/approaches.csv", "tables/*.md")
 """Tables that no processor that was tried changes: those of the exact responses, and those with the paper's digits. Of
@@ -114,7 +114,7 @@ def compare(first: Path, second: Path) -> int:
             print(f"{name}: only in {first if a.is_file() else second}")
         elif of_the_run(a, b):
             allowed += 1
-            print(f"{name}: tells of the run, which may differ")
+            print(f"{name}: describes the run, which may differ")
         else:
             relative, place = furthest(a, b)
             numbers = f"numbers differ by up to {relative:.0e} of themselves, the most at {place}"

@@ -1,4 +1,4 @@
-"""The records of a set: steady cycles sampled at any phase, each channel with noise of its own."""
+"""The records of a set: steady cycles sampled at any phase, each channel with independent noise."""
 
 from __future__ import annotations
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Compute a study on this machine alone and through SLURM, in a copy of the sources each, and compare every byte.
 
-    cd tests && cluster/loopback.sh ../.venv/bin/python -m cluster.same_bytes map
+    export PYTHONPATH=trials:tests
+    trials/cluster/loopback.sh .venv/bin/python -m cluster.same_bytes map
 
-On a cluster, with a folder that its nodes see: cd tests && python -m cluster.same_bytes --folder SHARED/FOLDER map
+On a cluster, with a folder that its nodes see: python -m cluster.same_bytes --folder SHARED/FOLDER map
 
 Exit status: 0 if all files are the same, 1 if not or if a run fails.
 """

@@ -1,2 +1,0 @@
-"""The blind set: records as a laboratory would have them, from an integrator of another make, and what `identify`
-makes of them. README.md says what is in it; `python -m blind` runs it (`make blind`)."""

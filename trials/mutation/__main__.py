@@ -1,0 +1,201 @@
+"""Put errors into the method, one at a time, and see whether its tests notice.
+
+    make mutants MUTANTS_ARGS="[MODULE …] [--number 100] [--seed 1] [--budget 60] [--output .mutants]"
+
+A sample of all mutants of the method (`METHOD`) is drawn by a seed and tried in a copy of the project. First all tests
+run without an error: how long each takes, which functions it calls, and which fail; these are left out. A mutant meets
+the tests that call its function, quickest first, until one fails. One that no test notices has survived: either a
+statement about behaviour is missing from the tests, or the code is not needed, or nobody could observe a difference:
+the mutant is equivalent, and `equivalent.yaml` says why. The table by room is written to `table.md`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections import Counter
+from itertools import accumulate
+from operator import itemgetter
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from benchmarks.measuring import markdown
+
+from .mutants import Mutant, mutants
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = "src/dampbalance"
+ROOMS = ("motion", "law", "reading", "likelihood", "identification", "records", "records/readers")
+METHOD = ("*.py", *(f"{room}/*.py" for room in ROOMS), "replication/claims/*.py")
+METHOD += ("replication/*verdicts.py", "studies/evaluate.py")
+"""Modules that errors are put into, except those that draw."""
+SHOWN = "repository workflow commands figures project publishing article notebook page recipe site"
+"""Words in the paths of tests that say nothing about the method."""
+KERNELS = ("arguments.py", "arrays.py", "model.py", "record.py", "motion/")
+"""An error in these has all kernels compiled anew, which takes a minute: tests first run with the kernels in Python."""
+CALLS = 4000
+"""Calls of kernels, at the most, in a test that runs with them in Python."""
+SHORTEST, FACTOR, COMPILING = 30.0, 5.0, 120.0
+"""Tests may take so many seconds, so many times what they took without an error, and so many to compile kernels."""
+GOAL = 0.9
+"""The share of the mutants that are not equivalent that tests should kill."""
+EQUIVALENT = yaml.safe_load(Path(__file__).with_name("equivalent.yaml").read_text("utf-8"))
+VERDICTS = ("killed", "timed out", "equivalent", "survived")
+
+
+class Bench:
+    """A copy of the project in `folder`, whose tests run with and without a mutant."""
+
+    def __init__(self, folder: Path) -> None:
+        self.project, self.report = folder / "project", folder / "report.json"
+        self.passing = functools.cache(self._passing)
+        shutil.rmtree(self.project, ignore_errors=True)
+        ignore = shutil.ignore_patterns(".*", "results", "*.pyc", "kernels-*")
+        shutil.copytree(ROOT, self.project, ignore=ignore)
+        paths = sorted(self.project.glob("tests/*/**/test_*.py"))
+        names = (path.relative_to(self.project).as_posix() for path in paths)
+        self.files = [name for name in names if not any(word in name for word in SHOWN.split())]
+
+    def run(self, *tests: str, interpreted: bool, limit: float | None = None) -> tuple[int, Any]:
+        """(pytest's exit status, what `watch` recorded); TimeoutExpired after `limit` seconds."""
+        self.report.unlink(missing_ok=True)
+        environment = {
+            "PYTHONPATH": f"{self.project / 'src'}{os.pathsep}{Path(__file__).parents[1]}",
+            "PYTHONDONTWRITEBYTECODE": "1",  # a mutant must never be taken for the original
+            "MUTATION_PACKAGE": str(self.project / PACKAGE),
+            "MUTATION_REPORT": str(self.report),
+            "MUTATION_INTERPRETED": str(CALLS * interpreted),
+        }
+        command = [sys.executable, "-m", "pytest", "-q", "-m", "not slow", "-p", "mutation.watch"]
+        command += ["-p", "no:cacheprovider", "-p", "no:xdist", *tests]
+        if interpreted:  # compiled code divides and overflows without a warning
+            command += ["-W", "ignore::RuntimeWarning"]
+        options: dict[str, Any] = {"env": os.environ | environment, "timeout": limit}
+        done = subprocess.run(command, cwd=self.project, capture_output=True, **options)
+        text = self.report.read_text("utf-8") if self.report.exists() else "{}"
+        return done.returncode, json.loads(text)
+
+    def _passing(self, file: str, interpreted: bool = False) -> dict[str, Any]:
+        """The records of the tests of a file that pass without an error in the package."""
+        status, records = self.run(file, interpreted=interpreted)
+        if status not in (0, 5):
+            failed = [name for name, test in records.items() if "failed" in test["outcomes"]]
+            print("left out, as they fail without any error:", *(failed or [file]), flush=True)
+        return {name: test for name, test in records.items() if {*test["outcomes"]} == {"passed"}}
+
+    def trial(self, mutant: Mutant, budget: float) -> tuple[str, str]:
+        """("killed", the test that failed), ("timed out", "") or ("survived", the number of tests).
+
+        Tests that call the function of the mutant, or else its module, come first, then the others in their files.
+        """
+        tests = {name: test for file in self.files for name, test in self.passing(file).items()}
+        own, module = f"{mutant.module}:{mutant.where}", f"\n{mutant.module}:"
+        in_module = {name for name in tests if module in "\n".join(["", *tests[name]["called"]])}
+        calling = {name for name in in_module if own in tests[name]["called"]} or in_module
+        order = [name for name in tests if _file(name) in {*map(_file, calling)}]
+        order.sort(key=lambda name: (name not in calling, tests[name]["seconds"]))
+        total = accumulate(tests[name]["seconds"] for name in order)
+        chosen = [name for name, seconds in zip(order, total, strict=True) if seconds < budget]
+        kernels = mutant.module.startswith(KERNELS)
+        python = [name for name in chosen if kernels and name in self.passing(_file(name), True)]
+        compiled = [name for name in chosen if name not in python]
+        runs = [(True, python), (False, compiled[:8]), (False, compiled[8:])]
+        path = self.project / PACKAGE / mutant.module
+        original, times = path.read_bytes(), path.stat()
+        path.write_bytes(mutant.source(original))
+        try:
+            for interpreted, names in filter(itemgetter(1), runs):
+                limit = SHORTEST + FACTOR * sum(tests[name]["seconds"] for name in names)
+                limit += COMPILING if kernels else 0.0
+                status, records = self.run("-x", *names, interpreted=interpreted, limit=limit)
+                if status:
+                    return "killed", next(reversed(records), "(import)")
+        except subprocess.TimeoutExpired:
+            return "timed out", ""
+        finally:
+            path.write_bytes(original)  # with its time, by which compiled kernels are known
+            os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+        return "survived", f"{len(chosen)} tests"
+
+
+def _file(test: str) -> str:
+    return test.partition("::")[0]
+
+
+def modules() -> list[str]:
+    """The modules of the method, below the package."""
+    package = ROOT / PACKAGE
+    paths = {path.relative_to(package) for pattern in METHOD for path in package.glob(pattern)}
+    return sorted(p.as_posix() for p in paths if "drawing" not in p.stem and p.stem[0] != "_")
+
+
+def mutants_of(module: str) -> list[Mutant]:
+    """All mutants of a module."""
+    return [*mutants(module, (ROOT / PACKAGE / module).read_bytes())]
+
+
+def equivalent(mutant: Mutant) -> str:
+    """Why nobody could notice the mutant, according to `equivalent.yaml`; empty where somebody could."""
+    for entry in EQUIVALENT.get(mutant.module, []):
+        if all(getattr(mutant, key) == entry[key] for key in entry.keys() - {"reason"}):
+            return entry["reason"]
+    return ""
+
+
+def table(trials: list[tuple[Mutant, str, str]], seed: int) -> str:
+    """The number of mutants by room and verdict, and the survivors, as Markdown."""
+    counts: dict[str, Counter[str]] = {}
+    for mutant, verdict, _ in trials:
+        counts.setdefault(mutant.module.rpartition("/")[0] or mutant.module, Counter())[
+            verdict
+        ] += 1
+    of = Counter(verdict for _, verdict, _ in trials)
+    rows = [
+        [room, by.total(), *(by[verdict] for verdict in VERDICTS)]
+        for room, by in [*sorted(counts.items()), ("all", of)]
+    ]
+    killed, telling = of["killed"] + of["timed out"], of.total() - of["equivalent"]
+    survivors = [f"- {mutant} ({by})\n" for mutant, verdict, by in trials if verdict == "survived"]
+    return (
+        f"Seed {seed}.\n\n{markdown(['room', 'mutants', *VERDICTS], rows)}\n"
+        f"Killed: {killed} of {telling} that are not equivalent; the goal is {GOAL:.0%}.\n\n"
+        f"{''.join(survivors)}"
+    )
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Try the mutants, print what became of them; 1 if fewer than `GOAL` were killed."""
+    parser = argparse.ArgumentParser(prog="mutation", description="Mutation testing of the method.")
+    parser.add_argument("modules", nargs="*", help="such as motion/flow.py (default: all)")
+    parser.add_argument("--number", type=int, default=100, help="of mutants (%(default)s)")
+    parser.add_argument("--seed", type=int, default=int(time.time()), help="default: by the clock")
+    parser.add_argument("--budget", type=float, default=60.0, help="seconds of tests (%(default)s)")
+    parser.add_argument("--output", type=Path, default=ROOT / ".mutants")
+    options = parser.parse_args(arguments)
+    if unknown := {*options.modules} - {*modules()}:
+        parser.error(f"no modules of the method: {unknown}; known are {', '.join(modules())}")
+    every = [mutant for module in options.modules or modules() for mutant in mutants_of(module)]
+    drawn = sorted(every, key=lambda mutant: mutant.rank(options.seed))[: options.number]
+    print(f"{len(drawn)} of {len(every)} mutants, seed {options.seed}", flush=True)
+    bench, trials = Bench(options.output), []
+    for mutant in drawn:
+        reason = equivalent(mutant)
+        trial = ("equivalent", reason) if reason else bench.trial(mutant, options.budget)
+        trials.append((mutant, *trial))
+        print(f"{trial[0]:10} {mutant} ({trial[1]})", flush=True)
+        (options.output / "table.md").write_text(table(trials, options.seed), encoding="utf-8")
+    print(f"\n{table(trials, options.seed)}")
+    of = Counter(verdict for _, verdict, _ in trials)
+    return int(of["survived"] > (1.0 - GOAL) * (len(trials) - of["equivalent"]))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
