@@ -76,8 +76,9 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
     for fit in study.fits:
         residual = np.full(stop - start, np.nan)
         if fit.approach == LIKELIHOOD:
-            both = ({s: of[i] for s, of in responses.likelihood.items()} for i in (0, 1))
-            table |= _results(fit, *both, si)
+            values_of = {symbol: of[0] for symbol, of in responses.likelihood.items()}
+            errors = {symbol: of[1] for symbol, of in responses.likelihood.items()}
+            table |= _results(fit, values_of, errors, si)
             table[f"residual__{fit.label}"] = residual
             continue
         read, replicates = responses.features, responses.drawn
