@@ -48,14 +48,12 @@ class Evaluation:
     @cached_property
     def gradient(self) -> Array:
         """Direction of steepest descent, −Jᵀr, (p,)."""
-        gradient: Array = -self.jacobian.T @ self.residual
-        return gradient
+        return -self.jacobian.T @ self.residual
 
     @cached_property
     def lengths(self) -> Array:
         """Lengths of the columns of J, (p,): square roots of the diagonal of the information JᵀJ."""
-        lengths: Array = np.sqrt(np.diag(self.jacobian.T @ self.jacobian))
-        return lengths
+        return np.sqrt(np.diag(self.jacobian.T @ self.jacobian))
 
     def by(self, free: Integers) -> Evaluation:
         """The evaluation with the derivatives by some of the unknowns only."""

@@ -40,9 +40,8 @@ _HARMONICS_OF_BASE = 9
 _LEADING = 1 << 18  # samples from which the drive frequency is first estimated
 _COMPARED = 1 << 12  # samples in which a copy of another channel shows
 _FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest is noise
-_RELATIVE_FLOOR = (
-    1e-9  # of the fundamental: rounding, below which noise cannot be distinguished from it
-)
+# Rounding as a part of the fundamental; smaller noise cannot be distinguished from it.
+_RELATIVE_FLOOR = 1e-9
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,19 +30,16 @@ _CYCLES_AT_ONCE = 256
 _MOST_AT_ONCE = 1 << 20  # samples worked on at once: 8 MB an array
 _OUTLYING = 1.5  # mean square of a cycle about its harmonics, relative to that of the others
 _HELD = 5  # equal samples in a row that may be a drop-out
-_JUMPS = (
-    2.0  # of its steps nearby: a signal that was held goes on with a jump of five of them or more
-)
-_CLEAR_STEPS = (
-    6.0  # of a converter: farther from a level, rounding does not hide how a signal nears it
-)
+# Ratio of a jump to the steps nearby: a signal that was held goes on with a jump of five of them or more.
+_JUMPS = 2.0
+# Steps of a converter: farther from a level, rounding does not hide how a signal approaches it.
+_CLEAR_STEPS = 6.0
 _CLEAR_SAMPLES = 4  # likewise
 _STOPPING = 2.85  # ratio of distances, between the 2.2 to 2.8 of a cut, whose end lies between two samples, and 4
 _SCATTERED = 1.25  # samples at the level over those in a row: noise on a cut scatters them
 _AROUND = 8  # cycles that a cycle is compared with
-_HARMLESS = (
-    1e-3  # of the range: rms of the residual that a signal without noise may leave (drift, say)
-)
+# Rms of the residual, as a part of the range, that a signal without noise may leave (because of drift, say).
+_HARMLESS = 1e-3
 _LONGEST_CYCLE = 1 << 22  # samples; beyond it the drive is not what it seems
 
 

@@ -84,9 +84,8 @@ def frequency_offset(harmonics: CycleHarmonics) -> tuple[float, float]:
 def _strongest_line(values: Array, dt: float) -> float:
     """Angular frequency of the highest line of the spectrum (Hann window), between lines by a parabola of the logs."""
     size = values.size
-    padded = (
-        1 << (size - 1).bit_length()
-    )  # a transform of any other length can take ten times as long
+    # a transform of any other length can take ten times as long
+    padded = 1 << (size - 1).bit_length()
     spectrum = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(size), padded))
     spectrum[0] = 0.0
     line = int(np.argmax(spectrum[:-1])) if size > 4 else 0

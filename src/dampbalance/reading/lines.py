@@ -41,15 +41,13 @@ SLIPS = (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)
 CHANCE = 1e-4
 """Probability in noise of a χ² so large that the records are not those of a model."""
 
-_NEIGHBOURS = (
-    6  # degrees of freedom that a row adds to an error, which is smoothed over five harmonics
-)
+# Degrees of freedom that a row adds to an error, which is smoothed over five harmonics.
+_NEIGHBOURS = 6
 
 _EXTRA = 4  # odd harmonics beyond the bandwidth that are taken: they bound the waveform
 _STIFFNESSES = np.geomspace(0.1, 1e5, 19)  # of K_z/k
-_SOFTEST = (
-    13  # of them, up to 1,000: stiffer ones rattle, and a climb reaches them from there, in 1/√K_z
-)
+# How many of them, up to 1,000: stiffer ones rattle, and a climb reaches them from there, in 1/√K_z.
+_SOFTEST = 13
 _SHARES = (0.03, 0.2, 0.5, 0.8, 0.97)  # of friction in the work
 _RATIOS = np.geomspace(0.25, 8.0, 21)  # of the natural frequency to that of the drive
 _COMPARED = (1, 3, 5)

@@ -25,18 +25,14 @@ from .oscillator_fit import OscillatorFit
 from .ringdown_motion import COMMON, STATE, STEP, Stretch, contact_step, phases_of, samples_of
 
 _STIFFEST = 1e8  # of K_z/k: the contact that stands for a rigid one
-_DAMPED, _MASSES = (
-    4.0,
-    10.0,
-)  # of √(km); of the mass that a climb starts with: bounds of a decay that swings
+# Bounds for a motion that oscillates: c over √(km), and the mass over that of the start, either way.
+_DAMPED, _MASSES = 4.0, 10.0
 _MOST = 30  # evaluations of a climb
 _GAIN = 5e-8  # of half of χ², where a climb ends
 _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
 _W_ERROR = 1.0  # of w, which lies between 0 and 2
-_DOUBTFUL, _ALIKE = (
-    0.02,
-    3.0,
-)  # that probability, and standard deviations of the correlation of neighbours
+# That probability, and standard deviations of the correlation of neighbouring residuals.
+_DOUBTFUL, _ALIKE = 0.02, 3.0
 _ROUNDING = 0.1  # of the variance of the noise
 _BINS = 12  # of a cycle, in which the residual is averaged
 

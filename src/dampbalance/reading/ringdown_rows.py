@@ -218,8 +218,7 @@ def _rows(
 
 def _misfit(fit: RingFit, slope: Array) -> Array:
     """Slope of W − a F_k − b c, J, from those of the columns, (n, 3, …)."""
-    slopes: Array = slope[:, W] - slope[:, A] * fit.F_k - slope[:, B] * fit.c
-    return slopes
+    return slope[:, W] - slope[:, A] * fit.F_k - slope[:, B] * fit.c
 
 
 def _beside(fit: RingFit, i: int, j: int, halves: int) -> tuple[Course, float] | None:

@@ -42,13 +42,10 @@ class Series:
 
     def motion(self, theta: Array) -> tuple[Array, Array, Array]:
         """x, dx/dωt, d²x/dωt² at one phase for each mean, (r,)."""
-        turn = np.empty(
-            self.x.shape, dtype=np.complex128
-        )  # e^{inθ}: products cost less than exponentials
-        turn[:, :1], turn[:, 1:] = (
-            np.exp(1j * np.outer(theta, self.n[:1])),
-            np.exp(2j * theta)[:, None],
-        )
+        # e^{inθ}: products cost less than exponentials
+        turn = np.empty(self.x.shape, dtype=np.complex128)
+        turn[:, :1] = np.exp(1j * np.outer(theta, self.n[:1]))
+        turn[:, 1:] = np.exp(2j * theta)[:, None]
         turn = np.multiply.accumulate(turn, axis=1) * self.x
         return turn.real.sum(axis=1), -(turn.imag @ self.n), -(turn.real @ self.n**2)
 
