@@ -15,7 +15,7 @@ from ..law.law import Law
 from ..law.steady import Response
 from ..law.terms import FRICTION, parted
 from ..motion.jit import interpreted
-from ..motion.orbit import NoSteadyOrbit
+from ..motion.orbit import NoSteadyOrbit, Orbit
 from .climb import Climb, Evaluation, climb
 from .lines import Lines, Shares, starts
 from .unknowns import Unknowns, equivalent_coefficient
@@ -24,13 +24,15 @@ from .waveforms import WaveformFit
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
 _HOPELESS = 4.0  # χ² per datum, softened
-_EFFORT = 600  # evaluations after which no other start is tried: to end where the records are takes about 40
+_EFFORT = 600.0  # evaluations after which no other start is tried: to end where the records are takes about 40
 _GAIN = 5e-8  # of half of χ², where the climb ends
 _STIFFEST = 1e12  # of K_z/k: the contact that stands for a rigid one
 _MOST = 30  # evaluations at each softening: a climb to where the records are takes about ten
 _FEWER = 12  # to see whether it comes near them
 _SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
+_TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
+_DEAR = 200.0  # swings of the stuck mass, which cost as much as the rest of an evaluation
 _MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
 
 
@@ -42,7 +44,7 @@ def fit_oscillator(
     lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
     thorough : whether more and more starts are tried until one leads to an oscillator that the records may be of, or so
     many evaluations were made that there hardly is one. Of those that end far from the records the three nearest are
-    refined: which of them is the best shows only then.
+    refined, for which of them is the best shows only then, and the best of these climbs on to its optimum.
     """
     unknowns = Unknowns(law or Law(), len(lines), k)
     shares = shares_of(lines, unknowns.law, k)
@@ -58,9 +60,13 @@ def fit_oscillator(
             ends[0],
             *(b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)),
         ]
-        for end in different[:_REFINED]:
-            refined = _climbed(lines, unknowns, end.point, {"delay"}, _SOFTENING)
-            ends += [] if refined is None else [refined]
+        refined = [
+            _climbed(lines, unknowns, end.point, {"delay"}, _SOFTENING[1:])
+            for end in different[:_REFINED]
+        ]
+        nearest = min((ends[0], *filter(None, refined)), key=lambda end: end.chi_square)
+        last = _climbed(lines, unknowns, nearest.point, {"delay"}, (0.0,), last=_TO_THE_END)
+        ends += filter(None, (*refined, last))
     return _nearest(ends)
 
 
@@ -84,14 +90,15 @@ def _ends(
     most : evaluations at each softening.
     """
     ends: list[WaveformFit] = []
-    spent = 0
+    left = np.array([_EFFORT])
     with interpreted(False) if unknowns.law.nonlinear else nullcontext():
         for point in points:
-            reached = _climbed(lines, unknowns, point, {"delay"}, _SOFTENING, _HOPELESS, most)
-            spent += 1 if reached is None else reached.evaluations
+            reached = _climbed(
+                lines, unknowns, point, {"delay"}, _SOFTENING, _HOPELESS, most, left=left
+            )
             if reached is not None:
                 ends.append(reached)
-            if ends and (ends[-1].adequate or spent > _EFFORT):
+            if left[0] <= 0.0 or (ends and ends[-1].adequate):
                 break
     return sorted(ends, key=lambda end: end.chi_square)
 
@@ -151,9 +158,13 @@ def _climbed(
     softenings: Sequence[float],
     hopeless: float = math.inf,
     most: int = _MOST,
+    last: int = _MOST,
+    left: Array | None = None,
 ) -> WaveformFit | None:
     """The fit that a climb from there ends in; Y and ψ start as they were read.   hopeless : χ² per datum from which on
-    it is not refined.   most : evaluations at each softening."""
+    it is not refined.   most : evaluations at each softening.   last : evaluations without any.
+    left : as for `HarmonicResiduals`; default, as many as it may make at most.
+    """
     names, law = unknowns.names, unknowns.law
     point = start.copy()
     point[len(names) :] = np.ravel([(one.Y, 0.0) for one in lines])
@@ -163,13 +174,17 @@ def _climbed(
     free = np.array([i for i in range(point.size) if not fixed & set(names[i : i + 1])])
     climbed: Climb | None = None
     evaluations = 0
+    if left is None:
+        left = np.array([float(most * (len(softenings) - 1) + last)])
     for softening in softenings:
-        residuals = HarmonicResiduals(lines, unknowns, softening)
-        limit = most if softening else _MOST
-        climbed = climb(residuals.evaluate, point, free, lower, scale, gain=_GAIN, most=limit)
-        if climbed is None:
-            return None
-        point = climbed.point
+        residuals = HarmonicResiduals(lines, unknowns, softening, left)
+        limit = most if softening else last
+        reached = climb(residuals.evaluate, point, free, lower, scale, gain=_GAIN, most=limit)
+        if reached is None:
+            if climbed is None:
+                return None
+            break
+        climbed, point = reached, reached.point
         evaluations += climbed.iterations
         if 2.0 * climbed.evaluation.value > hopeless * sum(2 + 2 * one.n.size for one in lines):
             break
@@ -177,7 +192,7 @@ def _climbed(
     here: Evaluation | None = climbed.evaluation
     # the errors as they are, and derivatives that hold to 1e-6
     if residuals.softening or law.nonlinear:
-        here = replace(residuals, softening=0.0, quickly=False).evaluate(point)
+        here = replace(residuals, softening=0.0, left=_unlimited(), quickly=False).evaluate(point)
     if here is None:
         return None
     solution = np.linalg.pinv(here.jacobian[:, free])
@@ -203,11 +218,25 @@ def _climbed(
     )
 
 
+def _unlimited() -> Array:
+    return np.array([math.inf])
+
+
+def _swings(orbit: Orbit) -> float:
+    """How often the mass swings on contact and spring in half a cycle, while it sticks."""
+    t, s = orbit.phases[:, 0], orbit.phases[:, 1]
+    stuck = float(np.diff(t, append=0.5 * orbit.motion.period)[s == 0.0].sum())
+    osc = orbit.oscillator
+    return stuck * math.sqrt((osc.k + osc.K_z) / osc.m) / (2.0 * math.pi)
+
+
 @dataclass(frozen=True, eq=False)
 class HarmonicResiduals:
     """Residuals (model − data)/σ of the harmonics of all records as functions of the unknowns.
 
     softening : part of the amplitudes added to the errors.
+    left : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks takes
+    as long as many others, and ends the climb early.
     near : the last motion of each record, from which the next starts.
     quickly : as for `Unknowns.harmonics`.
     """
@@ -215,11 +244,15 @@ class HarmonicResiduals:
     lines: Sequence[Lines]
     unknowns: Unknowns
     softening: float
+    left: Array = field(default_factory=_unlimited)
     near: dict[int, Response] = field(default_factory=dict)
     quickly: bool = True
 
     def evaluate(self, point: Array) -> Evaluation | None:
-        """Residuals and derivatives; None where nothing slips, there is no orbit, or the contact rattles."""
+        """Residuals and derivatives; None where nothing slips, there is no orbit, the contact rattles, or no evaluation
+        is left."""
+        if self.left[0] <= 0.0:
+            return None
         unknowns = self.unknowns
         delay = unknowns.names.index("delay")
         residuals, slopes, slips = [], [], False
@@ -228,6 +261,7 @@ class HarmonicResiduals:
                 response = unknowns.response(point, i, one.omega, self.near.get(i))
                 if len(response.orbit.phases) > _MOST_PHASES:
                     return None
+                self.left[0] -= (1.0 + _swings(response.orbit) / _DEAR) / len(self.lines)
                 self.near[i] = replace(response, matrix=None)
                 x, by = unknowns.harmonics(
                     point, i, one, response, one.n.size, quickly=self.quickly
