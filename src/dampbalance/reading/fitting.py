@@ -177,7 +177,7 @@ def _climbed(
     if left is None:
         left = np.array([float(most * (len(softenings) - 1) + last)])
     for softening in softenings:
-        softened = HarmonicResiduals(lines, unknowns, softening, left=left)
+        softened = HarmonicResiduals(lines, unknowns, softening, left)
         limit = most if softening else last
         reached = climb(softened.evaluate, point, free, lower, scale, gain=_GAIN, most=limit)
         if reached is None:
@@ -191,9 +191,7 @@ def _climbed(
     here: Evaluation | None = climbed.evaluation
     # the errors as they are, and derivatives that hold to 1e-6
     if residuals.softening or law.nonlinear:
-        here = replace(residuals, softening=0.0, left=np.array([math.inf]), quickly=False).evaluate(
-            point
-        )
+        here = replace(residuals, softening=0.0, left=_unlimited(), quickly=False).evaluate(point)
     if here is None:
         return None
     solution = np.linalg.pinv(here.jacobian[:, free])
@@ -219,6 +217,10 @@ def _climbed(
     )
 
 
+def _unlimited() -> Array:
+    return np.array([math.inf])
+
+
 def _swings(orbit: Orbit) -> float:
     """How often the mass swings on contact and spring in half a cycle, while it sticks."""
     t, s = orbit.phases[:, 0], orbit.phases[:, 1]
@@ -232,18 +234,18 @@ class HarmonicResiduals:
     """Residuals (model − data)/σ of the harmonics of all records as functions of the unknowns.
 
     softening : part of the amplitudes added to the errors.
-    near : the last motion of each record, from which the next starts.
-    quickly : as for `Unknowns.harmonics`.
     left : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks takes
     as long as many others, and ends the climb early.
+    near : the last motion of each record, from which the next starts.
+    quickly : as for `Unknowns.harmonics`.
     """
 
     lines: Sequence[Lines]
     unknowns: Unknowns
     softening: float
+    left: Array = field(default_factory=_unlimited)
     near: dict[int, Response] = field(default_factory=dict)
     quickly: bool = True
-    left: Array = field(default_factory=lambda: np.array([math.inf]))
 
     def evaluate(self, point: Array) -> Evaluation | None:
         """Residuals and derivatives; None where nothing slips, there is no orbit, the contact rattles, or no evaluation
