@@ -31,6 +31,8 @@ from .terms import KNOWN_TERMS
 
 _MOST, _CHORDS = 30, 3  # steps, and how many of them with the matrix of another response
 _REACHED = 1e-13  # of the amplitude
+_FAR = 0.5  # of the amplitude: a step as long may lead away
+_SHORTEST = 1.0 / 64.0  # part of such a step
 _EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
 
 
@@ -186,12 +188,28 @@ def _solved(
         size = float(np.abs(step[:-1]).max())
         if not size < 10.0 * orbit.X:
             break
+        if size > _FAR * orbit.X:
+            step = _shortened(system, change, turned, step, right)
         change, turned = change + system.basis @ step[:-1], turned + float(step[-1])
         if size < _REACHED * orbit.X:
             return replace(
                 _checked(orbit, change, turned, system.contact), matrix=matrix, system=system
             )
     raise NoSteadyOrbit(f"the response under {dict(others)} was not found from {orbit.oscillator}")
+
+
+def _shortened(
+    system: System, change: Complexes, turned: float, step: Array, right: Array
+) -> Array:
+    """The step, or the longest of its halves, quarters … that brings the equations nearer to balance."""
+    before, part = float(np.linalg.norm(right)), 1.0
+    while part > _SHORTEST:
+        shorter = part * step
+        after = system.residual(change + system.basis @ shorter[:-1], turned + float(shorter[-1]))
+        if float(np.linalg.norm(after)) < (1.0 - 0.1 * part) * before:
+            return shorter
+        part *= 0.5
+    return step
 
 
 def _checked(orbit: Orbit, change: Complexes, turned: float, contact: Contact | None) -> Response:

@@ -50,6 +50,13 @@ def test_it_is_that_of_the_integrator(law, K_z, tolerance):
     assert pytest.approx(4.0 * exact.X - exact.a, rel=1e-9) == found.taken
 
 
+def test_a_strong_law_is_found_where_a_whole_step_from_the_linear_damper_leads_away():
+    law = {"c_3": 1000.0}
+    exact = law_orbit(BARE, MOTION, law)
+    # harmonics beyond the 63rd are left out, as above
+    assert steady_response(BARE, MOTION, law).X == pytest.approx(exact.X, rel=1e-4)
+
+
 def test_a_contact_that_is_all_but_rigid_is_the_limit_of_stiffer_and_stiffer_ones():
     X = [
         steady_response(replace(BARE, K_z=K_z), MOTION, {"c_2": 400.0}).X
