@@ -21,6 +21,9 @@ RECORDED = yaml.safe_load((ROOT / "config/records/frame/results.yaml").read_text
 FOLDER = (ROOT / PATTERN).parent
 FILES = sorted(FOLDER.glob(Path(PATTERN).name))
 
+RESIDUAL = {"intercept_N", "intercept_interval_N", "scatter", "off_line", "loop"}
+"""Keys of differences of large numbers."""
+
 there = pytest.mark.skipif(
     not FILES, reason=f"no records {PATTERN}: see config/records/frame/README.md"
 )
@@ -59,9 +62,12 @@ def test_the_numbers_are_those_that_were_recorded():
     assert computed.keys() == recorded.keys()
     for place, value in recorded.items():
         if isinstance(value, float):
-            # four digits are recorded; shares are differences, and other processors round a fit by parts in a million
+            # four digits are recorded, and shares are differences. No oscillator explains these records within their
+            # noise, and of several ends with nearly the same χ² each processor's search takes another: that moves F_k
+            # by less than 1e-3, and what is left of a line or a loop by 1e-2.
             least = 1e-9 if str(place[-1]).endswith("_m") or "given_way_m" in place else 1e-5
-            assert computed[place] == pytest.approx(value, rel=1e-3, abs=least), place
+            rel = 2e-2 if RESIDUAL & {*place} else 1e-3
+            assert computed[place] == pytest.approx(value, rel=rel, abs=least), place
         else:
             assert computed[place] == value, place
 
