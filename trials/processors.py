@@ -48,6 +48,7 @@ CLOSE = (
     "unit/motion",
     "unit/studies/test_terms.py",
     "unit/test_balance.py",
+    "unit/test_copies.py",
     "unit/test_features.py",
 )
 """Folders and files of the tests that compare closely and quickly; those that are slow are left out."""

@@ -305,6 +305,12 @@ def _from_earlier(fit: RingFit, whole: Stretch, earliest: float) -> RingFit:
                 )
             )
             doubted = _doubted(there, here, gained[:1])
+            if doubted and here is not None:  # or the climb may have stopped in a side minimum
+                again = here.point.copy()
+                again[-STATE:] = _before(here.point, fit.k, step)
+                other = fit_stretches([whole.cut(start, one.end)], fit.k, again, gain=_COARSE)
+                if not (left := _doubted(other, here, gained[:1])):
+                    there, doubted = other, left
             if not doubted and there is not None:
                 gained = gained[:1]
                 there = fit_stretches([part], fit.k, there.point, given=common, gain=_COARSE)
