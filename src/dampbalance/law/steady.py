@@ -19,8 +19,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array, Complexes
 from ..model import BaseMotion, Oscillator
@@ -199,8 +201,8 @@ def _solved(
 
 
 def _shortened(
-    system: System, change: Complexes, turned: float, step: Array, right: Array
-) -> Array:
+    system: System, change: Complexes, turned: float, step: NDArray[Any], right: Array
+) -> NDArray[Any]:
     """The step, or the longest of its halves, quarters … that brings the equations nearer to balance."""
     before, part = float(np.linalg.norm(right)), 1.0
     while part > _SHORTEST:
