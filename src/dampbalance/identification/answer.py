@@ -16,8 +16,7 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Rows
 from ..law.terms import term
-from ..reading.ringdown_fit import RingFit
-from ..reading.waveforms import WaveformFit
+from ..reading.oscillator_fit import OscillatorFit
 from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95
@@ -26,10 +25,6 @@ REFERENCE = "maximum likelihood"
 """Name of the answer of the fit to all records, against which the approaches are checked."""
 
 USABLE, DOUBTFUL, NONE = "usable", "doubtful", "none"
-
-
-AnyFit = WaveformFit | RingFit
-"""A fit of one oscillator by maximum likelihood: to forced records, or to free decays."""
 
 
 class Interval(NamedTuple):
@@ -181,7 +176,7 @@ class Answer:
 
 
 def answer_of_fit(
-    fit: AnyFit,
+    fit: OscillatorFit,
     coefficients: Mapping[str, float],
     unknowns: Sequence[str],
     notes: tuple[str, ...],
@@ -192,8 +187,9 @@ def answer_of_fit(
     coefficients : by key.   unknowns : names in the order of the covariance of the fit.   merit : what else is known.
     """
     parameters = {key: normal(value, fit.error(key)) for key, value in coefficients.items()}
-    error = math.inf if math.isinf(fit.K_z) else 2.0 * fit.K_z**1.5 * fit.error("rho")
-    parameters["K_z"] = ParameterEstimate(fit.K_z, error, math.nan, Interval(*fit.K_z_interval))
+    parameters["K_z"] = ParameterEstimate(
+        fit.K_z, fit.K_z_error, math.nan, Interval(*fit.K_z_interval)
+    )
     places = [unknowns.index("rho" if symbol == "K_z" else symbol) for symbol in parameters]
     # K_z = ρ^{−2}, dK_z = −2ρ^{−3} dρ
     slopes = np.array([-2.0 * fit.K_z**1.5 if symbol == "K_z" else 1.0 for symbol in parameters])

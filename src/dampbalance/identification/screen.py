@@ -6,7 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from .answer import Answer, AnyFit, ParameterEstimate, Verdict, unit_of
+from ..reading.oscillator_fit import OscillatorFit
+from .answer import Answer, ParameterEstimate, Verdict, unit_of
 from .outcome import Outcome
 from .remarks import in_a_sentence, limits
 
@@ -88,7 +89,7 @@ def _limits(outcome: Outcome) -> list[str]:
     ]
 
 
-def implied(fit: AnyFit, mass_given: bool) -> list[str]:
+def implied(fit: OscillatorFit, mass_given: bool) -> list[str]:
     """What a fit implies about the rig: numbers that its owner can check."""
     mass = "the mass given" if mass_given else f"m = {with_error(fit.m, fit.error('m'))} kg"
     return [

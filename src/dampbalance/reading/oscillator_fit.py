@@ -32,6 +32,11 @@ class OscillatorFit(ABC):
     def names(self) -> tuple[str, ...]:
         """Names of the common unknowns, in the order of the point."""
 
+    @property
+    @abstractmethod
+    def misfit(self) -> float:
+        """How far the residual is from noise; 1 where it is noise."""
+
     def value(self, name: str) -> float:
         """A common unknown, in its unit."""
         return float(self.point[self.names.index(name)])
@@ -60,6 +65,11 @@ class OscillatorFit(ABC):
     def K_z(self) -> float:
         """Contact stiffness, N/m; infinite for a rigid contact."""
         return math.inf if self.rigid else self.rho**-2
+
+    @property
+    def K_z_error(self) -> float:
+        """Standard error of K_z, N/m; infinite where the contact is rigid."""
+        return math.inf if self.rigid else 2.0 * self.K_z**1.5 * self.error("rho")
 
     @property
     def K_z_interval(self) -> tuple[float, float]:

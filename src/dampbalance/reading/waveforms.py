@@ -17,7 +17,6 @@ two channels) turns harmonic n by n times its angle, and can be left free.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -75,11 +74,6 @@ class WaveformFit(OscillatorFit):
     def delay(self) -> float:
         """Time by which the response lags the base in the records in excess of the motion's phase, s."""
         return self.value("delay")
-
-    @property
-    def K_z_error(self) -> float:
-        """Standard error of K_z, N/m; infinite where the contact is rigid."""
-        return math.inf if self.rigid else 2.0 * self.K_z**1.5 * self.error("rho")
 
     @property
     def misfit(self) -> float:
