@@ -339,6 +339,7 @@ def test_a_browser_without_network_shows_it(page, tmp_path, browser, width, sche
         offline=True, color_scheme=scheme, viewport={"width": width, "height": 800}
     )
     view = context.new_page()
+    view.set_default_timeout(120_000)  # a busy machine
     asked, complaints = [], []
     view.on("request", lambda request: asked.append(request.url))
     view.on("console", lambda message: complaints.append(message.text))

@@ -57,7 +57,7 @@ def opened(browser, address):
         )
         contexts.append(context)
         page = context.new_page()
-        page.set_default_timeout(60_000)  # a busy machine
+        page.set_default_timeout(120_000)  # a busy machine
         page.on("console", lambda message: said.append(message.text))
         page.on("pageerror", lambda error: said.append(str(error)))
         page.on("request", lambda request: said.append(request.url))
@@ -367,6 +367,7 @@ def test_without_a_script_everything_can_be_read(browser, address, computed):
     context = browser.new_context(viewport=DESK, offline=True, java_script_enabled=False)
     try:
         page = context.new_page()
+        page.set_default_timeout(120_000)  # a busy machine
         page.goto(address)
         assert page.locator("#claims tbody tr >> visible=true").count() == len(computed)
         assert page.locator(".plot > svg >> visible=true").count() == 23

@@ -38,6 +38,7 @@ def opened(browser):
         context = browser.new_context(offline=True, viewport=viewport)
         contexts.append(context)
         page = context.new_page()
+        page.set_default_timeout(120_000)  # a busy machine
         page.on("pageerror", lambda error: wrong.append(str(error)))
         page.on(
             "request",
@@ -78,6 +79,7 @@ def test_the_search_field_leads_to_the_results(site, opened):
 def test_no_page_is_wider_than_a_phone(site, browser):
     context = browser.new_context(offline=True, viewport=PHONE)
     page = context.new_page()
+    page.set_default_timeout(120_000)  # a busy machine
     wide = []
     for path in sorted(site.rglob("*.html")):
         if "files" not in path.relative_to(site).parts:
