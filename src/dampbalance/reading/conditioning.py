@@ -89,8 +89,7 @@ class SteadyRecord:
 
     def mean(self, rows: Complexes) -> Complexes:
         """Mean of the rows, each with its weight."""
-        average: Complexes = weighted_mean(rows, self.weights)
-        return average
+        return weighted_mean(rows, self.weights)
 
 
 def condition(
@@ -272,8 +271,7 @@ def _common_weights(harmonics: Mapping[str, CycleHarmonics]) -> Array:
     if len(set(per_row.values())) > 1:
         raise ValueError(f"the channels differ too much in length: cycles per row are {per_row}")
     rows = min(len(h.weights) for h in harmonics.values())
-    weights: Array = np.min([h.weights[:rows] for h in harmonics.values()], axis=0)
-    return weights
+    return np.min([h.weights[:rows] for h in harmonics.values()], axis=0)
 
 
 def _checked_cycles(
@@ -297,8 +295,7 @@ def _settled(
     rows = harmonics.coefficients[: len(usable)][usable]
     phase = harmonics.omega * harmonics.start - offset * times
     turn = np.exp(1j * np.outer(phase, np.arange(rows.shape[1])))
-    settled: Complexes = _without_drift(rows, harmonics.drift, times, weights) * turn
-    return settled
+    return _without_drift(rows, harmonics.drift, times, weights) * turn
 
 
 def _harmonics_of(quantity: str, per_cycle: float) -> int:
@@ -316,8 +313,7 @@ def _displacement(quantity: str, rows: Complexes, omega: float, k: float) -> Com
         return rows * (1.0 / k)
     orders = {"velocity": 1, "acceleration": 2, "base_acceleration": 2}
     by_time = np.concatenate([[0.0], 1.0 / (1j * np.arange(1, rows.shape[1]) * omega)])
-    displacement: Complexes = rows * by_time ** orders.get(quantity, 0)
-    return displacement
+    return rows * by_time ** orders.get(quantity, 0)
 
 
 def _without_drift(rows: Complexes, drift: Complexes, times: Array, weights: Array) -> Complexes:
@@ -334,8 +330,7 @@ def _without_drift(rows: Complexes, drift: Complexes, times: Array, weights: Arr
     rate, bend = means.deriv()(at) / span, 0.5 * means.deriv(2)(at) / span**2
     correction = np.outer(rate, drift[0]) + np.outer(bend, drift[1])
     correction[:, 0] = 0.0
-    corrected: Complexes = rows - correction
-    return corrected
+    return rows - correction
 
 
 def _error(rows: Complexes, weights: Array) -> Array:
@@ -349,15 +344,13 @@ def _error(rows: Complexes, weights: Array) -> Array:
     known, place = np.isfinite(ordered).sum(axis=1), np.arange(len(ordered))
     smooth[2:] = 0.5 * (ordered[place, (known - 1) // 2] + ordered[place, known // 2])
     floor = (_RELATIVE_FLOOR * abs(weighted_mean(rows, weights)[1])) ** 2
-    errors: Array = np.sqrt(np.maximum(smooth, floor))
-    return errors
+    return np.sqrt(np.maximum(smooth, floor))
 
 
 def _scatter(rows: Complexes, weights: Array) -> Array:
     """Variance of the real and of the imaginary part of each harmonic in one cycle."""
     off = np.abs(rows - weighted_mean(rows, weights)) ** 2
-    scatter: Array = weights @ off / (2.0 * (len(rows) - 1))
-    return scatter
+    return weights @ off / (2.0 * (len(rows) - 1))
 
 
 def _noise_rms(rows: Complexes, weights: Array, of: CycleHarmonics) -> float:

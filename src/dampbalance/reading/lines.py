@@ -87,8 +87,7 @@ class Lines:
     @property
     def clear(self) -> Mask:
         """Which harmonics stand out of the noise; the fundamental always."""
-        clear: Mask = (np.abs(self.x) > CLEAR * self.x_error) | (self.n == 1)
-        return clear
+        return (np.abs(self.x) > CLEAR * self.x_error) | (self.n == 1)
 
     @classmethod
     def of(cls, steady: SteadyRecord) -> Lines:

@@ -67,8 +67,7 @@ class Means:
         `turn`, rad at the drive frequency, n times that at harmonic n; each (r,)."""
 
         def turned(x: Complexes, n: Array) -> Complexes:
-            changed: Complexes = x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
-            return changed
+            return x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
 
         return Means(
             self.Y * (1.0 + drive),
@@ -194,8 +193,7 @@ class Reading:
                 (off.imag / self.lines.x_error).T,
             ]
         )
-        moved: Array = waveform.fit.response[:, waveform.fit.places[waveform.index]] @ data
-        return moved
+        return waveform.fit.response[:, waveform.fit.places[waveform.index]] @ data
 
     @one_thread
     def features_of(self, means: Means, moved: Array | None = None) -> Features:
@@ -258,8 +256,7 @@ class Reading:
         def of(rows: Complexes, n: Integers) -> Complexes:
             mean = steady.mean(rows[:, n])[None]
             stretched = mean + stretch * (drawn @ rows[:, n] / total[:, None] - mean)
-            turned: Complexes = stretched * np.exp(-1j * np.outer(phase, n))
-            return turned
+            return stretched * np.exp(-1j * np.outer(phase, n))
 
         return Means(
             np.abs(Y),
@@ -347,8 +344,7 @@ def _beyond(odd: Series, even: Series, means: Means) -> Array:
     for part in (odd, even):
         n = part.n[part.n < x.shape[1]].astype(np.intp)
         x[:, n] = part.x[:, : n.size]
-    total: Array = -((means.base.conj() * x[:, 2:]).imag @ np.arange(2.0, x.shape[1]))
-    return total
+    return -((means.base.conj() * x[:, 2:]).imag @ np.arange(2.0, x.shape[1]))
 
 
 def _onset(reading: Reading, means: Means, moved: Array) -> tuple[str, Array, Array]:

@@ -8,8 +8,7 @@ ringing of the stuck mass dominates.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,6 +31,7 @@ class Signal:
     """A channel of the mass with the order of its derivative.
 
     order : 0 displacement, 1 velocity, 2 acceleration.   t : s.   values : SI.   noise : standard deviation.
+    offset : number of the channel among those of all records, each of which has a separate offset.
     """
 
     quantity: str
@@ -39,16 +39,17 @@ class Signal:
     t: Array
     values: Array
     noise: float
+    offset: int = 0
 
     @property
     def dt(self) -> float:
         """Sampling interval, s."""
         return float(self.t[-1] - self.t[0]) / (self.t.size - 1)
 
-    def between(self, start: float, end: float) -> slice:
+    def between(self, start: float, end: float) -> Signal:
         """The samples from `start` to `end`, s."""
-        first, last = np.searchsorted(self.t, [start, end])
-        return slice(int(first), int(last))
+        inside = slice(*np.searchsorted(self.t, [start, end]))
+        return replace(self, t=self.t[inside], values=self.values[inside])
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,11 +76,15 @@ class NoDecay(ValueError):
 
 def noise_of(values: Array) -> float:
     """Standard deviation of white noise on a smooth signal, from the third differences in the quietest part of the
-    record; at least the rounding error."""
+    record; at least that of rounding."""
     third = np.abs(np.diff(values, 3))
-    floor = 3e-6 * float(np.ptp(values))
     parts = np.array_split(third, max(1, min(_QUIET, third.size // _QUIET_SAMPLES)))
-    return max(1.4826 * min(float(np.median(part)) for part in parts) / _THIRD, floor)
+    return max(1.4826 * min(float(np.median(part)) for part in parts) / _THIRD, rounding(values))
+
+
+def rounding(values: Array) -> float:
+    """Least standard deviation that the noise of a signal is taken to have."""
+    return 3e-6 * float(np.ptp(values))
 
 
 def bursts_of(signal: Signal) -> list[Burst]:
@@ -167,8 +172,3 @@ def _frequency(signal: Signal) -> float:
         raise NoDecay("no oscillation in it stands out of the noise")
     inside = slice(low[best], high[best])
     return float(np.sum(f[inside] * energy[inside]) / np.sum(energy[inside]))
-
-
-def sharpest(signals: Sequence[Signal]) -> Signal:
-    """The channel with the largest ratio of range to noise."""
-    return max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)

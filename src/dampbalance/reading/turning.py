@@ -37,8 +37,7 @@ class Series:
     @property
     def squares(self) -> Array:
         """|x_n|² freed of the bias of noise, m², (r, h): may fall below zero, cutting that off would be a bias."""
-        squares: Array = np.abs(self.x) ** 2 - self.variance
-        return squares
+        return np.abs(self.x) ** 2 - self.variance
 
     def motion(self, theta: Array) -> tuple[Array, Array, Array]:
         """x, dx/dωt, d²x/dωt² at one phase for each mean, (r,)."""
@@ -52,8 +51,7 @@ class Series:
     def mean_between(self, begin: float, end: float) -> Array:
         """Mean of x from one phase ωt to the other, rad, for each mean, (r,)."""
         turned = (np.exp(1j * self.n * end) - np.exp(1j * self.n * begin)) / (1j * self.n)
-        mean: Array = (self.x @ turned).real / (end - begin)
-        return mean
+        return (self.x @ turned).real / (end - begin)
 
 
 def turning_points(odd: Series, even: Series, *, rests: bool) -> tuple[Array, Array]:
@@ -121,8 +119,7 @@ def _peak(parts: list[Series], sign: float, highest: int) -> tuple[Array, Array]
     limit = 2.0 * math.pi / _POINTS
 
     def motion(at: Array) -> Array:
-        moved: Array = sign * np.sum([part.motion(at) for part in parts], axis=0)
-        return moved
+        return sign * np.sum([part.motion(at) for part in parts], axis=0)
 
     for _ in range(4):
         _, rate, bend = motion(at)

@@ -67,8 +67,7 @@ class Unknowns:
     def friction(self, points: Array) -> Array:
         """F_k of points, (p, …), N; the mean over the groups, where it has some."""
         places = [self.names.index(key) for key in self.law.keys_of(FRICTION)]
-        friction: Array = points[places].mean(axis=0)
-        return friction
+        return points[places].mean(axis=0)
 
     def response(
         self, point: Array, record: int, omega: float, near: Response | None = None

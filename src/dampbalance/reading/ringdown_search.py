@@ -1,28 +1,28 @@
-"""Separate fits of the bursts, from a turn on over a growing part of each: the starts of the joint fit.
+"""The search for the oscillator of free decays: each by itself over a growing part of it, then all together.
 
 At a turn p of a free motion that slips, ẋ = 0 and z = ±F_k/K_z. Its next turns follow from the swings before and after,
 
     D_{i+1} = e^{−βπ} D_i − 2(1 + e^{−βπ}) F_k/k,      β = ζ/√(1 − ζ²),
 
 for several shares of friction in what the swing loses, and for a few stiffnesses of the contact. The closest of these
-are climbed from over the first cycle, and the fit follows the burst to its end. A mass at rest may ring on the contact,
-and the spectral line of that ringing gives K_z. Then the start is moved back for as long as the samples
-follow the motion: what held or pushed the mass before is left out.
+are climbed from over the first cycle, and the fit follows the decay to its end. A mass at rest may ring on the contact,
+and the spectral line of that ringing gives K_z. Then the start is moved back for as long as the samples follow the
+motion: what held or pushed the mass before is left out.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import Array
-from ..motion.events import PHASE_V, PHASE_X
-from .ringdown_bursts import Burst, Signal, bursts_of, sharpest
-from .ringdown_fit import RingFit, fit_stretches, with_noise_of
-from .ringdown_motion import COMMON, STATE, Stretch, samples_of, slips, stuck_from
+from ..motion.events import PHASE_S, PHASE_V, PHASE_X
+from .ringdown_bursts import Burst, Signal, bursts_of
+from .ringdown_fit import COMMON, STATE, Decay, RingFit, fit_decays, samples_of, with_noise_of
 
 _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing loses
 _STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
@@ -43,53 +43,126 @@ _GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
 _PART = 0.1  # of the swing of a burst, that its motion has at least
 _DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
 _ALIKE = 1.5  # χ² per sample of a fit that needs no other start
+_MOST_TURNS = 4  # half cycles that slip, of a burst that may be the work of a hand
 
 
-def stretches_of(
-    source: str, signals: Sequence[Signal], k: float, offsets: Sequence[int]
-) -> list[RingFit]:
-    """A fit of each burst in the channels of a record by itself, in their order; those that no oscillator fits are
+def separate_fits(source: str, signals: Sequence[Signal], k: float) -> list[RingFit]:
+    """A fit of each free decay in the channels of a record by itself, in their order; those that no oscillator fits are
     left out.
 
-    offsets : numbers of the offsets of the channels.   Raises NoDecay.
+    source : of the record.   signals : its channels, their offsets numbered through all records.   k : N/m.
+    Raises NoDecay.
     """
     fits: list[RingFit] = []
-    lead = sharpest(signals)
+    lead = max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)
     for burst in bursts_of(lead):
-        since = fits[-1].stretches[0].start if fits else burst.earliest
-        whole = Stretch(source, burst.turn, burst.end, tuple(signals), tuple(offsets), burst.period)
+        since = fits[-1].decays[0].start if fits else burst.earliest
+        whole = Decay(source, burst.turn, burst.end, tuple(signals), burst.period)
         fit = _grown(whole, burst, lead, k)
         if fit is None:
             continue
         if fit.adequate:  # its residual gives the noise better than the samples alone
             fit = with_noise_of(fit)
-            known = zip(whole.signals, fit.stretches[0].signals, strict=True)
+            known = zip(whole.signals, fit.decays[0].signals, strict=True)
             signals_of = tuple(replace(one, noise=other.noise) for one, other in known)
             whole = replace(whole, signals=signals_of)
         fit = refit_from_other_starts(_from_earlier(fit, whole, max(since, burst.earliest)))
         if not burst.last:
             fit = _until_grasped(fit)
-        if _moves(fit) > _PART * burst.swing:  # else the swing was not that of a free motion
+        # else the swing was not that of a free motion
+        if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _PART * burst.swing:
             fits.append(fit)
-    for good in (lambda fit: fit.adequate, lambda fit: slips(fit.phases(0))):
-        fits = [fit for fit in fits if good(fit)] or fits
-    return fits
+    fits = [fit for fit in fits if fit.adequate] or fits
+    return [fit for fit in fits if _turns(fit)] or fits
 
 
-def _grown(whole: Stretch, burst: Burst, lead: Signal, k: float) -> RingFit | None:
+def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
+    """One oscillator for the decays with these separate fits, and what is not a decay of it.
+
+    A hand that moves the mass from one place to another can look like half a cycle of another oscillator. Where no
+    oscillator fits all decays, as few as possible are left out, those that slip least first, if one then fits the rest.
+    """
+    offsets = 1 + max(one.offset for fit in fits for one in fit.decays[0].signals)
+    whole = _joined(fits, offsets)
+    if whole is not None and whole.doubtful:
+        # from the oscillator of each alone, and from other shares of friction
+        others = [_joined(fits, offsets, fit.point[: len(COMMON)]) for fit in fits]
+        whole = _nearest((refit_from_other_starts(whole), *others))
+    if whole is None or whole.adequate or len(fits) == 1:
+        return whole, []
+    turns = [_turns(fit) for fit in fits]
+    order = np.argsort(turns, kind="stable").tolist()
+    for count in range(1, len(fits)):
+        if turns[order[count - 1]] > _MOST_TURNS:
+            break
+        for some in itertools.combinations(order[: count + 1], count):
+            if any(turns[i] > _MOST_TURNS for i in some):
+                continue
+            fit = _joined([fit for i, fit in enumerate(fits) if i not in some], offsets)
+            if fit is not None and fit.adequate:
+                return fit, [fits[i].decays[0] for i in sorted(some)]
+    return whole, []
+
+
+def _turns(fit: RingFit) -> int:
+    """Number of phases in which the mass of a separate fit slips."""
+    return int(np.count_nonzero(fit.phases(0)[:, PHASE_S]))
+
+
+def _joined(fits: Sequence[RingFit], offsets: int, common: Array | None = None) -> RingFit | None:
+    """The fit of all decays, started from the separate ones: the common unknowns are averaged, weighted by their
+    information.
+
+    offsets : how many there are in all.   common : common unknowns of the start, instead of the weighted mean.
+    """
+    size = len(COMMON)
+    information, right = np.zeros((size, size)), np.zeros(size)
+    levels, weights = np.zeros(offsets), np.zeros(offsets)
+    k, m = fits[0].k, fits[0].m
+    unit = np.array([fits[0].F_k, 1e-2 * math.sqrt(k * m), 1e-1 / math.sqrt(k), m])
+    for fit in fits:
+        scaled = fit.covariance[:size, :size] / np.outer(unit, unit)
+        one = np.linalg.pinv(scaled, rcond=1e-12, hermitian=True)
+        information += one
+        right += one @ (fit.point[:size] / unit)
+        for signal in fit.decays[0].signals:
+            levels[signal.offset] += fit.point[size + signal.offset] * fit.decays[0].samples
+            weights[signal.offset] += fit.decays[0].samples
+    if common is None:
+        common = unit * np.linalg.lstsq(information, right)[0]
+        if not (common > 0.0).all():
+            common = max(fits, key=lambda fit: fit.decays[0].samples).point[:size]
+    levels /= np.maximum(weights, 1.0)
+    start = np.concatenate([common, levels, *(fit.point[-STATE:] for fit in fits)])
+    return fit_decays([fit.decays[0] for fit in fits], k, start)
+
+
+def _nearest(fits: Iterable[RingFit | None]) -> RingFit | None:
+    """The first fit with the smallest χ²; None where there is none."""
+    return min(filter(None, fits), key=lambda fit: fit.chi_square, default=None)
+
+
+def _refit(
+    fit: RingFit, part: Decay, start: Array | None = None, given: Collection[int] = ()
+) -> RingFit | None:
+    """The fit of a part of a decay, from the point of a fit or from another start, as close as is needed on the way."""
+    point = fit.point if start is None else start
+    return fit_decays([part], fit.k, point, given=given, gain=_COARSE)
+
+
+def _grown(whole: Decay, burst: Burst, lead: Signal, k: float) -> RingFit | None:
     """The fit of a burst from its turn on."""
     end = min(burst.turn + _FIRST * burst.period, burst.end)
     part = whole.cut(burst.turn, end)
     if part.samples < 4 * (len(COMMON) + STATE):
         return None
-    fit = None
+    reached: list[RingFit | None] = []
     for start in _candidates(part, burst, lead, k)[:_CLIMBED]:
-        w = start.size - 1
-        reached = fit_stretches([part], k, start, given={w}, gain=_COARSE)
-        if reached is not None and (fit is None or reached.chi_square < fit.chi_square):
-            fit = reached
-            if fit.chi_square < _ALIKE * part.samples:
-                break
+        last = fit_decays([part], k, start, given={start.size - 1}, gain=_COARSE)
+        reached.append(last)
+        if last is not None and last.chi_square < _ALIKE * part.samples:
+            break
+    fit = _nearest(reached)
     if fit is not None:
         fit = _longer(fit, part)
     while fit is not None and end < burst.end:
@@ -120,35 +193,32 @@ def refit_from_other_starts(fit: RingFit, given: Collection[int] = ()) -> RingFi
     # ∫ ẋ² dt of half a cycle is π/4 of the top speed times the travel
     ratio = 0.25 * math.pi * speed
     loss = (fit.F_k + ratio * fit.c) * travel
-    best = fit
+    best = [fit]
     for share in _SHARES if loss > 0.0 else ():
-        for w in (fit.point[-1],) if given or len(fit.stretches) > 1 else (0.0, 2.0):
+        for w in (fit.point[-1],) if given or len(fit.decays) > 1 else (0.0, 2.0):
             start = fit.point.copy()
             start[0], start[1] = share * loss / travel, (1.0 - share) * loss / (ratio * travel)
             start[-1] = w
-            other = fit_stretches(fit.stretches, fit.k, start, given=given, gain=_COARSE)
-            if other is not None and other.chi_square < best.chi_square:
-                best = other
-    return best
+            other = fit_decays(fit.decays, fit.k, start, given=given, gain=_COARSE)
+            best += [other] if other is not None else []
+    return min(best, key=lambda one: one.chi_square)
 
 
-def _longer(fit: RingFit, part: Stretch) -> RingFit | None:
+def _longer(fit: RingFit, part: Decay) -> RingFit | None:
     """The fit of a longer part, from a shorter one on."""
     w = fit.point.size - 1
     part = _without_ringing(fit, part)
-    best = fit_stretches([part], fit.k, fit.point, given={w}, gain=_COARSE)
+    best = _refit(fit, part, given={w})
     for rho in _ringing(best or fit, part):
         start = (best or fit).point.copy()
         start[2] = rho
-        other = fit_stretches([part], fit.k, start, given={w}, gain=_COARSE)
-        if other is not None and (best is None or other.chi_square < best.chi_square):
-            best = other
+        best = _nearest((best, _refit(fit, part, start, {w})))
     return best
 
 
-def _until_disturbed(fit: RingFit, whole: Stretch, end: float) -> RingFit:
+def _until_disturbed(fit: RingFit, whole: Decay, end: float) -> RingFit:
     """The fit up to where the samples leave the motion, before `end`."""
-    start, good = whole.start, fit.stretches[0].end
+    start, good = whole.start, fit.decays[0].end
     while end - good > 0.1 * whole.period:
         middle = 0.5 * (good + end)
         longer = _longer(fit, whole.cut(start, middle))
@@ -163,10 +233,10 @@ def _until_disturbed(fit: RingFit, whole: Stretch, end: float) -> RingFit:
 
 def _until_grasped(fit: RingFit) -> RingFit:
     """The fit, truncated where the ringing mass is caught before the next release."""
-    (one,), (row,) = fit.stretches, fit.residuals()
+    (one,) = fit.decays
     still = _still(fit, one.end)
     ends = []
-    for signal, residual in zip(one.signals, row, strict=True):
+    for _, signal, residual in fit.residuals():
         first = int(np.searchsorted(signal.t, still))
         tail, off = signal.values[first:], residual[first:]
         if tail.size < _FEW:
@@ -180,15 +250,15 @@ def _until_grasped(fit: RingFit) -> RingFit:
             ends.append(float(signal.t[first + best]))
     if not ends:
         return fit
-    return fit_stretches([one.cut(one.start, min(ends))], fit.k, fit.point, gain=_COARSE) or fit
+    return _refit(fit, one.cut(one.start, min(ends))) or fit
 
 
-def _candidates(part: Stretch, burst: Burst, lead: Signal, k: float) -> list[Array]:
+def _candidates(part: Decay, burst: Burst, lead: Signal, k: float) -> list[Array]:
     """Start points from the swings before and after the turn, the closest first."""
     omega = 2.0 * math.pi / burst.period
     of_lead = next(s for s in part.signals if s.quantity == lead.quantity)
-    ahead = of_lead.values[of_lead.between(burst.turn, burst.turn + 0.6 * burst.period)]
-    next_swing = min(float(np.ptp(ahead)) / omega**lead.order, burst.swing)
+    ahead = of_lead.between(burst.turn, burst.turn + 0.6 * burst.period)
+    next_swing = min(float(np.ptp(ahead.values)) / omega**lead.order, burst.swing)
     lost = max(burst.swing - next_swing, 1e-3 * burst.swing)
     candidates = []
     for share in _SHARES:
@@ -206,29 +276,30 @@ def _candidates(part: Stretch, burst: Burst, lead: Signal, k: float) -> list[Arr
                     m,
                 )
                 state = np.array([x, 0.0, 1.0 + burst.side])
-                start = np.concatenate([common, np.zeros(max(part.offsets) + 1), state])
+                start = np.concatenate(
+                    [common, np.zeros(1 + max(s.offset for s in part.signals)), state]
+                )
                 try:
                     model = samples_of(start, state, k, part)
                 except ValueError:
                     continue
                 misfit, at = 0.0, 0
-                for signal, offset in zip(part.signals, part.offsets, strict=True):
+                for signal in part.signals:
                     off = signal.values - model[at : at + signal.t.size]
                     at += signal.t.size
-                    start[len(COMMON) + offset] = off.mean()
+                    start[len(COMMON) + signal.offset] = off.mean()
                     misfit += float(np.var(off)) * signal.t.size / signal.noise**2
                 candidates.append((misfit, start))
     candidates.sort(key=lambda one: one[0])
     return [start for _, start in candidates]
 
 
-def _ringing(fit: RingFit, part: Stretch) -> Iterator[float]:
+def _ringing(fit: RingFit, part: Decay) -> Iterator[float]:
     """ρ of the contact on which the mass at rest rings, where that shows: K_z = mΩ² − k."""
     still = _still(fit, part.end)
     slipping = math.sqrt(fit.k / fit.m)
     for signal in part.signals:
-        inside = signal.between(still + 0.25 * part.period, part.end)
-        values = signal.values[inside]
+        values = signal.between(still + 0.25 * part.period, part.end).values
         if values.size < 16:
             continue
         values = values - values.mean()
@@ -244,20 +315,13 @@ def _ringing(fit: RingFit, part: Stretch) -> Iterator[float]:
                 yield 1.0 / math.sqrt(K_z)
 
 
-def _moves(fit: RingFit) -> float:
-    """From where to where the mass moves, m."""
-    x = fit.phases(0)[:, PHASE_X]
-    return float(np.ptp(x))
-
-
 def _still(fit: RingFit, end: float) -> float:
     """The time from which on the mass sticks; `end` where it does not before."""
-    start = fit.stretches[0].start
-    return start + stuck_from(fit.phases(0, end), end - start)
+    return min(fit.decays[0].start + fit.sticks_from(0, end), end)
 
 
-def _without_ringing(fit: RingFit, part: Stretch) -> Stretch:
-    """A stretch up to where the mass sticks, if no ringing shows after that: a K_z would follow from it by chance."""
+def _without_ringing(fit: RingFit, part: Decay) -> Decay:
+    """The part up to where the mass sticks, if no ringing shows after that: a K_z would follow from it by chance."""
     if any(True for _ in _ringing(fit, part)):
         return part
     end = _still(fit, part.end) + _AFTER * part.period
@@ -266,9 +330,9 @@ def _without_ringing(fit: RingFit, part: Stretch) -> Stretch:
     return part.cut(part.start, end)
 
 
-def _rests(signal: Signal, since: float, part: Stretch) -> bool:
+def _rests(signal: Signal, since: float, part: Decay) -> bool:
     """Whether the samples from a time on are a level and noise."""
-    values = signal.values[signal.between(since, part.end)]
+    values = signal.between(since, part.end).values
     width = max(1, round(part.period / (_PIECES * signal.dt)))
     n = values.size // width
     if n < 2:
@@ -278,51 +342,46 @@ def _rests(signal: Signal, since: float, part: Stretch) -> bool:
     return excess < 1.0 + _AGREES * math.sqrt(2.0 / n)
 
 
-def _from_earlier(fit: RingFit, whole: Stretch, earliest: float) -> RingFit:
+def _from_earlier(fit: RingFit, whole: Decay, earliest: float) -> RingFit:
     """The fit with the start moved back for as long as the samples follow the motion."""
-    one = fit.stretches[0]
+    (one,) = fit.decays
     step = one.period / _BACK
     near = min(one.start + 1.5 * one.period, one.end)
     common = set(range(fit.point.size - STATE))
-    here = fit_stretches([one.cut(one.start, near)], fit.k, fit.point, given=common, gain=_COARSE)
+    here = _refit(fit, one.cut(one.start, near), given=common)
     start, doubted = one.start, 0
     points, gained = [fit.point], [(0, 0.0)]
     while here is not None and not doubted:
         start -= step
         if start < earliest - 0.5 * min(s.dt for s in one.signals):
             break
-        trial = here.point.copy()
-        trial[-STATE:] = _before(here.point, fit.k, step)
         part = whole.cut(start, near)
-        there = fit_stretches([part], fit.k, trial, given=common, gain=_COARSE)
+        there = _refit(here, part, _before(here.point, fit.k, step), common)
         doubted = _doubted(there, here, gained)
         if doubted and there is not None:  # the common unknowns may have been off
-            here, there = (
-                fit_stretches([part], fit.k, at, gain=_COARSE)
-                for part, at in (
-                    (whole.cut(start + step, one.end), here.point),
-                    (whole.cut(start, one.end), there.point),
-                )
-            )
+            here = _refit(here, whole.cut(start + step, one.end))
+            there = _refit(there, whole.cut(start, one.end))
             doubted = _doubted(there, here, gained[:1])
             if doubted and here is not None:  # or the climb may have stopped in a side minimum
-                again = here.point.copy()
-                again[-STATE:] = _before(here.point, fit.k, step)
-                other = fit_stretches([whole.cut(start, one.end)], fit.k, again, gain=_COARSE)
+                again = _before(here.point, fit.k, step)
+                other = _refit(here, whole.cut(start, one.end), again)
                 if not (left := _doubted(other, here, gained[:1])):
                     there, doubted = other, left
             if not doubted and there is not None:
                 gained = gained[:1]
-                there = fit_stretches([part], fit.k, there.point, given=common, gain=_COARSE)
+                there = _refit(there, part, given=common)
         if not doubted and there is not None and here is not None:
             points.append(there.point)
-            new = there.residual.size - here.residual.size
-            gained.append((new, there.chi_square - here.chi_square))
+            gained.append(_gain(there, here))
         here = there
     # what stopped it may have begun within the steps that are in doubt
     kept = max(0, len(points) - 1 - doubted)
-    part = whole.cut(one.start - kept * step, one.end)
-    return fit_stretches([part], fit.k, points[kept], gain=_COARSE) or fit
+    return _refit(fit, whole.cut(one.start - kept * step, one.end), points[kept]) or fit
+
+
+def _gain(there: RingFit, here: RingFit) -> tuple[int, float]:
+    """Samples of a step back, and what they add to χ²."""
+    return there.residual.size - here.residual.size, there.chi_square - here.chi_square
 
 
 def _doubted(
@@ -337,10 +396,7 @@ def _doubted(
 
     if there is None or here is None:
         return 1
-    steps = [
-        *gained,
-        (there.residual.size - here.residual.size, there.chi_square - here.chi_square),
-    ]
+    steps = [*gained, _gain(there, here)]
     for count in (1, _SEVERAL):
         new = sum(n for n, _ in steps[-count:])
         excess = math.fsum(chi_square for _, chi_square in steps[-count:])
@@ -350,7 +406,7 @@ def _doubted(
 
 
 def _before(point: Array, k: float, step: float) -> Array:
-    """About the start state a step earlier: slipping backwards, or at the turn before."""
+    """The point with about the start state a step earlier: slipping backwards, or at the turn before."""
     F_k, c, _, m = point[: len(COMMON)].tolist()
     x, v, w = point[-STATE:].tolist()
     side = 1.0 if w >= 1.0 else -1.0
@@ -360,7 +416,8 @@ def _before(point: Array, k: float, step: float) -> Array:
         a = -(k * x + side * F_k + c * v) / m
         v_half = v - 0.5 * h * a
         if v_half * side < 0.0:  # it turned there, or was let go
-            return np.array([x, 0.0, 1.0 - 0.5 * side])
+            v, w = 0.0, 1.0 - 0.5 * side
+            break
         x -= h * v_half
         v = v_half - 0.5 * h * -(k * x + side * F_k + c * v_half) / m
-    return np.array([x, v, w])
+    return np.concatenate([point[:-STATE], [x, v, w]])
