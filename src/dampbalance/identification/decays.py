@@ -18,6 +18,7 @@ from ..arguments import number
 from ..arrays import Array
 from ..balance import TERMS, Rows
 from ..project.wording import times, visible
+from ..reading.conditioning import evenly_sampled
 from ..reading.cycles import clipped
 from ..reading.frequency import stands_still
 from ..reading.one_thread import one_thread
@@ -25,7 +26,6 @@ from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
 from ..reading.ringdown_fit import COMMON, RingFit, fit_decays, with_noise_of
 from ..reading.ringdown_rows import RingRows, W, at_rest, rows_of
 from ..reading.ringdown_search import fit_all, separate_fits
-from ..reading.sampling import evenly_sampled
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from ..solver import NORMAL_95, solve
 from .answer import (

@@ -23,7 +23,7 @@ from ..motion.orbit import steady_orbit
 from ..reading.fitting import HarmonicResiduals
 from ..reading.lines import Lines
 from ..reading.one_thread import one_thread
-from ..reading.unknowns import Unknowns
+from ..reading.waveforms import Unknowns
 
 _HARMONICS = 64  # odd ones: those of ∂x/∂ρ fall as n⁻³
 _SINGULAR = 1e-12  # eigenvalue of I scaled to unit diagonal, below which only rounding is left
@@ -86,8 +86,8 @@ def cramer_rao(
         lines.append(Lines(motion.omega, motion.Y, part * of_y, n, x, errors, samples))
     rho = osc.K_z**-0.5
     point = np.array([osc.F_k, osc.c, rho, osc.m, 0.0, *np.ravel([(one.Y, 0.0) for one in lines])])
-    unknowns = Unknowns(Law(), len(lines), osc.k)
-    here = HarmonicResiduals(lines, unknowns, 0.0, quickly=False).evaluate(point)
+    unknowns = Unknowns(Law(), tuple(lines), osc.k)
+    here = HarmonicResiduals(unknowns, 0.0, quickly=False).evaluate(point)
     if here is not None:
         known = {"delay"} | ({"m"} - set(free))
         kept = [i for i in range(point.size) if not known & set(unknowns.names[i : i + 1])]

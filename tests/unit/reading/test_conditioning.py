@@ -10,8 +10,12 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from dampbalance import BaseMotion, steady_orbit, transient
-from dampbalance.reading.conditioning import _bandwidth, condition, condition_blocks
-from dampbalance.reading.sampling import evenly_sampled
+from dampbalance.reading.conditioning import (
+    _bandwidth,
+    condition,
+    condition_blocks,
+    evenly_sampled,
+)
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import NEAR, OMEGA, PAPER

@@ -125,7 +125,7 @@ def test_slopes_of_a_nonlinear_law_are_those_of_differences():
     def harmonics(by):
         point = fit.point.copy()
         point[rho] *= 1.0 + by
-        return fit.unknowns.response(point, 0, motions[0].omega).harmonics(n.size)
+        return fit.unknowns.response(point, 0).harmonics(n.size)
 
     assert fit.adequate
     expected = (harmonics(h) - harmonics(-h)) / (2.0 * h * fit.rho)
@@ -314,9 +314,7 @@ def test_of_climbs_that_end_far_away_the_three_nearest_are_refined(monkeypatch):
         evaluations: int = 10
         adequate: bool = False
 
-    def climbed(
-        lines, unknowns, point, given, softenings, hopeless=math.inf, most=30, last=30, left=None
-    ):
+    def climbed(unknowns, point, hopeless=math.inf, last=30, **options):
         if last > 30:
             return End(0.9 * point, point)
         chi = next(reached, None) if math.isfinite(hopeless) else ends[point]
