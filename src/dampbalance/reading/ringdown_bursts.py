@@ -114,9 +114,7 @@ def bursts_of(signal: Signal) -> list[Burst]:
     ):
         raise NoDecay("it swings as far at its end as at its start")
     bursts = []
-    for place, i in enumerate(peaks):
-        stop = peaks[place + 1] if place + 1 < len(peaks) else signal.values.size - 1
-        before = peaks[place - 1] if place else 0
+    for before, i, stop in zip([0, *peaks], peaks, [*peaks[1:], swing.size - 1], strict=False):
         part = smooth[i : i + length]
         one, other = sorted((int(np.argmax(part)) + i, int(np.argmin(part)) + i))
         turn = other
@@ -124,17 +122,15 @@ def bursts_of(signal: Signal) -> list[Burst]:
             half = 0.5 * (smooth[one] + smooth[other]) * (smooth[one] * smooth[other] > 0.0)
             turn = one + int(np.argmax((smooth[one:other] - half) * (smooth[one] - half) <= 0.0))
         side = math.copysign(1.0, smooth[other] - smooth[one])
-        if signal.order > 0:
-            side = -side
         bursts.append(
             Burst(
                 turn=float(signal.t[turn]),
-                side=side,
+                side=-side if signal.order else side,
                 swing=float(swing[i]) * (period / (2.0 * math.pi)) ** signal.order,
                 period=period,
                 earliest=float(signal.t[before]),
                 end=float(signal.t[stop]),
-                last=place + 1 == len(peaks),
+                last=i == peaks[-1],
             )
         )
     return bursts

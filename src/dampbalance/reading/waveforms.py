@@ -191,11 +191,10 @@ class Unknowns:
 
     def lower(self, point: Array, rigid: float) -> Array:
         """Least values of the unknowns around a point.   rigid : least ρ."""
-        least = np.full(self.size, -math.inf)
+        least = np.zeros(self.size)  # of the coefficients of the law
         for i, one in enumerate(self.lines):
             at = self.at(i)
-            for symbol in self.law.terms:
-                least[at[symbol]] = 0.0
+            least[at["psi"]] = least[at["delay"]] = -math.inf
             least[at[FRICTION]] = 1e-9 * point[at[FRICTION]]
             least[at["rho"]], least[at["m"]] = rigid, 1e-6 * point[at["m"]]
             least[at["Y"]] = 1e-3 * one.Y
