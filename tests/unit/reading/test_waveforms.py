@@ -24,9 +24,8 @@ from unit.reading.harmonics import lines_of
 WEAK = Oscillator(m=2.42, c=3.0, k=2310.0, K_z=69_300.0, F_k=1.28)  # ζ = 0.02: slips several times
 NAMES = ("F_k", "c", "rho", "m", "delay")
 EXACT = 1e-8  # m
-CLOSE = (
-    1e-3  # standard errors: the climb ends where a step would gain 5e-8 of half of χ², 3e-4 of one
-)
+# standard errors: the climb ends where a step would gain 5e-8 of half of χ², 3e-4 of one
+CLOSE = 1e-3
 
 
 def off(fit: WaveformFit, osc: Oscillator) -> np.ndarray:
@@ -70,6 +69,25 @@ def test_exact_harmonics_give_the_exact_oscillator_in_every_regime(osc, at, regi
         # odd harmonics beyond those that were given
         beyond = orbit.harmonics(30)[12:]
         assert waveform.tail[12:30] == pytest.approx(beyond, abs=1e-4 * abs(beyond[0]) + EXACT)
+
+
+@pytest.mark.parametrize(
+    ("osc", "hz", "regime"),
+    [
+        *((PAPER, hz, Regime.ONE_SLIP) for hz in FREQUENCIES_HZ.values()),
+        (Oscillator(m=2.0, c=30.0, k=2000.0, K_z=6000.0, F_k=4.0), 6.0, Regime.ONE_SLIP),  # soft
+        (Oscillator(2.42, 3.0, 2310.0, 2e4, 5.0), 0.8, Regime.SEVERAL_SLIPS),
+    ],
+)
+def test_a_fit_holds_from_starts_that_need_no_orbits(osc, hz, regime, monkeypatch):
+    orbits = orbits_at(hz, (0.004, 0.008, 0.012), osc)
+    assert orbits[-1].regime == regime
+    monkeypatch.setattr(
+        "dampbalance.reading.lines._all_responses", None
+    )  # the orbits of many candidates
+    fit = fit_oscillator([lines_of(orbit, EXACT) for orbit in orbits], osc.k)
+    assert fit.adequate
+    assert np.abs(off(fit, osc)).max() < 1e-2
 
 
 def test_slopes_are_those_of_orbits_beside():
@@ -364,7 +382,6 @@ def test_the_errors_that_harmonics_have_decide_what_they_weigh():
     sure = [lines_of(orbit, 1e-7) for orbit in orbits]
     worse = [lines_of(orbit, 1e-4, rng) for orbit in orbits]  # a thousand times
     both = fit_oscillator([*sure, *worse], PAPER.k)
-    alone: WaveformFit = fit_oscillator(sure, PAPER.k)
+    alone = fit_oscillator(sure, PAPER.k)
     assert np.abs(off(both, PAPER)).max() < 0.02  # moved by 1e-3 of its noise, in standard errors
     assert both.error("c") == pytest.approx(alone.error("c"), rel=1e-5)
-    assert isinstance(both.lines[0], Lines)
