@@ -186,7 +186,10 @@ def answer_of_fit(
 
     coefficients : by key.   unknowns : names in the order of the covariance of the fit.   merit : what else is known.
     """
-    parameters = {key: normal(value, fit.error(key)) for key, value in coefficients.items()}
+    parameters = {
+        key: ParameterEstimate(value, fit.error(key), math.nan, Interval(*fit.interval(key)))
+        for key, value in coefficients.items()
+    }
     parameters["K_z"] = ParameterEstimate(
         fit.K_z, fit.K_z_error, math.nan, Interval(*fit.K_z_interval)
     )

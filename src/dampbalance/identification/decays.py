@@ -24,6 +24,7 @@ from ..reading.frequency import stands_still
 from ..reading.one_thread import one_thread
 from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
 from ..reading.ringdown_fit import COMMON, RingFit, fit_decays, with_noise_of
+from ..reading.ringdown_minima import minima_of, with_intervals
 from ..reading.ringdown_rows import RingRows, W, at_rest, rows_of
 from ..reading.ringdown_search import fit_all, separate_fits
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
@@ -178,7 +179,7 @@ def identify_ring_downs(
         signals = [_signal(record, channel, number, odd) for number, channel in channels]
         warnings += [Remark(words, record.source) for words in odd]
         try:
-            separate = separate_fits(record.source, signals, k)
+            separate, bursts = separate_fits(record.source, signals, k)
         except NoDecay as error:
             raise ValueError(f"{record.source}: {_unclear(record)}: {error}") from None
         if not separate:
@@ -186,6 +187,13 @@ def identify_ring_downs(
                 f"{record.source}: {_unclear(record)}: what moves in it is not the motion of a mass on a spring of "
                 f"{k:g} N/m with friction; give the record from the release or the blow on"
             )
+        warnings += [
+            Remark(
+                f"what moves about {burst.turn:.4g} s is no free decay that slips, and is left out",
+                record.source,
+            )
+            for burst in bursts
+        ]
         offsets += len(signals)
         fits += separate
     common, left_out = fit_all(fits)
@@ -198,7 +206,7 @@ def identify_ring_downs(
         )
         for one in left_out
     ]
-    fit = with_noise_of(common)
+    fit = with_intervals(minima_of(with_noise_of(common)))
     if mass is not None:
         fit = _with_mass(fit, mass, warnings)
     rows = rows_of(fit)

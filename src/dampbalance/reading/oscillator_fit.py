@@ -46,6 +46,11 @@ class OscillatorFit(ABC):
         at = self.names.index(name)
         return math.sqrt(self.covariance[at, at])
 
+    def interval(self, name: str) -> tuple[float, float]:
+        """95 % interval of a common unknown, in its unit."""
+        reach = NORMAL_95 * self.error(name)
+        return self.value(name) - reach, self.value(name) + reach
+
     @property
     def F_k(self) -> float:
         """Friction force, N."""
@@ -73,9 +78,8 @@ class OscillatorFit(ABC):
 
     @property
     def K_z_interval(self) -> tuple[float, float]:
-        """95 % interval of K_z, N/m, from ρ ± 1.96 standard errors; unbounded above where that reaches ρ = 0."""
-        spread = NORMAL_95 * self.error("rho")
-        low, high = self.rho - spread, self.rho + spread
+        """95 % interval of K_z, N/m, from that of ρ; unbounded above where that reaches ρ = 0."""
+        low, high = self.interval("rho")
         return high**-2, (low**-2 if low > 0.0 else math.inf)
 
     @property

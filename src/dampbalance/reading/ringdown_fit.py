@@ -13,14 +13,15 @@ is the least sum of squares over all samples. The stiffness k is given.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from ..arrays import Array
 from ..model import Parameters
+from ..motion.decays import decay_samples, phase_slopes
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
 from .climb import Evaluation, climb
@@ -84,10 +85,18 @@ class RingFit(OscillatorFit):
     channel.
 
     jacobian : derivatives of the residual by the unknowns, (samples, p); zero where one was given.
+    ranges : 95 % intervals of common unknowns that a search has profiled, by name.
+    minima : number of minima of χ² that lie within such intervals.
     """
 
     decays: tuple[Decay, ...]
     jacobian: Array
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    minima: int = 1
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """95 % interval of a common unknown, in its unit."""
+        return self.ranges.get(name) or super().interval(name)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -177,10 +186,12 @@ def fit_decays(
     *,
     given: Collection[int] = (),
     gain: float = _GAIN,
+    most: int = _MOST,
 ) -> RingFit | None:
     """The fit in which a climb from a start point ends; None where the model has no motion there.
 
     given : numbers of the unknowns that keep their values.   gain : of half of χ², where the climb ends.
+    most : evaluations.
     """
     free = np.array([i for i in range(start.size) if i not in given])
     rigid = 1.0 / math.sqrt(_STIFFEST * k)
@@ -200,14 +211,19 @@ def fit_decays(
         scale[i : i + STATE] = size, size * omega, 1.0
         lower[i + 2], upper[i + 2] = 0.0, 2.0
 
-    def evaluate(point: Array) -> Evaluation | None:
-        return _evaluation(decays, k, point, free.tolist(), _steps(point, k, scale, first_state))
+    def triangle(point: Array) -> Evaluation | None:
+        # as many residuals as unknowns, and one, which have the χ² and the steps of all samples
+        whole = _columns(decays, k, point)
+        return None if whole is None else _split(np.linalg.qr(whole, mode="r"))
 
-    climbed = climb(evaluate, start, free, lower, scale, upper, gain=gain, most=_MOST)
-    if climbed is None:
+    climbed = climb(triangle, start, free, lower, scale, upper, gain=gain, most=most)
+    whole = None if climbed is None else _columns(decays, k, climbed.point)
+    if climbed is None or whole is None:
         return None
-    point, here = climbed.point, climbed.evaluation
-    solution = linear_solution(here.jacobian, w_errors(point.size, first_state))
+    here, point = _split(whole), climbed.point
+    jacobian = np.zeros_like(here.jacobian)
+    jacobian[:, free] = here.jacobian[:, free]
+    solution = linear_solution(np.linalg.qr(jacobian, mode="r"), w_errors(point.size, first_state))
     return RingFit(
         k=k,
         point=point,
@@ -215,7 +231,7 @@ def fit_decays(
         residual=here.residual,
         rigid=bool(point[2] <= rigid),
         decays=tuple(decays),
-        jacobian=here.jacobian,
+        jacobian=jacobian,
     )
 
 
@@ -240,7 +256,7 @@ def linear_solution(design: Array, errors: Array) -> Array:
     """
     known = np.where(np.any(design != 0.0, axis=0), 1.0 / errors, 0.0)
     length = np.sqrt(np.sum(design**2, axis=0) + known**2)
-    length[length == 0.0] = 1.0
+    length[length < 1e-150] = 1.0  # nothing depends on these
     scaled = np.vstack([design, np.diag(known)]) / length
     return np.linalg.pinv(scaled, rcond=1e-9) / length[:, None]
 
@@ -291,54 +307,58 @@ def phases_of(point: Array, state: Array, k: float, until: float) -> Array:
 
 def samples_of(point: Array, state: Array, k: float, one: Decay) -> Array:
     """Samples of all channels of a decay without noise and offset, (samples,)."""
-    longest = max(float(s.t[-1]) for s in one.signals if s.t.size)
-    phases = phases_of(point, state, k, max(longest - one.start, 1e-9 * one.period))
-    par = numbers_of(point, k)
+    phases, par = _phases_to_last(point, state, k, one), numbers_of(point, k)
     parts = [states_in_phases(s.t - one.start, phases, 0.0, par)[s.order] for s in one.signals]
     return np.concatenate(parts)
 
 
-def _evaluation(
-    decays: Sequence[Decay], k: float, point: Array, free: Collection[int], steps: Array
-) -> Evaluation | None:
-    """Residuals (model − sample)/σ and their derivatives by the free unknowns; None where the contact rattles.
+def _phases_to_last(point: Array, state: Array, k: float, one: Decay) -> Array:
+    """The phases of a motion up to the last sample of a decay."""
+    longest = max(float(s.t[-1]) for s in one.signals if s.t.size)
+    return phases_of(point, state, k, max(longest - one.start, 1e-9 * one.period))
 
-    steps : of the differences by all unknowns.
+
+def _with_slopes(point: Array, state: Array, k: float, one: Decay) -> list[Array]:
+    """Samples of each channel without noise and offset, and their derivatives by COMMON and the start state, (n, 8).
+
+    Close to a rigid contact the motion depends on ρ², and a chord replaces the derivative by ρ.
     """
-    residuals, slopes = [], []
+    phases, par = _phases_to_last(point, state, k, one), numbers_of(point, k)
+    slopes = phase_slopes(phases, float(state[2]), par)
+    parts = [decay_samples(s.t - one.start, s.order, phases, slopes, par) for s in one.signals]
+    rho = COMMON.index("rho")
+    step = contact_step(point, k)
+    if step > point[rho]:
+        moved = point.copy()
+        moved[rho] += step
+        there = np.split(samples_of(moved, state, k, one), np.cumsum([len(p) for p in parts])[:-1])
+        for part, other in zip(parts, there, strict=True):
+            part[:, rho + 1] = (other - part[:, 0]) / step
+    return parts
+
+
+def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
+    """Derivatives of the residuals (model − sample)/σ by all unknowns, and these residuals, (samples, p + 1); None where
+    the contact rattles."""
+    whole = np.zeros((sum(one.samples for one in decays), point.size + 1))
+    at = 0
     for i, one in enumerate(decays):
         own = _state_places(point.size, i, len(decays))
-        sizes = [s.t.size for s in one.signals]
-        place = np.repeat([len(COMMON) + s.offset for s in one.signals], sizes)
-        error = np.repeat([s.noise for s in one.signals], sizes)
-        slope = np.zeros((place.size, point.size))
-        slope[np.arange(place.size), place] = 1.0 / error
         try:
-            model = samples_of(point, point[own], k, one)
-            for j in (*range(len(COMMON)), *range(own.start, own.stop)):
-                if j in free:
-                    moved = point.copy()
-                    moved[j] += steps[j]
-                    there = samples_of(moved, moved[own], k, one)
-                    slope[:, j] = (there - model) / (steps[j] * error)
+            parts = _with_slopes(point, point[own], k, one)
         except (ValueError, ArithmeticError):
             return None
-        values = np.concatenate([s.values for s in one.signals])
-        residuals.append((model + point[place] - values) / error)
-        slopes.append(slope)
-    residual, jacobian = np.concatenate(residuals), np.vstack(slopes)
-    jacobian[:, [j for j in range(point.size) if j not in free]] = 0.0
-    if not (np.isfinite(residual).all() and np.isfinite(jacobian).all()):
-        return None
-    return Evaluation(residual, jacobian)
+        for signal, part in zip(one.signals, parts, strict=True):
+            block, offset = whole[at : at + signal.t.size], len(COMMON) + signal.offset
+            block[:, : len(COMMON)] = part[:, 1 : len(COMMON) + 1]
+            block[:, own] = part[:, len(COMMON) + 1 :]
+            block[:, offset] = 1.0
+            block[:, -1] = part[:, 0] + point[offset] - signal.values
+            block /= signal.noise
+            at += signal.t.size
+    return whole if np.isfinite(whole).all() else None
 
 
-def _steps(point: Array, k: float, scale: Array, first_state: int) -> Array:
-    """Steps of the differences: a part of each unknown, or of the size that matters where it is close to zero."""
-    F_k, c, _, m = point[: len(COMMON)].tolist()
-    steps = STEP * np.maximum(np.abs(point), scale)
-    damping = max(c, 2e-2 * math.sqrt(k * m))
-    steps[: len(COMMON)] = STEP * F_k, STEP * damping, contact_step(point, k), STEP * m
-    w = slice(first_state + 2, None, STATE)
-    steps[w] = np.where(point[w] > 1.0, -STEP, STEP)
-    return steps
+def _split(columns: Array) -> Evaluation:
+    """Residuals and derivatives, from `_columns` or their triangle."""
+    return Evaluation(columns[:, -1], columns[:, :-1])

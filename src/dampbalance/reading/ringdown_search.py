@@ -23,6 +23,7 @@ from ..arrays import Array
 from ..motion.events import PHASE_S, PHASE_V, PHASE_X
 from .ringdown_bursts import Burst, Signal, bursts_of
 from .ringdown_fit import COMMON, STATE, Decay, RingFit, fit_decays, samples_of, with_noise_of
+from .ringdown_minima import minima_of
 
 _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing loses
 _STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
@@ -46,34 +47,57 @@ _ALIKE = 1.5  # χ² per sample of a fit that needs no other start
 _MOST_TURNS = 4  # half cycles that slip, of a burst that may be the work of a hand
 
 
-def separate_fits(source: str, signals: Sequence[Signal], k: float) -> list[RingFit]:
-    """A fit of each free decay in the channels of a record by itself, in their order; those that no oscillator fits are
-    left out.
+def separate_fits(
+    source: str, signals: Sequence[Signal], k: float
+) -> tuple[list[RingFit], list[Burst]]:
+    """A fit of each free decay in the channels of a record by itself, in their order, and the bursts that no oscillator
+    fits or in which nothing slips.
 
     source : of the record.   signals : its channels, their offsets numbered through all records.   k : N/m.
     Raises NoDecay.
     """
-    fits: list[RingFit] = []
     lead = max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)
-    for burst in bursts_of(lead):
-        since = fits[-1].decays[0].start if fits else burst.earliest
+    bursts = bursts_of(lead)
+    fits: dict[Burst, RingFit] = {}
+    since = bursts[0].earliest
+    for burst in bursts:
         whole = Decay(source, burst.turn, burst.end, tuple(signals), burst.period)
-        fit = _grown(whole, burst, lead, k)
-        if fit is None:
-            continue
-        if fit.adequate:  # its residual gives the noise better than the samples alone
-            fit = with_noise_of(fit)
-            known = zip(whole.signals, fit.decays[0].signals, strict=True)
-            signals_of = tuple(replace(one, noise=other.noise) for one, other in known)
-            whole = replace(whole, signals=signals_of)
-        fit = refit_from_other_starts(_from_earlier(fit, whole, max(since, burst.earliest)))
-        if not burst.last:
-            fit = _until_grasped(fit)
-        # else the swing was not that of a free motion
-        if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _PART * burst.swing:
-            fits.append(fit)
-    fits = [fit for fit in fits if fit.adequate] or fits
-    return [fit for fit in fits if _turns(fit)] or fits
+        fit = _of_burst(whole, burst, max(since, burst.earliest), lead, k)
+        if fit is not None:
+            fits[burst], since = fit, fit.decays[0].start
+    slipping = [fit for fit in fits.values() if fit.adequate and _turns(fit)]
+    surest = max(slipping, key=lambda fit: fit.decays[0].samples, default=None)
+    for burst in bursts if surest is not None else ():
+        if burst not in fits or not fits[burst].adequate:  # from the oscillator of the surest
+            whole = Decay(source, burst.turn, burst.end, tuple(signals), burst.period)
+            fit = _of_burst(whole, burst, burst.earliest, lead, k, surest)
+            if fit is not None and fit.adequate:
+                fits[burst] = fit
+    kept = {burst: fit for burst, fit in fits.items() if fit.adequate} or fits
+    kept = {burst: fit for burst, fit in kept.items() if _turns(fit)} or kept
+    return [kept[b] for b in bursts if b in kept], [b for b in bursts if b not in kept]
+
+
+def _of_burst(
+    whole: Decay, burst: Burst, since: float, lead: Signal, k: float, known: RingFit | None = None
+) -> RingFit | None:
+    """The fit of a burst, from its release on; None where no oscillator moves as far as it does.
+
+    since : s, before which it cannot have begun.   known : the fit of another burst, to start from.
+    """
+    fit = _grown(whole, burst, lead, k, known)
+    if fit is None:
+        return None
+    if fit.adequate:  # its residual gives the noise better than the samples alone
+        fit = with_noise_of(fit)
+        pairs = zip(whole.signals, fit.decays[0].signals, strict=True)
+        signals = tuple(replace(one, noise=other.noise) for one, other in pairs)
+        whole = replace(whole, signals=signals)
+    fit = refit_from_other_starts(_from_earlier(fit, whole, since))
+    if not burst.last:
+        fit = _until_grasped(fit)
+    # else the swing was not that of a free motion
+    return fit if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _PART * burst.swing else None
 
 
 def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
@@ -83,11 +107,7 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
     oscillator fits all decays, as few as possible are left out, those that slip least first, if one then fits the rest.
     """
     offsets = 1 + max(one.offset for fit in fits for one in fit.decays[0].signals)
-    whole = _joined(fits, offsets)
-    if whole is not None and whole.doubtful:
-        # from the oscillator of each alone, and from other shares of friction
-        others = [_joined(fits, offsets, fit.point[: len(COMMON)]) for fit in fits]
-        whole = _nearest((refit_from_other_starts(whole), *others))
+    whole = _searched(fits, offsets)
     if whole is None or whole.adequate or len(fits) == 1:
         return whole, []
     turns = [_turns(fit) for fit in fits]
@@ -98,7 +118,7 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
         for some in itertools.combinations(order[: count + 1], count):
             if any(turns[i] > _MOST_TURNS for i in some):
                 continue
-            fit = _joined([fit for i, fit in enumerate(fits) if i not in some], offsets)
+            fit = _searched([fit for i, fit in enumerate(fits) if i not in some], offsets)
             if fit is not None and fit.adequate:
                 return fit, [fits[i].decays[0] for i in sorted(some)]
     return whole, []
@@ -107,6 +127,16 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
 def _turns(fit: RingFit) -> int:
     """Number of phases in which the mass of a separate fit slips."""
     return int(np.count_nonzero(fit.phases(0)[:, PHASE_S]))
+
+
+def _searched(fits: Sequence[RingFit], offsets: int) -> RingFit | None:
+    """The fit of all decays; where it is not adequate, the lowest minimum of a wide search."""
+    whole = _joined(fits, offsets)
+    if whole is None or whole.adequate:
+        return whole
+    others = [_joined(fits, offsets, fit.point[: len(COMMON)]) for fit in fits]
+    nearest = _nearest((whole, *others))
+    return nearest and minima_of(nearest)[0]
 
 
 def _joined(fits: Sequence[RingFit], offsets: int, common: Array | None = None) -> RingFit | None:
@@ -150,14 +180,19 @@ def _refit(
     return fit_decays([part], fit.k, point, given=given, gain=_COARSE)
 
 
-def _grown(whole: Decay, burst: Burst, lead: Signal, k: float) -> RingFit | None:
+def _grown(
+    whole: Decay, burst: Burst, lead: Signal, k: float, known: RingFit | None
+) -> RingFit | None:
     """The fit of a burst from its turn on."""
     end = min(burst.turn + _FIRST * burst.period, burst.end)
     part = whole.cut(burst.turn, end)
     if part.samples < 4 * (len(COMMON) + STATE):
         return None
     reached: list[RingFit | None] = []
-    for start in _candidates(part, burst, lead, k)[:_CLIMBED]:
+    starts = _candidates(part, burst, lead, k)[:_CLIMBED]
+    if known is not None:
+        starts = [np.concatenate([known.point[: len(COMMON)], at[len(COMMON) :]]) for at in starts]
+    for start in starts:
         last = fit_decays([part], k, start, given={start.size - 1}, gain=_COARSE)
         reached.append(last)
         if last is not None and last.chi_square < _ALIKE * part.samples:
