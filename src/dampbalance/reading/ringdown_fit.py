@@ -338,8 +338,10 @@ def _with_slopes(point: Array, state: Array, k: float, one: Decay) -> list[Array
 
 
 def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
-    """Derivatives of the residuals (model − sample)/σ by all unknowns, and these residuals, (samples, p + 1); None where
-    the contact rattles."""
+    """Derivatives of the residuals (model − sample)/σ by all unknowns, and these residuals, (samples, p + 1).
+
+    None where the contact rattles.
+    """
     whole = np.zeros((sum(one.samples for one in decays), point.size + 1))
     at = 0
     for i, one in enumerate(decays):

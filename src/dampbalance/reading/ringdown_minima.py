@@ -98,10 +98,8 @@ def _starts(fit: RingFit) -> Iterator[Array]:
 
 def _neighbours(fit: RingFit) -> Iterator[Array]:
     """Points next to a fit: with cycles of ringing more or fewer, and with the contact spring loaded differently."""
-    rings = max(
-        one.end - one.start - stuck_from(fit.phases(i), one.end - one.start)
-        for i, one in enumerate(fit.decays)
-    )
+    lasts = [one.end - one.start for one in fit.decays]
+    rings = max(max(last - fit.sticks_from(i), 0.0) for i, last in enumerate(lasts))
     Omega = math.sqrt((fit.k + fit.point[_RHO] ** -2) / fit.m)
     for cycles in range(-_CYCLES, _CYCLES + 1) if rings * Omega > 2.0 * math.pi else ():
         stiff = fit.m * (Omega + 2.0 * math.pi * cycles / rings) ** 2 - fit.k
