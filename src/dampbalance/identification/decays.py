@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -34,6 +34,8 @@ from .answer import (
     UNKNOWN,
     Answer,
     Balance,
+    Interval,
+    ParameterEstimate,
     Remark,
     answer_of_fit,
     covariance_of,
@@ -307,7 +309,11 @@ def _solved(
     suspects = "the drive, a hand on the mass, a gain or a filter"
     notes += forbidden(estimates, list(clipped_signals), suspects)
     coefficients = {symbol: getattr(fit, symbol) for symbol in TERMS}
-    reference = answer_of_fit(fit, coefficients, COMMON, tuple(fit_notes))
+    split = ""
+    if fit.minima > 1:
+        split = f"{fit.minima} contacts fit the samples almost equally well, and the interval covers all of them"
+        estimates = {s: _covering(p, *fit.interval(s)) for s, p in estimates.items()}
+    reference = answer_of_fit(fit, coefficients, COMMON, tuple(fit_notes), doubt=split)
     parameters = {s: estimates.get(s, UNKNOWN) for s in TERMS} | {"K_z": reference.K_z}
     correlations = (
         {("F_k", "c"): float(covariance[0, 1]) / (errors["F_k"] * errors["c"])} if values else {}
@@ -338,6 +344,12 @@ def _solved(
         half_cycles=rows,
         mass_given=mass_given,
     )
+
+
+def _covering(estimate: ParameterEstimate, low: float, high: float) -> ParameterEstimate:
+    """An estimate whose interval covers another one, too."""
+    interval = Interval(min(estimate.interval.low, low), max(estimate.interval.high, high))
+    return replace(estimate, interval=interval)
 
 
 def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Array, float, int]:

@@ -24,6 +24,7 @@ from ..model import Parameters
 from ..motion.decays import decay_samples, phase_slopes
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
+from ..solver import NORMAL_95
 from .climb import Evaluation, climb
 from .oscillator_fit import OscillatorFit
 from .ringdown_bursts import Signal, rounding
@@ -97,6 +98,13 @@ class RingFit(OscillatorFit):
     def interval(self, name: str) -> tuple[float, float]:
         """95 % interval of a common unknown, in its unit."""
         return self.ranges.get(name) or super().interval(name)
+
+    def error(self, name: str) -> float:
+        """Standard error of a common unknown; where several minima are as good, that of the interval over them."""
+        if self.minima == 1 or name not in self.ranges:
+            return super().error(name)
+        low, high = self.ranges[name]
+        return 0.5 * (high - low) / NORMAL_95
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -23,7 +23,11 @@ from .ringdown_fit import COMMON, STATE, Decay, RingFit, fit_decays
 
 _F_K, _C, _RHO, _M = range(4)
 _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in the loss
+_LOSSES = tuple(np.geomspace(0.75, 1.4, 8).tolist())  # relative to that of the fit
+_FINER = tuple(np.linspace(0.1, 1.0, 10).tolist())  # shares of friction, where nothing fits
 _STIFFNESSES = (3.0, 8.0, 20.0, 50.0, 120.0, 300.0, 1000.0)  # of K_z/k
+_LOADS, _OTHER = (0.0, 0.5, 1.0, 1.5, 2.0), 0.2  # of w, and how far off another start is
+_ASIDE = 1.5  # standard errors
 _CYCLES = 4  # of ringing, more or fewer
 _THINNED = 1200  # samples, about, of a thinned record
 _TRIED, _POLISHED = 14, 6  # starts that are climbed from, on thinned samples and on all
@@ -43,7 +47,7 @@ def minima_of(fit: RingFit) -> list[RingFit]:
     found, starts = [fit], [*_starts(fit), *_neighbours(fit)]
     for _ in range(_ROUNDS):
         best = found[0]
-        for start in _promising(thin, fit.k, starts):
+        for start in (*_promising(thin, fit.k, starts), *_aside(best)):
             _keep(found, fit_decays(fit.decays, fit.k, start))
         found.sort(key=lambda one: one.chi_square)
         if best.chi_square - found[0].chi_square < _LOWER:
@@ -80,24 +84,32 @@ def _promising(thin: Sequence[Decay], k: float, starts: Sequence[Array]) -> list
 
 
 def _starts(fit: RingFit) -> Iterator[Array]:
-    """Points of a grid over the stiffness of the contact and the share of friction in the loss of energy."""
+    """Points of a grid over the stiffness of the contact and the share of friction in the loss of energy.
+
+    Where no oscillator fits so far, the loss itself is varied as well: with each half cycle more or fewer until the
+    mass sticks, χ² has another minimum.
+    """
     phases = fit.phases(0)
     travel = float(np.abs(np.diff(phases[:, PHASE_X])).sum())
     # ∫ ẋ² dt of half a cycle is π/4 of the top speed times the travel
     ratio = 0.25 * math.pi * float(np.abs(phases[:, PHASE_V]).max())
     loss = fit.F_k + ratio * fit.c  # of energy, over the travel
-    shares = [(fit.F_k, fit.c)]
+    pairs = [(fit.F_k, fit.c)]
     if ratio > 0.0 and travel > 0.0:
-        shares += [(share * loss, (1.0 - share) * loss / ratio) for share in _SHARES]
-    stiffnesses = [fit.point[_RHO], *(1.0 / math.sqrt(ratio * fit.k) for ratio in _STIFFNESSES)]
-    for rho, (F_k, c) in itertools.product(stiffnesses, shares):
+        pairs += [(share * loss, (1.0 - share) * loss / ratio) for share in _SHARES]
+    stiffnesses = [fit.point[_RHO], *(1.0 / math.sqrt(stiff * fit.k) for stiff in _STIFFNESSES)]
+    grid = list(itertools.product(stiffnesses, pairs))
+    if not fit.adequate and len(pairs) > 1:
+        closer = itertools.product((fit.point[_RHO],), _LOSSES, _FINER)
+        grid += [(rho, (f * s * loss, f * (1.0 - s) * loss / ratio)) for rho, f, s in closer]
+    for rho, (F_k, c) in grid:
         start = fit.point.copy()
         start[_F_K], start[_C], start[_RHO] = F_k, c, rho
         yield start
 
 
 def _neighbours(fit: RingFit) -> Iterator[Array]:
-    """Points next to a fit: with cycles of ringing more or fewer, and with the contact spring loaded differently."""
+    """Points next to a fit, with cycles of ringing more or fewer."""
     lasts = [one.end - one.start for one in fit.decays]
     rings = max(max(last - fit.sticks_from(i), 0.0) for i, last in enumerate(lasts))
     Omega = math.sqrt((fit.k + fit.point[_RHO] ** -2) / fit.m)
@@ -107,11 +119,24 @@ def _neighbours(fit: RingFit) -> Iterator[Array]:
             start = fit.point.copy()
             start[_RHO] = stiff**-0.5
             yield start
+
+
+def _aside(fit: RingFit) -> Iterator[Array]:
+    """Points on the other side of kinks next to a fit: with the contact spring of a decay loaded differently at its
+    start, and some standard errors away along each common unknown."""
+    for j, side in itertools.product((_F_K, _C, _RHO), (-_ASIDE, _ASIDE)):
+        if fit.covariance[j, j] > 0.0:
+            step = side * fit.covariance[:, j] / math.sqrt(fit.covariance[j, j])
+            start = fit.point + step
+            if (start[: len(COMMON)] > 0.0).all():
+                yield start
     first = fit.point.size - STATE * len(fit.decays)
-    for i, w in itertools.product(range(len(fit.decays)), (0.0, 1.0, 2.0)):
-        start = fit.point.copy()
-        start[first + STATE * i + 2] = w
-        yield start
+    for i, w in itertools.product(range(len(fit.decays)), _LOADS):
+        place = first + STATE * i + 2
+        if abs(fit.point[place] - w) > _OTHER:
+            start = fit.point.copy()
+            start[place] = w
+            yield start
 
 
 def _thinned(one: Decay, most: int) -> Decay:
