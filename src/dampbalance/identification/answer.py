@@ -188,7 +188,8 @@ def answer_of_fit(
 ) -> Answer:
     """The answer of a fit of maximum likelihood.
 
-    doubt : of K_z.   coefficients : by key.   unknowns : names in the order of the covariance of the fit.   merit : what else is known.
+    coefficients : by key.   unknowns : names in the order of the covariance of the fit.   doubt : why K_z is not to be
+    trusted.   merit : what else is known.
     """
     parameters = {
         key: ParameterEstimate(value, fit.error(key), math.nan, Interval(*fit.interval(key)))

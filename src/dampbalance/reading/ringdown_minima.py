@@ -32,27 +32,32 @@ _CYCLES = 4  # of ringing, more or fewer
 _THINNED = 1200  # samples, about, of a thinned record
 _TRIED, _POLISHED = 14, 6  # starts that are climbed from, on thinned samples and on all
 _WITHIN = 30.0  # of χ²: minima that are kept
-_SAME = 0.1  # of a standard error: two climbs that end so close ended in one minimum
+_SAME = 1.0  # standard errors: two climbs that end so close ended in one minimum
 _LOWER = 0.05  # of χ²: what another minimum must be lower by to be searched around again
-_ROUNDS = 4
+_ROUNDS = 6
 _COARSE = 1e-2  # of half of χ², where a climb on the way ends
 _LEVEL = NORMAL_95**2  # of χ² above the least, at the ends of an interval
 _PROFILES = 4  # climbs to an end of an interval
 _NEAR = 0.1  # of its distance: where an end is taken as found
 
 
-def minima_of(fit: RingFit) -> list[RingFit]:
-    """The minima of χ² that a wide search finds, the lowest first, up to 30 above it; `fit` is where it starts."""
+def minima_of(fit: RingFit, *, wide: bool = True) -> list[RingFit]:
+    """The minima of χ² that a search finds, the lowest first, up to 30 above it; `fit` is where it starts.
+
+    wide : whether to search on around what it finds until no lower one is found, and over the loss of energy as well
+    where no oscillator fits.
+    """
     thin = [_thinned(one, _THINNED // len(fit.decays)) for one in fit.decays]
-    found, starts = [fit], [*_starts(fit), *_neighbours(fit)]
-    for _ in range(_ROUNDS):
+    found, starts = [fit], [*_starts(fit, wide), *_neighbours(fit)]
+    for _ in range(_ROUNDS if wide else 1):
         best = found[0]
         for start in (*_promising(thin, fit.k, starts), *_aside(best)):
             _keep(found, fit_decays(fit.decays, fit.k, start))
         found.sort(key=lambda one: one.chi_square)
         if best.chi_square - found[0].chi_square < _LOWER:
             break
-        starts = list(_neighbours(found[0]))
+        again = () if found[0].adequate else _starts(found[0], wide)
+        starts = [*again, *_neighbours(found[0])]
     return [one for one in found if one.chi_square < found[0].chi_square + _WITHIN]
 
 
@@ -83,11 +88,11 @@ def _promising(thin: Sequence[Decay], k: float, starts: Sequence[Array]) -> list
     return [end.point for end in ends[:_POLISHED] if end.chi_square < least + _WITHIN]
 
 
-def _starts(fit: RingFit) -> Iterator[Array]:
+def _starts(fit: RingFit, wide: bool) -> Iterator[Array]:
     """Points of a grid over the stiffness of the contact and the share of friction in the loss of energy.
 
-    Where no oscillator fits so far, the loss itself is varied as well: with each half cycle more or fewer until the
-    mass sticks, χ² has another minimum.
+    In a wide search where no oscillator fits so far, the loss itself is varied as well: with each half cycle more or
+    fewer until the mass sticks, χ² has another minimum.
     """
     phases = fit.phases(0)
     travel = float(np.abs(np.diff(phases[:, PHASE_X])).sum())
@@ -99,7 +104,7 @@ def _starts(fit: RingFit) -> Iterator[Array]:
         pairs += [(share * loss, (1.0 - share) * loss / ratio) for share in _SHARES]
     stiffnesses = [fit.point[_RHO], *(1.0 / math.sqrt(stiff * fit.k) for stiff in _STIFFNESSES)]
     grid = list(itertools.product(stiffnesses, pairs))
-    if not fit.adequate and len(pairs) > 1:
+    if wide and not fit.adequate and len(pairs) > 1:
         closer = itertools.product((fit.point[_RHO],), _LOSSES, _FINER)
         grid += [(rho, (f * s * loss, f * (1.0 - s) * loss / ratio)) for rho, f, s in closer]
     for rho, (F_k, c) in grid:

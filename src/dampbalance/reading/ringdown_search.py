@@ -107,8 +107,14 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
     oscillator fits all decays, as few as possible are left out, those that slip least first, if one then fits the rest.
     """
     offsets = 1 + max(one.offset for fit in fits for one in fit.decays[0].signals)
-    whole = _searched(fits, offsets)
-    if whole is None or whole.adequate or len(fits) == 1:
+    whole = _joined(fits, offsets)
+    if whole is not None and not whole.adequate:
+        others = [_joined(fits, offsets, fit.point[: len(COMMON)]) for fit in fits]
+        whole = _nearest((whole, *others))
+    if whole is None or whole.adequate:
+        return whole, []
+    whole = minima_of(whole, wide=len(fits) == 1)[0]
+    if whole.adequate or len(fits) == 1:
         return whole, []
     turns = [_turns(fit) for fit in fits]
     order = np.argsort(turns, kind="stable").tolist()
@@ -118,25 +124,15 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
         for some in itertools.combinations(order[: count + 1], count):
             if any(turns[i] > _MOST_TURNS for i in some):
                 continue
-            fit = _searched([fit for i, fit in enumerate(fits) if i not in some], offsets)
+            fit = _joined([fit for i, fit in enumerate(fits) if i not in some], offsets)
             if fit is not None and fit.adequate:
                 return fit, [fits[i].decays[0] for i in sorted(some)]
-    return whole, []
+    return minima_of(whole)[0], []
 
 
 def _turns(fit: RingFit) -> int:
     """Number of phases in which the mass of a separate fit slips."""
     return int(np.count_nonzero(fit.phases(0)[:, PHASE_S]))
-
-
-def _searched(fits: Sequence[RingFit], offsets: int) -> RingFit | None:
-    """The fit of all decays; where it is not adequate, the lowest minimum of a wide search."""
-    whole = _joined(fits, offsets)
-    if whole is None or whole.adequate:
-        return whole
-    others = [_joined(fits, offsets, fit.point[: len(COMMON)]) for fit in fits]
-    nearest = _nearest((whole, *others))
-    return nearest and minima_of(nearest)[0]
 
 
 def _joined(fits: Sequence[RingFit], offsets: int, common: Array | None = None) -> RingFit | None:
