@@ -310,7 +310,7 @@ def _solved(
     notes += forbidden(estimates, list(clipped_signals), suspects)
     coefficients = {symbol: getattr(fit, symbol) for symbol in TERMS}
     split = ""
-    if fit.minima > 1:
+    if fit.adequate and fit.minima > 1:
         split = f"{fit.minima} contacts fit the samples almost equally well, and the interval covers all of them"
         estimates = {s: _covering(p, *fit.interval(s)) for s, p in estimates.items()}
     reference = answer_of_fit(fit, coefficients, COMMON, tuple(fit_notes), doubt=split)
