@@ -222,7 +222,7 @@ def fit_decays(
     def triangle(point: Array) -> Evaluation | None:
         # as many residuals as unknowns, and one, which have the χ² and the steps of all samples
         whole = _columns(decays, k, point)
-        return None if whole is None else _split(np.linalg.qr(whole, mode="r"))
+        return None if whole is None else _split(_triangle(whole))
 
     climbed = climb(triangle, start, free, lower, scale, upper, gain=gain, most=most)
     whole = None if climbed is None else _columns(decays, k, climbed.point)
@@ -231,7 +231,7 @@ def fit_decays(
     here, point = _split(whole), climbed.point
     jacobian = np.zeros_like(here.jacobian)
     jacobian[:, free] = here.jacobian[:, free]
-    solution = linear_solution(np.linalg.qr(jacobian, mode="r"), w_errors(point.size, first_state))
+    solution = linear_solution(_triangle(jacobian), w_errors(point.size, first_state))
     return RingFit(
         k=k,
         point=point,
@@ -367,6 +367,11 @@ def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
             block /= signal.noise
             at += signal.t.size
     return whole if np.isfinite(whole).all() else None
+
+
+def _triangle(columns: Array) -> Array:
+    """The triangle of a QR factorisation: the same sums of products in as many rows as there are columns."""
+    return np.asarray(np.linalg.qr(columns, mode="r"))
 
 
 def _split(columns: Array) -> Evaluation:
