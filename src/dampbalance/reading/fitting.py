@@ -55,18 +55,15 @@ def fit_oscillator(
     )
     ends = _ends(unknowns, points, _MOST)
     if ends and not ends[0].adequate:
-        different = [
-            ends[0],
-            *(b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)),
+        different = [b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)]
+        refined = [
+            _climbed(unknowns, end.point, softenings=_SOFTENING[1:])
+            for end in (ends[0], *different)[:_REFINED]
         ]
-        ends += [
-            refined
-            for end in different[:_REFINED]
-            if (refined := _climbed(unknowns, end.point, softenings=_SOFTENING[1:]))
-        ]
+        ends += filter(None, refined)
         nearest = min(ends, key=lambda end: end.chi_square)
         last = _climbed(unknowns, nearest.point, softenings=(0.0,), last=_TO_THE_END)
-        ends += [last] if last else []
+        ends += filter(None, [last])
     return _nearest(ends)
 
 
@@ -108,11 +105,10 @@ def _nearest(ends: Sequence[WaveformFit]) -> WaveformFit | None:
 
 def _as_candidate(fit: WaveformFit) -> Array:
     """(F_k, c, K_z, m) of an oscillator that loses about as much."""
-    equivalents = {
-        key: equivalent_coefficient(parted(key)[0], fit.lines[0], fit.k) for key in fit.law.keys
-    }
     damping = math.fsum(
-        fit.value(key) / equivalents[key] for key in fit.law.keys if parted(key)[0] != FRICTION
+        fit.value(key) / equivalent_coefficient(symbol, fit.lines[0], fit.k)
+        for key in fit.law.keys
+        if (symbol := parted(key)[0]) != FRICTION
     )
     rho = max(fit.rho, (_STIFFEST * fit.k) ** -0.5)
     return np.array([fit.F_k, damping, rho**-2, fit.m])
@@ -127,9 +123,7 @@ def _shares_of(unknowns: Unknowns) -> Shares:
     means = {label: alone[[other == label for other in labels]].mean() for label in labels}
     force = np.array([means[label] for label in labels])
     free = [s for s in law.terms[1:] if s not in law.given]
-    equivalents = np.array(
-        [[equivalent_coefficient(s, one, unknowns.k) for one in lines] for s in free]
-    )
+    equivalents = np.array([unknowns.equivalents(symbol) for symbol in free])
     damping = np.ones(len(lines))
     if free:
         damping = np.mean(np.median(equivalents, axis=1, keepdims=True) / equivalents, axis=0)
@@ -263,7 +257,7 @@ class HarmonicResiduals:
             except (NoSteadyOrbit, ValueError):
                 return None
             slips |= response.slips
-            at = unknowns.at(i)
+            at = unknowns.at[i]
             Y, psi = point[at["Y"]], point[at["psi"]]
             error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
             Y_error = math.hypot(one.Y_error, self.softening * one.Y)

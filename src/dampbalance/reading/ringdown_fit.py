@@ -101,7 +101,8 @@ class RingFit(OscillatorFit):
 
     def places(self, i: int) -> slice:
         """Places of the start state x, ẋ, w of decay i in the point."""
-        return _state_places(self.point.size, i, len(self.decays))
+        first = self.point.size - STATE * (len(self.decays) - i)
+        return slice(first, first + STATE)
 
     def phases(self, i: int, end: float | None = None) -> Array:
         """Rows (t, s, x, ẋ, z) of the motion of decay i, t from its start on, to its end or to another one, s."""
@@ -219,12 +220,6 @@ def fit_decays(
     )
 
 
-def _state_places(size: int, i: int, decays: int) -> slice:
-    """Places of the start state of decay i, of so many, in a point of that size."""
-    first = size - STATE * (decays - i)
-    return slice(first, first + STATE)
-
-
 def w_errors(size: int, first_state: int) -> Array:
     """Prior standard errors of the unknowns, (p,): w lies between 0 and 2; the others have no prior."""
     errors = np.full(size, math.inf)
@@ -306,8 +301,9 @@ def _evaluation(
     steps : of the differences by all unknowns.
     """
     residuals, slopes = [], []
+    first = point.size - STATE * len(decays)
     for i, one in enumerate(decays):
-        own = _state_places(point.size, i, len(decays))
+        own = slice(first + STATE * i, first + STATE * (i + 1))
         sizes = [s.t.size for s in one.signals]
         place = np.repeat([len(COMMON) + s.offset for s in one.signals], sizes)
         error = np.repeat([s.noise for s in one.signals], sizes)

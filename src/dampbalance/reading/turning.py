@@ -115,15 +115,15 @@ def _rest(values: Array, highest: int, noise: float) -> tuple[float, float] | No
 
 def _peak(parts: list[Series], sign: float, highest: int) -> tuple[Array, Array]:
     """(ωt, x) at the largest value of sign·x, (r,), close to that of the 1,024 points."""
-    at = np.full(len(parts[0].x), 2.0 * math.pi / _POINTS * highest)
     limit = 2.0 * math.pi / _POINTS
+    at = np.full(len(parts[0].x), limit * highest)
 
     def motion(at: Array) -> Array:
         return sign * np.sum([part.motion(at) for part in parts], axis=0)
 
     for _ in range(4):
         _, rate, bend = motion(at)
-        step = np.where(bend < 0.0, -rate / np.where(bend < 0.0, bend, -1.0), 0.0)
+        step = -rate / np.where(bend < 0.0, bend, -np.inf)
         at = at + np.clip(step, -limit, limit)
         if np.all(np.abs(step) < _REACHED):
             break
