@@ -11,7 +11,7 @@ Two ways to read an event:
                     accelerations, up to v = 0, or up to where the next phase, continued backwards, meets it
 
 The interpolated reading of an exact record converges to the exact features: see `tests/unit/test_features.py`. The
-second difference of a noisy acceleration is useless: `noisy.py` reads noisy records.
+second difference of a noisy acceleration is useless: `mean_harmonics.py` reads noisy records.
 """
 
 from __future__ import annotations
