@@ -6,9 +6,9 @@ a point p with residuals r and derivatives J a step solves
     (JᵀJ + λ diag JᵀJ) δ = −Jᵀr
 
 over the unknowns that the gradient does not hold at a limit. λ falls after a step that helps and rises after one that
-does not. The climb ends when a full step (λ ≈ 0) would gain less than a given amount in −log L, 10⁻⁸ by default (less
-than 10⁻⁴ of a standard error), or would move no unknown by more than 10⁻¹¹ of itself, and where no step helps: −log L
-has kinks, as where the onset of slip passes a sample.
+does not. The climb ends when a full step (λ ≈ 0) would gain less than a given amount in −log L, or would move no
+unknown by more than 10⁻¹¹ of itself, and where no step helps: −log L has kinks, as where the onset of slip passes a
+sample.
 """
 
 from __future__ import annotations
@@ -22,10 +22,12 @@ import numpy as np
 
 from ..arrays import Array, Integers, Mask
 
-MOST = 100
-"""Default limit on the evaluations of a climb."""
+MOST = 30
+"""Default limit on the evaluations of a climb: one to where the records are takes about ten."""
 
-_GAIN = 1e-8
+GAIN = 5e-8
+"""Default of what a full step must promise in −log L: less than 4·10⁻⁴ of a standard error is then left."""
+
 _RELATIVE = 1e-11
 _STALLED = 1e-7  # of an unknown: rounding may refuse a step below this
 _STEEPEST = 1e10  # damping at which no step has helped
@@ -77,7 +79,7 @@ def climb(
     scale: Array,
     upper: Array | float = math.inf,
     *,
-    gain: float = _GAIN,
+    gain: float = GAIN,
     most: int = MOST,
 ) -> Climb | None:
     """Maximise the likelihood from `start`; None where the model does not apply there.

@@ -23,7 +23,7 @@ from ..arrays import Array
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
-from .climb import Evaluation, climb
+from .climb import GAIN, Evaluation, climb
 from .oscillator_fit import OscillatorFit
 from .ringdown_bursts import Signal, rounding
 
@@ -41,8 +41,6 @@ _MOST_PHASES = 4096  # of a decay: a motion that slips more often than that is n
 _STIFFEST = 1e8  # of K_z/k: the contact that stands for a rigid one
 # Bounds for a motion that oscillates: c over √(km), and the mass over that of the start, either way.
 _DAMPED, _MASSES = 4.0, 10.0
-_MOST = 30  # evaluations of a climb
-_GAIN = 5e-8  # of half of χ², where a climb ends
 _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
 _W_ERROR = 1.0  # of w, which lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
@@ -177,7 +175,7 @@ def fit_decays(
     start: Array,
     *,
     given: Collection[int] = (),
-    gain: float = _GAIN,
+    gain: float = GAIN,
 ) -> RingFit | None:
     """The fit in which a climb from a start point ends; None where the model has no motion there.
 
@@ -204,7 +202,7 @@ def fit_decays(
     def evaluate(point: Array) -> Evaluation | None:
         return _evaluation(decays, k, point, free.tolist(), _steps(point, k, scale, first_state))
 
-    climbed = climb(evaluate, start, free, lower, scale, upper, gain=gain, most=_MOST)
+    climbed = climb(evaluate, start, free, lower, scale, upper, gain=gain)
     if climbed is None:
         return None
     point, here = climbed.point, climbed.evaluation
