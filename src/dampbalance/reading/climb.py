@@ -1,4 +1,5 @@
-"""Levenberg–Marquardt steps towards the least sum of squares of residuals, with limits on the unknowns.
+"""Levenberg–Marquardt steps towards the least sum of squares of residuals, with limits on the unknowns, and the fit of
+an oscillator that they end in.
 
 Use it where the noise is Gaussian: half the sum of squares of r = (model − data)/σ is then −log L up to a constant. At
 a point p with residuals r and derivatives J a step solves
@@ -14,6 +15,7 @@ sample.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,6 +23,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Array, Integers, Mask
+from ..solver import NORMAL_95
 
 MOST = 30
 """Default limit on the evaluations of a climb: one to where the records are takes about ten."""
@@ -143,3 +146,87 @@ def _step(here: Evaluation, active: Mask, damping: float) -> Array:
     step = np.zeros(active.size)
     step[free] = np.linalg.lstsq(matrix, right, rcond=1e-14)[0] / lengths
     return step
+
+
+@dataclass(frozen=True, eq=False)
+class OscillatorFit(ABC):
+    """The oscillator that fits records best: results that every such fit has, whatever the records are.
+
+    k : stiffness, N/m, given.
+    point : all p unknowns, SI, (p,), those common to all records first.
+    covariance : covariance of the point, (p, p); zero where an unknown was given.
+    residual : (model − data)/σ, (n,).
+    rigid : whether ρ = K_z^{−1/2} is at its lower limit, which stands for a rigid contact.
+    """
+
+    k: float
+    point: Array
+    covariance: Array
+    residual: Array
+    rigid: bool
+
+    @property
+    @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """Names of the common unknowns, in the order of the point."""
+
+    @property
+    @abstractmethod
+    def misfit(self) -> float:
+        """How far the residual is from noise; 1 where it is noise."""
+
+    def value(self, name: str) -> float:
+        """A common unknown, in its unit."""
+        return float(self.point[self.names.index(name)])
+
+    def error(self, name: str) -> float:
+        """Standard error of a common unknown, in its unit; 0 where it was given."""
+        at = self.names.index(name)
+        return math.sqrt(self.covariance[at, at])
+
+    @property
+    def F_k(self) -> float:
+        """Friction force, N."""
+        return self.value("F_k")
+
+    @property
+    def c(self) -> float:
+        """Viscous damping, N s/m; 0 where the law has none."""
+        return self.value("c") if "c" in self.names else 0.0
+
+    @property
+    def rho(self) -> float:
+        """ρ = K_z^{−1/2}, (m/N)^{1/2}; 0 for a rigid contact."""
+        return 0.0 if self.rigid else self.value("rho")
+
+    @property
+    def K_z(self) -> float:
+        """Contact stiffness, N/m; infinite for a rigid contact."""
+        return math.inf if self.rigid else self.rho**-2
+
+    @property
+    def K_z_error(self) -> float:
+        """Standard error of K_z, N/m; infinite where the contact is rigid."""
+        return math.inf if self.rigid else 2.0 * self.K_z**1.5 * self.error("rho")
+
+    @property
+    def K_z_interval(self) -> tuple[float, float]:
+        """95 % interval of K_z, N/m, from ρ ± 1.96 standard errors; unbounded above where that reaches ρ = 0."""
+        spread = NORMAL_95 * self.error("rho")
+        low, high = self.rho - spread, self.rho + spread
+        return high**-2, (low**-2 if low > 0.0 else math.inf)
+
+    @property
+    def m(self) -> float:
+        """Mass, kg."""
+        return self.value("m")
+
+    @property
+    def natural_frequency_hz(self) -> float:
+        """√(k/m)/2π, Hz, the natural frequency while the contact slips."""
+        return math.sqrt(self.k / self.m) / (2.0 * math.pi)
+
+    @property
+    def chi_square(self) -> float:
+        """Sum of the squares of the residuals, χ²."""
+        return float(self.residual @ self.residual)

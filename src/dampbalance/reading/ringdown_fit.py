@@ -23,8 +23,7 @@ from ..arrays import Array
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
-from .climb import GAIN, Evaluation, climb
-from .oscillator_fit import OscillatorFit
+from .climb import GAIN, Evaluation, OscillatorFit, climb
 from .ringdown_bursts import Signal, rounding
 
 COMMON = ("F_k", "c", "rho", "m")

@@ -313,10 +313,9 @@ def _still(fit: RingFit, end: float) -> float:
 
 def _without_ringing(fit: RingFit, part: Decay) -> Decay:
     """The part up to where the mass sticks, if no ringing shows after that: a K_z would follow from it by chance."""
-    if any(True for _ in _ringing(fit, part)):
-        return part
     end = _still(fit, part.end) + _AFTER * part.period
-    if end >= part.end or not all(_rests(one, end, part) for one in part.signals):
+    rings = next(_ringing(fit, part), None) is not None
+    if rings or end >= part.end or not all(_rests(one, end, part) for one in part.signals):
         return part
     return part.cut(part.start, end)
 

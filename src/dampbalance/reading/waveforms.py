@@ -31,8 +31,8 @@ from ..law.law import Law
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, KNOWN_TERMS
 from ..model import BaseMotion, Oscillator
+from .climb import OscillatorFit
 from .lines import Lines, improbable
-from .oscillator_fit import OscillatorFit
 
 _OTHERS = ("rho", "m", "delay")  # common unknowns in addition to the coefficients of the law
 _STEP = 1e-6  # of the finite differences: orbits are exact to 1e-13
