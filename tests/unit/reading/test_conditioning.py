@@ -58,9 +58,8 @@ def test_noise_is_measured():
 
 def test_noise_of_the_mean_harmonics_is_measured():
     found = [condition(_measured(seed=s, cycles=20.0), PAPER.k) for s in range(60)]
-    means = np.abs(
-        [s.mean(s.X)[1] for s in found]
-    )  # phases count from the start: those scatter with ω
+    # phases count from the start: those scatter with ω
+    means = np.abs([s.mean(s.X)[1] for s in found])
     error = np.mean([s.X_error[1] for s in found])
     # 60 amplitudes: their scatter is known to 9 %
     assert means.std(ddof=1) == pytest.approx(error, rel=0.27)
