@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Rows
 from ..law.terms import term
-from ..reading.oscillator_fit import OscillatorFit
+from ..reading.climb import OscillatorFit
 from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95

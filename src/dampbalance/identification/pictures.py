@@ -16,7 +16,7 @@ from ..arrays import Array
 from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
 from ..project.wording import cut
-from ..reading.noisy import Reading
+from ..reading.mean_harmonics import Reading
 from ..reading.ringdown_fit import COMMON, RingFit
 from .answer import Answer
 from .loading import Loaded

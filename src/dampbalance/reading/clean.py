@@ -11,14 +11,13 @@ Two ways to read an event:
                     accelerations, up to v = 0, or up to where the next phase, continued backwards, meets it
 
 The interpolated reading of an exact record converges to the exact features: see `tests/unit/test_features.py`. The
-second difference of a noisy acceleration is useless: `noisy.py` reads noisy records.
+second difference of a noisy acceleration is useless: `mean_harmonics.py` reads noisy records.
 """
 
 from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -76,9 +75,7 @@ def of_record(
     s = _signals(record, omega, reading)
     n_1 = _first_reversal(s)
     start = _reversal(s, n_1)
-    cycle = s.per_cycle if s.between_samples else round(s.per_cycle)
-    stop = start.place + cycle
-
+    stop = start.place + (s.per_cycle if s.between_samples else round(s.per_cycle))
     base = _lock_in(s, s.y, 1, start.place)
     if not abs(base) > 0.0:
         raise ValueError(f"the base does not move at ω = {omega:g} rad/s: y has no fundamental")
@@ -117,16 +114,15 @@ def of_record(
     return of_numbers(omega, str(Regime.ONE_SLIP), **numbers)
 
 
-@dataclass(frozen=True)
-class _Signals:
-    """A record as reading it needs it: time of sample 0 and step (s), signals, ω, samples per cycle."""
+class _Signals(NamedTuple):
+    """A record as reading it needs it: signals, time of sample 0 and step (s), ω, samples per cycle."""
 
-    t0: float
-    dt: float
     y: Array
     x: Array
     v: Array
     acceleration: Array
+    t0: float
+    dt: float
     omega: float
     per_cycle: float
     between_samples: bool
@@ -152,17 +148,10 @@ def _signals(record: Record, omega: float, reading: ReadAt) -> _Signals:
         raise ValueError(f"this reader needs v and acceleration, but the record has no {missing}")
     if not omega > 0.0:
         raise ValueError(f"omega must be positive, got {omega!r} rad/s")
-    return _Signals(
-        t0=float(record.t[0]),
-        dt=record.dt,
-        y=record.y,
-        x=record.x,
-        v=record.v,
-        acceleration=record.acceleration,
-        omega=omega,
-        per_cycle=2.0 * math.pi / (omega * record.dt),
-        between_samples=reading == "interpolated",
-    )
+    signals = (record.y, record.x, record.v, record.acceleration)
+    t0, dt = float(record.t[0]), record.dt
+    per_cycle = 2.0 * math.pi / (omega * dt)
+    return _Signals(*signals, t0, dt, omega, per_cycle, reading == "interpolated")
 
 
 def _phase(s: _Signals, place: float) -> float:

@@ -187,8 +187,8 @@ def _condition(
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"the stiffness k must be positive, got {k} N/m")
     driving = next(q for q in EXCITATIONS if q in channels)
-    measured, warnings = _harmonics(channels, driving, frequency_hz, skip_cycles)
-    harmonics = {q: _corrected(q, h, corrections.get(q)) for q, h in measured.items()}
+    uncorrected, warnings = _harmonics(channels, driving, frequency_hz, skip_cycles)
+    harmonics = {q: _corrected(q, h, corrections.get(q)) for q, h in uncorrected.items()}
     base = harmonics[driving]
     weights = _common_weights(harmonics)
     warnings += _checked_cycles(harmonics, weights, base.omega)
@@ -231,7 +231,7 @@ def _condition(
         channels=harmonics,
         noise_rms={
             q: _noise_rms(_settled(h, usable, times, weights, offset), weights, h)
-            for q, h in measured.items()
+            for q, h in uncorrected.items()
         },
         skew=skew,
         warnings=tuple(warnings),

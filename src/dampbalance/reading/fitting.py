@@ -16,7 +16,7 @@ from ..law.steady import Response
 from ..law.terms import FRICTION, parted
 from ..motion.jit import interpreted
 from ..motion.orbit import NoSteadyOrbit, Orbit
-from .climb import Evaluation, climb
+from .climb import MOST, Evaluation, climb
 from .lines import Lines, Shares, starts
 from .waveforms import Unknowns, WaveformFit, equivalent_coefficient
 
@@ -24,10 +24,8 @@ _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more 
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
 _HOPELESS = 4.0  # χ² per datum, softened
 _EFFORT = 600.0  # evaluations after which no other start is tried: to end where the records are takes about 40
-_GAIN = 5e-8  # of half of χ², where the climb ends
 _STIFFEST = 1e12  # of K_z/k: the contact that stands for a rigid one
-_MOST = 30  # evaluations at each softening: a climb to where the records are takes about ten
-_FEWER = 12  # to see whether it comes near them
+_FEWER = 12  # evaluations at each softening, to see whether a climb comes near the records
 _SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
 _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
@@ -53,20 +51,17 @@ def fit_oscillator(
         for search in (False, *wide)
         for candidate in starts(lines, k, shares, wide=search)[: _STARTS[search]]
     )
-    ends = _ends(unknowns, points, _MOST)
+    ends = _ends(unknowns, points, MOST)
     if ends and not ends[0].adequate:
-        different = [
-            ends[0],
-            *(b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)),
+        different = [b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)]
+        refined = [
+            _climbed(unknowns, end.point, softenings=_SOFTENING[1:])
+            for end in (ends[0], *different)[:_REFINED]
         ]
-        ends += [
-            refined
-            for end in different[:_REFINED]
-            if (refined := _climbed(unknowns, end.point, softenings=_SOFTENING[1:]))
-        ]
+        ends += filter(None, refined)
         nearest = min(ends, key=lambda end: end.chi_square)
         last = _climbed(unknowns, nearest.point, softenings=(0.0,), last=_TO_THE_END)
-        ends += [last] if last else []
+        ends += filter(None, [last])
     return _nearest(ends)
 
 
@@ -108,11 +103,10 @@ def _nearest(ends: Sequence[WaveformFit]) -> WaveformFit | None:
 
 def _as_candidate(fit: WaveformFit) -> Array:
     """(F_k, c, K_z, m) of an oscillator that loses about as much."""
-    equivalents = {
-        key: equivalent_coefficient(parted(key)[0], fit.lines[0], fit.k) for key in fit.law.keys
-    }
     damping = math.fsum(
-        fit.value(key) / equivalents[key] for key in fit.law.keys if parted(key)[0] != FRICTION
+        fit.value(key) / equivalent_coefficient(symbol, fit.lines[0], fit.k)
+        for key in fit.law.keys
+        if (symbol := parted(key)[0]) != FRICTION
     )
     rho = max(fit.rho, (_STIFFEST * fit.k) ** -0.5)
     return np.array([fit.F_k, damping, rho**-2, fit.m])
@@ -127,9 +121,7 @@ def _shares_of(unknowns: Unknowns) -> Shares:
     means = {label: alone[[other == label for other in labels]].mean() for label in labels}
     force = np.array([means[label] for label in labels])
     free = [s for s in law.terms[1:] if s not in law.given]
-    equivalents = np.array(
-        [[equivalent_coefficient(s, one, unknowns.k) for one in lines] for s in free]
-    )
+    equivalents = np.array([unknowns.equivalents(symbol) for symbol in free])
     damping = np.ones(len(lines))
     if free:
         damping = np.mean(np.median(equivalents, axis=1, keepdims=True) / equivalents, axis=0)
@@ -156,8 +148,8 @@ def _climbed(
     given: Collection[str] = ("delay",),
     softenings: Sequence[float] = _SOFTENING,
     hopeless: float = math.inf,
-    most: int = _MOST,
-    last: int = _MOST,
+    most: int = MOST,
+    last: int = MOST,
     left: Array | None = None,
 ) -> WaveformFit | None:
     """The fit that a climb from there ends in; Y and ψ start as they were read.
@@ -182,7 +174,7 @@ def _climbed(
     for softening in softenings:
         softened = HarmonicResiduals(unknowns, softening, left)
         limit = most if softening else last
-        reached = climb(softened.evaluate, point, free, lower, scale, gain=_GAIN, most=limit)
+        reached = climb(softened.evaluate, point, free, lower, scale, most=limit)
         if reached is None:
             break
         here, residuals, point = reached.evaluation, softened, reached.point
@@ -263,7 +255,7 @@ class HarmonicResiduals:
             except (NoSteadyOrbit, ValueError):
                 return None
             slips |= response.slips
-            at = unknowns.at(i)
+            at = unknowns.at[i]
             Y, psi = point[at["Y"]], point[at["psi"]]
             error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
             Y_error = math.hypot(one.Y_error, self.softening * one.Y)

@@ -173,7 +173,7 @@ def _all_responses(
         [getattr(orbits, f"X_{n}") * np.exp(-1j * getattr(orbits, f"phi_{n}")) for n in _COMPARED],
         axis=-1,
     )
-    return harmonics, np.isin(orbits.regime, SLIPS).any(axis=1)
+    return harmonics, np.any(np.isin(orbits.regime, SLIPS), axis=1)
 
 
 def _responses_to_contact(
@@ -197,7 +197,7 @@ def _responses_to_contact(
         impedance = k - np.outer((n * one.omega) ** 2, m) + 1j * np.outer(n * one.omega, damped * c)
         harmonics.append(((drive[:, None] - force) / impedance).T)
         slips.append(np.ptp(wave) > 2.0 * Z_m)
-    return np.stack(harmonics, axis=1), np.array(slips).any(axis=0)
+    return np.stack(harmonics, axis=1), np.any(slips, axis=0)
 
 
 def linear_misfit(

@@ -25,8 +25,7 @@ from ..motion.decays import decay_samples, phase_slopes
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
 from ..solver import NORMAL_95
-from .climb import Evaluation, climb
-from .oscillator_fit import OscillatorFit
+from .climb import GAIN, MOST, Evaluation, OscillatorFit, climb
 from .ringdown_bursts import Signal, rounding
 
 COMMON = ("F_k", "c", "rho", "m")
@@ -43,8 +42,6 @@ _MOST_PHASES = 4096  # of a decay: a motion that slips more often than that is n
 _STIFFEST = 1e8  # of K_z/k: the contact that stands for a rigid one
 # Bounds for a motion that oscillates: c over √(km), and the mass over that of the start, either way.
 _DAMPED, _MASSES = 4.0, 10.0
-_MOST = 30  # evaluations of a climb
-_GAIN = 5e-8  # of half of χ², where a climb ends
 _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
 _W_ERROR = 1.0  # of w, which lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
@@ -118,7 +115,8 @@ class RingFit(OscillatorFit):
 
     def places(self, i: int) -> slice:
         """Places of the start state x, ẋ, w of decay i in the point."""
-        return _state_places(self.point.size, i, len(self.decays))
+        first = self.point.size - STATE * (len(self.decays) - i)
+        return slice(first, first + STATE)
 
     def phases(self, i: int, end: float | None = None) -> Array:
         """Rows (t, s, x, ẋ, z) of the motion of decay i, t from its start on, to its end or to another one, s."""
@@ -193,8 +191,8 @@ def fit_decays(
     start: Array,
     *,
     given: Collection[int] = (),
-    gain: float = _GAIN,
-    most: int = _MOST,
+    gain: float = GAIN,
+    most: int = MOST,
 ) -> RingFit | None:
     """The fit in which a climb from a start point ends; None where the model has no motion there.
 
@@ -241,12 +239,6 @@ def fit_decays(
         decays=tuple(decays),
         jacobian=jacobian,
     )
-
-
-def _state_places(size: int, i: int, decays: int) -> slice:
-    """Places of the start state of decay i, of so many, in a point of that size."""
-    first = size - STATE * (decays - i)
-    return slice(first, first + STATE)
 
 
 def w_errors(size: int, first_state: int) -> Array:
@@ -351,9 +343,9 @@ def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
     None where the contact rattles.
     """
     whole = np.zeros((sum(one.samples for one in decays), point.size + 1))
-    at = 0
+    first, at = point.size - STATE * len(decays), 0
     for i, one in enumerate(decays):
-        own = _state_places(point.size, i, len(decays))
+        own = slice(first + STATE * i, first + STATE * (i + 1))
         try:
             parts = _with_slopes(point, point[own], k, one)
         except (ValueError, ArithmeticError):

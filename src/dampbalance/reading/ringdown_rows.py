@@ -18,6 +18,7 @@ covariance of the estimates gives that of the rows.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -168,28 +169,37 @@ def rows_of(fit: RingFit) -> RingRows:
     shifts, covariance = solution[:, : rest.size] @ rest, solution @ solution.T
 
     # to first order about the fit: a poorly determined level would distort the squares in W
-    parts = [columns + slope @ shifts for columns, slope in rows]
+    columns_of = [columns + slope @ shifts for columns, slope in rows]
     slopes = [s[:, W] - s[:, A] * fit.F_k - s[:, B] * fit.c for _, s in rows]
-    which = [i for i, part in enumerate(parts) for _ in part]
-    travel = math.fsum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)
-    viscous = math.fsum(course.viscous for course in courses)
-    for column, j, size in ((A, 0, travel), (B, 1, viscous)):
-        if covariance[total + j, total + j] > 0.0 and size > 0.0:
-            row, by = np.zeros((1, 3)), np.zeros((1, total + p))
-            row[0, column], row[0, W] = size, size * (fit.point[j] + shifts[total + j])
-            by[0, total + j] = size
-            parts.append(row)
-            slopes.append(by)
-            which.append(-1)
+    which = [i for i, columns in enumerate(columns_of) for _ in columns]
+    for columns, slope in _of_shape(fit, courses, shifts, covariance):
+        columns_of.append(columns)
+        slopes.append(slope)
+        which.append(-1)
     all_turns = []
     for one, course, node, place in zip(fit.decays, courses, nodes, places, strict=True):
         times = one.start + np.array([0.0, *(half.t_b for half in course.halves)])
         theta, sure = node + shifts[place], np.sqrt(np.diag(covariance)[place])
         all_turns.append((np.column_stack([times, theta[: times.size]]), sure[: times.size]))
     by_all = np.vstack(slopes)
-    return RingRows(
-        np.vstack(parts), by_all @ covariance @ by_all.T, np.array(which), tuple(all_turns)
-    )
+    covariance = by_all @ covariance @ by_all.T
+    return RingRows(np.vstack(columns_of), covariance, np.array(which), tuple(all_turns))
+
+
+def _of_shape(
+    fit: RingFit, courses: Sequence[Course], shifts: Array, covariance: Array
+) -> Iterator[tuple[Array, Array]]:
+    """The rows of the shape, F_k times the way and c ∫ ẋ² dt, and their derivatives by the estimates, whose covariance
+    this is; the unknowns of the fit are the last of them."""
+    first = shifts.size - fit.point.size
+    travel = math.fsum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)
+    viscous = math.fsum(course.viscous for course in courses)
+    for column, j, size in ((A, 0, travel), (B, 1, viscous)):
+        if covariance[first + j, first + j] > 0.0 and size > 0.0:
+            row, slope = np.zeros((1, 3)), np.zeros((1, shifts.size))
+            row[0, column], row[0, W] = size, size * (fit.point[j] + shifts[first + j])
+            slope[0, first + j] = size
+            yield row, slope
 
 
 def _nearby(fit: RingFit, i: int, j: int, halves: int) -> tuple[Array, Course, float] | None:

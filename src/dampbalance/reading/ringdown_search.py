@@ -287,40 +287,31 @@ def _until_grasped(fit: RingFit) -> RingFit:
 def _candidates(part: Decay, burst: Burst, lead: Signal, k: float) -> list[Array]:
     """Start points from the swings before and after the turn, the closest first."""
     omega = 2.0 * math.pi / burst.period
-    of_lead = next(s for s in part.signals if s.quantity == lead.quantity)
-    ahead = of_lead.between(burst.turn, burst.turn + 0.6 * burst.period)
+    ahead = lead.between(burst.turn, min(burst.turn + 0.6 * burst.period, part.end))
     next_swing = min(float(np.ptp(ahead.values)) / omega**lead.order, burst.swing)
     lost = max(burst.swing - next_swing, 1e-3 * burst.swing)
+    offsets = np.zeros(1 + max(signal.offset for signal in part.signals))
     candidates = []
-    for share in _SHARES:
+    for share, mass, stiffness in itertools.product(_SHARES, _MASSES, _STIFFNESSES):
         ratio = min(max(1.0 - (1.0 - share) * lost / burst.swing, 0.5), 0.9999)
         zeta = -math.log(ratio) / math.hypot(math.pi, math.log(ratio))
         friction = share * lost / 4.0
+        m = mass * k / omega**2
+        c, rho = 2.0 * zeta * math.sqrt(k * m), 1.0 / math.sqrt(stiffness * k)
         x = burst.side * (next_swing / (1.0 + ratio) + friction)
-        for mass in _MASSES:
-            m = mass * k / omega**2
-            for stiffness in _STIFFNESSES:
-                common = (
-                    k * friction,
-                    2.0 * zeta * math.sqrt(k * m),
-                    1.0 / math.sqrt(stiffness * k),
-                    m,
-                )
-                state = np.array([x, 0.0, 1.0 + burst.side])
-                start = np.concatenate(
-                    [common, np.zeros(1 + max(s.offset for s in part.signals)), state]
-                )
-                try:
-                    model = samples_of(start, state, k, part)
-                except ValueError:
-                    continue
-                misfit, at = 0.0, 0
-                for signal in part.signals:
-                    off = signal.values - model[at : at + signal.t.size]
-                    at += signal.t.size
-                    start[len(COMMON) + signal.offset] = off.mean()
-                    misfit += float(np.var(off)) * signal.t.size / signal.noise**2
-                candidates.append((misfit, start))
+        state = np.array([x, 0.0, 1.0 + burst.side])
+        start = np.concatenate([(k * friction, c, rho, m), offsets, state])
+        try:
+            model = samples_of(start, state, k, part)
+        except ValueError:
+            continue
+        misfit, at = 0.0, 0
+        for signal in part.signals:
+            off = signal.values - model[at : at + signal.t.size]
+            at += signal.t.size
+            start[len(COMMON) + signal.offset] = off.mean()
+            misfit += float(np.var(off)) * signal.t.size / signal.noise**2
+        candidates.append((misfit, start))
     candidates.sort(key=lambda one: one[0])
     return [start for _, start in candidates]
 
@@ -353,10 +344,9 @@ def _still(fit: RingFit, end: float) -> float:
 
 def _without_ringing(fit: RingFit, part: Decay) -> Decay:
     """The part up to where the mass sticks, if no ringing shows after that: a K_z would follow from it by chance."""
-    if any(True for _ in _ringing(fit, part)):
-        return part
     end = _still(fit, part.end) + _AFTER * part.period
-    if end >= part.end or not all(_rests(one, end, part) for one in part.signals):
+    rings = next(_ringing(fit, part), None) is not None
+    if rings or end >= part.end or not all(_rests(one, end, part) for one in part.signals):
         return part
     return part.cut(part.start, end)
 

@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from ..arrays import Array
-from .noisy import bootstrap
+from .mean_harmonics import bootstrap
 
 _ROUNDING = 1e-9  # samples
 
@@ -61,7 +61,7 @@ def integrals(f: Array, dt: float, places: Array) -> Array:
 
 
 def replicates_of(of_cycles: Array, count: int, rng: np.random.Generator) -> Array:
-    """Bootstrap replicates of the means over the cycles, (…, count), as `noisy.Reading.resampled` draws them.
+    """Bootstrap replicates of the means over the cycles, (…, count), as `mean_harmonics.Reading.resampled` draws them.
 
     of_cycles : a number of each cycle, (…, cycles).
     """

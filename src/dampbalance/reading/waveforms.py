@@ -31,8 +31,8 @@ from ..law.law import Law
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, KNOWN_TERMS
 from ..model import BaseMotion, Oscillator
+from .climb import OscillatorFit
 from .lines import Lines, improbable
-from .oscillator_fit import OscillatorFit
 
 _OTHERS = ("rho", "m", "delay")  # common unknowns in addition to the coefficients of the law
 _STEP = 1e-6  # of the finite differences: orbits are exact to 1e-13
@@ -63,7 +63,8 @@ class Unknowns:
         return len(self.names) + 2 * len(self.lines)
 
     @cached_property
-    def _places(self) -> list[dict[str, int]]:
+    def at(self) -> list[dict[str, int]]:
+        """Places of the unknowns of each record: those of its law by symbol, rho, m, delay, Y and psi."""
         places = []
         for i in range(len(self.lines)):
             common = {s: self.names.index(self.law.key(s, i)) for s in self.law.terms}
@@ -72,9 +73,9 @@ class Unknowns:
             places.append(common | others | {"Y": own, "psi": own + 1})
         return places
 
-    def at(self, record: int) -> dict[str, int]:
-        """Places of the unknowns of a record: those of its law by symbol, rho, m, delay, Y and psi."""
-        return self._places[record]
+    def equivalents(self, symbol: str) -> Array:
+        """`equivalent_coefficient` of a term in each record, (n,)."""
+        return np.array([equivalent_coefficient(symbol, one, self.k) for one in self.lines])
 
     def friction(self, points: Array) -> Array:
         """F_k of points, (p, …), N; the mean over the groups, where it has some."""
@@ -83,7 +84,7 @@ class Unknowns:
 
     def response(self, point: Array, record: int, near: Response | None = None) -> Response:
         """The motion of a record.   near : a motion from which to start."""
-        at, value = self.at(record), point.tolist()
+        at, value = self.at[record], point.tolist()
         c = value[at["c"]] if "c" in at else 0.0
         oscillator = Oscillator(
             m=value[at["m"]], c=c, k=self.k, K_z=value[at["rho"]] ** -2, F_k=value[at[FRICTION]]
@@ -103,7 +104,7 @@ class Unknowns:
         quickly : from the equations of a nonlinear law where there are some, accurate to 1e-3 or so. Choose that during
         a search, and differences for standard errors.
         """
-        at = self.at(record)
+        at = self.at[record]
         n = np.arange(1, 2 * count, 2)
         turn = np.exp(1j * n * point[at["psi"]])
         x = response.harmonics(count)
@@ -127,7 +128,7 @@ class Unknowns:
 
         onset, slope = read(response), self._slopes(point, record, response, read)
         degree = np.array([1.0, 0.0, 1.0])
-        slope[:, self.at(record)["Y"]] = self._by_base(point, record, degree * onset, slope)
+        slope[:, self.at[record]["Y"]] = self._by_base(point, record, degree * onset, slope)
         return onset, slope
 
     def _slopes(
@@ -148,7 +149,7 @@ class Unknowns:
 
     def _steps(self, point: Array, record: int) -> dict[int, float]:
         """Steps of differences by the common unknowns of a record: a part of each, or of what matters near zero."""
-        at, one = self.at(record), self.lines[record]
+        at, one = self.at[record], self.lines[record]
         m, rho = float(point[at["m"]]), float(point[at["rho"]])
         shortest = 1e-2 / (one.omega * math.sqrt(m))  # sticks for about 1e-2 of a cycle
         parts = {FRICTION: float(point[at[FRICTION]]), "rho": max(rho, shortest), "m": m}
@@ -160,7 +161,7 @@ class Unknowns:
         return {at[name]: _STEP * part for name, part in parts.items()}
 
     def _by_base(self, point: Array, record: int, value: Any, slope: Any) -> Any:
-        at = self.at(record)
+        at = self.at[record]
         for symbol in self.law.terms:
             power = 1 - KNOWN_TERMS[symbol].order
             if power:
@@ -174,14 +175,11 @@ class Unknowns:
         """
         F_k, c, K_z, m = candidate.tolist()
         law, point = self.law, np.zeros(self.size)
-        equivalents = {
-            s: float(np.median([equivalent_coefficient(s, one, self.k) for one in self.lines]))
-            for s in law.terms
-        }
+        equivalents = {s: float(np.median(self.equivalents(s))) for s in law.terms}
         known = math.fsum(p / equivalents[s] for s, p in law.given.items() if s != FRICTION)
         free = [s for s in law.terms[1:] if s not in law.given]
         for i, one in enumerate(self.lines):
-            at = self.at(i)
+            at = self.at[i]
             point[at[FRICTION]] = law.given.get(FRICTION, F_k * relative[i])
             for s in law.terms[1:]:
                 share = max(c - known, 0.0) / max(1, len(free)) * equivalents[s]
@@ -193,7 +191,7 @@ class Unknowns:
         """Least values of the unknowns around a point.   rigid : least ρ."""
         least = np.zeros(self.size)  # of the coefficients of the law
         for i, one in enumerate(self.lines):
-            at = self.at(i)
+            at = self.at[i]
             least[at["psi"]] = least[at["delay"]] = -math.inf
             least[at[FRICTION]] = 1e-9 * point[at[FRICTION]]
             least[at["rho"]], least[at["m"]] = rigid, 1e-6 * point[at["m"]]
@@ -204,7 +202,7 @@ class Unknowns:
         """Sizes below which the unknowns count as zero."""
         scale = np.ones(self.size)
         for i, one in enumerate(self.lines):
-            at = self.at(i)
+            at = self.at[i]
             small = 1e-3 * math.sqrt(self.k * point[at["m"]])
             for symbol in self.law.terms[1:]:
                 scale[at[symbol]] = small * equivalent_coefficient(symbol, one, self.k)
@@ -328,7 +326,7 @@ class Waveform:
     @property
     def F_k(self) -> float:
         """Friction force of the record, N."""
-        return float(self.fit.point[self.fit.unknowns.at(self.index)[FRICTION]])
+        return float(self.fit.point[self.fit.unknowns.at[self.index][FRICTION]])
 
     @property
     def length(self) -> float:
@@ -338,7 +336,7 @@ class Waveform:
     @property
     def length_slope(self) -> Array:
         """Derivatives of L by the unknowns, (p,)."""
-        slope, at = np.zeros(self.fit.point.size), self.fit.unknowns.at(self.index)
+        slope, at = np.zeros(self.fit.point.size), self.fit.unknowns.at[self.index]
         slope[at[FRICTION]] = 2.0 * self.fit.rho**2
         slope[at["rho"]] = 4.0 * self.F_k * self.fit.rho
         return slope

@@ -17,7 +17,7 @@ from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.forced import identify_readings
 from dampbalance.motion.jit import interpreted
 from dampbalance.reading.cycles import clipped
-from dampbalance.reading.noisy import read_features
+from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.reading.ringdown_bursts import Signal
 from dampbalance.reading.ringdown_fit import Decay, fit_decays
 from dampbalance.reading.ringdown_rows import rows_of

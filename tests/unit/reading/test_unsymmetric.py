@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from dampbalance.reading.conditioning import condition
-from dampbalance.reading.noisy import Reading
+from dampbalance.reading.mean_harmonics import Reading
 from dampbalance.records.measurement import Channel, Measurement
 from unit.reading.stopping import Steady, Stopping, steady
 

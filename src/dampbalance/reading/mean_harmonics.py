@@ -110,7 +110,7 @@ class Reading:
     @property
     def slips(self) -> bool | None:
         """Whether the contact slips; None where no waveform fits."""
-        return None if self.waveform is None else bool(self.waveform.fit.slips[self.waveform.index])
+        return None if self.waveform is None else self.waveform.response.slips
 
     @cached_property
     @one_thread
@@ -125,7 +125,7 @@ class Reading:
         waveform = self.waveform
         if waveform is None:
             raise ValueError(f"{self.steady.source}: no waveform fits")
-        at = waveform.fit.unknowns.at(waveform.index)
+        at = waveform.fit.unknowns.at[waveform.index]
         x = waveform.response.harmonics(max(self.lines.n.size, waveform.tail.size))
         exact = replace(waveform, tail=x)  # with the phase of its own base
         none = np.zeros((1, 0), dtype=np.complex128)
@@ -342,7 +342,7 @@ def _onset(reading: Reading, means: Means, moved: Array) -> tuple[str, Array, Ar
     if not reading.slips:
         return regime, np.full(count, math.nan), np.full((3, count), math.nan)
     fit = waveform.fit
-    at = fit.unknowns.at(waveform.index)
+    at = fit.unknowns.at[waveform.index]
     square = moved[at["rho"]] ** 2 - means.bias * fit.error("rho") ** 2
     length = 2.0 * waveform.F_k * (fit.rho**2 + square) + waveform.length_slope @ moved
     onset = waveform.onset[:, None] + waveform.onset_slope @ moved
