@@ -12,8 +12,7 @@ from dampbalance.features import COLUMNS, Features, beside, of_numbers, of_orbit
 from dampbalance.model import BaseMotion, Oscillator
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.motion.orbits import steady_orbits
-from dampbalance.reading.clean import _first_reversal, _signals, of_record
-from dampbalance.reading.quadrature import integral
+from dampbalance.reading.clean import _first_reversal, _signals, integral, of_record
 from dampbalance.record import Record
 from dampbalance.replication.readout import ReadOut
 from paper_case import FREQUENCIES_HZ, LEVELS, OMEGA, PAPER

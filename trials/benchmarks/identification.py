@@ -24,7 +24,7 @@ from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, sty
 from dampbalance.identification.forced import REPLICATES, identify_readings
 from dampbalance.project.files import write_csv, write_text
 from dampbalance.reading.fitting import fit_oscillator
-from dampbalance.reading.noisy import read_features
+from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.record import Record
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
@@ -58,7 +58,7 @@ clocks = lambda: (time.perf_counter(), time.process_time())
 start = clocks()
 from dampbalance.identification.forced import identify_readings
 from dampbalance.records.measurement import Channel, Measurement
-from dampbalance.reading.noisy import read_features
+from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.reading.fitting import fit_oscillator
 loaded = clocks()
 import numpy as np

@@ -20,7 +20,7 @@ from scipy.interpolate import CubicSpline
 
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import identify_readings
-from dampbalance.reading.noisy import read_features
+from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.records.measurement import Channel, Measurement
 
 from . import efficiency

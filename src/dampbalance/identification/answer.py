@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Rows
 from ..law.terms import term
-from ..reading.oscillator_fit import OscillatorFit
+from ..reading.climb import OscillatorFit
 from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95
@@ -38,6 +38,7 @@ class Interval(NamedTuple):
 class ParameterEstimate:
     """One identified number, SI units; NaN where it could not be identified.
 
+    doubt : why it is not to be trusted though it has an interval; empty where nothing speaks against it.
     standard_error : by bootstrap, or of the fit.   propagated_error : the same error by propagation (jackknife); NaN
     where there is none.   interval : at CONFIDENCE.
     """
@@ -46,6 +47,7 @@ class ParameterEstimate:
     standard_error: float
     propagated_error: float
     interval: Interval
+    doubt: str = ""
 
 
 UNKNOWN = ParameterEstimate(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
@@ -180,15 +182,21 @@ def answer_of_fit(
     coefficients: Mapping[str, float],
     unknowns: Sequence[str],
     notes: tuple[str, ...],
+    *,
+    doubt: str = "",
     **merit: Any,
 ) -> Answer:
     """The answer of a fit of maximum likelihood.
 
-    coefficients : by key.   unknowns : names in the order of the covariance of the fit.   merit : what else is known.
+    coefficients : by key.   unknowns : names in the order of the covariance of the fit.   doubt : why K_z is not to be
+    trusted.   merit : what else is known.
     """
-    parameters = {key: normal(value, fit.error(key)) for key, value in coefficients.items()}
+    parameters = {
+        key: ParameterEstimate(value, fit.error(key), math.nan, Interval(*fit.interval(key)))
+        for key, value in coefficients.items()
+    }
     parameters["K_z"] = ParameterEstimate(
-        fit.K_z, fit.K_z_error, math.nan, Interval(*fit.K_z_interval)
+        fit.K_z, fit.K_z_error, math.nan, Interval(*fit.K_z_interval), doubt
     )
     places = [unknowns.index("rho" if symbol == "K_z" else symbol) for symbol in parameters]
     # K_z = ρ^{−2}, dK_z = −2ρ^{−3} dρ
@@ -239,6 +247,8 @@ def _judged(symbol: str, parameter: ParameterEstimate, notes: Sequence[str]) -> 
 
 def _reasons(symbol: str, parameter: ParameterEstimate) -> Iterator[str]:
     """Why a number is doubtful by itself."""
+    if parameter.doubt:
+        yield parameter.doubt
     low, high = parameter.interval
     if math.isinf(parameter.value) or math.isinf(high):
         yield f"a lower limit only: {symbol} is above {low:.4g} {unit_of(symbol)}"

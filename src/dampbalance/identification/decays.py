@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,16 +18,15 @@ from ..arguments import number
 from ..arrays import Array
 from ..balance import TERMS, Rows
 from ..project.wording import times, visible
+from ..reading.conditioning import evenly_sampled
 from ..reading.cycles import clipped
 from ..reading.frequency import stands_still
 from ..reading.one_thread import one_thread
 from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
-from ..reading.ringdown_fit import RingFit, fit_stretches, with_noise_of
-from ..reading.ringdown_joint import fit_all
-from ..reading.ringdown_motion import COMMON
+from ..reading.ringdown_fit import COMMON, RingFit, fit_decays, with_noise_of
+from ..reading.ringdown_minima import minima_of, with_intervals
 from ..reading.ringdown_rows import RingRows, W, at_rest, rows_of
-from ..reading.ringdown_starts import stretches_of
-from ..reading.sampling import evenly_sampled
+from ..reading.ringdown_search import fit_all, separate_fits
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from ..solver import NORMAL_95, solve
 from .answer import (
@@ -35,6 +34,8 @@ from .answer import (
     UNKNOWN,
     Answer,
     Balance,
+    Interval,
+    ParameterEstimate,
     Remark,
     answer_of_fit,
     covariance_of,
@@ -71,7 +72,7 @@ class DecayOutcome(Outcome):
     @property
     def head(self) -> str:
         """How many records, decays and half cycles."""
-        records, decays = len(self.sources), len(self.fit.stretches)
+        records, decays = len(self.sources), len(self.fit.decays)
         halves = self.half_cycles.halves
         return (
             f"{_counted(records, 'record')} with {_counted(decays, 'free decay')}, {_slipping(halves)}; "
@@ -89,7 +90,7 @@ class DecayOutcome(Outcome):
 
     def findings(self, files: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         """The decays of each record."""
-        decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.stretches)]
+        decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.decays)]
         return {
             "records": [
                 {"record": name, "decays": [decay for source, decay in decays if source == name]}
@@ -99,11 +100,10 @@ class DecayOutcome(Outcome):
         }
 
     def _decay(self, i: int) -> dict[str, Any]:
-        one, (turns, errors) = self.fit.stretches[i], self.half_cycles.turns[i]
+        one, (turns, errors) = self.fit.decays[i], self.half_cycles.turns[i]
         still = at_rest(self.fit, i)
         # where the spring is slack, in the channel of displacement if there is one
-        offsets = zip(one.signals, one.offsets, strict=True)
-        rest = next((number for signal, number in offsets if signal.order == 0), None)
+        rest = next((signal.offset for signal in one.signals if signal.order == 0), None)
         return {
             "decay": i + 1,
             "start_s": one.start,
@@ -118,7 +118,7 @@ class DecayOutcome(Outcome):
 
     def features_table(self) -> list[dict[str, Any]]:
         """A row for each turn of each decay: when, where, and the standard error."""
-        turns_of_all = zip(self.fit.stretches, self.half_cycles.turns, strict=True)
+        turns_of_all = zip(self.fit.decays, self.half_cycles.turns, strict=True)
         return [
             {
                 "record": one.source,
@@ -140,7 +140,7 @@ class DecayOutcome(Outcome):
 
             return decays(self.fit, self.half_cycles.turns)
 
-        count = len(self.fit.stretches)
+        count = len(self.fit.decays)
         words = f"{count} free decays with the motion fitted to them, their turns and the residual"
         return {"decays": Picture(draw, words)}
 
@@ -177,21 +177,28 @@ def identify_ring_downs(
                 "and free decays are not identified together"
             )
         odd: list[str] = []
-        signals = [_signal(record, channel, odd) for channel in record.responses]
+        channels = enumerate(record.responses, offsets)
+        signals = [_signal(record, channel, number, odd) for number, channel in channels]
         warnings += [Remark(words, record.source) for words in odd]
-        numbers = range(offsets, offsets + len(signals))
         try:
-            stretches = stretches_of(record.source, signals, k, numbers)
+            separate, bursts = separate_fits(record.source, signals, k)
         except NoDecay as error:
             raise ValueError(f"{record.source}: {_unclear(record)}: {error}") from None
-        if not stretches:
+        if not separate:
             raise ValueError(
                 f"{record.source}: {_unclear(record)}: what moves in it is not the motion of a mass on a spring of "
                 f"{k:g} N/m with friction; give the record from the release or the blow on"
             )
+        warnings += [
+            Remark(
+                f"what moves about {burst.turn:.4g} s is no free decay that slips, and is left out",
+                record.source,
+            )
+            for burst in bursts
+        ]
         offsets += len(signals)
-        fits += stretches
-    common, left_out = fit_all(fits, offsets)
+        fits += separate
+    common, left_out = fit_all(fits)
     if common is None:
         raise ValueError(f"{records[0].source}: no oscillator moves like its free decays")
     warnings += [
@@ -201,13 +208,13 @@ def identify_ring_downs(
         )
         for one in left_out
     ]
-    fit = with_noise_of(common)
+    fit = with_intervals(minima_of(with_noise_of(common)))
     if mass is not None:
         fit = _with_mass(fit, mass, warnings)
     rows = rows_of(fit)
     if not fit.adequate and (rows.halves < _FEWEST or fit.K_z < _LOOSE * k):
         raise ValueError(
-            f"{', '.join(dict.fromkeys(one.source for one in fit.stretches))}: what moves in it is no free decay of a "
+            f"{', '.join(dict.fromkeys(one.source for one in fit.decays))}: what moves in it is no free decay of a "
             f"mass on a spring of {k:g} N/m with a friction contact: the motion of the nearest one shows "
             f"{_slipping(rows.halves)} and leaves {times(math.sqrt(fit.misfit))} the noise; is the mass still driven, "
             "or is its frequency or its gain not constant? Give the record from the release or the blow on"
@@ -224,8 +231,8 @@ def _unclear(record: Measurement) -> str:
     )
 
 
-def _signal(record: Measurement, channel: Channel, warnings: list[str]) -> Signal:
-    """A channel of the mass, evenly sampled and with its known gain and delay taken off."""
+def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[str]) -> Signal:
+    """A channel of the mass, evenly sampled and with its known gain and delay taken off.   offset : its number."""
     correction = channel.correction
     channel = evenly_sampled(channel, record.source, warnings)
     t, values = channel.t, channel.values
@@ -236,7 +243,7 @@ def _signal(record: Measurement, channel: Channel, warnings: list[str]) -> Signa
                 "free decay; give the channel as it was before the filter"
             )
         t, values = t - correction.delay, values / correction.gain
-    return Signal(channel.quantity, _ORDERS[channel.quantity], t, values, noise_of(values))
+    return Signal(channel.quantity, _ORDERS[channel.quantity], t, values, noise_of(values), offset)
 
 
 def _with_mass(fit: RingFit, mass: float, warnings: list[Remark]) -> RingFit:
@@ -244,7 +251,7 @@ def _with_mass(fit: RingFit, mass: float, warnings: list[Remark]) -> RingFit:
     off = (fit.m - mass) / fit.error("m")
     start = fit.point.copy()
     start[3] = mass
-    again = fit_stretches(fit.stretches, fit.k, start, given={3}) if abs(off) < _MASS_OFF else None
+    again = fit_decays(fit.decays, fit.k, start, given={3}) if abs(off) < _MASS_OFF else None
     if again is None:
         warnings.append(
             Remark(
@@ -295,19 +302,23 @@ def _solved(
             "measuring range",
             one.source,
         )
-        for one in fit.stretches
+        for one in fit.decays
         for signal in one.signals
         if clipped(signal.values)
     }
     suspects = "the drive, a hand on the mass, a gain or a filter"
     notes += forbidden(estimates, list(clipped_signals), suspects)
     coefficients = {symbol: getattr(fit, symbol) for symbol in TERMS}
-    reference = answer_of_fit(fit, coefficients, COMMON, tuple(fit_notes))
+    split = ""
+    if fit.adequate and fit.minima > 1:
+        split = f"{fit.minima} contacts fit the samples almost equally well, and the interval covers all of them"
+        estimates = {s: _covering(p, *fit.interval(s)) for s, p in estimates.items()}
+    reference = answer_of_fit(fit, coefficients, COMMON, tuple(fit_notes), doubt=split)
     parameters = {s: estimates.get(s, UNKNOWN) for s in TERMS} | {"K_z": reference.K_z}
     correlations = (
         {("F_k", "c"): float(covariance[0, 1]) / (errors["F_k"] * errors["c"])} if values else {}
     )
-    numbers = [i + 1 if i >= 0 else None for i in rows.stretch.tolist()]
+    numbers = [i + 1 if i >= 0 else None for i in rows.decay.tolist()]
     balance = Balance(
         Rows(rows.terms, rows.columns[:, W]),
         np.sqrt(np.diag(rows.covariance)),
@@ -333,6 +344,12 @@ def _solved(
         half_cycles=rows,
         mass_given=mass_given,
     )
+
+
+def _covering(estimate: ParameterEstimate, low: float, high: float) -> ParameterEstimate:
+    """An estimate whose interval covers another one, too."""
+    interval = Interval(min(estimate.interval.low, low), max(estimate.interval.high, high))
+    return replace(estimate, interval=interval)
 
 
 def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Array, float, int]:

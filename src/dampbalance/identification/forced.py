@@ -29,7 +29,7 @@ from ..balance import APPROACHES, Approach, Rows
 from ..features import COLUMNS, Features, Phase, stack
 from ..law.law import Law
 from ..law.terms import FRICTION, parted
-from ..reading.noisy import Reading
+from ..reading.mean_harmonics import Reading
 from ..reading.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
 from .answer import (

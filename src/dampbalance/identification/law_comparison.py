@@ -28,7 +28,7 @@ from ..law.terms import FRICTION, KNOWN_TERMS, named_with_unit, term
 from ..project.wording import listed
 from ..reading.fitting import fit_quickly, with_mass
 from ..reading.lines import probability
-from ..reading.noisy import Means, Reading
+from ..reading.mean_harmonics import Means, Reading
 from ..reading.one_thread import one_thread
 from ..reading.waveforms import WaveformFit
 from ..solver import solve

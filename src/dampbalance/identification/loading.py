@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ..arrays import Array
 from ..reading.conditioning import condition_blocks
 from ..reading.frequency import stands_still
-from ..reading.noisy import Reading, read_features
+from ..reading.mean_harmonics import Reading, read_features
 from ..records.measured import MeasuredRecord
 from ..records.measurement import EXCITATIONS
 from ..records.readers import open_channels

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..features import Features, stack
-from ..reading.noisy import RESOLVED, Means, Reading
+from ..reading.mean_harmonics import RESOLVED, Means, Reading
 from ..reading.waveforms import WaveformFit
 from ..solver import NORMAL_95
 

@@ -10,7 +10,7 @@ from ..law.law import Law
 from ..law.terms import FRICTION
 from ..reading.fitting import fit_oscillator, with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
-from ..reading.noisy import Reading
+from ..reading.mean_harmonics import Reading
 from ..reading.waveforms import WaveformFit
 from .answer import Answer, answer_of_fit
 

@@ -16,9 +16,8 @@ from ..arrays import Array
 from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
 from ..project.wording import cut
-from ..reading.noisy import Reading
-from ..reading.ringdown_fit import RingFit
-from ..reading.ringdown_motion import COMMON
+from ..reading.mean_harmonics import Reading
+from ..reading.ringdown_fit import COMMON, RingFit
 from .answer import Answer
 from .loading import Loaded
 from .microstick import Microstick
@@ -151,11 +150,11 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
 
     turns : of each decay, rows (t, x), s and m, and their errors.
     """
-    stretches = fit.stretches[:_MOST_DECAYS]
-    figure, panels = _panels([one.source for one in stretches], 30.0, 12.0, below=9.0)
-    for i, (one, residuals) in enumerate(zip(stretches, fit.residuals(), strict=False)):
-        axes, below = panels[i]
-        signal, residual = one.signals[-1], residuals[-1]
+    shown = fit.decays[:_MOST_DECAYS]
+    last_channel = {i: (signal, residual) for i, signal, residual in fit.residuals()}
+    figure, panels = _panels([one.source for one in shown], 30.0, 12.0, below=9.0)
+    for i, one in enumerate(shown):
+        (axes, below), (signal, residual) = panels[i], last_channel[i]
         symbol, factor, unit, _ = _SHOWN[signal.quantity]
         kept = _thinned(signal.t.size)
         t = signal.t[kept]
@@ -164,7 +163,7 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
         axes.plot(t, factor * model[kept], color=SLIP, linewidth=0.6)
         if signal.order == 0:
             t_turn, x_turn = turns[i][0].T
-            x = factor * (x_turn + float(fit.point[len(COMMON) + one.offsets[-1]]))
+            x = factor * (x_turn + float(fit.point[len(COMMON) + signal.offset]))
             axes.plot(t_turn, x, "o", color=STICK, markersize=2.5, fillstyle="none")
         below.plot(t, residual[kept], ".", **_DOTS)
         below.axhline(0.0, color=SLIP, linewidth=0.6)

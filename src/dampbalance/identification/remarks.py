@@ -18,7 +18,7 @@ from ..balance import Rows
 from ..law.terms import term
 from ..project.wording import listed, times
 from ..reading.checks import is_clipped
-from ..reading.noisy import Reading
+from ..reading.mean_harmonics import Reading
 from .answer import Answer, ParameterEstimate, Remark
 from .microstick import Microstick
 from .oscillator import JointFit

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from ..reading.oscillator_fit import OscillatorFit
+from ..reading.climb import OscillatorFit
 from .answer import Answer, ParameterEstimate, Verdict, unit_of
 from .outcome import Outcome
 from .remarks import in_a_sentence, limits

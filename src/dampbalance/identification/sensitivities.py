@@ -16,7 +16,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..law.terms import FRICTION
-from ..reading.noisy import Means, Reading
+from ..reading.mean_harmonics import Means, Reading
 from ..reading.one_thread import one_thread
 from ..solver import solve
 from .answer import Answer

@@ -1,11 +1,11 @@
 """Fisher information in records, and the Cramér–Rao bound of (F_k, c, K_z).
 
 White Gaussian noise of standard deviation σ leaves the variance 2σ²/n in the real and in the imaginary part of every
-harmonic of n samples, and the harmonics hold all that the records tell of a steady motion: the information is JᵀJ with
-the derivatives J of the residuals that the maximum-likelihood fit takes (`reading/fitting.py`), by F_k, c,
-ρ = K_z^{−1/2}[, m] and the (Y, ψ) of each record. No unbiased estimate has a smaller covariance than its inverse (Kay,
-*Fundamentals of Statistical Signal Processing: Estimation Theory*, 1993, chapter 3). Unknown offsets and an unknown σ
-cost nothing: their information is orthogonal.
+harmonic of n samples, and the harmonics hold all the information on a steady motion: it is JᵀJ with the derivatives J
+of the residuals of the maximum-likelihood fit (`reading/fitting.py`) by F_k, c, ρ = K_z^{−1/2}[, m] and the (Y, ψ) of
+each record. No unbiased estimate has a smaller covariance than its inverse (Kay, *Fundamentals of Statistical Signal
+Processing: Estimation Theory*, 1993, chapter 3). Unknown offsets and an unknown σ cost nothing: their information is
+orthogonal.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ..motion.orbit import steady_orbit
 from ..reading.fitting import HarmonicResiduals
 from ..reading.lines import Lines
 from ..reading.one_thread import one_thread
-from ..reading.unknowns import Unknowns
+from ..reading.waveforms import Unknowns
 
 _HARMONICS = 64  # odd ones: those of ∂x/∂ρ fall as n⁻³
 _SINGULAR = 1e-12  # eigenvalue of I scaled to unit diagonal, below which only rounding is left
@@ -49,9 +49,8 @@ class Bound:
     def relative(self) -> tuple[float, ...]:
         """Standard errors as parts of F_k, c, K_z."""
         values = (self.oscillator.F_k, self.oscillator.c, self.oscillator.K_z)
-        return tuple(
-            e / p if p else math.inf for e, p in zip(self.standard_errors, values, strict=True)
-        )
+        errors = zip(self.standard_errors, values, strict=True)
+        return tuple(error / value if value else math.inf for error, value in errors)
 
 
 @one_thread
@@ -80,23 +79,22 @@ def cramer_rao(
     for motion, of_y, of_x in zip(motions, *sigma, strict=True):
         samples = round(rate_hz * cycles * motion.period)
         if samples < 3:
-            raise ValueError(f"{cycles:g} cycles at {rate_hz:g} Hz are {samples} samples; give 3 or more")  # fmt: skip
+            too_few = f"{cycles:g} cycles at {rate_hz:g} Hz are {samples} samples; give 3 or more"
+            raise ValueError(too_few)
         part, x = math.sqrt(2.0 / samples), steady_orbit(osc, motion).harmonics(_HARMONICS)
         errors = np.full(n.size, part * of_x)
         lines.append(Lines(motion.omega, motion.Y, part * of_y, n, x, errors, samples))
-    rho = osc.K_z**-0.5
-    point = np.array([osc.F_k, osc.c, rho, osc.m, 0.0, *np.ravel([(one.Y, 0.0) for one in lines])])
-    unknowns = Unknowns(Law(), len(lines), osc.k)
-    here = HarmonicResiduals(lines, unknowns, 0.0, quickly=False).evaluate(point)
+    unknowns = Unknowns(Law(), tuple(lines), osc.k)
+    point = unknowns.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]), np.ones(len(lines)))
+    here = HarmonicResiduals(unknowns, 0.0, quickly=False).evaluate(point)
     if here is not None:
-        known = {"delay"} | ({"m"} - set(free))
-        kept = [i for i in range(point.size) if not known & set(unknowns.names[i : i + 1])]
+        common = 3 + ("m" in free)
+        kept = [*range(common), *range(len(unknowns.names), point.size)]
         scale, J = here.lengths[kept], here.jacobian[:, kept]
         values, vectors = np.linalg.eigh(J.T @ J / np.outer(scale, scale))
         if values[0] > _SINGULAR:
-            scale[2] *= -0.5 * rho**3  # dK_z = −2 ρ⁻³ dρ
+            scale[2] *= -0.5 * osc.K_z**-1.5  # dK_z = −2 ρ⁻³ dρ
             covariance = (vectors / values) @ vectors.T / np.outer(scale, scale)
-            common = 3 + ("m" in free)
             return Bound(osc, covariance[:common, :common])
     raise NotIdentifiable(
         "the records do not tell F_k, c and K_z apart: nothing slips in them, or too little is measured; "

@@ -11,24 +11,23 @@ Two ways to read an event:
                     accelerations, up to v = 0, or up to where the next phase, continued backwards, meets it
 
 The interpolated reading of an exact record converges to the exact features: see `tests/unit/test_features.py`. The
-second difference of a noisy acceleration is useless: `noisy.py` reads noisy records.
+second difference of a noisy acceleration is useless: `mean_harmonics.py` reads noisy records.
 """
 
 from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
 
-from ..arrays import Array, Complexes
+from ..arrays import Array
 from ..features import Features, of_numbers, wrapped
 from ..motion.regime import Regime
 from ..record import Record
-from .quadrature import integral
 
 ReadAt = Literal["interpolated", "sample"]
 """How an event is located: between samples, or at the first sample after it."""
@@ -76,9 +75,7 @@ def of_record(
     s = _signals(record, omega, reading)
     n_1 = _first_reversal(s)
     start = _reversal(s, n_1)
-    cycle = s.per_cycle if s.between_samples else round(s.per_cycle)
-    stop = start.place + cycle
-
+    stop = start.place + (s.per_cycle if s.between_samples else round(s.per_cycle))
     base = _lock_in(s, s.y, 1, start.place)
     if not abs(base) > 0.0:
         raise ValueError(f"the base does not move at ω = {omega:g} rad/s: y has no fundamental")
@@ -117,16 +114,15 @@ def of_record(
     return of_numbers(omega, str(Regime.ONE_SLIP), **numbers)
 
 
-@dataclass(frozen=True)
-class _Signals:
-    """A record as reading it needs it: time of sample 0 and step (s), signals, ω, samples per cycle."""
+class _Signals(NamedTuple):
+    """A record as reading it needs it: signals, time of sample 0 and step (s), ω, samples per cycle."""
 
-    t0: float
-    dt: float
     y: Array
     x: Array
     v: Array
     acceleration: Array
+    t0: float
+    dt: float
     omega: float
     per_cycle: float
     between_samples: bool
@@ -152,17 +148,10 @@ def _signals(record: Record, omega: float, reading: ReadAt) -> _Signals:
         raise ValueError(f"this reader needs v and acceleration, but the record has no {missing}")
     if not omega > 0.0:
         raise ValueError(f"omega must be positive, got {omega!r} rad/s")
-    return _Signals(
-        t0=float(record.t[0]),
-        dt=record.dt,
-        y=record.y,
-        x=record.x,
-        v=record.v,
-        acceleration=record.acceleration,
-        omega=omega,
-        per_cycle=2.0 * math.pi / (omega * record.dt),
-        between_samples=reading == "interpolated",
-    )
+    signals = (record.y, record.x, record.v, record.acceleration)
+    t0, dt = float(record.t[0]), record.dt
+    per_cycle = 2.0 * math.pi / (omega * dt)
+    return _Signals(*signals, t0, dt, omega, per_cycle, reading == "interpolated")
 
 
 def _phase(s: _Signals, place: float) -> float:
@@ -176,8 +165,7 @@ def _lock_in(s: _Signals, signal: Array, n: int, start: float) -> complex:
     first = math.floor(start)
     kept = signal[first : math.ceil(start + duration) + 1]
     phase = n * (_phase(s, first) + s.omega * s.dt * np.arange(kept.size))
-    product: Complexes = kept * np.exp(-1j * phase)
-    whole = integral(product, s.dt, start - first, start - first + duration)
+    whole = integral(kept * np.exp(-1j * phase), s.dt, start - first, start - first + duration)
     return 2.0 * whole / (duration * s.dt)
 
 
@@ -255,8 +243,7 @@ def _continued(s: _Signals, first: int, n: int) -> tuple[Polynomial, Polynomial]
     """
     acceleration = _through(s.acceleration, first, n, origin=n)
     v = s.dt * acceleration.integ() + float(s.v[n])
-    x = s.dt * v.integ() + float(s.x[n])
-    return x, v
+    return s.dt * v.integ() + float(s.x[n]), v
 
 
 def _through(signal: Array, first: int, last: int, origin: int) -> Polynomial:
@@ -273,3 +260,35 @@ def _root(polynomial: Polynomial, near: float) -> float:
         return near
     nearest = float(real[np.argmin(np.abs(real - near))])
     return nearest if abs(nearest - near) < 2.0 else near
+
+
+def integral(f: NDArray[Any], dt: float, start: float, stop: float) -> Any:
+    """∫ f dt from place `start` to place `stop`, counted in samples from 0 and not necessarily whole.
+
+    Between whole samples: Simpson's composite rule (an odd number of intervals ends with the three-point rule for
+    the last one). The parts of an interval at the two ends: the cubic through the four samples around it. Error
+    O(dt⁴) for a smooth f.
+
+    f : samples, real or complex, shape (n ≥ 4,).   dt : s.   Raises ValueError when the range leaves the samples.
+    """
+    if not 0 <= start <= stop <= f.size - 1:
+        raise ValueError(f"range {start:g} … {stop:g} leaves the samples 0 … {f.size - 1}")
+    first, last = math.ceil(start), math.floor(stop)
+    if last <= first:
+        total = dt * _cubic_part(f, start, stop)
+    else:
+        from scipy.integrate import simpson  # slow to import
+
+        total = simpson(f[first : last + 1], dx=dt)
+        total += dt * (_cubic_part(f, start, first) + _cubic_part(f, last, stop))
+    return complex(total) if np.iscomplexobj(f) else float(total)
+
+
+def _cubic_part(f: NDArray[Any], start: float, stop: float) -> Any:
+    """∫ of the cubic through the four samples around [start, stop], a range within one or two intervals."""
+    if start == stop:
+        return 0.0
+    first = min(max(math.floor(start) - 1, 0), f.size - 4)
+    coefficients = np.linalg.solve(np.vander(np.arange(4.0), increasing=True), f[first : first + 4])
+    powers = np.arange(1, 5)
+    return coefficients @ (((stop - first) ** powers - (start - first) ** powers) / powers)

@@ -1,4 +1,5 @@
-"""Levenberg–Marquardt steps towards the least sum of squares of residuals, with limits on the unknowns.
+"""Levenberg–Marquardt steps towards the least sum of squares of residuals, with limits on the unknowns, and the fit of
+an oscillator that they end in.
 
 Use it where the noise is Gaussian: half the sum of squares of r = (model − data)/σ is then −log L up to a constant. At
 a point p with residuals r and derivatives J a step solves
@@ -6,14 +7,15 @@ a point p with residuals r and derivatives J a step solves
     (JᵀJ + λ diag JᵀJ) δ = −Jᵀr
 
 over the unknowns that the gradient does not hold at a limit. λ falls after a step that helps and rises after one that
-does not. The climb ends when a full step (λ ≈ 0) would gain less than a given amount in −log L, 10⁻⁸ by default (less
-than 10⁻⁴ of a standard error), or would move no unknown by more than 10⁻¹¹ of itself, and where no step helps: −log L
-has kinks, as where the onset of slip passes a sample.
+does not. The climb ends when a full step (λ ≈ 0) would gain less than a given amount in −log L, or would move no
+unknown by more than 10⁻¹¹ of itself, and where no step helps: −log L has kinks, as where the onset of slip passes a
+sample.
 """
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,11 +23,14 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Array, Integers, Mask
+from ..solver import NORMAL_95
 
-MOST = 100
-"""Default limit on the evaluations of a climb."""
+MOST = 30
+"""Default limit on the evaluations of a climb: one to where the records are takes about ten."""
 
-_GAIN = 1e-8
+GAIN = 5e-8
+"""Default of what a full step must promise in −log L: less than 4·10⁻⁴ of a standard error is then left."""
+
 _RELATIVE = 1e-11
 _STALLED = 1e-7  # of an unknown: rounding may refuse a step below this
 _STEEPEST = 1e10  # damping at which no step has helped
@@ -77,7 +82,7 @@ def climb(
     scale: Array,
     upper: Array | float = math.inf,
     *,
-    gain: float = _GAIN,
+    gain: float = GAIN,
     most: int = MOST,
 ) -> Climb | None:
     """Maximise the likelihood from `start`; None where the model does not apply there.
@@ -141,3 +146,91 @@ def _step(here: Evaluation, active: Mask, damping: float) -> Array:
     step = np.zeros(active.size)
     step[free] = np.linalg.lstsq(matrix, right, rcond=1e-14)[0] / lengths
     return step
+
+
+@dataclass(frozen=True, eq=False)
+class OscillatorFit(ABC):
+    """The oscillator that fits records best: results that every such fit has, whatever the records are.
+
+    k : stiffness, N/m, given.
+    point : all p unknowns, SI, (p,), those common to all records first.
+    covariance : covariance of the point, (p, p); zero where an unknown was given.
+    residual : (model − data)/σ, (n,).
+    rigid : whether ρ = K_z^{−1/2} is at its lower limit, which stands for a rigid contact.
+    """
+
+    k: float
+    point: Array
+    covariance: Array
+    residual: Array
+    rigid: bool
+
+    @property
+    @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """Names of the common unknowns, in the order of the point."""
+
+    @property
+    @abstractmethod
+    def misfit(self) -> float:
+        """How far the residual is from noise; 1 where it is noise."""
+
+    def value(self, name: str) -> float:
+        """A common unknown, in its unit."""
+        return float(self.point[self.names.index(name)])
+
+    def error(self, name: str) -> float:
+        """Standard error of a common unknown, in its unit; 0 where it was given."""
+        at = self.names.index(name)
+        return math.sqrt(self.covariance[at, at])
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """95 % interval of a common unknown, in its unit."""
+        reach = NORMAL_95 * self.error(name)
+        return self.value(name) - reach, self.value(name) + reach
+
+    @property
+    def F_k(self) -> float:
+        """Friction force, N."""
+        return self.value("F_k")
+
+    @property
+    def c(self) -> float:
+        """Viscous damping, N s/m; 0 where the law has none."""
+        return self.value("c") if "c" in self.names else 0.0
+
+    @property
+    def rho(self) -> float:
+        """ρ = K_z^{−1/2}, (m/N)^{1/2}; 0 for a rigid contact."""
+        return 0.0 if self.rigid else self.value("rho")
+
+    @property
+    def K_z(self) -> float:
+        """Contact stiffness, N/m; infinite for a rigid contact."""
+        return math.inf if self.rigid else self.rho**-2
+
+    @property
+    def K_z_error(self) -> float:
+        """Standard error of K_z, N/m; infinite where the contact is rigid."""
+        return math.inf if self.rigid else 2.0 * self.K_z**1.5 * self.error("rho")
+
+    @property
+    def K_z_interval(self) -> tuple[float, float]:
+        """95 % interval of K_z, N/m, from that of ρ; unbounded above where that reaches ρ = 0."""
+        low, high = self.interval("rho")
+        return high**-2, (low**-2 if low > 0.0 else math.inf)
+
+    @property
+    def m(self) -> float:
+        """Mass, kg."""
+        return self.value("m")
+
+    @property
+    def natural_frequency_hz(self) -> float:
+        """√(k/m)/2π, Hz, the natural frequency while the contact slips."""
+        return math.sqrt(self.k / self.m) / (2.0 * math.pi)
+
+    @property
+    def chi_square(self) -> float:
+        """Sum of the squares of the residuals, χ²."""
+        return float(self.residual @ self.residual)

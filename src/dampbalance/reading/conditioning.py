@@ -21,15 +21,15 @@ from types import MappingProxyType
 import numpy as np
 
 from ..arrays import Array, Complexes, Mask
+from ..project.wording import visible
 from ..records.correction import Correction
 from ..records.errors import RecordError
-from ..records.measurement import EXCITATIONS, RESPONSES, Measurement
+from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from . import checks
 from .checks import weighted_mean
 from .cycles import CycleHarmonics, Samples, accumulate
 from .frequency import FEWEST_CYCLES, drive_frequency, frequency_offset
 from .one_thread import one_thread
-from .sampling import evenly_sampled, leading_samples, step_of
 
 SampleBlocks = Callable[[], Iterable[Samples]]
 
@@ -42,6 +42,7 @@ _COMPARED = 1 << 12  # samples in which a copy of another channel shows
 _FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest is noise
 # Rounding as a part of the fundamental; smaller noise cannot be distinguished from it.
 _RELATIVE_FLOOR = 1e-9
+_JITTER = 0.05  # of a step: times closer to an even grid than that are on it
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +90,7 @@ class SteadyRecord:
 
     def mean(self, rows: Complexes) -> Complexes:
         """Mean of the rows, each with its weight."""
-        average: Complexes = weighted_mean(rows, self.weights)
-        return average
+        return weighted_mean(rows, self.weights)
 
 
 def condition(
@@ -122,6 +122,35 @@ def condition(
         corrections={q: measurement[q].correction for q in measurement},
     )
     return replace(steady, warnings=(*warnings, *steady.warnings))
+
+
+def evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Channel:
+    """The channel itself, or resampled by a cubic spline when its samples are unevenly spaced (gaps apart)."""
+    steps = np.diff(channel.t)
+    dt = float(np.median(steps))
+    odd = np.abs(steps / dt - np.round(steps / dt)) > 2.0 * _JITTER
+    if odd.mean() < 0.01:
+        return channel
+    from scipy.interpolate import CubicSpline  # rarely needed, slow to import
+
+    name = visible(channel.name)
+    if channel.t.size < 8:
+        raise ValueError(f"{source}: {name} has only {channel.t.size} samples")
+    gap = float(steps.max())
+    if gap > 20.0 * dt:
+        raise ValueError(
+            f"{source}: {name} is unevenly sampled and has a gap of {gap:.3g} s after "
+            f"{channel.t[int(np.argmax(steps))]:.6g} s; cut the record there"
+        )
+    spline = CubicSpline(channel.t, channel.values)
+    t = np.arange(channel.t[0], channel.t[-1], dt)
+    coarse = CubicSpline(channel.t[::2], channel.values[::2])(channel.t[1:-1:2])
+    error = float(np.sqrt(np.mean((coarse - channel.values[1:-1:2]) ** 2))) / 16.0
+    warnings.append(
+        f"{name}: unevenly sampled (steps of {steps.min():.3g} to {gap:.3g} s), resampled every {dt:.3g} s by "
+        f"a cubic spline; error about {error:.2g} {channel.unit} in addition to the noise"
+    )
+    return Channel(channel.quantity, t, spline(t), channel.name)
 
 
 @one_thread
@@ -158,8 +187,8 @@ def _condition(
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"the stiffness k must be positive, got {k} N/m")
     driving = next(q for q in EXCITATIONS if q in channels)
-    measured, warnings = _harmonics(channels, driving, frequency_hz, skip_cycles)
-    harmonics = {q: _corrected(q, h, corrections.get(q)) for q, h in measured.items()}
+    uncorrected, warnings = _harmonics(channels, driving, frequency_hz, skip_cycles)
+    harmonics = {q: _corrected(q, h, corrections.get(q)) for q, h in uncorrected.items()}
     base = harmonics[driving]
     weights = _common_weights(harmonics)
     warnings += _checked_cycles(harmonics, weights, base.omega)
@@ -202,7 +231,7 @@ def _condition(
         channels=harmonics,
         noise_rms={
             q: _noise_rms(_settled(h, usable, times, weights, offset), weights, h)
-            for q, h in measured.items()
+            for q, h in uncorrected.items()
         },
         skew=skew,
         warnings=tuple(warnings),
@@ -214,10 +243,10 @@ def _harmonics(
 ) -> tuple[dict[str, CycleHarmonics], list[str]]:
     """The harmonics of every channel at the drive frequency of the leading part; warnings about that frequency."""
     leading = {
-        q: leading_samples(blocks(), _LEADING if q == driving else _COMPARED)
+        q: _leading_samples(blocks(), _LEADING if q == driving else _COMPARED)
         for q, blocks in channels.items()
     }
-    steps = {q: step_of(t if q == driving else t[:64], q) for q, (t, _) in leading.items()}
+    steps = {q: _step_of(t if q == driving else t[:64], q) for q, (t, _) in leading.items()}
     omega, error = _drive_frequency(driving, leading[driving], steps[driving])
     for q, (_, values) in leading.items():
         if q != driving:
@@ -231,6 +260,27 @@ def _harmonics(
         q: accumulate(blocks(), omega, start=start, dt=steps[q], harmonics=counts[q])
         for q, blocks in channels.items()
     }, warnings
+
+
+def _leading_samples(blocks: Iterable[Samples], count: int) -> Samples:
+    """The first samples of a channel, at least `count` of them if there are as many."""
+    first = np.zeros((2, 0))
+    for block in blocks:
+        room = count - first.shape[1]
+        first = np.hstack([first, [samples[:room] for samples in block]])
+        if first.shape[1] >= count:
+            break
+    if not first.size:
+        raise ValueError("a channel has no samples")
+    return first[0], first[1]
+
+
+def _step_of(t: Array, quantity: str) -> float:
+    """Sampling interval, s: the mean over the steps that are no gaps."""
+    if t.size < 3:
+        raise ValueError(f"{quantity} has only {t.size} samples")
+    steps = np.diff(t)
+    return float(np.mean(steps[np.abs(steps - np.median(steps)) < 0.5 * np.median(steps)]))
 
 
 def _corrected(
@@ -272,8 +322,7 @@ def _common_weights(harmonics: Mapping[str, CycleHarmonics]) -> Array:
     if len(set(per_row.values())) > 1:
         raise ValueError(f"the channels differ too much in length: cycles per row are {per_row}")
     rows = min(len(h.weights) for h in harmonics.values())
-    weights: Array = np.min([h.weights[:rows] for h in harmonics.values()], axis=0)
-    return weights
+    return np.min([h.weights[:rows] for h in harmonics.values()], axis=0)
 
 
 def _checked_cycles(
@@ -297,8 +346,7 @@ def _settled(
     rows = harmonics.coefficients[: len(usable)][usable]
     phase = harmonics.omega * harmonics.start - offset * times
     turn = np.exp(1j * np.outer(phase, np.arange(rows.shape[1])))
-    settled: Complexes = _without_drift(rows, harmonics.drift, times, weights) * turn
-    return settled
+    return _without_drift(rows, harmonics.drift, times, weights) * turn
 
 
 def _harmonics_of(quantity: str, per_cycle: float) -> int:
@@ -316,8 +364,7 @@ def _displacement(quantity: str, rows: Complexes, omega: float, k: float) -> Com
         return rows * (1.0 / k)
     orders = {"velocity": 1, "acceleration": 2, "base_acceleration": 2}
     by_time = np.concatenate([[0.0], 1.0 / (1j * np.arange(1, rows.shape[1]) * omega)])
-    displacement: Complexes = rows * by_time ** orders.get(quantity, 0)
-    return displacement
+    return rows * by_time ** orders.get(quantity, 0)
 
 
 def _without_drift(rows: Complexes, drift: Complexes, times: Array, weights: Array) -> Complexes:
@@ -334,8 +381,7 @@ def _without_drift(rows: Complexes, drift: Complexes, times: Array, weights: Arr
     rate, bend = means.deriv()(at) / span, 0.5 * means.deriv(2)(at) / span**2
     correction = np.outer(rate, drift[0]) + np.outer(bend, drift[1])
     correction[:, 0] = 0.0
-    corrected: Complexes = rows - correction
-    return corrected
+    return rows - correction
 
 
 def _error(rows: Complexes, weights: Array) -> Array:
@@ -349,15 +395,13 @@ def _error(rows: Complexes, weights: Array) -> Array:
     known, place = np.isfinite(ordered).sum(axis=1), np.arange(len(ordered))
     smooth[2:] = 0.5 * (ordered[place, (known - 1) // 2] + ordered[place, known // 2])
     floor = (_RELATIVE_FLOOR * abs(weighted_mean(rows, weights)[1])) ** 2
-    errors: Array = np.sqrt(np.maximum(smooth, floor))
-    return errors
+    return np.sqrt(np.maximum(smooth, floor))
 
 
 def _scatter(rows: Complexes, weights: Array) -> Array:
     """Variance of the real and of the imaginary part of each harmonic in one cycle."""
     off = np.abs(rows - weighted_mean(rows, weights)) ** 2
-    scatter: Array = weights @ off / (2.0 * (len(rows) - 1))
-    return scatter
+    return weights @ off / (2.0 * (len(rows) - 1))
 
 
 def _noise_rms(rows: Complexes, weights: Array, of: CycleHarmonics) -> float:

@@ -71,10 +71,7 @@ class CycleHarmonics:
     def times(self) -> Array:
         """Middle of each row, s."""
         duration = self.cycles_per_row * 2.0 * math.pi / self.omega
-        middles: Array = self.start + duration * (
-            np.arange(len(self.weights), dtype=np.float64) + 0.5
-        )
-        return middles
+        return self.start + duration * (np.arange(len(self.weights), dtype=np.float64) + 0.5)
 
 
 def accumulate(
@@ -330,8 +327,7 @@ def clipped(values: Array) -> bool:
 
 def _joined(rows: Complexes, count: int) -> Complexes:
     """Sums of `count` successive rows."""
-    sums: Complexes = rows.reshape(-1, count, rows.shape[1]).sum(axis=1)
-    return sums
+    return rows.reshape(-1, count, rows.shape[1]).sum(axis=1)
 
 
 def _held(s: Array, others: Array, rms: float) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -16,19 +16,16 @@ from ..law.steady import Response
 from ..law.terms import FRICTION, parted
 from ..motion.jit import interpreted
 from ..motion.orbit import NoSteadyOrbit, Orbit
-from .climb import Climb, Evaluation, climb
+from .climb import MOST, Evaluation, climb
 from .lines import Lines, Shares, starts
-from .unknowns import Unknowns, equivalent_coefficient
-from .waveforms import WaveformFit
+from .waveforms import Unknowns, WaveformFit, equivalent_coefficient
 
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
 _HOPELESS = 4.0  # χ² per datum, softened
 _EFFORT = 600.0  # evaluations after which no other start is tried: to end where the records are takes about 40
-_GAIN = 5e-8  # of half of χ², where the climb ends
 _STIFFEST = 1e12  # of K_z/k: the contact that stands for a rigid one
-_MOST = 30  # evaluations at each softening: a climb to where the records are takes about ten
-_FEWER = 12  # to see whether it comes near them
+_FEWER = 12  # evaluations at each softening, to see whether a climb comes near the records
 _SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
 _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
@@ -46,27 +43,25 @@ def fit_oscillator(
     many evaluations were made that there hardly is one. Of those that end far from the records the three nearest are
     refined, for which of them is the best shows only then, and the best of these climbs on to its optimum.
     """
-    unknowns = Unknowns(law or Law(), len(lines), k)
-    shares = shares_of(lines, unknowns.law, k)
+    unknowns = Unknowns(law or Law(), tuple(lines), k)
+    shares = _shares_of(unknowns)
     wide = (True,) if thorough and not unknowns.law.nonlinear else ()  # else each climb takes long
     points = (
-        unknowns.start(lines, candidate, shares.friction)
+        unknowns.start(candidate, shares.friction)
         for search in (False, *wide)
         for candidate in starts(lines, k, shares, wide=search)[: _STARTS[search]]
     )
-    ends = _ends(lines, unknowns, points, _MOST)
+    ends = _ends(unknowns, points, MOST)
     if ends and not ends[0].adequate:
-        different = [
-            ends[0],
-            *(b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)),
-        ]
+        different = [b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)]
         refined = [
-            _climbed(lines, unknowns, end.point, {"delay"}, _SOFTENING[1:])
-            for end in different[:_REFINED]
+            _climbed(unknowns, end.point, softenings=_SOFTENING[1:])
+            for end in (ends[0], *different)[:_REFINED]
         ]
-        nearest = min((ends[0], *filter(None, refined)), key=lambda end: end.chi_square)
-        last = _climbed(lines, unknowns, nearest.point, {"delay"}, (0.0,), last=_TO_THE_END)
-        ends += filter(None, (*refined, last))
+        ends += filter(None, refined)
+        nearest = min(ends, key=lambda end: end.chi_square)
+        last = _climbed(unknowns, nearest.point, softenings=(0.0,), last=_TO_THE_END)
+        ends += filter(None, [last])
     return _nearest(ends)
 
 
@@ -75,16 +70,15 @@ def fit_quickly(
 ) -> WaveformFit | None:
     """Like `fit_oscillator`, but from two candidates of `lines.starts` and from fits with other laws only; not refined
     where it ends far from the records. Use it to compare many laws."""
-    unknowns, shares = Unknowns(law, len(lines), k), shares_of(lines, law, k)
+    unknowns = Unknowns(law, tuple(lines), k)
+    shares = _shares_of(unknowns)
     candidates = starts(lines, k, shares)
     known = [*candidates[:1], *(_as_candidate(fit) for fit in near), *candidates[1:2]]
-    points = (unknowns.start(lines, candidate, shares.friction) for candidate in known)
-    return _nearest(_ends(lines, unknowns, points, _FEWER))
+    points = (unknowns.start(candidate, shares.friction) for candidate in known)
+    return _nearest(_ends(unknowns, points, _FEWER))
 
 
-def _ends(
-    lines: Sequence[Lines], unknowns: Unknowns, points: Iterable[Array], most: int
-) -> list[WaveformFit]:
+def _ends(unknowns: Unknowns, points: Iterable[Array], most: int) -> list[WaveformFit]:
     """The fits that climbs from these points end in, up to one that is adequate, that with the smallest χ² first.
 
     most : evaluations at each softening.
@@ -93,9 +87,7 @@ def _ends(
     left = np.array([_EFFORT])
     with interpreted(False) if unknowns.law.nonlinear else nullcontext():
         for point in points:
-            reached = _climbed(
-                lines, unknowns, point, {"delay"}, _SOFTENING, _HOPELESS, most, left=left
-            )
+            reached = _climbed(unknowns, point, hopeless=_HOPELESS, most=most, left=left)
             if reached is not None:
                 ends.append(reached)
             if left[0] <= 0.0 or (ends and ends[-1].adequate):
@@ -111,25 +103,25 @@ def _nearest(ends: Sequence[WaveformFit]) -> WaveformFit | None:
 
 def _as_candidate(fit: WaveformFit) -> Array:
     """(F_k, c, K_z, m) of an oscillator that loses about as much."""
-    equivalents = {
-        key: equivalent_coefficient(parted(key)[0], fit.lines[0], fit.k) for key in fit.law.keys
-    }
     damping = math.fsum(
-        fit.value(key) / equivalents[key] for key in fit.law.keys if parted(key)[0] != FRICTION
+        fit.value(key) / equivalent_coefficient(symbol, fit.lines[0], fit.k)
+        for key in fit.law.keys
+        if (symbol := parted(key)[0]) != FRICTION
     )
     rho = max(fit.rho, (_STIFFEST * fit.k) ** -0.5)
     return np.array([fit.F_k, damping, rho**-2, fit.m])
 
 
-def shares_of(lines: Sequence[Lines], law: Law, k: float) -> Shares:
+def _shares_of(unknowns: Unknowns) -> Shares:
     """Shares of F_k and c in each record: the friction of its group over the mean of all groups, if all work went into
     friction; the work of the terms that are not given, over the median of the records."""
+    law, lines = unknowns.law, unknowns.lines
     labels = law.groups.get(FRICTION, ("",) * len(lines))
     alone = np.array([max(-one.Y * one.x[0].imag / abs(one.x[0]), 1e-9 * one.Y) for one in lines])
     means = {label: alone[[other == label for other in labels]].mean() for label in labels}
     force = np.array([means[label] for label in labels])
-    free = [s for s in law.terms if s != FRICTION and s not in law.given]
-    equivalents = np.array([[equivalent_coefficient(s, one, k) for one in lines] for s in free])
+    free = [s for s in law.terms[1:] if s not in law.given]
+    equivalents = np.array([unknowns.equivalents(symbol) for symbol in free])
     damping = np.ones(len(lines))
     if free:
         damping = np.mean(np.median(equivalents, axis=1, keepdims=True) / equivalents, axis=0)
@@ -139,58 +131,58 @@ def shares_of(lines: Sequence[Lines], law: Law, k: float) -> Shares:
 def with_delay(fit: WaveformFit) -> WaveformFit | None:
     """The fit with the delay between base and response left free, from there on."""
     given = set() if fit.error("m") else {"m"}
-    return _climbed(fit.lines, fit.unknowns, fit.point, given, (0.0,))
+    return _climbed(fit.unknowns, fit.point, given, (0.0,))
 
 
 def with_mass(fit: WaveformFit, m: float) -> WaveformFit | None:
     """The fit with the mass given, kg, from there on; None where nothing slips with that mass."""
     start = fit.point.copy()
     start[fit.unknowns.names.index("m")] = m
-    found = _climbed(fit.lines, fit.unknowns, start, {"m", "delay"}, _SOFTENING)
-    return found and replace(found, evaluations=fit.evaluations + found.evaluations)
+    reached = _climbed(fit.unknowns, start, {"m", "delay"})
+    return reached and replace(reached, evaluations=fit.evaluations + reached.evaluations)
 
 
 def _climbed(
-    lines: Sequence[Lines],
     unknowns: Unknowns,
     start: Array,
-    given: set[str],
-    softenings: Sequence[float],
+    given: Collection[str] = ("delay",),
+    softenings: Sequence[float] = _SOFTENING,
     hopeless: float = math.inf,
-    most: int = _MOST,
-    last: int = _MOST,
+    most: int = MOST,
+    last: int = MOST,
     left: Array | None = None,
 ) -> WaveformFit | None:
-    """The fit that a climb from there ends in; Y and ψ start as they were read.   hopeless : χ² per datum from which on
-    it is not refined.   most : evaluations at each softening.   last : evaluations without any.
+    """The fit that a climb from there ends in; Y and ψ start as they were read.
+
+    given : names of common unknowns that keep their values, in addition to those of the law.
+    hopeless : χ² per datum from which on it is not refined.
+    most : evaluations at each softening.   last : evaluations without any.
     left : as for `HarmonicResiduals`; default, as many as it may make at most.
     """
-    names, law = unknowns.names, unknowns.law
+    names, law, lines = unknowns.names, unknowns.law, unknowns.lines
     point = start.copy()
     point[len(names) :] = np.ravel([(one.Y, 0.0) for one in lines])
     rigid = 1.0 / math.sqrt(_STIFFEST * unknowns.k)
-    lower, scale = unknowns.lower(point, lines, rigid), unknowns.scale(point, lines)
-    fixed = given | set(law.given)
+    lower, scale = unknowns.lower(point, rigid), unknowns.scale(point)
+    fixed = {*given, *law.given}
     free = np.array([i for i in range(point.size) if not fixed & set(names[i : i + 1])])
-    climbed: Climb | None = None
+    sizes = [2 + 2 * one.n.size for one in lines]
+    here: Evaluation | None = None
     evaluations = 0
     if left is None:
         left = np.array([float(most * (len(softenings) - 1) + last)])
     for softening in softenings:
-        softened = HarmonicResiduals(lines, unknowns, softening, left)
+        softened = HarmonicResiduals(unknowns, softening, left)
         limit = most if softening else last
-        reached = climb(softened.evaluate, point, free, lower, scale, gain=_GAIN, most=limit)
+        reached = climb(softened.evaluate, point, free, lower, scale, most=limit)
         if reached is None:
             break
-        climbed, residuals, point = reached, softened, reached.point
-        evaluations += climbed.iterations
-        if 2.0 * climbed.evaluation.value > hopeless * sum(2 + 2 * one.n.size for one in lines):
+        here, residuals, point = reached.evaluation, softened, reached.point
+        evaluations += reached.iterations
+        if 2.0 * here.value > hopeless * sum(sizes):
             break
-    if climbed is None:
-        return None
-    here: Evaluation | None = climbed.evaluation
     # the errors as they are, and derivatives that hold to 1e-6
-    if residuals.softening or law.nonlinear:
+    if here is not None and (residuals.softening or law.nonlinear):
         here = replace(residuals, softening=0.0, left=_unlimited(), quickly=False).evaluate(point)
     if here is None:
         return None
@@ -199,18 +191,16 @@ def _climbed(
     covariance, response = np.zeros((size, size)), np.zeros((size, here.residual.size))
     covariance[np.ix_(free, free)] = solution @ solution.T
     response[free] = solution
-    ends = np.cumsum([2 + 2 * one.n.size for one in lines])
-    starts_at = [0, *ends[:-1]]
+    ends = np.cumsum(sizes).tolist()
     return WaveformFit(
         k=unknowns.k,
         point=point,
         covariance=covariance,
         residual=here.residual,
         rigid=bool(point[names.index("rho")] <= rigid),
-        lines=tuple(lines),
         unknowns=unknowns,
         response=response,
-        places=tuple(slice(int(a), int(b)) for a, b in zip(starts_at, ends, strict=True)),
+        places=tuple(slice(end - n, end) for end, n in zip(ends, sizes, strict=True)),
         freedom=here.residual.size - free.size,
         undamped=tuple(key for key in law.unknowns if point[names.index(key)] <= 0.0),
         evaluations=evaluations,
@@ -240,7 +230,6 @@ class HarmonicResiduals:
     quickly : as for `Unknowns.harmonics`.
     """
 
-    lines: Sequence[Lines]
     unknowns: Unknowns
     softening: float
     left: Array = field(default_factory=_unlimited)
@@ -255,20 +244,18 @@ class HarmonicResiduals:
         unknowns = self.unknowns
         delay = unknowns.names.index("delay")
         residuals, slopes, slips = [], [], False
-        for i, one in enumerate(self.lines):
+        for i, one in enumerate(unknowns.lines):
             try:
-                response = unknowns.response(point, i, one.omega, self.near.get(i))
+                response = unknowns.response(point, i, self.near.get(i))
                 if len(response.orbit.phases) > _MOST_PHASES:
                     return None
-                self.left[0] -= (1.0 + _swings(response.orbit) / _DEAR) / len(self.lines)
+                self.left[0] -= (1.0 + _swings(response.orbit) / _DEAR) / len(unknowns.lines)
                 self.near[i] = replace(response, matrix=None)
-                x, by = unknowns.harmonics(
-                    point, i, one, response, one.n.size, quickly=self.quickly
-                )
+                x, by = unknowns.harmonics(point, i, response, one.n.size, quickly=self.quickly)
             except (NoSteadyOrbit, ValueError):
                 return None
             slips |= response.slips
-            at = unknowns.at(i)
+            at = unknowns.at[i]
             Y, psi = point[at["Y"]], point[at["psi"]]
             error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
             Y_error = math.hypot(one.Y_error, self.softening * one.Y)

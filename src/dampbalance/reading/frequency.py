@@ -32,23 +32,22 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
     omega = _strongest_line(values[:_LONGEST_SPECTRUM], dt)
     error = math.nan
     for _ in range(_REFINEMENTS):
+        hertz, per_cycle = omega / (2.0 * math.pi), 2.0 * math.pi / omega / dt
         cycles = math.floor((t[-1] - t[0] + dt * (1.0 + 1e-6)) * omega / (2.0 * math.pi))
         if cycles < FEWEST_CYCLES:
             raise ValueError(
-                f"the signal is {t[-1] - t[0]:.4g} s long, {cycles} whole cycles of the "
-                f"{omega / (2.0 * math.pi):.4g} Hz found in it; at least {FEWEST_CYCLES} are needed"
+                f"the signal is {t[-1] - t[0]:.4g} s long, {cycles} whole cycles of the {hertz:.4g} Hz found in it; at "
+                f"least {FEWEST_CYCLES} are needed"
             )
-        highest = min(3, math.floor(2.0 * math.pi / omega / dt / 4.0))
+        highest = min(3, math.floor(per_cycle / 4.0))
         if highest < 1:
             raise ValueError(
-                f"{2.0 * math.pi / omega / dt:.1f} samples per cycle of the {omega / (2.0 * math.pi):.4g} Hz found are "
-                "too few"
+                f"{per_cycle:.1f} samples per cycle of the {hertz:.4g} Hz found are too few"
             )
-        correction, error = frequency_offset(
-            accumulate(
-                [(t, values)], omega, start=float(t[0]), dt=dt, harmonics=highest, cycles=cycles
-            )
+        harmonics = accumulate(
+            [(t, values)], omega, start=float(t[0]), dt=dt, harmonics=highest, cycles=cycles
         )
+        correction, error = frequency_offset(harmonics)
         omega += correction
         # each correction is thousands of times smaller than the one before
         if abs(correction) <= 0.1 * error or abs(correction) < 1e-13 * omega:

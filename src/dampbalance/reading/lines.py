@@ -30,6 +30,7 @@ from ..law.terms import KNOWN_TERMS
 from ..motion.jit import interpreted
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
+from ..records.measurement import RESPONSES
 from .conditioning import SteadyRecord
 
 CLEAR = 4.0
@@ -52,7 +53,6 @@ _SHARES = (0.03, 0.2, 0.5, 0.8, 0.97)  # of friction in the work
 _RATIOS = np.geomspace(0.25, 8.0, 21)  # of the natural frequency to that of the drive
 _COMPARED = (1, 3, 5)
 _POINTS = 256  # of a cycle, for the force of a contact
-_DERIVATIVES = {"displacement": 0, "velocity": 1, "acceleration": 2}
 _ROUNDING = 3e-6  # of the fundamental: noise below it is no transducer's
 _NEAR = 0.03  # of the fundamental: what a candidate may be off by
 
@@ -87,8 +87,7 @@ class Lines:
     @property
     def clear(self) -> Mask:
         """Which harmonics stand out of the noise; the fundamental always."""
-        clear: Mask = (np.abs(self.x) > CLEAR * self.x_error) | (self.n == 1)
-        return clear
+        return (np.abs(self.x) > CLEAR * self.x_error) | (self.n == 1)
 
     @classmethod
     def of(cls, steady: SteadyRecord) -> Lines:
@@ -119,7 +118,7 @@ def _aliased(steady: SteadyRecord, n: Integers) -> Array:
     size is that of the highest ones read.
     """
     total = np.zeros(n.size)
-    for quantity, order in _DERIVATIVES.items():
+    for order, quantity in enumerate(RESPONSES):
         if quantity not in steady.channels:
             continue
         channel = steady.channels[quantity]
@@ -150,13 +149,12 @@ def starts(
     misfit = np.zeros(len(candidates))
     for i, one in enumerate(lines):
         near = _NEAR * abs(one.x[0])
-        for j, (x, error) in enumerate(zip(one.x, one.x_error, strict=True)):
-            if j < len(_COMPARED):
-                off = np.abs(harmonics[:, i, j] - x) ** 2
-                misfit += off / (error**2 + (near / _COMPARED[j]) ** 2)
+        for j, (n, x, error) in enumerate(zip(_COMPARED, one.x, one.x_error, strict=False)):
+            off = np.abs(harmonics[:, i, j] - x) ** 2
+            misfit += off / (error**2 + (near / n) ** 2)
     possible = slips & np.isfinite(misfit)
     order = np.argsort(np.where(possible, misfit, math.inf), kind="stable")
-    best: Array = candidates[order[: np.count_nonzero(possible)]]
+    best = candidates[order[: np.count_nonzero(possible)]]
     if wide:  # the closest of each stiffness: a contact that rings has a minimum at many
         best = best[np.sort(np.unique(best[:, 2], return_index=True)[1])]
     return best
@@ -169,21 +167,13 @@ def _all_responses(
     F_k, c, K_z, m = candidates.T[:, :, None]
     omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
     with interpreted(False):  # thousands
-        orbits = steady_orbits(
-            m=m,
-            c=c * shares.damping,
-            k=k,
-            K_z=K_z,
-            F_k=F_k * shares.friction,
-            Y=Y,
-            omega=omega,
-        )
+        of_each = {"c": c * shares.damping, "F_k": F_k * shares.friction, "Y": Y, "omega": omega}
+        orbits = steady_orbits(m=m, k=k, K_z=K_z, **of_each)
     harmonics = np.stack(
         [getattr(orbits, f"X_{n}") * np.exp(-1j * getattr(orbits, f"phi_{n}")) for n in _COMPARED],
         axis=-1,
     )
-    slips: Mask = np.asarray(np.isin(orbits.regime, SLIPS).any(axis=1))
-    return harmonics, slips
+    return harmonics, np.any(np.isin(orbits.regime, SLIPS), axis=1)
 
 
 def _responses_to_contact(
@@ -207,8 +197,7 @@ def _responses_to_contact(
         impedance = k - np.outer((n * one.omega) ** 2, m) + 1j * np.outer(n * one.omega, damped * c)
         harmonics.append(((drive[:, None] - force) / impedance).T)
         slips.append(np.ptp(wave) > 2.0 * Z_m)
-    slip: Mask = np.asarray(np.array(slips).any(axis=0))
-    return np.stack(harmonics, axis=1), slip
+    return np.stack(harmonics, axis=1), np.any(slips, axis=0)
 
 
 def linear_misfit(
@@ -231,10 +220,10 @@ def linear_misfit(
             columns.append(1j * omega * force(1.0, Y / x_1, k, omega))
     matrix = np.column_stack(columns) / error[:, None]
     matrix = np.vstack([matrix.real, matrix.imag])
-    size = np.linalg.norm(matrix, axis=0)
+    matrix /= np.linalg.norm(matrix, axis=0)
     right = np.concatenate([z.real / error, z.imag / error])
-    solution, _, rank, _ = np.linalg.lstsq(matrix / size, right, rcond=1e-6)
-    chi_square = float(np.sum((matrix / size @ solution - right) ** 2))
+    solution, _, rank, _ = np.linalg.lstsq(matrix, right, rcond=1e-6)
+    chi_square = float(np.sum((matrix @ solution - right) ** 2))
     chi_square += math.fsum(float(np.sum(np.abs(one.x / one.x_error)[1:] ** 2)) for one in lines)
     return chi_square, 2 * sum(one.n.size for one in lines) - int(rank)
 

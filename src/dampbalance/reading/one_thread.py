@@ -5,7 +5,6 @@ The library behind NumPy splits sums among its threads, and their last bits foll
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar
 
@@ -20,10 +19,4 @@ _CONTROLLER = ThreadpoolController()
 
 def one_thread(function: Callable[P, R]) -> Callable[P, R]:
     """Run `function` with the linear algebra of NumPy on one thread."""
-
-    @functools.wraps(function)
-    def limited(*arguments: P.args, **named: P.kwargs) -> R:
-        with _CONTROLLER.limit(limits=1, user_api="blas"):
-            return function(*arguments, **named)
-
-    return limited
+    return _CONTROLLER.wrap(limits=1, user_api="blas")(function)

@@ -8,8 +8,7 @@ ringing of the stuck mass dominates.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,6 +31,7 @@ class Signal:
     """A channel of the mass with the order of its derivative.
 
     order : 0 displacement, 1 velocity, 2 acceleration.   t : s.   values : SI.   noise : standard deviation.
+    offset : number of the channel among those of all records, each of which has a separate offset.
     """
 
     quantity: str
@@ -39,16 +39,17 @@ class Signal:
     t: Array
     values: Array
     noise: float
+    offset: int = 0
 
     @property
     def dt(self) -> float:
         """Sampling interval, s."""
         return float(self.t[-1] - self.t[0]) / (self.t.size - 1)
 
-    def between(self, start: float, end: float) -> slice:
+    def between(self, start: float, end: float) -> Signal:
         """The samples from `start` to `end`, s."""
-        first, last = np.searchsorted(self.t, [start, end])
-        return slice(int(first), int(last))
+        inside = slice(*np.searchsorted(self.t, [start, end]))
+        return replace(self, t=self.t[inside], values=self.values[inside])
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,11 +76,15 @@ class NoDecay(ValueError):
 
 def noise_of(values: Array) -> float:
     """Standard deviation of white noise on a smooth signal, from the third differences in the quietest part of the
-    record; at least the rounding error."""
+    record; at least that of rounding."""
     third = np.abs(np.diff(values, 3))
-    floor = 3e-6 * float(np.ptp(values))
     parts = np.array_split(third, max(1, min(_QUIET, third.size // _QUIET_SAMPLES)))
-    return max(1.4826 * min(float(np.median(part)) for part in parts) / _THIRD, floor)
+    return max(1.4826 * min(float(np.median(part)) for part in parts) / _THIRD, rounding(values))
+
+
+def rounding(values: Array) -> float:
+    """Least standard deviation that the noise of a signal is taken to have."""
+    return 3e-6 * float(np.ptp(values))
 
 
 def bursts_of(signal: Signal) -> list[Burst]:
@@ -109,9 +114,7 @@ def bursts_of(signal: Signal) -> list[Burst]:
     ):
         raise NoDecay("it swings as far at its end as at its start")
     bursts = []
-    for place, i in enumerate(peaks):
-        stop = peaks[place + 1] if place + 1 < len(peaks) else signal.values.size - 1
-        before = peaks[place - 1] if place else 0
+    for before, i, stop in zip([0, *peaks], peaks, [*peaks[1:], swing.size - 1], strict=False):
         part = smooth[i : i + length]
         one, other = sorted((int(np.argmax(part)) + i, int(np.argmin(part)) + i))
         turn = other
@@ -119,17 +122,15 @@ def bursts_of(signal: Signal) -> list[Burst]:
             half = 0.5 * (smooth[one] + smooth[other]) * (smooth[one] * smooth[other] > 0.0)
             turn = one + int(np.argmax((smooth[one:other] - half) * (smooth[one] - half) <= 0.0))
         side = math.copysign(1.0, smooth[other] - smooth[one])
-        if signal.order > 0:
-            side = -side
         bursts.append(
             Burst(
                 turn=float(signal.t[turn]),
-                side=side,
+                side=-side if signal.order else side,
                 swing=float(swing[i]) * (period / (2.0 * math.pi)) ** signal.order,
                 period=period,
                 earliest=float(signal.t[before]),
                 end=float(signal.t[stop]),
-                last=place + 1 == len(peaks),
+                last=i == peaks[-1],
             )
         )
     return bursts
@@ -167,8 +168,3 @@ def _frequency(signal: Signal) -> float:
         raise NoDecay("no oscillation in it stands out of the noise")
     inside = slice(low[best], high[best])
     return float(np.sum(f[inside] * energy[inside]) / np.sum(energy[inside]))
-
-
-def sharpest(signals: Sequence[Signal]) -> Signal:
-    """The channel with the largest ratio of range to noise."""
-    return max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)

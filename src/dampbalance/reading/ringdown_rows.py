@@ -18,7 +18,7 @@ covariance of the estimates gives that of the rows.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -28,16 +28,17 @@ from ..arrays import Array, Integers, Mask
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
 from ..motion.states import states_in_phases
-from .ringdown_fit import RingFit, linear_solution, w_errors
-from .ringdown_motion import (
+from .ringdown_fit import (
     COMMON,
     STATE,
     STEP,
-    Stretch,
+    Decay,
+    RingFit,
     contact_step,
+    linear_solution,
     numbers_of,
     phases_of,
-    stuck_from,
+    w_errors,
 )
 
 W, A, B = range(3)
@@ -81,7 +82,7 @@ class Ringing(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """The motion of the fit in one stretch as rows see it.
+    """The motion of the fit in one decay as rows see it.
 
     halves : that slip.   ringing : of the mass at rest; None where it cannot be seen.   phases : of the motion.
     viscous : ∫ ẋ² dt to the end, m²/s.
@@ -95,16 +96,16 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class RingRows:
-    """Rows of all stretches.
+    """Rows of all decays.
 
     columns : (n, 3), see W, A, B, as read.   covariance : of W − a F_k − b c with the F_k and c of the fit, J²,
-    (n, n).   stretch : number of the stretch that each is of, (n,), −1 for the two of the shape, the last ones.
-    turns : of each stretch, its start and turns as read, rows (t, x), s and m, and their standard errors, m.
+    (n, n).   decay : number of the decay of each row, (n,), −1 for the two of the shape, the last ones.
+    turns : of each decay, its start and turns as read, rows (t, x), s and m, and their standard errors, m.
     """
 
     columns: Array
     covariance: Array
-    stretch: Integers
+    decay: Integers
     turns: tuple[tuple[Array, Array], ...]
 
     @property
@@ -115,129 +116,109 @@ class RingRows:
     @property
     def halves(self) -> int:
         """Number of rows of half cycles."""
-        return int(np.count_nonzero(self.stretch >= 0))
+        return int(np.count_nonzero(self.decay >= 0))
 
 
 def rows_of(fit: RingFit) -> RingRows:
-    """The rows of all stretches of a fit."""
-    p, first = fit.point.size, fit.point.size - STATE * len(fit.stretches)
-    courses = [_course(fit.point, fit.state(i), fit.k, one) for i, one in enumerate(fit.stretches)]
+    """The rows of all decays of a fit."""
+    p, first = fit.point.size, fit.places(0).start
+    courses = [
+        _course(fit.point, fit.point[fit.places(i)], fit.k, one) for i, one in enumerate(fit.decays)
+    ]
     nodes = [_turns(course) for course in courses]
-    counts = [node.size for node in nodes]
-    ends = np.cumsum(counts)
-    places = [slice(end - count, end) for end, count in zip(ends.tolist(), counts, strict=True)]
-    total = sum(counts)
+    ends = np.cumsum([node.size for node in nodes]).tolist()
+    places = [slice(end - node.size, end) for end, node in zip(ends, nodes, strict=True)]
+    total = ends[-1]
+    # estimates: the turns of all decays, then the unknowns of the fit
     design, rest = np.zeros((fit.residual.size, total + p)), -fit.residual
-    changes: dict[tuple[int, int], Array] = {}  # of the columns of a stretch, by each estimate
+    errors = np.concatenate([np.full(total, math.inf), w_errors(p, first)])
+    rows = []
     at = 0
-    for i, (one, course) in enumerate(zip(fit.stretches, courses, strict=True)):
+    for i, (one, course) in enumerate(zip(fit.decays, courses, strict=True)):
         here = slice(at, at + one.samples)
-        at += one.samples
+        at = here.stop
         block, seen = _basis(fit.point, fit.k, one, course)
-        start = first + STATE * i
+        start, begin = fit.places(i).start, places[i].start
         by_unknowns = np.where(seen[:, None], fit.jacobian[here], 0.0)
-        design[here, total : total + p] = by_unknowns
+        design[here, total:] = by_unknowns
         design[here, places[i]] = block
         # the start is the first of the turns, and moves the shape as well
-        design[here, places[i].start] += by_unknowns[:, start]
+        design[here, begin] += by_unknowns[:, start]
         design[here, total + start] = 0.0
         rest[here] = np.where(seen, rest[here], 0.0)
-        for j in (*range(len(COMMON)), *range(start, start + STATE)):
-            beside = _beside(fit, i, j, len(course.halves))
-            if beside is None or not fit.jacobian[:, j].any():
-                continue
-            other, step = beside
-            at_column = places[i].start if j == start else total + j
-            design[here, at_column] -= block @ ((_turns(other) - nodes[i]) / step)
-            moved = fit.point.copy()
-            moved[j] += step
-            changes[i, at_column] = (
-                _columns(moved, fit.k, other, nodes[i])
-                - _columns(fit.point, fit.k, course, nodes[i])
-            ) / step
-    errors = np.concatenate([np.full(total, math.inf), w_errors(p, first)])
-    for i, place in enumerate(places):
-        # only the rows may determine the level of the turns: no prior must fix it
-        level = fit.covariance[first + STATE * i, first + STATE * i]
-        errors[place.start] = _WEAK * math.sqrt(level) if level > 0.0 else math.inf
-    solution = linear_solution(design, errors)
-    shifts = solution[:, : rest.size] @ rest
-    return _rows(fit, courses, nodes, places, changes, shifts, solution @ solution.T)
-
-
-def _rows(
-    fit: RingFit,
-    courses: Sequence[Course],
-    nodes: Sequence[Array],
-    places: Sequence[slice],
-    changes: Mapping[tuple[int, int], Array],
-    shifts: Array,
-    covariance: Array,
-) -> RingRows:
-    """The rows with estimated changes of turns and unknowns from the fit, and the covariance that follows.
-
-    changes : derivatives of the columns of a stretch, by the estimates.   shifts : the estimates, (p,).
-    """
-    total = places[-1].stop
-    parts, slopes, which, turns = [], [], [], []
-    for i, (one, course) in enumerate(zip(fit.stretches, courses, strict=True)):
         columns = _columns(fit.point, fit.k, course, nodes[i])
-        slope = np.zeros((*columns.shape, shifts.size))
+        slope = np.zeros((*columns.shape, total + p))
         span = STEP * max(float(np.ptp(nodes[i])), 1e-300)
         for j in range(nodes[i].size if course.halves else 0):
-            moved = nodes[i].copy()
-            moved[j] += span
-            slope[..., places[i].start + j] = (
-                _columns(fit.point, fit.k, course, moved) - columns
-            ) / span
-        for (stretch, column), change in changes.items():
-            if stretch == i:
-                slope[..., column] += change
-        # to first order about the fit: a poorly determined level would distort the squares in W
-        columns = columns + slope @ shifts
-        theta = nodes[i] + shifts[places[i]]
-        parts.append(columns)
-        slopes.append(_misfit(fit, slope))
-        which += [i] * len(columns)
-        at = one.start + np.array([0.0, *(half.t_b for half in course.halves)])
-        sure = np.sqrt(np.diag(covariance)[places[i]])[: at.size]
-        turns.append((np.column_stack([at, theta[: at.size]]), sure))
+            turns = nodes[i].copy()
+            turns[j] += span
+            slope[..., begin + j] = (_columns(fit.point, fit.k, course, turns) - columns) / span
+        for j in (*range(len(COMMON)), *range(start, start + STATE)):
+            nearby = _nearby(fit, i, j, len(course.halves)) if fit.jacobian[:, j].any() else None
+            if nearby is None:
+                continue
+            point, other, step = nearby
+            column = begin if j == start else total + j
+            design[here, column] -= block @ ((_turns(other) - nodes[i]) / step)
+            slope[..., column] += (_columns(point, fit.k, other, nodes[i]) - columns) / step
+        rows.append((columns, slope))
+        # only the rows may determine the level of the turns: no prior must fix it
+        level = fit.covariance[start, start]
+        errors[begin] = _WEAK * math.sqrt(level) if level > 0.0 else math.inf
+    solution = linear_solution(design, errors)
+    shifts, covariance = solution[:, : rest.size] @ rest, solution @ solution.T
+
+    # to first order about the fit: a poorly determined level would distort the squares in W
+    columns_of = [columns + slope @ shifts for columns, slope in rows]
+    slopes = [s[:, W] - s[:, A] * fit.F_k - s[:, B] * fit.c for _, s in rows]
+    which = [i for i, columns in enumerate(columns_of) for _ in columns]
+    for columns, slope in _of_shape(fit, courses, shifts, covariance):
+        columns_of.append(columns)
+        slopes.append(slope)
+        which.append(-1)
+    all_turns = []
+    for one, course, node, place in zip(fit.decays, courses, nodes, places, strict=True):
+        times = one.start + np.array([0.0, *(half.t_b for half in course.halves)])
+        theta, sure = node + shifts[place], np.sqrt(np.diag(covariance)[place])
+        all_turns.append((np.column_stack([times, theta[: times.size]]), sure[: times.size]))
+    by_all = np.vstack(slopes)
+    covariance = by_all @ covariance @ by_all.T
+    return RingRows(np.vstack(columns_of), covariance, np.array(which), tuple(all_turns))
+
+
+def _of_shape(
+    fit: RingFit, courses: Sequence[Course], shifts: Array, covariance: Array
+) -> Iterator[tuple[Array, Array]]:
+    """The rows of the shape, F_k times the way and c ∫ ẋ² dt, and their derivatives by the estimates, whose covariance
+    this is; the unknowns of the fit are the last of them."""
+    first = shifts.size - fit.point.size
     travel = math.fsum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)
     viscous = math.fsum(course.viscous for course in courses)
-    for column, (j, size) in {A: (0, travel), B: (1, viscous)}.items():
-        row, slope = np.zeros((1, 3)), np.zeros((1, shifts.size))
-        row[0, column], row[0, W] = size, size * (fit.point[j] + shifts[total + j])
-        slope[0, total + j] = size
-        if covariance[total + j, total + j] > 0.0 and size > 0.0:
-            parts.append(row)
-            slopes.append(slope)
-            which.append(-1)
-    by_all = np.vstack(slopes)
-    return RingRows(np.vstack(parts), by_all @ covariance @ by_all.T, np.array(which), tuple(turns))
+    for column, j, size in ((A, 0, travel), (B, 1, viscous)):
+        if covariance[first + j, first + j] > 0.0 and size > 0.0:
+            row, slope = np.zeros((1, 3)), np.zeros((1, shifts.size))
+            row[0, column], row[0, W] = size, size * (fit.point[j] + shifts[first + j])
+            slope[0, first + j] = size
+            yield row, slope
 
 
-def _misfit(fit: RingFit, slope: Array) -> Array:
-    """Slope of W − a F_k − b c, J, from those of the columns, (n, 3, …)."""
-    return slope[:, W] - slope[:, A] * fit.F_k - slope[:, B] * fit.c
-
-
-def _beside(fit: RingFit, i: int, j: int, halves: int) -> tuple[Course, float] | None:
-    """The motion of stretch i with unknown j moved, as many half cycles of it, and by how much; None where there are
-    fewer either way."""
-    first = fit.point.size - STATE * (len(fit.stretches) - i)
+def _nearby(fit: RingFit, i: int, j: int, halves: int) -> tuple[Array, Course, float] | None:
+    """The point with unknown j moved, the motion of decay i there, as many half cycles of it, and by how much it is
+    moved; None where there are fewer either way."""
+    own = fit.places(i)
     step = _PART * math.sqrt(fit.covariance[j, j])
-    if j == first + 2:
+    if j == own.start + 2:
         step = _PART
     elif j == COMMON.index("rho"):
         step = contact_step(fit.point, fit.k)
-    for way in (-step, step) if j == first + 2 and fit.point[j] > 1.0 else (step, -step):
+    for way in (-step, step) if j == own.start + 2 and fit.point[j] > 1.0 else (step, -step):
         point = fit.point.copy()
         point[j] += way
         if (j < len(COMMON) and point[j] <= 0.0) or step == 0.0:
             continue
-        course = _course(point, point[first : first + STATE], fit.k, fit.stretches[i], halves)
+        course = _course(point, point[own], fit.k, fit.decays[i], halves)
         if len(course.halves) == halves:
-            return course, way
+            return point, course, way
     return None
 
 
@@ -248,7 +229,7 @@ def _turns(course: Course) -> Array:
     return np.array([float(course.phases[0, PHASE_X])])
 
 
-def _course(point: Array, state: Array, k: float, one: Stretch, most: int | None = None) -> Course:
+def _course(point: Array, state: Array, k: float, one: Decay, most: int | None = None) -> Course:
     """The half cycles, `most` of them at the most, and the ringing of a motion."""
     par = numbers_of(point, k)
     Z_m, span = par.F_k / par.K_z, one.end - one.start
@@ -309,7 +290,7 @@ def _quadrature(start: float, stop: float, omega: float) -> tuple[Array, Array]:
     return times, np.tile(0.5 * h * _WEIGHTS, panels)
 
 
-def _basis(point: Array, k: float, one: Stretch, course: Course) -> tuple[Array, Mask]:
+def _basis(point: Array, k: float, one: Decay, course: Course) -> tuple[Array, Mask]:
     """Derivatives of the samples by the turns, in units of their noise, and which samples lie in what rows are of."""
     par = numbers_of(point, k)
     size = _turns(course).size
@@ -354,7 +335,6 @@ def _columns(point: Array, k: float, course: Course, turns: Array) -> Array:
 
 
 def at_rest(fit: RingFit, i: int) -> float | None:
-    """The time from which on the mass of a stretch sticks, s after its start; None where the record ends before."""
-    span = fit.stretches[i].end - fit.stretches[i].start
-    still = stuck_from(fit.phases(i), span)
-    return still if still < span else None
+    """The time from which on the mass of a decay sticks, s after its start; None where the record ends before."""
+    still = fit.sticks_from(i)
+    return still if still < fit.decays[i].end - fit.decays[i].start else None

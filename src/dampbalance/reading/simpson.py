@@ -16,8 +16,9 @@ import math
 import numpy as np
 
 from ..arrays import Array
-from .noisy import bootstrap
-from .quadrature import integrals
+from .mean_harmonics import bootstrap
+
+_ROUNDING = 1e-9  # samples
 
 
 def cycle_integrals(y: Array, x: Array, dt: float, omega: float, k: float) -> Array:
@@ -35,12 +36,36 @@ def cycle_integrals(y: Array, x: Array, dt: float, omega: float, k: float) -> Ar
     return integrals(np.stack([np.abs(v), v**2, k * y[1:-1] * v]), dt, places)
 
 
+def integrals(f: Array, dt: float, places: Array) -> Array:
+    """∫ f dt from each place to the next, by Simpson's rule alone and for many places at once.
+
+    Each parabola through the samples 2j, 2j + 1, 2j + 2 is integrated as far as the places reach into it. Error O(dt⁴)
+    for a smooth f.
+
+    f : samples, shape (…, n ≥ 3).   dt : s.   places : ascending, counted in samples from 0, shape (p,).
+    Returns shape (…, p − 1). Raises ValueError when a place leaves the parabolas.
+    """
+    pairs = (f.shape[-1] - 1) // 2
+    if not (pairs > 0 and places[0] >= 0 and places[-1] <= 2 * pairs + _ROUNDING):
+        raise ValueError(
+            f"places {places[0]:g} … {places[-1]:g} leave the pairs of intervals 0 … {2 * pairs}"
+        )
+    first, middle, last = f[..., : 2 * pairs : 2], f[..., 1 : 2 * pairs : 2], f[..., 2::2]
+    whole = np.cumsum((first + 4.0 * middle + last) / 3.0, axis=-1)
+    j = np.minimum(places // 2.0, pairs - 1).astype(np.intp)
+    first, middle, last, u = first[..., j], middle[..., j], last[..., j], places - 2.0 * j
+    before = np.where(j > 0, whole[..., j - 1], 0.0)
+    slope, bend = 4.0 * middle - 3.0 * first - last, first - 2.0 * middle + last
+    reached = before + u * (first + u * (slope / 4.0 + u * bend / 6.0))
+    return dt * np.diff(reached, axis=-1)
+
+
 def replicates_of(of_cycles: Array, count: int, rng: np.random.Generator) -> Array:
-    """Bootstrap replicates of the means over the cycles, (…, count), as `noisy.Reading.resampled` draws them.
+    """Bootstrap replicates of the means over the cycles, (…, count), as `mean_harmonics.Reading.resampled` draws them.
 
     of_cycles : a number of each cycle, (…, cycles).
     """
     cycles = of_cycles.shape[-1]
     drawn, stretch = bootstrap(cycles, count, rng)
     mean = of_cycles.mean(axis=-1, keepdims=True)
-    return np.asarray(mean + stretch * (of_cycles @ drawn.T / cycles - mean))
+    return mean + stretch * (of_cycles @ drawn.T / cycles - mean)

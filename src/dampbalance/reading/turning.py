@@ -37,8 +37,7 @@ class Series:
     @property
     def squares(self) -> Array:
         """|x_n|² freed of the bias of noise, m², (r, h): may fall below zero, cutting that off would be a bias."""
-        squares: Array = np.abs(self.x) ** 2 - self.variance
-        return squares
+        return np.abs(self.x) ** 2 - self.variance
 
     def motion(self, theta: Array) -> tuple[Array, Array, Array]:
         """x, dx/dωt, d²x/dωt² at one phase for each mean, (r,)."""
@@ -52,8 +51,7 @@ class Series:
     def mean_between(self, begin: float, end: float) -> Array:
         """Mean of x from one phase ωt to the other, rad, for each mean, (r,)."""
         turned = (np.exp(1j * self.n * end) - np.exp(1j * self.n * begin)) / (1j * self.n)
-        mean: Array = (self.x @ turned).real / (end - begin)
-        return mean
+        return (self.x @ turned).real / (end - begin)
 
 
 def turning_points(odd: Series, even: Series, *, rests: bool) -> tuple[Array, Array]:
@@ -85,10 +83,10 @@ def upward_zero(odd: Series, lag: Array) -> Array:
 def _end(parts: list[Series], sign: float, rests: bool) -> tuple[Array, Array]:
     """(ωt, x) at the largest value of sign·x, (r,): by Newton's method on the velocity, from the largest of 1,024
     points; where the mass rests there, the middle of the rest and its level."""
-    series = np.zeros(_POINTS // 2 + 1, dtype=np.complex128)
+    spectrum = np.zeros(_POINTS // 2 + 1, dtype=np.complex128)
     for part in parts:
-        series[part.n.astype(np.intp)] = sign * part.x.mean(axis=0)
-    values = np.fft.irfft(series) * (0.5 * _POINTS)
+        spectrum[part.n.astype(np.intp)] = sign * part.x.mean(axis=0)
+    values = np.fft.irfft(spectrum) * (0.5 * _POINTS)
     highest = int(np.argmax(values))
     noise = math.sqrt(0.5 * math.fsum(float(part.variance.sum()) for part in parts))
     rest = _rest(values, highest, noise) if rests else None
@@ -96,7 +94,19 @@ def _end(parts: list[Series], sign: float, rests: bool) -> tuple[Array, Array]:
         begin, end = (2.0 * math.pi / _POINTS * place for place in rest)
         middle = np.full(len(parts[0].x), 0.5 * (begin + end))
         return middle, sign * np.sum([part.mean_between(begin, end) for part in parts], axis=0)
-    return _peak(parts, sign, highest)
+
+    def motion(at: Array) -> Array:
+        return sign * np.sum([part.motion(at) for part in parts], axis=0)
+
+    limit = 2.0 * math.pi / _POINTS
+    at = np.full(len(parts[0].x), limit * highest)
+    for _ in range(4):
+        _, rate, bend = motion(at)
+        step = -rate / np.where(bend < 0.0, bend, -np.inf)
+        at = at + np.clip(step, -limit, limit)
+        if np.all(np.abs(step) < _REACHED):
+            break
+    return at, motion(at)[0]
 
 
 def _rest(values: Array, highest: int, noise: float) -> tuple[float, float] | None:
@@ -113,21 +123,3 @@ def _rest(values: Array, highest: int, noise: float) -> tuple[float, float] | No
         return None
     middle, quarter = highest + 0.5 * (after - before), 0.25 * (after + before)
     return middle - quarter, middle + quarter
-
-
-def _peak(parts: list[Series], sign: float, highest: int) -> tuple[Array, Array]:
-    """(ωt, x) at the largest value of sign·x, (r,), close to that of the 1,024 points."""
-    at = np.full(len(parts[0].x), 2.0 * math.pi / _POINTS * highest)
-    limit = 2.0 * math.pi / _POINTS
-
-    def motion(at: Array) -> Array:
-        moved: Array = sign * np.sum([part.motion(at) for part in parts], axis=0)
-        return moved
-
-    for _ in range(4):
-        _, rate, bend = motion(at)
-        step = np.where(bend < 0.0, -rate / np.where(bend < 0.0, bend, -1.0), 0.0)
-        at = at + np.clip(step, -limit, limit)
-        if np.all(np.abs(step) < _REACHED):
-            break
-    return at, motion(at)[0]

@@ -17,28 +17,217 @@ two channels) turns harmonic n by n times its angle, and can be left free.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
-from ..law.steady import Response
-from ..law.terms import FRICTION
+from ..law.steady import Response, steady_response
+from ..law.terms import FRICTION, KNOWN_TERMS
+from ..model import BaseMotion, Oscillator
+from .climb import OscillatorFit
 from .lines import Lines, improbable
-from .oscillator_fit import OscillatorFit
-from .unknowns import Unknowns
 
+_OTHERS = ("rho", "m", "delay")  # common unknowns in addition to the coefficients of the law
+_STEP = 1e-6  # of the finite differences: orbits are exact to 1e-13
+_LEAST = 2e-2  # of √(km): damping that sets the step where that of the point is smaller
 _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
+
+
+@dataclass(frozen=True, eq=False)
+class Unknowns:
+    """The unknowns of `law` for the records with these harmonics: their places in a point, and the motion that follows.
+
+    Common to all records, or to a group of them, are the coefficients of the law, ρ = K_z^{−1/2}, the mass m and a
+    delay; Y and the phase ψ of the base are each record's own. The stiffness k, N/m, is given.
+    """
+
+    law: Law
+    lines: tuple[Lines, ...]
+    k: float
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the common unknowns: the keys of the coefficients, rho, m and delay."""
+        return (*self.law.keys, *_OTHERS)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return len(self.names) + 2 * len(self.lines)
+
+    @cached_property
+    def at(self) -> list[dict[str, int]]:
+        """Places of the unknowns of each record: those of its law by symbol, rho, m, delay, Y and psi."""
+        places = []
+        for i in range(len(self.lines)):
+            common = {s: self.names.index(self.law.key(s, i)) for s in self.law.terms}
+            others = {name: self.names.index(name) for name in _OTHERS}
+            own = len(self.names) + 2 * i
+            places.append(common | others | {"Y": own, "psi": own + 1})
+        return places
+
+    def equivalents(self, symbol: str) -> Array:
+        """`equivalent_coefficient` of a term in each record, (n,)."""
+        return np.array([equivalent_coefficient(symbol, one, self.k) for one in self.lines])
+
+    def friction(self, points: Array) -> Array:
+        """F_k of points, (p, …), N; the mean over the groups, where it has some."""
+        places = [self.names.index(key) for key in self.law.keys_of(FRICTION)]
+        return points[places].mean(axis=0)
+
+    def response(self, point: Array, record: int, near: Response | None = None) -> Response:
+        """The motion of a record.   near : a motion from which to start."""
+        at, value = self.at[record], point.tolist()
+        c = value[at["c"]] if "c" in at else 0.0
+        oscillator = Oscillator(
+            m=value[at["m"]], c=c, k=self.k, K_z=value[at["rho"]] ** -2, F_k=value[at[FRICTION]]
+        )
+        law = {s: value[at[s]] for s in self.law.terms if s not in (FRICTION, "c")}
+        motion = BaseMotion(value[at["Y"]], self.lines[record].omega)
+        return steady_response(oscillator, motion, law, near)
+
+    def harmonics(
+        self, point: Array, record: int, response: Response, count: int, *, quickly: bool
+    ) -> tuple[Complexes, Complexes]:
+        """Harmonics n = 1, 3 … of a record, turned by ψ, m, (count,), and their derivatives, (count, unknowns).
+
+        By the common unknowns from neighbouring motions. By Y because x is homogeneous: of degree one in Y and in
+        p_j^{1/(1 − d_j)}, d_j the order of the term, so that Y ∂x/∂Y = x − Σ (1 − d_j) p_j ∂x/∂p_j.
+
+        quickly : from the equations of a nonlinear law where there are some, accurate to 1e-3 or so. Choose that during
+        a search, and differences for standard errors.
+        """
+        at = self.at[record]
+        n = np.arange(1, 2 * count, 2)
+        turn = np.exp(1j * n * point[at["psi"]])
+        x = response.harmonics(count)
+        known = response.slopes(count, self.law.terms) if quickly else None
+        if known is None:
+            slope = self._slopes(point, record, response, lambda motion: motion.harmonics(count))
+        else:
+            slope = np.zeros((count, point.size), dtype=np.complex128)
+            known["rho"] = -2.0 * point[at["rho"]] ** -3 * known.pop("K_z")
+            for name, by in known.items():
+                slope[:, at[name]] = by
+        slope[:, at["Y"]] = self._by_base(point, record, x, slope)
+        slope[:, at["psi"]] = 1j * n * x
+        return x * turn, slope * turn[:, None]
+
+    def onset(self, point: Array, record: int, response: Response) -> tuple[Array, Array]:
+        """(V_s, t_s, λ), SI, λ = 4X − a, and their derivatives, (3, unknowns)."""
+
+        def read(motion: Response) -> Array:
+            return np.array([motion.V_s, motion.t_s, motion.taken])
+
+        onset, slope = read(response), self._slopes(point, record, response, read)
+        degree = np.array([1.0, 0.0, 1.0])
+        slope[:, self.at[record]["Y"]] = self._by_base(point, record, degree * onset, slope)
+        return onset, slope
+
+    def _slopes(
+        self,
+        point: Array,
+        record: int,
+        response: Response,
+        read: Callable[[Response], NDArray[Any]],
+    ) -> NDArray[Any]:
+        """Derivatives of what is read off a motion by the common unknowns of its record, from neighbouring motions."""
+        here = read(response)
+        slope = np.zeros((here.size, point.size), dtype=here.dtype)
+        for j, step in self._steps(point, record).items():
+            moved = point.copy()
+            moved[j] += step
+            slope[:, j] = (read(self.response(moved, record, response)) - here) / step
+        return slope
+
+    def _steps(self, point: Array, record: int) -> dict[int, float]:
+        """Steps of differences by the common unknowns of a record: a part of each, or of what matters near zero."""
+        at, one = self.at[record], self.lines[record]
+        m, rho = float(point[at["m"]]), float(point[at["rho"]])
+        shortest = 1e-2 / (one.omega * math.sqrt(m))  # sticks for about 1e-2 of a cycle
+        parts = {FRICTION: float(point[at[FRICTION]]), "rho": max(rho, shortest), "m": m}
+        small = _LEAST * math.sqrt(self.k * m)
+        for symbol in self.law.terms:
+            if symbol != FRICTION:
+                least = small * equivalent_coefficient(symbol, one, self.k)
+                parts[symbol] = max(float(point[at[symbol]]), least)
+        return {at[name]: _STEP * part for name, part in parts.items()}
+
+    def _by_base(self, point: Array, record: int, value: Any, slope: Any) -> Any:
+        at = self.at[record]
+        for symbol in self.law.terms:
+            power = 1 - KNOWN_TERMS[symbol].order
+            if power:
+                value = value - power * point[at[symbol]] * slope[:, at[symbol]]
+        return value / point[at["Y"]]
+
+    def start(self, candidate: Array, relative: Array) -> Array:
+        """The point of an oscillator (F_k, c, K_z, m) of `lines.starts`.
+
+        relative : friction of each record over F_k.   The work of c is shared out among the terms that are not given.
+        """
+        F_k, c, K_z, m = candidate.tolist()
+        law, point = self.law, np.zeros(self.size)
+        equivalents = {s: float(np.median(self.equivalents(s))) for s in law.terms}
+        known = math.fsum(p / equivalents[s] for s, p in law.given.items() if s != FRICTION)
+        free = [s for s in law.terms[1:] if s not in law.given]
+        for i, one in enumerate(self.lines):
+            at = self.at[i]
+            point[at[FRICTION]] = law.given.get(FRICTION, F_k * relative[i])
+            for s in law.terms[1:]:
+                share = max(c - known, 0.0) / max(1, len(free)) * equivalents[s]
+                point[at[s]] = law.given.get(s, share)
+            point[at["rho"]], point[at["m"]], point[at["Y"]] = K_z**-0.5, m, one.Y
+        return point
+
+    def lower(self, point: Array, rigid: float) -> Array:
+        """Least values of the unknowns around a point.   rigid : least ρ."""
+        least = np.zeros(self.size)  # of the coefficients of the law
+        for i, one in enumerate(self.lines):
+            at = self.at[i]
+            least[at["psi"]] = least[at["delay"]] = -math.inf
+            least[at[FRICTION]] = 1e-9 * point[at[FRICTION]]
+            least[at["rho"]], least[at["m"]] = rigid, 1e-6 * point[at["m"]]
+            least[at["Y"]] = 1e-3 * one.Y
+        return least
+
+    def scale(self, point: Array) -> Array:
+        """Sizes below which the unknowns count as zero."""
+        scale = np.ones(self.size)
+        for i, one in enumerate(self.lines):
+            at = self.at[i]
+            small = 1e-3 * math.sqrt(self.k * point[at["m"]])
+            for symbol in self.law.terms[1:]:
+                scale[at[symbol]] = small * equivalent_coefficient(symbol, one, self.k)
+            for name, size in ((FRICTION, 1.0), ("rho", 1e-3), ("m", 1.0)):
+                scale[at[name]] = size * point[at[name]]
+            scale[at["Y"]] = one.Y
+        scale[self.names.index("delay")] = 1e-3 / max(one.omega for one in self.lines)
+        return scale
+
+
+def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
+    """Coefficient of a term that dissipates about as much in a record as a damper of 1 N s/m, from its fundamental."""
+    harmonic = KNOWN_TERMS[symbol].harmonic
+    if harmonic is None:
+        return 1.0
+    X = abs(one.x[0])
+    viscous: float = math.pi * one.omega * X**2
+    return viscous / float(harmonic(one.omega, X, 0.0, 0.0, k))
 
 
 @dataclass(frozen=True, eq=False)
 class WaveformFit(OscillatorFit):
     """The oscillator whose waveforms fit the harmonics of n records best.
 
-    lines : harmonics of the records.
-    unknowns : names and places of the p unknowns.
+    unknowns : names and places of the p unknowns, and the harmonics of the records.
     response : derivatives of the point by the data in units of their errors, (p, data): dp = response · d(data)/σ; the
     data of a record are |Y|, its phase, Re x_n, Im x_n.
     places : places of each record's data.
@@ -47,13 +236,17 @@ class WaveformFit(OscillatorFit):
     evaluations : evaluations that the search took.
     """
 
-    lines: tuple[Lines, ...]
     unknowns: Unknowns
     response: Array
     places: tuple[slice, ...]
     freedom: int
     undamped: tuple[str, ...]
     evaluations: int = 0
+
+    @property
+    def lines(self) -> tuple[Lines, ...]:
+        """Harmonics of the records."""
+        return self.unknowns.lines
 
     @property
     def law(self) -> Law:
@@ -93,10 +286,7 @@ class WaveformFit(OscillatorFit):
     @cached_property
     def responses(self) -> tuple[Response, ...]:
         """The motion of each record."""
-        responses: list[Response] = []
-        for i, one in enumerate(self.lines):
-            responses.append(self.unknowns.response(self.point, i, one.omega))
-        return tuple(responses)
+        return tuple(self.unknowns.response(self.point, i) for i in range(len(self.lines)))
 
     @property
     def slips(self) -> Mask:
@@ -106,7 +296,13 @@ class WaveformFit(OscillatorFit):
     @cached_property
     def waveforms(self) -> tuple[Waveform, ...]:
         """Waveform of each record, from which its features are read."""
-        return tuple(_waveform(self, i) for i in range(len(self.lines)))
+        waveforms = []
+        for i, response in enumerate(self.responses):
+            of_record = (self.point, i, response)
+            onset = self.unknowns.onset(*of_record)
+            tail = self.unknowns.harmonics(*of_record, _HARMONICS, quickly=False)
+            waveforms.append(Waveform(self, i, response, *onset, *tail))
+        return tuple(waveforms)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +326,7 @@ class Waveform:
     @property
     def F_k(self) -> float:
         """Friction force of the record, N."""
-        return float(self.fit.point[self.fit.unknowns.at(self.index)[FRICTION]])
+        return float(self.fit.point[self.fit.unknowns.at[self.index][FRICTION]])
 
     @property
     def length(self) -> float:
@@ -140,17 +336,7 @@ class Waveform:
     @property
     def length_slope(self) -> Array:
         """Derivatives of L by the unknowns, (p,)."""
-        slope, at = np.zeros(self.fit.point.size), self.fit.unknowns.at(self.index)
+        slope, at = np.zeros(self.fit.point.size), self.fit.unknowns.at[self.index]
         slope[at[FRICTION]] = 2.0 * self.fit.rho**2
         slope[at["rho"]] = 4.0 * self.F_k * self.fit.rho
         return slope
-
-
-def _waveform(fit: WaveformFit, i: int) -> Waveform:
-    """The waveform of record i."""
-    one, response = fit.lines[i], fit.responses[i]
-    onset, slope = fit.unknowns.onset(fit.point, i, one, response)
-    tail, tail_slope = fit.unknowns.harmonics(
-        fit.point, i, one, response, _HARMONICS, quickly=False
-    )
-    return Waveform(fit, i, response, onset, slope, tail, tail_slope)

@@ -18,7 +18,7 @@ from ..identification.oscillator import JointFit, joined, joint_fit
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
-from ..reading.noisy import Reading, read_features
+from ..reading.mean_harmonics import Reading, read_features
 from ..reading.simpson import cycle_integrals, replicates_of
 from ..records.measurement import Measurement
 from ..records.synthetic import measured_orbit

@@ -23,7 +23,7 @@ from ..law.terms import FRICTION, KNOWN_TERMS
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit
 from ..motion.regime import Regime
-from ..reading.noisy import Reading, read_features
+from ..reading.mean_harmonics import Reading, read_features
 from ..records.synthetic import measured_orbit
 from .routes import NONE, law_named, terms_named
 

@@ -18,7 +18,7 @@ from dampbalance.identification.law_comparison import _rejected, compare_laws
 from dampbalance.identification.screen import text
 from dampbalance.law.law import Law
 from dampbalance.law.response import law_orbit
-from dampbalance.reading.noisy import read_features
+from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER
 

@@ -16,7 +16,7 @@ from dampbalance.identification.document import document, estimates_table
 from dampbalance.identification.forced import _parameter, identify_readings
 from dampbalance.identification.screen import text
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
-from dampbalance.reading.noisy import RESOLVED, read_features
+from dampbalance.reading.mean_harmonics import RESOLVED, read_features
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at

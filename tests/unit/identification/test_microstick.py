@@ -9,7 +9,7 @@ import pytest
 
 from dampbalance.identification.microstick import microstick, read_samples
 from dampbalance.identification.oscillator import JointFit, joined, joint_fit
-from dampbalance.reading.noisy import read_features
+from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER, orbits_at
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dampbalance.identification.oscillator import joined, joint_fit
-from dampbalance.reading.noisy import read_features
+from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import NEAR, PAPER, orbits_at
 from unit.reading.harmonics import lines_of

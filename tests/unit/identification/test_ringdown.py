@@ -17,10 +17,9 @@ from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.forced import identify_readings
 from dampbalance.motion.jit import interpreted
 from dampbalance.reading.cycles import clipped
-from dampbalance.reading.noisy import read_features
+from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.reading.ringdown_bursts import Signal
-from dampbalance.reading.ringdown_fit import fit_stretches
-from dampbalance.reading.ringdown_motion import Stretch
+from dampbalance.reading.ringdown_fit import Decay, fit_decays
 from dampbalance.reading.ringdown_rows import rows_of
 from dampbalance.records.correction import Correction
 from dampbalance.records.measurement import Channel, Measurement
@@ -103,7 +102,7 @@ def test_the_balance_uses_what_the_samples_hold():
 
 def test_what_held_the_mass_before_is_left_out():
     measured, (free,) = record(PLUCKED)
-    (start,) = (one.start for one in identify_ring_downs([measured], PLUCKED.k).fit.stretches)
+    (start,) = (one.start for one in identify_ring_downs([measured], PLUCKED.k).fit.decays)
     # from the release on, and within a tenth of a cycle of it
     assert -0.5 / PLUCKED.rate_hz < start - free < 0.1 * 2.0 * math.pi / PLUCKED.omega_n
 
@@ -118,7 +117,7 @@ def test_several_blows_and_releases_in_one_record():
     )
     measured, free = record(decay)
     result = identify_ring_downs([measured], decay.k)
-    starts = [one.start for one in result.fit.stretches]
+    starts = [one.start for one in result.fit.decays]
     # within an eighth of a cycle after each
     assert np.subtract(starts, free) == pytest.approx([0.02] * 3, abs=0.025)
     holds(result, decay)
@@ -216,7 +215,7 @@ def test_a_decay_without_a_half_cycle_that_slips_has_its_start():
     )["displacement"]
     signal = Signal("displacement", 0, stuck.t, stuck.values, 2.5e-5)
     start = np.array([100.0, 3.0, 6000.0**-0.5, 1.0, 0.0, 0.005, 0.0, 1.3])
-    fit = fit_stretches([Stretch("a", 0.0, 0.8, (signal,), (0,), 0.08)], 400.0, start, given={0})
+    fit = fit_decays([Decay("a", 0.0, 0.8, (signal,), 0.08)], 400.0, start, given={0})
     rows = rows_of(fit)
     assert rows.halves == 0
     ((turns, errors),) = rows.turns

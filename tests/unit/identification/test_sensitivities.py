@@ -10,7 +10,7 @@ import pytest
 from dampbalance.identification.document import document
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.sensitivities import FAULTS
-from dampbalance.reading.noisy import Reading, read_features
+from dampbalance.reading.mean_harmonics import Reading, read_features
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER, orbits_at
 

@@ -15,9 +15,8 @@ from paper_case import FREQUENCIES_HZ, LEVELS, OMEGA, PAPER, motions_at
 from unit.likelihood.sampled import covariance, derivatives
 
 MOTIONS = motions_at()
-WEAK = Oscillator(
-    m=2.42, c=3.0, k=2310.0, K_z=69_300.0, F_k=1.28
-)  # slips several times a half cycle
+# slips several times a half cycle
+WEAK = Oscillator(m=2.42, c=3.0, k=2310.0, K_z=69_300.0, F_k=1.28)
 
 
 def bound(osc=PAPER, motions=MOTIONS, noise=None, rate_hz=2000.0, cycles=10.0, free=()):
@@ -43,9 +42,8 @@ def in_errors(covariance):
 def test_the_bound_is_that_of_every_sample(osc, hz, free):
     motions = motions_at(hz, (0.004, 0.012)) if osc is not WEAK else motions_at(hz, (8e-4, 14e-4))
     noise = {"y": 5e-5, "x": (2e-5, 7e-5)}  # a σ for each of two levels
-    rate = (
-        200.0 * hz
-    )  # whole cycles, and enough samples that the onset of slip falls between all kinds of them
+    # whole cycles, and enough samples that the onset of slip falls between all kinds of them
+    rate = 200.0 * hz
     errors, correlations = in_errors(covariance(osc, motions, rate, 40.0, noise, free))
     found = bound(osc, motions, noise, rate, 40.0, free)
     stated, between = in_errors(found.covariance)

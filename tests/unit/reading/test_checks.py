@@ -55,12 +55,8 @@ def test_fewest_cycles_and_rows():
         (21e-6, 0.0, 100, "at 5.000105 ± 0 Hz, not at the 5 Hz given (+21 ppm)"),
         (-50e-6, 8e-6, 1000, "(-50 ppm)"),
         (50e-6, 11e-6, 1000, ""),  # not resolved
-        (
-            50e-6,
-            8e-6,
-            12,
-            "",
-        ),  # nor where 10 degrees of freedom know the error badly: 11 standard errors are needed
+        # nor where 10 degrees of freedom know the error badly: 11 standard errors are needed
+        (50e-6, 8e-6, 12, ""),
         (50e-6, 4e-6, 12, "(+50 ppm)"),
         (0.0055, 0.0, 3, "(+0.55 %)"),
     ],
@@ -256,16 +252,10 @@ def test_even_harmonics_are_asymmetry_and_odd_ones_are_not():
 
 def test_the_base_puts_work_in_where_the_response_lags():
     error = 0.003 * math.sqrt(0.5)
-    for lag, warned in (
-        (0.5, False),
-        (0.0, False),
-        (-0.0149, False),
-        (-0.0151, True),
-        (-2.0, True),
-    ):
+    for lag in (0.5, 0.0, -0.0149, -0.0151, -2.0):
         X = 3.0 * np.exp(-1j * (lag + 0.4))
         words = list(checks.work(np.exp(-0.4j), complex(X), error, 3.0 * error))
-        assert len(words) == warned, lag
+        assert len(words) == (lag < -0.015), lag
 
 
 def test_a_weighted_mean_divides_by_its_weights():

@@ -31,8 +31,8 @@ def parabola(best, seen=None):
 def test_it_finds_the_least_value_of_a_parabola(best):
     # one unknown may be right from the start
     end = climb(parabola(np.array(best)), np.ones(2), BOTH, FREE, ONES)
-    # a full step gains less than 1e-8: within 1e-4 of a standard error, of which the larger is 0.8
-    assert end.point == pytest.approx(best, abs=1e-4)
+    # a full step gains less than 5e-8: within 3e-4 of a standard error, of which the larger is 0.8
+    assert end.point == pytest.approx(best, abs=3e-4)
 
 
 @pytest.mark.parametrize(
@@ -82,7 +82,7 @@ def test_columns_that_hardly_differ_are_told_apart():
     J, best = np.array([[1.0, 1.0], [1.0, 1.001], [1.0, 0.999]]), np.array([0.5, 2.0])
     end = climb(lambda p: Evaluation(J @ (p - best), J), np.zeros(2), BOTH, FREE, ONES)
     # standard errors, by the columns' difference of 1e-3: 700
-    assert end.point == pytest.approx(best, abs=0.07)
+    assert end.point == pytest.approx(best, abs=3e-4 * 700.0)
 
 
 def test_a_climb_ends_where_no_step_helps_and_after_so_many_evaluations():

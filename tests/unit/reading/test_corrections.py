@@ -46,6 +46,19 @@ def _sampled(amplitudes, response, quantity):
     return (c[:, None] * np.exp(1j * n[:, None] * OMEGA * T)).real.sum(axis=0)
 
 
+def _correction(**rule):
+    """What a mapping with this rule for the displacement corrects."""
+    channels = {"displacement": {"channel": 1} | rule, "force": {"channel": 2}}
+    return mapping_from({"channels": channels}).channels["displacement"].correction
+
+
+def _conditioned(displacement, correction=None):
+    """The steady state of these samples of the displacement, and a clean base."""
+    base = Channel("base_displacement", T, MOTION.Y * np.cos(OMEGA * T))
+    x = Channel("displacement", T, displacement, "x", correction)
+    return condition(Measurement.of("x", [base, x]), PAPER.k)
+
+
 HARMONICS = [X * np.exp(-1j * lag) for X, lag in map(ORBIT.harmonic, ORDERS.tolist())]
 
 CORRECTED = [
@@ -97,14 +110,8 @@ def test_gain_delay_and_filters_are_taken_off(quantity, told, response, of):
 
 def test_noise_is_that_of_the_samples_and_errors_are_those_of_the_signal():
     rng = np.random.default_rng(1)
-    base = Channel("base_displacement", T, MOTION.Y * np.cos(OMEGA * T))
     values = 2.0 * (ORBIT.state(T).x + 1e-5 * rng.standard_normal(T.size))
-    doubled = mapping_from(
-        {"channels": {"displacement": {"channel": 1, "gain": 2}, "force": {"channel": 2}}}
-    ).channels["displacement"]
-    corrected = Channel("displacement", T, values, "x", doubled.correction)
-    halved = Channel("displacement", T, 0.5 * values, "x")
-    a, b = (condition(Measurement.of("x", [base, x]), PAPER.k) for x in (corrected, halved))
+    a, b = _conditioned(values, _correction(gain=2)), _conditioned(0.5 * values)
     assert a.noise_rms["displacement"] == pytest.approx(2.0 * b.noise_rms["displacement"])
     np.testing.assert_allclose(a.X_error, b.X_error, rtol=1e-9)
     np.testing.assert_allclose(a.X, b.X, rtol=0, atol=1e-15)
@@ -112,43 +119,21 @@ def test_noise_is_that_of_the_samples_and_errors_are_those_of_the_signal():
 
 def test_a_drifting_offset_leaves_a_corrected_channel_alone():
     """The drift is in the samples, after all that the channel does to the signal."""
-    told = {"gain": 1.5, "delay": 3e-3, "low_pass": {"corner_hz": 30.0, "order": 2}}
-    rule = mapping_from(
-        {"channels": {"displacement": {"channel": 1} | told, "force": {"channel": 2}}}
-    )
-    correction = rule.channels["displacement"].correction
-    base = Channel("base_displacement", T, MOTION.Y * np.cos(OMEGA * T))
+    correction = _correction(gain=1.5, delay=3e-3, low_pass={"corner_hz": 30.0, "order": 2})
     x = _sampled(HARMONICS, correction.response, "displacement")
-    signals = (Channel("displacement", T, x + drift, "x", correction) for drift in (0.0, 1e-4 * T))
-    a, b = (condition(Measurement.of("x", [base, one]), PAPER.k) for one in signals)
+    a, b = (_conditioned(x + drift, correction) for drift in (0.0, 1e-4 * T))
     np.testing.assert_allclose(a.mean(a.X)[1:8], b.mean(b.X)[1:8], atol=1e-6 * ORBIT.X)
 
 
 def test_harmonics_that_a_filter_does_not_pass_are_none():
-    told = {"low_pass": {"corner_hz": 20.0, "order": 8}}  # 1e-3 at 47 Hz: the ninth harmonic
-    rule = mapping_from(
-        {"channels": {"displacement": {"channel": 1} | told, "force": {"channel": 2}}}
-    )
-    correction = rule.channels["displacement"].correction
-    base = Channel("base_displacement", T, MOTION.Y * np.cos(OMEGA * T))
+    # 1e-3 at 47 Hz: the ninth harmonic
+    correction = _correction(low_pass={"corner_hz": 20.0, "order": 8})
     x = _sampled(HARMONICS, correction.response, "displacement")
-    steady = condition(
-        Measurement.of("x", [base, Channel("displacement", T, x, "x", correction)]), PAPER.k
-    )
-    assert steady.X.shape[1] == 1 + math.floor(20.0 * 1e3 ** (1 / 8) / (OMEGA / (2.0 * math.pi)))
-    slow = mapping_from(
-        {
-            "channels": {
-                "displacement": {"channel": 1, "low_pass": {"corner_hz": 0.01, "order": 3}},
-                "force": {"channel": 2},
-            }
-        }
-    ).channels["displacement"]
-    lost = Channel("displacement", T, x, "x", slow.correction)
-    with pytest.raises(
-        ValueError, match=r"x: displacement: its filter leaves less than 0\.001 of the 4\.9"
-    ):
-        condition(Measurement.of("x", [base, lost]), PAPER.k)
+    count = 1 + math.floor(20.0 * 1e3 ** (1 / 8) / (OMEGA / (2.0 * math.pi)))
+    assert _conditioned(x, correction).X.shape[1] == count
+    lost = r"x: displacement: its filter leaves less than 0\.001 of the 4\.9"
+    with pytest.raises(ValueError, match=lost):
+        _conditioned(x, _correction(low_pass={"corner_hz": 0.01, "order": 3}))
 
 
 @pytest.mark.parametrize(
@@ -206,10 +191,8 @@ def test_a_mapping_corrects_a_file_whole_or_in_blocks(tmp_path, monkeypatch):
 
 
 def test_what_needs_a_correction_yet_is_not_written(tmp_path):
-    rule = mapping_from(
-        {"channels": {"displacement": {"channel": 1, "gain": 2}, "force": {"channel": 2}}}
-    ).channels["displacement"]
-    made = [Channel(q, T, np.cos(T), q, rule.correction) for q in ("force", "displacement")]
+    correction = _correction(gain=2)
+    made = [Channel(q, T, np.cos(T), q, correction) for q in ("force", "displacement")]
     with pytest.raises(RecordError, match="cannot hold that the force is to be corrected"):
         write(tmp_path / "out.csv", Measurement.of("x", made))
     assert not list(tmp_path.iterdir())

@@ -8,10 +8,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy import stats
+from scipy.optimize import nnls
 
 from dampbalance.motion.regime import Regime
 from dampbalance.reading.conditioning import condition
-from dampbalance.reading.lines import CHANCE, CLEAR, Lines, improbable, linear_misfit, starts
+from dampbalance.reading.lines import (
+    CHANCE,
+    CLEAR,
+    Lines,
+    _not_negative,
+    improbable,
+    linear_misfit,
+    starts,
+)
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, orbits_at
 from unit.reading.harmonics import lines_of
@@ -97,6 +106,17 @@ def test_no_start_where_no_work_goes_in():
     (orbit,) = orbits_at(NEAR, (0.008,))
     lines = lines_of(orbit, 1e-6)
     assert starts([replace(lines, x=lines.x.conj())], PAPER.k).shape == (0, 4)
+
+
+def test_neither_of_two_numbers_is_below_zero():
+    rng = np.random.default_rng(3)
+    signs = set()
+    for _ in range(200):
+        columns = rng.random((4, 2)) * [1.0, rng.choice([0.1, 1.0, 10.0])]
+        expected, _ = nnls(columns, np.ones(4))
+        assert _not_negative(columns) == pytest.approx(tuple(expected), rel=1e-9, abs=1e-12)
+        signs.add(tuple(expected > 0.0))
+    assert len(signs) == 3  # both, and each alone
 
 
 # --- whether there is anything to fit --------------------------------------------------------------

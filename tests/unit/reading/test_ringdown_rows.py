@@ -13,10 +13,9 @@ from dampbalance.motion.events import PHASE_X
 from dampbalance.motion.jit import interpreted
 from dampbalance.motion.states import states_in_phases
 from dampbalance.reading.ringdown_bursts import Signal
-from dampbalance.reading.ringdown_fit import fit_stretches
-from dampbalance.reading.ringdown_motion import Stretch, numbers_of, samples_of
+from dampbalance.reading.ringdown_fit import Decay, fit_decays, numbers_of, samples_of
 from dampbalance.reading.ringdown_rows import _basis, _columns, _course, _turns
-from dampbalance.reading.ringdown_starts import (
+from dampbalance.reading.ringdown_search import (
     _before,
     _until_disturbed,
     _until_grasped,
@@ -34,7 +33,7 @@ def test_a_half_cycle_counts_if_half_of_it_is_recorded(cycles, halves):
     """Under friction alone the turns lie at half periods of the mass on its spring, x_n = (−1)^n (x_0 − 2n F_k/k), and
     ∫ ẋ² dt between them is that of a cosine of amplitude x_n − F_k/k."""
     with interpreted():
-        course = _course(POINT, STATE, K, Stretch("", 0.0, cycles * HALF, (), (), 2.0 * HALF))
+        course = _course(POINT, STATE, K, Decay("", 0.0, cycles * HALF, (), 2.0 * HALF))
     n = np.arange(halves + 1)
     turns = (-1.0) ** n * (START - 2.0 * n * F_K / K)
     # the contact gives way by 1e-8 of the spring
@@ -49,14 +48,14 @@ def test_a_half_cycle_counts_if_half_of_it_is_recorded(cycles, halves):
 
 def test_a_search_from_other_starts_keeps_what_is_given():
     t = np.arange(0.0, 4.0 * HALF, HALF / 20.0)
-    unread = Stretch("", 0.0, t[-1], (Signal("displacement", 0, t, t, 1e-5),), (0,), 2.0 * HALF)
+    unread = Decay("", 0.0, t[-1], (Signal("displacement", 0, t, t, 1e-5),), 2.0 * HALF)
     point = np.concatenate([[F_K, 0.3, 1.0 / math.sqrt(30.0 * K), M, 0.0], STATE])
     rho, w = 2, 7
     with interpreted():
         signal = replace(unread.signals[0], values=samples_of(point, STATE, K, unread))
         far = point.copy()
         far[:2] = 0.2 * F_K, 2.0
-        fit = fit_stretches([replace(unread, signals=(signal,))], K, far, given={0, 1, rho, w})
+        fit = fit_decays([replace(unread, signals=(signal,))], K, far, given={0, 1, rho, w})
         assert fit.doubtful
         better = refit_from_other_starts(fit, given={rho, w})
     assert better.point[[rho, w]].tolist() == point[[rho, w]].tolist()
@@ -71,16 +70,16 @@ def test_the_state_a_step_earlier_is_that_of_the_damped_motion():
     rest = np.array([-F_K / K, 0.0])
     exact = rest + expm(-step * np.array([[0.0, 1.0], [-K / M, -c / M]])) @ (now - rest)
     point = np.concatenate([[F_K, c], POINT[2:]])
-    x, v, w = _before(np.concatenate([point, now, [2.0]]), K, step)
+    x, v, w = _before(np.concatenate([point, now, [2.0]]), K, step)[-3:]
     # of second order; 16 steps of (ωh, hc/m) = (0.016, 0.012) leave 1.3e-3
     assert [x, v] == pytest.approx(exact, rel=3e-3)
     assert w == 2.0
 
 
 def decay(last, k_z=30.0 * K, noise=1e-6):
-    """A stretch of exact samples with a little noise, `last` half cycles long, and the fit of its offset alone."""
+    """A decay of exact samples with a little noise, `last` half cycles long, and the fit of its offset alone."""
     t = np.arange(0.0, last * HALF, HALF / 20.0)
-    unread = Stretch("", 0.0, t[-1], (Signal("displacement", 0, t, t, noise),), (0,), 2.0 * HALF)
+    unread = Decay("", 0.0, t[-1], (Signal("displacement", 0, t, t, noise),), 2.0 * HALF)
     point = np.concatenate([[F_K, 0.3, k_z**-0.5, M, 0.0], STATE])
     exact = samples_of(point, STATE, K, unread)
     values = exact + noise * np.random.default_rng(8).standard_normal(t.size)
@@ -88,7 +87,7 @@ def decay(last, k_z=30.0 * K, noise=1e-6):
 
 
 def changed(whole, since, values):
-    """The stretch with other values from a time on."""
+    """The decay with other values from a time on."""
     (signal,) = whole.signals
     late = signal.t >= since
     return replace(whole, signals=(replace(signal, values=np.where(late, values, signal.values)),))
@@ -100,9 +99,9 @@ def test_a_fit_ends_where_something_else_moves_the_mass():
     whole = changed(whole, disturbed, whole.signals[0].values + 1e-4)
     good = disturbed - 2.0 * HALF
     with interpreted():
-        fit = fit_stretches([whole.cut(0.0, good)], K, point, given={7})
+        fit = fit_decays([whole.cut(0.0, good)], K, point, given={7})
         found = _until_disturbed(fit, whole, whole.end)
-    end = found.stretches[0].end
+    end = found.decays[0].end
     # bisected to a twentieth of a half cycle, then half a cycle less: where a disturbance began may show late
     assert disturbed - 1.3 * HALF < end < disturbed - 0.8 * HALF
     assert found.adequate
@@ -117,13 +116,13 @@ def test_a_decay_ends_where_a_hand_holds_the_mass_that_rang(grasped):
         held = whole.signals[0].values[-1] + 1e-6 * rng.standard_normal(whole.signals[0].t.size)
         whole = changed(whole, grasped * HALF, held)
     with interpreted():
-        fit = fit_stretches([whole], K, point, given={0, 1, 2, 3, 5, 6, 7})
+        fit = fit_decays([whole], K, point, given={0, 1, 2, 3, 5, 6, 7})
         found = _until_grasped(fit)
     if grasped is None:
         assert found is fit
     else:
         # the ringing, of a few times the noise, tells the instant to some samples
-        assert found.stretches[0].end == pytest.approx(grasped * HALF, abs=0.3 * HALF)
+        assert found.decays[0].end == pytest.approx(grasped * HALF, abs=0.3 * HALF)
 
 
 @pytest.mark.parametrize("order", [0, 1, 2])

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, steady_orbit
-from dampbalance.reading.quadrature import integrals
-from dampbalance.reading.simpson import cycle_integrals, replicates_of
+from dampbalance.reading.simpson import cycle_integrals, integrals, replicates_of
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import OMEGA, PAPER
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from dampbalance.reading.conditioning import condition
-from dampbalance.reading.noisy import Reading
+from dampbalance.reading.mean_harmonics import Reading
 from dampbalance.records.measurement import Channel, Measurement
 from unit.reading.stopping import Steady, Stopping, steady
 
@@ -155,21 +155,20 @@ def test_stops_that_begin_earlier_in_one_cycle_than_in_the_next_are_no_drop_outs
     assert kept.cycles == 10
 
 
-def test_what_is_cut_off_a_stopping_motion_is_told():
-    of = motion("both")
-    clean = record(of)
-    x = clean["displacement"]
-    cut = np.minimum(x.values, 0.6 * x.values.max())
-    cut_record = Measurement.of("cut", [clean["base_displacement"], Channel(x.quantity, x.t, cut)])
-    assert "clipped" in " ".join(condition(cut_record, of.of.k).warnings)
+def cut(x):
+    return np.minimum(x, 0.6 * x.max())
 
 
-def test_a_drop_out_of_a_stopping_motion_is_told():
-    of = motion("both")
-    clean = record(of)
-    x = clean["displacement"]
-    held = x.values.copy()
-    fastest = 1000 + int(np.argmax(np.abs(np.diff(held[1000:1250]))))
-    held[fastest - 4 : fastest + 5] = held[fastest - 4]
-    spoiled = Measurement.of("held", [clean["base_displacement"], Channel(x.quantity, x.t, held)])
-    assert "a drop-out: 9 samples" in " ".join(condition(spoiled, of.of.k).warnings)
+def held(x):
+    fastest = 1000 + int(np.argmax(np.abs(np.diff(x[1000:1250]))))
+    x = x.copy()
+    x[fastest - 4 : fastest + 5] = x[fastest - 4]
+    return x
+
+
+@pytest.mark.parametrize(("spoil", "said"), [(cut, "clipped"), (held, "a drop-out: 9 samples")])
+def test_a_stopping_motion_may_be_clipped_or_dropped_out(spoil, said):
+    y, x = record(motion("both")).channels.values()
+    spoiled = Channel(x.quantity, x.t, spoil(x.values))
+    warnings = condition(Measurement.of("spoiled", [y, spoiled]), motion("both").of.k).warnings
+    assert said in " ".join(warnings)

@@ -11,7 +11,7 @@ import pytest
 from scipy import stats
 
 from dampbalance.reading.conditioning import condition
-from dampbalance.reading.noisy import Reading
+from dampbalance.reading.mean_harmonics import Reading
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.replication.frame.findings import Findings, Prediction, findings
 from dampbalance.replication.frame.line import GRAVITY, load_line

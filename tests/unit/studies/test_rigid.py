@@ -102,7 +102,7 @@ def test_records_without_noise_give_the_same(computed, table):
     for q in ("F_k", "c"):
         column = f"{q}_relative_error__direct__rigid__least_squares"
         equal = column.replace("rigid", "rigid__equal")
-        # what is left is the fit of the waveform beyond the harmonics read: test_noisy.py
+        # what is left is the fit of the waveform beyond the harmonics read: test_mean_harmonics.py
         np.testing.assert_allclose(read[equal], table[column], atol=1e-4)
         assert np.isfinite(read[f"{q}_covered__direct__rigid__equal__least_squares"]).all()
 

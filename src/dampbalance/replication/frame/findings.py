@@ -17,7 +17,7 @@ from ...identification.loading import Loaded, load
 from ...identification.remarks import DIRECT
 from ...law.law import Law, law_of
 from ...law.terms import FRICTION, named_with_unit, term
-from ...reading.noisy import Reading, read_features
+from ...reading.mean_harmonics import Reading, read_features
 from ...records.measured import read_records
 from ...records.measurement import Channel, Measurement
 from .line import load_line

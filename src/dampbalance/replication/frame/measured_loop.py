@@ -16,7 +16,7 @@ import numpy as np
 
 from ...arrays import Array, Mask
 from ...law.terms import KNOWN_TERMS
-from ...reading.noisy import Reading
+from ...reading.mean_harmonics import Reading
 
 _POINTS = 4096  # of a cycle
 AT_REST = 0.02

@@ -67,8 +67,7 @@ class Means:
         `turn`, rad at the drive frequency, n times that at harmonic n; each (r,)."""
 
         def turned(x: Complexes, n: Array) -> Complexes:
-            changed: Complexes = x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
-            return changed
+            return x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
 
         return Means(
             self.Y * (1.0 + drive),
@@ -111,7 +110,7 @@ class Reading:
     @property
     def slips(self) -> bool | None:
         """Whether the contact slips; None where no waveform fits."""
-        return None if self.waveform is None else bool(self.waveform.fit.slips[self.waveform.index])
+        return None if self.waveform is None else self.waveform.response.slips
 
     @cached_property
     @one_thread
@@ -126,7 +125,7 @@ class Reading:
         waveform = self.waveform
         if waveform is None:
             raise ValueError(f"{self.steady.source}: no waveform fits")
-        at = waveform.fit.unknowns.at(waveform.index)
+        at = waveform.fit.unknowns.at[waveform.index]
         x = waveform.response.harmonics(max(self.lines.n.size, waveform.tail.size))
         exact = replace(waveform, tail=x)  # with the phase of its own base
         none = np.zeros((1, 0), dtype=np.complex128)
@@ -154,17 +153,14 @@ class Reading:
     @cached_property
     def mean(self) -> Means:
         """The means over all rows."""
-        every = np.ones((1, len(self.steady.weights))) * self.steady.weights
-        return replace(
-            self._drawn(every, 0.0, 1.0), Y=np.array([self.lines.Y]), x=self.lines.x[None]
-        )
+        means = self._drawn(self.steady.weights[None], 0.0, 1.0)
+        return replace(means, Y=np.array([self.lines.Y]), x=self.lines.x[None])
 
     @one_thread
     def resampled(self, count: int, rng: np.random.Generator) -> Means:
         """`count` bootstrap replicates of the means: of rows drawn with replacement."""
-        weights = self.steady.weights
-        drawn, stretch = bootstrap(len(weights), count, rng)
-        return self._drawn(drawn * weights, stretch, 2.0)
+        drawn, stretch = bootstrap(len(self.steady.weights), count, rng)
+        return self._drawn(drawn * self.steady.weights, stretch, 2.0)
 
     @one_thread
     def left_out(self) -> Means:
@@ -176,26 +172,18 @@ class Reading:
         rows = len(weights)
         groups = min(rows, _JACKKNIFE_GROUPS)
         member = np.arange(rows) * groups // rows
-        return self._drawn(
-            np.where(member[None, :] == np.arange(groups)[:, None], 0.0, weights), 1.0, 1.0
-        )
+        return self._drawn(np.where(member == np.arange(groups)[:, None], 0.0, weights), 1.0, 1.0)
 
     def moved(self, means: Means) -> Array:
         """Changes of the unknowns of the fit with these means of the record, (p, r), to first order."""
         waveform = self.waveform
         if waveform is None:
             return np.zeros((0, len(means.Y)))
-        off = means.x - self.lines.x
-        data = np.vstack(
-            [
-                (means.Y - self.lines.Y) / self.lines.Y_error,
-                np.zeros(len(means.Y)),
-                (off.real / self.lines.x_error).T,
-                (off.imag / self.lines.x_error).T,
-            ]
-        )
-        moved: Array = waveform.fit.response[:, waveform.fit.places[waveform.index]] @ data
-        return moved
+        lines, off = self.lines, (means.x - self.lines.x).T
+        error = lines.x_error[:, None]
+        Y = (means.Y - lines.Y) / lines.Y_error
+        data = np.vstack([Y, np.zeros(Y.size), off.real / error, off.imag / error])
+        return waveform.fit.response[:, waveform.fit.places[waveform.index]] @ data
 
     @one_thread
     def features_of(self, means: Means, moved: Array | None = None) -> Features:
@@ -203,7 +191,46 @@ class Reading:
 
         moved : changes of the unknowns of the fit with them, (p, r); default, those by this record alone.
         """
-        return _features(self, means, self.moved(means) if moved is None else moved)
+        moved = self.moved(means) if moved is None else moved
+        steady = self.steady
+        odd, even = self.series(means, moved)
+        squares = odd.squares
+        amplitudes = np.zeros(
+            (len(squares), 3)
+        )  # of the first three, as far as the sampling reaches
+        amplitudes[:, : squares.shape[1]] = np.sqrt(np.maximum(squares[:, :3], 0.0))
+        lag = -np.angle(odd.x[:, 0])
+        theta_peak, X = turning_points(odd, even, rests=self.waveform is None)
+        reversal = wrapped(theta_peak)
+        regime, length, (V_s, t_s, taken) = _onset(self, means, moved)
+        harmonics, variance = _all(odd, even, means), np.append(odd.variance, even.variance)
+        return of_numbers(
+            steady.omega,
+            regime,
+            Y=means.Y,
+            X=X,
+            X_s=length - X,
+            V_s=V_s,
+            t_s=t_s,
+            phi=reversal,
+            phi_reversal=reversal,
+            phi_zero_crossing=wrapped(upward_zero(odd, lag) + 0.5 * math.pi),
+            phi_fundamental=wrapped(lag),
+            X_r=X - length,
+            V_r=-V_s,
+            t_r=t_s,
+            X_1=amplitudes[:, 0],
+            X_3=amplitudes[:, 1],
+            X_5=amplitudes[:, 2],
+            a=4.0 * X - taken,
+            b=math.pi * steady.omega * (squares @ odd.n**2 + even.squares @ even.n**2),
+            W=math.pi * steady.k * means.Y * amplitudes[:, 0] * np.sin(lag)
+            + math.pi * steady.k * _beyond(odd, even, means),
+            integrals={
+                symbol: of_harmonics(symbol, *harmonics, steady.omega, steady.k, variance)
+                for symbol in self.terms
+            },
+        )
 
     @one_thread
     def averaged_cycle(self, points: int = 720) -> dict[str, Array]:
@@ -211,17 +238,13 @@ class Reading:
 
         phase : ωt, the peak of the base at 0, rad.   x, v, acceleration : m, m/s, m/s².
         """
-        parts = self.series(self.mean, np.zeros((self._unknowns, 1)))
-        n, x = (
-            np.concatenate([np.ravel(getattr(part, of)) for part in parts]) for of in ("n", "x")
-        )
+        n, x, *_ = _all(*self.series(self.mean, np.zeros((self._unknowns, 1))), self.mean)
         theta = np.linspace(0.0, 2.0 * math.pi, points, endpoint=False)
         turn, rate = np.exp(1j * np.outer(theta, n)), 1j * n * self.steady.omega
-        moved = {
-            name: (turn @ (rate**order * x)).real
+        return {"phase": theta} | {
+            name: (turn @ (rate**order * x[0])).real
             for order, name in enumerate(("x", "v", "acceleration"))
         }
-        return {"phase": theta, **moved}
 
     @property
     def _unknowns(self) -> int:
@@ -244,9 +267,8 @@ class Reading:
         variance = np.append(means.bias * 2.0 * lines.x_error[own] ** 2, np.zeros(tail.shape[1]))
         n = 2.0 * np.arange(1.0, means.even.shape[1] + 1.0)
         of_even = means.bias * 2.0 * self.steady.X_error[n.astype(np.intp)] ** 2
-        return Series(np.arange(1.0, 2.0 * x.shape[1], 2.0), x, variance), Series(
-            n, means.even, of_even
-        )
+        odd = Series(np.arange(1.0, 2.0 * x.shape[1], 2.0), x, variance)
+        return odd, Series(n, means.even, of_even)
 
     def _drawn(self, drawn: Array, stretch: float, bias: float) -> Means:
         """Means with the weights `drawn` of the rows, (r, rows), their deviations stretched."""
@@ -258,8 +280,7 @@ class Reading:
         def of(rows: Complexes, n: Integers) -> Complexes:
             mean = steady.mean(rows[:, n])[None]
             stretched = mean + stretch * (drawn @ rows[:, n] / total[:, None] - mean)
-            turned: Complexes = stretched * np.exp(-1j * np.outer(phase, n))
-            return turned
+            return stretched * np.exp(-1j * np.outer(phase, n))
 
         return Means(
             np.abs(Y),
@@ -293,47 +314,6 @@ def bootstrap(rows: int, count: int, rng: np.random.Generator) -> tuple[Integers
     return drawn, math.sqrt(rows / max(1, rows - 1))
 
 
-def _features(reading: Reading, means: Means, moved: Array) -> Features:
-    """Features of r means over the rows."""
-    steady = reading.steady
-    odd, even = reading.series(means, moved)
-    n, x, squares = odd.n, odd.x, odd.squares
-    amplitudes = np.zeros((len(squares), 3))  # of the first three, as far as the sampling reaches
-    amplitudes[:, : squares.shape[1]] = np.sqrt(np.maximum(squares[:, :3], 0.0))
-    lag = -np.angle(x[:, 0])
-    theta_peak, X = turning_points(odd, even, rests=reading.waveform is None)
-    reversal = wrapped(theta_peak)
-    regime, length, (V_s, t_s, taken) = _onset(reading, means, moved)
-    variance = np.append(odd.variance, even.variance)
-    return of_numbers(
-        steady.omega,
-        regime,
-        Y=means.Y,
-        X=X,
-        X_s=length - X,
-        V_s=V_s,
-        t_s=t_s,
-        phi=reversal,
-        phi_reversal=reversal,
-        phi_zero_crossing=wrapped(upward_zero(odd, lag) + 0.5 * math.pi),
-        phi_fundamental=wrapped(lag),
-        X_r=X - length,
-        V_r=-V_s,
-        t_r=t_s,
-        X_1=amplitudes[:, 0],
-        X_3=amplitudes[:, 1],
-        X_5=amplitudes[:, 2],
-        a=4.0 * X - taken,
-        b=math.pi * steady.omega * (squares @ n**2 + even.squares @ even.n**2),
-        W=math.pi * steady.k * means.Y * amplitudes[:, 0] * np.sin(lag)
-        + math.pi * steady.k * _beyond(odd, even, means),
-        integrals={
-            symbol: of_harmonics(symbol, *_all(odd, even, means), steady.omega, steady.k, variance)
-            for symbol in reading.terms
-        },
-    )
-
-
 def _all(odd: Series, even: Series, means: Means) -> tuple[Array, Complexes, Array, Complexes]:
     """Orders and harmonics of the response, and of the base: (h,), (r, h), (l,), (r, l), m."""
     base = np.hstack([means.Y[:, None], means.base])
@@ -347,8 +327,7 @@ def _beyond(odd: Series, even: Series, means: Means) -> Array:
     for part in (odd, even):
         n = part.n[part.n < x.shape[1]].astype(np.intp)
         x[:, n] = part.x[:, : n.size]
-    total: Array = -((means.base.conj() * x[:, 2:]).imag @ np.arange(2.0, x.shape[1]))
-    return total
+    return -((means.base.conj() * x[:, 2:]).imag @ np.arange(2.0, x.shape[1]))
 
 
 def _onset(reading: Reading, means: Means, moved: Array) -> tuple[str, Array, Array]:
@@ -359,16 +338,13 @@ def _onset(reading: Reading, means: Means, moved: Array) -> tuple[str, Array, Ar
     count, waveform = len(means.Y), reading.waveform
     if waveform is None:
         return UNKNOWN, np.zeros(count), np.array([[0.0], [0.0], [reading.taken]]) * np.ones(count)
+    regime = str(waveform.response.orbit.regime)
     if not reading.slips:
-        return (
-            str(waveform.response.orbit.regime),
-            np.full(count, math.nan),
-            np.full((3, count), math.nan),
-        )
+        return regime, np.full(count, math.nan), np.full((3, count), math.nan)
     fit = waveform.fit
-    at = fit.unknowns.at(waveform.index)
+    at = fit.unknowns.at[waveform.index]
     square = moved[at["rho"]] ** 2 - means.bias * fit.error("rho") ** 2
     length = 2.0 * waveform.F_k * (fit.rho**2 + square) + waveform.length_slope @ moved
     onset = waveform.onset[:, None] + waveform.onset_slope @ moved
     onset[2] += 4.0 * waveform.F_k * square
-    return str(waveform.response.orbit.regime), length, onset
+    return regime, length, onset

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from dampbalance.features import COLUMNS, of_orbit
-from dampbalance.reading.noisy import RESOLVED, read_features
+from dampbalance.reading.mean_harmonics import RESOLVED, read_features
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import FREQUENCIES_HZ, NEAR, OMEGA, PAPER, orbits_at
 
 DISPLACEMENT = ("base_displacement", "displacement")
 BOTH = (*DISPLACEMENT, "acceleration")
+NAMES = ("a", "b", "W", "t_s")
 
 
 def _orbit(frequency_hz=NEAR, Y=0.004, **changed):
@@ -56,12 +57,8 @@ def test_features_converge_with_the_noise():
     off = []
     for noise in (0.01, 1e-4, 1e-6):
         read = [read_features(_measured(orbit, noise, seed=s), PAPER.k).features for s in range(4)]
-        off.append(
-            [
-                np.mean([abs(getattr(f, n)[0] / getattr(exact, n)[0] - 1) for f in read])
-                for n in ("a", "b", "W", "t_s")
-            ]
-        )
+        parts = [[getattr(f, n)[0] / getattr(exact, n)[0] for f in read] for n in NAMES]
+        off.append(np.mean(np.abs(np.array(parts) - 1.0), axis=1))
     # two decades of noise, two decades of error; four runs know each within a factor of three or so
     ratios = np.array(off[:-1]) / np.array(off[1:])
     assert np.all((ratios > 15.0) & (ratios < 700.0))
@@ -77,20 +74,8 @@ def test_standard_errors_are_those_of_the_scatter(channels):
         for s in range(50)
     ]
     exact = of_orbit(orbit)
-    for name in (
-        "X",
-        "X_s",
-        "V_s",
-        "t_s",
-        "phi_fundamental",
-        "phi_reversal",
-        "X_1",
-        "X_3",
-        "X_5",
-        "a",
-        "b",
-        "W",
-    ):
+    names = "X X_s V_s t_s phi_fundamental phi_reversal X_1 X_3 X_5 a b W"
+    for name in names.split():
         values = np.array([getattr(r.features, name)[0] for r in readings])
         error = np.sqrt(np.mean([r.standard_errors[name] ** 2 for r in readings]))
         # 50 runs know the scatter to 10 %, its mean to 14 % of it: three times that, and a little for the jackknife

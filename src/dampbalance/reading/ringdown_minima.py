@@ -1,0 +1,195 @@
+"""All minima of χ² of free decays that matter, and the intervals that they leave.
+
+The ringing of a mass that sticks makes χ² oscillate along K_z: a fit whose ringing is a cycle off over the record is a
+side minimum. The search starts from stiffnesses whose ringing has some cycles more or fewer, from lines in the spectrum
+of the ringing, and from a grid of stiffnesses and of shares of friction in the loss, on thinned samples; what comes
+close is climbed to the end on all of them. Kinks of χ², where an event appears or vanishes, are passed by starts with
+the contact spring loaded the other way. A minimum that is found lower is searched around again.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..arrays import Array
+from ..motion.events import PHASE_V, PHASE_X
+from ..solver import NORMAL_95
+from .ringdown_fit import COMMON, STATE, Decay, RingFit, fit_decays
+
+_F_K, _C, _RHO, _M = range(4)
+_SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in the loss
+_LOSSES = tuple(np.geomspace(0.75, 1.4, 8).tolist())  # relative to that of the fit
+_FINER = tuple(np.linspace(0.1, 1.0, 10).tolist())  # shares of friction, where nothing fits
+_STIFFNESSES = (3.0, 8.0, 20.0, 50.0, 120.0, 300.0, 1000.0)  # of K_z/k
+_LOADS, _OTHER = (0.0, 0.5, 1.0, 1.5, 2.0), 0.2  # of w, and how far off another start is
+_ASIDE = 1.5  # standard errors
+_CYCLES = 4  # of ringing, more or fewer
+_THINNED = 1200  # samples, about, of a thinned record
+_TRIED, _POLISHED = 14, 6  # starts that are climbed from, on thinned samples and on all
+_WITHIN = 30.0  # of χ²: minima that are kept
+_SAME = 1.0  # standard errors: two climbs that end so close ended in one minimum
+_LOWER = 0.05  # of χ²: what another minimum must be lower by to be searched around again
+_ROUNDS = 6
+_COARSE = 1e-2  # of half of χ², where a climb on the way ends
+_LEVEL = NORMAL_95**2  # of χ² above the least, at the ends of an interval
+_PROFILES = 4  # climbs to an end of an interval
+_NEAR = 0.1  # of its distance: where an end is taken as found
+
+
+def minima_of(fit: RingFit, *, wide: bool = True) -> list[RingFit]:
+    """The minima of χ² that a search finds, the lowest first, up to 30 above it; `fit` is where it starts.
+
+    wide : whether to search on around what it finds until no lower one is found, and over the loss of energy as well
+    where no oscillator fits.
+    """
+    thin = [_thinned(one, _THINNED // len(fit.decays)) for one in fit.decays]
+    found, starts = [fit], [*_starts(fit, wide), *_neighbours(fit)]
+    for _ in range(_ROUNDS if wide else 1):
+        best = found[0]
+        for start in (*_promising(thin, fit.k, starts), *_aside(best)):
+            _keep(found, fit_decays(fit.decays, fit.k, start))
+        found.sort(key=lambda one: one.chi_square)
+        if best.chi_square - found[0].chi_square < _LOWER:
+            break
+        again = () if found[0].adequate else _starts(found[0], wide)
+        starts = [*again, *_neighbours(found[0])]
+    return [one for one in found if one.chi_square < found[0].chi_square + _WITHIN]
+
+
+def _keep(found: list[RingFit], other: RingFit | None) -> None:
+    """Add a fit unless it is one of those found; of two climbs to one minimum the lower stays."""
+    if other is None:
+        return
+    for i, one in enumerate(found):
+        errors = np.sqrt(np.diag(one.covariance)[: len(COMMON)])
+        apart = np.abs(other.point - one.point)[: len(COMMON)]
+        if (apart <= _SAME * errors).all():
+            if other.chi_square < one.chi_square:
+                found[i] = other
+            return
+    found.append(other)
+
+
+def _promising(thin: Sequence[Decay], k: float, starts: Sequence[Array]) -> list[Array]:
+    """The lowest ends of climbs on thinned samples, apart from each other."""
+    common = set(range(len(COMMON)))
+    coarse = (fit_decays(thin, k, at, given=common, gain=1.0, most=3) for at in starts)
+    order = sorted((one for one in coarse if one is not None), key=lambda one: one.chi_square)
+    ends: list[RingFit] = []
+    for rough in order[:_TRIED]:
+        _keep(ends, fit_decays(thin, k, rough.point, gain=_COARSE, most=12))
+    ends.sort(key=lambda one: one.chi_square)
+    least = ends[0].chi_square if ends else 0.0
+    return [end.point for end in ends[:_POLISHED] if end.chi_square < least + _WITHIN]
+
+
+def _starts(fit: RingFit, wide: bool) -> Iterator[Array]:
+    """Points of a grid over the stiffness of the contact and the share of friction in the loss of energy.
+
+    In a wide search where no oscillator fits so far, the loss itself is varied as well: with each half cycle more or
+    fewer until the mass sticks, χ² has another minimum.
+    """
+    phases = fit.phases(0)
+    travel = float(np.abs(np.diff(phases[:, PHASE_X])).sum())
+    # ∫ ẋ² dt of half a cycle is π/4 of the top speed times the travel
+    ratio = 0.25 * math.pi * float(np.abs(phases[:, PHASE_V]).max())
+    loss = fit.F_k + ratio * fit.c  # of energy, over the travel
+    pairs = [(fit.F_k, fit.c)]
+    if ratio > 0.0 and travel > 0.0:
+        pairs += [(share * loss, (1.0 - share) * loss / ratio) for share in _SHARES]
+    stiffnesses = [fit.point[_RHO], *(1.0 / math.sqrt(stiff * fit.k) for stiff in _STIFFNESSES)]
+    grid = list(itertools.product(stiffnesses, pairs))
+    if wide and not fit.adequate and len(pairs) > 1:
+        closer = itertools.product((fit.point[_RHO],), _LOSSES, _FINER)
+        grid += [(rho, (f * s * loss, f * (1.0 - s) * loss / ratio)) for rho, f, s in closer]
+    for rho, (F_k, c) in grid:
+        start = fit.point.copy()
+        start[_F_K], start[_C], start[_RHO] = F_k, c, rho
+        yield start
+
+
+def _neighbours(fit: RingFit) -> Iterator[Array]:
+    """Points next to a fit, with cycles of ringing more or fewer."""
+    lasts = [one.end - one.start for one in fit.decays]
+    rings = max(max(last - fit.sticks_from(i), 0.0) for i, last in enumerate(lasts))
+    Omega = math.sqrt((fit.k + fit.point[_RHO] ** -2) / fit.m)
+    for cycles in range(-_CYCLES, _CYCLES + 1) if rings * Omega > 2.0 * math.pi else ():
+        stiff = fit.m * (Omega + 2.0 * math.pi * cycles / rings) ** 2 - fit.k
+        if cycles and stiff > 0.1 * fit.k:
+            start = fit.point.copy()
+            start[_RHO] = stiff**-0.5
+            yield start
+
+
+def _aside(fit: RingFit) -> Iterator[Array]:
+    """Points on the other side of kinks next to a fit: with the contact spring of a decay loaded differently at its
+    start, and some standard errors away along each common unknown."""
+    for j, side in itertools.product((_F_K, _C, _RHO), (-_ASIDE, _ASIDE)):
+        if fit.covariance[j, j] > 0.0:
+            step = side * fit.covariance[:, j] / math.sqrt(fit.covariance[j, j])
+            start = fit.point + step
+            if (start[: len(COMMON)] > 0.0).all():
+                yield start
+    first = fit.point.size - STATE * len(fit.decays)
+    for i, w in itertools.product(range(len(fit.decays)), _LOADS):
+        place = first + STATE * i + 2
+        if abs(fit.point[place] - w) > _OTHER:
+            start = fit.point.copy()
+            start[place] = w
+            yield start
+
+
+def _thinned(one: Decay, most: int) -> Decay:
+    """A decay with every n-th sample, about as many as asked for."""
+    n = max(1, one.samples // most)
+    signals = tuple(replace(s, t=s.t[::n], values=s.values[::n]) for s in one.signals)
+    return replace(one, signals=signals)
+
+
+def with_intervals(fits: Sequence[RingFit]) -> RingFit:
+    """The lowest of some minima, with the intervals that all of them leave.
+
+    An interval is the hull of {χ² − χ²_min < 3.84} over all minima: profiled over the other unknowns at the lowest,
+    from the standard errors at the others.
+    """
+    best = fits[0]
+    others = [one for one in fits[1:] if one.chi_square < best.chi_square + _LEVEL]
+    ranges = {}
+    for j, name in enumerate(COMMON[:_M]):
+        if not best.error(name) > 0.0:
+            continue
+        low, high = _end(best, j, -1.0), _end(best, j, 1.0)
+        for one in others:
+            reach = math.sqrt(best.chi_square + _LEVEL - one.chi_square) * one.error(name)
+            low, high = min(low, one.value(name) - reach), max(high, one.value(name) + reach)
+        ranges[name] = (low, high)
+    return replace(best, ranges=ranges, minima=1 + len(others))
+
+
+def _end(fit: RingFit, j: int, side: float) -> float:
+    """Where χ², with unknown j held and the others free, has risen by 3.84.
+
+    The root of the rise is nearly proportional to the distance: each trial gives the next one.
+    """
+    distance = side * NORMAL_95 * math.sqrt(fit.covariance[j, j])
+    given = {i for i in range(fit.point.size) if fit.covariance[i, i] == 0.0}
+    for _ in range(_PROFILES):
+        start = fit.point + fit.covariance[:, j] * (distance / fit.covariance[j, j])
+        start[: len(COMMON)] = np.maximum(start[: len(COMMON)], 1e-3 * fit.point[: len(COMMON)])
+        start[j] = fit.point[j] + distance
+        if start[j] <= 0.0:
+            break
+        held = fit_decays(fit.decays, fit.k, start, given={*given, j}, gain=_COARSE, most=8)
+        rise = math.nan if held is None else held.chi_square - fit.chi_square
+        if not rise > 0.0:
+            break
+        factor = min(max(NORMAL_95 / math.sqrt(rise), 0.4), 2.5)
+        if abs(factor - 1.0) < _NEAR:
+            break
+        distance *= factor
+    return float(fit.point[j]) + distance

@@ -1,0 +1,93 @@
+"""The search for all minima of free decays: from side minima to the lowest, and intervals over those as good."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dampbalance.reading.ringdown_bursts import Signal
+from dampbalance.reading.ringdown_fit import COMMON, Decay, RingFit, fit_decays, samples_of
+from dampbalance.reading.ringdown_minima import minima_of, with_intervals
+
+M, K, F_K, START = 2.0, 800.0, 0.4, 5e-3
+PERIOD = 2.0 * math.pi * math.sqrt(M / K)
+LEVEL = 3.84  # of χ²: a 95 % interval
+
+
+def decay(noise: float, stiffness: float = 60.0, order: int = 0) -> tuple[Decay, np.ndarray]:
+    """A decay that comes to rest after four half cycles and rings on, and its point."""
+    t = np.arange(0.0, 5.0 * PERIOD, PERIOD / 90.0)
+    point = np.array([F_K, 0.3, (stiffness * K) ** -0.5, M, 0.0, START, 0.0, 1.8])
+    empty = Signal("displacement", order, t, np.zeros(t.size), 1.0)
+    whole = Decay("", 0.0, float(t[-1]), (empty,), PERIOD)
+    exact = samples_of(point, point[-3:], K, whole)
+    sigma = noise * np.abs(exact).max()
+    values = exact + sigma * np.random.default_rng(5).standard_normal(t.size)
+    return replace(whole, signals=(replace(empty, values=values, noise=sigma),)), point
+
+
+@pytest.mark.parametrize("cycles", [-3, 2])
+def test_a_fit_whose_ringing_is_some_cycles_off_is_left_for_the_right_one(cycles):
+    whole, point = decay(1e-3)
+    truth = fit_decays([whole], K, point)
+    ringing = whole.end - truth.sticks_from(0)
+    Omega = math.sqrt((K + point[2] ** -2) / M) + 2.0 * math.pi * cycles / ringing
+    beside = point.copy()
+    beside[2] = (M * Omega**2 - K) ** -0.5
+    side = fit_decays([whole], K, beside)
+    assert side.chi_square > truth.chi_square + 100.0  # a climb alone ends there
+    assert minima_of(side)[0].chi_square < truth.chi_square + 0.1
+
+
+def test_a_fit_with_another_loss_is_left_for_the_right_one():
+    """Accelerations of a stiff contact: with another number of half cycles χ² has another minimum."""
+    whole, point = decay(1e-2, 180.0, order=2)
+    truth = fit_decays([whole], K, point)
+    wrong = point.copy()
+    wrong[:2] = 1.15 * F_K, 0.0
+    side = fit_decays([whole], K, wrong)
+    assert not side.adequate
+    assert minima_of(side)[0].chi_square < truth.chi_square + 0.1
+
+
+def held(fit: RingFit, name: str, value: float) -> float:
+    """χ² with one unknown held and the others fitted, relative to that of the fit."""
+    j = COMMON.index(name)
+    start = fit.point + fit.covariance[:, j] * ((value - fit.point[j]) / fit.covariance[j, j])
+    start[j] = value
+    return fit_decays(fit.decays, K, start, given={j}).chi_square - fit.chi_square
+
+
+def test_an_interval_ends_where_chi_square_has_risen_by_that_of_its_probability():
+    whole, point = decay(3e-3)
+    fit = with_intervals(minima_of(fit_decays([whole], K, point)))
+    assert fit.minima == 1
+    assert set(fit.ranges) == {"F_k", "c", "rho"}
+    for name, (low, high) in fit.ranges.items():
+        assert low < fit.value(name) < high
+        for end in (low, high):  # found to a tenth of the distance, a fifth of the rise
+            assert held(fit, name, end) == pytest.approx(LEVEL, rel=0.2)
+
+
+def test_an_interval_covers_all_minima_that_are_as_good():
+    whole, point = decay(1e-3)
+    best = fit_decays([whole], K, point)
+    moved = best.point.copy()
+    moved[2] *= 1.1
+    # residuals so that the other minimum lies 1 above, and one of them too far
+    size = best.residual.size
+    other = replace(
+        best, point=moved, residual=np.full(size, math.sqrt((best.chi_square + 1.0) / size))
+    )
+    far = replace(other, residual=np.full(size, math.sqrt((best.chi_square + 5.0) / size)))
+    alone, several = with_intervals([best, far]), with_intervals([best, other, far])
+    assert (alone.minima, several.minima) == (1, 2)
+    assert several.ranges["rho"][0] == alone.ranges["rho"][0]
+    reach = math.sqrt(LEVEL - 1.0) * best.error("rho")
+    assert several.ranges["rho"][1] == pytest.approx(moved[2] + reach, rel=1e-3)
+    # the standard error is that of the whole interval
+    assert several.error("rho") > 10.0 * alone.error("rho")
+    assert several.K_z_interval[0] == pytest.approx(several.ranges["rho"][1] ** -2)
