@@ -65,7 +65,7 @@ class MeasuredRecord:
         """
         import pandas as pd  # slow to import
 
-        from .units import header_suffix
+        from .units import column_name
 
         channels = [self.whole()[quantity] for quantity in self.quantities]
         t = channels[0].t
@@ -73,7 +73,7 @@ class MeasuredRecord:
             raise ValueError(
                 f"{self.name}: its channels have times of their own; take each from its measurement"
             )
-        columns = {f"{c.quantity}_{header_suffix(c.unit)}": c.values for c in channels}
+        columns = {column_name(c.quantity): c.values for c in channels}
         return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
 
     def whole(self) -> Measurement:

@@ -23,7 +23,7 @@ from .assemble import in_blocks, stated_size, wanted_of, whole
 from .formats import FORMATS, checked_format
 from .hdf5 import hdf5_file
 from .matlab import matlab_file
-from .named_arrays import ParquetFile
+from .parquet import ParquetFile
 from .plan import Pick, picks_of
 from .record_file import RawChannel, RecordFile, require_nameable
 from .signals import signals_file

@@ -23,8 +23,8 @@ from ..limits import (
 )
 from ..measurement import QUANTITIES, Channel
 from .plan import Pick
-from .record_file import RecordFile, times
-from .rounded import in_equal_steps
+from .record_file import RecordFile
+from .times import in_equal_steps, times
 
 _GAP = 1.5  # steps
 _BITS = (8, 16, 24, 32, 64)  # of the integers that converters and files have
@@ -51,7 +51,8 @@ def whole(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST) -> li
     unequal lengths.
     """
     wanted = wanted_of(picks)
-    arrays = next(file.blocks(wanted, None), [np.empty(0)] * len(wanted))
+    blocks = list(file.blocks(wanted, max(file.channels[i].size or LARGEST for i in wanted)))
+    arrays = [*map(_joined, zip(*blocks, strict=True))] or [np.empty(0)] * len(wanted)
     require_size(file.path, sum(len(array) for array in arrays), largest)
     columns = dict(zip(wanted, arrays, strict=True))
     first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
@@ -268,6 +269,11 @@ def _without_empty_end(blocks: Iterator[list[Array]]) -> Iterator[list[Array]]:
             empty = 0
             yield [column[:end] for column in block]
         empty += block[0].size - end
+
+
+def _joined(parts: Sequence[Array]) -> Array:
+    """The parts of a column as one array, which is not copied where it is one already."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _end(columns: Sequence[Array]) -> int:

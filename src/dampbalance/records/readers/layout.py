@@ -15,7 +15,7 @@ from ..errors import RecordError
 from ..mapping import RecordMapping
 from ..units import find_unit, split_label
 from .record_file import RawChannel
-from .stamps import is_date, is_stamp
+from .times import is_date, is_stamp
 
 WHITESPACE = "whitespace"
 

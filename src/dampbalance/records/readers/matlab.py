@@ -12,9 +12,8 @@ import numpy as np
 from scipy.io import whosmat
 
 from ...project.wording import dotted
-from ..errors import RecordError, library
-from .named_arrays import signals_in
-from .record_file import RecordFile, intact, require_channels
+from ..errors import library
+from .record_file import RecordFile, intact, require_channels, signals_in, too_large
 
 _HEADER = 128  # bytes
 _ARRAY, _PACKED = 14, 15  # types of an element: an array, and one that is compressed
@@ -66,10 +65,8 @@ def _require_readable(path: Path, most: int) -> None:
             for count in _counts(read, order, size) if kind == _ARRAY else [0]:
                 numbers += count
                 if numbers > most:
-                    raise RecordError(
-                        f"{path}: holds more than {most:,} numbers, and MATLAB 5 is read whole; give a part of the "
-                        f"record, save it as -v7.3, or raise the limit (--largest {16 * most})"
-                    )
+                    holds = f"holds more than {most:,} numbers"
+                    raise too_large(path, holds, "MATLAB 5", 16 * most, ", save it as -v7.3")
             stream.seek(end)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import logging
+import io
 import warnings
 from pathlib import Path
 from typing import Literal
@@ -11,7 +11,15 @@ import numpy as np
 
 from ...arrays import Array
 from ..errors import RecordError, library
-from .record_file import RawChannel, RecordFile, Sliced, described, intact, unit_among
+from .record_file import (
+    RawChannel,
+    RecordFile,
+    Sliced,
+    described,
+    intact,
+    require_bytes,
+    unit_among,
+)
 
 _TIME_RESPONSE = 1  # function type of a data set 58
 _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
@@ -24,12 +32,7 @@ def uff_file(path: Path, largest: int) -> RecordFile:
     A channel is called by its ordinate's label, else by its first ID line, else by what the data type says.
     """
     pyuff = library("pyuff", "a universal file")
-    size = path.stat().st_size
-    if size > 2 * largest:  # of text or binary, four bytes a number at least
-        raise RecordError(
-            f"{path}: has more than {2 * largest:,} bytes, and a universal file is read whole; give a part of the "
-            f"record, or raise the limit (--largest {size})"
-        )
+    require_bytes(path, "a universal file", largest)
     channels, arrays = [], []
     with intact(path, "a universal file"):
         file = pyuff.UFF(str(path))
@@ -65,11 +68,14 @@ def uff_file(path: Path, largest: int) -> RecordFile:
 
 def tdms_file(path: Path, largest: int) -> RecordFile:
     """A TDMS file: its channels, "group/channel" if there are several groups; step and unit are properties."""
-    nptdms = library("nptdms", "TDMS")
-    complaints = _Complaints()
+    nptdms, log = library("nptdms", "TDMS"), library("nptdms.log", "TDMS").log_manager
+    # what the library complains about, and would read nevertheless; nothing of it reaches the screen
+    complaints = io.StringIO()
+    log.console_handler.setStream(complaints)
+    log.console_handler.setFormatter(None)  # the bare messages
     # the file alone, not an index that may lie beside it; the reader closes it
     stream = open(path, "rb")  # noqa: SIM115
-    with intact(path, "TDMS", stream.close), complaints:
+    with intact(path, "TDMS", stream.close):
         file = nptdms.TdmsFile.open(stream)
         every = (channel for group in file.groups() for channel in group.channels())
         signals = [c for c in every if c.dtype.kind in "fiu" and len(c)]
@@ -81,8 +87,8 @@ def tdms_file(path: Path, largest: int) -> RecordFile:
             raise RecordError(
                 f"{path}: its last segment is incomplete: the file was cut short, or the recording was not closed"
             )
-        if complaints.first:
-            raise RecordError(f"{path}: is damaged or was cut short ({complaints.first})")
+        if first := complaints.getvalue().partition("\n")[0]:
+            raise RecordError(f"{path}: is damaged or was cut short ({first})")
         several = len({c.group_name for c in signals}) > 1
         labels = [f"{c.group_name}/{c.name}" if several else c.name for c in signals]
         channels = [
@@ -124,26 +130,6 @@ def wav_file(path: Path, largest: int) -> RecordFile:
         return (np.asarray(table[begin:end, i], dtype=np.float64) - zero) / full
 
     return Sliced(path, channels, read, "WAV")
-
-
-class _Complaints(logging.Handler):
-    """What the library for TDMS logs about a file, and would read nevertheless; nothing of it reaches the screen."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self.first = ""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Keep the first."""
-        self.first = self.first or record.getMessage()
-
-    def __enter__(self) -> None:
-        manager = library("nptdms.log", "TDMS").log_manager
-        manager.console_handler.setLevel(logging.CRITICAL)
-        logging.getLogger("nptdms").addHandler(self)
-
-    def __exit__(self, *_: object) -> None:
-        logging.getLogger("nptdms").removeHandler(self)
 
 
 def _stated(item: dict[str, str], *keys: str) -> str | None:

@@ -21,17 +21,24 @@ from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
 from .layout import columns_of
-from .record_file import RawChannel, RecordFile, Sliced, described, intact, require_channels
+from .record_file import (
+    RawChannel,
+    RecordFile,
+    Sliced,
+    described,
+    intact,
+    require_bytes,
+    require_channels,
+    too_large,
+)
 
 _DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
 _EPOCH = datetime.datetime(1900, 1, 1)
 
 _PART = 16  # numbers that may be read of another record, for each cell that may be read of a spreadsheet
 _CELL, _TEXT = 160, 64  # bytes of memory that a cell takes at the most, and of the file, unpacked
-_BASE, _REST = (
-    256_000_000,
-    1_000_000,
-)  # bytes of memory, and of the file, unpacked, without any cell
+# bytes of memory, and of the file, unpacked, without any cell
+_BASE, _REST = 256_000_000, 1_000_000
 _BYTE = 32  # bytes of memory that a byte of the file, unpacked, explains
 _SECONDS, _SPEED = 30, 2_000_000  # of processor time, and bytes read in a second at the least
 
@@ -99,10 +106,7 @@ def _cells(path: Path, most: int) -> Generator[tuple[str, Any], None, None]:
 
 
 def _too_large(path: Path, what: str, cells: int) -> RecordError:
-    return RecordError(
-        f"{path}: holds {what}, and a spreadsheet is read whole; give a part of the record, save it as CSV, or raise "
-        f"the limit (--largest {_PART * cells})"
-    )
+    return too_large(path, f"holds {what}", "a spreadsheet", _PART * cells, ", save it as CSV")
 
 
 def _sheet(path: Path, rows: Sequence[Sequence[Any]], first: int) -> RecordFile:
@@ -165,12 +169,7 @@ def _since_midnight(cell: Any) -> datetime.timedelta:
 def lvm_file(path: Path, largest: int) -> RecordFile:
     """A text file of LabVIEW: the channels of its one segment, with names and units, in the steps of its header."""
     reader = library("lvm_read", "a text file of LabVIEW")
-    size = path.stat().st_size
-    if size > 2 * largest:  # two bytes a number at least
-        raise RecordError(
-            f"{path}: has more than {2 * largest:,} bytes, and a text file of LabVIEW is read whole; give a part of "
-            f"the record, or raise the limit (--largest {size})"
-        )
+    require_bytes(path, "a text file of LabVIEW", largest)
     with intact(path, "a text file of LabVIEW"):
         document = reader.read(str(path), read_from_pickle=False, dump_file=False)
         if document["Segments"] != 1:
@@ -196,9 +195,5 @@ def lvm_file(path: Path, largest: int) -> RecordFile:
         even = all(raw.rate_hz for raw in channels if raw.label != "X_Value")
     # the header has the digits that a column of times lacks
     kept = [i for i, raw in enumerate(channels) if not (even and raw.label == "X_Value")]
-    return Sliced(
-        path,
-        [channels[i] for i in kept],
-        lambda i, a, b: data[a:b, kept[i]],
-        "a text file of LabVIEW",
-    )
+    channels = [channels[i] for i in kept]
+    return Sliced(path, channels, lambda i, a, b: data[a:b, kept[i]], "a text file of LabVIEW")

@@ -16,7 +16,7 @@ from ..errors import RecordError, RecordWarning
 from ..mapping import RecordMapping
 from .layout import LONGEST_LINE, WHITESPACE, layout_of
 from .record_file import RecordFile
-from .stamps import Clock, is_date, is_stamp
+from .times import Clock, is_date, is_stamp
 
 _AT_ONCE = 4_000_000  # cells that are parsed at once, wanted or not
 _SMALL = 4_000_000  # bytes of a file that NumPy parses in less time than pandas takes to import
@@ -29,16 +29,11 @@ class TextFile(RecordFile):
         self.path, self.layout = path, layout_of(path, mapping, single)
         self.channels = self.layout.columns
 
-    def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
-        """The wanted columns, `size` rows at a time; an empty cell is NaN.
+    def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
+        """The wanted columns, `size` rows at a time or fewer; an empty cell is NaN.
 
         Raises RecordError naming line and column for a cell that is no number and a row that has too many or too few.
         """
-        if size is None:
-            parts = list(self.blocks(wanted, _AT_ONCE))
-            if parts:
-                yield [np.concatenate(columns) for columns in zip(*parts, strict=True)]
-            return
         if not self.layout.ends_in_line_end:
             warnings.warn(
                 f"{self.path}: its last line has no end; if the file was cut, its last number is wrong",
