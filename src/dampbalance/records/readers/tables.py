@@ -119,7 +119,7 @@ def _sheet(path: Path, rows: Sequence[Sequence[Any]], first: int) -> RecordFile:
         csv.writer(line, delimiter="\t").writerow([" ".join(str(c).split()) for c in row[:width]])
         header.append(line.getvalue())
     channels = []
-    for raw, cell in zip(columns_of(path, header, "\t", "#", width), table[0], strict=True):
+    for raw, cell in zip(columns_of(path, header, "\t", width), table[0], strict=True):
         stamps = isinstance(cell, _DAYS)
         unit = "s" if stamps else raw.unit
         channels.append(RawChannel(raw.name, unit, len(table), label=raw.label, stamps=stamps))
