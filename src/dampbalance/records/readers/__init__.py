@@ -56,10 +56,9 @@ def read(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) 
     largest = arguments.whole("largest", largest)
     channels: list[Channel] = []
     for file, picks in _files(path, rules, largest):
-        left = largest - sum(map(len, channels))
-        stated_size(file, picks, left)
-        channels += whole(file, picks, left)
-    return _measurement(str(path), channels)
+        channels += whole(file, picks, largest - sum(map(len, channels)))
+    order = list(QUANTITIES)
+    return Measurement.of(str(path), sorted(channels, key=lambda one: order.index(one.quantity)))
 
 
 def read_signals(
@@ -72,14 +71,7 @@ def read_signals(
     Raises RecordError and warns as `read`.
     """
     file = signals_file(name, signals)
-    picks = picks_of(file, rules)
-    stated_size(file, picks, largest)
-    return _measurement(name, whole(file, picks, largest))
-
-
-def _measurement(source: str, channels: Sequence[Channel]) -> Measurement:
-    order = list(QUANTITIES)
-    return Measurement.of(source, sorted(channels, key=lambda one: order.index(one.quantity)))
+    return Measurement.of(name, whole(file, picks_of(file, rules), largest))
 
 
 def stated_numbers(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) -> int:
@@ -153,7 +145,7 @@ def _files(
 def _open(path: Path, rules: RecordMapping, largest: int) -> RecordFile:
     content = checked_format(path)
     if content == "text":
-        file: RecordFile = TextFile(path, rules, single=rules.sample_rate_hz is not None)
+        file: RecordFile = TextFile(path, rules)
     else:
         file = _OPENERS[content](path, largest)
     try:

@@ -23,7 +23,7 @@ _BITS = (8, 16, 24, 32, 64)  # of the integers that converters and files have
 _WRAPPED = 0.9
 
 
-def stated_size(file: RecordFile, picks: Sequence[Pick], largest: int = limits.LARGEST) -> int:
+def stated_size(file: RecordFile, picks: Sequence[Pick], largest: int) -> int:
     """How many numbers the picked channels are, as far as the file tells before it is read.
 
     Raises RecordError when they are more than `largest`.
@@ -33,13 +33,14 @@ def stated_size(file: RecordFile, picks: Sequence[Pick], largest: int = limits.L
     return numbers
 
 
-def whole(file: RecordFile, picks: Sequence[Pick], largest: int = limits.LARGEST) -> list[Channel]:
+def whole(file: RecordFile, picks: Sequence[Pick], largest: int) -> list[Channel]:
     """All samples of the picked channels, `largest` numbers at most, which not every file tells beforehand.
 
     Raises RecordError naming channel and line or sample: a value that is missing, not finite or beyond all bounds,
     times that do not increase, have a gap or unequal steps, a constant channel, an integer that ran over, channels of
     unequal lengths.
     """
+    stated_size(file, picks, largest)
     wanted = wanted_of(picks)
     blocks = list(file.blocks(wanted, max(file.channels[i].size or limits.LARGEST for i in wanted)))
     arrays = [*map(_joined, zip(*blocks, strict=True))] or [np.empty(0)] * len(wanted)
@@ -50,10 +51,11 @@ def whole(file: RecordFile, picks: Sequence[Pick], largest: int = limits.LARGEST
     for pick in picks:
         samples = _without_padding(file, pick, columns)
         first = first_of.setdefault((pick.time, pick.rate_hz, pick.start), pick)
-        if columns[first.index].size != columns[pick.index].size:
+        sizes = [columns[one.index].size for one in (first, pick)]
+        if len({*sizes}) > 1:
             raise RecordError(
-                f"{file.path}: channel {first.name!r} has {columns[first.index].size} samples, {pick.name!r} has "
-                f"{columns[pick.index].size}; channels that share their times have equal lengths"
+                f"{file.path}: channel {first.name!r} has {sizes[0]} samples, {pick.name!r} has {sizes[1]}; channels "
+                "that share their times have equal lengths"
             )
         stretch = Stretch(file, pick, entire=True)
         channels.append(stretch.channel(samples))
@@ -61,9 +63,7 @@ def whole(file: RecordFile, picks: Sequence[Pick], largest: int = limits.LARGEST
     return channels
 
 
-def in_blocks(
-    file: RecordFile, pick: Pick, size: int, largest: int = limits.LARGEST
-) -> Iterator[Channel]:
+def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int) -> Iterator[Channel]:
     """One channel, `size` samples at a time; the last block may be shorter, but has at least 2.
 
     Raises RecordError as `whole`, when the block that is wrong comes up, a constant channel after the last; and when

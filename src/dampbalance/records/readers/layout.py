@@ -71,10 +71,8 @@ class Layout:
         return bool(_NUMBER[self.decimal].fullmatch(cell)) or cell.lower() in _MISSING
 
 
-def layout_of(path: Path, mapping: RecordMapping, single: bool = False) -> Layout:
+def layout_of(path: Path, mapping: RecordMapping) -> Layout:
     """The layout of a text file, from its first lines and from what the mapping says about it.
-
-    single : whether one column is enough, without times.
 
     Raises RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows.
     """
@@ -87,7 +85,7 @@ def layout_of(path: Path, mapping: RecordMapping, single: bool = False) -> Layou
     comment = next((line.lstrip()[0] for line in lines if line.lstrip()[:1] in [*_COMMENTS]), "#")
     fits = [
         (fit, delimiter, decimal)
-        for least in (2, 1)[: 1 + single]
+        for least in ([2] if mapping.sample_rate_hz is None else [2, 1])  # times may be missing
         for delimiter in ([mapping.delimiter] if mapping.delimiter else _DELIMITERS)
         for decimal in (mapping.decimal or ".,")
         if decimal != delimiter

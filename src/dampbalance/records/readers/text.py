@@ -25,8 +25,8 @@ _SMALL = 4_000_000  # bytes of a file that NumPy parses in less time than pandas
 class TextFile(RecordFile):
     """A delimited text file; `layout.py` finds out its delimiter, decimal mark, header and columns."""
 
-    def __init__(self, path: Path, mapping: RecordMapping, single: bool = False) -> None:
-        self.path, self.layout = path, layout_of(path, mapping, single)
+    def __init__(self, path: Path, mapping: RecordMapping) -> None:
+        self.path, self.layout = path, layout_of(path, mapping)
         self.channels = self.layout.columns
 
     def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
@@ -34,7 +34,8 @@ class TextFile(RecordFile):
 
         Raises RecordError naming line and column for a cell that is no number and a row that has too many or too few.
         """
-        if not self.layout.ends_in_line_end:
+        layout = self.layout
+        if not layout.ends_in_line_end:
             warnings.warn(
                 f"{self.path}: its last line has no end; if the file was cut, its last number is wrong",
                 RecordWarning,
@@ -48,10 +49,12 @@ class TextFile(RecordFile):
         import pandas as pd  # slow to import, and not needed for small files of nothing but numbers
 
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
-        layout = self.layout
         stamped = [i for i in wanted if self.channels[i].stamps]
         try:
-            clocks = self._clocks(stamped)
+            clocks = {}
+            if stamped:
+                _, first = next(layout.rows(self.path))
+                clocks = {i: Clock(first[i]) for i in stamped}
             with (
                 _bounded(self.path, layout.encoding) as stream,
                 pd.read_csv(
@@ -71,7 +74,7 @@ class TextFile(RecordFile):
                     yield [
                         clocks[i].seconds(chunk[i])
                         if i in clocks
-                        else chunk[i].to_numpy(dtype=np.float64)
+                        else chunk[i].to_numpy(np.float64)
                         for i in wanted
                     ]
         except _LongLine:
@@ -101,11 +104,6 @@ class TextFile(RecordFile):
             return None
         return table if table.shape[1] == len(self.channels) else None
 
-    def _clocks(self, stamped: Sequence[int]) -> dict[int, Clock]:
-        """For each of these columns, what reads its times."""
-        _, first = next(self.layout.rows(self.path))
-        return {i: Clock(first[i]) for i in stamped}
-
     def place(self, channel: int, sample: int) -> str:
         """The line of a row, counted from 1."""
         row = next(itertools.islice(self.layout.rows(self.path), sample, None), None)
@@ -124,12 +122,10 @@ class TextFile(RecordFile):
                 cell, time = cells[i], self.channels[i].stamps
                 if is_stamp(cell) if time else self.layout.is_readable(cell):
                     continue
-                what = "is not a time" if time else "is not a number"
+                what = f"is not a {'time' if time else 'number'}"
                 if is_date(cell):
-                    what = (
-                        "is a date that can be read in several ways: write 2026-03-01T12:00:00.5, or give "
-                        "sample_rate_hz instead"
-                    )
+                    what = "is a date that can be read in several ways: write 2026-03-01T12:00:00.5, or give "
+                    what += "sample_rate_hz instead"
                 name = shortened(self.channels[i].name)
                 return f"{self.path}: line {number}, column {name}: {shortened(cell)} {what}"
         return f"{self.path}: cannot be read: {shortened(fallback, 200)[1:-1]}"

@@ -101,7 +101,7 @@ def in_equal_steps(t: Array, where: str) -> Array:
     i = np.arange(t.size) - 0.5 * (t.size - 1)
     middle = float(t.mean())
     step = float(i @ (t - middle)) / float(i @ i)
-    line = middle + step * i
+    line = np.asarray(middle + step * i)
     bound = 1.5 * q / (step * t.size)
     if np.ptp(t - line) > _WITHIN * q or bound > _ACCURATE:
         return t
