@@ -27,10 +27,9 @@ if TYPE_CHECKING:
 
     RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
 
-LARGE = 256_000_000
-"""Size of a file, bytes, packed or not, from which it is not taken into memory as a whole."""
-
-_NUMBER = 8  # bytes
+LARGE = (
+    256_000_000  # bytes of a file, packed or not, from which it is not taken into memory as a whole
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -146,11 +145,7 @@ def read_records(
 
 
 def _in_memory(
-    record: Signals | Measurement,
-    number: int,
-    taken: set[str],
-    mapping: MappingLike,
-    largest: int,
+    record: Signals | Measurement, number: int, taken: set[str], mapping: MappingLike, largest: int
 ) -> MeasuredRecord:
     """The record of signals in memory, the `number`-th of several, under a name that is not taken."""
     if not (is_table(record) or isinstance(record, Measurement)):
@@ -179,17 +174,15 @@ def _of_file(path: Path, mapping: MappingLike, largest: int) -> MeasuredRecord:
     label = visible(rules.level or path.name)
     measurement: Measurement | None = None
     with _told(str(path)) as said:
-        stated = _NUMBER * stated_numbers(path, rules, largest)
+        stated = 8 * stated_numbers(path, rules, largest)
         stored = sum(file.stat().st_size for file in parts_of(path, rules))
         if max(stated, stored) > LARGE:
             quantities = tuple(open_channels(path, rules, largest=largest))
         else:
             measurement = replace(read(path, rules, largest), source=str(path))
             quantities = tuple(measurement)
-    files = _digests(path, mapping, rules)
-    return MeasuredRecord(
-        str(path), label, quantities, measurement, rules, tuple(said), files, largest
-    )
+    files, notes = _digests(path, mapping, rules), tuple(said)
+    return MeasuredRecord(str(path), label, quantities, measurement, rules, notes, files, largest)
 
 
 @contextmanager

@@ -19,10 +19,8 @@ from .record_file import RawChannel
 from .times import is_date, is_stamp
 
 WHITESPACE = "whitespace"
-
+# characters: room for all channels that a record may have, and no more than the module csv takes
 LONGEST_LINE = 131_072
-"""Characters of a line: room for all channels that a record may have, and no more than the module csv takes."""
-
 _SAMPLE_LINES = 400  # enough for any header and some rows
 _SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
@@ -36,8 +34,8 @@ _NUMBER = {
     for mark in ".,"
 }
 
-# Tried in this order: what fits as many rows as another and comes first wins. "1,5;2,5" is two numbers and "1,5" in one
-# column would be none, so a semicolon or tab comes before the comma, and a comma before blanks.
+# Tried in this order; of two that fit as many rows the first wins. In "1,5;2,5" the semicolon must, so it comes before
+# the comma.
 _DELIMITERS = ("\t", ";", "|", ",", WHITESPACE)
 
 
@@ -45,9 +43,8 @@ _DELIMITERS = ("\t", ";", "|", ",", WHITESPACE)
 class Layout:
     """How to read a text file.
 
-    header_lines : lines before the first row.   comment : character that opens a comment.   columns : left to right.
-    ends_in_line_end : whether the last line does; otherwise it may have been cut.
-    rows_stated : about how many rows the file has, from its size and the length of its first lines.
+    header_lines : lines before the first row.   comment : character that opens a comment.   ends_in_line_end : whether
+    the last line does; otherwise it may have been cut.   rows_stated : about, from the size and the first lines.
     """
 
     encoding: str
@@ -94,7 +91,7 @@ def layout_of(path: Path, mapping: RecordMapping) -> Layout:
     if not fits:
         raise RecordError(_no_rows(path, lines, comment, mapping))
     (_, header, width), delimiter, decimal = max(fits, key=lambda fit: (fit[0][2] > 1, fit[0][0]))
-    columns = columns_of(path, lines[:header], delimiter, width)
+    columns = columns_of(path, _header_table(lines[:header], delimiter, width), width)
     first = next(filter(None, (cells_of(line, delimiter, comment) for line in lines[header:])), [])
     for i, cell in enumerate(first[:width]):
         if is_stamp(cell) or (is_date(cell) and ":" in cell):
@@ -133,10 +130,9 @@ def _split(line: str, delimiter: str) -> list[str]:
 def _first_row(
     lines: Sequence[str], delimiter: str, decimal: str, comment: str, header: int | None, least: int
 ) -> tuple[int, int, int] | None:
-    """How many rows fit these marks, the line (counted from 0) of the first one, and its number of cells.
+    """How many rows fit these marks, the line (counted from 0) of the first one, and its number of cells, or None.
 
-    None where no line does. A row has at least so many cells, a number in one and a number, a time or nothing in the
-    others; empty ones at its end do not count.
+    A row has at least so many cells, a number in one and a number, a time or nothing in the others.
     """
     number = _NUMBER[decimal]
 
@@ -162,19 +158,23 @@ def _first_row(
     return (counts[usual], start, width) if width >= least else None
 
 
-def columns_of(path: Path, header: Sequence[str], delimiter: str, width: int) -> list[RawChannel]:
-    """Names and units from the last lines of the header that have as many cells as the rows."""
+def _header_table(lines: Sequence[str], delimiter: str, width: int) -> list[list[str]]:
+    """The cells of each line of a header; where blanks separate them, of the lines with as many as the rows."""
     table = []
-    for line in header:
+    for line in lines:
         bare = line.strip()
         text = bare.lstrip(_COMMENTS).strip() if bare.startswith(tuple(_COMMENTS)) else line
         cells = _header_cells(text, delimiter, width)
         while len(cells) > width and not cells[-1]:
             cells.pop()
-        if cells:
-            table.append(cells)
+        table.append(cells)
+    return [cells for cells in table if cells and (delimiter != WHITESPACE or len(cells) == width)]
+
+
+def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawChannel]:
+    """Names and units from the last rows of the header that have as many cells as the rows of numbers."""
     fitting = [cells for cells in table if len(cells) == width and any(cells)]
-    if not fitting and table and len(table[-1]) > 1 and delimiter != WHITESPACE:
+    if not fitting and table and len(table[-1]) > 1:
         raise RecordError(
             f"{path}: its header has {len(table[-1])} names, its rows have {width} cells; if it has 0,5 for 0.5, "
             'say decimal: "," and the delimiter in a mapping'

@@ -17,10 +17,8 @@ from .record_file import RecordFile, intact, require_channels, signals_in, too_l
 
 _HEADER = 128  # bytes
 _ARRAY, _PACKED = 14, 15  # types of an element: an array, and one that is compressed
-_BYTES = {3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 17: 2, 18: 4}
-"""Of a number of each type of element; one of all others."""
-
 _TYPES = range(1, 19)
+_BYTES = {3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 17: 2, 18: 4}  # of a number; others: 1
 _DEEPEST = 64  # arrays inside each other
 _PIECE = 1 << 20  # bytes unpacked at once
 
@@ -37,10 +35,10 @@ def matlab_file(path: Path, largest: int) -> RecordFile:
         _require_readable(path, largest // 4)
         truths = {name for name, _, kind in whosmat(path) if kind == "logical"}
         document = reader.read_mat(str(path))
-    found = {n: v for n, v in document.items() if not n.startswith("__") and n not in truths}
+    held = {n: v for n, v in document.items() if not n.startswith("__") and n not in truths}
     fields: dict[str, Any] = {
         name: value
-        for name, value in dotted(found)
+        for name, value in dotted(held)
         if np.isscalar(value) or (isinstance(value, np.ndarray) and value.dtype.kind in "fiu")
     }
     scalars = {n.rpartition(".")[2]: value for n, value in fields.items() if np.size(value) == 1}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import warnings
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
@@ -103,13 +102,12 @@ def wav_file(path: Path, largest: int) -> RecordFile:
     from scipy.io import wavfile
 
     with open(path, "rb") as stream:
-        head = stream.read(12)
-    order: Literal["little", "big"] = "big" if head[:4] == b"RIFX" else "little"
-    stated = int.from_bytes(head[4:8], order)
+        kind, stated = stream.read(4), stream.read(4)
+    count = int.from_bytes(stated, "big" if kind == b"RIFX" else "little")
     size = path.stat().st_size
-    if head[:4] != b"RF64" and stated not in _NO_SIZE and stated + 8 > size:
+    if kind != b"RF64" and count not in _NO_SIZE and count + 8 > size:
         raise RecordError(
-            f"{path}: has {size} of the {stated + 8} bytes that its header says; it was cut short"
+            f"{path}: has {size} of the {count + 8} bytes that its header says; it was cut short"
         )
     with intact(path, "WAV"), warnings.catch_warnings():
         # chunks of notes that hold no samples
@@ -119,12 +117,10 @@ def wav_file(path: Path, largest: int) -> RecordFile:
         except ValueError:  # 24-bit samples cannot be mapped
             rate, data = wavfile.read(path)
     table = data.reshape(len(data), -1)
-    kind = data.dtype.kind
-    full = 2.0 ** (8 * data.dtype.itemsize - 1) if kind in "iu" else 1.0
-    zero = full if kind == "u" else 0.0
-    channels = [
-        RawChannel(f"channel {i + 1}", None, len(table), float(rate)) for i in range(table.shape[1])
-    ]
+    full = 2.0 ** (8 * data.dtype.itemsize - 1) if data.dtype.kind in "iu" else 1.0
+    zero = full if data.dtype.kind == "u" else 0.0
+    names = [f"channel {i + 1}" for i in range(table.shape[1])]
+    channels = [RawChannel(name, size=len(table), rate_hz=float(rate)) for name in names]
 
     def read(i: int, begin: int, end: int) -> Array:
         return (np.asarray(table[begin:end, i], dtype=np.float64) - zero) / full
