@@ -72,14 +72,14 @@ class RecordFile(ABC):
 class Sliced(RecordFile):
     """A file whose channels are read from any sample to any other: read(channel, begin, end).
 
-    what : the format, for messages.   release : lets go of the file.
+    what : the format, for messages.   close : lets go of the file.
     """
 
     path: Path
     channels: Sequence[RawChannel]
     read: Callable[[int, int, int], ArrayLike]
     what: str
-    release: Callable[[], None] = lambda: None
+    close: Callable[[], None] = lambda: None
 
     def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
         """The wanted channels, `size` samples of each at a time."""
@@ -89,10 +89,6 @@ class Sliced(RecordFile):
             with intact(self.path, self.what):
                 parts = [self.read(i, *end) for i, end in zip(wanted, ends, strict=True)]
                 yield [np.asarray(part, dtype=np.float64) for part in parts]
-
-    def close(self) -> None:
-        """Let go of the file."""
-        self.release()
 
 
 @contextmanager

@@ -51,10 +51,8 @@ class TextFile(RecordFile):
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
         stamped = [i for i in wanted if self.channels[i].stamps]
         try:
-            clocks = {}
-            if stamped:
-                _, first = next(layout.rows(self.path))
-                clocks = {i: Clock(first[i]) for i in stamped}
+            _, first = next(layout.rows(self.path)) if stamped else (0, [])
+            seconds = {i: Clock(first[i]).seconds for i in stamped}
             with (
                 _bounded(self.path, layout.encoding) as stream,
                 pd.read_csv(
@@ -71,12 +69,7 @@ class TextFile(RecordFile):
                 ) as chunks,
             ):
                 for chunk in chunks:
-                    yield [
-                        clocks[i].seconds(chunk[i])
-                        if i in clocks
-                        else chunk[i].to_numpy(np.float64)
-                        for i in wanted
-                    ]
+                    yield [seconds.get(i, np.asarray)(chunk[i]) for i in wanted]
         except _LongLine:
             raise RecordError(self._complaint(wanted, "a line has no end")) from None
         except (ValueError, OverflowError) as error:  # pandas' own errors are ValueErrors
@@ -88,17 +81,15 @@ class TextFile(RecordFile):
         if self.path.stat().st_size > _SMALL or layout.decimal != ".":
             return None
         try:
-            with (
-                open(self.path, encoding=layout.encoding, errors="replace") as stream,
-                warnings.catch_warnings(),
-            ):
+            with warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)  # no rows
                 table = np.loadtxt(
-                    stream,
+                    self.path,
                     delimiter=None if layout.delimiter == WHITESPACE else layout.delimiter,
                     comments=layout.comment,
                     skiprows=layout.header_lines,
                     ndmin=2,
+                    encoding=layout.encoding,
                 )
         except ValueError:
             return None
