@@ -59,25 +59,16 @@ def test_case_does_not_matter_where_it_decides_nothing(text, name):
 @pytest.mark.parametrize(
     ("spelling", "name"),
     [
-        ("um", "µm"),
-        ("μm", "µm"),  # the Greek letter, not the micro sign
-        ("[mm]", "mm"),
-        (" MM ", "mm"),
-        ("inch", "in"),
-        ("m/s^2", "m/s²"),
-        ("m/s2", "m/s²"),
-        ("m/s**2", "m/s²"),
-        ("m s-2", "m/s²"),
-        ("m·s⁻²", "m/s²"),
-        ("m_per_s2", "m/s²"),
-        ("m/s/s", "m/s²"),
-        ("m/sec^2", "m/s²"),
-        ("m s^-1", "m/s"),
-        ("um/s", "µm/s"),
-        ("G", "g"),
-        ("Sec", "s"),
-        ("usec", "µs"),
-        ("1/s", "Hz"),
+        *(("um", "µm"), ("μm", "µm")),  # the Greek letter, not the micro sign
+        *(("[mm]", "mm"), (" MM ", "mm"), ("inch", "in"), ("G", "g"), ("Sec", "s"), ("usec", "µs")),
+        *((text, "m/s²") for text in ("m/s^2", "m/s2", "m/s**2", "m s-2", "m·s⁻²", "m_per_s2")),
+        *(
+            ("m/s/s", "m/s²"),
+            ("m/sec^2", "m/s²"),
+            ("m s^-1", "m/s"),
+            ("um/s", "µm/s"),
+            ("1/s", "Hz"),
+        ),
     ],
 )
 def test_spellings(spelling, name):
