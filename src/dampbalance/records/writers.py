@@ -23,7 +23,7 @@ from ..project.wording import shortened
 from .errors import RecordError, library
 from .measurement import QUANTITIES, Channel, Measurement
 from .readers.formats import FORMATS, format_by_suffix, require_showable
-from .readers.times import times
+from .readers.times import mean_rate, times
 from .units import DIMENSIONS, column_name
 
 MATLAB_73 = "matlab73"
@@ -175,14 +175,14 @@ def _write_wav(path: Path, measurement: Measurement) -> None:
 
     channels = _channels(measurement)
     samples = np.stack([channel.values for channel in channels], axis=1)
-    wavfile.write(path, round(_rate(channels[0].t)), samples)
+    wavfile.write(path, round(mean_rate(channels[0].t)), samples)
 
 
 def _wav_mapping(path: Path, measurement: Measurement) -> str:
     """What stands beside a WAV. Raises RecordError when a WAV cannot hold the times."""
     channels = _channels(measurement)
     t = channels[0].t
-    rate = round(_rate(t))
+    rate = round(mean_rate(t))
     if not all(np.array_equal(channel.t, t) for channel in channels):
         raise RecordError(
             f"{path}: a WAV has one time base for all channels, the record has several"
@@ -190,7 +190,7 @@ def _wav_mapping(path: Path, measurement: Measurement) -> str:
     if rate < 1 or not np.allclose(t, np.arange(t.size) / rate, rtol=0.0, atol=1e-6 / rate):
         raise RecordError(
             f"{path}: a WAV begins at time 0 and has a whole number of samples per second, not {t[0]:g} s and "
-            f"{_rate(t):.9g} Hz; use another format"
+            f"{mean_rate(t):.9g} Hz; use another format"
         )
     rules = [
         f"  {c.quantity}: {{channel: {i}, unit: {c.unit}}}" for i, c in enumerate(channels, start=1)
@@ -215,10 +215,6 @@ def _unit_of(column: str) -> str:
 def _is_even(channel: Channel, start: float, step: float) -> bool:
     """Whether first time and step give every time to the last bit."""
     return np.array_equal(times(1.0 / step, start, 0, len(channel)), channel.t)
-
-
-def _rate(t: Array) -> float:
-    return (t.size - 1) / float(t[-1] - t[0])
 
 
 def _describe(path: Path, version: str, rest: bytes = b"") -> None:

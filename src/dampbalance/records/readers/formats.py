@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import stat
 from pathlib import Path
 from typing import NamedTuple
 
@@ -89,10 +88,10 @@ def checked_format(path: Path) -> str:
     """
     require_showable(path)
     try:
-        found = path.stat()
-        if stat.S_ISDIR(found.st_mode):
+        if path.is_dir():
             raise RecordError(f"{path}: is a folder; give the files in it")
-        if not stat.S_ISREG(found.st_mode):
+        size = path.stat().st_size
+        if not path.is_file():
             raise RecordError(f"{path}: is a pipe or a device, not a file")
         kind = FORMATS[format_by_suffix(path)]
         content = content_of(path)
@@ -101,7 +100,7 @@ def checked_format(path: Path) -> str:
     except OSError as error:
         name = shortened(str(path), 200)[1:-1]
         raise RecordError(f"{name}: cannot be opened: {error.strerror}") from None
-    if found.st_size == 0:
+    if size == 0:
         raise RecordError(f"{path}: is empty")
     if content is None:
         raise RecordError(

@@ -107,18 +107,16 @@ class _Unpacked:
 
     def __init__(self, stream: BinaryIO, size: int) -> None:
         self.stream, self.left = stream, size
-        self.unpacker, self.packed, self.ready = zlib.decompressobj(), b"", b""
+        self.unpacker, self.ready = zlib.decompressobj(), b""
 
     def read(self, count: int) -> bytes:
         """The next bytes, fewer at the end."""
         while len(self.ready) < count and not self.unpacker.eof:
-            if not self.packed:
-                self.packed = self.stream.read(min(self.left, _PIECE))
-                self.left -= len(self.packed)
-            piece = self.unpacker.decompress(self.packed, _PIECE)
-            if not piece and not self.packed:
+            packed = self.unpacker.unconsumed_tail or self.stream.read(min(self.left, _PIECE))
+            self.left -= len(packed) - len(self.unpacker.unconsumed_tail)
+            piece = self.unpacker.decompress(packed, _PIECE)
+            if not piece and not packed:
                 break
-            self.packed = self.unpacker.unconsumed_tail
             self.ready += piece
         taken, self.ready = self.ready[:count], self.ready[count:]
         return taken

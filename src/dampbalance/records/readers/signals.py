@@ -30,17 +30,16 @@ def signals_file(name: str, signals: Signals) -> Sliced:
     Raises RecordError for an array that is not one signal.
     """
     path = Path(name)
-    columns = _columns(signals)
-    single = [k for k, v in columns.items() if not isinstance(v, list | tuple) and not np.ndim(v)]
-    unknown = [key for key in single if key.lower() not in TIMING_NAMES]
-    stated = {key: columns[key] for key in single}
-    if unknown:
-        raise RecordError(
-            f"{path}: {shortened(unknown[0])} is a single value; a signal is an array of its samples"
-        )
-    signals = {label: values for label, values in columns.items() if label not in stated}
+    stated, several = {}, {}
+    for label, values in _columns(signals).items():
+        single = not isinstance(values, list | tuple) and not np.ndim(values)
+        (stated if single else several)[label] = values
+        if single and label.lower() not in TIMING_NAMES:
+            raise RecordError(
+                f"{path}: {shortened(label)} is a single value; a signal is an array of its samples"
+            )
     channels, arrays = [], []
-    for label, values in signals.items():
+    for label, values in several.items():
         array, stamps = _samples(values)
         if array.ndim != 1:
             raise RecordError(

@@ -37,6 +37,11 @@ def times(rate_hz: float, start: float, first: int, count: int) -> Array:
     return start + np.arange(first, first + count) / rate_hz
 
 
+def mean_rate(t: Array) -> float:
+    """Samples per second of a channel with these times, s."""
+    return (t.size - 1) / float(t[-1] - t[0])
+
+
 def is_stamp(cell: str) -> bool:
     """Whether a text is a point in time, or a span of it, that can be read."""
     return bool(_POINT.fullmatch(cell) or _SPAN.fullmatch(cell))
