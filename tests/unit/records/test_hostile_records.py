@@ -222,10 +222,10 @@ def test_truth_values_and_dates_are_no_signals(tmp_path):
         for column in values:
             path = tmp_path / f"bad.{suffix}"
             write(path, t, y, column)
-            refused(
-                path,
-                "not numbers|holds points in time, no |is not a number|finds no response|texts are not read",
+            wrong = (
+                "not numbers|holds points in time, no |is not a number|finds no response|texts are"
             )
+            refused(path, wrong)
 
 
 # Times
@@ -361,12 +361,8 @@ def test_structures_of_matlab_are_counted_right(tmp_path):
     path = tmp_path / "run.mat"
     t, y, x = signals()
     whole = np.round(1e6 * x)  # stored as smaller integers
-    inner = {
-        "base_displacement_m": y,
-        "displacement_um": whole,
-        "note": "text",
-        "odd": np.arange(3.0),
-    }
+    inner = {"base_displacement_m": y, "displacement_um": whole}
+    inner |= {"note": "text", "odd": np.arange(3.0)}
     run = {"inner": inner, "cell": np.array([1.0, "a"], object)}
     scipy.io.savemat(path, {"time_s": t, "run": run}, do_compression=True)
     found = read(path)
@@ -562,11 +558,8 @@ def test_the_limit_of_a_spreadsheet_can_be_raised(tmp_path):
     np.testing.assert_array_equal(read(path)["displacement"].values, x)
     most = 3 * (t.size + 1)
     assert read(path, largest=16 * most)
-    refused(
-        path,
-        rf"a sheet of {t.size + 1:,} × 3 cells.*--largest {16 * most}\)",
-        largest=16 * most - 1,
-    )
+    message = rf"a sheet of {t.size + 1:,} × 3 cells.*--largest {16 * most}\)"
+    refused(path, message, largest=16 * most - 1)
 
 
 @pytest.mark.filterwarnings("ignore:.*channels not used. 'column 1', 'column 2'")
@@ -783,9 +776,7 @@ def test_names_show_as_they_are(name, tmp_path, capsys, sound):
         json.dumps({"channels": rules, "level": name, "time": {"unit": "s"}}, ensure_ascii=False),
         encoding="utf-8",
     )
-    code, said = tried(
-        tmp_path, capsys, path, sound, "--output", output, "--approach", "fourier"
-    )  # fmt: skip
+    code, said = tried(tmp_path, capsys, path, sound, "--output", output, "--approach", "fourier")
     assert code == 0, said
     assert f"warning: {path.name}: displacement: " in said
     texts, document = shown(output)
