@@ -1,7 +1,6 @@
 """Simulated measurements: the exact steady motion or a free decay, sampled, with noise. Always labelled as such.
 
-They serve to try an estimator on records whose truth is known. The channels are what transducers would give: white
-noise on each, independent of the others.
+They serve to try an estimator on records whose truth is known. The white noise of the channels is independent.
 """
 
 from __future__ import annotations

@@ -28,12 +28,11 @@ from .units import DIMENSIONS, column_name
 
 MATLAB_73 = "matlab73"
 _MATLAB_TEXT = 116  # bytes of description at the start of a MATLAB file
+# of universal files: function type, specific data types of abscissa and ordinate, double precision
+_UFF_TIME_RESPONSE, _UFF_TIME, _UFF_DOUBLE = 1, 17, 4
 _UFF_TYPES = {"length": 8, "velocity": 11, "acceleration": 12, "force": 13}
 _TDMS_SEGMENT = 65_536  # samples per segment: a reader takes at least one into memory
 _WAV_NOTE = "a WAV has neither names nor units; its samples are 64-bit floats in these units"
-_UFF_TIME_RESPONSE = 1  # function type
-_UFF_TIME = 17  # specific data type of the abscissa
-_UFF_DOUBLE = 4  # ordinate data type: real, double precision
 
 
 def write(
@@ -123,7 +122,7 @@ def _write_hdf5(path: Path, measurement: Measurement) -> None:
 def _write_uff(path: Path, measurement: Measurement) -> None:
     """Binary data sets 58. The header has five decimals for the step: where these are too few, every time is stored.
 
-    Put together here: pyuff, which reads them, overwrites the header of a binary set in a new file.
+    Put together here: pyuff, which reads them, writes a wrong number of bytes where times are stored, and is slow.
     """
     sets = []
     for number, channel in enumerate(_channels(measurement), start=1):

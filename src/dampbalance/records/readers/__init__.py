@@ -125,7 +125,6 @@ def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel,
 
 
 def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]:
-    """The path of a record, and its mapping."""
     file = arguments.path("path", path, "the path of a record")
     return file, mapping_for(file, mapping)
 
@@ -136,10 +135,9 @@ def _files(
     """Each file of a record, open, with what to read from it; without those of some kinds of content."""
     parts = parts_of(path, rules)
     for part, of in parts.items():
-        if skipped and checked_format(part) in skipped:
-            continue
-        with closing(_open(part, of, largest)) as file:
-            yield file, picks_of(file, of, entire=len(parts) == 1)
+        if not skipped or checked_format(part) not in skipped:
+            with closing(_open(part, of, largest)) as file:
+                yield file, picks_of(file, of, entire=len(parts) == 1)
 
 
 def _open(path: Path, rules: RecordMapping, largest: int) -> RecordFile:

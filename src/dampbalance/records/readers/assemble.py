@@ -138,20 +138,18 @@ class Stretch:
     def finish(self) -> None:
         """Check what only the whole channel shows: that it is not constant, nor as good as that."""
         channel = f"{self.file.path}: channel {self.pick.name!r}"
-        swing = (self.high - self.low) * abs(self.pick.factor)
-        if self.low == self.high:
-            raise RecordError(
-                f"{channel} is constant, {self.low:g} in all {self.count} samples; check transducer and mapping"
-            )
-        if swing < limits.SMALLEST_RANGE:
+        span, constant = self.high - self.low, f"{self.low:g} in all {self.count} samples"
+        if not span:
+            raise RecordError(f"{channel} is constant, {constant}; check transducer and mapping")
+        if (swing := span * abs(self.pick.factor)) < limits.SMALLEST_RANGE:
             raise RecordError(
                 f"{channel} moves by {swing:.3g} {QUANTITIES[self.pick.quantity]} in all, too little to mean anything; "
                 "check its unit and scale"
             )
-        if self.high - self.low < limits.FINEST * max(abs(self.low), abs(self.high)):
+        if span < limits.FINEST * max(abs(self.low), abs(self.high)):
             raise RecordError(
-                f"{channel} is constant except for rounding, {self.low:g} in all {self.count} samples; check "
-                "transducer and mapping, or take off its offset"
+                f"{channel} is constant except for rounding, {constant}; check transducer and mapping, or take off its"
+                " offset"
             )
 
     def _in_si(self, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
@@ -228,7 +226,7 @@ def wanted_of(picks: Sequence[Pick]) -> list[int]:
 def _without_padding(
     file: RecordFile, pick: Pick, columns: Mapping[int, Array]
 ) -> Mapping[int, Array]:
-    """The columns of a channel without the empty cells at its end that a shorter time base leaves in a table."""
+    """The columns of a channel without the empty cells that a shorter time base leaves at its end in a table."""
     if pick.time is None:
         return columns
     values, time = columns[pick.index], columns[pick.time]

@@ -209,7 +209,7 @@ class _Plan:
         )
 
     def suggested(self, what: str) -> str:
-        """What to write into the mapping: one that is complete, and holds for these channels if the guesses do."""
+        """A mapping to write that is complete, and holds for these channels if the guesses do."""
         guesses = suggestion(self.channels)
         if len(guesses) < 2:
             return (

@@ -64,8 +64,8 @@ def signals_file(name: str, signals: Signals) -> Sliced:
 def is_table(record: object) -> bool:
     """Whether something is signals by their names: a mapping, a table of pandas, an array with named fields."""
     of_pandas = all(hasattr(record, name) for name in ("columns", "index", "attrs"))
-    named = isinstance(record, Mapping) or of_pandas or _fields(record)
-    return bool(named) and not isinstance(record, type)
+    named = isinstance(record, Mapping) or of_pandas or bool(_fields(record))
+    return named and not isinstance(record, type)
 
 
 def _fields(signals: Any) -> tuple[str, ...]:

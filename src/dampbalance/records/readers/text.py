@@ -70,8 +70,6 @@ class TextFile(RecordFile):
             ):
                 for chunk in chunks:
                     yield [seconds.get(i, np.asarray)(chunk[i]) for i in wanted]
-        except _LongLine:
-            raise RecordError(self._complaint(wanted, "a line has no end")) from None
         except (ValueError, OverflowError) as error:  # pandas' own errors are ValueErrors
             raise RecordError(self._complaint(wanted, str(error))) from None
 
@@ -122,12 +120,8 @@ class TextFile(RecordFile):
         return f"{self.path}: cannot be read: {shortened(fallback, 200)[1:-1]}"
 
 
-class _LongLine(Exception):
-    """A line that is no row, which a parser would gather in memory."""
-
-
 class _bounded(io.TextIOWrapper):
-    """The text of a file, up to a line that is too long."""
+    """The text of a file, up to a line that is too long to be a row, which a parser would gather in memory."""
 
     def __init__(self, path: Path, encoding: str) -> None:
         super().__init__(path.open("rb"), encoding, errors="replace", newline="")
@@ -139,5 +133,5 @@ class _bounded(io.TextIOWrapper):
         ends = max(text.rfind("\n"), text.rfind("\r"))
         self.without_end = len(text) + (self.without_end if ends < 0 else -ends)
         if self.without_end > LONGEST_LINE + 262_144:  # what pandas reads at once
-            raise _LongLine
+            raise ValueError("a line has no end")
         return text
