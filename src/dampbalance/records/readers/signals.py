@@ -30,7 +30,8 @@ def signals_file(name: str, signals: Signals) -> Sliced:
     Raises RecordError for an array that is not one signal.
     """
     path = Path(name)
-    stated, several = {}, {}
+    stated: dict[str, Any] = {}
+    several: dict[str, Any] = {}
     for label, values in _columns(signals).items():
         single = not isinstance(values, list | tuple) and not np.ndim(values)
         (stated if single else several)[label] = values
