@@ -76,16 +76,10 @@ def forty_digits(cases: Sweep) -> np.ndarray:
 
     rows = []
     for motion in cases.motions():
-        start = steady_orbit(
-            PAPER, motion
-        )  # where the root finder begins, and the pattern of slips
-        exact = solve(
-            parameters(PAPER, motion),
-            start.X,
-            start.theta,
-            list(start.phases[1:, PHASE_T]),
-            [int(s) for s in start.phases[:, PHASE_S]],
-        )
+        # where the root finder begins, and the pattern of slips
+        start = steady_orbit(PAPER, motion)
+        times, slips = list(start.phases[1:, PHASE_T]), [int(s) for s in start.phases[:, PHASE_S]]
+        exact = solve(parameters(PAPER, motion), start.X, start.theta, times, slips)
         rows.append([float(getattr(exact, name)) for name in FEATURES])
     return np.array(rows)
 

@@ -12,7 +12,6 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -114,28 +113,21 @@ def errors(samples: int) -> pd.DataFrame:
     """Columns name, then of F_k and of c the relative error and the standard error that each approach reports."""
     given = measurements(samples)
     found = identify_readings([read_features(m, PAPER.k) for m in given], PAPER.k)
-    rows: list[tuple[str, float, float, float, float]] = []
-    for name, e in found.estimates.items():
-        F_k, c = e.coefficients["F_k"], e.coefficients["c"]
-        rows.append(
-            (
-                name,
-                *_relative(F_k.value, F_k.standard_error, PAPER.F_k),
-                *_relative(c.value, c.standard_error, PAPER.c),
-            )
-        )
-    fit = found.joint.fit
+    fit, truth = found.joint.fit, {"F_k": PAPER.F_k, "c": PAPER.c}
     assert fit is not None
-    F_k_error, c_error = fit.error("F_k"), fit.error("c")
-    rows.append(
-        (FIT, *_relative(fit.F_k, F_k_error, PAPER.F_k), *_relative(fit.c, c_error, PAPER.c))
-    )
+    answers = {
+        name: {s: (e.coefficients[s].value, e.coefficients[s].standard_error) for s in truth}
+        for name, e in found.estimates.items()
+    }
+    answers[FIT] = {s: (getattr(fit, s), fit.error(s)) for s in truth}
+    rows = [
+        {"name": name}
+        | {f"{s}_error": answer[s][0] / true - 1.0 for s, true in truth.items()}
+        | {f"{s}_standard_error": answer[s][1] / true for s, true in truth.items()}
+        for name, answer in answers.items()
+    ]
     columns = ["name", "F_k_error", "F_k_standard_error", "c_error", "c_standard_error"]
     return pd.DataFrame(rows, columns=columns)
-
-
-def _relative(value: float, standard_error: float, true: float) -> tuple[float, float]:
-    return value / true - 1.0, standard_error / true
 
 
 def start_up(samples: int, repetitions: int) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -147,21 +139,12 @@ def start_up(samples: int, repetitions: int) -> tuple[pd.DataFrame, pd.DataFrame
         arguments = [str(file), str(PAPER.k)]
         # the first process also reads the files into memory and compiles what is not compiled
         told = _process(_FIRST_CALL, arguments, "-X", "importtime").stderr
-        times = np.array(
-            [
-                [float(x) for x in _process(_FIRST_CALL, arguments).stdout.split()]
-                for _ in range(repetitions)
-            ]
-        )
-    table = pd.DataFrame(
-        {
-            "quantity": ["import", "first call", "both"],
-            "wall_s": [*np.median(times[:, [0, 2]], axis=0), np.median(times[:, 0] + times[:, 2])],
-            "best_wall_s": [*times[:, [0, 2]].min(axis=0), (times[:, 0] + times[:, 2]).min()],
-            "cpu_s": [*np.median(times[:, [1, 3]], axis=0), np.median(times[:, 1] + times[:, 3])],
-        }
-    )
-    return table, imports(told)
+        runs = [_process(_FIRST_CALL, arguments).stdout.split() for _ in range(repetitions)]
+    wall, cpu = np.moveaxis(np.array(runs, dtype=float).reshape(-1, 2, 2), 2, 0)
+    wall, cpu = (np.column_stack([part, part.sum(axis=1)]) for part in (wall, cpu))
+    times = {"wall_s": np.median(wall, axis=0), "best_wall_s": wall.min(axis=0)}
+    times["cpu_s"] = np.median(cpu, axis=0)
+    return pd.DataFrame({"quantity": ["import", "first call", "both"]} | times), imports(told)
 
 
 def imports(told: str) -> pd.DataFrame:
@@ -184,7 +167,8 @@ def text(
     wrong: pd.DataFrame,
     starting: pd.DataFrame,
     loading: pd.DataFrame,
-    facts: Mapping[str, int],
+    samples: int,
+    repetitions: int,
 ) -> str:
     rows: list[list[object]] = [
         [
@@ -194,35 +178,18 @@ def text(
         ]
         for row in summary.itertuples(index=False)
     ]
-    header = [
-        "five levels, {levels_samples:,} samples".format(**facts),
-        "wall time",
-        "best",
-        "processor time",
-    ]
-    written = markdown([*header, "ratio of processor times"], rows)
+    levels = f"five levels, {samples * len(LEVELS):,} samples"
+    times = ["wall time", "best", "processor time"]
+    written = markdown([levels, *times, "ratio of processor times"], rows)
     written += (
-        "\nMedians of {repetitions} interleaved repetitions, after start-up; ratio: to the first line in the same "
-        "repetition, with its range.\n\n".format(**facts)
+        f"\nMedians of {repetitions} interleaved repetitions, after start-up; ratio: to the first line in the same "
+        "repetition, with its range.\n\n"
     )
-    rows = [
-        [row.name, *(f"{100.0 * e:.2g}" for e in row[1:])] for row in wrong.itertuples(index=False)
-    ]
-    header = [
-        "what was found, %",
-        "error of F_k",
-        "its standard error",
-        "error of c",
-        "its standard error",
-    ]
-    written += markdown(header, rows) + "\n"
-    rows = [
-        [row.quantity, *(quantity(s) for s in row[1:])] for row in starting.itertuples(index=False)
-    ]
-    written += markdown(
-        ["start-up of a process, kernels compiled before", "wall time", "best", "processor time"],
-        rows,
-    )
+    rows = [[name, *(f"{100.0 * e:.2g}" for e in off)] for name, *off in wrong.to_numpy()]
+    header = ["what was found, %", "error of F_k", "its standard error", "error of c"]
+    written += markdown([*header, "its standard error"], rows) + "\n"
+    rows = [[step, *map(quantity, seconds)] for step, *seconds in starting.to_numpy()]
+    written += markdown(["start-up of a process, kernels compiled before", *times], rows)
     shown = loading.head(PARTS_SHOWN)
     listed = ", ".join(f"{r.package} {quantity(r.seconds)}" for r in shown.itertuples(index=False))
     total = quantity(loading["seconds"].sum())
@@ -237,13 +204,8 @@ def figure(summary: pd.DataFrame, starting: pd.DataFrame, svg: Path, png: Path) 
     steps = starting.head(2)
     names = [*summary["name"], *("start-up: " + steps["quantity"])]
     wall = [*summary["wall_s_per_case"], *steps["wall_s"]]
-    axes.barh(
-        names,
-        [*summary["cpu_s_per_case"], *steps["cpu_s"]],
-        color=SLIP,
-        height=0.6,
-        label="processor time",
-    )
+    cpu = [*summary["cpu_s_per_case"], *steps["cpu_s"]]
+    axes.barh(names, cpu, color=SLIP, height=0.6, label="processor time")
     axes.plot(wall, names, "|", color=STICK, markersize=10.0, label="wall time")
     axes.axvline(1.0, color=FAINT, linewidth=0.6, linestyle="--")
     axes.invert_yaxis()
@@ -272,6 +234,6 @@ def run(out: Path, samples: int = 20_000, repetitions: int = 9) -> None:
     write_csv(out / "identification_errors.csv", wrong)
     write_csv(out / "start_up.csv", starting)
     write_csv(out / "imports.csv", loading)
-    facts = {"levels_samples": samples * len(LEVELS), "repetitions": repetitions}
-    write_text(out / "identification.md", text(summary, wrong, starting, loading, facts))
+    written = text(summary, wrong, starting, loading, samples, repetitions)
+    write_text(out / "identification.md", written)
     figure(summary, starting, out / "identification.svg", out / "identification.png")

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from dampbalance.project.wording import markdown_table
+
 PACKAGES = ("numpy", "numba", "scipy", "heyoka", "diffrax", "jax", "snakemake")
 TIMES = ("wall_s_per_case", "cpu_s_per_case")
 
@@ -52,9 +54,8 @@ def ratios(timings: pd.DataFrame, reference: str, time_column: str) -> pd.DataFr
     """Cost of each contestant in units of the reference's in the same repetition: columns name, low, median, high."""
     table = timings.pivot(index="repetition", columns="name", values=time_column)
     relative = table.div(table[reference], axis=0)
-    summary = pd.DataFrame(
-        {"low": relative.min(), "median": relative.median(), "high": relative.max()}
-    )
+    spread = {"low": relative.min(), "median": relative.median(), "high": relative.max()}
+    summary = pd.DataFrame(spread)
     return summary.loc[timings["name"].unique()].reset_index()
 
 
@@ -105,6 +106,5 @@ def rounded(ratio: float) -> str:
 
 def markdown(header: list[str], rows: list[list[object]]) -> str:
     """A table; the first column is text, the others are numbers."""
-    lines = [" | ".join(header), "|".join([":--", *["--:"] * (len(header) - 1)])]
-    lines += [" | ".join(str(cell) for cell in row) for row in rows]
-    return "\n".join(f"| {line} |" for line in lines) + "\n"
+    cells = [[str(cell) for cell in row] for row in rows]
+    return markdown_table(header, cells, "l" + "r" * (len(header) - 1)) + "\n"

@@ -66,10 +66,8 @@ def measure(largest: int, repetitions: int) -> pd.DataFrame:
         times = interleaved(contestants, often)
         for count in threads:
             own = times[times["name"] == str(count)]
-            wall = own["wall_s_per_case"]
-            rows.append(
-                (n, count, wall.median(), wall.min(), wall.max(), own["cpu_s_per_case"].median())
-            )
+            wall, cpu = own["wall_s_per_case"], own["cpu_s_per_case"]
+            rows.append((n, count, wall.median(), wall.min(), wall.max(), cpu.median()))
     columns = ["cases", "threads", "wall_s_per_case", "low", "high", "cpu_s_per_case"]
     return pd.DataFrame(rows, columns=columns)
 
@@ -131,9 +129,8 @@ def table(times: pd.DataFrame, memory: pd.DataFrame, costs: pd.DataFrame) -> str
         for row in memory.itertuples(index=False)
     ]
     text += "\n" + markdown(["cases", "peak memory of the process", "bytes per case"], rows)
-    text += (
-        f"\nOf the bytes per case, {_BYTES_OUT} are the results; inputs that vary take 8 each.\n\n"
-    )
+    text += f"\nOf the bytes per case, {_BYTES_OUT} are the results; "
+    text += "inputs that vary take 8 each.\n\n"
     rows = [[row.quantity, quantity(row.seconds)] for row in costs.itertuples(index=False)]
     text += markdown(["in a separate process, kernels compiled before", "time"], rows)
     return text + f"\nMachine: {machine()}.\n"
@@ -147,17 +144,14 @@ def figure(times: pd.DataFrame, memory: pd.DataFrame, svg: Path, png: Path) -> N
     for colour, (threads, group) in zip((SLIP, STICK) * 64, times.groupby("threads"), strict=False):
         label = f"{threads} thread" + ("s" if threads > 1 else "")
         axes.plot(group.cases, 1e6 * group.wall_s_per_case, "o-", color=colour, label=label)
-        axes.fill_between(
-            group.cases, 1e6 * group.low, 1e6 * group.high, color=colour, alpha=0.15, linewidth=0
-        )
+        shade = {"color": colour, "alpha": 0.15, "linewidth": 0}
+        axes.fill_between(group.cases, 1e6 * group.low, 1e6 * group.high, **shade)
     axes.axhline(1.0, color=FAINT, linewidth=0.6, linestyle="--")
     axes.set_ylabel("wall time per case (µs)")
     axes.legend()
     beside = place(drawn, 107.0, 12.0, 69.0, 50.0)
-    beside.plot(
-        memory.cases, memory.peak_bytes / 1e6, "o-", color=SLIP, label="peak of the process"
-    )
-    results = memory.cases * _BYTES_OUT / 1e6
+    peak, results = memory.peak_bytes / 1e6, memory.cases * _BYTES_OUT / 1e6
+    beside.plot(memory.cases, peak, "o-", color=SLIP, label="peak of the process")
     beside.plot(memory.cases, results, "--", color=FAINT, label="the results alone")
     beside.set_ylabel("memory (MB)")
     beside.legend()
@@ -165,12 +159,8 @@ def figure(times: pd.DataFrame, memory: pd.DataFrame, svg: Path, png: Path) -> N
         each.set_xscale("log")
         each.set_yscale("log")
         each.set_xlabel("number of cases")
-    save(
-        drawn,
-        svg,
-        png,
-        "Time per case and peak memory of steady_orbits against the number of cases",
-    )
+    alt = "Time per case and peak memory of steady_orbits against the number of cases"
+    save(drawn, svg, png, alt)
 
 
 def run(out: Path, largest: int = 10**7, repetitions: int = 5) -> None:

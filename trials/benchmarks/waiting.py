@@ -5,6 +5,7 @@ Everything runs in a temporary copy of the project, on all cores; each line is t
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import resource
@@ -53,13 +54,8 @@ def waited(command: list[str], folder: Path) -> Wait:
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     start = time.perf_counter()
-    process = subprocess.Popen(
-        command,
-        cwd=folder,
-        env=environment,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    process = subprocess.Popen(command, cwd=folder, env=environment, **quiet)
     peak = 0.0
     watching = threading.Event()
 
@@ -82,21 +78,17 @@ def waited(command: list[str], folder: Path) -> Wait:
 def _memory(pid: int) -> float:
     """Resident memory of a process and of all that it started, bytes."""
     total = 0.0
-    try:
+    with contextlib.suppress(psutil.NoSuchProcess):  # one that has just ended
         process = psutil.Process(pid)
         for each in (process, *process.children(recursive=True)):
             total += each.memory_info().rss
-    except psutil.NoSuchProcess:  # one that has just ended
-        pass
     return total
 
 
 def snakemake(folder: Path, target: str) -> Wait:
     """Build a target on all cores; the file `target`, or the page for `all`, must be there then."""
-    wait = waited(
-        [sys.executable, "workflow/run.py", "--cores", "all", "--quiet", "all", "--", target],
-        folder,
-    )
+    command = [sys.executable, "workflow/run.py", "--cores", "all", "--quiet", "all", "--", target]
+    wait = waited(command, folder)
     if not (folder / ("results/paper/report.html" if target == "all" else target)).exists():
         raise RuntimeError(f"{target} was not built in {folder}")
     return wait
@@ -144,10 +136,7 @@ def measure(folder: Path, repetitions: int, sizes: tuple[int, ...]) -> pd.DataFr
         "dampbalance --help": lambda: helped(folder),
         "whole rebuild": lambda: rebuilt(folder),
         "rebuild after F_k was changed": lambda: changed(folder),
-        **{
-            f"study of {cases:,} cases": lambda cases=cases: studied(folder, cases)
-            for cases in sizes
-        },
+        **{f"study of {n:,} cases": lambda n=n: studied(folder, n) for n in sizes},
         "first call after installation (compiles)": lambda: first_called(folder),
     }
     first_called(folder)
@@ -156,17 +145,8 @@ def measure(folder: Path, repetitions: int, sizes: tuple[int, ...]) -> pd.DataFr
     rows = []
     for what, task in tasks.items():
         waits = pd.DataFrame([task() for _ in range(repetitions)])
-        middle, wall = waits.median(), waits["wall_s"]
-        rows.append(
-            (
-                what,
-                middle["wall_s"],
-                wall.min(),
-                wall.max(),
-                middle["cpu_s"],
-                middle["memory_bytes"],
-            )
-        )
+        wall_s, cpu_s, memory = waits.median()
+        rows.append((what, wall_s, waits["wall_s"].min(), waits["wall_s"].max(), cpu_s, memory))
     return pd.DataFrame(rows, columns=["what", "wall_s", "low", "high", "cpu_s", "memory_bytes"])
 
 

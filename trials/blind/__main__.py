@@ -82,14 +82,8 @@ def decays(options: argparse.Namespace) -> str:
     return decrements.table(done)
 
 
-PARTS = {
-    "decays": decays,
-    "blind": blind,
-    "efficiency": efficient,
-    "faults": faulty,
-    "others": other,
-    "laws": confused,
-}
+PARTS = {"decays": decays, "blind": blind, "efficiency": efficient, "faults": faulty}
+PARTS |= {"others": other, "laws": confused}
 
 
 def main(arguments: list[str] | None = None) -> None:

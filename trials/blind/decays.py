@@ -10,7 +10,7 @@ import numpy as np
 from dampbalance.records.measurement import Channel, Measurement
 
 from .other_motion import ring_down
-from .truths import ANSWERS, NOISE, SEED, Linear
+from .truths import ANSWERS, NOISE, SEED, Linear, log_uniform
 
 _DECAYS = 2  # so that the draws are not those of the forced sets
 _SETTLES = 3.0  # time constants of the slowest decay that a burst lasts at the most
@@ -51,19 +51,12 @@ def draw(index: int, seed: int = SEED) -> Decay:
     """Set number `index` ≥ 0: ζ 0.002–0.1, K_z/k 3–300, a first amplitude of 5–50 F_k/k, m 0.1–10 kg, f_n 1–50 Hz, all
     log-uniform; 50–400 samples per free cycle."""
     random = np.random.default_rng((_DECAYS, seed, index))
-
-    def spread(low: float, high: float) -> float:
-        return float(math.exp(random.uniform(math.log(low), math.log(high))))
-
+    spread = log_uniform(random)
     m, f_n = spread(0.1, 10.0), spread(1.0, 50.0)
     omega_n = 2.0 * math.pi * f_n
     k = m * omega_n**2
-    zeta, K, height, x = (
-        spread(0.002, 0.1),
-        spread(3.0, 300.0),
-        spread(5.0, 50.0),
-        spread(1e-4, 1e-2),
-    )
+    zeta, K = spread(0.002, 0.1), spread(3.0, 300.0)
+    height, x = spread(5.0, 50.0), spread(1e-4, 1e-2)
     count = int(random.integers(1, 4))
     kinds = random.permutation(["pluck", "blow", "both"])[0]
     starts, lasts = [], []
@@ -129,13 +122,8 @@ def _pulled(start: float, end: float, lasts: float, step: float) -> np.ndarray:
     turn = np.arange(n) * (math.pi / n)
     rate = math.pi / (n * step)
     half = 0.5 * (end - start)
-    moved = np.stack(
-        [
-            start + half * (1.0 - np.cos(turn)),
-            half * rate * np.sin(turn),
-            half * rate**2 * np.cos(turn),
-        ]
-    )
+    x = start + half * (1.0 - np.cos(turn))
+    moved = [x, half * rate * np.sin(turn), half * rate**2 * np.cos(turn)]
     return np.hstack([_held(start, n), moved])
 
 
@@ -148,9 +136,8 @@ def record(decay: Decay, seed: int | None = None) -> tuple[Measurement, list[flo
         order = ANSWERS.index(quantity)
         values = signals[order]
         largest = float(np.abs(values).max())
-        random = np.random.default_rng(
-            (_DECAYS, SEED if seed is None else seed, decay.index, order)
-        )
+        key = (_DECAYS, SEED if seed is None else seed, decay.index, order)
+        random = np.random.default_rng(key)
         noisy = values + decay.noise * largest * random.standard_normal(t.size)
         channels.append(Channel(quantity, t, noisy + decay.offset * largest))
     return Measurement.of(f"decay {decay.index}", channels), free

@@ -26,6 +26,7 @@ from dampbalance.motion.jit import interpreted
 from dampbalance.records.measurement import Measurement
 
 from .decays import Decay, clean, draw, record
+from .score import SYMBOLS, held
 from .truths import ANSWERS
 
 Found = dict[str, float]
@@ -54,21 +55,12 @@ def peaks_of(decay: Decay, measured: Measurement, free: list[float]) -> tuple[Pe
         level = decay.offset * largest
         smooth = savgol_filter(part - level, width, 2)
         sigma = decay.noise * largest
-        places = np.sort(
-            np.concatenate(
-                [
-                    find_peaks(s * smooth, height=_CLEAR * sigma, distance=2 * width)[0]
-                    for s in (1.0, -1.0)
-                ]
-            )
-        )
+        clear = {"height": _CLEAR * sigma, "distance": 2 * width}
+        tops = [find_peaks(s * smooth, **clear)[0] for s in (1.0, -1.0)]
+        places = np.sort(np.concatenate(tops))
         # peaks of alternating sign only
-        kept = [
-            p
-            for p, q in zip(places, np.append(places[1:], -1), strict=True)
-            if q < 0 or smooth[p] * smooth[q] < 0.0
-        ]
-        places = np.array(kept, dtype=int)
+        turns = smooth[places[:-1]] * smooth[places[1:]] < 0.0
+        places = places[np.append(turns, True)] if places.size else places
         quick = np.flatnonzero(np.diff(places) < _QUICK * np.diff(places)[:1])
         places = places[: quick[0] + 1] if quick.size else places
         if decay.starts[i][0] == "pluck" and order == 0:
@@ -106,10 +98,9 @@ def envelope(peaks: Peaks, omega: float, k: float) -> Found:
             return top * np.exp(-delta * t) - 2.0 / math.pi * omega * dry * t
 
         start = (x[0], 0.01 * omega, 0.1 * (x[0] - x[1]))
+        options = {"bounds": (0.0, np.inf), "max_nfev": 2000}
         try:
-            (_, delta, dry), _ = curve_fit(
-                model, t - t[0], x, p0=start, bounds=(0.0, np.inf), max_nfev=2000
-            )
+            (_, delta, dry), _ = curve_fit(model, t - t[0], x, p0=start, **options)
         except (RuntimeError, ValueError):
             continue
         found.append((k * dry, _damping(math.exp(-math.pi * delta / omega), omega, k)))
@@ -158,20 +149,15 @@ def tried(index: int) -> list[dict[str, object]]:
         lasted = time.process_time() - began
         for way, answer in result.answers.items():
             for symbol, p in answer.parameters.items():
-                rows.append(
-                    of_set
-                    | {"way": way, "symbol": symbol, "true": getattr(decay, symbol)}
-                    | {"value": p.value, "standard_error": p.standard_error}
-                    | {"low": p.interval.low, "high": p.interval.high}
-                    | {"seconds": lasted, "noted": bool(answer.notes)}
-                )
+                row = {"way": way, "symbol": symbol, "true": getattr(decay, symbol)}
+                row |= {"value": p.value, "standard_error": p.standard_error}
+                row |= {"low": p.interval.low, "high": p.interval.high}
+                rows.append(of_set | row | {"seconds": lasted, "noted": bool(answer.notes)})
     peaks, omega = peaks_of(decay, measured, free)
     for way, method in WAYS.items():
         for symbol, value in method(peaks, omega, decay.k).items():
-            rows.append(
-                of_set
-                | {"way": way, "symbol": symbol, "true": getattr(decay, symbol), "value": value}
-            )
+            row = {"way": way, "symbol": symbol, "true": getattr(decay, symbol), "value": value}
+            rows.append(of_set | row)
     return rows
 
 
@@ -200,12 +186,12 @@ def table(rows: pd.DataFrame) -> str:
         "|---|---|--:|--:|",
     ]
     for way in ("balance", "maximum likelihood"):
-        for symbol in ("F_k", "c", "K_z"):
+        for symbol in SYMBOLS:
             some = known[(known["way"] == way) & (known["symbol"] == symbol)]
             some = some[some["value"].notna()]
-            held = (some["low"] <= some["true"]) & (some["true"] <= some["high"])
-            plain = held[~some["noted"].astype(bool)]
-            shares = [f"{100 * h.mean():.1f} % of {h.size}" for h in (held, plain)]
+            right = held(some)
+            plain = right[~some["noted"].astype(bool)]
+            shares = [f"{100 * h.mean():.1f} % of {h.size}" for h in (right, plain)]
             lines.append(f"| {way} | {symbol} | {' | '.join(shares)} |")
     one, other = (
         known[known["way"] == way].set_index(["set", "symbol"])["standard_error"]

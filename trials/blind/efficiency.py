@@ -15,11 +15,12 @@ import pandas as pd
 from dampbalance import BaseMotion, Oscillator
 from dampbalance.identification.forced import identify_readings
 from dampbalance.likelihood.information import cramer_rao
+from dampbalance.project.wording import markdown_table
 from dampbalance.reading.mean_harmonics import read_features
 from paper_case import FREQUENCIES_HZ, LEVELS, PAPER
 
 from .records import levels, records
-from .score import HELD, PUBLISHED, numbers
+from .score import HELD, PUBLISHED, SYMBOLS, held, numbers
 from .truths import NOISE, SEED, Truth
 
 _PER_CYCLE, _CYCLES = 100.37, 100.0
@@ -81,7 +82,7 @@ def bound(truth: Truth) -> dict[str, float]:
         noise=noise,
         free=("m",),
     )
-    return dict(zip(("F_k", "c", "K_z"), smallest.standard_errors, strict=True))
+    return dict(zip(SYMBOLS, smallest.standard_errors, strict=True))
 
 
 def table(rows: pd.DataFrame) -> str:
@@ -90,23 +91,22 @@ def table(rows: pd.DataFrame) -> str:
     Those of K_z are of K_z^{−1/2}, in which it is nearly normal; 0 stands for a lower limit.
     """
     drawn = rows["replicate"].nunique()
-    lines = [
-        f"{drawn} drawings of each: an efficiency is good to {100 * math.sqrt(2 / drawn):.0f} % of itself, a bias to "
-        f"{1 / math.sqrt(drawn):.2f} standard errors, a coverage to {100 * math.sqrt(0.05 * 0.95 / drawn):.1f} %.",
-        "",
-        "| Hz | noise, % | of levels | approach | efficiency, %: F_k / c / K_z | bias | coverage, % | without K_z |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    heads = ["Hz", "noise, %", "of levels", "approach", "efficiency, %: F_k / c / K_z", "bias"]
+    heads += ["coverage, %", "without K_z"]
+    lines = []
     chosen = _in_bounds(rows[rows["approach"].isin([*HELD, f"direct, {PUBLISHED}"])])
     for (place, approach), group in chosen.groupby(["truth", "approach"]):
         truth = TRUTHS[int(place)]
         hertz, levels = truth.omega / (2 * math.pi), "equal" if truth.equal else "relative"
-        lines.append(
-            f"| {hertz:.4g} | {100 * truth.noise:g} | {levels} | {approach} | {_cells(group)} |"
-        )
+        drawing = (f"{hertz:.4g}", f"{100 * truth.noise:g}", levels)
+        lines.append([*drawing, approach, *_cells(group)])
     for approach, group in chosen.groupby("approach"):
-        lines.append(f"| all | | | {approach} | {_cells(group)} |")
-    return "\n".join(lines) + "\n"
+        lines.append(["all", "", "", approach, *_cells(group)])
+    return (
+        f"{drawn} drawings of each: an efficiency is good to {100 * math.sqrt(2 / drawn):.0f} % of itself, a bias to "
+        f"{1 / math.sqrt(drawn):.2f} standard errors, a coverage to {100 * math.sqrt(0.05 * 0.95 / drawn):.1f} %.\n\n"
+        f"{markdown_table(heads, lines)}\n"
+    )
 
 
 def _in_bounds(rows: pd.DataFrame) -> pd.DataFrame:
@@ -117,25 +117,16 @@ def _in_bounds(rows: pd.DataFrame) -> pd.DataFrame:
     least = [bounds[i].get(s, math.nan) for i, s in zip(rows["truth"], rows["symbol"], strict=True)]
     error = rows["value"] ** power - rows["true"] ** power
     rows["size"] = error / (least * power.abs() * rows["true"] ** (power - 1.0))
-    rows["held"] = (rows["low"] <= rows["true"]) & (rows["true"] <= rows["high"])
-    return rows
+    return rows.assign(held=held(rows))
 
 
-def _cells(group: pd.DataFrame) -> str:
+def _cells(group: pd.DataFrame) -> list[str]:
     """Efficiency, bias and coverage of F_k, c and K_z, and how often there is no K_z."""
-    cells: list[list[str]] = [[], [], []]
-    for symbol in ("F_k", "c", "K_z"):
+    shown = []
+    for symbol in SYMBOLS:
         part = group[(group["symbol"] == symbol) & group["value"].notna()]
-        if part.empty:
-            shown = ("–", "–", "–")
-        else:
-            size = part["size"]
-            shown = (
-                f"{100 / (size**2).mean():.0f}",
-                f"{size.mean() / size.std():+.2f}",
-                f"{100 * part['held'].mean():.0f}",
-            )
-        for cell, number in zip(cells, shown, strict=True):
-            cell.append(number)
+        size, share = part["size"], 100 * part["held"].mean()
+        three = f"{100 / (size**2).mean():.0f} {size.mean() / size.std():+.2f} {share:.0f}"
+        shown.append(["–", "–", "–"] if part.empty else three.split())
     K_z = group.loc[group["symbol"] == "K_z", "value"]
-    return f"{' | '.join(' / '.join(three) for three in cells)} | {int(K_z.isna().sum())} of {len(K_z)}"
+    return [*map(" / ".join, zip(*shown, strict=True)), f"{int(K_z.isna().sum())} of {len(K_z)}"]

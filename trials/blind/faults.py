@@ -6,6 +6,7 @@ and mass, 1 % noise, 100 cycles of 100 samples.
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 import time
@@ -20,13 +21,14 @@ from scipy.interpolate import CubicSpline
 
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import identify_readings
+from dampbalance.project.wording import markdown_table
 from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.records.measurement import Channel, Measurement
 
 from . import efficiency
 from .other_motion import Departure, from_rest, steady_signals
 from .records import Level, levels
-from .score import numbers
+from .score import SYMBOLS, numbers
 from .truths import SEED, Truth
 
 TRUTHS = [
@@ -34,9 +36,7 @@ TRUTHS = [
     for truth in efficiency.TRUTHS
     if truth.noise == 0.01 and not truth.equal and truth.omega > truth.omega_n
 ]
-DRAWINGS = 3
-"""Of the noise: errors are their medians."""
-
+DRAWINGS = 3  # of the noise: errors are their medians
 Values = np.ndarray
 _DRIVE, _ANSWER = TRUTHS[0].drive, TRUTHS[0].answers[0]
 _POINTS = 8192  # of a cycle that is filtered
@@ -314,12 +314,8 @@ class Run(NamedTuple):
     drawing: int
 
 
-RUNS = [
-    Run(truth, fault, drawing)
-    for drawing in range(DRAWINGS)
-    for truth in range(len(TRUTHS))
-    for fault in range(len(FAULTS))
-]
+_RANGES = range(DRAWINGS), range(len(TRUTHS)), range(len(FAULTS))
+RUNS = [Run(truth, fault, drawing) for drawing, truth, fault in itertools.product(*_RANGES)]
 
 
 def tried(run: Run) -> list[dict[str, object]]:
@@ -348,30 +344,28 @@ def table(rows: pd.DataFrame, approach: str) -> str:
     ]
     for place, of_truth in rows.groupby("truth"):
         truth = TRUTHS[int(place)]
+        heads = ["fault", *SYMBOLS, "m, by maximum likelihood", "what is said"]
+        groups = (group for _, group in of_truth.groupby("fault"))
+        cells = [[group["name"].iloc[0], *_cells(group, approach)] for group in groups]
         lines += [
-            "",
             f"At {truth.omega / (2.0 * math.pi):.4g} Hz, ω/ω_n = {truth.omega / truth.omega_n:.2f}:",
-            "",
-            "| fault | F_k | c | K_z | m, by maximum likelihood | what is said |",
-            "|---|---|---|---|---|---|",
+            markdown_table(heads, cells),
         ]
-        for _, group in of_truth.groupby("fault"):
-            lines.append(f"| {group['name'].iloc[0]} | {_cells(group, approach)} |")
-    return "\n".join(lines) + "\n"
+    return "\n\n".join(lines) + "\n"
 
 
-def _cells(group: pd.DataFrame, approach: str) -> str:
+def _cells(group: pd.DataFrame, approach: str) -> list[str]:
     """Errors and words of one fault."""
     own = group[group["approach"] == approach]
     if own.empty:
-        return f"– | – | – | – | refused: {_short(group['warnings'].iloc[0])}"
-    cells = [_error(own[own["symbol"] == symbol]) for symbol in ("F_k", "c", "K_z")]
+        return ["–"] * 4 + [f"refused: {_short(group['warnings'].iloc[0])}"]
+    cells = [_error(own[own["symbol"] == symbol]) for symbol in SYMBOLS]
     mass = group[(group["approach"] == REFERENCE) & (group["symbol"] == "m")]
     cells.append("none" if mass.empty else _error(mass))
     first = own.iloc[0]
     words = [f"* {note}" for note in first["notes"].split(" | ") if note]
     words += [warning for warning in first["warnings"].split(" | ") if warning]
-    return " | ".join([*cells, _listed(words)])
+    return [*cells, _listed(words)]
 
 
 def _error(drawn: pd.DataFrame) -> str:
@@ -398,10 +392,5 @@ def _listed(words: list[str]) -> str:
         head, _, rest = sentence.partition(": ")
         named = rest if head.startswith("level ") else sentence
         alike.setdefault(re.sub(r"[-+−]?\d[\d.e+-]*", "#", named), []).append(named)
-    return (
-        "; ".join(
-            _short(group[0], 80) + (f" ({len(group)}×)" if len(group) > 1 else "")
-            for group in alike.values()
-        )
-        or "nothing"
-    )
+    counted = [_short(g[0], 80) + f" ({len(g)}×)" * (len(g) > 1) for g in alike.values()]
+    return "; ".join(counted) or "nothing"

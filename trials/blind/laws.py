@@ -18,32 +18,20 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from dampbalance.identification.law_comparison import compare_laws
+from dampbalance.project.wording import markdown_table
 from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.records.measurement import Channel, Measurement
 
 from .other_motion import Departure, steady
-from .truths import SEED
+from .truths import SEED, log_uniform
 
-LAWS: dict[str, tuple[str, ...]] = {
-    "F_k + c": ("c",),
-    "F_k + c_r": ("c_r",),
-    "F_k + c_2": ("c_2",),
-    "F_k + c_3": ("c_3",),
-    "F_k + eta": ("eta",),
-    "F_k + c + c_2": ("c", "c_2"),
-}
-"""Terms besides friction, by the law's name."""
-
-AMPLITUDES = (0.25, 0.5, 1.0)
-"""Of the base, in units of the highest."""
-
+# terms besides friction, by the law's name
+TERMS = (("c",), ("c_r",), ("c_2",), ("c_3",), ("eta",), ("c", "c_2"))
+LAWS = {" + ".join(("F_k", *symbols)): symbols for symbols in TERMS}
+AMPLITUDES = (0.25, 0.5, 1.0)  # of the base, in units of the highest
 NOISE, CYCLES = 0.01, 100.0
-SHARE = (0.2, 0.6)
-"""What each term takes of the work at one level or more."""
-
-NONE = "none"
-"""Where no law is chosen."""
-
+SHARE = (0.2, 0.6)  # what each term takes of the work at one level or more
+NONE = "none"  # where no law is chosen
 _FIELDS = {"c_r": "relative", "c_2": "quadratic", "c_3": "third_power", "eta": "structural"}
 _DENSE = 4096  # phases that stand for a cycle
 _NOISE = 2  # so that the noise is not drawn from the generator that drew the set
@@ -134,10 +122,7 @@ def draw(law: str, drawing: int, seed: int = SEED) -> Drawn:
 
 def _candidate(law: str, random: np.random.Generator) -> Drawn:
     """An oscillator whose terms share the work as wanted at its middle amplitude, if its motion were harmonic."""
-
-    def spread(low: float, high: float) -> float:
-        return float(math.exp(random.uniform(math.log(low), math.log(high))))
-
+    spread = log_uniform(random)
     m, omega_n = spread(0.1, 10.0), 2.0 * math.pi * spread(1.0, 50.0)
     k = m * omega_n**2
     frequencies = omega_n * random.uniform(0.6, 0.9), omega_n * random.uniform(1.1, 1.6)
@@ -148,19 +133,17 @@ def _candidate(law: str, random: np.random.Generator) -> Drawn:
     work = math.pi * damper * omega * abs(x) ** 2
     friction, *others = _shares(1 + len(LAWS[law]), random)
     v, w = (np.real(1j * omega * amplitude * np.exp(1j * _phases())) for amplitude in (x, Y))
-    coefficients = {
-        symbol: share
-        * work
-        / (2.0 * math.pi / omega * np.mean(_FORCES[symbol](v, w, k, omega) * v))
-        for symbol, share in zip(LAWS[law], others, strict=True)
-    }
+    coefficients = {}
+    for symbol, share in zip(LAWS[law], others, strict=True):
+        lost = 2.0 * math.pi / omega * np.mean(_FORCES[symbol](v, w, k, omega) * v)
+        coefficients[symbol] = float(share * work / lost)
     return Drawn(
         law=law,
         m=m,
         k=k,
         K_z=k * spread(10.0, 200.0),
         F_k=friction * work / (4.0 * abs(x)),
-        coefficients={symbol: float(p) for symbol, p in coefficients.items()},
+        coefficients=coefficients,
         levels=tuple((part * highest, float(f)) for f in frequencies for part in AMPLITUDES),
     )
 
@@ -183,10 +166,8 @@ def law_records(law: str, drawing: int, seed: int = SEED) -> list[Measurement]:
         rate = random.uniform(190.0, 210.0) * omega / (2.0 * math.pi)
         t = np.arange(round(CYCLES * rate * 2.0 * math.pi / omega)) / rate
         phase = omega * t + random.uniform(0.0, 2.0 * math.pi)
-        clean = {
-            "base_displacement": Y * np.cos(phase),
-            "displacement": motion(np.mod(phase, 2.0 * math.pi))[0],
-        }
+        x = motion(np.mod(phase, 2.0 * math.pi))[0]
+        clean = {"base_displacement": Y * np.cos(phase), "displacement": x}
         channels = [
             Channel(q, t, x + NOISE * np.sqrt(np.mean(x**2)) * random.standard_normal(x.size))
             for q, x in clean.items()
@@ -232,21 +213,19 @@ def table(rows: pd.DataFrame) -> str:
         law: sum(counts.loc[law, other] for other in columns if _terms(other) > _terms(law))
         for law in LAWS
     }
-    lines = [
-        f"| true law | sets | {' | '.join(columns)} | right | a term too many |",
-        "|---" * (len(columns) + 4) + "|",
-    ]
+    lines = []
     for law in LAWS:
-        cells = " | ".join(str(counts.loc[law, other] or "") for other in columns)
-        parts = (_share(part, sets[law]) for part in (counts.loc[law, law], extra[law]))
-        lines.append(f"| {law} | {sets[law]} | {cells} | {' | '.join(parts)} |")
+        cells = [str(counts.loc[law, other] or "") for other in columns]
+        parts = [_share(part, sets[law]) for part in (counts.loc[law, law], extra[law])]
+        lines.append([law, str(sets[law]), *cells, *parts])
+    heads = ["true law", "sets", *columns, "right", "a term too many"]
     right = sum(counts.loc[law, law] for law in LAWS)
-    lines.append(
-        f"\nThe right law in {_share(right, sets.sum())} of {sets.sum()} sets, a term too many in "
+    return (
+        f"{markdown_table(heads, lines)}\n\n"
+        f"The right law in {_share(right, sets.sum())} of {sets.sum()} sets, a term too many in "
         f"{_share(sum(extra.values()), sets.sum())}, no law in "
-        f"{_share((rows['chosen'] == NONE).sum(), sets.sum())}."
+        f"{_share((rows['chosen'] == NONE).sum(), sets.sum())}.\n"
     )
-    return "\n".join(lines) + "\n"
 
 
 def _share(count: int, sets: int) -> str:

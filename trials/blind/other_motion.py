@@ -70,6 +70,11 @@ def _rate(t, x, v, z, numbers, departure):
 
 
 @njit(cache=True)
+def _after(h, rate, t, x, v, z, numbers, departure):
+    return _rate(t + h, x + h * rate[0], v + h * rate[1], z + h * rate[2], numbers, departure)
+
+
+@njit(cache=True)
 def _run(numbers, departure, state, periods, out):
     """Follow (x, v, z) over whole periods; (x, v, x″) of each step of the last ones into out, (3, n)."""
     h = 2.0 * math.pi / numbers[6] / STEPS
@@ -81,13 +86,9 @@ def _run(numbers, departure, state, periods, out):
         if i >= total - kept:
             place = i - (total - kept)
             out[0, place], out[1, place], out[2, place] = x, v, k1[1]
-        k2 = _rate(
-            t + h / 2, x + h / 2 * k1[0], v + h / 2 * k1[1], z + h / 2 * k1[2], numbers, departure
-        )
-        k3 = _rate(
-            t + h / 2, x + h / 2 * k2[0], v + h / 2 * k2[1], z + h / 2 * k2[2], numbers, departure
-        )
-        k4 = _rate(t + h, x + h * k3[0], v + h * k3[1], z + h * k3[2], numbers, departure)
+        k2 = _after(h / 2, k1, t, x, v, z, numbers, departure)
+        k3 = _after(h / 2, k2, t, x, v, z, numbers, departure)
+        k4 = _after(h, k3, t, x, v, z, numbers, departure)
         x += h / 6 * (k1[0] + 2 * k2[0] + 2 * k3[0] + k4[0])
         v += h / 6 * (k1[1] + 2 * k2[1] + 2 * k3[1] + k4[1])
         z += h / 6 * (k1[2] + 2 * k2[2] + 2 * k3[2] + k4[2])

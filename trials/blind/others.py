@@ -27,18 +27,18 @@ from scipy.optimize import least_squares
 from scipy.signal import find_peaks, savgol_filter
 
 from dampbalance.identification.forced import identify_readings
+from dampbalance.project.wording import markdown_table
 from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.records.measurement import Measurement
 
 from .other_motion import ring_down
 from .records import levels, records
-from .score import HELD, numbers
+from .score import HELD, SYMBOLS, numbers
 from .truths import SEED, Truth, draw
 
 SETS = (198, 424, 485)
 """Displacement and base displacement, 1 % noise, one slip per half cycle: ζ = 0.43, 0.13 and 0.025."""
 
-SYMBOLS = ("F_k", "c", "K_z")
 Found = dict[str, tuple[float, float]]
 """Value and standard error by symbol, SI; NaN for what a way cannot tell."""
 
@@ -66,9 +66,8 @@ def simulated(
     period = 2.0 * math.pi / omega
     q, grid = np.zeros(3), np.linspace(0.0, period, _POINTS + 1)
     for _ in range(_MOST_PERIODS):
-        run = solve_ivp(
-            rate, (0.0, period), q, t_eval=grid, rtol=_RTOL, atol=1e-9 * Y, max_step=period / 50
-        )
+        options = {"rtol": _RTOL, "atol": 1e-9 * Y, "max_step": period / 50}
+        run = solve_ivp(rate, (0.0, period), q, t_eval=grid, **options)
         after = run.y[:, -1]
         after[2] = min(max(after[2], -Z_m), Z_m)
         change, q = abs(after[0] - q[0]), after
@@ -121,10 +120,8 @@ def free_decay(truth: Truth, measured: list[Measurement]) -> Found:
     for _ in range(max(1, int(given / lasts))):
         x = clean + sigma * random.standard_normal(clean.size)
         smooth = savgol_filter(x, window, 2)
-        found = [
-            find_peaks(s * smooth, height=5.0 * sigma, distance=window)[0] for s in (1.0, -1.0)
-        ]
-        places = np.sort(np.concatenate(found))
+        clear = {"height": 5.0 * sigma, "distance": window}
+        places = np.sort(np.concatenate([find_peaks(s * smooth, **clear)[0] for s in (1, -1)]))
         places = np.insert(places[places > window], 0, 0)
         sizes = np.abs(smooth[places])
         sizes[0] = begin  # where it was held before the release
@@ -147,12 +144,9 @@ def free_decay(truth: Truth, measured: list[Measurement]) -> Found:
         return np.array([-offset / (1.0 + q) * truth.k, 2.0 * delta * mass])
 
     F_k, c = values(q, offset)
-    slopes = np.column_stack(
-        [
-            (values(q + d, offset + e) - values(q, offset)) / (d + e)
-            for d, e in ((1e-6, 0.0), (0.0, 1e-6 * begin))
-        ]
-    )
+    changes = ((1e-6, 0.0), (0.0, 1e-6 * begin))
+    slopes = [(values(q + d, offset + e) - values(q, offset)) / (d + e) for d, e in changes]
+    slopes = np.column_stack(slopes)
     errors = np.sqrt(np.diag(slopes @ covariance @ slopes.T))
     return {"F_k": (F_k, errors[0]), "c": (c, errors[1]), "K_z": (math.nan, math.nan)}
 
@@ -183,23 +177,15 @@ def compared(index: int) -> list[dict[str, object]]:
         lasted = time.process_time() - began
         for symbol in SYMBOLS:
             value, error = found[symbol]
-            rows.append(
-                {
-                    "set": index,
-                    "way": name,
-                    "seconds": lasted,
-                    "symbol": symbol,
-                    "true": truth.parameter(symbol),
-                    "value": float(value),
-                    "standard_error": float(error),
-                }
-            )
+            row = {"set": index, "way": name, "seconds": lasted, "symbol": symbol}
+            row |= {"true": truth.parameter(symbol), "value": float(value)}
+            rows.append(row | {"standard_error": float(error)})
     return rows
 
 
 def table(rows: pd.DataFrame) -> str:
     """Error ± standard error in %, and processor time, in markdown."""
-    lines = ["| set | way | F_k | c | K_z | processor time, s |", "|---|---|---|---|---|---|"]
+    lines = []
     for (index, way), group in rows.groupby(["set", "way"], sort=False):
         truth = draw(int(index))
         cells = []
@@ -208,8 +194,6 @@ def table(rows: pd.DataFrame) -> str:
             error, scale = row["value"] / row["true"] - 1.0, row["standard_error"] / row["true"]
             known = math.isfinite(row["value"])
             cells.append(f"{100 * error:+.2g} ± {100 * scale:.2g} %" if known else "none")
-        lines.append(
-            f"| {index}: ζ = {truth.zeta:.2g}, K_z/k = {truth.K_z / truth.k:.2g} | {way} | "
-            f"{' | '.join(cells)} | {group['seconds'].iloc[0]:.2g} |"
-        )
-    return "\n".join(lines) + "\n"
+        named = f"{index}: ζ = {truth.zeta:.2g}, K_z/k = {truth.K_z / truth.k:.2g}"
+        lines.append([named, way, *cells, f"{group['seconds'].iloc[0]:.2g}"])
+    return markdown_table(["set", "way", *SYMBOLS, "processor time, s"], lines) + "\n"

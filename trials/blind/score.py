@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from collections.abc import Iterator
@@ -12,29 +13,20 @@ from scipy.stats import binomtest
 
 from dampbalance.identification.answer import REFERENCE, ParameterEstimate, normal
 from dampbalance.identification.forced import ForcedOutcome, identify_readings
+from dampbalance.project.wording import markdown_table
 from dampbalance.reading.mean_harmonics import read_features
 
 from .records import levels, records
 from .truths import Truth, draw
 
+# approaches that are held against the aims: the balance of energy, and the fit to all records
 HELD = ("direct", REFERENCE)
-"""Approaches that are held against the aims: the balance of energy, and the fit to all records."""
-
-PUBLISHED = "Eq. (9)"
-"""Name of an approach with all rows weighing alike: "direct, Eq. (9)"."""
-
+PUBLISHED = "Eq. (9)"  # name of an approach with all rows weighing alike: "direct, Eq. (9)"
+# words for records that the waveform of no oscillator meets, and for those in which nothing is seen to slip
 MISSED = "the records are not those of one mass"
-"""Words for records that the waveform of no oscillator meets."""
-
-NO_ONSET = (
-    "those of a linear oscillator within their noise",
-    "slips and responds like the records",
-)
-"""Words for records in which nothing is seen to slip."""
-
-VISIBLE = 5.0
-"""Standard errors above which a third harmonic is there to be seen."""
-
+NO_ONSET = "those of a linear oscillator within their noise|slips and responds like the records"
+VISIBLE = 5.0  # standard errors above which a third harmonic is there to be seen
+SYMBOLS = ("F_k", "c", "K_z")
 MISSED_WAVEFORM = "waveform missed (χ²)"
 STARRED = "starred, though sound"
 NOTHING_SEEN = f"no onset seen, third harmonic above {VISIBLE:g} standard errors"
@@ -105,16 +97,13 @@ def _of_fit(result: ForcedOutcome) -> dict[str, ParameterEstimate]:
 
 def judged(rows: pd.DataFrame) -> pd.DataFrame:
     """Rows of `outcome` with their errors, these in standard errors (sizes), and whether anything was said."""
-    rows = rows.copy()
-    for column in ("notes", "warnings"):
-        rows[column] = rows[column].fillna("")
+    rows = rows.fillna({"notes": "", "warnings": ""})
     rows["error"] = rows["value"] - rows["true"]
     rows["sizes"] = rows["error"].abs() / rows["standard_error"]
     # K_z is nearly normal as K_z^{−1/2}, and so is its interval
     ratio = rows["value"] / rows["true"]
-    rooted = (
-        2.0 * (np.sqrt(ratio.clip(lower=0.0)) - 1.0).abs() * rows["value"] / rows["standard_error"]
-    )
+    rooted = 2.0 * (np.sqrt(ratio.clip(lower=0.0)) - 1.0).abs() * rows["value"]
+    rooted /= rows["standard_error"]
     rows["sizes"] = rows["sizes"].where((rows["symbol"] != "K_z") | ~(ratio > 0.0), rooted)
     rows["starred"] = rows["notes"] != ""
     rows["remarked"] = rows["starred"] | (rows["warnings"] != "")
@@ -135,43 +124,39 @@ def table(rows: pd.DataFrame) -> str:
 def _coverage(own: pd.DataFrame, name: str) -> str:
     """Coverage of the intervals by group, all sets and those where nothing was remarked."""
     known = own[np.isfinite(own["value"]) & np.isfinite(own["standard_error"])]
-    lines = [
-        f"| {name}: coverage, % | | F_k | c | K_z | F_k, nothing remarked | c | K_z |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    heads = [f"{name}: coverage, %", "", *SYMBOLS, "F_k, nothing remarked", *SYMBOLS[1:]]
     groups = [("all", "", known)]
     for column in (*GROUPS, "equal", "kind"):
         groups += [(column, str(key), group) for key, group in known.groupby(column)]
+    lines = []
     for column, key, group in groups:
-        cells = [
-            _share(part[part["symbol"] == symbol])
-            for part in (group, group[~group["remarked"]])
-            for symbol in ("F_k", "c", "K_z")
-        ]
-        lines.append(f"| {column} | {key} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        parts = itertools.product((group, group[~group["remarked"]]), SYMBOLS)
+        cells = (_share(part[part["symbol"] == symbol]) for part, symbol in parts)
+        lines.append([column, key, *cells])
+    return markdown_table(heads, lines)
 
 
 def _share(part: pd.DataFrame) -> str:
     """Percentage of intervals that hold the truth, with its own 95 % interval, of how many."""
     if part.empty:
         return "–"
-    held = int(((part["low"] <= part["true"]) & (part["true"] <= part["high"])).sum())
-    test = binomtest(held, len(part)).proportion_ci()
-    return (
-        f"{100 * held / len(part):.0f} ({100 * test.low:.0f}–{100 * test.high:.0f}) of {len(part)}"
-    )
+    count, of = int(held(part).sum()), len(part)
+    test = binomtest(count, of).proportion_ci()
+    return f"{100 * count / of:.0f} ({100 * test.low:.0f}–{100 * test.high:.0f}) of {of}"
+
+
+def held(rows: pd.DataFrame) -> pd.Series:
+    """Whether the interval of each row holds the truth."""
+    return (rows["low"] <= rows["true"]) & (rows["true"] <= rows["high"])
 
 
 def _errors(rows: pd.DataFrame) -> str:
     """Median and 90 % quantile of the relative error by approach, and the largest in standard errors."""
-    known = rows[np.isfinite(rows["value"])].assign(
-        relative=lambda part: 100.0 * part["error"].abs() / part["true"]
-    )
-    lines = [
-        "| abs. error, % | | 0.1 % noise: median, 90 % | 1 % | 5 % | starred | beyond 3 standard errors, no star |",
-        "|---|---|---|---|---|---|---|",
-    ]
+    known = rows[np.isfinite(rows["value"])].copy()
+    known["relative"] = 100.0 * known["error"].abs() / known["true"]
+    heads = ["abs. error, %", "", "0.1 % noise: median, 90 %", "1 %", "5 %"]
+    heads += ["starred", "beyond 3 standard errors, no star"]
+    lines = []
     for (approach, symbol), group in known.groupby(["approach", "symbol"], sort=False):
         cells = []
         for noise in sorted(rows["noise"].unique()):
@@ -181,36 +166,28 @@ def _errors(rows: pd.DataFrame) -> str:
         silent = group[~group["starred"] & (group["sizes"] > 3.0)]
         starred = int(group["starred"].sum())
         cells += [f"{starred} of {len(group)}", f"{len(silent)} of {len(group) - starred}"]
-        lines.append(f"| {approach} | {symbol} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        lines.append([approach, symbol, *cells])
+    return markdown_table(heads, lines)
 
 
 def faults(rows: pd.DataFrame) -> dict[str, tuple[list[int], int]]:
     """What should not be there at all: the sets in which it is, and how many it could be in.   rows : `judged`."""
     sets = rows.groupby("set").first()
-    sound = rows[rows["approach"].isin(HELD) & (rows["kind"] != "nothing slips")]
-    F_k = sound[sound["symbol"] == "F_k"]
-    K_z = sound[sound["symbol"] == "K_z"]
+    slips = rows["kind"] != "nothing slips"
+    sound = rows[rows["approach"].isin(HELD) & slips]
+    F_k, K_z = (sound[sound["symbol"] == symbol] for symbol in ("F_k", "K_z"))
     limit = K_z[np.isinf(K_z["value"])]
     visible = sets["third"] > VISIBLE
-    unseen = sets["warnings"].str.contains("|".join(NO_ONSET))
-    harmonic = rows[
-        rows["approach"].isin(["X_s", "t_s", "V_s"])
-        & rows["symbol"].isin(["F_k", "c"])
-        & ~rows["starred"]
-        & (rows["kind"] != "nothing slips")
-    ]
-    silent = rows[~rows["remarked"] & (rows["sizes"] > 5.0) & (rows["kind"] != "nothing slips")]
-    nothing = rows[
-        (rows["kind"] == "nothing slips") & (rows["symbol"] == "F_k") & np.isfinite(rows["value"])
-    ]
+    unseen = sets["warnings"].str.contains(NO_ONSET)
+    of_onset = rows["approach"].isin(["X_s", "t_s", "V_s"]) & rows["symbol"].isin(["F_k", "c"])
+    harmonic = rows[of_onset & ~rows["starred"] & slips]
+    silent = rows[~rows["remarked"] & (rows["sizes"] > 5.0) & slips]
+    nothing = rows[~slips & (rows["symbol"] == "F_k") & np.isfinite(rows["value"])]
+    without = F_k[(F_k["approach"] == HELD[0]) & ~np.isfinite(F_k["value"])]
     slipping = int((sets["kind"] != "nothing slips").sum())
     found = {
         "refused": (sets.index[sets["approach"] == "refused"], len(sets)),
-        "something slips, no F_k": (
-            F_k.loc[(F_k["approach"] == HELD[0]) & ~np.isfinite(F_k["value"]), "set"],
-            slipping,
-        ),
+        "something slips, no F_k": (without["set"], slipping),
         MISSED_WAVEFORM: (sets.index[sets["warnings"].str.contains(MISSED)], len(sets)),
         STARRED: (sound.loc[sound["starred"], "set"], slipping),
         NOTHING_SEEN: (sets.index[visible & unseen], int(visible.sum())),
@@ -229,8 +206,8 @@ def faults(rows: pd.DataFrame) -> dict[str, tuple[list[int], int]]:
 
 
 def _counted(found: dict[str, tuple[list[int], int]]) -> str:
-    lines = ["| | sets | of | which |", "|---|---|---|---|"]
+    lines = []
     for words, (which, of) in found.items():
-        listed = ", ".join(map(str, which[:25])) + (" …" if len(which) > 25 else "")
-        lines.append(f"| {words} | {len(which)} | {of} | {listed} |")
-    return "\n".join(lines)
+        listed = ", ".join(map(str, which[:25])) + " …" * (len(which) > 25)
+        lines.append([words, str(len(which)), str(of), listed])
+    return markdown_table(["", "sets", "of", "which"], lines)

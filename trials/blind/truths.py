@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,13 +70,16 @@ class Truth(Linear):
         return {"F_k": self.F_k, "c": self.c, "K_z": self.K_z, "m": self.m}[symbol]
 
 
+def log_uniform(random: np.random.Generator) -> Callable[[float, float], float]:
+    """Draws a number between two others, its logarithm uniform."""
+    return lambda low, high: float(math.exp(random.uniform(math.log(low), math.log(high))))
+
+
 def draw(index: int, seed: int = SEED) -> Truth:
     """Set number `index` ≥ 0 of the blind set."""
     random = np.random.default_rng((seed, index))
 
-    def spread(low: float, high: float) -> float:
-        return float(math.exp(random.uniform(math.log(low), math.log(high))))
-
+    spread = log_uniform(random)
     place = index % _EVERY
     kind = {_NOTHING: "nothing slips", _SEVERAL: "several slips"}.get(place, "model")
     m, f_n = spread(0.1, 10.0), spread(1.0, 50.0)
@@ -88,9 +92,8 @@ def draw(index: int, seed: int = SEED) -> Truth:
     friction = spread(0.01, 0.5) * k * Y[int(random.integers(levels))]
     if kind == "several slips":
         zeta, r, K = spread(0.005, 0.05), spread(0.22, 0.4), spread(10.0, 300.0)
-    elif (
-        kind == "nothing slips"
-    ):  # the contact holds 1.05 to 5 times what the highest level asks of it
+    elif kind == "nothing slips":
+        # the contact holds 1.05 to 5 times what the highest level asks of it
         stiff = 1.0 + K - r * r
         friction = K * k * Y[-1] / math.hypot(stiff, 2.0 * zeta * r) * spread(1.05, 5.0)
     answers = tuple(random.permutation(ANSWERS)[: 2 if random.random() < 0.15 else 1].tolist())

@@ -21,10 +21,10 @@ import sys
 import time
 from collections import Counter
 from itertools import accumulate
-from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import yaml
 
 from benchmarks.measuring import markdown
@@ -36,19 +36,16 @@ PACKAGE = "src/dampbalance"
 ROOMS = ("motion", "law", "reading", "likelihood", "identification", "records", "records/readers")
 METHOD = ("*.py", *(f"{room}/*.py" for room in ROOMS), "replication/claims/*.py")
 METHOD += ("replication/*verdicts.py", "studies/evaluate.py")
-"""Modules that errors are put into, except those that draw."""
+# words in the paths of tests that say nothing about the method
 SHOWN = "repository workflow commands figures project publishing article notebook page recipe site"
-"""Words in the paths of tests that say nothing about the method."""
-KERNELS = ("arguments.py", "arrays.py", "model.py", "record.py", "motion/")
-"""An error in these has all kernels compiled anew, which takes a minute: tests first run with the kernels in Python."""
-CALLS = 4000
-"""Calls of kernels, at the most, in a test that runs with them in Python."""
+# An error in these has all kernels compiled anew, which takes a minute: the first CALLS of kernels of a test are in
+# Python.
+KERNELS, CALLS = ("arguments.py", "arrays.py", "model.py", "record.py", "motion/"), 4000
+# Tests may take so many seconds, so many times what they took without an error, and so many to compile kernels.
 SHORTEST, FACTOR, COMPILING = 30.0, 5.0, 120.0
-"""Tests may take so many seconds, so many times what they took without an error, and so many to compile kernels."""
-GOAL = 0.9
-"""The share of the mutants that are not equivalent that tests should kill."""
+GOAL = 0.9  # the share of the mutants that are not equivalent that tests should kill
 EQUIVALENT = yaml.safe_load(Path(__file__).with_name("equivalent.yaml").read_text("utf-8"))
-VERDICTS = ("killed", "timed out", "equivalent", "survived")
+VERDICTS = ["killed", "timed out", "equivalent", "survived"]
 
 
 class Bench:
@@ -67,7 +64,7 @@ class Bench:
     def run(self, *tests: str, interpreted: bool, limit: float | None = None) -> tuple[int, Any]:
         """(pytest's exit status, what `watch` recorded); TimeoutExpired after `limit` seconds."""
         self.report.unlink(missing_ok=True)
-        environment = {
+        environment = os.environ | {
             "PYTHONPATH": f"{self.project / 'src'}{os.pathsep}{Path(__file__).parents[1]}",
             "PYTHONDONTWRITEBYTECODE": "1",  # a mutant must never be taken for the original
             "MUTATION_PACKAGE": str(self.project / PACKAGE),
@@ -78,8 +75,9 @@ class Bench:
         command += ["-p", "no:cacheprovider", "-p", "no:xdist", *tests]
         if interpreted:  # compiled code divides and overflows without a warning
             command += ["-W", "ignore::RuntimeWarning"]
-        options: dict[str, Any] = {"env": os.environ | environment, "timeout": limit}
-        done = subprocess.run(command, cwd=self.project, capture_output=True, **options)
+        done = subprocess.run(
+            command, cwd=self.project, env=environment, timeout=limit, capture_output=True
+        )
         text = self.report.read_text("utf-8") if self.report.exists() else "{}"
         return done.returncode, json.loads(text)
 
@@ -96,26 +94,23 @@ class Bench:
 
         Tests that call the function of the mutant, or else its module, come first, then the others in their files.
         """
-        tests = {name: test for file in self.files for name, test in self.passing(file).items()}
-        own, module = f"{mutant.module}:{mutant.where}", f"\n{mutant.module}:"
-        in_module = {name for name in tests if module in "\n".join(["", *tests[name]["called"]])}
+        kernels = mutant.module.startswith(KERNELS)
+        tests = {n: test for file in self.files for n, test in self.passing(file, kernels).items()}
+        own, module = f"{mutant.module}:{mutant.where}", f"{mutant.module}:"
+        in_module = {n for n, t in tests.items() if any(c.startswith(module) for c in t["called"])}
         calling = {name for name in in_module if own in tests[name]["called"]} or in_module
         order = [name for name in tests if _file(name) in {*map(_file, calling)}]
         order.sort(key=lambda name: (name not in calling, tests[name]["seconds"]))
         total = accumulate(tests[name]["seconds"] for name in order)
         chosen = [name for name, seconds in zip(order, total, strict=True) if seconds < budget]
-        kernels = mutant.module.startswith(KERNELS)
-        python = [name for name in chosen if kernels and name in self.passing(_file(name), True)]
-        compiled = [name for name in chosen if name not in python]
-        runs = [(True, python), (False, compiled[:8]), (False, compiled[8:])]
+        limit = SHORTEST + FACTOR * sum(tests[name]["seconds"] for name in chosen)
+        limit += COMPILING * kernels
         path = self.project / PACKAGE / mutant.module
         original, times = path.read_bytes(), path.stat()
         path.write_bytes(mutant.source(original))
         try:
-            for interpreted, names in filter(itemgetter(1), runs):
-                limit = SHORTEST + FACTOR * sum(tests[name]["seconds"] for name in names)
-                limit += COMPILING if kernels else 0.0
-                status, records = self.run("-x", *names, interpreted=interpreted, limit=limit)
+            if chosen:
+                status, records = self.run("-x", *chosen, interpreted=kernels, limit=limit)
                 if status:
                     return "killed", next(reversed(records), "(import)")
         except subprocess.TimeoutExpired:
@@ -152,17 +147,13 @@ def equivalent(mutant: Mutant) -> str:
 
 def table(trials: list[tuple[Mutant, str, str]], seed: int) -> str:
     """The number of mutants by room and verdict, and the survivors, as Markdown."""
-    counts: dict[str, Counter[str]] = {}
-    for mutant, verdict, _ in trials:
-        counts.setdefault(mutant.module.rpartition("/")[0] or mutant.module, Counter())[
-            verdict
-        ] += 1
-    of = Counter(verdict for _, verdict, _ in trials)
-    rows = [
-        [room, by.total(), *(by[verdict] for verdict in VERDICTS)]
-        for room, by in [*sorted(counts.items()), ("all", of)]
-    ]
-    killed, telling = of["killed"] + of["timed out"], of.total() - of["equivalent"]
+    rooms = [mutant.module.rpartition("/")[0] or mutant.module for mutant, _, _ in trials]
+    verdicts = [verdict for _, verdict, _ in trials]
+    counts = pd.crosstab(rooms, verdicts, margins=True, margins_name="all")
+    counts = counts.reindex(columns=["all", *VERDICTS], fill_value=0)
+    rows = [[*map(str, row)] for row in counts.itertuples()]
+    of = counts.loc["all"]
+    killed, telling = of["killed"] + of["timed out"], of["all"] - of["equivalent"]
     survivors = [f"- {mutant} ({by})\n" for mutant, verdict, by in trials if verdict == "survived"]
     return (
         f"Seed {seed}.\n\n{markdown(['room', 'mutants', *VERDICTS], rows)}\n"

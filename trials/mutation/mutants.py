@@ -1,9 +1,6 @@
 """Mutants of a module: the same source with one small error in it.
 
-Errors put in: a comparison moved to or off its border or turned round, a condition negated, `and` for `or`, another
-arithmetic operator, a sign or a `not` lost, a number one larger, True for False, the smaller for the larger
-(and the like), a `raise` or a call for its effect left out, `break` for `continue`. Words are left alone, and so is
-what does not run: annotations, decorators, `TYPE_CHECKING`.
+Words are left alone, and so is what does not run: annotations, decorators, `TYPE_CHECKING`.
 """
 
 from __future__ import annotations
@@ -15,14 +12,14 @@ from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
 
+# What stands in the place of an operator, a statement or a function, by their names.
 _BOTH_WAYS = """
 Lt LtE, Gt GtE, Eq NotEq, Is IsNot, In NotIn, And Or, Add Sub, Mult Div, BitAnd BitOr, Break Continue,
 min max, any all, argmin argmax, nanmin nanmax, minimum maximum, floor ceil, sin cos, real imag
 """
-_ONE_WAY = "FloorDiv Div, Mod Mult, Pow Mult, MatMult Mult"
-_BOTH, _ONE = ([pair.split() for pair in pairs.split(",")] for pairs in (_BOTH_WAYS, _ONE_WAY))
-_OTHER = dict([*_BOTH, *((other, one) for one, other in _BOTH), *_ONE])
-"""What stands in the place of an operator, a statement or a function, by their names."""
+_PAIRS = [pair.split() for pair in _BOTH_WAYS.split(",")]
+_OTHER = dict([*_PAIRS, *map(reversed, _PAIRS)])
+_OTHER |= {"FloorDiv": "Div", "Mod": "Mult", "Pow": "Mult", "MatMult": "Mult"}
 _TURNED = (ast.Eq, ast.NotEq, ast.Is, ast.IsNot, ast.In, ast.NotIn)
 _NOT_RUN = ("annotation", "returns", "decorator_list", "bases")
 
@@ -31,8 +28,7 @@ _NOT_RUN = ("annotation", "returns", "decorator_list", "bases")
 class Mutant:
     """One error: `before` becomes `after` in the function `where`, in the line whose text is `line`.
 
-    number : of the line.   column : of `before`, in bytes.   place : of the replaced bytes in the source.   text : what
-    replaces them.
+    column : of `before`, in bytes.   place, text : the bytes of the source that are replaced, and what replaces them.
     """
 
     module: str
@@ -75,9 +71,8 @@ def _changes(node: ast.AST, where: str) -> Iterator[tuple[str, Any, ast.AST]]:
     if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
         where = f"{where}.{node.name}".lstrip(".")
     # A formatted string gives its parts no positions of their own before Python 3.12.
-    if isinstance(node, (ast.JoinedStr, ast.Import, ast.ImportFrom)) or (
-        isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
-    ):
+    imports = isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+    if imports or isinstance(node, (ast.JoinedStr, ast.Import, ast.ImportFrom)):
         return
     for original, changed in _of_node(node):
         yield where, original, changed
@@ -117,10 +112,7 @@ def _of_node(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:
         case ast.Break() | ast.Continue():
             yield node, getattr(ast, other)()
         case ast.If() | ast.IfExp() | ast.While():
-            match node.test:  # which another error turns round anyway: a `not` lost, == for !=
-                case ast.UnaryOp() | ast.Constant():
-                    pass
-                case ast.Compare(ops=[operator]) if isinstance(operator, _TURNED):
-                    pass
-                case condition:
-                    yield condition, ast.UnaryOp(ast.Not(), condition)
+            # other errors turn the others round anyway: a `not` lost, == for !=
+            turned = len(ops := getattr(node.test, "ops", [])) == 1 and isinstance(ops[0], _TURNED)
+            if not turned and not isinstance(node.test, (ast.UnaryOp, ast.Constant)):
+                yield node.test, ast.UnaryOp(ast.Not(), node.test)

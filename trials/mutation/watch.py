@@ -4,8 +4,6 @@ Environment: MUTATION_PACKAGE, the folder of the package; MUTATION_REPORT, the f
 number of calls of kernels, at the most, that a test may make in Python; later ones are compiled.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import resource
@@ -48,9 +46,9 @@ def _called():
 def pytest_runtest_protocol(item):
     codes.clear()
     kernels.clear()
-    jit._left = CALLS
     record = records[item.nodeid] = {"outcomes": []}
     start = time.process_time()
+    jit._left = CALLS
     threading.setprofile(_note)
     sys.setprofile(_note)
     try:
@@ -58,8 +56,6 @@ def pytest_runtest_protocol(item):
     finally:
         sys.setprofile(None)
         record |= {"seconds": time.process_time() - start, "called": _called()}
-        if CALLS and jit._left <= 0.0:
-            record["outcomes"].append("compiled")
 
 
 def pytest_runtest_logreport(report):

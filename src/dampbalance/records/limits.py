@@ -8,29 +8,16 @@ from __future__ import annotations
 
 from .errors import RecordError
 
-LARGEST = 200_000_000
-"""Numbers that are read of a record unless told otherwise: samples × channels, the times being one of these."""
-
-LARGEST_VALUE = 1e15
-"""SI unit of the quantity; no signal goes beyond it."""
-
-SMALLEST_RANGE = 1e-15
-"""SI unit of the quantity; a signal whose values lie closer together is none."""
-
-FINEST = 1e-10
-"""Of the largest value: a range below it is rounding."""
-
-LATEST = 1e12
-"""Time of a sample, s, either way from zero: 30,000 years."""
-
-LOWEST_RATE, HIGHEST_RATE = 1e-6, 1e12
-"""Samples per second."""
-
-MOST_CHANNELS = 4096
-"""Of a file."""
-
-LONGEST_NAME = 1000
-"""Characters of a channel's name."""
+LARGEST = (
+    200_000_000  # numbers that are read of a record by default: samples × channels, with times
+)
+LARGEST_VALUE = 1e15  # SI unit of the quantity; no signal goes beyond it
+SMALLEST_RANGE = 1e-15  # SI unit of the quantity; a signal whose values lie closer together is none
+FINEST = 1e-10  # of the largest value: a range below it is rounding
+LATEST = 1e12  # s, time of a sample, either way from zero: 30,000 years
+LOWEST_RATE, HIGHEST_RATE = 1e-6, 1e12  # samples per second
+MOST_CHANNELS = 4096  # of a file
+LONGEST_NAME = 1000  # characters of a channel's name
 
 
 def require_size(path: object, numbers: int, largest: int) -> None:

@@ -15,6 +15,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,8 @@ from .units import UnitError, unit_for
 SCHEMA = Path(__file__).with_name("mapping.schema.yaml")
 FOLDER_FILE = "channels.yaml"
 
-_CORRECTED = ("delay", "gain", "low_pass", "high_pass")
+_FILTERS = ("low_pass", "high_pass")
+_CORRECTED = ("delay", "gain", *_FILTERS)
 
 Which = str | int
 """A channel by its name, or by its number counted from 1."""
@@ -156,32 +158,41 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
     return RecordMapping(source, ReadOnly(rules), time.get("channel"), time.get("unit"), **keys)
 
 
-def _rule(told: Mapping[str, Any]) -> ChannelRule:
-    plain = {key: value for key, value in told.items() if key not in _CORRECTED}
-    return ChannelRule(**plain, correction=_correction(told))
+def _rule(stated: Mapping[str, Any]) -> ChannelRule:
+    plain = {key: value for key, value in stated.items() if key not in _CORRECTED}
+    if plain == stated:
+        return ChannelRule(**plain)
+    low, high = (tuple(_poles(stated.get(key, {}))) for key in _FILTERS)
+    gain, delay = float(stated.get("gain", 1.0)), _seconds(stated.get("delay", 0.0))
+    return ChannelRule(**plain, correction=Correction(gain, delay, low, high))
 
 
 def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | int, ...], str]]:
     """What no schema can say: units that do not fit, keys that exclude each other."""
     channels = document.get("channels", {})
     rules: dict[tuple[str | int, ...], Any] = {("channels", q): channels[q] for q in channels}
+    timed = [(*key, "time") for key, rule in rules.items() if "time" in rule]
     if "sample_rate_hz" in document:
-        timed = [(*key, "time") for key, rule in rules.items() if "time" in rule]
         for key in [*timed, ("time",)] if "time" in document else timed:
             yield key, "not together with sample_rate_hz; keep one"
     for key, rule in {**rules, ("time",): document.get("time", {})}.items():
-        if "unit" in rule:
-            try:
-                unit_for(rule["unit"], str(key[-1]))
-            except UnitError as error:
-                yield (*key, "unit"), str(error)
-    for quantity, rule in channels.items():
-        for part, problem in _wrong_correction(rule):
-            yield ("channels", quantity, part), problem
-    driving = sum(quantity in channels for quantity in EXCITATIONS)
+        for part, read in ("unit", partial(unit_for, quantity=str(key[-1]))), ("delay", _seconds):
+            if part in rule:
+                try:
+                    read(rule[part])
+                except UnitError as error:
+                    yield (*key, part), str(error)
+        for part in _FILTERS:
+            stated = rule.get(part, {})
+            if part in rule and ("corner_hz" in stated) == ("poles_rad_per_s" in stated):
+                problem = "needs corner_hz, with its order, or poles_rad_per_s: one of the two"
+                yield (*key, part), problem
+            elif "order" in stated and "corner_hz" not in stated:
+                problem = "order goes with corner_hz; poles_rad_per_s are as many as they are"
+                yield (*key, part), problem
+    driving, answering = ([q for q in of if q in channels] for of in (EXCITATIONS, RESPONSES))
     several = any("file" in rule for rule in channels.values())
-    answered = any(quantity in channels for quantity in RESPONSES)
-    if channels and (not answered or (several and driving > 1)):
+    if channels and (not answering or (several and len(driving) > 1)):
         needed = f"one of {', '.join(EXCITATIONS)}, or none for a free decay"
         yield ("channels",), f"needs {needed}, and at least one of {', '.join(RESPONSES)}"
     holder: dict[tuple[str | int, str | None], str] = {}
@@ -192,28 +203,6 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
             yield ("channels", quantity, "channel"), problem
     if document.get("delimiter") == "," == document.get("decimal"):
         yield ("decimal",), "the same as the delimiter; a file has two different marks"
-
-
-def _correction(rule: Mapping[str, Any]) -> Correction | None:
-    """The correction that the rule of a channel tells, None for none."""
-    if not any(key in rule for key in _CORRECTED):
-        return None
-    low, high = (tuple(_poles(rule.get(key, {}))) for key in ("low_pass", "high_pass"))
-    return Correction(float(rule.get("gain", 1.0)), _seconds(rule.get("delay", 0.0)), low, high)
-
-
-def _wrong_correction(rule: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """(key, sentence) for what the schema cannot say of the correction in a rule."""
-    try:
-        _seconds(rule.get("delay", 0.0))
-    except UnitError as error:
-        yield "delay", str(error)
-    for key in ("low_pass", "high_pass"):
-        told = rule.get(key, {})
-        if key in rule and ("corner_hz" in told) == ("poles_rad_per_s" in told):
-            yield key, "needs corner_hz, with its order, or poles_rad_per_s: one of the two"
-        elif "order" in told and "corner_hz" not in told:
-            yield key, "order goes with corner_hz; poles_rad_per_s are as many as they are"
 
 
 def _seconds(delay: float | str) -> float:
@@ -228,14 +217,14 @@ def _seconds(delay: float | str) -> float:
     return float(match[1]) * unit_for(match[2], "time").factor
 
 
-def _poles(told: Mapping[str, Any]) -> Iterator[complex]:
+def _poles(stated: Mapping[str, Any]) -> Iterator[complex]:
     """The poles of a filter, rad/s."""
-    if "corner_hz" in told:
-        order = told.get("order", 1)
+    if "corner_hz" in stated:
+        order = stated.get("order", 1)
         for j in range(order):
             angle = math.pi * (2 * j + order + 1) / (2 * order)
-            yield 2.0 * math.pi * told["corner_hz"] * cmath.exp(1j * angle)
-    for pole in told.get("poles_rad_per_s", ()):
+            yield 2.0 * math.pi * stated["corner_hz"] * cmath.exp(1j * angle)
+    for pole in stated.get("poles_rad_per_s", ()):
         p = complex(*pole) if isinstance(pole, list) else complex(pole)
         yield p
         if p.imag:

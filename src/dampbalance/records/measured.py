@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+import numpy as np
+
 from ..arguments import items, path, whole
 from ..project.files import sha256
 from ..project.wording import listed, visible
@@ -19,6 +21,7 @@ from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, part
 from .measurement import EXCITATIONS, Measurement
 from .readers import open_channels, read, read_signals, stated_numbers
 from .readers.signals import is_table
+from .readers.times import mean_rate
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,10 +30,9 @@ if TYPE_CHECKING:
 
     RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
 
-LARGE = 256_000_000
-"""Size of a file, bytes, packed or not, from which it is not taken into memory as a whole."""
-
-_NUMBER = 8  # bytes
+LARGE = (
+    256_000_000  # bytes of a file, packed or not, from which it is not taken into memory as a whole
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -65,15 +67,15 @@ class MeasuredRecord:
         """
         import pandas as pd  # slow to import
 
-        from .units import header_suffix
+        from .units import column_name
 
         channels = [self.whole()[quantity] for quantity in self.quantities]
         t = channels[0].t
-        if any(c.t.shape != t.shape or (c.t != t).any() for c in channels):
+        if not all(np.array_equal(c.t, t) for c in channels):
             raise ValueError(
                 f"{self.name}: its channels have times of their own; take each from its measurement"
             )
-        columns = {f"{c.quantity}_{header_suffix(c.unit)}": c.values for c in channels}
+        columns = {column_name(c.quantity): c.values for c in channels}
         return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
 
     def whole(self) -> Measurement:
@@ -90,13 +92,9 @@ class MeasuredRecord:
         held = listed(self.quantities)
         if self.measurement is None:
             return f"<record {self.name}: {held}; read when it is identified>"
-        longest = max((self.measurement[q] for q in self.quantities), key=len)
-        t = longest.t
-        rate = (len(longest) - 1) / float(t[-1] - t[0])
-        return (
-            f"<record {self.name}: {held}; {len(longest):,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {rate:.6g} "
-            f"Hz{'; ' * bool(self.warnings)}{'; '.join(self.warnings)}>"
-        )
+        t = max((self.measurement[q].t for q in self.quantities), key=len)
+        sampled = f"{t.size:,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {mean_rate(t):.6g} Hz"
+        return f"<record {self.name}: {'; '.join([held, sampled, *self.warnings])}>"
 
 
 def read_records(
@@ -146,11 +144,7 @@ def read_records(
 
 
 def _in_memory(
-    record: Signals | Measurement,
-    number: int,
-    taken: set[str],
-    mapping: MappingLike,
-    largest: int,
+    record: Signals | Measurement, number: int, taken: set[str], mapping: MappingLike, largest: int
 ) -> MeasuredRecord:
     """The record of signals in memory, the `number`-th of several, under a name that is not taken."""
     if not (is_table(record) or isinstance(record, Measurement)):
@@ -159,11 +153,9 @@ def _in_memory(
             "of names to arrays"
         )
     stated = getattr(record, "attrs", {}).get("name") or getattr(record, "source", None)
-    name = own = visible(str(stated or f"record {number}"))
-    for count in itertools.count(2):
-        if name not in taken:
-            break
-        name = f"{own} ({count})"
+    own = visible(str(stated or f"record {number}"))
+    names = itertools.chain([own], (f"{own} ({count})" for count in itertools.count(2)))
+    name = next(name for name in names if name not in taken)
     rules = RecordMapping("mapping") if mapping is None else mapping_for("", mapping)
     with _told(name) as said:
         if isinstance(record, Measurement):
@@ -176,20 +168,18 @@ def _in_memory(
 
 def _of_file(path: Path, mapping: MappingLike, largest: int) -> MeasuredRecord:
     rules = mapping_for(path, mapping)
-    label = visible(rules.level or path.name)
     measurement: Measurement | None = None
     with _told(str(path)) as said:
-        stated = _NUMBER * stated_numbers(path, rules, largest)
+        stated = 8 * stated_numbers(path, rules, largest)
         stored = sum(file.stat().st_size for file in parts_of(path, rules))
         if max(stated, stored) > LARGE:
             quantities = tuple(open_channels(path, rules, largest=largest))
         else:
             measurement = replace(read(path, rules, largest), source=str(path))
             quantities = tuple(measurement)
+    label, notes = visible(rules.level or path.name), tuple(said)
     files = _digests(path, mapping, rules)
-    return MeasuredRecord(
-        str(path), label, quantities, measurement, rules, tuple(said), files, largest
-    )
+    return MeasuredRecord(str(path), label, quantities, measurement, rules, notes, files, largest)
 
 
 @contextmanager

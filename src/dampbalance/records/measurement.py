@@ -46,38 +46,33 @@ class Channel:
         text("the name of a channel", self.name)
         one_of(f"channel {self.name!r}: its quantity", self.quantity, QUANTITIES)
         object.__setattr__(self, "name", self.name or self.quantity)
+        this = f"channel {self.name!r}"
         for field in ("t", "values"):
             try:
                 array = np.ascontiguousarray(floats(getattr(self, field))).view()
             except ValueError as error:
-                raise ValueError(
-                    f"channel {self.name!r}: its {field} must be numbers, not {error}"
-                ) from None
+                raise ValueError(f"{this}: its {field} must be numbers, not {error}") from None
             array.flags.writeable = False
             object.__setattr__(self, field, array)
+        sizes = f"{self.values.size} values at {self.t.size} times"
         if self.t.ndim != 1 or self.t.shape != self.values.shape:
-            raise ValueError(
-                f"channel {self.name!r} has {self.values.size} values at {self.t.size} times; "
-                "each value needs its time"
-            )
+            raise ValueError(f"{this} has {sizes}; each value needs its time")
         if self.t.size < 2:
-            raise ValueError(
-                f"channel {self.name!r} has {self.t.size} samples; a signal needs at least 2"
-            )
+            raise ValueError(f"{this} has {self.t.size} samples; a signal needs at least 2")
         for array, what, bound in ((self.t, "time", LATEST), (self.values, "value", LARGEST_VALUE)):
             within = np.abs(array) <= bound  # nor is NaN
             if not within.all():
                 i = int(np.argmin(within))
                 beyond = f", beyond {bound:g}" if np.isfinite(array[i]) else ""
                 raise ValueError(
-                    f"channel {self.name!r}: {what} {i} (counted from 0) is {array[i]}{beyond}; "
+                    f"{this}: {what} {i} (counted from 0) is {array[i]}{beyond}; "
                     "cut the record before it, or repair it"
                 )
-        steps = np.diff(self.t)
-        if not (steps > 0.0).all():
-            i = int(np.argmin(steps > 0.0))
+        rising = np.diff(self.t) > 0.0
+        if not rising.all():
+            i = int(np.argmin(rising))
             raise ValueError(
-                f"channel {self.name!r}: its time does not increase from sample {i} to {i + 1} "
+                f"{this}: its time does not increase from sample {i} to {i + 1} "
                 f"({self.t[i]:g} s, {self.t[i + 1]:g} s)"
             )
 
@@ -152,12 +147,12 @@ class Measurement:
     @property
     def excitation(self) -> Channel:
         """The channel that drives the oscillator. Raises ValueError where there is none."""
-        found = [channel for q, channel in self.channels.items() if q in EXCITATIONS]
-        if not found:
-            raise ValueError(
-                f"{self.source}: needs one excitation ({', '.join(EXCITATIONS)}), found none"
-            )
-        return found[0]
+        for quantity, channel in self.channels.items():
+            if quantity in EXCITATIONS:
+                return channel
+        raise ValueError(
+            f"{self.source}: needs one excitation ({', '.join(EXCITATIONS)}), found none"
+        )
 
     @property
     def responses(self) -> tuple[Channel, ...]:

@@ -1,19 +1,17 @@
 """Simulated measurements: the exact steady motion or a free decay, sampled, with noise. Always labelled as such.
 
-They serve to try an estimator on records whose truth is known. The channels are what transducers would give: white
-noise on each, independent of the others.
+They serve to try an estimator on records whose truth is known. The white noise of the channels is independent.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arguments import instance, mapping, names, number, shown, whole
-from ..arrays import Array
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit
 from ..motion.transient import transient
@@ -55,14 +53,10 @@ def measured_orbit(
     if not isinstance(getattr(orbit, "motion", None), BaseMotion):
         raise ValueError(f"orbit must be a steady orbit, got {shown(orbit)}")
     motion = orbit.motion
-    rate_hz, cycles, start = (
-        number("rate_hz", rate_hz),
-        number("cycles", cycles),
-        number("start", start),
-    )
+    rate_hz, cycles = number("rate_hz", rate_hz), number("cycles", cycles)
+    start = number("start", start)
     channels = names("channels", channels, QUANTITIES)
-    parts = _parts(noise, channels)
-    random = _random(seed)
+    parts, random = _parts(noise, channels), _random(seed)
     samples = cycles * motion.period * rate_hz
     if not samples * (1 + len(channels)) <= LARGEST:
         raise ValueError(
@@ -77,18 +71,11 @@ def measured_orbit(
     t = start + np.arange(count) / rate_hz
     state = orbit.state(t)
     y = np.asarray(motion.y(t), dtype=np.float64)
-    clean: dict[str, Callable[[], Array]] = {
-        "base_displacement": lambda: y,
-        "base_acceleration": lambda: -(motion.omega**2) * y,
-        "force": lambda: orbit.oscillator.k * y,
-        "displacement": lambda: state.x,
-        "velocity": lambda: state.v,
-        "acceleration": lambda: state.acceleration,
-    }
+    driving = (y, -(motion.omega**2) * y, orbit.oscillator.k * y)
+    clean = dict(zip(QUANTITIES, (*driving, state.x, state.v, state.acceleration), strict=True))
     measured = []
     for quantity in channels:
-        values = clean[quantity]()
-        part = parts.get(quantity, 0.0)
+        values, part = clean[quantity], parts.get(quantity, 0.0)
         if part > 0.0:
             rms = math.sqrt(float(np.mean(values**2)))
             values = values + part * rms * random.standard_normal(count)
@@ -152,18 +139,14 @@ def measured_ring_down(
 
 
 def _parts(noise: object, channels: Sequence[str]) -> dict[str, float]:
-    """The noise of each channel, as a part of its rms."""
     if not isinstance(noise, Mapping):
         return dict.fromkeys(channels, number("noise", noise))
     parts = mapping("noise", noise, "a mapping of quantities to numbers")
     names("quantities", list(parts), QUANTITIES)
-    return {
-        quantity: number("noise", part, f"noise of {quantity}") for quantity, part in parts.items()
-    }
+    return {q: number("noise", part, f"noise of {q}") for q, part in parts.items()}
 
 
 def _random(seed: object) -> np.random.Generator:
-    """What draws the noise."""
-    if isinstance(seed, np.random.Generator):
-        return seed
-    return np.random.default_rng(whole("seed", seed))
+    if not isinstance(seed, np.random.Generator):
+        seed = whole("seed", seed)
+    return np.random.default_rng(seed)

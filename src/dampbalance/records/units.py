@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 import re
+from collections import Counter
 from dataclasses import dataclass
 
 from ..project.wording import shortened
@@ -69,10 +70,8 @@ class UnitError(ValueError):
 
 def find_unit(text: str) -> Unit | None:
     """The unit that a text spells, or None."""
-    bare = text.strip()
-    if len(bare) > _LONGEST:
-        return None
-    return _EXACT.get(_plain(bare)) or _FOLDED.get(_plain(bare).casefold())
+    plain = _plain(text) if len(text.strip()) <= _LONGEST else ""
+    return _EXACT.get(plain) or _FOLDED.get(plain.casefold())
 
 
 def unit_for(text: str, quantity: str) -> Unit:
@@ -122,6 +121,11 @@ def header_suffix(unit: str) -> str:
     return unit.replace("²", "2").replace("/", "_per_").replace("µ", "u")
 
 
+def column_name(quantity: str) -> str:
+    """The column of a quantity in SI units, acceleration_m_per_s2."""
+    return f"{quantity}_{header_suffix(QUANTITIES[quantity])}"
+
+
 def _plain(text: str) -> str:
     """One spelling for all ways to write powers, products and quotients."""
     text = re.sub(r"\s+", " ", text.strip().strip("[](){}"))
@@ -138,12 +142,8 @@ _EXACT = {_plain(unit.name): unit for unit in UNITS} | {
 }
 
 # Without regard to case where that is not ambiguous: MM, Sec and G, but mN is not MN, nor ms Ms.
-_FOLDED = {
-    key.casefold(): unit
-    for key, unit in _EXACT.items()
-    if sum(key.casefold() == other.casefold() for other in _EXACT) == 1
-    and unit.name not in ("mN", "MHz", "mg")
-}
+_FOLDS = Counter(map(str.casefold, _EXACT)) + Counter(("mn", "mhz", "mg"))
+_FOLDED = {key.casefold(): unit for key, unit in _EXACT.items() if _FOLDS[key.casefold()] == 1}
 
 DIMENSIONS = {q: _EXACT[_plain(unit)].dimension for q, unit in (QUANTITIES | {"time": "s"}).items()}
 """Dimension of what a channel may hold."""

@@ -23,17 +23,16 @@ from ..project.wording import shortened
 from .errors import RecordError, library
 from .measurement import QUANTITIES, Channel, Measurement
 from .readers.formats import FORMATS, format_by_suffix, require_showable
-from .readers.record_file import times
-from .units import DIMENSIONS, header_suffix
+from .readers.times import mean_rate, times
+from .units import DIMENSIONS, column_name
 
 MATLAB_73 = "matlab73"
 _MATLAB_TEXT = 116  # bytes of description at the start of a MATLAB file
+# of universal files: function type, specific data types of abscissa and ordinate, double precision
+_UFF_TIME_RESPONSE, _UFF_TIME, _UFF_DOUBLE = 1, 17, 4
 _UFF_TYPES = {"length": 8, "velocity": 11, "acceleration": 12, "force": 13}
 _TDMS_SEGMENT = 65_536  # samples per segment: a reader takes at least one into memory
 _WAV_NOTE = "a WAV has neither names nor units; its samples are 64-bit floats in these units"
-_UFF_TIME_RESPONSE = 1  # function type
-_UFF_TIME = 17  # specific data type of the abscissa
-_UFF_DOUBLE = 4  # ordinate data type: real, double precision
 
 
 def write(
@@ -62,24 +61,24 @@ def write(
             f"{path}: cannot hold that the {corrected[0]} is to be corrected for gain, delay or filters; keep the "
             "original with its mapping"
         )
-    mapping = _wav_mapping(path, measurement) if name == "wav" else None
+    beside = {}
+    if name == "wav":
+        beside[path.with_name(f"{path.name}.yaml")] = _wav_mapping(path, measurement)
     with replacing(path) as temporary:
         _WRITERS[name](temporary, measurement)
-    if mapping is None:
-        return (path,)
-    beside = path.with_name(f"{path.name}.yaml")
-    write_text(beside, mapping)
-    return path, beside
+    for file, mapping in beside.items():
+        write_text(file, mapping)
+    return path, *beside
 
 
 def _columns_of(measurement: Measurement) -> dict[str, Array]:
     """The signals by column name, times first: time_s for all channels, or displacement_time_s before each."""
     channels = _channels(measurement)
     if all(np.array_equal(channel.t, channels[0].t) for channel in channels):
-        return {"time_s": channels[0].t} | {_label(c.quantity): c.values for c in channels}
+        return {"time_s": channels[0].t} | {column_name(c.quantity): c.values for c in channels}
     columns: dict[str, Array] = {}
     for c in channels:
-        columns |= {f"{c.quantity}_time_s": c.t, _label(c.quantity): c.values}
+        columns |= {f"{c.quantity}_time_s": c.t, column_name(c.quantity): c.values}
     return columns
 
 
@@ -89,8 +88,7 @@ def _write_text(path: Path, measurement: Measurement) -> None:
 
 
 def _write_parquet(path: Path, measurement: Measurement) -> None:
-    arrow = library("pyarrow", "Parquet")
-    parquet = library("pyarrow.parquet", "Parquet")
+    arrow, parquet = (library(name, "Parquet") for name in ("pyarrow", "pyarrow.parquet"))
     # A missing row of a shorter channel is a null, as it is an empty cell in text.
     table = arrow.Table.from_pandas(_frame(measurement), preserve_index=False)
     parquet.write_table(table.replace_schema_metadata(), path, compression="zstd")
@@ -124,7 +122,7 @@ def _write_hdf5(path: Path, measurement: Measurement) -> None:
 def _write_uff(path: Path, measurement: Measurement) -> None:
     """Binary data sets 58. The header has five decimals for the step: where these are too few, every time is stored.
 
-    Put together here: pyuff, which reads them, overwrites the header of a binary set in a new file.
+    Put together here: pyuff, which reads them, writes a wrong number of bytes where times are stored, and is slow.
     """
     sets = []
     for number, channel in enumerate(_channels(measurement), start=1):
@@ -133,12 +131,12 @@ def _write_uff(path: Path, measurement: Measurement) -> None:
         step = float(f"{channel.t[1] - channel.t[0]:.5e}")
         even = _is_even(channel, start, step)
         data = channel.values if even else np.stack([channel.t, channel.values], axis=1)
-        unit = header_suffix(channel.unit).replace("_per_", "/")
+        unit = channel.unit.replace("²", "2")
         header = [
             f"{-1:6}",
             # little-endian, IEEE; 11 lines of text follow, then the bytes
             f"{58:6}b{1:6}{2:6}{11:12}{data.nbytes:12}{0:6}{0:6}{0:12}{0:12}",
-            *(f"{text:80}" for text in (_label(quantity), "NONE", "NONE", "NONE", "NONE")),
+            *(f"{text:80}" for text in (column_name(quantity), "NONE", "NONE", "NONE", "NONE")),
             f"{_UFF_TIME_RESPONSE:5}{number:10}{0:5}{0:10} {'NONE':10}{number:10}{0:4} {'NONE':10}{0:10}{0:4}",
             f"{_UFF_DOUBLE:10}{len(channel):10}{even:10}{even * start:13.5e}{even * step:13.5e}{0:13.5e}",
             f"{_UFF_TIME:10}{0:5}{0:5}{0:5} {'time':20} {'s':20}",
@@ -152,26 +150,22 @@ def _write_uff(path: Path, measurement: Measurement) -> None:
 
 def _write_tdms(path: Path, measurement: Measurement) -> None:
     nptdms = library("nptdms", "TDMS")
-    columns = _columns_of(measurement)
-    channels = _channels(measurement)
+    columns, channels = _columns_of(measurement), _channels(measurement)
     properties: dict[str, dict[str, Any]] = {n: {"unit_string": _unit_of(n)} for n in columns}
     even = []
     for channel in channels:
         start, step = float(channel.t[0]), float(channel.t[1] - channel.t[0])
         if _is_even(channel, start, step):
-            even.append(_label(channel.quantity))
+            even.append(column_name(channel.quantity))
             properties[even[-1]] |= {"wf_increment": step, "wf_start_offset": start}
     if len(even) == len(channels):
         columns = {name: columns[name] for name in even}
     with nptdms.TdmsWriter(str(path)) as file:
         for begin in range(0, max(values.size for values in columns.values()), _TDMS_SEGMENT):
-            parts = {name: v[begin : begin + _TDMS_SEGMENT] for name, v in columns.items()}
+            part = slice(begin, begin + _TDMS_SEGMENT)
+            longer = [(name, v) for name, v in columns.items() if v.size > begin]
             file.write_segment(
-                [
-                    nptdms.ChannelObject("record", name, part, properties[name])
-                    for name, part in parts.items()
-                    if part.size
-                ]
+                [nptdms.ChannelObject("record", n, v[part], properties[n]) for n, v in longer]
             )
 
 
@@ -180,14 +174,14 @@ def _write_wav(path: Path, measurement: Measurement) -> None:
 
     channels = _channels(measurement)
     samples = np.stack([channel.values for channel in channels], axis=1)
-    wavfile.write(path, round(_rate(channels[0].t)), samples)
+    wavfile.write(path, round(mean_rate(channels[0].t)), samples)
 
 
 def _wav_mapping(path: Path, measurement: Measurement) -> str:
     """What stands beside a WAV. Raises RecordError when a WAV cannot hold the times."""
     channels = _channels(measurement)
     t = channels[0].t
-    rate = round(_rate(t))
+    rate = round(mean_rate(t))
     if not all(np.array_equal(channel.t, t) for channel in channels):
         raise RecordError(
             f"{path}: a WAV has one time base for all channels, the record has several"
@@ -195,7 +189,7 @@ def _wav_mapping(path: Path, measurement: Measurement) -> str:
     if rate < 1 or not np.allclose(t, np.arange(t.size) / rate, rtol=0.0, atol=1e-6 / rate):
         raise RecordError(
             f"{path}: a WAV begins at time 0 and has a whole number of samples per second, not {t[0]:g} s and "
-            f"{_rate(t):.9g} Hz; use another format"
+            f"{mean_rate(t):.9g} Hz; use another format"
         )
     rules = [
         f"  {c.quantity}: {{channel: {i}, unit: {c.unit}}}" for i, c in enumerate(channels, start=1)
@@ -204,7 +198,7 @@ def _wav_mapping(path: Path, measurement: Measurement) -> str:
 
 
 def _channels(measurement: Measurement) -> list[Channel]:
-    return [*([measurement.excitation] if measurement.driven else []), *measurement.responses]
+    return [measurement[q] for q in QUANTITIES if q in measurement]
 
 
 def _frame(measurement: Measurement) -> pd.DataFrame:
@@ -213,21 +207,13 @@ def _frame(measurement: Measurement) -> pd.DataFrame:
     return pd.DataFrame({name: pd.Series(values) for name, values in columns.items()})
 
 
-def _label(quantity: str) -> str:
-    return f"{quantity}_{header_suffix(QUANTITIES[quantity])}"
-
-
 def _unit_of(column: str) -> str:
-    return next((unit for q, unit in QUANTITIES.items() if column == _label(q)), "s")
+    return next((unit for q, unit in QUANTITIES.items() if column == column_name(q)), "s")
 
 
 def _is_even(channel: Channel, start: float, step: float) -> bool:
     """Whether first time and step give every time to the last bit."""
     return np.array_equal(times(1.0 / step, start, 0, len(channel)), channel.t)
-
-
-def _rate(t: Array) -> float:
-    return (t.size - 1) / float(t[-1] - t[0])
 
 
 def _describe(path: Path, version: str, rest: bytes = b"") -> None:

@@ -80,49 +80,34 @@ def signals(Y=0.004, seed=1):
 def sound(tmp_path_factory):
     """A sound record at another level, to go with the hostile one."""
     path = tmp_path_factory.mktemp("sound") / "sound.csv"
-    write_text(path, *signals(0.009, seed=2))
+    write(path, *signals(0.009, seed=2))
     return str(path)
 
 
-def write_text(path, *columns, names=NAMES):
-    pd.DataFrame(dict(zip(names, columns, strict=True))).to_csv(path, index=False)
-
-
-def write_parquet(path, *columns, names=NAMES):
-    pq.write_table(pa.table(dict(zip(names, columns, strict=True))), path)
-
-
-def write_matlab(path, *columns, names=NAMES):
+def write(path, *columns, names=NAMES):
+    """Columns by their names, in the format of the suffix; in a WAV, without times."""
     arrays = dict(zip(names, columns, strict=True))
-    scipy.io.savemat(path, arrays, do_compression=True, oned_as="column")
+    match path.suffix:
+        case ".csv":
+            pd.DataFrame(arrays).to_csv(path, index=False)
+        case ".parquet":
+            pq.write_table(pa.table(arrays), path)
+        case ".mat":
+            scipy.io.savemat(path, arrays, do_compression=True, oned_as="column")
+        case ".h5":
+            with h5py.File(path, "w") as file:
+                for name, values in arrays.items():
+                    file[name] = values
+        case ".tdms":
+            with nptdms.TdmsWriter(str(path)) as file:
+                parts = [nptdms.ChannelObject("group", n, v) for n, v in arrays.items()]
+                file.write_segment(parts)
+        case ".wav":
+            wavfile.write(path, int(RATE), np.stack(columns[1:], axis=1))
+            path.with_name(f"{path.name}.yaml").write_text(json.dumps({"channels": CHANNELS}))
 
 
-def write_hdf5(path, *columns, names=NAMES):
-    with h5py.File(path, "w") as file:
-        for name, values in zip(names, columns, strict=True):
-            file[name] = values
-
-
-def write_tdms(path, *columns, names=NAMES):
-    with nptdms.TdmsWriter(str(path)) as file:
-        file.write_segment(
-            [nptdms.ChannelObject("group", n, v) for n, v in zip(names, columns, strict=True)]
-        )
-
-
-def write_wav(path, _, *columns, **__):
-    wavfile.write(path, int(RATE), np.stack(columns, axis=1))
-    path.with_name(f"{path.name}.yaml").write_text(json.dumps({"channels": CHANNELS}))
-
-
-FORMATS = {
-    "csv": write_text,
-    "parquet": write_parquet,
-    "mat": write_matlab,
-    "h5": write_hdf5,
-    "tdms": write_tdms,
-    "wav": write_wav,
-}
+FORMATS = ("csv", "parquet", "mat", "h5", "tdms", "wav")
 
 
 def listing(folder):
@@ -184,7 +169,7 @@ def test_values_that_no_rig_gives(name, suffix, tmp_path):
     change, message = VALUES[name]
     t, y, x = signals()
     path = tmp_path / f"bad.{suffix}"
-    FORMATS[suffix](path, t, *change(y, x))
+    write(path, t, *change(y, x))
     refused(path, message)
     with pytest.raises(RecordError, match=message):
         [list(blocks()) for blocks in open_channels(path, block=500).values()]
@@ -197,7 +182,7 @@ def test_a_response_that_is_the_excitation(change, large, tmp_path, capsys, soun
         monkeypatch.setattr(measured, "LARGE", 1000)
     t, y, _ = signals()
     path = tmp_path / "bad.h5"
-    write_hdf5(path, t, y, change(y))
+    write(path, t, y, change(y))
     code, said = tried(tmp_path, capsys, path, sound)
     assert code == 2
     assert "displacement is base_displacement itself, times" in said
@@ -212,7 +197,7 @@ def test_an_integer_that_ran_over(dtype, scale, suffix, tmp_path):
     counts = (scale * x).astype("i8")
     wrapped = counts.astype(dtype)
     assert not np.array_equal(counts, wrapped)
-    FORMATS[suffix](path, t, y, wrapped, names=(*NAMES[:2], "displacement_nm"))
+    write(path, t, y, wrapped, names=(*NAMES[:2], "displacement_nm"))
     refused(path, f"an integer of {8 * wrapped.itemsize} bits ran over")
 
 
@@ -220,7 +205,7 @@ def test_a_full_range_is_no_overflow(tmp_path):
     t, y, x = signals()
     path = tmp_path / "run.h5"
     counts = np.round(32767 * x / np.abs(x).max()).astype("i2")
-    write_hdf5(path, t, y, counts, names=(*NAMES[:2], "displacement_nm"))
+    write(path, t, y, counts, names=(*NAMES[:2], "displacement_nm"))
     np.testing.assert_array_equal(read(path)["displacement"].values, counts * 1e-9)
 
 
@@ -236,11 +221,11 @@ def test_truth_values_and_dates_are_no_signals(tmp_path):
     }.items():  # fmt: skip
         for column in values:
             path = tmp_path / f"bad.{suffix}"
-            FORMATS[suffix](path, t, y, column)
-            refused(
-                path,
-                "not numbers|holds points in time, no |is not a number|finds no response|texts are not read",
+            write(path, t, y, column)
+            wrong = (
+                "not numbers|holds points in time, no |is not a number|finds no response|texts are"
             )
+            refused(path, wrong)
 
 
 # Times
@@ -260,14 +245,14 @@ def test_truth_values_and_dates_are_no_signals(tmp_path):
 def test_times_that_no_recorder_has(change, message, suffix, tmp_path):
     t, y, x = signals()
     path = tmp_path / f"bad.{suffix}"
-    FORMATS[suffix](path, change(t), y, x)
+    write(path, change(t), y, x)
     refused(path, message)
 
 
 @pytest.mark.parametrize("step", [0.0, -1e-3, 1e-300, 1e300, np.nan, np.inf, "often", 1 + 2j, True])
 def test_steps_that_no_recorder_has(step, tmp_path):
     path = tmp_path / "bad.h5"
-    write_hdf5(path, *signals()[1:], names=NAMES[1:])
+    write(path, *signals()[1:], names=NAMES[1:])
     with h5py.File(path, "a") as file:
         file.attrs["dt"] = step
     refused(path, "dt of channel 'base_displacement_m' is")
@@ -296,7 +281,7 @@ def test_what_unpacks_to_more_than_it_may_is_refused_before(suffix, tmp_path):
             for name in NAMES:
                 file.create_dataset(name, (count,), "f8", chunks=(10**5,), compression="gzip")
     else:
-        FORMATS[suffix](path, *[np.zeros(count)] * 3)
+        write(path, *[np.zeros(count)] * 3)
     assert path.stat().st_size < 1e6
     peak, said = peak_of(read, path, largest=10_000_000)
     assert peak < 10.0
@@ -308,7 +293,7 @@ def test_what_unpacks_to_more_than_it_may_is_refused_before(suffix, tmp_path):
 
 def test_more_than_the_usual_limit_is_read_on_request(tmp_path):
     path = tmp_path / "run.h5"
-    write_hdf5(path, *signals())
+    write(path, *signals())
     count = 3 * signals()[0].size
     assert read(path, largest=count)
     refused(path, f"{count:,} numbers, more than {count - 1:,}.*--largest {count}", largest=count - 1)  # fmt: skip
@@ -317,7 +302,7 @@ def test_more_than_the_usual_limit_is_read_on_request(tmp_path):
 
 def test_text_is_counted_as_it_comes(tmp_path):
     path = tmp_path / "run.csv"
-    write_text(path, *signals())
+    write(path, *signals())
     blocks = open_channels(path, block=100, largest=500)["displacement"]()
     with pytest.raises(RecordError, match="more than 500"):
         list(blocks)
@@ -376,12 +361,8 @@ def test_structures_of_matlab_are_counted_right(tmp_path):
     path = tmp_path / "run.mat"
     t, y, x = signals()
     whole = np.round(1e6 * x)  # stored as smaller integers
-    inner = {
-        "base_displacement_m": y,
-        "displacement_um": whole,
-        "note": "text",
-        "odd": np.arange(3.0),
-    }
+    inner = {"base_displacement_m": y, "displacement_um": whole}
+    inner |= {"note": "text", "odd": np.arange(3.0)}
     run = {"inner": inner, "cell": np.array([1.0, "a"], object)}
     scipy.io.savemat(path, {"time_s": t, "run": run}, do_compression=True)
     found = read(path)
@@ -395,7 +376,7 @@ def test_structures_of_matlab_are_counted_right(tmp_path):
 
 
 def hdf5(path, fill):
-    write_hdf5(path, *signals())
+    write(path, *signals())
     with h5py.File(path, "a") as file:
         fill(file)
     return path
@@ -424,7 +405,7 @@ def test_groups_are_visited_once(tmp_path):
 
 
 def outside(path):
-    write_hdf5(path.with_name("other.h5"), *signals(), names=("a", "b", "secret"))
+    write(path.with_name("other.h5"), *signals(), names=("a", "b", "secret"))
 
 
 def external_link(file):
@@ -577,11 +558,8 @@ def test_the_limit_of_a_spreadsheet_can_be_raised(tmp_path):
     np.testing.assert_array_equal(read(path)["displacement"].values, x)
     most = 3 * (t.size + 1)
     assert read(path, largest=16 * most)
-    refused(
-        path,
-        rf"a sheet of {t.size + 1:,} × 3 cells.*--largest {16 * most}\)",
-        largest=16 * most - 1,
-    )
+    message = rf"a sheet of {t.size + 1:,} × 3 cells.*--largest {16 * most}\)"
+    refused(path, message, largest=16 * most - 1)
 
 
 @pytest.mark.filterwarnings("ignore:.*channels not used. 'column 1', 'column 2'")
@@ -623,7 +601,7 @@ def test_text_that_is_no_record(name, tmp_path):
 
 def test_a_parser_is_not_given_a_line_without_end(tmp_path, monkeypatch):
     path = tmp_path / "run.csv"
-    write_text(path, *signals())
+    write(path, *signals())
     assert read(path)
     monkeypatch.setattr("dampbalance.records.readers.text._SMALL", 0)  # as a large file is read
     monkeypatch.setattr("dampbalance.records.readers.text.LONGEST_LINE", -262_144)
@@ -633,11 +611,11 @@ def test_a_parser_is_not_given_a_line_without_end(tmp_path, monkeypatch):
 @pytest.mark.parametrize("end", ["\n", ""])
 def test_a_name_is_quoted_in_part(end, tmp_path, capsys, sound):
     path = tmp_path / "bad.csv"
-    write_text(path, *signals(), names=(*NAMES[:2], "\x1b[31m<b>" + "x" * 900 + end))
+    write(path, *signals(), names=(*NAMES[:2], "\x1b[31m<b>" + "x" * 900 + end))
     code, said = tried(tmp_path, capsys, path, sound)
     assert code == 2
     assert r"\x1b[31m<b>xxx" in said
-    write_text(path, *signals(), names=(*NAMES[:2], "x" * 5000))
+    write(path, *signals(), names=(*NAMES[:2], "x" * 5000))
     refused(path, "the name of channel 3 has 5,000 characters")
 
 
@@ -714,7 +692,7 @@ def test_a_sparse_file_is_no_record(content, suffix, tmp_path):
 @pytest.mark.parametrize("way", ["twice", "spelling", "symlink", "hard link", "copy", "other format"])  # fmt: skip
 def test_one_record_is_one_level(way, tmp_path, capsys):
     path, other = tmp_path / "a.csv", tmp_path / "b.csv"
-    write_text(path, *signals())
+    write(path, *signals())
     if way == "twice":
         other = path
     elif way == "spelling":
@@ -727,7 +705,7 @@ def test_one_record_is_one_level(way, tmp_path, capsys):
         other.write_bytes(path.read_bytes())
     else:
         other = tmp_path / "b.mat"
-        write_matlab(other, *signals())
+        write(other, *signals())
     code, said = tried(tmp_path, capsys, path, other)
     assert code == 2
     assert "each record is one level" in said
@@ -737,7 +715,7 @@ def test_one_record_is_one_level(way, tmp_path, capsys):
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_damage_is_refused_or_does_no_harm(suffix, seed, tmp_path, capsys, sound):
     path = tmp_path / f"bad.{suffix}"
-    FORMATS[suffix](path, *signals())
+    write(path, *signals())
     data, chance = bytearray(path.read_bytes()), random.Random(f"{suffix}{seed}")
     if seed < 2:
         data = data[: chance.randrange(len(data))]
@@ -789,7 +767,7 @@ def test_names_show_as_they_are(name, tmp_path, capsys, sound):
     path, output = tmp_path / f"{name.replace('/', '')}.h5", tmp_path / "out"
     t, y, x = signals()
     x[300:340] = x[300]  # a drop-out, of which a warning tells
-    write_hdf5(path, t, y, x, names=("t", "base", name.replace("/", "")))
+    write(path, t, y, x, names=("t", "base", name.replace("/", "")))
     rules = {
         "base_displacement": CHANNELS["base_displacement"] | {"channel": "base"},
         "displacement": CHANNELS["displacement"] | {"channel": name.replace("/", "")},
@@ -798,9 +776,7 @@ def test_names_show_as_they_are(name, tmp_path, capsys, sound):
         json.dumps({"channels": rules, "level": name, "time": {"unit": "s"}}, ensure_ascii=False),
         encoding="utf-8",
     )
-    code, said = tried(
-        tmp_path, capsys, path, sound, "--output", output, "--approach", "fourier"
-    )  # fmt: skip
+    code, said = tried(tmp_path, capsys, path, sound, "--output", output, "--approach", "fourier")
     assert code == 0, said
     assert f"warning: {path.name}: displacement: " in said
     texts, document = shown(output)
@@ -815,7 +791,7 @@ def test_characters_that_act_are_spelt(name, tmp_path, capsys, sound):
     name = ACTING[name]
     t, y, x = signals()
     bad = tmp_path / f"{name}.csv"
-    write_text(bad, t, y, x)
+    write(bad, t, y, x)
     code, said = tried(tmp_path, capsys, bad, sound)
     assert code == 2
     assert "characters that cannot be shown" in said
@@ -823,7 +799,7 @@ def test_characters_that_act_are_spelt(name, tmp_path, capsys, sound):
     bad.unlink()
 
     path, output = tmp_path / "run.h5", tmp_path / "out"
-    write_hdf5(path, t, y, x, names=("t", name, f"{name}2"))
+    write(path, t, y, x, names=("t", name, f"{name}2"))
     code, said = tried(tmp_path, capsys, path, sound)  # which is which?
     assert code == 2
     assert repr(name)[1:-1] in said
@@ -849,7 +825,7 @@ def test_results_stay_where_they_are_asked_for(name, tmp_path, capsys, sound):
     inner = tmp_path / "inner"
     inner.mkdir()
     path = inner / "run.csv"
-    write_text(path, *signals())
+    write(path, *signals())
     path.with_name("run.yaml").write_text(json.dumps({"level": name}))
     code, _ = tried(tmp_path, capsys, path, sound, "--output", inner / "out")
     assert code == 0
@@ -860,7 +836,7 @@ def test_results_stay_where_they_are_asked_for(name, tmp_path, capsys, sound):
 @pytest.mark.parametrize("mass", ["1e-12", "1e12"])
 def test_a_mass_that_cannot_be_is_refused(mass, tmp_path, capsys, sound):
     path = tmp_path / "run.csv"
-    write_text(path, *signals())
+    write(path, *signals())
     code, said = tried(tmp_path, capsys, path, sound, "--mass", mass)
     assert code == 2
     assert "times in a cycle" in said
@@ -869,7 +845,7 @@ def test_a_mass_that_cannot_be_is_refused(mass, tmp_path, capsys, sound):
 
 def test_results_that_could_not_be_written_are_not_computed(tmp_path, capsys, sound):
     path, mine = tmp_path / "run.csv", tmp_path / "mine"
-    write_text(path, *signals())
+    write(path, *signals())
     mine.write_text("mine")
     for folder in (mine, mine / "deeper", "a\0b", tmp_path / ("o" * 300)):
         code, _ = tried(tmp_path, capsys, path, sound, "--output", folder)

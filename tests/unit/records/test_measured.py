@@ -13,13 +13,9 @@ from dampbalance.records.writers import write
 from paper_case import PAPER
 
 MOTION = BaseMotion(Y=0.004, omega=2.0 * math.pi * 3.5)
-MADE = measured_orbit(
-    steady_orbit(PAPER, MOTION),
-    rate_hz=1000.0,
-    cycles=4.0,
-    noise=0.01,
-    channels=("base_displacement", "acceleration"),
-)
+BOTH = ("base_displacement", "acceleration")
+ORBIT = steady_orbit(PAPER, MOTION)
+MADE = measured_orbit(ORBIT, rate_hz=1000.0, cycles=4.0, noise=0.01, channels=BOTH)
 T, Y, A = MADE["acceleration"].t, MADE["base_displacement"].values, MADE["acceleration"].values
 ARRAYS = {"time_s": T, "base_displacement_mm": 1e3 * Y, "acceleration_g": A / 9.80665}
 
@@ -27,8 +23,8 @@ ARRAYS = {"time_s": T, "base_displacement_mm": 1e3 * Y, "acceleration_g": A / 9.
 def same(record, exact=0.0):
     """Whether a record holds the signals made: to rounding of a change of units, unless exact."""
     measurement = record.measurement
-    assert record.quantities == ("base_displacement", "acceleration")
-    for quantity, values in (("base_displacement", Y), ("acceleration", A)):
+    assert record.quantities == BOTH
+    for quantity, values in zip(BOTH, (Y, A), strict=True):
         np.testing.assert_allclose(measurement[quantity].values, values, rtol=1e-15, atol=0.0)
         np.testing.assert_allclose(measurement[quantity].t - T, 0.0, atol=exact)
     return True
@@ -72,9 +68,7 @@ def test_a_masked_sample_is_missing(form, table):
     if table is pd.DataFrame and form.startswith("masked"):
         pytest.skip("pandas makes NaN of a mask itself")
     given = table(ARRAYS | {"acceleration_g": MISSING[form]})
-    with pytest.raises(
-        RecordError, match="sample 8: channel 'acceleration' is empty or not a number"
-    ):
+    with pytest.raises(RecordError, match="sample 8: channel 'acceleration' is empty or not a"):
         read_records(given)
 
 
@@ -124,9 +118,7 @@ def test_a_mapping_says_what_names_do_not():
 
 
 def test_what_the_caller_does_later_to_an_array_changes_no_record():
-    own = {name: values.copy() for name, values in ARRAYS.items()} | {
-        "base_displacement_m": Y.copy()
-    }
+    own = ARRAYS | {"base_displacement_m": Y.copy()}
     del own["base_displacement_mm"]
     (record,) = read_records(own)
     own["base_displacement_m"][:] = 0.0
@@ -137,13 +129,8 @@ def test_names_tell_records_apart():
     named = pd.DataFrame(ARRAYS)
     named.attrs["name"] = "4 mm"
     read = read_records([named, ARRAYS, named, MADE, MADE])
-    assert [record.name for record in read] == [
-        "4 mm",
-        "record 2",
-        "4 mm (2)",
-        "simulated, Y = 0.004 m",
-        "simulated, Y = 0.004 m (2)",
-    ]
+    made = "simulated, Y = 0.004 m"
+    assert [record.name for record in read] == ["4 mm", "record 2", "4 mm (2)", made, f"{made} (2)"]
     assert read_records(read) == read
 
 
@@ -159,10 +146,7 @@ def test_a_record_goes_back_to_a_table():
     [
         ({"acceleration_g": None}, "record 1: finds no response"),
         ({"acceleration_g": np.where(T[7] == T, np.nan, A)}, "record 1: sample 8: .*acceleration"),
-        (
-            {"acceleration_g": np.ones(T.size)},
-            "record 1: .*acceleration.* constant|does not change",
-        ),
+        ({"acceleration_g": np.ones(T.size)}, "record 1: .*acceleration.* constant"),
         ({"acceleration_g": A[:-3]}, "has .* samples"),
         ({"acceleration_g": np.stack([A, A])}, r"'acceleration_g' has the shape \(2, "),
         ({"acceleration_g": A + 1j}, "'acceleration_g' holds complex numbers"),
@@ -170,10 +154,7 @@ def test_a_record_goes_back_to_a_table():
         ({"acceleration_g": [{}] * T.size}, "'acceleration_g' holds what are not numbers"),
         ({"acceleration_g": 9.81}, "'acceleration_g' is a single value"),
         ({"acceleration_g": None, "acceleration_kg": A}, "'?acceleration'?.*kg"),
-        (
-            {"acceleration_g": None, "acceleration": A},
-            "has no unit. Give it in mapping, for example",
-        ),
+        ({"acceleration_g": None, "acceleration": A}, "has no unit. Give it in mapping, for exam"),
         ({"time_s": [*np.delete(T, 5).tolist(), 9.0]}, "has a gap"),
         ({"time_s": None}, "write time: .* into mapping"),
     ],

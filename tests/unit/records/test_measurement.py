@@ -66,13 +66,8 @@ def test_a_free_decay_has_no_excitation():
 
 
 def test_the_simulated_signals_are_those_of_the_exact_orbit():
-    made = measured_orbit(
-        ORBIT,
-        rate_hz=997.0,
-        cycles=3.5,
-        channels=("force", "displacement", "velocity", "acceleration"),
-        start=0.7,
-    )
+    channels = ("force", "displacement", "velocity", "acceleration")
+    made = measured_orbit(ORBIT, rate_hz=997.0, cycles=3.5, channels=channels, start=0.7)
     t = made["force"].t
     assert t[0] == 0.7
     assert len(t) == round(3.5 / NEAR * 997.0)

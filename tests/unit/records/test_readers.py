@@ -55,9 +55,8 @@ def assert_expected(found, t=T):
     ],
     ids=["numbers", "blanks and comments", "quotes", "delimiters at the end"],
 )
-def test_small_text_is_read_as_large_text(rows, tmp_path, monkeypatch):
-    path = tmp_path / "run.csv"
-    path.write_text(f"time_s,base_displacement_m,displacement_m\n{rows}", encoding="utf-8")
+def test_small_text_is_read_as_large_text(rows, csv, monkeypatch):
+    path = csv(f"time_s,base_displacement_m,displacement_m\n{rows}")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RecordWarning)  # no end of the last line
         small = read(path)
@@ -66,6 +65,33 @@ def test_small_text_is_read_as_large_text(rows, tmp_path, monkeypatch):
     for quantity in ("base_displacement", "displacement"):
         assert np.array_equal(small[quantity].values, large[quantity].values)
         assert np.array_equal(small[quantity].t, large[quantity].t)
+
+
+@pytest.fixture
+def csv(tmp_path):
+    """Writes a text to a file that the test reads, and gives its path."""
+
+    def written(text):
+        path = tmp_path / "run.csv"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return written
+
+
+def hdf5(path, attributes=(), **arrays):
+    """Write arrays by name, with attributes of the file."""
+    with h5py.File(path, "w") as file:
+        for name, values in arrays.items():
+            file[name] = values
+        file.attrs.update(attributes)
+
+
+def two(base, acceleration, scale=1.0, **more):
+    """A mapping that says which channel is which, and more about the record."""
+    given = {"base_displacement": (base, "mm"), "acceleration": (acceleration, "g")}
+    rules = {q: {"channel": c, "unit": unit, "scale": scale} for q, (c, unit) in given.items()}
+    return {"channels": rules} | more
 
 
 def values_in_blocks(path, mapping=None, block=3, quantity="acceleration"):
@@ -151,17 +177,15 @@ def test_own_columns_of_a_record_are_known(tmp_path):
         "time,base,time,acc\ns,mm,s,g\n",
     ],
 )
-def test_each_channel_takes_its_own_times(tmp_path, header):
-    path = tmp_path / "run.csv"
-    path.write_text(header + rows(columns=(T, Y, T + 0.25, A)))
+def test_each_channel_takes_its_own_times(csv, header):
+    path = csv(header + rows(columns=(T, Y, T + 0.25, A)))
     found = read(path)
     np.testing.assert_array_equal(found["base_displacement"].t, T)
     np.testing.assert_array_equal(found["acceleration"].t, T + 0.25)
 
 
-def test_mapping_by_name_and_number(tmp_path):
-    path = tmp_path / "run.csv"
-    path.write_text("clock,CH1 [V],CH2 [V]\n" + rows(columns=(T * 1e3, Y / 2, -A)))
+def test_mapping_by_name_and_number(csv):
+    path = csv("clock,CH1 [V],CH2 [V]\n" + rows(columns=(T * 1e3, Y / 2, -A)))
     mapping = {
         "channels": {
             "base_displacement": {"channel": "CH1", "unit": "mm", "scale": 2.0},
@@ -174,9 +198,8 @@ def test_mapping_by_name_and_number(tmp_path):
     assert_expected(read(path, mapping | {"sample_rate_hz": RATE}))
 
 
-def test_mapping_beside_the_record(tmp_path):
-    path = tmp_path / "run.csv"
-    path.write_text(rows(columns=(Y, A)))  # no header, no times
+def test_mapping_beside_the_record(tmp_path, csv):
+    path = csv(rows(columns=(Y, A)))  # no header, no times
     (tmp_path / "channels.yaml").write_text(
         "channels:\n  base_displacement: {channel: 1, unit: mm}\n  acceleration: {channel: 2, unit: g}\n"
         "sample_rate_hz: 1000\n"
@@ -184,10 +207,9 @@ def test_mapping_beside_the_record(tmp_path):
     assert_expected(read(path))
 
 
-def test_mapping_of_the_layout(tmp_path):
+def test_mapping_of_the_layout(csv):
     # Rows of numbers above the header: only the mapping can tell that they are no samples.
-    path = tmp_path / "run.csv"
-    path.write_text("1;2;3\n4;5;6\n" + HEADER.replace(",", ";") + rows(";", ","))
+    path = csv("1;2;3\n4;5;6\n" + HEADER.replace(",", ";") + rows(";", ","))
     with pytest.raises(RecordError):
         read(path)
     assert_expected(read(path, {"header_lines": 3, "delimiter": ";", "decimal": ","}))
@@ -198,14 +220,8 @@ def test_matlab_structure_and_matrix(tmp_path):
     scipy.io.savemat(path, {"run": {"y_mm": Y, "acc_g": A}, "fs": RATE, "operator": "N. N."})
     assert_expected(read(path))
     scipy.io.savemat(path, {"data": np.stack([T, Y, A], axis=1)})
-    mapping = {
-        "channels": {
-            "base_displacement": {"channel": "data[2]", "unit": "mm"},
-            "acceleration": {"channel": "data[3]", "unit": "g"},
-        },
-        "time": {"channel": "data[1]", "unit": "s"},
-    }
-    assert_expected(read(path, mapping))
+    time = {"channel": "data[1]", "unit": "s"}
+    assert_expected(read(path, two("data[2]", "data[3]", time=time)))
 
 
 @pytest.mark.parametrize("rate", [{"sample_rate": RATE}, {"dt": 1 / RATE}], ids=["rate", "step"])
@@ -226,16 +242,9 @@ def test_hdf5_attributes(tmp_path, rate, place):
 
 def test_hdf5_rows_and_columns(tmp_path):
     path = tmp_path / "run.h5"
-    mapping = {
-        "channels": {
-            "base_displacement": {"channel": "data[1]", "unit": "mm"},
-            "acceleration": {"channel": "data[2]", "unit": "g"},
-        },
-        "sample_rate_hz": RATE,
-    }
+    mapping = two("data[1]", "data[2]", sample_rate_hz=RATE)
     for table in (np.stack([Y, A]), np.stack([Y, A], axis=1)):
-        with h5py.File(path, "w") as file:
-            file["data"] = table
+        hdf5(path, data=table)
         assert_expected(read(path, mapping))
         joined = np.concatenate(list(values_in_blocks(path, mapping)))
         np.testing.assert_array_equal(joined, EXPECTED["acceleration"])
@@ -261,12 +270,9 @@ def test_universal_files_of_another_program(tmp_path, binary, even):
 
 def write_uff(path, sets):
     with warnings.catch_warnings():
-        warnings.simplefilter(
-            "ignore", ResourceWarning
-        )  # pyuff leaves closing to the garbage collector
-        pyuff.UFF(str(path)).write_sets(
-            sets, mode="add"
-        )  # "overwrite" loses the header of a binary set
+        # pyuff leaves closing to the garbage collector; "overwrite" loses the header of a binary set
+        warnings.simplefilter("ignore", ResourceWarning)
+        pyuff.UFF(str(path)).write_sets(sets, mode="add")
 
 
 def test_tdms_groups_and_segments(tmp_path):
@@ -295,13 +301,7 @@ def test_wav_in_parts_of_full_scale(tmp_path, dtype, full):
     parts = np.stack([Y, A], axis=1) / 4.0  # multiples of 1/32, which eight bits resolve
     samples = parts * full if full else (parts * 128 + 128 if dtype == "u1" else parts)
     wavfile.write(path, int(RATE), samples.astype(dtype))
-    mapping = {
-        "channels": {
-            "base_displacement": {"channel": 1, "unit": "mm", "scale": 4.0},
-            "acceleration": {"channel": "channel 2", "unit": "g", "scale": 4.0},
-        }
-    }
-    assert_expected(read(path, mapping))
+    assert_expected(read(path, two(1, "channel 2", scale=4.0)))
 
 
 def test_wav_of_24_bits(tmp_path):
@@ -313,12 +313,7 @@ def test_wav_of_24_bits(tmp_path):
     form += np.array([rate, rate * 6], "<u4").tobytes() + np.array([6, 24], "<u2").tobytes()
     body = b"WAVE" + form + b"data" + len(data).to_bytes(4, "little") + data
     path.write_bytes(b"RIFF" + len(body).to_bytes(4, "little") + body)
-    rules = {"base_displacement": ("mm", 1), "acceleration": ("g", 2)}
-    found = read(
-        path,
-        {"channels": {q: {"channel": i, "unit": u, "scale": 4.0} for q, (u, i) in rules.items()}},
-    )
-    assert_expected(found)
+    assert_expected(read(path, two(1, 2, scale=4.0)))
 
 
 def test_parquet_units_in_metadata(tmp_path):
@@ -378,15 +373,13 @@ def refused(path, match, mapping=None):
         ("time [s],base,acc\n" + "0,5,0,5,0,5\n1,5,1,5,2,5\n" * 3, r"header has 3 names, its rows have 6 cells"),
     ],
 )  # fmt: skip
-def test_bad_text(tmp_path, text, message):
-    path = tmp_path / "run.csv"
-    path.write_text(text)
+def test_bad_text(csv, text, message):
+    path = csv(text)
     refused(path, message)
 
 
-def test_channels_that_cannot_be_told_apart(tmp_path):
-    path = tmp_path / "run.csv"
-    path.write_text("CH0 [s],CH1 [mm],CH2 [g]\n" + rows())
+def test_channels_that_cannot_be_told_apart(csv):
+    path = csv("CH0 [s],CH1 [mm],CH2 [g]\n" + rows())
     message = refused(path, r"finds no excitation")
     assert "1 'CH0 [s]', 2 'CH1 [mm]', 3 'CH2 [g]'" in message
     assert f"Say which is which in {path}.yaml, for example" in message
@@ -430,8 +423,7 @@ def test_a_mapping_that_a_message_shows_is_complete_and_read(tmp_path, header, c
 
 def test_a_mapping_that_a_message_shows_for_a_matrix_is_read(tmp_path):
     path = tmp_path / "run.h5"
-    with h5py.File(path, "w") as file:
-        file["signals"] = np.column_stack([Y, A, Y + A])
+    hdf5(path, signals=np.column_stack([Y, A, Y + A]))
     message = refused(path, r"finds no excitation")
     measurement = read(path, told(message))
     for quantity, values in zip(
@@ -440,16 +432,14 @@ def test_a_mapping_that_a_message_shows_for_a_matrix_is_read(tmp_path):
         np.testing.assert_array_equal(measurement[quantity].values, values)
 
 
-def test_nothing_is_shown_where_no_mapping_would_do(tmp_path):
-    path = tmp_path / "run.csv"
-    path.write_text("time [s],base [mm]\n" + rows(columns=(T, Y)))
+def test_nothing_is_shown_where_no_mapping_would_do(csv):
+    path = csv("time [s],base [mm]\n" + rows(columns=(T, Y)))
     message = refused(path, r"finds no response; .* or name the file of each in .*run\.csv\.yaml$")
     assert "for example" not in message
 
 
-def test_channels_that_are_not_used_are_listed(tmp_path):
-    path = tmp_path / "run.csv"
-    path.write_text("time [s],base [mm],acc [g],CH 4 [V],t2 [s]\n" + rows(columns=(T, Y, A, Y, T)))
+def test_channels_that_are_not_used_are_listed(csv):
+    path = csv("time [s],base [mm],acc [g],CH 4 [V],t2 [s]\n" + rows(columns=(T, Y, A, Y, T)))
     with pytest.warns(
         RecordWarning, match=r"csv: channels not used: 'CH 4 \[V\]'; say in .*yaml what they hold"
     ):
@@ -468,37 +458,31 @@ def test_channels_that_are_not_used_are_listed(tmp_path):
         ({"velocity": {"channel": "acc"}}, r"'g' is a unit of acceleration, but velocity needs"),
     ],
 )  # fmt: skip
-def test_a_mapping_that_does_not_fit(tmp_path, rules, message):
-    path = tmp_path / "run.csv"
-    path.write_text(HEADER + rows())
+def test_a_mapping_that_does_not_fit(csv, rules, message):
+    path = csv(HEADER + rows())
     refused(path, message, {"channels": {"base_displacement": {"channel": 2}, **rules}})
 
 
-def test_a_name_that_stands_twice(tmp_path):
-    path = tmp_path / "run.csv"
-    path.write_text("time [s],CH [mm],CH [g]\n" + rows())
+def test_a_name_that_stands_twice(csv):
+    path = csv("time [s],CH [mm],CH [g]\n" + rows())
     rules = {"base_displacement": {"channel": "CH"}, "acceleration": {"channel": 3}}
     refused(path, r"has 2 channels 'CH', numbers 2 and 3; give one", {"channels": rules})
 
 
 def test_unequal_lengths(tmp_path):
     path = tmp_path / "run.h5"
-    with h5py.File(path, "w") as file:
-        file["time_s"], file["base_mm"], file["acc_g"] = T, Y, A[:-1]
+    hdf5(path, time_s=T, base_mm=Y, acc_g=A[:-1])
     refused(path, r"'acc' has 7 samples, its time 'time' has 8")
     with pytest.raises(RecordError, match=r"unequal lengths.*only as a whole"):
         list(values_in_blocks(path))
-    with h5py.File(path, "w") as file:
-        file["base_mm"], file["acc_g"], file["fs"] = Y, A[:-1], RATE
+    hdf5(path, base_mm=Y, acc_g=A[:-1], fs=RATE)
     refused(path, r"'base' has 8 samples, 'acc' has 7; channels that share their times")
 
 
 @pytest.mark.parametrize("rate", [0.0, -5.0, np.nan, "fast"])
 def test_a_rate_that_is_none(tmp_path, rate):
     path = tmp_path / "run.h5"
-    with h5py.File(path, "w") as file:
-        file["base_mm"], file["acc_g"] = Y, A
-        file.attrs["fs"] = rate
+    hdf5(path, {"fs": rate}, base_mm=Y, acc_g=A)
     refused(path, r"fs of channel .* is .*give sample_rate_hz")
 
 
@@ -529,13 +513,13 @@ def test_what_is_no_file(tmp_path):
 
 
 SAMPLES = {
-    ".csv": (None, "delimited text"),
-    ".parquet": (None, "Parquet"),
-    ".mat": (None, "MATLAB 5"),
-    ".h5": (None, "HDF5"),
-    ".uff": (None, "a universal file"),
-    ".tdms": (None, "TDMS"),
-    ".wav": (None, "WAV"),
+    ".csv": "delimited text",
+    ".parquet": "Parquet",
+    ".mat": "MATLAB 5",
+    ".h5": "HDF5",
+    ".uff": "a universal file",
+    ".tdms": "TDMS",
+    ".wav": "WAV",
 }
 
 
@@ -550,11 +534,11 @@ def sample(path, kind=None, n=200):
 
 @pytest.mark.parametrize("suffix", SAMPLES)
 def test_a_file_that_is_not_what_its_name_says(tmp_path, suffix):
-    for other, (kind, title) in SAMPLES.items():
+    for other, title in SAMPLES.items():
         if other == suffix:
             continue
         wrong = tmp_path / f"run{suffix}"
-        shutil.copy(sample(tmp_path / f"original{other}", kind), wrong)
+        shutil.copy(sample(tmp_path / f"original{other}"), wrong)
         message = rf"is not .*, as its name says, but {title}; rename it to run{re.escape(other)}$"
         if (suffix, other) == (".mat", ".h5"):  # MATLAB 7.3 is HDF5: read as such
             assert len(read(wrong)["force"]) == 200
@@ -572,7 +556,7 @@ def test_bytes_of_no_format(tmp_path, suffix):
 
 
 CUT_SHORT = r"cut short|damaged|incomplete|no format known"
-CUT = [(s, k) for s, (k, _) in SAMPLES.items() if s != ".csv"] + [(".mat", "matlab73")]
+CUT = [(suffix, None) for suffix in SAMPLES if suffix != ".csv"] + [(".mat", "matlab73")]
 
 
 @pytest.mark.parametrize(("suffix", "kind"), CUT, ids=[k or s for s, k in CUT])
@@ -599,18 +583,18 @@ def test_a_truncated_text(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("suffix", "kind", "package"),
+    ("suffix", "package"),
     [
-        (".parquet", None, "pyarrow"),
-        (".mat", None, "pymatreader"),
-        (".h5", None, "h5py"),
-        (".uff", None, "pyuff"),
-        (".tdms", None, "nptdms"),
-        (".wav", None, "yaml"),  # its mapping
+        (".parquet", "pyarrow"),
+        (".mat", "pymatreader"),
+        (".h5", "h5py"),
+        (".uff", "pyuff"),
+        (".tdms", "nptdms"),
+        (".wav", "yaml"),  # its mapping
     ],
 )
-def test_a_missing_library_names_the_extra(tmp_path, monkeypatch, suffix, kind, package):
-    path = sample(tmp_path / f"run{suffix}", kind)
+def test_a_missing_library_names_the_extra(tmp_path, monkeypatch, suffix, package):
+    path = sample(tmp_path / f"run{suffix}")
     present = importlib.import_module
 
     def absent(name, *rest):
@@ -636,18 +620,16 @@ def test_a_missing_library_names_the_extra(tmp_path, monkeypatch, suffix, kind, 
         (("0.003,", "0.002,"), r"does not increase: 0\.002 s, then 0\.002 s \(line 5\)"),
     ],
 )
-def test_a_bad_sample_is_found_in_its_block(tmp_path, change, message):
-    path = tmp_path / "run.csv"
-    path.write_text(HEADER + rows().replace(*change))
+def test_a_bad_sample_is_found_in_its_block(csv, change, message):
+    path = csv(HEADER + rows().replace(*change))
     blocks = values_in_blocks(path, quantity="base_displacement")
     next(blocks)  # the first three rows are good
     with pytest.raises(RecordError, match=message):
         list(blocks)
 
 
-def test_a_channel_constant_in_one_block_only_is_good(tmp_path):
-    path = tmp_path / "run.csv"
-    path.write_text(HEADER + rows(columns=(T, Y, [1, 1, 1, 1, 1, 1, 2, 1])))
+def test_a_channel_constant_in_one_block_only_is_good(csv):
+    path = csv(HEADER + rows(columns=(T, Y, [1, 1, 1, 1, 1, 1, 2, 1])))
     assert sum(map(len, values_in_blocks(path))) == N
     path.write_text(HEADER + rows(columns=(T, Y, [1] * N)))
     with pytest.raises(RecordError, match="'acc' is constant, 1 in all 8 samples"):
@@ -657,9 +639,7 @@ def test_a_channel_constant_in_one_block_only_is_good(tmp_path):
 def test_channels_of_unequal_lengths_are_read_one_by_one(tmp_path):
     path = tmp_path / "run.h5"
     slow = np.arange(5) / 500.0
-    with h5py.File(path, "w") as file:
-        file["base_time_s"], file["base_mm"] = T, Y
-        file["acc_time_s"], file["acc_g"] = slow, A[:5]
+    hdf5(path, base_time_s=T, base_mm=Y, acc_time_s=slow, acc_g=A[:5])
     for _ in range(2):  # from the beginning each time
         for quantity, t, values in (
             ("base_displacement", T, Y * 1e-3),
@@ -683,9 +663,8 @@ def test_padding_of_a_table_does_not_reach_the_blocks(tmp_path):
         np.testing.assert_array_equal(np.concatenate([b[1] for b in blocks]), velocity.values)
 
 
-def test_empty_rows_at_the_end_of_a_table(tmp_path):
-    path = tmp_path / "run.csv"
-    path.write_text(HEADER + rows() + ",,\n" * 7)  # spreadsheets leave such
+def test_empty_rows_at_the_end_of_a_table(csv):
+    path = csv(HEADER + rows() + ",,\n" * 7)  # spreadsheets leave such
     assert_expected(read(path))
     assert sum(map(len, values_in_blocks(path))) == N
     path.write_text(HEADER + rows() + ",,\n" * 7 + "0.015,1.0,1.0\n")
@@ -728,8 +707,7 @@ def test_a_record_without_a_drive_is_a_free_decay(tmp_path):
     assert not found.driven
 
 
-def test_what_may_drive_a_record_must_be_named_or_left_out(tmp_path):
-    path = tmp_path / "run.csv"
-    path.write_text("t (s),x (mm),CH2 (V)\n0,1,0\n1,2,1\n2,-1,0\n3,0,1\n", encoding="utf-8")
+def test_what_may_drive_a_record_must_be_named_or_left_out(csv):
+    path = csv("t (s),x (mm),CH2 (V)\n0,1,0\n1,2,1\n2,-1,0\n3,0,1\n")
     refused(path, r"finds no excitation; it needs one of .*, unless it is a free decay")
     assert list(read(path, {"channels": {"displacement": {"channel": "x"}}})) == ["displacement"]

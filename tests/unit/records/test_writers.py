@@ -35,14 +35,8 @@ def measurement(rate=5000.0, n=300, start=0.0, seed=7):
     random = np.random.default_rng(seed)
     t = start + np.arange(n) / rate
     values = random.standard_normal((3, n)) * 10.0 ** random.integers(-9, 3, (3, n))
-    return Measurement.of(
-        "made up",
-        [
-            Channel("base_displacement", t, values[0]),
-            Channel("displacement", t, values[1]),
-            Channel("acceleration", t, values[2]),
-        ],
-    )
+    quantities = ("base_displacement", "displacement", "acceleration")
+    return Measurement.of("made up", list(map(Channel, quantities, [t] * 3, values)))
 
 
 def assert_same(found, expected):
@@ -63,30 +57,22 @@ def test_round_trip(tmp_path, suffix, kind, rate):
     assert found.source == str(tmp_path / f"run{suffix}")
 
 
+FAST, SLOW = measurement(5000.0, 300), measurement(1000.0, 61, seed=8)
+TIMES = {
+    # a rate and a start that no header with six digits holds: the times themselves are stored
+    r"whole number of samples per second": measurement(rate=1234.567, start=0.1234567890123),
+    "one time base": Measurement.of("made up", [FAST["base_displacement"], SLOW["acceleration"]]),
+}
+
+
 @every_format
-def test_a_time_axis_that_is_no_simple_grid(tmp_path, suffix, kind):
-    # A rate and a start that no header with six digits holds: the times themselves are stored.
-    record = measurement(rate=1234.567, start=0.1234567890123)
-    path = tmp_path / f"run{suffix}"
+@pytest.mark.parametrize("message", TIMES, ids=["no simple grid", "times of its own for each"])
+def test_times_that_a_wav_alone_cannot_hold(tmp_path, suffix, kind, message):
+    path, record = tmp_path / f"run{suffix}", TIMES[message]
     if suffix == ".wav":
-        with pytest.raises(
-            RecordError, match=r"whole number of samples per second.*another format"
-        ):
+        with pytest.raises(RecordError, match=message):
             write(path, record, kind)
         assert not list(tmp_path.iterdir())
-    else:
-        write(path, record, kind)
-        assert_same(read(path), record)
-
-
-@every_format
-def test_own_times_for_each_channel(tmp_path, suffix, kind):
-    fast, slow = measurement(5000.0, 300), measurement(1000.0, 61, seed=8)
-    record = Measurement.of("made up", [fast["base_displacement"], slow["acceleration"]])
-    path = tmp_path / f"run{suffix}"
-    if suffix == ".wav":
-        with pytest.raises(RecordError, match="one time base"):
-            write(path, record, kind)
     else:
         write(path, record, kind)
         assert_same(read(path), record)

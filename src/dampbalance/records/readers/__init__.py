@@ -23,7 +23,7 @@ from .assemble import in_blocks, stated_size, wanted_of, whole
 from .formats import FORMATS, checked_format
 from .hdf5 import hdf5_file
 from .matlab import matlab_file
-from .named_arrays import ParquetFile
+from .parquet import ParquetFile
 from .plan import Pick, picks_of
 from .record_file import RawChannel, RecordFile, require_nameable
 from .signals import signals_file
@@ -56,10 +56,9 @@ def read(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) 
     largest = arguments.whole("largest", largest)
     channels: list[Channel] = []
     for file, picks in _files(path, rules, largest):
-        left = largest - sum(map(len, channels))
-        stated_size(file, picks, left)
-        channels += whole(file, picks, left)
-    return _measurement(str(path), channels)
+        channels += whole(file, picks, largest - sum(map(len, channels)))
+    order = list(QUANTITIES)
+    return Measurement.of(str(path), sorted(channels, key=lambda one: order.index(one.quantity)))
 
 
 def read_signals(
@@ -72,14 +71,7 @@ def read_signals(
     Raises RecordError and warns as `read`.
     """
     file = signals_file(name, signals)
-    picks = picks_of(file, rules)
-    stated_size(file, picks, largest)
-    return _measurement(name, whole(file, picks, largest))
-
-
-def _measurement(source: str, channels: Sequence[Channel]) -> Measurement:
-    order = list(QUANTITIES)
-    return Measurement.of(source, sorted(channels, key=lambda one: order.index(one.quantity)))
+    return Measurement.of(name, whole(file, picks_of(file, rules), largest))
 
 
 def stated_numbers(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) -> int:
@@ -133,7 +125,6 @@ def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel,
 
 
 def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]:
-    """The path of a record, and its mapping."""
     file = arguments.path("path", path, "the path of a record")
     return file, mapping_for(file, mapping)
 
@@ -144,16 +135,15 @@ def _files(
     """Each file of a record, open, with what to read from it; without those of some kinds of content."""
     parts = parts_of(path, rules)
     for part, of in parts.items():
-        if skipped and checked_format(part) in skipped:
-            continue
-        with closing(_open(part, of, largest)) as file:
-            yield file, picks_of(file, of, entire=len(parts) == 1)
+        if not skipped or checked_format(part) not in skipped:
+            with closing(_open(part, of, largest)) as file:
+                yield file, picks_of(file, of, entire=len(parts) == 1)
 
 
 def _open(path: Path, rules: RecordMapping, largest: int) -> RecordFile:
     content = checked_format(path)
     if content == "text":
-        file: RecordFile = TextFile(path, rules, single=rules.sample_rate_hz is not None)
+        file: RecordFile = TextFile(path, rules)
     else:
         file = _OPENERS[content](path, largest)
     try:

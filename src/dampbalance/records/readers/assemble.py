@@ -10,59 +10,52 @@ import numpy as np
 
 from ...arrays import Array
 from ...record import GRID_TOLERANCE
+from .. import limits
 from ..errors import RecordError
-from ..limits import (
-    FINEST,
-    HIGHEST_RATE,
-    LARGEST,
-    LARGEST_VALUE,
-    LATEST,
-    LOWEST_RATE,
-    SMALLEST_RANGE,
-    require_size,
-)
 from ..measurement import QUANTITIES, Channel
 from .plan import Pick
-from .record_file import RecordFile, times
-from .rounded import in_equal_steps
+from .record_file import RecordFile
+from .times import in_equal_steps, times
 
 _GAP = 1.5  # steps
 _BITS = (8, 16, 24, 32, 64)  # of the integers that converters and files have
-_WRAPPED = (
-    0.9  # of their range: no oscillation passes through so much of it from one sample to the next
-)
+# of their range: no oscillation passes through so much of it from one sample to the next
+_WRAPPED = 0.9
 
 
-def stated_size(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST) -> int:
+def stated_size(file: RecordFile, picks: Sequence[Pick], largest: int) -> int:
     """How many numbers the picked channels are, as far as the file tells before it is read.
 
     Raises RecordError when they are more than `largest`.
     """
     numbers = sum(file.channels[i].size or 0 for i in wanted_of(picks))
-    require_size(file.path, numbers, largest)
+    limits.require_size(file.path, numbers, largest)
     return numbers
 
 
-def whole(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST) -> list[Channel]:
+def whole(file: RecordFile, picks: Sequence[Pick], largest: int) -> list[Channel]:
     """All samples of the picked channels, `largest` numbers at most, which not every file tells beforehand.
 
     Raises RecordError naming channel and line or sample: a value that is missing, not finite or beyond all bounds,
     times that do not increase, have a gap or unequal steps, a constant channel, an integer that ran over, channels of
     unequal lengths.
     """
+    stated_size(file, picks, largest)
     wanted = wanted_of(picks)
-    arrays = next(file.blocks(wanted, None), [np.empty(0)] * len(wanted))
-    require_size(file.path, sum(len(array) for array in arrays), largest)
+    blocks = list(file.blocks(wanted, max(file.channels[i].size or limits.LARGEST for i in wanted)))
+    arrays = [*map(_joined, zip(*blocks, strict=True))] or [np.empty(0)] * len(wanted)
+    limits.require_size(file.path, sum(len(array) for array in arrays), largest)
     columns = dict(zip(wanted, arrays, strict=True))
     first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
     channels = []
     for pick in picks:
         samples = _without_padding(file, pick, columns)
         first = first_of.setdefault((pick.time, pick.rate_hz, pick.start), pick)
-        if columns[first.index].size != columns[pick.index].size:
+        sizes = [columns[one.index].size for one in (first, pick)]
+        if len({*sizes}) > 1:
             raise RecordError(
-                f"{file.path}: channel {first.name!r} has {columns[first.index].size} samples, {pick.name!r} has "
-                f"{columns[pick.index].size}; channels that share their times have equal lengths"
+                f"{file.path}: channel {first.name!r} has {sizes[0]} samples, {pick.name!r} has {sizes[1]}; channels "
+                "that share their times have equal lengths"
             )
         stretch = Stretch(file, pick, entire=True)
         channels.append(stretch.channel(samples))
@@ -70,7 +63,7 @@ def whole(file: RecordFile, picks: Sequence[Pick], largest: int = LARGEST) -> li
     return channels
 
 
-def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int = LARGEST) -> Iterator[Channel]:
+def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int) -> Iterator[Channel]:
     """One channel, `size` samples at a time; the last block may be shorter, but has at least 2.
 
     Raises RecordError as `whole`, when the block that is wrong comes up, a constant channel after the last; and when
@@ -92,7 +85,7 @@ def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int = LARGEST) -
             continue
         if waiting:
             yield stretch.channel(dict(zip(wanted, waiting, strict=True)))
-            require_size(file.path, stretch.count * len(wanted), largest)
+            limits.require_size(file.path, stretch.count * len(wanted), largest)
         waiting = block
     yield stretch.channel(dict(zip(wanted, waiting or [np.empty(0)] * len(wanted), strict=True)))
     stretch.finish()
@@ -116,23 +109,23 @@ class Stretch:
 
     def channel(self, columns: Mapping[int, Array]) -> Channel:
         """The next block of the channel, checked on its own and against what came before."""
-        pick = self.pick
-        values = columns[pick.index]
+        pick, values = self.pick, columns[self.pick.index]
         if self.count + values.size < 3:
             raise RecordError(
                 f"{self.file.path}: channel {pick.name!r} has {self.count + values.size} samples; that is no record"
             )
         signal = self._in_si(
-            pick.index, values, pick.factor, LARGEST_VALUE, QUANTITIES[pick.quantity]
+            pick.index, values, pick.factor, limits.LARGEST_VALUE, QUANTITIES[pick.quantity]
         )
         self._require_no_overflow(values)
         if pick.time is None:
             t = times(pick.rate_hz, pick.start, self.count, values.size)
         else:
-            t = self._in_si(pick.time, columns[pick.time], pick.time_factor, LATEST, "s")
+            where = f"{self.file.path}: time channel {self.file.channels[pick.time].name!r}"
+            t = self._in_si(pick.time, columns[pick.time], pick.time_factor, limits.LATEST, "s")
             if self.entire:
-                t = in_equal_steps(t, self._time_channel(pick.time))
-            self._require_uniform(pick.time, t)
+                t = in_equal_steps(t, where)
+            self._require_uniform(pick.time, t, where)
         self.count += values.size
         self.last = float(t[-1])
         self.low = min(self.low, float(values.min()))
@@ -145,51 +138,44 @@ class Stretch:
     def finish(self) -> None:
         """Check what only the whole channel shows: that it is not constant, nor as good as that."""
         channel = f"{self.file.path}: channel {self.pick.name!r}"
-        swing = (self.high - self.low) * abs(self.pick.factor)
-        if self.low == self.high:
-            raise RecordError(
-                f"{channel} is constant, {self.low:g} in all {self.count} samples; check transducer and mapping"
-            )
-        if swing < SMALLEST_RANGE:
+        span, constant = self.high - self.low, f"{self.low:g} in all {self.count} samples"
+        if not span:
+            raise RecordError(f"{channel} is constant, {constant}; check transducer and mapping")
+        if (swing := span * abs(self.pick.factor)) < limits.SMALLEST_RANGE:
             raise RecordError(
                 f"{channel} moves by {swing:.3g} {QUANTITIES[self.pick.quantity]} in all, too little to mean anything; "
                 "check its unit and scale"
             )
-        if self.high - self.low < FINEST * max(abs(self.low), abs(self.high)):
+        if span < limits.FINEST * max(abs(self.low), abs(self.high)):
             raise RecordError(
-                f"{channel} is constant except for rounding, {self.low:g} in all {self.count} samples; check "
-                "transducer and mapping, or take off its offset"
+                f"{channel} is constant except for rounding, {constant}; check transducer and mapping, or take off its"
+                " offset"
             )
 
     def _in_si(self, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
         """The values in SI, finite and within the bound either way."""
         with np.errstate(over="ignore"):
-            signal: Array = values * factor
+            signal = values * factor
         bad = np.flatnonzero(~(np.abs(signal) <= bound))
         if not bad.size:
             return signal
-        i, file = int(bad[0]), self.file
-        remedy = "cut the record before it, or repair it"
-        if np.isnan(values[i]):
-            what = "empty or not a number (NaN)"
-        elif np.isinf(values[i]):
-            what = "infinite"
-        else:
-            what = f"{values[i]:.6g}, beyond {bound:g} {unit}"
-            remedy = "check its unit and scale, or repair it"
+        i, file, remedy = int(bad[0]), self.file, "cut the record before it"
+        what = "empty or not a number (NaN)" if np.isnan(values[i]) else "infinite"
+        if np.isfinite(values[i]):
+            what, remedy = f"{values[i]:.6g}, beyond {bound:g} {unit}", "check its unit and scale"
         more = f", and so are {bad.size - 1} more" if bad.size > 1 else ""
         raise RecordError(
             f"{file.path}: {file.place(index, self.count + i)}: channel {file.channels[index].name!r} is {what}{more}; "
-            f"{remedy}"
+            f"{remedy}, or repair it"
         )
 
     def _require_no_overflow(self, values: Array) -> None:
         """No jump through nearly the whole range of an integer type, from its one end to the other."""
-        span, jumps = float(np.ptp(values)), np.abs(np.diff(values))
-        if not jumps.size:
+        if values.size < 2:
             return
+        jumps = np.abs(np.diff(values))
         i = int(np.argmax(jumps))
-        bits = next((bits for bits in _BITS if span < 2.0**bits), 0)
+        bits = next((bits for bits in _BITS if np.ptp(values) < 2.0**bits), 0)
         if not bits or jumps[i] <= _WRAPPED * 2.0**bits or np.any(values != np.round(values)):
             return
         raise RecordError(
@@ -198,11 +184,7 @@ class Stretch:
             "with a wider range"
         )
 
-    def _time_channel(self, index: int) -> str:
-        return f"{self.file.path}: time channel {self.file.channels[index].name!r}"
-
-    def _require_uniform(self, index: int, t: Array) -> None:
-        where = self._time_channel(index)
+    def _require_uniform(self, index: int, t: Array, where: str) -> None:
         line = t if self.last is None else np.concatenate([[self.last], t])
 
         def place(i: int) -> str:
@@ -211,7 +193,7 @@ class Stretch:
         steps = np.diff(line)
         if self.step is None:
             self.step = float(np.median(steps))
-        if self.step > 0.0 and not LOWEST_RATE <= 1.0 / self.step <= HIGHEST_RATE:
+        if self.step > 0.0 and not limits.LOWEST_RATE <= 1.0 / self.step <= limits.HIGHEST_RATE:
             raise RecordError(
                 f"{where} has steps of {self.step:g} s, which no recorder has; check its unit, or give sample_rate_hz"
             )
@@ -244,7 +226,7 @@ def wanted_of(picks: Sequence[Pick]) -> list[int]:
 def _without_padding(
     file: RecordFile, pick: Pick, columns: Mapping[int, Array]
 ) -> Mapping[int, Array]:
-    """The columns of a channel without the empty cells at its end that a shorter time base leaves in a table."""
+    """The columns of a channel without the empty cells that a shorter time base leaves at its end in a table."""
     if pick.time is None:
         return columns
     values, time = columns[pick.index], columns[pick.time]
@@ -268,6 +250,11 @@ def _without_empty_end(blocks: Iterator[list[Array]]) -> Iterator[list[Array]]:
             empty = 0
             yield [column[:end] for column in block]
         empty += block[0].size - end
+
+
+def _joined(parts: Sequence[Array]) -> Array:
+    """The parts of a column as one array, which is not copied where it is one already."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _end(columns: Sequence[Array]) -> int:

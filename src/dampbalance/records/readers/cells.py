@@ -1,7 +1,7 @@
 """Run as a script by `tables.py`: sends the cells of a spreadsheet from a process whose memory and time are limited.
 
-The library allocates a sheet from its first cell to its last before it tells how large that is, and a file of 2 kB can
-ask for more than a machine has. It imports nothing of the package, and so starts at once.
+The library allocates a sheet from its first cell to its last before it says how large that is: a file of 2 kB can ask
+for more than a machine has. The script imports nothing of the package, and so starts at once.
 
 Usage: cells.py FILE BYTES SECONDS. To the standard output go pickled pairs: ("sheet", (rows, columns)) for each sheet,
 each followed by its cells, ("rows", lists of cells), some rows at a time; ("error", why) where a file is damaged.
@@ -23,13 +23,9 @@ def limit(memory: int, seconds: int) -> None:
     with suppress(ImportError):  # Windows
         import resource
 
-        for kind, most in (
-            (resource.RLIMIT_CORE, 0),
-            (resource.RLIMIT_CPU, seconds),
-            (resource.RLIMIT_AS, memory),
-        ):
+        for name, most in {"CORE": 0, "CPU": seconds, "AS": memory}.items():
             with suppress(ValueError, OSError):  # macOS knows no limit of addresses
-                resource.setrlimit(kind, (most, most))
+                resource.setrlimit(getattr(resource, f"RLIMIT_{name}"), (most, most))
 
 
 def send(kind: str, content: object) -> None:

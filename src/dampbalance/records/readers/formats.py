@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import stat
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from ...project.wording import shortened, visible
 from ..errors import RecordError
@@ -20,10 +19,10 @@ _BEGINNINGS: dict[str, bytes | tuple[bytes, ...]] = {
 }
 _BYTE_ORDER_MARKS = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")
 _HEAD = 4096  # bytes that tell: a user block of a few kB may precede HDF5
+_SHEETS = (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")
 
 
-@dataclass(frozen=True, slots=True)
-class Format:
+class Format(NamedTuple):
     """A format: what people call it, its suffixes, and the kinds of content that it may have."""
 
     title: str
@@ -40,17 +39,12 @@ FORMATS = {
     "tdms": Format("TDMS", (".tdms",), ("tdms",)),
     "wav": Format("WAV", (".wav", ".wave"), ("wav",)),
     "lvm": Format("a text file of LabVIEW", (".lvm",), ("lvm",)),
-    "spreadsheet": Format(
-        "a spreadsheet", (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods"), ("spreadsheet",)
-    ),
+    "spreadsheet": Format("a spreadsheet", _SHEETS, ("spreadsheet",)),
 }
-"""The formats read, and written but for the last two, by short name."""
+"""The formats read, and all but the last two written, by short name."""
 
-_TITLES = {name: kind.title for name, kind in FORMATS.items()} | {
-    "matlab": "MATLAB 5",
-    "matlab73": "MATLAB 7.3",
-}
-"""What each kind of content is called."""
+_TITLES = {name: kind.title for name, kind in FORMATS.items()}
+_TITLES |= {"matlab": "MATLAB 5", "matlab73": "MATLAB 7.3"}
 
 
 def format_by_suffix(path: Path) -> str:
@@ -63,7 +57,7 @@ def format_by_suffix(path: Path) -> str:
 
 
 def content_of(path: Path) -> str | None:
-    """What the first bytes of a file say it is: a key of _TITLES, or None for another format."""
+    """What the first bytes of a file say it is, matlab73 or a key of FORMATS; None for another format."""
     with open(path, "rb") as stream:
         head = stream.read(_HEAD)
     for content, beginnings in _BEGINNINGS.items():
@@ -88,16 +82,16 @@ def require_showable(path: Path) -> None:
 
 
 def checked_format(path: Path) -> str:
-    """The kind of content of a regular file that is there, not empty, and what its name says: a key of _TITLES.
+    """The content (`content_of`) of a regular file that is there, not empty, and what its name says it is.
 
     Raises RecordError otherwise.
     """
     require_showable(path)
     try:
-        found = path.stat()
-        if stat.S_ISDIR(found.st_mode):
+        if path.is_dir():
             raise RecordError(f"{path}: is a folder; give the files in it")
-        if not stat.S_ISREG(found.st_mode):
+        size = path.stat().st_size
+        if not path.is_file():
             raise RecordError(f"{path}: is a pipe or a device, not a file")
         kind = FORMATS[format_by_suffix(path)]
         content = content_of(path)
@@ -106,7 +100,7 @@ def checked_format(path: Path) -> str:
     except OSError as error:
         name = shortened(str(path), 200)[1:-1]
         raise RecordError(f"{name}: cannot be opened: {error.strerror}") from None
-    if found.st_size == 0:
+    if size == 0:
         raise RecordError(f"{path}: is empty")
     if content is None:
         raise RecordError(

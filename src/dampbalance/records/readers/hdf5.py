@@ -9,8 +9,7 @@ from typing import Any
 
 from ...project.wording import shortened
 from ..errors import RecordError, library
-from .named_arrays import signals_in
-from .record_file import TIMING_NAMES, UNIT_NAMES, RecordFile, intact, unit_among
+from .record_file import TIMING_NAMES, UNIT_NAMES, RecordFile, intact, signals_in, unit_among
 
 _MOST_LINKS = 20_000
 _DEEPEST = 64  # groups inside each other
@@ -36,10 +35,8 @@ def hdf5_file(path: Path, largest: int) -> RecordFile:
             for name, d, _ in datasets
             if d.size == 1 and (last := name.rpartition("/")[2]).lower() in TIMING_NAMES
         }
-        arrays = []
-        for name, data, inherited in datasets:
-            own = _attributes(data)
-            arrays.append((name, data, scalars | inherited | own, unit_among(own)))
+        owned = [(name, data, above, _attributes(data)) for name, data, above in datasets]
+        arrays = [(n, d, scalars | above | own, unit_among(own)) for n, d, above, own in owned]
         return signals_in(path, "HDF5", arrays, file.close)
 
 
@@ -70,12 +67,12 @@ class _Contents:
                 )
             if name.startswith("#"):  # MATLAB's own: #refs#, #subsystem#
                 continue
-            item = self.item(group, name, f"{prefix}{name}")
+            item, where = self.item(group, name, f"{prefix}{name}"), f"{prefix}{name}"
             if isinstance(item, self.h5py.Group):
-                yield from self.datasets(item, f"{prefix}{name}/", here, depth + 1)
+                yield from self.datasets(item, f"{where}/", here, depth + 1)
             elif isinstance(item, self.h5py.Dataset) and self.holds_numbers(item):
-                self.require_own(item, f"{prefix}{name}")
-                yield f"{prefix}{name}", item, here
+                self.require_own(item, f"{self.path}: {shortened(where)}")
+                yield where, item, here
 
     def item(self, group: Any, name: str, where: str) -> Any:
         """What a link leads to; None for a soft link that leads to no data set by hard links alone."""
@@ -89,9 +86,9 @@ class _Contents:
             )
         target = self.file if link.path.startswith("/") else group
         for part in filter(None, link.path.split("/")[:_DEEPEST]):
-            if not isinstance(target, self.h5py.Group):
-                return None
-            if not isinstance(target.get(part, None, getlink=True), self.h5py.HardLink):
+            if not isinstance(target, self.h5py.Group) or not isinstance(
+                target.get(part, None, getlink=True), self.h5py.HardLink
+            ):
                 return None
             target = target[part]
         return target if isinstance(target, self.h5py.Dataset) else None
@@ -105,16 +102,15 @@ class _Contents:
             and data.attrs.get("MATLAB_class") not in _NO_NUMBERS
         )
 
-    def require_own(self, data: Any, where: str) -> None:
+    @staticmethod
+    def require_own(data: Any, what: str) -> None:
         """RecordError for an array that lies in other files, or in pieces too large to unpack."""
-        what = f"{self.path}: {shortened(where)}"
-        if data.is_virtual or data.external:
-            kind = (
-                "is put together from other data sets"
-                if data.is_virtual
-                else "lies in another file"
+        if data.is_virtual:
+            raise RecordError(
+                f"{what} is put together from other data sets; copy its values into the record"
             )
-            raise RecordError(f"{what} {kind}; copy its values into the record")
+        if data.external:
+            raise RecordError(f"{what} lies in another file; copy its values into the record")
         if data.chunks and math.prod(data.chunks) * data.dtype.itemsize > _LARGEST_CHUNK:
             raise RecordError(
                 f"{what} is stored in chunks of {math.prod(data.chunks):,} numbers, too large to unpack; store it in "

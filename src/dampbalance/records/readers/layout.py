@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 import io
 import itertools
@@ -15,13 +16,11 @@ from ..errors import RecordError
 from ..mapping import RecordMapping
 from ..units import find_unit, split_label
 from .record_file import RawChannel
-from .stamps import is_date, is_stamp
+from .times import is_date, is_stamp
 
 WHITESPACE = "whitespace"
-
+# characters: room for all channels that a record may have, and no more than the module csv takes
 LONGEST_LINE = 131_072
-"""Characters of a line: room for all channels that a record may have, and no more than the module csv takes."""
-
 _SAMPLE_LINES = 400  # enough for any header and some rows
 _SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
@@ -35,8 +34,8 @@ _NUMBER = {
     for mark in ".,"
 }
 
-# Tried in this order: what fits as many rows as another and comes first wins. "1,5;2,5" is two numbers and "1,5" in one
-# column would be none, so a semicolon or tab comes before the comma, and a comma before blanks.
+# Tried in this order; of two that fit as many rows the first wins. In "1,5;2,5" the semicolon must, so it comes before
+# the comma.
 _DELIMITERS = ("\t", ";", "|", ",", WHITESPACE)
 
 
@@ -44,9 +43,8 @@ _DELIMITERS = ("\t", ";", "|", ",", WHITESPACE)
 class Layout:
     """How to read a text file.
 
-    header_lines : lines before the first row.   comment : character that opens a comment.   columns : left to right.
-    ends_in_line_end : whether the last line does; otherwise it may have been cut.
-    rows_stated : about how many rows the file has, from its size and the length of its first lines.
+    header_lines : lines before the first row.   comment : character that opens a comment.   ends_in_line_end : whether
+    the last line does; otherwise it may have been cut.   rows_stated : about, from the size and the first lines.
     """
 
     encoding: str
@@ -70,25 +68,21 @@ class Layout:
         return bool(_NUMBER[self.decimal].fullmatch(cell)) or cell.lower() in _MISSING
 
 
-def layout_of(path: Path, mapping: RecordMapping, single: bool = False) -> Layout:
+def layout_of(path: Path, mapping: RecordMapping) -> Layout:
     """The layout of a text file, from its first lines and from what the mapping says about it.
-
-    single : whether one column is enough, without times.
 
     Raises RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows.
     """
     encoding = _encoding(path)
-    lines, characters = [], 0
+    lines: list[str] = []
     for line in itertools.islice(lines_of(path, encoding), _SAMPLE_LINES):
         lines.append(line)
-        characters += len(line)
-        if characters > _SAMPLE_CHARACTERS:
+        if sum(map(len, lines)) > _SAMPLE_CHARACTERS:
             break
-    first_marks = "".join(line.lstrip()[:1] for line in lines)
-    comment = next((mark for mark in first_marks if mark in _COMMENTS), "#")
+    comment = next((line.lstrip()[0] for line in lines if line.lstrip()[:1] in [*_COMMENTS]), "#")
     fits = [
         (fit, delimiter, decimal)
-        for least in (2, 1)[: 1 + single]
+        for least in ([2] if mapping.sample_rate_hz is None else [2, 1])  # times may be missing
         for delimiter in ([mapping.delimiter] if mapping.delimiter else _DELIMITERS)
         for decimal in (mapping.decimal or ".,")
         if decimal != delimiter
@@ -97,19 +91,15 @@ def layout_of(path: Path, mapping: RecordMapping, single: bool = False) -> Layou
     if not fits:
         raise RecordError(_no_rows(path, lines, comment, mapping))
     (_, header, width), delimiter, decimal = max(fits, key=lambda fit: (fit[0][2] > 1, fit[0][0]))
-    columns = columns_of(path, lines[:header], delimiter, comment, width)
+    columns = columns_of(path, _header_table(lines[:header], delimiter, width), width)
     first = next(filter(None, (cells_of(line, delimiter, comment) for line in lines[header:])), [])
-    columns = tuple(
-        replace(raw, unit="s", stamps=True)
-        if is_stamp(cell) or (is_date(cell) and ":" in cell)
-        else raw
-        for raw, cell in itertools.zip_longest(columns, first[:width], fillvalue="")
-        if isinstance(raw, RawChannel)
-    )
+    for i, cell in enumerate(first[:width]):
+        if is_stamp(cell) or (is_date(cell) and ":" in cell):
+            columns[i] = replace(columns[i], unit="s", stamps=True)
     length = sum(map(len, lines[header:])) / max(1, len(lines) - header)
     rows = round(path.stat().st_size / max(1.0, length))
     ended = _ends_in_line_end(path)
-    return Layout(encoding, delimiter, decimal, comment, header, columns, ended, rows)
+    return Layout(encoding, delimiter, decimal, comment, header, tuple(columns), ended, rows)
 
 
 def lines_of(path: Path, encoding: str) -> Iterator[str]:
@@ -138,17 +128,11 @@ def _split(line: str, delimiter: str) -> list[str]:
 
 
 def _first_row(
-    lines: Sequence[str],
-    delimiter: str,
-    decimal: str,
-    comment: str,
-    header: int | None,
-    least: int,
+    lines: Sequence[str], delimiter: str, decimal: str, comment: str, header: int | None, least: int
 ) -> tuple[int, int, int] | None:
-    """How many rows fit these marks, the line (counted from 0) of the first one, and its number of cells.
+    """How many rows fit these marks, the line (counted from 0) of the first one, and its number of cells, or None.
 
-    None where no line does. A row has at least so many cells, a number in one and a number, a time or nothing in the
-    others; empty ones at its end do not count.
+    A row has at least so many cells, a number in one and a number, a time or nothing in the others.
     """
     number = _NUMBER[decimal]
 
@@ -174,35 +158,36 @@ def _first_row(
     return (counts[usual], start, width) if width >= least else None
 
 
-def columns_of(
-    path: Path, header: Sequence[str], delimiter: str, comment: str, width: int
-) -> tuple[RawChannel, ...]:
-    """Names and units from the last lines of the header that have as many cells as the rows."""
+def _header_table(lines: Sequence[str], delimiter: str, width: int) -> list[list[str]]:
+    """The cells of each line of a header; where blanks separate them, of the lines with as many as the rows."""
     table = []
-    for line in header:
+    for line in lines:
         bare = line.strip()
         text = bare.lstrip(_COMMENTS).strip() if bare.startswith(tuple(_COMMENTS)) else line
         cells = _header_cells(text, delimiter, width)
         while len(cells) > width and not cells[-1]:
             cells.pop()
-        if cells:
-            table.append(cells)
+        table.append(cells)
+    return [cells for cells in table if cells and (delimiter != WHITESPACE or len(cells) == width)]
+
+
+def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawChannel]:
+    """Names and units from the last rows of the header that have as many cells as the rows of numbers."""
     fitting = [cells for cells in table if len(cells) == width and any(cells)]
-    if not fitting:
-        if table and len(table[-1]) > 1 and delimiter != WHITESPACE:
-            raise RecordError(
-                f"{path}: its header has {len(table[-1])} names, its rows have {width} cells; if it has 0,5 for 0.5, "
-                'say decimal: "," and the delimiter in a mapping'
-            )
-        return tuple(RawChannel(f"column {i + 1}") for i in range(width))
+    if not fitting and table and len(table[-1]) > 1:
+        raise RecordError(
+            f"{path}: its header has {len(table[-1])} names, its rows have {width} cells; if it has 0,5 for 0.5, "
+            'say decimal: "," and the delimiter in a mapping'
+        )
     units: list[str | None] = [None] * width
     if len(fitting) > 1 and _are_units(fitting[-1]):
         units = [cell.strip(_BRACKETS) or None for cell in fitting.pop()]
     columns = []
-    for i, (label, unit) in enumerate(zip(fitting[-1], units, strict=True)):
+    labels = fitting[-1] if fitting else [""] * width
+    for i, (label, unit) in enumerate(zip(labels, units, strict=True), start=1):
         name, own = split_label(label)
-        columns.append(RawChannel(name or f"column {i + 1}", unit or own, label=label))
-    return tuple(columns)
+        columns.append(RawChannel(name or f"column {i}", unit or own, label=label))
+    return columns
 
 
 def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
@@ -247,11 +232,9 @@ def _encoding(path: Path) -> str:
     if head.startswith((b"\xff\xfe", b"\xfe\xff")):
         return "utf-16"
     try:
-        head.decode("utf-8")
-    except UnicodeDecodeError as error:
-        # not only a character that the end of the sample cuts in two
-        if error.start < len(head) - 4:
-            return "cp1252"
+        codecs.getincrementaldecoder("utf-8")().decode(head)  # whose end may cut a character in two
+    except UnicodeDecodeError:
+        return "cp1252"
     return "utf-8-sig"
 
 

@@ -12,16 +12,13 @@ import numpy as np
 from scipy.io import whosmat
 
 from ...project.wording import dotted
-from ..errors import RecordError, library
-from .named_arrays import signals_in
-from .record_file import RecordFile, intact, require_channels
+from ..errors import library
+from .record_file import RecordFile, intact, require_channels, signals_in, too_large
 
 _HEADER = 128  # bytes
 _ARRAY, _PACKED = 14, 15  # types of an element: an array, and one that is compressed
-_BYTES = {3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 17: 2, 18: 4}
-"""Of a number of each type of element; one of all others."""
-
 _TYPES = range(1, 19)
+_BYTES = {3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 17: 2, 18: 4}  # of a number; others: 1
 _DEEPEST = 64  # arrays inside each other
 _PIECE = 1 << 20  # bytes unpacked at once
 
@@ -38,10 +35,10 @@ def matlab_file(path: Path, largest: int) -> RecordFile:
         _require_readable(path, largest // 4)
         truths = {name for name, _, kind in whosmat(path) if kind == "logical"}
         document = reader.read_mat(str(path))
-    found = {n: v for n, v in document.items() if not n.startswith("__") and n not in truths}
+    held = {n: v for n, v in document.items() if not n.startswith("__") and n not in truths}
     fields: dict[str, Any] = {
         name: value
-        for name, value in dotted(found)
+        for name, value in dotted(held)
         if np.isscalar(value) or (isinstance(value, np.ndarray) and value.dtype.kind in "fiu")
     }
     scalars = {n.rpartition(".")[2]: value for n, value in fields.items() if np.size(value) == 1}
@@ -66,10 +63,8 @@ def _require_readable(path: Path, most: int) -> None:
             for count in _counts(read, order, size) if kind == _ARRAY else [0]:
                 numbers += count
                 if numbers > most:
-                    raise RecordError(
-                        f"{path}: holds more than {most:,} numbers, and MATLAB 5 is read whole; give a part of the "
-                        f"record, save it as -v7.3, or raise the limit (--largest {16 * most})"
-                    )
+                    holds = f"holds more than {most:,} numbers"
+                    raise too_large(path, holds, "MATLAB 5", 16 * most, ", save it as -v7.3")
             stream.seek(end)
 
 
@@ -112,18 +107,16 @@ class _Unpacked:
 
     def __init__(self, stream: BinaryIO, size: int) -> None:
         self.stream, self.left = stream, size
-        self.unpacker, self.packed, self.ready = zlib.decompressobj(), b"", b""
+        self.unpacker, self.ready = zlib.decompressobj(), b""
 
     def read(self, count: int) -> bytes:
         """The next bytes, fewer at the end."""
         while len(self.ready) < count and not self.unpacker.eof:
-            if not self.packed:
-                self.packed = self.stream.read(min(self.left, _PIECE))
-                self.left -= len(self.packed)
-            piece = self.unpacker.decompress(self.packed, _PIECE)
-            if not piece and not self.packed:
+            packed = self.unpacker.unconsumed_tail or self.stream.read(min(self.left, _PIECE))
+            self.left -= len(packed) - len(self.unpacker.unconsumed_tail)
+            piece = self.unpacker.decompress(packed, _PIECE)
+            if not piece and not packed:
                 break
-            self.packed = self.unpacker.unconsumed_tail
             self.ready += piece
         taken, self.ready = self.ready[:count], self.ready[count:]
         return taken

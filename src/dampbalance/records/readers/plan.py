@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import warnings
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ...project.wording import shortened
@@ -13,7 +13,7 @@ from ..correction import Correction
 from ..errors import RecordError, RecordWarning
 from ..mapping import ChannelRule, RecordMapping, Which
 from ..measurement import EXCITATIONS, QUANTITIES, RESPONSES
-from ..units import DIMENSIONS, UnitError, find_unit, unit_for
+from ..units import DIMENSIONS, Unit, UnitError, find_unit, unit_for
 from .record_file import RawChannel, RecordFile
 
 NAMES = {
@@ -26,17 +26,8 @@ NAMES = {
 }
 """Names by which a channel is recognised without a mapping, in lower case; blanks and hyphens count as "_"."""
 
-_WORDS = (
-    "y",
-    "n",
-    "yes",
-    "no",
-    "on",
-    "off",
-    "true",
-    "false",
-    "null",
-)  # which YAML takes for others
+# words that YAML takes for others
+_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
 _LISTED = 20  # channels, in a message
 _QUANTITIES = {name: quantity for quantity, names in NAMES.items() for name in names}
 _TIME = re.compile(r"(time|zeit|t|time_?stamps?|date_?time)(_?\d+)?")
@@ -78,19 +69,18 @@ def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -
     else:
         chosen = plan.recognised()
         rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
-    driving = [q for q in EXCITATIONS if q in chosen]
+    driving, answering = ([q for q in of if q in chosen] for of in (EXCITATIONS, RESPONSES))
     if entire and len(driving) > 1:
         raise plan.unclear(f"finds {' and '.join(driving)}")
-    answered = any(q in chosen for q in RESPONSES)
     # a channel without a name may drive: only where there is none left is it a free decay
     lacking = not mapping.channels and plan.unnamed(chosen.values())
-    if entire and not driving and (lacking or not answered):
+    if entire and not driving and (lacking or not answering):
         raise plan.unclear("finds no excitation")
-    if entire and not answered:
+    if entire and not answering:
         raise plan.unclear("finds no response")
     picks = tuple(plan.pick(q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
     if not mapping.channels:
-        plan.tell_unused(picks)
+        plan.warn_of_unused(picks)
     return picks
 
 
@@ -100,10 +90,9 @@ class _Plan:
     def __init__(self, file: RecordFile, mapping: RecordMapping) -> None:
         self.path, self.channels, self.mapping = file.path, file.channels, mapping
         self.where = mapping.source or f"{file.path}.yaml"
-        listed = file.channels[:_LISTED]
-        named = [f"{i} {shortened(_full(raw))}" for i, raw in enumerate(listed, start=1)]
-        more = len(file.channels) - len(listed)
-        self.overview = (", ".join(named) or "none") + (f" and {more} more" if more else "")
+        self.keys = [_key(raw.name) for raw in self.channels]
+        named = [f"{i} {shortened(_full(raw))}" for i, raw in enumerate(self.channels, start=1)]
+        self.overview = _first_of(named) or "none"
 
     def pick(self, quantity: str, index: int, rule: ChannelRule) -> Pick:
         """The pick of a channel with the times that the mapping or the file gives it."""
@@ -116,75 +105,64 @@ class _Plan:
         pick = Pick(quantity, index, raw.name, factor, correction=rule.correction)
         if self.mapping.sample_rate_hz is not None:
             return replace(pick, rate_hz=self.mapping.sample_rate_hz)
-        if rule.time is not None:
-            time = self.find(rule.time, f"channels.{quantity}.time")
-        elif self.mapping.time is not None:
-            time = self.find(self.mapping.time, "time.channel")
-        elif (nearest := self.time_of(index)) is not None:
-            time = nearest
-        elif raw.rate_hz is not None:
-            return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
-        else:
-            raise RecordError(
-                f"{self.path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives "
-                f"no sampling rate; write time: {{channel: 1, unit: s}}, or sample_rate_hz: 1000, as recorded, into "
-                f"{self.where}"
-            )
+        which, key = rule.time, f"channels.{quantity}.time"
+        if which is None:
+            which, key = self.mapping.time, "time.channel"
+        time = self.time_of(index) if which is None else self.find(which, key)
         if time == index:
             raise RecordError(f"{self.path}: channel {raw.name!r} cannot be its own time")
-        seconds = self.unit(self.channels[time], self.mapping.time_unit, "time")
-        return replace(pick, time=time, time_factor=seconds)
+        if time is not None:
+            seconds = self.unit(self.channels[time], self.mapping.time_unit, "time")
+            return replace(pick, time=time, time_factor=seconds)
+        if raw.rate_hz is not None:
+            return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
+        raise RecordError(
+            f"{self.path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives "
+            f"no sampling rate; write time: {{channel: 1, unit: s}}, or sample_rate_hz: 1000, as recorded, into "
+            f"{self.where}"
+        )
 
     def recognised(self) -> dict[str, int]:
         """Quantity → channel, by the names."""
         chosen: dict[str, int] = {}
-        for i, raw in enumerate(self.channels):
-            quantity = _QUANTITIES.get(_key(raw.name))
+        for i, key in enumerate(self.keys):
+            quantity = _QUANTITIES.get(key)
             if quantity in chosen:
-                first = self.channels[chosen[quantity]].name
-                raise self.unclear(
-                    f"takes both {shortened(first)} and {shortened(raw.name)} for {quantity}"
-                )
+                both = [shortened(self.channels[at].name) for at in (chosen[quantity], i)]
+                raise self.unclear(f"takes both {' and '.join(both)} for {quantity}")
             if quantity:
                 chosen[quantity] = i
         return chosen
 
     def time_of(self, index: int) -> int | None:
         """The time channel of another: the one named after it, else the nearest before it, else the first."""
-        names = [_key(raw.name) for raw in self.channels]
-        key = names[index]
+        key = self.keys[index]
         own = {f"{key}_time", f"time_{key}", f"time_of_{key}", f"t_{key}", f"{key}_t"}
-        named = [i for i, name in enumerate(names) if name in own]
+        named = [i for i, name in enumerate(self.keys) if name in own]
         times = [i for i, raw in enumerate(self.channels) if _named_time(raw)]
         before = [i for i in times if i < index]
         return next(iter(named or before[-1:] or times), None)
 
-    def tell_unused(self, picks: Sequence[Pick]) -> None:
+    def warn_of_unused(self, picks: Sequence[Pick]) -> None:
         """Warn of signals as long as those read that no name told apart.
 
         A mapping that names channels leaves the others out on purpose.
         """
-        used = [i for pick in picks for i in (pick.index, pick.time) if i is not None]
-        names = self.unnamed(used, {self.channels[pick.index].size for pick in picks})
-        if names:
-            more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
+        sizes = {self.channels[pick.index].size for pick in picks}
+        used = {i for pick in picks for i in (pick.index, pick.time)}
+        used |= {i for i, raw in enumerate(self.channels) if raw.size not in sizes}
+        if names := self.unnamed(used):
             warnings.warn(
-                f"{self.path}: channels not used: {', '.join(names[:_LISTED])}{more}; say in {self.where} what they "
+                f"{self.path}: channels not used: {_first_of(names)}; say in {self.where} what they "
                 "hold, if it is needed",
                 RecordWarning,
                 stacklevel=2,
             )
 
-    def unnamed(
-        self, used: Iterable[int], sizes: Collection[int | None] | None = None
-    ) -> list[str]:
-        """The signals that are not used, of one of some sizes if these are given."""
-        known = set(used)
-        return [
-            shortened(_full(raw))
-            for i, raw in enumerate(self.channels)
-            if i not in known and (sizes is None or raw.size in sizes) and not _tells_time(raw)
-        ]
+    def unnamed(self, used: Collection[int | None]) -> list[str]:
+        """The signals that are not used."""
+        others = [raw for i, raw in enumerate(self.channels) if i not in used]
+        return [shortened(_full(raw)) for raw in others if not _holds_time(raw)]
 
     def find(self, which: Which, key: str) -> int:
         """The channel of that name or number."""
@@ -231,7 +209,7 @@ class _Plan:
         )
 
     def suggested(self, what: str) -> str:
-        """What to write into the mapping: one that is complete, and holds for these channels if the guesses do."""
+        """A mapping to write that is complete, and holds for these channels if the guesses do."""
         guesses = suggestion(self.channels)
         if len(guesses) < 2:
             return (
@@ -240,26 +218,32 @@ class _Plan:
             )
         lines = [f"{what} in {self.where}, for example", "  channels:"]
         for quantity, index in guesses.items():
-            own = find_unit(self.channels[index].unit or "")
-            fits = own is not None and own.dimension == DIMENSIONS[quantity]
-            unit = own.name if own and fits else QUANTITIES[quantity]
-            entry = f"    {quantity}: {{channel: {self.which(index)}, unit: {unit}}}"
-            lines.append(entry if fits else f"{entry}  # or as recorded")
-        times = [i for i, raw in enumerate(self.channels) if _tells_time(raw)]
-        first = times[0] if times else None
-        if first is None and not any(raw.rate_hz for raw in self.channels):
-            lines.append("  sample_rate_hz: 1000  # as recorded")
-        elif first is not None and not find_unit(self.channels[first].unit or ""):
+            unit, comment, own = (
+                QUANTITIES[quantity],
+                "  # or as recorded",
+                _unit(self.channels[index]),
+            )
+            if own and own.dimension == DIMENSIONS[quantity]:
+                unit, comment = own.name, ""
+            entry = f"{quantity}: {{channel: {self.which(index)}, unit: {unit}}}"
+            lines.append(f"    {entry}{comment}")
+        first = next((i for i, raw in enumerate(self.channels) if _holds_time(raw)), None)
+        if first is None:
+            if not any(raw.rate_hz for raw in self.channels):
+                lines.append("  sample_rate_hz: 1000  # as recorded")
+        elif not _unit(self.channels[first]):
             lines.append(f"  time: {{channel: {self.which(first)}, unit: s}}  # or ms, µs")
-        elif first is not None and not _named_time(self.channels[first]):
+        elif not _named_time(self.channels[first]):
             lines.append(f"  time: {{channel: {self.which(first)}}}")
         return "\n".join(lines)
 
     def which(self, index: int) -> str:
         """A channel as a mapping names it: by its name, or by its number where that is long or not its alone."""
         name = self.channels[index].name
-        alone = [_key(raw.name) for raw in self.channels].count(_key(name)) == 1
-        return _yaml(name) if alone and len(name) <= 60 else str(index + 1)
+        if self.keys.count(self.keys[index]) > 1 or len(name) > 60:
+            return str(index + 1)
+        plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name) and name.lower() not in _WORDS
+        return name if plain else json.dumps(name, ensure_ascii=not name.isprintable())
 
 
 def suggestion(channels: Sequence[RawChannel]) -> dict[str, int]:
@@ -267,16 +251,13 @@ def suggestion(channels: Sequence[RawChannel]) -> dict[str, int]:
 
     One of EXCITATIONS and at least one of RESPONSES, if there are two signals at all.
     """
-    signals = [i for i, raw in enumerate(channels) if not _tells_time(raw)]
+    signals = [i for i, raw in enumerate(channels) if not _holds_time(raw)]
     by_name = {i: _QUANTITIES.get(_key(channels[i].name)) for i in signals}
-    units = {i: find_unit(channels[i].unit or "") for i in signals}
-    dimensions = {i: unit.dimension for i, unit in units.items() if unit}
-    # those whose name says what they are go first; a channel whose unit is of nothing here fits nowhere
-    order = sorted(signals, key=lambda i: by_name[i] is None)
     chosen: dict[str, int] = {}
-    for i in order:
-        driven = any(q in chosen for q in EXCITATIONS)
-        fitting = [q for q in QUANTITIES if dimensions.get(i) in (None, DIMENSIONS[q])]
+    # those whose name says what they are go first; a channel whose unit is of nothing here fits nowhere
+    for i in sorted(signals, key=lambda i: by_name[i] is None):
+        driven, unit = any(q in chosen for q in EXCITATIONS), _unit(channels[i])
+        fitting = [q for q in QUANTITIES if unit is None or unit.dimension == DIMENSIONS[q]]
         wanted = [by_name[i], *fitting]
         room = (q for q in wanted if q and q not in chosen and not (driven and q in EXCITATIONS))
         if (quantity := next(room, None)) is not None:
@@ -293,24 +274,23 @@ def _named_time(raw: RawChannel) -> bool:
     return raw.stamps or _TIME.fullmatch(_key(raw.name)) is not None
 
 
-def _tells_time(raw: RawChannel) -> bool:
+def _holds_time(raw: RawChannel) -> bool:
     """Whether a channel holds times, by its name or unit."""
-    unit = find_unit(raw.unit or "")
+    unit = _unit(raw)
     return _named_time(raw) or (unit is not None and unit.dimension == "time")
+
+
+def _unit(raw: RawChannel) -> Unit | None:
+    return find_unit(raw.unit or "")
 
 
 def _full(raw: RawChannel) -> str:
     return f"{raw.name} [{raw.unit}]" if raw.unit else raw.name
 
 
-def _yaml(name: str) -> str:
-    """The name as YAML takes it."""
-    plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name)
-    return (
-        name
-        if plain and name.lower() not in _WORDS
-        else json.dumps(name, ensure_ascii=not name.isprintable())
-    )
+def _first_of(names: Sequence[str]) -> str:
+    more = len(names) - _LISTED
+    return ", ".join(names[:_LISTED]) + f" and {more} more" * (more > 0)
 
 
 def _key(name: str) -> str:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -56,8 +57,8 @@ class RecordFile(ABC):
     channels: Sequence[RawChannel]
 
     @abstractmethod
-    def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
-        """The wanted channels, `size` samples of each at a time; all samples at once for None."""
+    def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
+        """The wanted channels, `size` samples of each at a time."""
 
     def place(self, channel: int, sample: int) -> str:
         """Where a sample, counted from 0, stands in the file."""
@@ -71,30 +72,23 @@ class RecordFile(ABC):
 class Sliced(RecordFile):
     """A file whose channels are read from any sample to any other: read(channel, begin, end).
 
-    what : the format, for messages.   release : lets go of the file.
+    what : the format, for messages.   close : lets go of the file.
     """
 
     path: Path
     channels: Sequence[RawChannel]
     read: Callable[[int, int, int], ArrayLike]
     what: str
-    release: Callable[[], None] = lambda: None
+    close: Callable[[], None] = lambda: None
 
-    def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
+    def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
         """The wanted channels, `size` samples of each at a time."""
         lengths = [self.channels[i].size or 0 for i in wanted]
-        step = size or max(1, *lengths)
-        for start in range(0, max(lengths), step):
+        for start in range(0, max(lengths), size):
+            ends = [(min(start, n), min(start + size, n)) for n in lengths]
             with intact(self.path, self.what):
-                parts = [
-                    self.read(i, min(start, n), min(start + step, n))
-                    for i, n in zip(wanted, lengths, strict=True)
-                ]
+                parts = [self.read(i, *end) for i, end in zip(wanted, ends, strict=True)]
                 yield [np.asarray(part, dtype=np.float64) for part in parts]
-
-    def close(self) -> None:
-        """Let go of the file."""
-        self.release()
 
 
 @contextmanager
@@ -133,6 +127,52 @@ def require_channels(path: Path, count: int) -> None:
         )
 
 
+def too_large(path: Path, holds: str, what: str, numbers: int, instead: str = "") -> RecordError:
+    """The error for a file of a format that is read whole.   numbers : the least limit that would allow it."""
+    return RecordError(
+        f"{path}: {holds}, and {what} is read whole; give a part of the record{instead}, or raise the limit "
+        f"(--largest {numbers})"
+    )
+
+
+def require_bytes(path: Path, what: str, largest: int) -> None:
+    """RecordError for a file that is read whole and has more than two bytes for each number that may be read."""
+    if (size := path.stat().st_size) > 2 * largest:
+        raise too_large(path, f"has more than {2 * largest:,} bytes", what, size)
+
+
+def signals_in(
+    path: Path,
+    what: str,
+    arrays: Iterable[tuple[str, Any, dict[str, object], str | None]],
+    close: Callable[[], None] = lambda: None,
+) -> Sliced:
+    """The signals in arrays (name, array, attributes, unit): each array itself, or its rows or columns if it has two.
+
+    A signal runs along the longer side.
+    """
+    channels: list[RawChannel] = []
+    signals = []
+    for name, data, attributes, unit in arrays:
+        if data.size < 2 or data.ndim > 2:
+            continue
+        several = data.ndim == 2 and min(data.shape) > 1
+        count = min(data.shape) if several else 1
+        require_channels(path, len(channels) + count)
+        for i in range(count):
+            label = f"{name}[{i + 1}]" if several else name
+            channels.append(described(path, label, max(data.shape), attributes, unit))
+            signals.append((data, i))
+
+    def read(channel: int, begin: int, end: int) -> Any:
+        data, i = signals[channel]
+        if data.ndim == 1:
+            return data[begin:end]
+        return data[begin:end, i] if data.shape[0] >= data.shape[1] else data[i, begin:end]
+
+    return Sliced(path, channels, read, what, close)
+
+
 def described(
     path: Path, label: str, size: int, attributes: dict[str, object], unit: str | None = None
 ) -> RawChannel:
@@ -142,40 +182,30 @@ def described(
     """
     name, own = split_label(label)
     values = {str(key).lower(): value for key, value in attributes.items()}
-    remedy = "give sample_rate_hz in a mapping"
+    channel, remedy = f"channel {shortened(label)}", "give sample_rate_hz in a mapping"
 
     def number(key: str) -> float:
         value = np.asarray(values[key])
         if value.size != 1 or value.dtype.kind not in "fiu":
             raise RecordError(
-                f"{path}: {key} of channel {shortened(label)} is {shortened(values[key])}, not a number; {remedy}"
+                f"{path}: {key} of {channel} is {shortened(values[key])}, not a number; {remedy}"
             )
         return float(value.reshape(-1)[0])
 
     start = next((number(key) for key in START_NAMES if key in values), 0.0)
     if not abs(start) <= LATEST:
-        raise RecordError(f"{path}: channel {shortened(label)} begins at {start:g} s; {remedy}")
-    for key in (*RATE_NAMES, *STEP_NAMES):
-        if key in values:
-            value = number(key)
-            lowest, highest = (
-                (1.0 / HIGHEST_RATE, 1.0 / LOWEST_RATE)
-                if key in STEP_NAMES
-                else (LOWEST_RATE, HIGHEST_RATE)
+        raise RecordError(f"{path}: {channel} begins at {start:g} s; {remedy}")
+    rate = None
+    if key := next((key for key in (*RATE_NAMES, *STEP_NAMES) if key in values), None):
+        value, bounds = number(key), (LOWEST_RATE, HIGHEST_RATE)
+        if key in STEP_NAMES:
+            bounds = (1.0 / HIGHEST_RATE, 1.0 / LOWEST_RATE)
+        if not bounds[0] <= value <= bounds[1]:
+            raise RecordError(
+                f"{path}: {key} of {channel} is {value:g}, not within {bounds[0]:g} to {bounds[1]:g}; {remedy}"
             )
-            if not lowest <= value <= highest:
-                raise RecordError(
-                    f"{path}: {key} of channel {shortened(label)} is {value:g}, not within {lowest:g} to {highest:g}; "
-                    f"{remedy}"
-                )
-            rate = 1.0 / value if key in STEP_NAMES else value
-            return RawChannel(name, unit or own, size, rate, start, label)
-    return RawChannel(name, unit or own, size, None, start, label)
-
-
-def times(rate_hz: float, start: float, first: int, count: int) -> Array:
-    """Times, s, of `count` samples from number `first` on."""
-    return start + np.arange(first, first + count) / rate_hz
+        rate = 1.0 / value if key in STEP_NAMES else value
+    return RawChannel(name, unit or own, size, rate, start, label)
 
 
 def unit_among(attributes: dict[str, object]) -> str | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -30,37 +30,43 @@ def signals_file(name: str, signals: Signals) -> Sliced:
     Raises RecordError for an array that is not one signal.
     """
     path = Path(name)
-    columns = _columns(signals)
-    told = {k: v for k, v in columns.items() if not isinstance(v, list | tuple) and not np.ndim(v)}
-    unknown = [key for key in told if key.lower() not in TIMING_NAMES]
-    if unknown:
-        raise RecordError(
-            f"{path}: {shortened(unknown[0])} is a single value; a signal is an array of its samples"
-        )
-    channels: list[RawChannel] = []
-    arrays: list[Callable[[int, int], Array]] = []
-    for label, values in columns.items():
-        if label in told:
-            continue
+    stated: dict[str, Any] = {}
+    several: dict[str, Any] = {}
+    for label, values in _columns(signals).items():
+        single = not isinstance(values, list | tuple) and not np.ndim(values)
+        (stated if single else several)[label] = values
+        if single and label.lower() not in TIMING_NAMES:
+            raise RecordError(
+                f"{path}: {shortened(label)} is a single value; a signal is an array of its samples"
+            )
+    channels, arrays = [], []
+    for label, values in several.items():
         array, stamps = _samples(values)
         if array.ndim != 1:
             raise RecordError(
                 f"{path}: {shortened(label)} has the shape {array.shape}; give each signal a name of its own"
             )
-        if stamps:
-            channels.append(RawChannel(label, "s", array.size, label=label, stamps=True))
-        else:
-            channels.append(described(path, label, array.size, told))
-        arrays.append(_reader(path, label, array))
+        plain = RawChannel(label, "s", array.size, label=label, stamps=True)
+        channels.append(plain if stamps else described(path, label, array.size, stated))
+        arrays.append(array)
     require_nameable(path, channels)
-    return Sliced(path, channels, lambda i, begin, end: arrays[i](begin, end), "arrays")
+
+    def read(i: int, begin: int, end: int) -> Array:
+        try:
+            return floats(arrays[i][begin:end]).copy()  # the caller's may change
+        except ValueError as error:
+            raise RecordError(
+                f"{path}: column {shortened(channels[i].label)} holds {error}"
+            ) from None
+
+    return Sliced(path, channels, read, "arrays")
 
 
 def is_table(record: object) -> bool:
     """Whether something is signals by their names: a mapping, a table of pandas, an array with named fields."""
     of_pandas = all(hasattr(record, name) for name in ("columns", "index", "attrs"))
-    named = isinstance(record, Mapping) or of_pandas or _fields(record)
-    return bool(named) and not isinstance(record, type)
+    named = isinstance(record, Mapping) or of_pandas or bool(_fields(record))
+    return named and not isinstance(record, type)
 
 
 def _fields(signals: Any) -> tuple[str, ...]:
@@ -72,14 +78,13 @@ def _columns(signals: Signals) -> dict[str, Any]:
         return {str(name): values for name, values in signals.items()}
     if fields := _fields(signals):
         return {name: signals[name] for name in fields}
-    attributes = {str(key): value for key, value in signals.attrs.items()}
-    told = {key: value for key, value in attributes.items() if key.lower() in TIMING_NAMES}
+    stated = {str(k): v for k, v in signals.attrs.items() if str(k).lower() in TIMING_NAMES}
     index = {} if signals.index.name is None else {str(signals.index.name): signals.index}
     names = [str(name) for name in signals.columns]
     twice = next((name for name in names if names.count(name) > 1 or name in index), None)
     if twice is not None:
         raise RecordError(f"the table has two columns {shortened(twice)}; give each its own name")
-    return told | index | {str(name): signals[name] for name in signals.columns}
+    return stated | index | {str(name): signals[name] for name in signals.columns}
 
 
 def _samples(values: Any) -> tuple[Any, bool]:
@@ -96,13 +101,3 @@ def _samples(values: Any) -> tuple[Any, bool]:
         return array, False
     origin = array[:1] if array.dtype.kind == "M" else np.zeros(1, array.dtype)
     return (array - origin) / np.timedelta64(1, "s"), True
-
-
-def _reader(path: Path, label: str, array: Any) -> Callable[[int, int], Array]:
-    def read(begin: int, end: int) -> Array:
-        try:
-            return floats(array[begin:end]).copy()  # the caller's may change
-        except ValueError as error:
-            raise RecordError(f"{path}: column {shortened(label)} holds {error}") from None
-
-    return read

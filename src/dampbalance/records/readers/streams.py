@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-import logging
+import io
 import warnings
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
 from ...arrays import Array
 from ..errors import RecordError, library
-from .record_file import RawChannel, RecordFile, Sliced, described, intact, unit_among
+from .record_file import (
+    RawChannel,
+    RecordFile,
+    Sliced,
+    described,
+    intact,
+    require_bytes,
+    unit_among,
+)
 
 _TIME_RESPONSE = 1  # function type of a data set 58
 _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
@@ -24,12 +31,7 @@ def uff_file(path: Path, largest: int) -> RecordFile:
     A channel is called by its ordinate's label, else by its first ID line, else by what the data type says.
     """
     pyuff = library("pyuff", "a universal file")
-    size = path.stat().st_size
-    if size > 2 * largest:  # of text or binary, four bytes a number at least
-        raise RecordError(
-            f"{path}: has more than {2 * largest:,} bytes, and a universal file is read whole; give a part of the "
-            f"record, or raise the limit (--largest {size})"
-        )
+    require_bytes(path, "a universal file", largest)
     channels, arrays = [], []
     with intact(path, "a universal file"):
         file = pyuff.UFF(str(path))
@@ -65,11 +67,14 @@ def uff_file(path: Path, largest: int) -> RecordFile:
 
 def tdms_file(path: Path, largest: int) -> RecordFile:
     """A TDMS file: its channels, "group/channel" if there are several groups; step and unit are properties."""
-    nptdms = library("nptdms", "TDMS")
-    complaints = _Complaints()
+    nptdms, log = library("nptdms", "TDMS"), library("nptdms.log", "TDMS").log_manager
+    # what the library complains about, and would read nevertheless; nothing of it reaches the screen
+    complaints = io.StringIO()
+    log.console_handler.setStream(complaints)
+    log.console_handler.setFormatter(None)  # the bare messages
     # the file alone, not an index that may lie beside it; the reader closes it
     stream = open(path, "rb")  # noqa: SIM115
-    with intact(path, "TDMS", stream.close), complaints:
+    with intact(path, "TDMS", stream.close):
         file = nptdms.TdmsFile.open(stream)
         every = (channel for group in file.groups() for channel in group.channels())
         signals = [c for c in every if c.dtype.kind in "fiu" and len(c)]
@@ -81,8 +86,8 @@ def tdms_file(path: Path, largest: int) -> RecordFile:
             raise RecordError(
                 f"{path}: its last segment is incomplete: the file was cut short, or the recording was not closed"
             )
-        if complaints.first:
-            raise RecordError(f"{path}: is damaged or was cut short ({complaints.first})")
+        if first := complaints.getvalue().partition("\n")[0]:
+            raise RecordError(f"{path}: is damaged or was cut short ({first})")
         several = len({c.group_name for c in signals}) > 1
         labels = [f"{c.group_name}/{c.name}" if several else c.name for c in signals]
         channels = [
@@ -97,13 +102,12 @@ def wav_file(path: Path, largest: int) -> RecordFile:
     from scipy.io import wavfile
 
     with open(path, "rb") as stream:
-        head = stream.read(12)
-    order: Literal["little", "big"] = "big" if head[:4] == b"RIFX" else "little"
-    stated = int.from_bytes(head[4:8], order)
+        kind, stated = stream.read(4), stream.read(4)
+    count = int.from_bytes(stated, "big" if kind == b"RIFX" else "little")
     size = path.stat().st_size
-    if head[:4] != b"RF64" and stated not in _NO_SIZE and stated + 8 > size:
+    if kind != b"RF64" and count not in _NO_SIZE and count + 8 > size:
         raise RecordError(
-            f"{path}: has {size} of the {stated + 8} bytes that its header says; it was cut short"
+            f"{path}: has {size} of the {count + 8} bytes that its header says; it was cut short"
         )
     with intact(path, "WAV"), warnings.catch_warnings():
         # chunks of notes that hold no samples
@@ -113,37 +117,15 @@ def wav_file(path: Path, largest: int) -> RecordFile:
         except ValueError:  # 24-bit samples cannot be mapped
             rate, data = wavfile.read(path)
     table = data.reshape(len(data), -1)
-    kind = data.dtype.kind
-    full = 2.0 ** (8 * data.dtype.itemsize - 1) if kind in "iu" else 1.0
-    zero = full if kind == "u" else 0.0
-    channels = [
-        RawChannel(f"channel {i + 1}", None, len(table), float(rate)) for i in range(table.shape[1])
-    ]
+    full = 2.0 ** (8 * data.dtype.itemsize - 1) if data.dtype.kind in "iu" else 1.0
+    zero = full if data.dtype.kind == "u" else 0.0
+    names = [f"channel {i + 1}" for i in range(table.shape[1])]
+    channels = [RawChannel(name, size=len(table), rate_hz=float(rate)) for name in names]
 
     def read(i: int, begin: int, end: int) -> Array:
         return (np.asarray(table[begin:end, i], dtype=np.float64) - zero) / full
 
     return Sliced(path, channels, read, "WAV")
-
-
-class _Complaints(logging.Handler):
-    """What the library for TDMS logs about a file, and would read nevertheless; nothing of it reaches the screen."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self.first = ""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Keep the first."""
-        self.first = self.first or record.getMessage()
-
-    def __enter__(self) -> None:
-        manager = library("nptdms.log", "TDMS").log_manager
-        manager.console_handler.setLevel(logging.CRITICAL)
-        logging.getLogger("nptdms").addHandler(self)
-
-    def __exit__(self, *_: object) -> None:
-        logging.getLogger("nptdms").removeHandler(self)
 
 
 def _stated(item: dict[str, str], *keys: str) -> str | None:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import datetime
-import io
+import math
 import pickle
 import subprocess
 import sys
 import zipfile
 from collections.abc import Generator, Sequence
 from contextlib import closing, suppress
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,17 +21,23 @@ from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
 from .layout import columns_of
-from .record_file import RawChannel, RecordFile, Sliced, described, intact, require_channels
+from .record_file import (
+    RawChannel,
+    RecordFile,
+    Sliced,
+    described,
+    intact,
+    require_bytes,
+    require_channels,
+    too_large,
+)
 
 _DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
 _EPOCH = datetime.datetime(1900, 1, 1)
-
 _PART = 16  # numbers that may be read of another record, for each cell that may be read of a spreadsheet
 _CELL, _TEXT = 160, 64  # bytes of memory that a cell takes at the most, and of the file, unpacked
-_BASE, _REST = (
-    256_000_000,
-    1_000_000,
-)  # bytes of memory, and of the file, unpacked, without any cell
+# bytes of memory, and of the file, unpacked, without any cell
+_BASE, _REST = 256_000_000, 1_000_000
 _BYTE = 32  # bytes of memory that a byte of the file, unpacked, explains
 _SECONDS, _SPEED = 30, 2_000_000  # of processor time, and bytes read in a second at the least
 
@@ -48,22 +54,18 @@ def spreadsheet_file(path: Path, largest: int) -> RecordFile:
         for kind, content in messages:
             if kind == "rows":
                 rows += content
-                continue
-            if _first(rows) is not None:
+            elif any(map(_is_row, rows)):
                 break
-            rows = []
-            height, width = content
-            require_channels(path, width)
-            if height * width > most:
-                raise _too_large(path, f"a sheet of {height:,} × {width:,} cells", height * width)
-    if (first := _first(rows)) is not None:
-        return _sheet(path, rows, first)
-    raise RecordError(f"{path}: no sheet holds rows of at least two numbers")
-
-
-def _first(rows: Sequence[Sequence[Any]]) -> int | None:
-    """The first row of at least two numbers."""
-    return next((i for i, row in enumerate(rows) if _is_row(row)), None)
+            else:
+                rows, (height, width) = [], content
+                require_channels(path, width)
+                if height * width > most:
+                    holds = f"a sheet of {height:,} × {width:,} cells"
+                    raise _too_large(path, holds, height * width)
+    first = next((i for i, row in enumerate(rows) if _is_row(row)), None)
+    if first is None:
+        raise RecordError(f"{path}: no sheet holds rows of at least two numbers")
+    return _sheet(path, rows, first)
 
 
 def _cells(path: Path, most: int) -> Generator[tuple[str, Any], None, None]:
@@ -99,26 +101,21 @@ def _cells(path: Path, most: int) -> Generator[tuple[str, Any], None, None]:
 
 
 def _too_large(path: Path, what: str, cells: int) -> RecordError:
-    return RecordError(
-        f"{path}: holds {what}, and a spreadsheet is read whole; give a part of the record, save it as CSV, or raise "
-        f"the limit (--largest {_PART * cells})"
-    )
+    return too_large(path, f"holds {what}", "a spreadsheet", _PART * cells, ", save it as CSV")
 
 
 def _sheet(path: Path, rows: Sequence[Sequence[Any]], first: int) -> RecordFile:
     width = max(i for i, cell in enumerate(rows[first], start=1) if cell != "")
     last = max(i for i, row in enumerate(rows, start=1) if any(cell != "" for cell in row[:width]))
     table = [row[:width] for row in rows[first:last]]
-    header = []
-    for row in rows[:first]:
-        line = io.StringIO()
-        csv.writer(line, delimiter="\t").writerow([" ".join(str(c).split()) for c in row[:width]])
-        header.append(line.getvalue())
-    channels = []
-    for raw, cell in zip(columns_of(path, header, "\t", "#", width), table[0], strict=True):
+    header = [[" ".join(str(cell).split()) for cell in row[:width]] for row in rows[:first]]
+    for names in header:
+        names[0] = names[0].lstrip("#% ")
+    channels = columns_of(path, header, width)
+    for i, (raw, cell) in enumerate(zip(channels, table[0], strict=True)):
         stamps = isinstance(cell, _DAYS)
         unit = "s" if stamps else raw.unit
-        channels.append(RawChannel(raw.name, unit, len(table), label=raw.label, stamps=stamps))
+        channels[i] = replace(raw, unit=unit, size=len(table), stamps=stamps)
 
     @cache
     def column(i: int) -> Array:
@@ -131,12 +128,13 @@ def _sheet(path: Path, rows: Sequence[Sequence[Any]], first: int) -> RecordFile:
                     f"{path}: row {number}, column {shortened(channels[i].name)}: {shortened(str(cell))} is not a "
                     "number"
                 )
-        return np.array([np.nan if cell == "" else float(cell) for cell in cells])
+        return np.array([math.nan if cell == "" else float(cell) for cell in cells])
 
     return Sliced(path, channels, lambda i, a, b: column(i)[a:b], "a spreadsheet")
 
 
 def _is_row(row: Sequence[Any]) -> bool:
+    """Whether a row has at least two cells, numbers or points in time, and a number among them."""
     cells = [cell for cell in row if cell != ""]
     numbers = sum(map(_is_number, cells))
     return len(cells) > 1 and 0 < numbers == sum(not isinstance(cell, _DAYS) for cell in cells)
@@ -148,12 +146,11 @@ def _is_number(cell: Any) -> bool:
 
 def _seconds(cell: Any, first: Any) -> float:
     """Seconds from the first point in time of a column, or its first span; NaN for what is another."""
-    if not isinstance(cell, _DAYS):
-        return float("nan")
-    return float((_since_midnight(cell) - _since_midnight(first)).total_seconds())
+    known = isinstance(cell, _DAYS)
+    return (_span(cell) - _span(first)).total_seconds() if known else math.nan
 
 
-def _since_midnight(cell: Any) -> datetime.timedelta:
+def _span(cell: Any) -> datetime.timedelta:
     """A point in time or a span as a span; a day alone is its midnight."""
     if isinstance(cell, datetime.time):
         cell = datetime.datetime.combine(_EPOCH, cell)
@@ -165,12 +162,7 @@ def _since_midnight(cell: Any) -> datetime.timedelta:
 def lvm_file(path: Path, largest: int) -> RecordFile:
     """A text file of LabVIEW: the channels of its one segment, with names and units, in the steps of its header."""
     reader = library("lvm_read", "a text file of LabVIEW")
-    size = path.stat().st_size
-    if size > 2 * largest:  # two bytes a number at least
-        raise RecordError(
-            f"{path}: has more than {2 * largest:,} bytes, and a text file of LabVIEW is read whole; give a part of "
-            f"the record, or raise the limit (--largest {size})"
-        )
+    require_bytes(path, "a text file of LabVIEW", largest)
     with intact(path, "a text file of LabVIEW"):
         document = reader.read(str(path), read_from_pickle=False, dump_file=False)
         if document["Segments"] != 1:
@@ -196,9 +188,5 @@ def lvm_file(path: Path, largest: int) -> RecordFile:
         even = all(raw.rate_hz for raw in channels if raw.label != "X_Value")
     # the header has the digits that a column of times lacks
     kept = [i for i, raw in enumerate(channels) if not (even and raw.label == "X_Value")]
-    return Sliced(
-        path,
-        [channels[i] for i in kept],
-        lambda i, a, b: data[a:b, kept[i]],
-        "a text file of LabVIEW",
-    )
+    channels = [channels[i] for i in kept]
+    return Sliced(path, channels, lambda i, a, b: data[a:b, kept[i]], "a text file of LabVIEW")

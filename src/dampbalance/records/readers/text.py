@@ -16,7 +16,7 @@ from ..errors import RecordError, RecordWarning
 from ..mapping import RecordMapping
 from .layout import LONGEST_LINE, WHITESPACE, layout_of
 from .record_file import RecordFile
-from .stamps import Clock, is_date, is_stamp
+from .times import Clock, is_date, is_stamp
 
 _AT_ONCE = 4_000_000  # cells that are parsed at once, wanted or not
 _SMALL = 4_000_000  # bytes of a file that NumPy parses in less time than pandas takes to import
@@ -25,21 +25,17 @@ _SMALL = 4_000_000  # bytes of a file that NumPy parses in less time than pandas
 class TextFile(RecordFile):
     """A delimited text file; `layout.py` finds out its delimiter, decimal mark, header and columns."""
 
-    def __init__(self, path: Path, mapping: RecordMapping, single: bool = False) -> None:
-        self.path, self.layout = path, layout_of(path, mapping, single)
+    def __init__(self, path: Path, mapping: RecordMapping) -> None:
+        self.path, self.layout = path, layout_of(path, mapping)
         self.channels = self.layout.columns
 
-    def blocks(self, wanted: Sequence[int], size: int | None) -> Iterator[list[Array]]:
-        """The wanted columns, `size` rows at a time; an empty cell is NaN.
+    def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
+        """The wanted columns, `size` rows at a time or fewer; an empty cell is NaN.
 
         Raises RecordError naming line and column for a cell that is no number and a row that has too many or too few.
         """
-        if size is None:
-            parts = list(self.blocks(wanted, _AT_ONCE))
-            if parts:
-                yield [np.concatenate(columns) for columns in zip(*parts, strict=True)]
-            return
-        if not self.layout.ends_in_line_end:
+        layout = self.layout
+        if not layout.ends_in_line_end:
             warnings.warn(
                 f"{self.path}: its last line has no end; if the file was cut, its last number is wrong",
                 RecordWarning,
@@ -53,10 +49,10 @@ class TextFile(RecordFile):
         import pandas as pd  # slow to import, and not needed for small files of nothing but numbers
 
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
-        layout = self.layout
         stamped = [i for i in wanted if self.channels[i].stamps]
         try:
-            clocks = self._clocks(stamped)
+            _, first = next(layout.rows(self.path)) if stamped else (0, [])
+            seconds = {i: Clock(first[i]).seconds for i in stamped}
             with (
                 _bounded(self.path, layout.encoding) as stream,
                 pd.read_csv(
@@ -73,14 +69,7 @@ class TextFile(RecordFile):
                 ) as chunks,
             ):
                 for chunk in chunks:
-                    yield [
-                        clocks[i].seconds(chunk[i])
-                        if i in clocks
-                        else chunk[i].to_numpy(dtype=np.float64)
-                        for i in wanted
-                    ]
-        except _LongLine:
-            raise RecordError(self._complaint(wanted, "a line has no end")) from None
+                    yield [seconds.get(i, np.asarray)(chunk[i]) for i in wanted]
         except (ValueError, OverflowError) as error:  # pandas' own errors are ValueErrors
             raise RecordError(self._complaint(wanted, str(error))) from None
 
@@ -90,26 +79,19 @@ class TextFile(RecordFile):
         if self.path.stat().st_size > _SMALL or layout.decimal != ".":
             return None
         try:
-            with (
-                open(self.path, encoding=layout.encoding, errors="replace") as stream,
-                warnings.catch_warnings(),
-            ):
+            with warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)  # no rows
                 table = np.loadtxt(
-                    stream,
+                    self.path,
                     delimiter=None if layout.delimiter == WHITESPACE else layout.delimiter,
                     comments=layout.comment,
                     skiprows=layout.header_lines,
                     ndmin=2,
+                    encoding=layout.encoding,
                 )
         except ValueError:
             return None
         return table if table.shape[1] == len(self.channels) else None
-
-    def _clocks(self, stamped: Sequence[int]) -> dict[int, Clock]:
-        """For each of these columns, what reads its times."""
-        _, first = next(self.layout.rows(self.path))
-        return {i: Clock(first[i]) for i in stamped}
 
     def place(self, channel: int, sample: int) -> str:
         """The line of a row, counted from 1."""
@@ -129,23 +111,17 @@ class TextFile(RecordFile):
                 cell, time = cells[i], self.channels[i].stamps
                 if is_stamp(cell) if time else self.layout.is_readable(cell):
                     continue
-                what = "is not a time" if time else "is not a number"
+                what = f"is not a {'time' if time else 'number'}"
                 if is_date(cell):
-                    what = (
-                        "is a date that can be read in several ways: write 2026-03-01T12:00:00.5, or give "
-                        "sample_rate_hz instead"
-                    )
+                    what = "is a date that can be read in several ways: write 2026-03-01T12:00:00.5, or give "
+                    what += "sample_rate_hz instead"
                 name = shortened(self.channels[i].name)
                 return f"{self.path}: line {number}, column {name}: {shortened(cell)} {what}"
         return f"{self.path}: cannot be read: {shortened(fallback, 200)[1:-1]}"
 
 
-class _LongLine(Exception):
-    """A line that is no row, which a parser would gather in memory."""
-
-
 class _bounded(io.TextIOWrapper):
-    """The text of a file, up to a line that is too long."""
+    """The text of a file, up to a line that is too long to be a row, which a parser would gather in memory."""
 
     def __init__(self, path: Path, encoding: str) -> None:
         super().__init__(path.open("rb"), encoding, errors="replace", newline="")
@@ -157,5 +133,5 @@ class _bounded(io.TextIOWrapper):
         ends = max(text.rfind("\n"), text.rfind("\r"))
         self.without_end = len(text) + (self.without_end if ends < 0 else -ends)
         if self.without_end > LONGEST_LINE + 262_144:  # what pandas reads at once
-            raise _LongLine
+            raise ValueError("a line has no end")
         return text
