@@ -16,8 +16,7 @@ import yaml
 
 from dampbalance.project.files import sha256
 from dampbalance.publishing.provenance import archive
-from dampbalance.publishing.provenance.crate import crate
-from dampbalance.publishing.provenance.entities import CrateFolder
+from dampbalance.publishing.provenance.crate import CrateFolder, crate
 from dampbalance.publishing.provenance.manifest import manifest
 from dampbalance.publishing.provenance.sources import PROJECT, code_version, digest_of, files_of
 from folders import ROOT

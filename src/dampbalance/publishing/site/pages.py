@@ -16,6 +16,7 @@ from typing import Any
 
 import jinja2
 
+from ..markdown import templates
 from . import texts
 from .mirror import Mirror
 
@@ -44,23 +45,16 @@ class Pages:
 
     def made(self) -> dict[str, str]:
         """The Markdown of each page, by its path below the folder. Raises SiteError if a page cannot be rendered."""
-        templates = jinja2.Environment(
-            loader=jinja2.FileSystemLoader(self.root / self.folder),
-            autoescape=False,  # the pages are Markdown and contain only files of the project
-            undefined=jinja2.StrictUndefined,
-            trim_blocks=True,
-            lstrip_blocks=True,
-            keep_trailing_newline=True,
-        )
+        pages = templates(jinja2.FileSystemLoader(self.root / self.folder))
         rendered = {}
-        for name in sorted(templates.list_templates(extensions=["md"])):
+        for name in sorted(pages.list_templates(extensions=["md"])):
             given = {
                 "text": partial(self._text, name),
                 "section": partial(self._section, name),
                 "there": lambda path: (self.root / path).is_file(),
             }
             try:
-                rendered[name] = templates.get_template(name).render(**given, **self.functions)
+                rendered[name] = pages.get_template(name).render(**given, **self.functions)
             except jinja2.TemplateError as error:
                 raise SiteError(f"{self.folder}/{name}: {error}") from error
         return {
