@@ -25,9 +25,8 @@ def read(file: str | Path, schema: str | Path) -> dict[str, Any]:
 
     Raises ConfigurationError, a line for whatever the schema does not allow.
     """
-    document: dict[str, Any] = read_yaml(file)
-    problems = against_schema(document, read_schema(schema), [])
-    if problems:
+    document = read_yaml(file)
+    if problems := against_schema(document, read_schema(schema)):
         raise ConfigurationError(in_lines(problems, {str(file): document}))
     return document
 
