@@ -171,8 +171,9 @@ def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
 
     base: Any = jsonschema.Draft202012Validator
     types = base.TYPE_CHECKER.redefine("integer", lambda _, value: type(value) is int)
-    ours: Any = {"registered": check, "uniqueItems": unique, "pattern": pattern}
-    return jsonschema.validators.extend(base, ours, type_checker=types)(schema)
+    extend: Any = jsonschema.validators.extend
+    ours = {"registered": check, "uniqueItems": unique, "pattern": pattern}
+    return extend(base, ours, type_checker=types)(schema)
 
 
 def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:

@@ -6,14 +6,16 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
-from operator import itemgetter
 from typing import Any
 
+from ...law.terms import named_with_unit
 from ...project.wording import MINUS, in_markdown, listed, markdown_table
 
-# The unit at the end of the name of a key, such as N_s2_per_m2, and the replacements that make it readable
-_UNIT = re.compile(r"(?:^|_)((?:N(?:_s\d?)?|rad)_per_(?:m\d?|s)|hz|kg|N|m|s)$")
-_AS_READ = (("_per_", "/"), ("_", " "), ("hz", "Hz"), ("2", "²"), ("3", "³"))
+# The ending of the name of a key → the unit that it states, the longest endings first
+_UNITS = {
+    named_with_unit("", unit): unit
+    for unit in ("N s³/m³", "N s²/m²", "N s/m", "N/m", "rad/s", "kg", "N", "m", "s")
+} | {"_hz": "Hz"}
 _TYPES = {
     "array": "list",
     "boolean": "true or false",
@@ -22,12 +24,7 @@ _TYPES = {
     "object": "keys",
     "string": "text",
 }
-_LIMITS = (
-    ("minimum", "≥"),
-    ("exclusiveMinimum", ">"),
-    ("maximum", "≤"),
-    ("exclusiveMaximum", "<"),
-)
+_LIMITS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
 
 
 def tables(
@@ -66,11 +63,9 @@ class _Reader:
         for inner, name in (("items", "[]"), ("additionalProperties", ".*")):
             if isinstance(node.get(inner), Mapping):
                 self.read(node[inner], f"{parent}{name}".lstrip("."))
-        children = [
-            (self.followed(child), key) for key, child in node.get("properties", {}).items()
-        ]
-        for child, alike in groupby(children, key=itemgetter(0)):
-            names = [name for _, name in alike]
+        children = node.get("properties", {})
+        for child, alike in groupby(children, key=lambda name: self.followed(children[name])):
+            names = list(alike)
             units = dict.fromkeys(filter(None, map(_unit, names)))
             cells = (
                 ", ".join(f"`{name}`" for name in names)
@@ -103,7 +98,9 @@ class _Reader:
             words = [self.type_of(choice) for choice in node["anyOf"]]
         else:
             names = node.get("type", "any value")
-            words = [self._word(one, node) for one in ([names] if names == str(names) else names)]
+            words = [
+                self._word(one, node) for one in ([names] if isinstance(names, str) else names)
+            ]
         return listed(list(dict.fromkeys(words)), "or")
 
     def _word(self, name: str, node: Mapping[str, Any]) -> str:
@@ -118,10 +115,7 @@ class _Reader:
 
 def _unit(key: str) -> str:
     """The unit that is stated at the end of the name of a key; "" if there is none."""
-    unit = found[1] if (found := _UNIT.search(key)) else ""
-    for typed, read in _AS_READ:
-        unit = unit.replace(typed, read)
-    return unit
+    return next((unit for end, unit in _UNITS.items() if f"_{key}".endswith(end)), "")
 
 
 def _value(value: object) -> str:
@@ -135,7 +129,9 @@ def _range(node: Mapping[str, Any]) -> str:
     low, high = node.get("minimum"), node.get("maximum")
     if low is not None and high is not None:
         return f" from {_number(low)} to {_number(high)}"
-    return ",".join(f" {sign} {_number(node[name])}" for name, sign in _LIMITS if name in node)
+    return ",".join(
+        f" {sign} {_number(node[name])}" for name, sign in _LIMITS.items() if name in node
+    )
 
 
 def _length(node: Mapping[str, Any]) -> str:

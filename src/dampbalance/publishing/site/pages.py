@@ -78,21 +78,18 @@ class Pages:
         level : the level of its heading on the page; 0 for no heading.   inner : whether to include its subsections.
         """
         known = self._sections(path)
-        if not title:
-            self.parts[path, ""] = (page, "")
-            return texts.written([replace(known[0], level=0)])
-        try:
-            first, *others = texts.with_inner(known, title)
-        except KeyError:
+        chosen = texts.with_inner(known, title) if title else known[:1]
+        if not chosen:
             titles = ", ".join(repr(section.title) for section in known)
             raise SiteError(
                 f"{self.folder}/{page}: {path} has no section {title!r}; it has {titles}"
-            ) from None
-        if (path, first.anchor) in self.parts:
-            where = self.parts[path, first.anchor][0]
+            )
+        first, others = chosen[0], chosen[1:] if inner else []
+        anchor = first.anchor if title else ""
+        if title and (path, anchor) in self.parts:
+            where = self.parts[path, anchor][0]
             raise SiteError(f"{self.folder}/{page}: {title!r} of {path} is on {where} already")
-        others = others if inner else []
-        self.parts[path, first.anchor] = (page, first.anchor if level else "")
+        self.parts[path, anchor] = (page, anchor if level else "")
         self.parts |= {(path, one.anchor): (page, one.anchor) for one in others}
         down = (level or 1) - first.level
         others = [replace(one, level=one.level + down) for one in others]
