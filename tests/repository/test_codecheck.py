@@ -13,8 +13,10 @@ from dampbalance.publishing.codecheck import read
 from folders import ROOT
 
 FILE, SCHEMA = ROOT / "codecheck.yml", ROOT / "workflow/schemas/codecheck.schema.yaml"
+PAPER = {"title": "A", "authors": [{"name": "A"}], "reference": "https://doi.org/10.1/a"}
+ORCID = "0000-0002-1825-0097"
 CHECKED = {
-    "codechecker": [{"name": "Josiah Carberry", "ORCID": "0000-0002-1825-0097"}],
+    "codechecker": [{"name": "Josiah Carberry", "ORCID": ORCID}],
     "report": "https://doi.org/10.5281/zenodo.3674056",
     "certificate": "2020-001",
 }
@@ -81,33 +83,11 @@ def test_a_finished_check_is_valid_too(configuration):
         ({"manifest": [{"file": "results/../../a.csv", "comment": "A"}]}, "file"),
         ({"manifest": [{"comment": "A"}]}, "manifest"),
         ({"version": "https://codecheck.org.uk/spec/config/0.9/"}, "version"),
+        ({"paper": PAPER | {"authors": []}}, "authors"),
+        ({"paper": PAPER | {"title": "FIXME"}}, "title"),
+        ({"paper": PAPER | {"reference": "https://a.org/a.pdf"}}, "reference"),
         (
-            {"paper": {"title": "A", "authors": [], "reference": "https://doi.org/10.1/a"}},
-            "authors",
-        ),
-        (
-            {
-                "paper": {
-                    "title": "FIXME",
-                    "authors": [{"name": "A"}],
-                    "reference": "https://a.org/a",
-                }
-            },
-            "title",
-        ),
-        (
-            {
-                "paper": {
-                    "title": "A",
-                    "authors": [{"name": "A"}],
-                    "reference": "https://a.org/a.pdf",
-                }
-            },
-            "reference",
-        ),
-        (
-            CHECKED
-            | {"codechecker": [{"name": "A", "ORCID": "https://orcid.org/0000-0002-1825-0097"}]},
+            CHECKED | {"codechecker": [{"name": "A", "ORCID": f"https://orcid.org/{ORCID}"}]},
             "ORCID",
         ),
         (CHECKED | {"certificate": "CODECHECK-1"}, "certificate"),
@@ -125,7 +105,6 @@ def test_the_error_names_file_key_and_remedy(tmp_path):
     wrong = tmp_path / "codecheck.yml"
     text = FILE.read_text(encoding="utf-8").replace("results/paper/claims.csv", "/claims.csv")
     wrong.write_text(text, encoding="utf-8")
-    with pytest.raises(
-        ConfigurationError, match=r"codecheck\.yml: line \d+: manifest.*relative to this file"
-    ):
+    message = r"codecheck\.yml: line \d+: manifest.*relative to this file"
+    with pytest.raises(ConfigurationError, match=message):
         read(wrong, SCHEMA)

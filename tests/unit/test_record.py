@@ -45,17 +45,13 @@ def test_step_and_length():
         ({"t": T + 0.001 * (I == 40)}, "not uniform: sample 40"),
         ({"t": T**1.02}, "not uniform"),
         ({"x": np.zeros((101, 2))}, r"Record.x must be one-dimensional, got shape \(101, 2\)"),
+        ({"t": T[:2]}, "at least 3 samples, got 2"),
     ],
-    ids=["length", "nan", "inf", "gap", "backwards", "twice", "jitter", "drift", "shape"],
+    ids=["length", "nan", "inf", "gap", "backwards", "twice", "jitter", "drift", "shape", "few"],
 )
 def test_what_is_not_a_record_is_refused_by_name(changed, message):
     with pytest.raises(ValueError, match=message):
         record(**changed)
-
-
-def test_two_samples_are_too_few():
-    with pytest.raises(ValueError, match="at least 3 samples, got 2"):
-        Record(t=T[:2], y=T[:2], x=T[:2])
 
 
 def test_times_written_with_few_digits_are_uniform_enough():
