@@ -12,18 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ..motion.orbit import Orbit
 from .cycle import LEFT, RIGHT, RING, WIDTH, Branch, arrow_along, branches, name_regime
-from .style import (
-    DOUBLE_COLUMN,
-    FAINT,
-    SLIP,
-    STICK,
-    arrow,
-    note,
-    page,
-    panel_letter,
-    place,
-    styled,
-)
+from .style import DOUBLE_COLUMN, FAINT, SLIP, STICK, arrow, note, page, panel_letter, place, styled
 
 
 @styled()
