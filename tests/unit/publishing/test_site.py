@@ -1,15 +1,14 @@
-"""What the site is made of: sections and links of texts, docstrings, keys of schemas, options of commands."""
+"""What the site is made of: sections and links of texts, docstrings, keys of schemas."""
 
 from __future__ import annotations
 
-import argparse
 import re
 import textwrap
 
 import docutils.core
 import pytest
 
-from dampbalance.publishing.site import command_help, keys, mirror, names, pages, texts
+from dampbalance.publishing.site import keys, mirror, names, pages, texts
 from dampbalance.publishing.site.docstrings import markup
 
 TEXT = """\
@@ -240,23 +239,6 @@ def test_the_unit_of_a_key_is_the_end_of_its_name(key, unit):
 def test_bounds_are_written_as_short_as_they_can_be(value, shown):
     table = keys.tables({"properties": {"x": {"type": "number", "minimum": value}}}, {})
     assert f"number ≥ {shown} " in table
-
-
-def test_a_command_as_a_table():
-    parser = argparse.ArgumentParser(
-        prog="p do", description="Do it.", epilog="So:\n\n  p do a_b --n 1\n"
-    )
-    parser.add_argument("files", nargs="+", metavar="FILE", help="what is read")
-    parser.add_argument("--kind", choices=["a", "b"], required=True, help="of file")
-    parser.add_argument("--n", type=int, default=7, help="how many (default: %(default)s)")
-    parser.add_argument("--fast", action="store_true", help="sooner | worse")
-    text = command_help.command(parser)
-    assert "```\np do FILE … --kind KIND [options]\n```" in text
-    assert "| `FILE` *needed* | what is read |" in text
-    assert "| `--kind KIND` *needed* | of file: `a` or `b` |" in text
-    assert "| `--n N` | how many (default: 7) |" in text
-    assert "| `--fast` | sooner \\| worse |" in text
-    assert "```\np do a_b --n 1\n```" in text
 
 
 def test_names_that_texts_mention():
