@@ -41,10 +41,8 @@ def named(path):
 
 def test_there_is_something_to_scan():
     names = {named(path) for path in sources()}
-    assert {
-        "src/dampbalance/balance.py",
-        "src/dampbalance/replication/claims/published.py",
-    } <= names
+    package = "src/dampbalance"
+    assert {f"{package}/balance.py", f"{package}/replication/claims/published.py"} <= names
     assert any(name.startswith("workflow/scripts/") for name in names)
 
 
