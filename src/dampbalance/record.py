@@ -76,25 +76,6 @@ class Record:
         """The part of the record from sample `start` up to, not including, `stop`."""
         return type(self)(**{name: signal[start:stop] for name, signal in self.signals().items()})
 
-    def whole_cycles(self, period: float) -> int:
-        """How many whole cycles of the given period, s, the record spans from its first sample on."""
-        # Half a step of slack: n samples of an exact division of the period span n − 1 steps and yet the whole cycle.
-        return int((self.t[-1] - self.t[0] + 0.5 * self.dt) // period)
-
-    def cycle(self, number: int, period: float) -> Self:
-        """Cycle `number` of the record, counted from 0 at its first sample; −1 is the last whole one.
-
-        The samples from the one nearest the start of the cycle to the one nearest its end, both included.
-        period : s.   Raises IndexError when the record does not hold that cycle.
-        """
-        count = self.whole_cycles(period)
-        if not -count <= number < count:
-            cycles = f"{count} whole cycles of {period!r} s"
-            raise IndexError(f"the record holds {cycles}; no cycle {number}")
-        per_cycle = period / self.dt
-        first = round((number % count) * per_cycle)
-        return self.samples(first, first + round(per_cycle) + 1)
-
     def to_frame(self) -> pd.DataFrame:
         """The record as a data frame, one row per sample, columns named with their units (`COLUMNS`)."""
         import pandas as pd  # slow to import, and needed for tables only

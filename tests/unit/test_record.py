@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -58,27 +56,6 @@ def test_times_written_with_few_digits_are_uniform_enough():
     # 0.3 ms steps printed to 10 µs: each time off by up to 5 µs, a sixtieth of a step.
     made = Record(t=np.round(np.arange(101) * 3.0e-4, 5), y=T, x=T)
     assert made.dt == pytest.approx(3.0e-4, rel=1e-12)
-
-
-def test_cycles_are_counted_and_cut_whole():
-    period = 0.25
-    made = record()
-    assert made.whole_cycles(period) == 4
-    first, last = made.cycle(0, period), made.cycle(-1, period)
-    assert (first.t[0], first.t[-1]) == (T[0], T[25])
-    assert (last.t[0], last.t[-1]) == (T[75], T[100])
-    assert np.array_equal(last.acceleration, made.acceleration[75:])
-    with pytest.raises(IndexError, match="holds 4 whole cycles"):
-        made.cycle(4, period)
-
-
-def test_cycles_that_are_no_whole_number_of_steps():
-    made, period = record(), math.pi / 10.0  # 31.4 steps
-    assert made.whole_cycles(period) == 3
-    for number in range(3):
-        cycle = made.cycle(number, period)
-        assert abs(cycle.t[0] - number * period) <= 0.5 * made.dt
-        assert len(cycle) == 32
 
 
 def test_frames_keep_every_bit_and_say_their_units():

@@ -30,6 +30,7 @@ from typing import Any
 from urllib.parse import quote
 
 from ...project.wording import dotted
+from ..article.software import name as printed_name
 
 DESCRIPTOR = "ro-crate-metadata.json"
 CONTEXT = [
@@ -215,11 +216,10 @@ def crate(
 
 def _author(author: Mapping[str, str], number: int, folder: CrateFolder) -> Entity:
     """A person or an organisation named in the citation; without a website, the citation file serves as its URL."""
-    person = f"{author.get('given-names', '')} {author.get('family-names', '')}".strip()
     return entity(
         author.get("orcid") or f"#author-{number}",
         "Organization" if "name" in author else "Person",
-        name=author.get("name") or person,
+        name=printed_name(author),
         url=author.get("website") or at(folder.name("CITATION.cff")),
     )
 
