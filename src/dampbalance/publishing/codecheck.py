@@ -56,27 +56,20 @@ def report(
     ]
     tables = [file.with_suffix(".md") for file in files.values() if file.parent.name == "tables"]
     counted = counts(claims)
-    return (
-        templates()
-        .get_template("codecheck.md.j2")
-        .render(
-            configuration=configuration,
-            version=version,
-            folder=_link(above.parent, above),
-            manifest=manifest,
-            counted=counted,
-            total=counted[-1],
-            verdicts=list(VERDICTS.values()),
-            routes=ROUTE_NAMES,
-            rest=claims[~claims["verdict"].isin(HOLDING)].to_dict("records"),
-            tables=[_lowered(table.read_text(encoding="utf-8")) for table in tables],
-        )
+    template = templates().get_template("codecheck.md.j2")
+    return template.render(
+        configuration=configuration,
+        version=version,
+        folder=_link(above.parent, above),
+        manifest=manifest,
+        counted=counted,
+        total=counted[-1],
+        verdicts=list(VERDICTS.values()),
+        routes=ROUTE_NAMES,
+        rest=claims[~claims["verdict"].isin(HOLDING)].to_dict("records"),
+        # each a section of the report: its heading two levels down
+        tables=[table.read_text("utf-8").strip().replace("# ", "### ", 1) for table in tables],
     )
-
-
-def _lowered(page: str) -> str:
-    """A page of Markdown as a section of another: its heading two levels down."""
-    return page.strip().replace("# ", "### ", 1)
 
 
 def _link(file: Path, above: Path) -> str:

@@ -14,7 +14,7 @@ import os
 import sys
 import tarfile
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -99,16 +99,8 @@ def unpack(path: str | Path, folder: str | Path) -> None:
     try:
         with tarfile.open(path, "r:gz") as tar:
             entries = tar.getmembers()
-            tops = {PurePosixPath(entry.name).parts[:1] for entry in entries}
-            for entry in entries:
-                if problem := _misplaced(entry):
-                    raise ValueError(
-                        f"{path}: {entry.name!r} {problem}: nothing was unpacked; name an archive of `make archive`"
-                    )
-            if len(tops) != 1 or not "".join(*tops).startswith("dampbalance-"):
-                raise ValueError(
-                    f"{path}: does not hold one folder dampbalance-…; name an archive of `make archive`"
-                )
+            if problem := _problem(entries):
+                raise ValueError(f"{path}: {problem}; name an archive of `make archive`")
             for entry in entries:
                 target = Path(folder, entry.name)
                 if data := tar.extractfile(entry):
@@ -121,14 +113,19 @@ def unpack(path: str | Path, folder: str | Path) -> None:
         ) from None
 
 
-def _misplaced(entry: tarfile.TarInfo) -> str:
-    """Why an entry of an archive must not be unpacked; "" if it may."""
-    if not (entry.isfile() or entry.isdir()):
-        return "is a link or a device"
-    name = PurePosixPath(entry.name)
-    if name.is_absolute() or ".." in name.parts or "\\" in entry.name:
-        return "leads out of the folder"
-    return ""
+def _problem(entries: Sequence[tarfile.TarInfo]) -> str:
+    """Why the entries of an archive must not be unpacked; "" if they may."""
+    for entry in entries:
+        name, problem = PurePosixPath(entry.name), ""
+        if not (entry.isfile() or entry.isdir()):
+            problem = "is a link or a device"
+        elif name.is_absolute() or ".." in name.parts or "\\" in entry.name:
+            problem = "leads out of the folder"
+        if problem:
+            return f"{entry.name!r} {problem}: nothing was unpacked"
+    tops = {PurePosixPath(entry.name).parts[:1] for entry in entries}
+    alone = len(tops) == 1 and "".join(*tops).startswith("dampbalance-")
+    return "" if alone else "does not hold one folder dampbalance-…"
 
 
 def readme(
@@ -141,21 +138,18 @@ def readme(
     if code["modified"]:
         commit += ", with changes that the archive holds"
     packages = [f"{p} {run['packages'][p]}" for p in NUMERICAL if p in run["packages"]]
-    return (
-        templates()
-        .get_template("archive.md.j2")
-        .render(
-            name=name,
-            made=made,
-            commit=commit,
-            run=run,
-            packages=", ".join(packages) or "those named in pyproject.toml",
-            rebuild=rebuild,
-            manifest=manifest_file,
-            left_out=sorted(left_out),
-            sizes={result["path"]: result["bytes"] for result in made["results"]},
-            largest=f"{LARGEST_PACKED / 1e6:.0f}",
-        )
+    template = templates().get_template("archive.md.j2")
+    return template.render(
+        name=name,
+        made=made,
+        commit=commit,
+        run=run,
+        packages=", ".join(packages) or "those named in pyproject.toml",
+        rebuild=rebuild,
+        manifest=manifest_file,
+        left_out=sorted(left_out),
+        sizes={result["path"]: result["bytes"] for result in made["results"]},
+        largest=f"{LARGEST_PACKED / 1e6:.0f}",
     )
 
 
