@@ -26,12 +26,8 @@ LONGEST_MODULE = 600  # lines; a file is a concept that an expert names
 
 def project_files() -> list[Path]:
     """Every text file of the project: what is or would be under version control."""
-    listing = subprocess.run(
-        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        cwd=ROOT,
-        capture_output=True,
-        check=True,
-    )
+    command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    listing = subprocess.run(command, cwd=ROOT, capture_output=True, check=True)
     names = {name for name in listing.stdout.decode().split("\0") if name}
     paths = (ROOT / name for name in sorted(names))
     return [path for path in paths if path.is_file() and b"\0" not in path.read_bytes()]

@@ -42,9 +42,8 @@ def test_base_motion():
 
 
 def test_parameters_keep_their_order():
-    assert parameters(Oscillator(**PAPER), BaseMotion(**MOTION)) == Parameters(
-        2.42, 90.0, 2310.0, 208000.0, 1.28, 0.004, 30.9
-    )
+    expected = Parameters(2.42, 90.0, 2310.0, 208000.0, 1.28, 0.004, 30.9)
+    assert parameters(Oscillator(**PAPER), BaseMotion(**MOTION)) == expected
 
 
 @pytest.mark.parametrize(

@@ -207,9 +207,8 @@ def test_approaches_stay_apart_in_grey():
 def test_an_approach_needs_no_more_than_its_entry_to_have_a_look(monkeypatch):
     assert set(balance.APPROACHES) | {"simpson", "fit"} == set(looks.LOOKS)
     for name in ("new", "newer"):
-        monkeypatch.setitem(
-            balance.APPROACHES, name, balance.Approach(balance.direct, f"{name} t_s")
-        )
+        new = balance.Approach(balance.direct, f"{name} t_s")
+        monkeypatch.setitem(balance.APPROACHES, name, new)
     assert [looks.look_of(name) for name in ("new", "newer")] == list(looks.SPARE[:2])
     assert looks.label_of("new") == "new t_s"
     assert looks.in_maths(looks.label_of("new")) == "new $t_s$"
@@ -325,11 +324,8 @@ def test_figure3_marks_what_table_1_lists(make, orbits):
 
 def test_the_microsticking_line_is_straight_and_as_steep_as_the_contact(make, orbits):
     b = panels(make["figure3"]())["b"]
-    stick = next(
-        line.get_xydata()
-        for line in b.lines
-        if line.get_color() == style.STICK and line.get_xydata()[0, 0] < 0.0
-    )
+    curves = [line.get_xydata() for line in b.lines if line.get_color() == style.STICK]
+    stick = next(curve for curve in curves if curve[0, 0] < 0.0)
     x, acceleration = stick[:, 0] * 1e-3, stick[:, 1]
     # m dẍ/dx = −(k + K_z) + (kẏ − cẍ)/ẋ. At the reversal kẏ and cẍ all but cancel, being at resonance; at slip onset
     # the last term is (285 − 174 N/s)/0.0077 m/s = 14 kN/m, 7 % of k + K_z.
@@ -497,15 +493,13 @@ def test_direct_integration_that_is_not_exact_is_drawn_like_the_others(estimates
     figure = figures.estimation_error({"omega1": frame}, PAPER, {"omega1": NEAR}, LEVELS)
     assert len(figure.axes) == 2
     # 0.01 %, on top of errors of 1e-12 %
-    assert drawn(figure, "c omega1", "direct individual") == pytest.approx(
-        [0.01] * (len(PAIRS) + 1), rel=1e-6
-    )
+    shown = drawn(figure, "c omega1", "direct individual")
+    assert shown == pytest.approx([0.01] * (len(PAIRS) + 1), rel=1e-6)
 
 
 def test_a_new_approach_and_a_new_term_are_drawn_like_the_others(stand_in, monkeypatch, tmp_path):
-    monkeypatch.setitem(
-        balance.APPROACHES, "new", balance.Approach(balance.direct, "new", takes_phase=False)
-    )
+    new = balance.Approach(balance.direct, "new", takes_phase=False)
+    monkeypatch.setitem(balance.APPROACHES, "new", new)
     monkeypatch.setitem(balance.TERMS, "d", Term("d", "kg/m", "quadratic damping", "g", "m³/s²"))
     both = pd.concat([stand_in, stand_in.replace({"approach": "X_s", "phase": "common"}, "new")])
     both["phase"] = both["phase"].replace("new", "individual")

@@ -162,11 +162,8 @@ def rows(name):
     """The rows of clean responses under a law: three amplitudes at two frequencies."""
     law = dict(LAWS[name])
     oscillator = Oscillator(m=2.42, c=law.pop("c", 0.0), k=2310.0, K_z=70000.0, F_k=1.28)
-    orbits = [
-        law_orbit(oscillator, motion, law)
-        for hertz in FREQUENCIES_HZ
-        for motion in motions_at(hertz, (0.003, 0.006, 0.012))
-    ]
+    motions = [m for hertz in FREQUENCIES_HZ for m in motions_at(hertz, (0.003, 0.006, 0.012))]
+    orbits = [law_orbit(oscillator, motion, law) for motion in motions]
     symbols = (FRICTION, *LAWS[name])
     terms = {s: np.array([of_motion(s, orbit) for orbit in orbits]) for s in symbols}
     return Rows(terms, np.array([input_work(orbit) for orbit in orbits]))

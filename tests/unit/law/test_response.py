@@ -218,9 +218,8 @@ def test_a_linear_ring_down_with_friction_is_the_exact_one():
 @pytest.mark.parametrize("x", [0.0, 1e-4])
 def test_a_mass_in_balance_stays_where_it_is(x):
     oscillator = Oscillator(m=1.0, c=1.0, k=100.0, K_z=1000.0, F_k=1.0)
-    run = law_transient(
-        oscillator, None, {"c_2": 1.0}, 10.0, x=x, z=-oscillator.k * x / oscillator.K_z
-    )
+    z = -oscillator.k * x / oscillator.K_z
+    run = law_transient(oscillator, None, {"c_2": 1.0}, 10.0, x=x, z=z)
     state = run.state(np.linspace(0.0, 10.0, 7))
     assert list(state.x) == [x] * 7
     assert not state.v.any()
@@ -235,9 +234,8 @@ def test_a_velocity_that_dips_below_zero_within_a_step_is_a_reversal(before):
     x = -math.sin(before) + 0.5 * q * math.sin(2.0 * before)
     v = math.cos(before) - q * math.cos(2.0 * before)
     middle = -0.25 * math.pi  # ωt = −π/2, where the motion has t = 0
-    found = law_transient(
-        oscillator, motion, {}, middle + 0.5, x=x, v=v, z=x, start=middle - before
-    )
+    given = {"x": x, "v": v, "z": x, "start": middle - before}
+    found = law_transient(oscillator, motion, {}, middle + 0.5, **given)
     first, second = found.turns[:, PHASE_T] - middle
     # by the expansion of v to second order, (1 − q) + 3t²/2; the next term is t⁴
     assert first == pytest.approx(-low, rel=1e-3)
@@ -349,8 +347,6 @@ def test_records_are_drawn_from_it_as_from_an_orbit():
     exact = measured_orbit(steady_orbit(PAPER, motion), channels=channels, **given)
     found = measured_orbit(law_orbit(PAPER, motion, {}), channels=channels, **given)
     for quantity in channels:
-        size = np.abs(exact[quantity].values).max()
-        np.testing.assert_allclose(
-            found[quantity].values, exact[quantity].values, rtol=0, atol=1e-10 * size
-        )
+        one, other = found[quantity].values, exact[quantity].values
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-10 * np.abs(other).max())
     assert steady_orbit(PAPER, motion).phases[1, PHASE_V] > 0.0

@@ -157,11 +157,7 @@ def packed(path, *entries):
 
 
 def test_an_archive_is_unpacked_as_it_was_packed(tmp_path):
-    entries = [
-        ("dampbalance-1", tarfile.DIRTYPE),
-        ("dampbalance-1/a b/c..d",),
-        ("dampbalance-1/e",),
-    ]
+    entries = ("dampbalance-1", tarfile.DIRTYPE), ("dampbalance-1/a b/c..d",), ("dampbalance-1/e",)
     archive.unpack(packed(tmp_path / "a.tar.gz", *entries), tmp_path / "new")
     files = [file for file in (tmp_path / "new").rglob("*") if file.is_file()]
     top = tmp_path / "new/dampbalance-1"
