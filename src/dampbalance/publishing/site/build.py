@@ -79,7 +79,7 @@ def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]
 
 def _help(command: argparse.ArgumentParser) -> str:
     """The help of a command as it shows it, in lines that a page has room for."""
-    command.formatter_class = partial(command.formatter_class, width=90)
+    command.formatter_class = partial(argparse.RawDescriptionHelpFormatter, width=90)
     return f"```\n{command.format_help()}```\n"
 
 
