@@ -99,9 +99,9 @@ def whole(name: str, value: object) -> int:
     bounds = NUMBERS[name]
     if isinstance(value, float | np.floating) and float(value).is_integer():
         value = int(value)
-    if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        _refuse(name, bounds, value)
-    if not bounds.low <= value <= bounds.high:
+    if isinstance(value, bool) or not (
+        isinstance(value, int | np.integer) and bounds.low <= value <= bounds.high
+    ):
         _refuse(name, bounds, value)
     return int(value)
 
@@ -138,17 +138,14 @@ def floats(values: Any) -> Array:
     kind = array.dtype.kind
     if kind == "O" and array.ndim:
         masks = np.broadcast_to(mask, array.shape).ravel()
-        flat = [
-            math.nan if hidden else _float(one)
-            for one, hidden in zip(array.ravel(), masks, strict=True)
-        ]
+        pairs = zip(array.ravel(), masks, strict=True)
+        flat = [math.nan if hidden else _float(one) for one, hidden in pairs]
         return np.array(flat, dtype=np.float64).reshape(array.shape)
     if kind not in "iuf":
-        raise ValueError(
-            {"c": "complex numbers"}.get(kind, "texts" if kind in "SU" else _NO_NUMBERS)
-        )
+        instead = {"c": "complex numbers", "S": "texts", "U": "texts"}
+        raise ValueError(instead.get(kind, _NO_NUMBERS))
     with np.errstate(over="ignore"):  # a longer float
-        plain: Array = array.astype(np.float64, copy=False)
+        plain = array.astype(np.float64, copy=False)
     return plain if mask is np.ma.nomask else np.where(mask, np.nan, plain)
 
 

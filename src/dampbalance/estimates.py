@@ -35,9 +35,8 @@ def estimate_columns() -> list[str]:
         "pair",  # "1-2" …; "all" for the other kinds
         "levels",  # number of responses that entered
         *(term.column for term in TERMS.values()),
-        *(
-            term.error_column for term in TERMS.values()
-        ),  # least squares of more levels than terms only
+        # least squares of more levels than terms only
+        *(term.error_column for term in TERMS.values()),
         "residual",  # ‖A p − W‖ / ‖W‖
         "K_z_N_per_m",  # from F_k and the mean length of the microstick line
         "note",  # why a number is missing
@@ -82,8 +81,7 @@ def _records(
     """The lines of the table for one approach: its pairs, their mean and deviation, the least squares."""
     swing = features.X + features.X_s
     head: dict[str, object] = {"approach": name, "phase": phase, "note": ""}
-    records: list[dict[str, object]] = []
-    estimates = []
+    records, estimates = [], []
     for i, j in chosen:
         line = head | {"kind": "pair", "pair": pair_label(i, j), "levels": 2}
         try:

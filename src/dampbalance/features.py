@@ -6,8 +6,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, Self, get_args
 
 import numpy as np
@@ -127,7 +128,7 @@ class Features:
         """
         common = {}
         for name in names_of("features", names, COLUMNS):
-            values: Array = getattr(self, name)
+            values = getattr(self, name)
             exists = np.isfinite(values)
             with np.errstate(invalid="ignore"):  # no level has it: NaN
                 mean = np.sum(np.where(exists, values, 0.0), axis=0) / np.sum(exists, axis=0)
@@ -166,16 +167,12 @@ class Features:
     def from_frame(cls, frame: pd.DataFrame) -> Self:
         """The features that `to_frame` described. Raises ValueError: a column missing, or no row."""
         columns = {"omega": _OMEGA, **COLUMNS}
-        missing = [c for c in (*columns.values(), _REGIME) if c not in frame.columns]
-        if missing:
-            raise ValueError(
-                f"a table of features needs the columns {missing}, found {list(frame.columns)}"
-            )
+        if missing := [c for c in (*columns.values(), _REGIME) if c not in frame.columns]:
+            found = list(frame.columns)
+            raise ValueError(f"a table of features needs the columns {missing}, found {found}")
         if frame.empty:
             raise ValueError("there are no responses: give at least one")
-        values: dict[str, Any] = {
-            name: frame[column].to_numpy(dtype=np.float64) for name, column in columns.items()
-        }
+        values: Any = {name: frame[col].to_numpy(np.float64) for name, col in columns.items()}
         return cls(regime=frame[_REGIME].to_numpy(dtype=object), **values)
 
 
@@ -239,10 +236,9 @@ def _of_either(orbit: Orbit | Orbits) -> dict[str, Any]:
 
 def of_numbers(omega: ArrayLike, regime: ArrayLike, **numbers: Any) -> Features:
     """Features from their numbers by name, of one response or of arrays; one that is not given does not exist (NaN)."""
-    values: dict[str, Any] = {"omega": omega, "regime": regime, **dict.fromkeys(COLUMNS, np.nan)}
-    values |= numbers
+    values: dict[str, Any] = dict.fromkeys(COLUMNS, np.nan) | numbers
     values["Y"] = np.atleast_1d(np.asarray(values["Y"], dtype=np.float64))
-    return Features(**values)
+    return Features(omega=omega, regime=regime, **values)  # type: ignore[arg-type]
 
 
 def wrapped(angle: ArrayLike) -> Array:
@@ -252,23 +248,20 @@ def wrapped(angle: ArrayLike) -> Array:
 
 def beside(parts: Sequence[Features]) -> Features:
     """The responses of all parts, each of shape (n,), as cases: shape (n, number of parts)."""
-    return Features(
-        **{name: np.stack([getattr(part, name) for part in parts], axis=1) for name in _FIELDS},
-        integrals={
-            s: np.stack([part.integrals[s] for part in parts], axis=1) for s in _shared(parts)
-        },
-    )
+    return _joined(parts, partial(np.stack, axis=1))
 
 
 def stack(parts: Sequence[Features]) -> Features:
     """The responses of all parts, in order, as levels. Raises ValueError when there is none."""
     if not parts:
         raise ValueError("there are no responses: give at least one")
-    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _FIELDS}
-    integrals = {s: np.concatenate([p.integrals[s] for p in parts]) for s in _shared(parts)}
-    return Features(**arrays, integrals=integrals)
+    return _joined(parts, np.concatenate)
 
 
-def _shared(parts: Sequence[Features]) -> list[str]:
-    """Symbols of the terms whose integrals all parts have."""
-    return [s for s in parts[0].integrals if all(s in part.integrals for part in parts)]
+def _joined(parts: Sequence[Features], join: Callable[..., Any]) -> Features:
+    """The arrays of all parts joined, with the integrals that all parts have."""
+    shared = [s for s in parts[0].integrals if all(s in part.integrals for part in parts)]
+    return Features(
+        **{name: join([getattr(part, name) for part in parts]) for name in _FIELDS},
+        integrals={s: join([part.integrals[s] for part in parts]) for s in shared},
+    )

@@ -76,26 +76,6 @@ class Record:
         """The part of the record from sample `start` up to, not including, `stop`."""
         return type(self)(**{name: signal[start:stop] for name, signal in self.signals().items()})
 
-    def whole_cycles(self, period: float) -> int:
-        """How many whole cycles of the given period, s, the record spans from its first sample on."""
-        # Half a step of slack: n samples of an exact division of the period span n − 1 steps and yet the whole cycle.
-        return int((self.t[-1] - self.t[0] + 0.5 * self.dt) // period)
-
-    def cycle(self, number: int, period: float) -> Self:
-        """Cycle `number` of the record, counted from 0 at its first sample; −1 is the last whole one.
-
-        The samples from the one nearest the start of the cycle to the one nearest its end, both included.
-        period : s.   Raises IndexError when the record does not hold that cycle.
-        """
-        count = self.whole_cycles(period)
-        if not -count <= number < count:
-            raise IndexError(
-                f"the record holds {count} whole cycles of {period!r} s; no cycle {number}"
-            )
-        per_cycle = period / self.dt
-        first = round((number % count) * per_cycle)
-        return self.samples(first, first + round(per_cycle) + 1)
-
     def to_frame(self) -> pd.DataFrame:
         """The record as a data frame, one row per sample, columns named with their units (`COLUMNS`)."""
         import pandas as pd  # slow to import, and needed for tables only
@@ -105,17 +85,13 @@ class Record:
     @classmethod
     def from_frame(cls, frame: pd.DataFrame) -> Self:
         """The record that `to_frame` described. Raises ValueError naming a column that is missing or not known."""
-        unknown = [str(name) for name in frame.columns if name not in COLUMNS.values()]
-        if unknown:
-            raise ValueError(
-                f"unknown record columns {unknown}; known are {list(COLUMNS.values())}"
-            )
+        known = list(COLUMNS.values())
+        if unknown := [str(name) for name in frame.columns if name not in known]:
+            raise ValueError(f"unknown record columns {unknown}; known are {known}")
         missing = [COLUMNS[name] for name in ("t", "y", "x") if COLUMNS[name] not in frame.columns]
         if missing:
             raise ValueError(f"a record needs the columns {missing}, found {list(frame.columns)}")
-        signals: dict[str, Any] = {
-            name: frame[column] for name, column in COLUMNS.items() if column in frame.columns
-        }
+        signals: Any = {name: frame[col] for name, col in COLUMNS.items() if col in frame.columns}
         return cls(**signals)
 
 
@@ -131,9 +107,8 @@ def _signal(name: str, values: ArrayLike) -> Array:
         raise ValueError(f"Record.{name} must have at least 3 samples, got {signal.size}")
     bad = np.flatnonzero(~np.isfinite(signal))
     if bad.size:
-        raise ValueError(
-            f"Record.{name} is {signal[bad[0]]} at sample {bad[0]} ({bad.size} in all)"
-        )
+        i = bad[0]
+        raise ValueError(f"Record.{name} is {signal[i]} at sample {i} ({bad.size} in all)")
     signal.flags.writeable = False
     return signal
 

@@ -117,9 +117,8 @@ IMPORT_TIMES = (
 
 @pytest.mark.slow
 def test_identification_writes_what_it_measured(tmp_path, monkeypatch, capsys):
-    def here(
-        script, arguments, *options
-    ):  # in this process, where all is imported: a new one takes seconds
+    def here(script, arguments, *options):
+        """In this process, where all is imported: a new one takes seconds."""
         monkeypatch.setattr("sys.argv", ["-c", *arguments])
         exec(compile(script, "first call", "exec"), {})
         told = IMPORT_TIMES if "importtime" in options else ""
@@ -180,9 +179,8 @@ def test_waiting_writes_what_it_measured(tmp_path, monkeypatch):
         "first call after installation (compiles)",
     ]
     assert (table["wall_s"] == 2.0).all()
-    assert "| whole rebuild | 2 s | 2 s | 2 s | 3 s | 4.00 GB |" in (
-        tmp_path / "waiting.md"
-    ).read_text("utf-8")
+    text = (tmp_path / "waiting.md").read_text("utf-8")
+    assert "| whole rebuild | 2 s | 2 s | 2 s | 3 s | 4.00 GB |" in text
     assert [seen[i] for i in (2, 3, 4)] == [
         ("all", False, False),
         ("all", True, False),  # 1.01 · 1.28 N
@@ -214,7 +212,5 @@ def test_broyden_works_on_floats_and_arrays():
 def test_an_unknown_part_is_refused(capsys):
     with pytest.raises(SystemExit):
         command.main(["pears"])
-    assert (
-        "there is no part pears; known are peers, scaling, identification, pipeline, waiting"
-        in capsys.readouterr().err
-    )
+    known = "peers, scaling, identification, pipeline, waiting"
+    assert f"there is no part pears; known are {known}" in capsys.readouterr().err

@@ -13,8 +13,10 @@ from dampbalance.publishing.codecheck import read
 from folders import ROOT
 
 FILE, SCHEMA = ROOT / "codecheck.yml", ROOT / "workflow/schemas/codecheck.schema.yaml"
+PAPER = {"title": "A", "authors": [{"name": "A"}], "reference": "https://doi.org/10.1/a"}
+ORCID = "0000-0002-1825-0097"
 CHECKED = {
-    "codechecker": [{"name": "Josiah Carberry", "ORCID": "0000-0002-1825-0097"}],
+    "codechecker": [{"name": "Josiah Carberry", "ORCID": ORCID}],
     "report": "https://doi.org/10.5281/zenodo.3674056",
     "certificate": "2020-001",
 }
@@ -34,9 +36,8 @@ def test_it_starts_as_the_specification_wants():
 
 
 def test_what_only_a_codechecker_knows_is_not_made_up(configuration):
-    assert not {"codechecker", "report", "certificate", "check_time", "summary"} & set(
-        configuration
-    )
+    known_later = {"codechecker", "report", "certificate", "check_time", "summary"}
+    assert not known_later & set(configuration)
 
 
 def test_the_paper_is_the_one_that_is_cited(configuration):
@@ -52,20 +53,13 @@ def test_the_paper_is_the_one_that_is_cited(configuration):
 def test_every_table_and_figure_of_the_paper_is_named(configuration):
     named = {item["comment"].partition(":")[0]: item["file"] for item in configuration["manifest"]}
     rules = (ROOT / "workflow/rules/figures.smk").read_text(encoding="utf-8")
-    figures = {
-        f"Figure {n}": f"figures/figure{n}.svg" for n in re.findall(r"rule figure(\d)", rules)
-    }
     printed = (ROOT / "paper/published/printed.csv").read_text(encoding="utf-8")
-    tables = {
-        f"Table {n}": f"tables/table{n}.csv"
-        for n in re.findall(r"^table(\d)", printed, re.MULTILINE)
-    }
-    assert len(figures) == len(tables) == 3
-    wanted = (
-        figures
-        | tables
-        | {"Text": "tables/statistics.csv", "Every printed number of text and tables": "claims.csv"}
-    )
+    figures, tables = re.findall(r"rule figure(\d)", rules), re.findall(r"(?m)^table(\d)", printed)
+    wanted = {f"Figure {n}": f"figures/figure{n}.svg" for n in figures}
+    wanted |= {f"Table {n}": f"tables/table{n}.csv" for n in tables}
+    assert len(wanted) == 6
+    wanted["Text"] = "tables/statistics.csv"
+    wanted["Every printed number of text and tables"] = "claims.csv"
     assert named == {key: f"results/paper/{file}" for key, file in wanted.items()}
 
 
@@ -81,33 +75,11 @@ def test_a_finished_check_is_valid_too(configuration):
         ({"manifest": [{"file": "results/../../a.csv", "comment": "A"}]}, "file"),
         ({"manifest": [{"comment": "A"}]}, "manifest"),
         ({"version": "https://codecheck.org.uk/spec/config/0.9/"}, "version"),
+        ({"paper": PAPER | {"authors": []}}, "authors"),
+        ({"paper": PAPER | {"title": "FIXME"}}, "title"),
+        ({"paper": PAPER | {"reference": "https://a.org/a.pdf"}}, "reference"),
         (
-            {"paper": {"title": "A", "authors": [], "reference": "https://doi.org/10.1/a"}},
-            "authors",
-        ),
-        (
-            {
-                "paper": {
-                    "title": "FIXME",
-                    "authors": [{"name": "A"}],
-                    "reference": "https://a.org/a",
-                }
-            },
-            "title",
-        ),
-        (
-            {
-                "paper": {
-                    "title": "A",
-                    "authors": [{"name": "A"}],
-                    "reference": "https://a.org/a.pdf",
-                }
-            },
-            "reference",
-        ),
-        (
-            CHECKED
-            | {"codechecker": [{"name": "A", "ORCID": "https://orcid.org/0000-0002-1825-0097"}]},
+            CHECKED | {"codechecker": [{"name": "A", "ORCID": f"https://orcid.org/{ORCID}"}]},
             "ORCID",
         ),
         (CHECKED | {"certificate": "CODECHECK-1"}, "certificate"),
@@ -125,7 +97,6 @@ def test_the_error_names_file_key_and_remedy(tmp_path):
     wrong = tmp_path / "codecheck.yml"
     text = FILE.read_text(encoding="utf-8").replace("results/paper/claims.csv", "/claims.csv")
     wrong.write_text(text, encoding="utf-8")
-    with pytest.raises(
-        ConfigurationError, match=r"codecheck\.yml: line \d+: manifest.*relative to this file"
-    ):
+    message = r"codecheck\.yml: line \d+: manifest.*relative to this file"
+    with pytest.raises(ConfigurationError, match=message):
         read(wrong, SCHEMA)

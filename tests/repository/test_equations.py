@@ -73,10 +73,8 @@ def test_the_number_stands_where_the_equation_is_implemented(n):
     modules = {
         module_of(name) for line in LINES if number(line) == n for name in named_functions(line)
     }
-    cited = "".join(
-        (PACKAGE / f"{module.replace('.', '/')}.py").read_text(encoding="utf-8")
-        for module in modules
-    )
+    files = [PACKAGE / f"{module.replace('.', '/')}.py" for module in modules]
+    cited = "".join(file.read_text(encoding="utf-8") for file in files)
     numbers = {int(n) for n in re.findall(r"\((\d+)[ab]?\)", cited)}
     for first, last in re.findall(r"\((\d+)[ab]?\)(?:–| to )\((\d+)[ab]?\)", cited):
         numbers |= set(range(int(first), int(last) + 1))

@@ -34,14 +34,8 @@ def test_the_verdicts_are_those_on_record():
         for cells in (re.findall(r"[^|\s][^|]*[^|\s]|\d", line) for line in lines[2:])
     }
     assert table == {
-        count.part: [
-            count.computed,
-            *count.of_verdict.values(),
-            count.given,
-            count.statements,
-            count.statements_held,
-        ]
-        for count in counts(recorded)
+        c.part: [c.computed, *c.of_verdict.values(), c.given, c.statements, c.statements_held]
+        for c in counts(recorded)
     }
 
 

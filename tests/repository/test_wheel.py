@@ -81,12 +81,8 @@ def test_the_wheel_holds_every_file_of_the_package_and_no_other(wheel):
 def test_its_commands_work_in_an_empty_folder(empty, tmp_path):
     command = empty / "bin/dampbalance"
     assert "identify" in run(command, "--help", folder=tmp_path)
-    where = run(
-        empty / "bin/python",
-        "-c",
-        "import dampbalance; print(dampbalance.__file__)",
-        folder=tmp_path,
-    )
+    program = "import dampbalance; print(dampbalance.__file__)"
+    where = run(empty / "bin/python", "-c", program, folder=tmp_path)
     assert Path(where.strip()).is_relative_to(empty)
     # Interpreted: to compile the kernels anew would take longer than these short records.
     interpreted = {"NUMBA_DISABLE_JIT": "1"}
@@ -94,12 +90,8 @@ def test_its_commands_work_in_an_empty_folder(empty, tmp_path):
     for number, amplitude in enumerate(("0.004", "0.008"), start=1):
         record = ("simulate", f"level{number}.csv", "--amplitude", amplitude, *drive)
         run(command, *record, folder=tmp_path, **interpreted)
-    said = run(
-        command,
-        *("identify", "level1.csv", "level2.csv", "--stiffness", "2310", "--output", "found"),
-        folder=tmp_path,
-        **interpreted,
-    )
+    given = ("level1.csv", "level2.csv", "--stiffness", "2310", "--output", "found")
+    said = run(command, "identify", *given, folder=tmp_path, **interpreted)
     assert "F_k" in said
     assert (tmp_path / "found/identification.json").is_file()
     assert {path.name for path in tmp_path.iterdir()} == {"level1.csv", "level2.csv", "found"}

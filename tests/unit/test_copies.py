@@ -34,9 +34,8 @@ COPIES = {"copy": copy.copy, "deepcopy": copy.deepcopy} | {
 
 
 def made(Y):
-    return measured_orbit(
-        steady_orbit(PAPER, BaseMotion(Y, MOTION.omega)), rate_hz=500.0, cycles=12.0, noise=0.003
-    )
+    orbit = steady_orbit(PAPER, BaseMotion(Y, MOTION.omega))
+    return measured_orbit(orbit, rate_hz=500.0, cycles=12.0, noise=0.003)
 
 
 def of_law():

@@ -71,13 +71,12 @@ def test_stacking_and_taking_keep_the_order():
 def test_frames_keep_every_bit():
     features = stack([of_orbit(orbit(Y)) for Y in (1e-5, *LEVELS)])
     frame = features.to_frame()
-    assert {"Y_m", "X_s_m", "V_s_m_per_s", "t_s_s", "phi_rad", "b_m2_per_s", "W_J"} <= set(
-        frame.columns
-    )
+    units = {"Y_m", "X_s_m", "V_s_m_per_s", "t_s_s", "phi_rad", "b_m2_per_s", "W_J"}
+    assert units <= set(frame.columns)
     again = Features.from_frame(frame)
     assert again.regime.tolist() == features.regime.tolist()
     for name in ("omega", *COLUMNS):
-        assert np.array_equal(getattr(again, name), getattr(features, name), equal_nan=True), name
+        np.testing.assert_array_equal(getattr(again, name), getattr(features, name), name)
 
 
 def test_phases_are_chosen_by_name():
@@ -148,23 +147,15 @@ def test_features_of_many_orbits_are_those_of_each(by_case):
     features, F_k = by_case
     assert len(features) == 3
     for level, case in np.ndindex(3, 4):
-        alone = of_orbit(
-            orbit(
-                features.Y[level, case],
-                replace(PAPER, F_k=float(F_k[case])),
-                float(features.omega[level, case]),
-            )
-        )
+        osc, omega = replace(PAPER, F_k=float(F_k[case])), float(features.omega[level, case])
+        alone = of_orbit(orbit(features.Y[level, case], osc, omega))
         for name in ("omega", *COLUMNS):
             found, expected = getattr(features, name)[level, case], getattr(alone, name)[0]
             assert found == pytest.approx(expected, rel=1e-15, nan_ok=True), name
         assert features.regime[level, case] == alone.regime[0]
         assert np.isfinite(features.X_s[level, case]) == np.isfinite(alone.X_s[0])
-    assert np.isfinite(features.X_s).tolist() == [
-        [False, False, True, False],
-        [True] * 4,
-        [True] * 4,
-    ]
+    lowest = [False, False, True, False]
+    assert np.isfinite(features.X_s).tolist() == [lowest, [True] * 4, [True] * 4]
 
 
 def test_what_has_fewer_axes_is_broadcast():
@@ -242,18 +233,11 @@ def test_a_sample_at_the_reversal_itself_comes_after_it():
 
 def test_interpolated_reading_converges_as_the_fourth_power_of_the_step():
     exact = of_orbit(orbit())
-    corner, smooth = (
-        ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r"),
-        ("phi_zero_crossing", "phi_fundamental", "X_3"),
-    )
-    errors = {
-        n: [
-            worst(of_record(sampled(orbit(), n + 0.3), OMEGA, PAPER.k), exact, *g)
-            for g in (corner, smooth)
-        ]
-        for n in (1000, 8000)
-    }
-    orders = np.log(np.array(errors[1000]) / errors[8000]) / math.log(8.0)
+    corner = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
+    smooth = ("phi_zero_crossing", "phi_fundamental", "X_3")
+    coarse, fine = (of_record(sampled(orbit(), n + 0.3), OMEGA, PAPER.k) for n in (1000, 8000))
+    ratios = [worst(coarse, exact, *g) / worst(fine, exact, *g) for g in (corner, smooth)]
+    orders = np.log(ratios) / math.log(8.0)
     # The error of the corner depends on where it falls between two samples: ±0.7 in an order taken over a ratio of 8.
     assert np.all(np.abs(orders - 4.0) < 0.7), orders
 
@@ -264,10 +248,9 @@ def test_sample_reading_is_the_first_sample_at_or_after_the_event():
     h = record.dt
     late_1 = (read.phi[0] - exact.phi) / OMEGA
     assert 0.0 <= late_1 < h
-    # The break shows largest at the sample nearest to it: the onset is read half a step early to half a step late.
-    assert (
-        abs(read.t_s[0] + late_1 - exact.t_s) <= 0.5 * h * 1.01
-    )  # 1 %: the acceleration is curved
+    # The break shows largest at the sample nearest to it: the onset is read half a step early to half a step late, and
+    # 1 % more, as the acceleration is curved.
+    assert abs(read.t_s[0] + late_1 - exact.t_s) <= 0.5 * h * 1.01
     assert abs(read.X_s[0] - exact.X_s) <= 0.51 * h * exact.V_s
     assert worst(read, of_orbit(exact), "X", "b", "W") < 1e-6  # flat at the reversal: (h ω)² / 2
     # a starts a sample after the break: up to a step and a half late, 2 V_s for each
@@ -277,25 +260,22 @@ def test_sample_reading_is_the_first_sample_at_or_after_the_event():
 def test_phases_count_from_the_base_motion_whatever_its_own_phase():
     exact = orbit()
     record = sampled(exact, 5000.3)
-    shifted = Record(record.t - 0.0123, record.y, record.x, record.v, record.acceleration)
+    shifted = replace(record, t=record.t - 0.0123)
     read, moved = (of_record(r, OMEGA, PAPER.k) for r in (record, shifted))
     for name in ("phi_reversal", "phi_zero_crossing", "phi_fundamental", "Y"):
         assert getattr(moved, name)[0] == pytest.approx(getattr(read, name)[0], rel=1e-10), name
 
 
 def test_lock_in_uses_all_whole_cycles():
-    record = sampled(orbit(), 2000.3, cycles=4.4)
-    x = record.x + 1e-5 * np.cos(
-        0.5 * OMEGA * record.t
-    )  # a subharmonic vanishes over two cycles, not over one
-    one = sampled(orbit(), 2000.3, cycles=2.2)
-    x_one = one.x + 1e-5 * np.cos(0.5 * OMEGA * one.t)
-    exact, _ = orbit().harmonic(1)
-    read = of_record(Record(record.t, record.y, x, record.v, record.acceleration), OMEGA, PAPER.k)
-    read_one = of_record(Record(one.t, one.y, x_one, one.v, one.acceleration), OMEGA, PAPER.k)
-    assert abs(read_one.X_1[0] - exact) > 1e-7
+    def off(cycles):
+        record = sampled(orbit(), 2000.3, cycles=cycles)
+        x = record.x + 1e-5 * np.cos(0.5 * OMEGA * record.t)  # which two cycles average out
+        read = of_record(replace(record, x=x), OMEGA, PAPER.k)
+        return abs(read.X_1[0] - orbit().harmonic(1)[0])
+
+    assert off(2.2) > 1e-7
     # Three whole cycles after the first reversal, or two: an odd number leaves a third of what one leaves.
-    assert abs(read.X_1[0] - exact) < 0.5 * abs(read_one.X_1[0] - exact)
+    assert off(4.4) < 0.5 * off(2.2)
 
 
 @pytest.mark.parametrize(
@@ -337,19 +317,16 @@ def test_a_stick_phase_of_two_samples_is_not_read():
 
 def test_records_that_cannot_be_read_are_refused():
     record = sampled(orbit(), 1000.0)
-    t, y, x, v, acceleration = record.signals().values()
-    with pytest.raises(ValueError, match="the record has no velocity"):
-        of_record(Record(t, y, x), OMEGA, PAPER.k)
-    with pytest.raises(ValueError, match="the record has no acceleration"):
-        of_record(Record(t, y, x, v), OMEGA, PAPER.k)
-    with pytest.raises(ValueError, match="no whole cycle"):
-        of_record(sampled(orbit(), 1000.0, cycles=0.9), OMEGA, PAPER.k)
-    with pytest.raises(ValueError, match="y has no fundamental"):
-        of_record(Record(t, 0.0 * y, x, v, acceleration), OMEGA, PAPER.k)
-    with pytest.raises(ValueError, match='reading must be "interpolated" or "sample"'):
-        of_record(record, OMEGA, PAPER.k, reading="by eye")
-    with pytest.raises(ValueError, match="omega must be positive"):
-        of_record(record, 0.0, PAPER.k)
+    for one, omega, reading, message in (
+        (replace(record, v=None), OMEGA, "interpolated", "the record has no velocity"),
+        (replace(record, acceleration=None), OMEGA, "interpolated", "has no acceleration"),
+        (sampled(orbit(), 1000.0, cycles=0.9), OMEGA, "interpolated", "no whole cycle"),
+        (replace(record, y=0.0 * record.y), OMEGA, "interpolated", "y has no fundamental"),
+        (record, OMEGA, "by eye", 'reading must be "interpolated" or "sample"'),
+        (record, 0.0, "interpolated", "omega must be positive"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            of_record(one, omega, PAPER.k, reading=reading)
 
 
 # ---- integrals ------------------------------------------------------------------------------------------------------
@@ -365,25 +342,18 @@ def test_integral_is_exact_for_cubics(start, stop):
     def primitive(s):
         return s + s**2 / 2 - 0.1 * s**3 + 0.0025 * s**4
 
-    if (start, stop) == (
-        0,
-        39,
-    ):  # an odd number of intervals: the last rule is exact for quadratics only
-        assert integral(f, 1.0, start, stop) == pytest.approx(primitive(stop), rel=1e-4)
-    else:
-        exact = primitive(stop) - primitive(start)
-        odd = (math.floor(stop) - math.ceil(start)) % 2
-        assert integral(f, 1.0, start, stop) == pytest.approx(exact, rel=1e-4 if odd else 1e-12)
-    assert integral(f + 2j * f, 0.5, start, stop).imag == pytest.approx(
-        integral(f, 1.0, start, stop), rel=1e-12
-    )
+    exact = primitive(stop) - primitive(start)
+    # an odd number of intervals: the last rule is exact for quadratics only
+    odd = (math.floor(stop) - math.ceil(start)) % 2
+    assert integral(f, 1.0, start, stop) == pytest.approx(exact, rel=1e-4 if odd else 1e-12)
+    doubled = integral(f + 2j * f, 0.5, start, stop).imag
+    assert doubled == pytest.approx(integral(f, 1.0, start, stop), rel=1e-12)
 
 
 @pytest.mark.parametrize("stop", [3, 4, 5, 6])
 def test_integral_of_a_straight_line_over_few_whole_intervals(stop):
-    assert integral(1.0 + 2.0 * np.arange(10.0), 0.5, 2, stop) == pytest.approx(
-        0.5 * (stop - 2 + stop**2 - 4), rel=1e-14
-    )
+    found = integral(1.0 + 2.0 * np.arange(10.0), 0.5, 2, stop)
+    assert found == pytest.approx(0.5 * (stop - 2 + stop**2 - 4), rel=1e-14)
 
 
 def test_integral_stays_inside_the_samples():
@@ -396,17 +366,10 @@ def test_integral_stays_inside_the_samples():
 
 def read_off(**rules):
     return ReadOut(**rules), of_numbers(
-        OMEGA,
-        "one slip onset per half cycle",
-        X=0.0060473738,
-        X_s=-0.0060350661,
-        V_s=0.0117259,
-        t_s=2.0333e-3,
-        phi=1.5462469,
-        X_r=0.0060350661,
-        V_r=-0.0117259,
-        t_r=2.0333e-3,
-    )
+        OMEGA, "one slip onset per half cycle", X=0.0060473738, phi=1.5462469,
+        X_s=-0.0060350661, V_s=0.0117259, t_s=2.0333e-3,
+        X_r=0.0060350661, V_r=-0.0117259, t_r=2.0333e-3,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -435,24 +398,18 @@ def test_each_rule_reads_its_feature(rules, name, read):
 
 def test_features_without_a_rule_are_left_alone():
     readout, features = read_off()
+    applied = readout.apply(features)
     for name in COLUMNS:
-        assert np.array_equal(
-            getattr(readout.apply(features), name), getattr(features, name), equal_nan=True
-        ), name
+        np.testing.assert_array_equal(getattr(applied, name), getattr(features, name), name)
 
 
 def test_common_values_are_read_first_and_rounded_last():
-    features = stack(
-        [
-            of_numbers(OMEGA, "", phi=p, t_s=t)
-            for p, t in ((1.51, 2.96e-3), (1.53, 2.47e-3), (1.55, 1.99e-3))
-        ]
-    )
+    read = ((1.51, 2.96e-3), (1.53, 2.47e-3), (1.55, 1.99e-3))
+    features = stack([of_numbers(OMEGA, "", phi=phi, t_s=t_s) for phi, t_s in read])
     common = ReadOut(t_s_unit=1e-4, common_phi_decimals=1, common_t_s_decimals=4).common(features)
     assert common.phi == pytest.approx([1.5] * 3, rel=1e-15)
-    assert common.t_s == pytest.approx(
-        [2.4e-3] * 3, rel=1e-12
-    )  # (2.9 + 2.4 + 1.9)/3, not (2.96 + 2.47 + 1.99)/3
+    # (2.9 + 2.4 + 1.9)/3, not (2.96 + 2.47 + 1.99)/3
+    assert common.t_s == pytest.approx([2.4e-3] * 3, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -45,44 +43,19 @@ def test_step_and_length():
         ({"t": T + 0.001 * (I == 40)}, "not uniform: sample 40"),
         ({"t": T**1.02}, "not uniform"),
         ({"x": np.zeros((101, 2))}, r"Record.x must be one-dimensional, got shape \(101, 2\)"),
+        ({"t": T[:2]}, "at least 3 samples, got 2"),
     ],
-    ids=["length", "nan", "inf", "gap", "backwards", "twice", "jitter", "drift", "shape"],
+    ids=["length", "nan", "inf", "gap", "backwards", "twice", "jitter", "drift", "shape", "few"],
 )
 def test_what_is_not_a_record_is_refused_by_name(changed, message):
     with pytest.raises(ValueError, match=message):
         record(**changed)
 
 
-def test_two_samples_are_too_few():
-    with pytest.raises(ValueError, match="at least 3 samples, got 2"):
-        Record(t=T[:2], y=T[:2], x=T[:2])
-
-
 def test_times_written_with_few_digits_are_uniform_enough():
     # 0.3 ms steps printed to 10 µs: each time off by up to 5 µs, a sixtieth of a step.
     made = Record(t=np.round(np.arange(101) * 3.0e-4, 5), y=T, x=T)
     assert made.dt == pytest.approx(3.0e-4, rel=1e-12)
-
-
-def test_cycles_are_counted_and_cut_whole():
-    period = 0.25
-    made = record()
-    assert made.whole_cycles(period) == 4
-    first, last = made.cycle(0, period), made.cycle(-1, period)
-    assert (first.t[0], first.t[-1]) == (T[0], T[25])
-    assert (last.t[0], last.t[-1]) == (T[75], T[100])
-    assert np.array_equal(last.acceleration, made.acceleration[75:])
-    with pytest.raises(IndexError, match="holds 4 whole cycles"):
-        made.cycle(4, period)
-
-
-def test_cycles_that_are_no_whole_number_of_steps():
-    made, period = record(), math.pi / 10.0  # 31.4 steps
-    assert made.whole_cycles(period) == 3
-    for number in range(3):
-        cycle = made.cycle(number, period)
-        assert abs(cycle.t[0] - number * period) <= 0.5 * made.dt
-        assert len(cycle) == 32
 
 
 def test_frames_keep_every_bit_and_say_their_units():

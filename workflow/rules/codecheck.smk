@@ -24,6 +24,7 @@ if CODECHECKED:
             schema=project_input("workflow/schemas/codecheck.schema.yaml"),
             claims=rules.claims.output.csv,
             outputs=CODECHECKED,
+            template=project_input("src/dampbalance/publishing/templates/codecheck.md.j2"),
             modules=script_modules("codecheck/codecheck.py"),
         output:
             report=report(

@@ -37,7 +37,7 @@ if config.get("frame"):
             records=[unmoved(file) for file in record_files(FRAME["set"])],
             mappings=[unmoved(file) for file in mapping_files(FRAME["set"])],
             identification=f"{MEASURED_FILES}/{FRAME['set']}/identification.json",
-            template=project_input("src/dampbalance/publishing/frame/templates/frame.md.j2"),
+            template=project_input("src/dampbalance/publishing/templates/frame.md.j2"),
             modules=script_modules("frame/frame.py"),
         output:
             **FRAME_FILES

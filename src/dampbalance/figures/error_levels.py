@@ -15,14 +15,7 @@ from ..balance import takes_phase
 from ..model import Oscillator
 from .grid import Grid, grid, signed_axis
 from .looks import in_maths, label_of, look_of
-from .series import (
-    COMMON,
-    INDIVIDUAL,
-    Errors,
-    ErrorsByLevel,
-    ErrorsOfTerm,
-    errors_by_level,
-)
+from .series import COMMON, INDIVIDUAL, Errors, ErrorsByLevel, ErrorsOfTerm, errors_by_level
 from .style import DASHED, FAINT, omega_of, styled
 
 if TYPE_CHECKING:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,18 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ..motion.orbit import Orbit
 from .cycle import LEFT, RIGHT, RING, WIDTH, Branch, arrow_along, branches, name_regime
-from .style import (
-    DOUBLE_COLUMN,
-    FAINT,
-    SLIP,
-    STICK,
-    arrow,
-    note,
-    page,
-    panel_letter,
-    place,
-    styled,
-)
+from .style import DOUBLE_COLUMN, FAINT, SLIP, STICK, arrow, note, page, panel_letter, place, styled
 
 
 @styled()
@@ -60,8 +48,8 @@ def friction_velocity_loop(orbit: Orbit) -> Figure:
     zoom.set_xlim(-reach, reach)
     _slip_lines(whole, v_max, f_max)
     low, tall = -1.2 * f_max, 2.4 * f_max
-    frame: dict[str, Any] = {"fill": False, "ec": FAINT, "lw": 0.6, "ls": (0, (3, 2))}
-    whole.add_patch(Rectangle((-reach, low), 2 * reach, tall, **frame))
+    frame = Rectangle((-reach, low), 2 * reach, tall, fill=False, ec=FAINT, lw=0.6, ls=(0, (3, 2)))
+    whole.add_patch(frame)
     note(whole, "(b)", (reach, low), (3, 0), color=FAINT)
     _microstick_branches(zoom, orbit, cycle)
     return figure
@@ -100,5 +88,5 @@ def _microstick_branches(axes: Axes, orbit: Orbit, cycle: Sequence[Branch]) -> N
     ):
         arrow_along(axes, state.v, orbit.oscillator.K_z * state.z, 0.55, STICK)
         words = f"{name}\nmicrostick\n{orbit.t_s * 1e3:.3g} ms"
-        look: dict[str, Any] = {"color": STICK, "linespacing": 1.3}
-        axes.text(1.2 * sign * V_s, -0.55 * sign * F_k, words, ha=side, va="center", **look)
+        x, y = 1.2 * sign * V_s, -0.55 * sign * F_k
+        axes.text(x, y, words, ha=side, va="center", color=STICK, linespacing=1.3)

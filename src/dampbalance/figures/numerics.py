@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -79,12 +78,11 @@ def numerics(
     step_s : of the rebuilt simulation, s.   t_s_unit_s : the unit in which t_s was read, s.
     """
     figure = page(DOUBLE_COLUMN, BOTTOM + 2 * HEIGHT + ROW_GAP + TOP)
-    bottoms, lefts = (
-        (BOTTOM + HEIGHT + ROW_GAP, BOTTOM),
-        (LEFT + n * (WIDTH + GAP) for n in range(3)),
-    )
-    places = [(left, bottom, WIDTH, HEIGHT) for bottom, left in product(bottoms, lefts)]
-    axes = [place(figure, *frame) for frame in places]
+    axes = [
+        place(figure, LEFT + n * (WIDTH + GAP), bottom, WIDTH, HEIGHT)
+        for bottom in (BOTTOM + HEIGHT + ROW_GAP, BOTTOM)
+        for n in range(3)
+    ]
     _integrals(axes[0], evidence)
     _steps(axes[1], evidence, oscillator, step_s)
     _coefficients(axes[2], evidence)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -150,8 +148,8 @@ def _block(
 
 
 def _hatch(axes: Axes, left: float, bottom: float, width: float, height: float) -> None:
-    look: dict[str, Any] = {"fc": "none", "ec": FAINT, "lw": 0.0, "hatch": "//////"}
-    axes.add_patch(Rectangle((left, bottom), width, height, **look))
+    where = (left, bottom), width, height
+    axes.add_patch(Rectangle(*where, fc="none", ec=FAINT, lw=0.0, hatch="//////"))
 
 
 def _line(

@@ -19,9 +19,8 @@ HARMONICS = 32
 """Odd harmonics of δ."""
 
 _POINTS = 256  # of half a cycle, where N is taken
-_NODES = (
-    40  # of Gauss's rule in the stick phase: exact for the 63rd harmonic over half a cycle and more
-)
+# Of Gauss's rule in the stick phase: exact for the 63rd harmonic over half a cycle and more.
+_NODES = 40
 _RIGID = 1e-11  # of X: microstick lines below it are rounding
 _ROUNDING = 1e-15  # of X: what the displacement at an onset is known to
 
@@ -29,31 +28,18 @@ _ROUNDING = 1e-15  # of X: what the displacement at an onset is known to
 @cache
 def tables() -> tuple[Array, Array, Complexes, Array, Array]:
     """n; phases of half a cycle; e^{inθ} there; nodes and weights of Gauss's rule on (0, 1)."""
-    n: Array = np.arange(1.0, 2.0 * HARMONICS, 2.0)
-    theta: Array = np.linspace(0.0, math.pi, _POINTS, endpoint=False)
+    n = np.arange(1.0, 2.0 * HARMONICS, 2.0)
+    theta = np.linspace(0.0, math.pi, _POINTS, endpoint=False)
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    turns: Complexes = np.exp(1j * np.outer(theta, n))
-    halves: Array = 0.5 * (1.0 + np.asarray(nodes, dtype=np.float64))
-    return n, theta, turns, halves, 0.5 * weights
+    return n, theta, np.exp(1j * np.outer(theta, n)), 0.5 * (1.0 + nodes), 0.5 * weights
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """x + δ at any phases: the orbit without truncation, and the harmonics of δ."""
-
-    orbit: Orbit
-
-    def at(self, theta: Array, change: Complexes) -> tuple[Array, Array]:
-        """x, ẋ, m, m/s."""
-        omega, n = self.orbit.motion.omega, tables()[0]
-        state = self.orbit.state(theta / omega)
-        turn = np.exp(1j * np.outer(theta, n)) * change
-        return state.x + turn.real.sum(axis=1), state.v + (turn @ (1j * n * omega)).real
-
-    @cached_property
-    def velocity(self) -> Array:
-        """ẋ of the orbit at the phases of half a cycle, m/s."""
-        return self.orbit.state(tables()[1] / self.orbit.motion.omega).v
+def motion_at(orbit: Orbit, theta: Array, change: Complexes) -> tuple[Array, Array]:
+    """x + δ and its velocity at any phases, m, m/s: the orbit without truncation, and the harmonics of δ."""
+    omega, n = orbit.motion.omega, tables()[0]
+    state = orbit.state(theta / omega)
+    turn = np.exp(1j * np.outer(theta, n)) * change
+    return state.x + turn.real.sum(axis=1), state.v + (turn @ (1j * n * omega)).real
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +85,8 @@ class System:
 
     @cached_property
     def _velocity(self) -> Array:
-        return Motion(self.orbit).velocity
+        """ẋ of the orbit at the phases of half a cycle, m/s."""
+        return self.orbit.state(tables()[1] / self.orbit.motion.omega).v
 
     def residual(self, change: Complexes, turned: float) -> Array:
         """What is left of the equations, its sign changed."""
@@ -113,8 +100,8 @@ class System:
         rates = ((turns * self._rate) @ self.basis).real
         jacobian = self.impedance[:, None] * self.basis
         jacobian = jacobian + (2.0 / _POINTS) * (turns.conj().T @ (slope[:, None] * rates))
-        matrix: Array = np.eye(2 * n.size + 1)
-        of_contact: Complexes = np.zeros(n.size, dtype=np.complex128)
+        matrix = np.eye(2 * n.size + 1)
+        of_contact = np.zeros(n.size, dtype=np.complex128)
         if self.contact is not None:
             of_contact, by_change = self.contact.force_and_slope(change)
             jacobian = jacobian + by_change
@@ -198,20 +185,15 @@ class Contact:
         """Whether the microstick lines are but rounding."""
         return self.orbit.oscillator.Z_m < _RIGID * self.orbit.X
 
-    @cached_property
-    def motion(self) -> Motion:
-        """Whose contact it is."""
-        return Motion(self.orbit)
-
     def onset(self, change: Complexes) -> float:
         """Phase of the onset of slip after the reversal at −X, rad."""
         osc, omega, reversal = self.orbit.oscillator, self.orbit.motion.omega, self.orbit.theta
         if self.rigid:
             return reversal
-        x_r = self.motion.at(np.array([reversal]), change)[0][0]
+        x_r = motion_at(self.orbit, np.array([reversal]), change)[0][0]
         length = omega * self.orbit.t_s
         for _ in range(40):
-            x, v = self.motion.at(np.array([reversal + length]), change)
+            x, v = motion_at(self.orbit, np.array([reversal + length]), change)
             step = omega * float((x[0] - x_r - 2.0 * osc.Z_m) / v[0]) if v[0] > 0.0 else -length
             step = min(max(step, -length), 0.5 * length)
             length = min(length - step, math.pi)
@@ -257,14 +239,11 @@ class Contact:
     def _harmonics(self, change: Complexes) -> tuple[Complexes, Complexes, Complexes]:
         """(2/π) ∫ (f − F_k) e^{−inθ} dθ over the stick phase, N, (h,): the rest is the same in both; e^{inθ} at the
         nodes and at the reversal; the weights of the nodes in the integral."""
-        osc, reversal, (n, _, _, nodes, weights) = (
-            self.orbit.oscillator,
-            self.orbit.theta,
-            tables(),
-        )
+        osc, reversal = self.orbit.oscillator, self.orbit.theta
+        n, _, _, nodes, weights = tables()
         length = self.onset(change) - reversal
         theta = reversal + length * np.append(nodes, 0.0)
-        x = self.motion.at(theta, change)[0]
+        x = motion_at(self.orbit, theta, change)[0]
         turns = np.exp(1j * np.outer(theta, n))
         weighted = (2.0 / math.pi) * length * weights[:, None] * turns[:-1].conj()
         return (osc.K_z * (x[:-1] - x[-1]) - 2.0 * osc.F_k) @ weighted, turns, weighted

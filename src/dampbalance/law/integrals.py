@@ -53,11 +53,8 @@ def _around(orbit: Orbit | LawOrbit, integrand: Callable[[Array, Array, Array], 
     total = math.inf
     for _ in range(_MOST_HALVINGS):
         width = np.repeat(np.diff(edges) / panels, panels)[:, None]
-        first = np.repeat(np.cumsum(panels) - panels, panels)
-        begin = (
-            np.repeat(edges[:-1], panels)[:, None]
-            + width * (np.arange(panels.sum()) - first)[:, None]
-        )
+        number = np.arange(panels.sum()) - np.repeat(np.cumsum(panels) - panels, panels)
+        begin = np.repeat(edges[:-1], panels)[:, None] + width * number[:, None]
         psi = orbit.theta + motion.omega * (begin + 0.5 * width * (1.0 + _NODES))
         y, w = motion.Y * np.cos(psi), -motion.omega * motion.Y * np.sin(psi)
         parts = width * _WEIGHTS * integrand(orbit.state(psi / motion.omega).v, w, y)

@@ -34,9 +34,8 @@ class Law:
         groups = mapping("groups", self.groups, "a mapping of symbols to a label for each record")
         for symbol, of in groups.items():
             name = f"groups of {symbol}"
-            groups[symbol] = names(
-                name, of if isinstance(of, str) else map(str, items(name, of, "labels"))
-            )
+            given = of if isinstance(of, str) else map(str, items(name, of, "labels"))
+            groups[symbol] = names(name, given)
         object.__setattr__(self, "groups", groups)
         if FRICTION not in self.terms:
             raise ValueError(

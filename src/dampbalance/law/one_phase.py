@@ -26,9 +26,7 @@ from .terms import FRICTION, Term, parted, term
 _RTOL, _ATOL = 1e-13, 1e-15  # of a step; the latter of the size of the motion
 _STEP = 0.1  # rad of the fastest oscillation: dense output, of order 7, is then good to 1e-14
 _SHORTER = 0.1  # what a step is multiplied by where a phase would end as it begins
-_ROUNDING = (
-    8.0 * np.finfo(float).eps
-)  # of the forces: their sum is no more than that where they balance
+_ROUNDING = 8.0 * np.finfo(float).eps  # of the forces: no more is their sum where they balance
 _LATER = 1e-3  # rad
 
 Point = tuple[float, float, float]
@@ -81,8 +79,7 @@ class Equation:
     ) -> Array:
         """ẍ at a phase of the base, m/s²."""
         o, (y, w) = self.oscillator, self.base(theta)
-        force: Array = o.k * (y - x) - o.K_z * z - self.damping(v, w)
-        return force / o.m
+        return (o.k * (y - x) - o.K_z * z - self.damping(v, w)) / o.m
 
 
 def equation(
@@ -198,11 +195,8 @@ def follow(eq: Equation, start: Point, theta: float, limit: float, carried: Arra
         longest *= _SHORTER
     q = found.sol(tau)
     turned, slipped = missed is not None or turns.size > 0, missed is None and onsets.size > 0
-    end = (
-        float(x + q[0]),
-        0.0 if turned else float(q[1]),
-        d * o.Z_m if slipped else float(z + q[0] * sticks),
-    )
+    z_end = d * o.Z_m if slipped else float(z + q[0] * sticks)
+    end = float(x + q[0]), 0.0 if turned else float(q[1]), z_end
     dx, dv = q[2 : 2 + n], q[2 + n :]
     dz = (dx + apart) * sticks
     ended = turned or slipped

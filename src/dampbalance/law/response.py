@@ -63,15 +63,13 @@ class LawTrajectory:
     @property
     def turns(self) -> Array:
         """The rows of `phases` that begin with a velocity reversal: the turning points."""
-        turns: Array = self.phases[1:][self.phases[1:, PHASE_V] == 0.0]
-        return turns
+        return self.phases[1:][self.phases[1:, PHASE_V] == 0.0]
 
     @property
     def onsets(self) -> Array:
         """The rows of `phases` that begin with an onset of slip."""
         slips = self.phases[:, PHASE_S] != 0.0
-        onsets: Array = self.phases[1:][slips[1:] & ~slips[:-1]]
-        return onsets
+        return self.phases[1:][slips[1:] & ~slips[:-1]]
 
     def state(self, t: ArrayLike) -> State:
         """(x, ẋ, ẍ, z) at the times t, s, any shape, within the span of the trajectory; ValueError outside it."""
@@ -171,14 +169,10 @@ def law_transient(
     """
     eq = equation(oscillator, motion, law)
     (x, v, z), span = start_and_span(oscillator, (x, v, z), (start, end))
-    state = (
-        x if abs(x) > SMALLEST else 0.0,
-        v if abs(v) > SMALLEST else 0.0,
-        z,
-    )  # else it underflows
-    speed = max(abs(state[1]), abs(state[0]) * oscillator.omega_n, eq.omega * eq.Y)
+    x, v = (one if abs(one) > SMALLEST else 0.0 for one in (x, v))  # else it underflows
+    speed = max(abs(v), abs(x) * oscillator.omega_n, eq.omega * eq.Y)
     _require_followed(eq, span[1] - span[0], speed)
-    return _trajectory(eq, law, state, span, 0.0)
+    return _trajectory(eq, law, (x, v, z), span, 0.0)
 
 
 def law_orbit(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, float]) -> LawOrbit:

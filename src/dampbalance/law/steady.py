@@ -28,7 +28,7 @@ from ..arrays import Array, Complexes
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
-from .balancing import HARMONICS, Contact, Motion, System, tables
+from .balancing import HARMONICS, System, motion_at, tables
 from .terms import KNOWN_TERMS
 
 _MOST, _CHORDS = 30, 3  # steps, and how many of them with the matrix of another response
@@ -94,9 +94,8 @@ class Response:
             return x
         n = np.arange(1, 2 * count, 2)
         if self.change is not None:
-            x = x + np.pad(self.change, (0, max(0, count - HARMONICS)))[:count]
-        turned: Complexes = x * np.exp(1j * n * self.advance)
-        return turned
+            x = x + _first(count, self.change)
+        return x * np.exp(1j * n * self.advance)
 
     def slopes(self, count: int, symbols: Sequence[str]) -> dict[str, Complexes] | None:
         """∂x_n by the coefficients of these terms, K_z and m, (count,), n as in `harmonics`: from the equations of δ,
@@ -105,17 +104,21 @@ class Response:
             return None
         n, x = np.arange(1, 2 * count, 2), self.harmonics(count)
         moved = self.system.slopes(self.change, -self.advance, self.Y, self.matrix, symbols)
-        found = {}
-        for name, (by, lag) in moved.items():
-            padded = np.pad(by, (0, max(0, count - HARMONICS)))[:count]
-            found[name] = padded * np.exp(1j * n * self.advance) - 1j * n * lag * x
-        return found
+        turn = np.exp(1j * n * self.advance)
+        return {
+            name: _first(count, by) * turn - 1j * n * lag * x for name, (by, lag) in moved.items()
+        }
 
     def _at(self, theta: float) -> tuple[float, float]:
         """x and ẋ at a phase of the orbit, m and m/s."""
         assert self.change is not None
-        x, v = Motion(self.orbit).at(np.array([theta]), self.change)
+        x, v = motion_at(self.orbit, np.array([theta]), self.change)
         return float(x[0]), float(v[0])
+
+
+def _first(count: int, change: Complexes) -> Complexes:
+    """So many harmonics of δ; those beyond the 63rd are zero."""
+    return np.pad(change, (0, max(0, count - HARMONICS)))[:count]
 
 
 def steady_response(
@@ -150,10 +153,9 @@ def steady_response(
     if near is not None and near.change is not None:
         extra = near.orbit.oscillator.c - linear
         orbit = steady_orbit(replace(oscillator, c=linear + max(extra, 0.0)), base)
-        found = _solved(orbit, linear, others, near)
     else:
-        orbit = _equivalent(replace(oscillator, c=linear), base, others)
-        found = _solved(orbit, linear, others, None)
+        orbit, near = _equivalent(replace(oscillator, c=linear), base, others), None
+    found = _solved(orbit, linear, others, near)
     return replace(found, advance=advance - found.turned, Y=motion.Y)
 
 
@@ -194,9 +196,7 @@ def _solved(
             step = _shortened(system, change, turned, step, right)
         change, turned = change + system.basis @ step[:-1], turned + float(step[-1])
         if size < _REACHED * orbit.X:
-            return replace(
-                _checked(orbit, change, turned, system.contact), matrix=matrix, system=system
-            )
+            return Response(orbit, 0.0, change, turned, _onset(system, change), matrix, system)
     raise NoSteadyOrbit(f"the response under {dict(others)} was not found from {orbit.oscillator}")
 
 
@@ -214,14 +214,17 @@ def _shortened(
     return step
 
 
-def _checked(orbit: Orbit, change: Complexes, turned: float, contact: Contact | None) -> Response:
-    """The response, if it is one of the kind that was assumed."""
-    motion = Motion(orbit)
+def _onset(system: System, change: Complexes) -> float:
+    """Phase of the onset of slip of a response, rad; NaN without slip.
+
+    Raises NoSteadyOrbit if the response is not of the kind that was assumed.
+    """
+    orbit, contact = system.orbit, system.contact
     if contact is None:
-        if np.abs(motion.at(tables()[1], change)[0]).max() > orbit.oscillator.Z_m:
+        if np.abs(motion_at(orbit, tables()[1], change)[0]).max() > orbit.oscillator.Z_m:
             raise NoSteadyOrbit("the contact begins to slip under quadratic or cubic damping")
-        return Response(orbit, 0.0, change, turned)
+        return math.nan
     between = orbit.theta + np.linspace(0.0, math.pi, 66)[1:-1]
-    if not (motion.at(between, change)[1] > 0.0).all():
+    if not (motion_at(orbit, between, change)[1] > 0.0).all():
         raise NoSteadyOrbit("the velocity changes its sign inside a half cycle")
-    return Response(orbit, 0.0, change, turned, contact.onset(change))
+    return contact.onset(change)

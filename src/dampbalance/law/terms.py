@@ -165,11 +165,9 @@ def term(key: str) -> Term:
     if symbol not in KNOWN_TERMS:
         raise ValueError(f"unknown term {shown(symbol)}; known are {', '.join(KNOWN_TERMS)}")
     found = KNOWN_TERMS[symbol]
-    return (
-        found
-        if group is None
-        else replace(found, symbol=key, integral=of_group(found.integral, group))
-    )
+    if group is None:
+        return found
+    return replace(found, symbol=key, integral=of_group(found.integral, group))
 
 
 def of_group(symbol: str, group: str) -> str:

@@ -89,12 +89,9 @@ def excerpt(
     fields : names of fields of `Case`.   frequency : a drive frequency to give as well, and the only one.
     """
     kept: dict[str, Any] = {}
-    for field in fields:
-        section, name, _ = _FIELDS[field]
-        if section:
-            kept.setdefault(section, {})[name] = config[section][name]
-        else:
-            kept[name] = config[name]
+    for section, name, _ in (_FIELDS[field] for field in fields):
+        part, whole = (kept.setdefault(section, {}), config[section]) if section else (kept, config)
+        part[name] = whole[name]
     if frequency is not None:
         drives = config["excitation"]["frequencies"]
         only = [drive for drive in drives if drive["name"] == frequency]
@@ -112,15 +109,11 @@ def _oscillator(section: Mapping[str, float]) -> Oscillator:
     )
 
 
-def _by_name(drives: Iterable[Mapping[str, Any]]) -> dict[str, float]:
-    return {drive["name"]: drive["hz"] for drive in drives}
-
-
 # Field of a case → section and key of the configuration, and what makes the one from the other.
 _FIELDS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
     "name": ("", "case", str),
     "oscillator": ("", "oscillator", _oscillator),
-    "frequencies_hz": ("excitation", "frequencies", _by_name),
+    "frequencies_hz": ("excitation", "frequencies", lambda all: {f["name"]: f["hz"] for f in all}),
     "levels_m": ("excitation", "levels_m", tuple),
     "pairs": ("estimation", "pairs", lambda pairs: tuple((i - 1, j - 1) for i, j in pairs)),
     "phase": ("estimation", "phase", str),
@@ -154,26 +147,20 @@ def _contradictions(config: Mapping[str, Any]) -> Iterable[Problem]:
     for i, pair in enumerate(config["estimation"]["pairs"]):
         for position in pair:
             if position > len(levels):
-                yield (
-                    ("estimation", "pairs", i),
-                    f"there is no level {position}: excitation.levels_m has {len(levels)}",
-                )
-
+                text = f"there is no level {position}: excitation.levels_m has {len(levels)}"
+                yield ("estimation", "pairs", i), text
     shown: dict[str, int] = {}
     for i, Y in enumerate(levels):
         first = shown.setdefault(f"{1e3 * Y:g}", i)
         if first != i:
             text = f"{Y!r} is the same as level {first + 1} to six digits, which tables show; take levels further apart"
             yield ("excitation", "levels_m", i), text
-
     names = [frequency["name"] for frequency in config["excitation"]["frequencies"]]
     for i, name in enumerate(names):
         # some file systems take capital and small letters for the same
         if name.casefold() in map(str.casefold, names[:i]):
-            yield (
-                ("excitation", "frequencies", i, "name"),
-                f"{name} stands twice, capital or small; give each its own",
-            )
+            text = f"{name} stands twice, capital or small; give each its own"
+            yield ("excitation", "frequencies", i, "name"), text
     for name in ("tabulated", "two_point"):
         rules = config["as_published"][name]
         if rules.get("X_s_mark_m") is not None and rules.get("X_s_decimals") is not None:

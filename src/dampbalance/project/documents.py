@@ -20,7 +20,7 @@ import yaml
 from jsonschema import ValidationError
 
 from ..law.terms import KNOWN_TERMS
-from .wording import shortened
+from .wording import cut, shortened
 
 Key = tuple[str | int, ...]
 Problem = tuple[Key, str]
@@ -36,7 +36,7 @@ DEEPEST = 20
 """Lists and mappings inside each other; the schemas go down to seven."""
 
 _LARGEST = 2**63 - 1  # what an integer of the arrays holds
-_LINE = 300  # characters of a message
+_LINE, _KEY = 300, 40  # characters of a message, and of a key in it
 _MESSAGES = 20  # of a file that is wrong all over
 _NAMES = 'Use letters, digits, "-" and "_".'
 
@@ -47,9 +47,8 @@ class ConfigurationError(ValueError):
 
 def refuse(key: Key, text: str, files: Iterable[str | Path]) -> NoReturn:
     """Raise the ConfigurationError for one key; the text says what is wrong and what would be right."""
-    raise ConfigurationError(
-        in_lines([(key, text)], {str(file): read_yaml(file) for file in files})
-    )
+    documents = {str(file): read_yaml(file) for file in files}
+    raise ConfigurationError(in_lines([(key, text)], documents))
 
 
 def read_yaml(file: str | Path) -> Any:
@@ -88,7 +87,11 @@ def _parsed(file: str | Path) -> tuple[Any, yaml.Node | None]:
         what = f"not readable as YAML{context}: {error.problem}"
         if "'\\t'" in str(error.problem):
             what += "; indent with spaces, not with tabs"
-    raise ConfigurationError(_one_line(f"{_file_name(file)}: line {line}: {what}"))
+    raise _unreadable(file, f"line {line}: {what}")
+
+
+def _unreadable(file: str | Path, what: str) -> ConfigurationError:
+    return ConfigurationError(_one_line(f"{_file_name(file)}: {what}"))
 
 
 def _text(file: str | Path) -> str:
@@ -97,26 +100,21 @@ def _text(file: str | Path) -> str:
         mode = Path(file).stat().st_mode
         if not stat.S_ISREG(mode):
             kind = "a folder" if stat.S_ISDIR(mode) else "a pipe or a device"
-            raise ConfigurationError(_one_line(f"{_file_name(file)}: is {kind}; name a YAML file"))
+            raise _unreadable(file, f"is {kind}; name a YAML file")
         with open(file, "rb") as stream:
             data = stream.read(MOST_BYTES + 1)
     except OSError as error:
         reason = error.strerror or "unreadable"
-        raise ConfigurationError(
-            _one_line(f"{_file_name(file)}: cannot be read ({reason}); name a YAML file")
-        ) from None
+        raise _unreadable(file, f"cannot be read ({reason}); name a YAML file") from None
     if len(data) > MOST_BYTES:
-        raise ConfigurationError(
-            _one_line(
-                f"{_file_name(file)}: has more than {MOST_BYTES:,} bytes; give ranges instead of lists"
-            )
-        )
+        what = f"has more than {MOST_BYTES:,} bytes; give ranges instead of lists"
+        raise _unreadable(file, what)
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        text = f"{_file_name(file)}: line {line}: the byte 0x{data[error.start]:02X} is not UTF-8; save it as UTF-8"
-        raise ConfigurationError(_one_line(text)) from None
+        line, byte = data.count(b"\n", 0, error.start) + 1, data[error.start]
+        what = f"line {line}: the byte 0x{byte:02X} is not UTF-8; save it as UTF-8"
+        raise _unreadable(file, what) from None
 
 
 def _file_name(file: str | Path, most: int = 160) -> str:
@@ -127,8 +125,7 @@ def _file_name(file: str | Path, most: int = 160) -> str:
 
 def _one_line(text: str) -> str:
     """Text in a line that fits a screen."""
-    line = " ".join(text.split())
-    return line if len(line) <= _LINE else f"{line[: _LINE - 1]}…"
+    return cut(" ".join(text.split()), _LINE)
 
 
 def against_schema(
@@ -143,8 +140,8 @@ def against_schema(
     validator = _validator(schema, list(approaches))
     errors = sorted(validator.iter_errors(document), key=lambda error: list(map(str, error.path)))
     endless = [(key, f"{value!r} is not a finite number") for key, value in _not_finite(document)]
-    keys = {key for key, _ in endless}
     problems = [problem for error in errors for problem in _explain(error)]
+    keys = {key for key, _ in endless}
     return [problem for problem in problems if problem[0] not in keys] + endless
 
 
@@ -184,14 +181,11 @@ def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:
 
     documents : file → what it says, merged in this order, the last one winning: they show where a key is set.
     """
-    listed = list(problems)
-    trees: dict[str, yaml.Node | None] = {}
-    lines = []
+    listed, lines = list(problems), []
+    tree = functools.cache(lambda file: _parsed(file)[1] if Path(file).is_file() else None)
     for key, text in listed[:_MESSAGES]:
         file, depth = _origin(key, documents)
-        if file not in trees:
-            trees[file] = _parsed(file)[1] if Path(file).is_file() else None
-        place = f"{_file_name(file)}: {_line_of(key[:depth], trees[file])}{_dotted(key)}"
+        place = f"{_file_name(file)}: {_line_of(key[:depth], tree(file))}{_dotted(key)}"
         lines.append(_one_line(f"{place}: {text}"))
     if len(listed) > _MESSAGES:
         lines.append(f"… and {len(listed) - _MESSAGES} more")
@@ -208,20 +202,16 @@ def _explain(error: ValidationError) -> Iterable[Problem]:
         keys = list(schema["properties"])
         for name in value:
             if name not in keys:
-                yield (
-                    (*key, name),
-                    f"unknown key{_nearest(name, keys)}; known here: {', '.join(keys)}",
-                )
+                known = ", ".join(keys)
+                yield (*key, name), f"unknown key{_nearest(name, keys)}; known here: {known}"
     elif error.validator == "required":
         for name in wanted:
             if name not in value:
                 described = schema["properties"][name].get("description", "").strip()
                 yield (*key, name), f"missing; {described}"
     elif error.validator == "type" and _reads_as_number(value) and _of_numbers(wanted):
-        remedy = (
-            f"write {_yaml_number(value)}" if "e" in value.lower() else "write it without quotes"
-        )
-        yield key, f"{shortened(value)} is text to YAML; {remedy}. {meaning}"
+        number = _yaml_number(value) if "e" in value.lower() else "it without quotes"
+        yield key, f"{shortened(value)} is text to YAML; write {number}. {meaning}"
     elif error.validator == "registered":
         yield key, error.message
     elif error.validator == "pattern":
@@ -231,7 +221,7 @@ def _explain(error: ValidationError) -> Iterable[Problem]:
 
 
 def _nearest(name: object, keys: list[str]) -> str:
-    matches = difflib.get_close_matches(_part(name), keys, n=1)
+    matches = difflib.get_close_matches(cut(str(name), _KEY), keys, n=1)
     return f" (did you mean {matches[0]}?)" if matches else ""
 
 
@@ -252,7 +242,7 @@ def _of_numbers(wanted: str | list[str]) -> bool:
 def _as_float(value: Any) -> Any:
     """A value in which 1 and 1.0 are the same."""
     if isinstance(value, list):
-        return [_as_float(item) for item in value]
+        return list(map(_as_float, value))
     return float(value) if type(value) is int else value
 
 
@@ -264,12 +254,9 @@ def _yaml_number(text: str) -> str:
 
 
 def _not_finite(value: Any, key: Key = ()) -> Iterable[tuple[Key, float]]:
-    if isinstance(value, Mapping):
-        for name, item in value.items():
+    if isinstance(value, Mapping | list):
+        for name, item in value.items() if isinstance(value, Mapping) else enumerate(value):
             yield from _not_finite(item, (*key, name))
-    elif isinstance(value, list):
-        for i, item in enumerate(value):
-            yield from _not_finite(item, (*key, i))
     elif isinstance(value, float) and not math.isfinite(value):
         yield key, value
 
@@ -278,14 +265,8 @@ def _dotted(key: Key) -> str:
     """The key as a person writes it, list positions counted from 1."""
     text = ""
     for part in key:
-        text += f"[{part + 1}]" if isinstance(part, int) else f".{_part(part)}"
+        text += f"[{part + 1}]" if isinstance(part, int) else f".{cut(str(part), _KEY)}"
     return text.removeprefix(".") or "(top level)"
-
-
-def _part(name: object, most: int = 40) -> str:
-    """A key, cut to this many characters."""
-    text = str(name)
-    return text if len(text) <= most else f"{text[: most - 1]}…"
 
 
 def _origin(key: Key, documents: Mapping[str, Any]) -> tuple[str, int]:
@@ -325,13 +306,13 @@ class _BoundedLoader(yaml.SafeLoader):
 
     def __init__(self, text: str, name: str) -> None:
         super().__init__(text)
-        self.name = _file_name(name)
+        self.name = name
         self._depth = self._count = 0
         self._sizes: dict[str, int] = {}  # of the anchored nodes that are complete
 
     def refuse(self, mark: Any, what: str) -> NoReturn:
         """Raise the ConfigurationError for a place in the file."""
-        raise ConfigurationError(_one_line(f"{self.name}: line {mark.line + 1}: {what}"))
+        raise _unreadable(self.name, f"line {mark.line + 1}: {what}")
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
         event: Any = self.peek_event()  # type: ignore[no-untyped-call]
@@ -358,15 +339,13 @@ class _BoundedLoader(yaml.SafeLoader):
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen: dict[str, int] = {}
         for key_node, _ in node.value:
-            mark = key_node.start_mark
-            key = key_node.value
+            mark, key = key_node.start_mark, key_node.value
             if key_node.tag not in (_TAG.format("str"), _TAG.format("merge")):
                 shown = shortened(key) if isinstance(key, str) else "a list or a mapping"
                 self.refuse(mark, f"{shown} cannot be a key, which is text; put it in quotes")
             if key in seen:
-                self.refuse(
-                    mark, f"{_part(key)}: stands twice, first in line {seen[key]}; keep one of them"
-                )
+                twice = f"stands twice, first in line {seen[key]}; keep one of them"
+                self.refuse(mark, f"{cut(key, _KEY)}: {twice}")
             seen[key] = mark.line + 1
         return super().construct_mapping(node, deep)
 

@@ -12,6 +12,7 @@ import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,10 +33,8 @@ where the truth is zero, as for harmonics of a response that sticks, it moves ev
 
 STATISTICAL_DIGITS = 6
 """Of statistics of noisy records, which another processor moves by up to 3e-7, and chance by far more."""
-
 # What reads a table starts from equal numbers again; only one at a tie between two roundings may still differ. Orbits,
 # records and cases of studies (JSON, Parquet) keep every bit: too many for no tie to occur, or to be continued.
-
 
 UNFINISHED = ".~"
 """How the name of a temporary file or folder begins."""
@@ -86,10 +85,7 @@ def write_json(path: str | Path, data: Any) -> None:
 
 def write_csv(path: str | Path, frame: pd.DataFrame, digits: int = SIGNIFICANT_DIGITS) -> None:
     """Write a table without its index; floats with so many significant digits, a missing value as an empty field."""
-
-    def text(value: object) -> str:
-        return _digits(value, digits)
-
+    text = partial(_digits, digits=digits)
     write_text(path, frame.to_csv(index=False, float_format=text, lineterminator="\n"))
 
 
@@ -100,7 +96,7 @@ def write_rows(path: str | Path, rows: Sequence[Mapping[str, object]]) -> None:
     table = csv.writer(out, lineterminator="\n")
     table.writerow(rows[0])
     for row in rows:
-        table.writerow([_field(value) for value in row.values()])
+        table.writerow([_digits(v) if isinstance(v, float) else v for v in row.values()])
     write_text(path, out.getvalue())
 
 
@@ -116,7 +112,7 @@ def read_csv(path: str | Path, dtype: Any = None) -> pd.DataFrame:
     import pandas as pd  # slow to import, and needed for tables only
 
     kinds = dtype or dict.fromkeys(NAMES, str)
-    frame: pd.DataFrame = pd.read_csv(path, dtype=kinds, keep_default_na=False, na_values=[""])
+    frame = pd.read_csv(path, dtype=kinds, keep_default_na=False, na_values=[""])
     text = frame.select_dtypes(exclude="number").columns
     return frame.fillna(dict.fromkeys(text, ""))
 
@@ -144,14 +140,8 @@ def sha256(path: str | Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def _field(value: object) -> object:
-    if not isinstance(value, float):
-        return value
-    return "" if math.isnan(value) else _digits(value)
-
-
-def _digits(value: object, digits: int = SIGNIFICANT_DIGITS) -> str:
-    return repr(float(f"{value:.{digits}g}"))
+def _digits(value: float, digits: int = SIGNIFICANT_DIGITS) -> str:
+    return "" if math.isnan(value) else repr(float(f"{value:.{digits}g}"))
 
 
 def _umask() -> int:

@@ -18,7 +18,6 @@ import re
 import sys
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -66,7 +65,7 @@ def run(source: str | Path, timeout: int = 300) -> NotebookNode:
     for number, cell in enumerate(notebook.cells, start=1):
         cell.id = f"cell-{number:02d}"
     notebook.nbformat, notebook.nbformat_minor = 4, 5  # the first version with cell ids
-    with tempfile.TemporaryDirectory(prefix="nb-") as folder, _kernel_environment(Path(folder)):
+    with tempfile.TemporaryDirectory(prefix="nb-") as folder:
         client = NotebookClient(
             notebook,
             timeout=timeout,
@@ -77,16 +76,17 @@ def run(source: str | Path, timeout: int = 300) -> NotebookNode:
         manager = client.create_kernel_manager()
         if os.name != "nt":  # sockets in a folder of our own
             manager.transport, manager.ip = "ipc", str(Path(folder) / "socket")
+        manager.connection_file = str(Path(folder) / "connection.json")
         try:
-            client.execute()
+            client.execute(env=_environment(Path(folder)))
         except CellExecutionError as error:
-            number, cell = next(
-                (n, c)
-                for n, c in enumerate(notebook.cells, start=1)
-                if any(output.output_type == "error" for output in c.get("outputs", []))
-            )
+            failed = [
+                any(output.output_type == "error" for output in cell.get("outputs", []))
+                for cell in notebook.cells
+            ].index(True)
             raise NotebookError(
-                f"{source}: cell {number} fails with {error.ename}: {error.evalue}\n\n{cell.source}"
+                f"{source}: cell {failed + 1} fails with {error.ename}: {error.evalue}\n\n"
+                f"{notebook.cells[failed].source}"
             ) from None
     return _settled(notebook)
 
@@ -94,8 +94,7 @@ def run(source: str | Path, timeout: int = 300) -> NotebookNode:
 def write(notebook: NotebookNode) -> str:
     """The notebook as the text of an .ipynb file."""
     nbformat.validate(notebook)
-    text: str = nbformat.writes(notebook)  # type: ignore[no-untyped-call]
-    return text.rstrip("\n") + "\n"
+    return str(nbformat.writes(notebook)).rstrip("\n") + "\n"  # type: ignore[no-untyped-call]
 
 
 def page(notebook: NotebookNode, style: str, template: str | Path) -> str:
@@ -123,11 +122,8 @@ def page(notebook: NotebookNode, style: str, template: str | Path) -> str:
 def _numbered(text: str) -> str:
     """The page with a number in the label of every table, picture and equation, so that labels are unique."""
     numbers = {kind: itertools.count(1) for kind in ("Table", "Picture", "Equation")}
-    return re.sub(
-        rf'aria-label="({"|".join(numbers)})"',
-        lambda match: f'aria-label="{match[1]} {next(numbers[match[1]])}"',
-        text,
-    )
+    label = rf'(?<=aria-label=")({"|".join(numbers)})(?=")'
+    return re.sub(label, lambda match: f"{match[1]} {next(numbers[match[1]])}", text)
 
 
 def markdown(notebook: NotebookNode) -> str:
@@ -241,13 +237,12 @@ def _settled(notebook: NotebookNode) -> NotebookNode:
     return notebook
 
 
-@contextmanager
-def _kernel_environment(folder: Path) -> Iterator[None]:
-    """Environment of a kernel started in this block: this interpreter, fixed IPython settings, inline pictures."""
+def _environment(folder: Path) -> dict[str, str]:
+    """Environment of a kernel: this interpreter, fixed settings, inline pictures, files in a temporary folder."""
     profile = folder / "ipython" / "profile_default"
     profile.mkdir(parents=True)
     (profile / "ipython_kernel_config.py").write_text(KERNEL_SETTINGS, encoding="utf-8")
-    wanted = {
+    return os.environ | {
         "IPYTHONDIR": str(folder / "ipython"),
         "JUPYTER_CONFIG_DIR": str(folder / "config"),
         "JUPYTER_RUNTIME_DIR": str(folder / "runtime"),
@@ -255,10 +250,3 @@ def _kernel_environment(folder: Path) -> Iterator[None]:
         "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]),
         "PYDEVD_DISABLE_FILE_VALIDATION": "1",
     }
-    before = dict(os.environ)
-    os.environ.update(wanted)
-    try:
-        yield
-    finally:
-        os.environ.clear()
-        os.environ.update(before)

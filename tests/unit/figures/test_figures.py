@@ -67,12 +67,14 @@ def written(figure: Figure, folder: Path) -> tuple[bytes, bytes]:
 @pytest.fixture(scope="module")
 def saved(make, tmp_path_factory):
     """Name of a figure → the folder with its files, written once for all tests."""
-    return functools.cache(lambda name: _saved(make[name](), tmp_path_factory.mktemp(name)))
 
+    @functools.cache
+    def folder_of(name: str) -> Path:
+        folder = tmp_path_factory.mktemp(name)
+        written(make[name](), folder)
+        return folder
 
-def _saved(figure: Figure, folder: Path) -> Path:
-    written(figure, folder)
-    return folder
+    return folder_of
 
 
 def panels(figure: Figure) -> dict:
@@ -205,9 +207,8 @@ def test_approaches_stay_apart_in_grey():
 def test_an_approach_needs_no_more_than_its_entry_to_have_a_look(monkeypatch):
     assert set(balance.APPROACHES) | {"simpson", "fit"} == set(looks.LOOKS)
     for name in ("new", "newer"):
-        monkeypatch.setitem(
-            balance.APPROACHES, name, balance.Approach(balance.direct, f"{name} t_s")
-        )
+        new = balance.Approach(balance.direct, f"{name} t_s")
+        monkeypatch.setitem(balance.APPROACHES, name, new)
     assert [looks.look_of(name) for name in ("new", "newer")] == list(looks.SPARE[:2])
     assert looks.label_of("new") == "new t_s"
     assert looks.in_maths(looks.label_of("new")) == "new $t_s$"
@@ -323,11 +324,8 @@ def test_figure3_marks_what_table_1_lists(make, orbits):
 
 def test_the_microsticking_line_is_straight_and_as_steep_as_the_contact(make, orbits):
     b = panels(make["figure3"]())["b"]
-    stick = next(
-        line.get_xydata()
-        for line in b.lines
-        if line.get_color() == style.STICK and line.get_xydata()[0, 0] < 0.0
-    )
+    curves = [line.get_xydata() for line in b.lines if line.get_color() == style.STICK]
+    stick = next(curve for curve in curves if curve[0, 0] < 0.0)
     x, acceleration = stick[:, 0] * 1e-3, stick[:, 1]
     # m dẍ/dx = −(k + K_z) + (kẏ − cẍ)/ẋ. At the reversal kẏ and cẍ all but cancel, being at resonance; at slip onset
     # the last term is (285 − 174 N/s)/0.0077 m/s = 14 kN/m, 7 % of k + K_z.
@@ -367,18 +365,14 @@ def test_figure3_enlarges_the_first_level_that_slips(orbits):
 
 
 @pytest.mark.parametrize(
-    ("oscillator", "words"),
+    ("F_k", "words"),
     [
-        (replace(PAPER, F_k=50.0), "no slip: the contact only sticks"),
-        (
-            replace(PAPER, F_k=0.0),
-            "no friction: the contact slips all the time",
-        ),
+        (50.0, "no slip: the contact only sticks"),
+        (0.0, "no friction: the contact slips all the time"),
     ],
-    ids=["no slip", "no friction"],
 )
-def test_where_nothing_is_to_be_marked_the_regime_is_named(oscillator, words, tmp_path):
-    some = orbits_at(osc=oscillator)
+def test_where_nothing_is_to_be_marked_the_regime_is_named(F_k, words, tmp_path):
+    some = orbits_at(osc=replace(PAPER, F_k=F_k))
     for figure in (figures.friction_velocity_loop(some[0]), figures.figure3(some)):
         assert words in [text.get_text() for axes in figure.axes for text in axes.texts]
         written(figure, tmp_path)
@@ -400,22 +394,26 @@ def test_figure3_needs_an_orbit():
 # --- estimation error ----------------------------------------------------------------------------
 
 
-def table(**columns: list) -> pd.DataFrame:
-    return pd.DataFrame(columns)
-
-
 @pytest.fixture
 def stand_in() -> pd.DataFrame:
     """A table whose errors are plain: F_k off by 1 %, 0, missing and 10 %; c off by twice that."""
     off = np.array([0.01, 0.0, math.nan, 0.1])
-    return table(
-        approach=["X_s"] * 4,
-        kind=["pair", "pair", "pair", "least_squares"],
-        phase=["common"] * 4,
-        pair=["1-2", "2-3", "1-3", "all"],
-        F_k_N=PAPER.F_k * (1.0 - off),
-        c_N_s_per_m=90.0 * (1.0 + 2.0 * off),
+    return pd.DataFrame(
+        {
+            "approach": "X_s",
+            "kind": ["pair", "pair", "pair", "least_squares"],
+            "phase": "common",
+            "pair": ["1-2", "2-3", "1-3", "all"],
+            "F_k_N": PAPER.F_k * (1.0 - off),
+            "c_N_s_per_m": 90.0 * (1.0 + 2.0 * off),
+        }
     )
+
+
+def off_by(factor: float):
+    """The errors of the stand-in, %, times a factor."""
+    expected = [factor, 0.0, math.nan, 10.0 * factor]
+    return pytest.approx(expected, rel=1e-12, abs=1e-12, nan_ok=True)
 
 
 def drawn(figure: Figure, axes: str, label: str) -> np.ndarray:
@@ -427,14 +425,8 @@ def drawn(figure: Figure, axes: str, label: str) -> np.ndarray:
 def test_errors_are_relative_to_the_truth(stand_in):
     figure = figures.estimation_error({"omega1": stand_in}, PAPER, {"omega1": NEAR}, LEVELS)
     # neighbouring pairs 1-2, 2-3 first; then 1-3, which is missing; then least squares
-    expected = np.array([-1.0, 0.0, math.nan, -10.0])
-    assert drawn(figure, "F_k omega1", "X_s common") == pytest.approx(
-        expected, rel=1e-12, abs=1e-12, nan_ok=True
-    )
-    expected = np.array([2.0, 0.0, math.nan, 20.0])
-    assert drawn(figure, "c omega1", "X_s common") == pytest.approx(
-        expected, rel=1e-12, abs=1e-12, nan_ok=True
-    )
+    for symbol, factor in (("F_k", -1.0), ("c", 2.0)):
+        assert drawn(figure, f"{symbol} omega1", "X_s common") == off_by(factor)
     assert "$\\omega_{1}/2\\pi$ = 4.92 Hz" in [axes.get_title() for axes in figure.axes]
     (lowest,) = [axes for axes in figure.axes if axes.get_label() == "c omega1"]
     assert [t.get_text() for t in lowest.get_xticklabels()] == ["4–6", "6–8", "4–8", "all"]
@@ -501,15 +493,13 @@ def test_direct_integration_that_is_not_exact_is_drawn_like_the_others(estimates
     figure = figures.estimation_error({"omega1": frame}, PAPER, {"omega1": NEAR}, LEVELS)
     assert len(figure.axes) == 2
     # 0.01 %, on top of errors of 1e-12 %
-    assert drawn(figure, "c omega1", "direct individual") == pytest.approx(
-        [0.01] * (len(PAIRS) + 1), rel=1e-6
-    )
+    shown = drawn(figure, "c omega1", "direct individual")
+    assert shown == pytest.approx([0.01] * (len(PAIRS) + 1), rel=1e-6)
 
 
 def test_a_new_approach_and_a_new_term_are_drawn_like_the_others(stand_in, monkeypatch, tmp_path):
-    monkeypatch.setitem(
-        balance.APPROACHES, "new", balance.Approach(balance.direct, "new", takes_phase=False)
-    )
+    new = balance.Approach(balance.direct, "new", takes_phase=False)
+    monkeypatch.setitem(balance.APPROACHES, "new", new)
     monkeypatch.setitem(balance.TERMS, "d", Term("d", "kg/m", "quadratic damping", "g", "m³/s²"))
     both = pd.concat([stand_in, stand_in.replace({"approach": "X_s", "phase": "common"}, "new")])
     both["phase"] = both["phase"].replace("new", "individual")
@@ -517,9 +507,7 @@ def test_a_new_approach_and_a_new_term_are_drawn_like_the_others(stand_in, monke
     both["d_kg_per_m"] = 2.0 * (1.0 + 3.0 * (1.0 - both["F_k_N"] / 1.28))
     figure = figures.estimation_error({"omega1": both}, oscillator, {"omega1": 4.92}, LEVELS)
     for symbol, factor in (("F_k", -1.0), ("c", 2.0), ("d", 3.0)):
-        assert drawn(figure, f"{symbol} omega1", "new individual") == pytest.approx(
-            [factor, 0.0, math.nan, 10.0 * factor], rel=1e-12, abs=1e-12, nan_ok=True
-        )
+        assert drawn(figure, f"{symbol} omega1", "new individual") == off_by(factor)
     assert "new" in [text.get_text() for text in figure.legends[0].get_texts()]
     written(figure, tmp_path)
 

@@ -27,19 +27,16 @@ OTHERS = tuple(symbol for symbol in KNOWN_TERMS if symbol != FRICTION)
 )
 def test_integrals_of_an_exact_orbit_are_its_own(numbers):
     # a, b and W have closed forms; tolerance: the promise of 1e-12, on motions that are located to 1e-13
-    oscillator, motion = case(*numbers)
-    orbit = steady_orbit(oscillator, motion)
+    orbit = steady_orbit(*case(*numbers))
+    k, motion = orbit.oscillator.k, orbit.motion
     assert of_motion("F_k", orbit) == orbit.a
     assert of_motion("c", orbit) == pytest.approx(orbit.b, rel=1e-12)
     assert input_work(orbit) == pytest.approx(orbit.W, rel=1e-11)
-    assert of_motion("eta", orbit) == pytest.approx(
-        oscillator.k / motion.omega * orbit.b, rel=1e-12
-    )
+    assert of_motion("eta", orbit) == pytest.approx(k / motion.omega * orbit.b, rel=1e-12)
     X_1, phi_1 = orbit.harmonic(1)  # of ∮ẏẋ dt only the fundamental is left
     shared = math.pi * motion.omega * motion.Y * X_1 * math.cos(phi_1)
-    assert of_motion("c_r", orbit) == pytest.approx(
-        orbit.b - shared, rel=0, abs=1e-11 * (orbit.b + abs(shared))
-    )
+    expected = pytest.approx(orbit.b - shared, rel=0, abs=1e-11 * (orbit.b + abs(shared)))
+    assert of_motion("c_r", orbit) == expected
 
 
 @pytest.mark.parametrize("numbers", SEVERAL_SLIPS, ids=str)
@@ -88,11 +85,10 @@ def test_harmonics_of_any_motion_give_the_integral_of_its_velocity(symbol):
         (np.exp(1j * np.outer(theta, orders)) @ (1j * omega * orders * part).T).real.T
         for orders, part in ((n, x), (y_n, y))
     )
-    expected = (
-        2.0 * math.pi / omega * np.mean(KNOWN_TERMS[symbol].force(v, w, k, omega) * v, axis=1)
-    )
+    power = KNOWN_TERMS[symbol].force(v, w, k, omega) * v
+    expected = 2.0 * math.pi / omega * np.mean(power, axis=1)
     found = of_harmonics(symbol, n, x, y_n, y, omega, k)
-    size = 2.0 * math.pi / omega * np.mean(np.abs(KNOWN_TERMS[symbol].force(v, w, k, omega) * v))
+    size = 2.0 * math.pi / omega * np.mean(np.abs(power))
     # |ẋ|³ of six harmonics of one size, which no response has, loses 1.8e-7 at 512 points
     tolerance = 1e-6 if symbol == "c_2" else 1e-12
     np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance * size)
@@ -166,11 +162,8 @@ def rows(name):
     """The rows of clean responses under a law: three amplitudes at two frequencies."""
     law = dict(LAWS[name])
     oscillator = Oscillator(m=2.42, c=law.pop("c", 0.0), k=2310.0, K_z=70000.0, F_k=1.28)
-    orbits = [
-        law_orbit(oscillator, motion, law)
-        for hertz in FREQUENCIES_HZ
-        for motion in motions_at(hertz, (0.003, 0.006, 0.012))
-    ]
+    motions = [m for hertz in FREQUENCIES_HZ for m in motions_at(hertz, (0.003, 0.006, 0.012))]
+    orbits = [law_orbit(oscillator, motion, law) for motion in motions]
     symbols = (FRICTION, *LAWS[name])
     terms = {s: np.array([of_motion(s, orbit) for orbit in orbits]) for s in symbols}
     return Rows(terms, np.array([input_work(orbit) for orbit in orbits]))

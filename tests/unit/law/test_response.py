@@ -33,20 +33,22 @@ REGIMES = {
 }
 
 
+def assert_close(one, other, **scales):
+    """Each part of two states agrees to 1e-10 of its scale."""
+    for name, scale in scales.items():
+        parts = getattr(one, name), getattr(other, name)
+        np.testing.assert_allclose(*parts, rtol=0, atol=TOLERANCE * scale)
+
+
 def assert_same_motion(found, orbit, lead=0.0):
     """The motion is that of the orbit, which a base ahead by `lead` (rad) drives."""
     omega = orbit.motion.omega
     t = np.linspace(-1.3, 2.1, 300) * orbit.motion.period
     one, other = found.state(t), orbit.state(t + lead / omega)
-    for name, scale in (("x", orbit.X), ("v", omega * orbit.X), ("z", orbit.oscillator.Z_m)):
-        np.testing.assert_allclose(
-            getattr(one, name), getattr(other, name), rtol=0, atol=TOLERANCE * scale
-        )
     # K_z z is all but a jump where the contact is stiff
     force = orbit.oscillator.k * orbit.X + orbit.oscillator.F_k
-    np.testing.assert_allclose(
-        one.acceleration, other.acceleration, rtol=0, atol=TOLERANCE * force / orbit.oscillator.m
-    )
+    scales = {"x": orbit.X, "v": omega * orbit.X, "z": orbit.oscillator.Z_m}
+    assert_close(one, other, **scales, acceleration=force / orbit.oscillator.m)
     assert abs(found.X - orbit.X) < TOLERANCE * orbit.X
     assert abs(np.exp(1j * (found.theta - orbit.theta + lead)) - 1.0) < TOLERANCE
 
@@ -209,18 +211,15 @@ def test_a_linear_ring_down_with_friction_is_the_exact_one():
     exact = transient(oscillator, still, end, **start)
     found = law_transient(replace(oscillator, c=0.0), None, {"c_r": oscillator.c}, end, **start)
     t = np.linspace(0.0, end, 300)
-    for name, scale in (("x", motion.Y), ("v", motion.Y * motion.omega), ("z", oscillator.Z_m)):
-        np.testing.assert_allclose(
-            getattr(found.state(t), name), getattr(exact.state(t), name), rtol=0, atol=1e-10 * scale
-        )
+    scales = {"x": motion.Y, "v": motion.Y * motion.omega, "z": oscillator.Z_m}
+    assert_close(found.state(t), exact.state(t), **scales)
 
 
 @pytest.mark.parametrize("x", [0.0, 1e-4])
 def test_a_mass_in_balance_stays_where_it_is(x):
     oscillator = Oscillator(m=1.0, c=1.0, k=100.0, K_z=1000.0, F_k=1.0)
-    run = law_transient(
-        oscillator, None, {"c_2": 1.0}, 10.0, x=x, z=-oscillator.k * x / oscillator.K_z
-    )
+    z = -oscillator.k * x / oscillator.K_z
+    run = law_transient(oscillator, None, {"c_2": 1.0}, 10.0, x=x, z=z)
     state = run.state(np.linspace(0.0, 10.0, 7))
     assert list(state.x) == [x] * 7
     assert not state.v.any()
@@ -235,9 +234,8 @@ def test_a_velocity_that_dips_below_zero_within_a_step_is_a_reversal(before):
     x = -math.sin(before) + 0.5 * q * math.sin(2.0 * before)
     v = math.cos(before) - q * math.cos(2.0 * before)
     middle = -0.25 * math.pi  # ωt = −π/2, where the motion has t = 0
-    found = law_transient(
-        oscillator, motion, {}, middle + 0.5, x=x, v=v, z=x, start=middle - before
-    )
+    given = {"x": x, "v": v, "z": x, "start": middle - before}
+    found = law_transient(oscillator, motion, {}, middle + 0.5, **given)
     first, second = found.turns[:, PHASE_T] - middle
     # by the expansion of v to second order, (1 − q) + 3t²/2; the next term is t⁴
     assert first == pytest.approx(-low, rel=1e-3)
@@ -265,9 +263,7 @@ def test_a_mass_in_balance_moves_on_with_the_base(eighth):
     found = law_transient(oscillator, motion, {}, 2.0 * motion.period, **given)
     exact = transient(oscillator, motion, 2.0 * motion.period, **given)
     t = np.linspace(start, 2.0 * motion.period, 100)
-    np.testing.assert_allclose(
-        found.state(t).x, exact.state(t).x, rtol=0, atol=TOLERANCE * motion.Y
-    )
+    assert_close(found.state(t), exact.state(t), x=motion.Y)
 
 
 def test_changes_of_the_state_are_carried_along_as_difference_quotients_say():
@@ -351,8 +347,6 @@ def test_records_are_drawn_from_it_as_from_an_orbit():
     exact = measured_orbit(steady_orbit(PAPER, motion), channels=channels, **given)
     found = measured_orbit(law_orbit(PAPER, motion, {}), channels=channels, **given)
     for quantity in channels:
-        size = np.abs(exact[quantity].values).max()
-        np.testing.assert_allclose(
-            found[quantity].values, exact[quantity].values, rtol=0, atol=1e-10 * size
-        )
+        one, other = found[quantity].values, exact[quantity].values
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-10 * np.abs(other).max())
     assert steady_orbit(PAPER, motion).phases[1, PHASE_V] > 0.0

@@ -58,10 +58,8 @@ def test_a_strong_law_is_found_where_a_whole_step_from_the_linear_damper_leads_a
 
 
 def test_a_contact_that_is_all_but_rigid_is_the_limit_of_stiffer_and_stiffer_ones():
-    X = [
-        steady_response(replace(BARE, K_z=K_z), MOTION, {"c_2": 400.0}).X
-        for K_z in (1e10, 1e12, 1e15)
-    ]
+    oscillators = (replace(BARE, K_z=K_z) for K_z in (1e10, 1e12, 1e15))
+    X = [steady_response(osc, MOTION, {"c_2": 400.0}).X for osc in oscillators]
     # the microstick line is 2F_k/K_z long, and the time it takes grows with its root
     assert abs(X[1] / X[2] - 1.0) < 2e-6
     assert abs(X[1] / X[2] - 1.0) < abs(X[0] / X[2] - 1.0)
@@ -80,10 +78,8 @@ def test_linear_terms_leave_an_exact_orbit():
     assert found.change is None
     osc = found.orbit.oscillator
     assert osc.c == pytest.approx(45.0 + 0.2 * PAPER.k / MOTION.omega, rel=1e-14)
-    assert (
-        pytest.approx(MOTION.Y * math.hypot(1.0, MOTION.omega * 15.0 / PAPER.k), rel=1e-14)
-        == found.orbit.motion.Y
-    )
+    Y = MOTION.Y * math.hypot(1.0, MOTION.omega * 15.0 / PAPER.k)
+    assert pytest.approx(Y, rel=1e-14) == found.orbit.motion.Y
     expected = integrated(replace(BARE, c=30.0), MOTION, {"eta": 0.2, "c_r": 15.0}, 8)
     # 4,096 points of a motion whose harmonics fall as n⁻⁴ hold 1e-12 of those beyond
     assert np.abs(found.harmonics(8) - expected).max() < 1e-9 * abs(expected[0])

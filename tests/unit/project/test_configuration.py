@@ -18,6 +18,7 @@ from schemas import values
 
 FILE = ROOT / "config/config.yaml"
 SCHEMA = ROOT / "workflow/schemas/config.schema.yaml"
+NAME = ("excitation", "frequencies", 0, "name")
 
 
 @pytest.fixture
@@ -64,15 +65,11 @@ def test_the_shipped_configuration_passes(config):
         (("excitation", "levels_m"), [0.004, 0.0], ["excitation.levels_m[2]", "positive"]),
         (("excitation", "frequencies"), [], ["excitation.frequencies", "one to 20"]),
         (("excitation", "frequencies", 1, "hz"), 0.0, ["frequencies[2].hz", "0.0", "positive"]),
-        (
-            ("excitation", "frequencies", 0, "name"),
-            "a/b",
-            ["frequencies[1].name", "a/b", "letters"],
-        ),
-        (("excitation", "frequencies", 0, "name"), "omega2", ["frequencies[2].name", "twice"]),
-        (("excitation", "frequencies", 0, "name"), "OMEGA2", ["frequencies[2].name", "twice"]),
-        (("excitation", "frequencies", 0, "name"), "a" * 60, ["frequencies[1].name", "in a row"]),
-        (("excitation", "frequencies", 0, "name"), "a1-" * 20, ["frequencies[1].name"]),
+        (NAME, "a/b", ["frequencies[1].name", "a/b", "letters"]),
+        (NAME, "omega2", ["frequencies[2].name", "twice"]),
+        (NAME, "OMEGA2", ["frequencies[2].name", "twice"]),
+        (NAME, "a" * 60, ["frequencies[1].name", "in a row"]),
+        (NAME, "a1-" * 20, ["frequencies[1].name"]),
         (("as_published", "tabulated", "X_s_mark_m"), 1e-6, ["X_s_mark_m", "X_s_decimals"]),
         (("estimation", "pairs"), [[1, 6]], ["estimation.pairs[1]", "no level 6", "has 5"]),
         (("estimation", "pairs"), [[2, 2]], ["estimation.pairs[1]", "[2, 2]", "Two positions"]),

@@ -63,9 +63,8 @@ def test_a_csv_keeps_fifteen_digits_and_missing_values(tmp_path):
 )
 def test_names_stay_text_whatever_they_look_like(tmp_path, names):
     numbers = [*range(len(names) - 1), math.nan]
-    write_csv(
-        tmp_path / "t.csv", pd.DataFrame({"frequency": names, "printed": names, "x": numbers})
-    )
+    frame = pd.DataFrame({"frequency": names, "printed": names, "x": numbers})
+    write_csv(tmp_path / "t.csv", frame)
     back = read_csv(tmp_path / "t.csv")
     assert list(back["frequency"]) == list(back["printed"]) == names
     assert list(back["x"][:-1]) == numbers[:-1]

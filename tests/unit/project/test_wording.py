@@ -35,19 +35,20 @@ TEXTS = [
 ]
 
 
+def in_html(text):
+    return pypandoc.convert_text(text, "html", format="gfm", extra_args=["--wrap=none"])
+
+
 @pytest.mark.parametrize("text", TEXTS)
 def test_markdown_shows_the_text(text):
-    page = pypandoc.convert_text(
-        in_markdown(text), "html", format="gfm", extra_args=["--wrap=none"]
-    )
+    page = in_html(in_markdown(text))
     assert re.fullmatch(r"<p>[^<>]*</p>\s*", page), page  # a paragraph, and no other element
     assert html.unescape(page.strip()[3:-4]) == text.strip()
 
 
 @pytest.mark.parametrize("text", TEXTS)
 def test_a_cell_of_a_markdown_table_shows_the_text(text):
-    table = f"| a | b |\n|---|---|\n| {in_markdown(text)} | end |\n"
-    page = pypandoc.convert_text(table, "html", format="gfm", extra_args=["--wrap=none"])
+    page = in_html(f"| a | b |\n|---|---|\n| {in_markdown(text)} | end |\n")
     cells = re.findall(r"<td>(.*?)</td>", page)
     assert [html.unescape(cell) for cell in cells] == [text.strip(), "end"]
 

@@ -41,12 +41,9 @@ def written(tmp_path, monkeypatch):
         (tmp_path / "results/paper" / folder).mkdir(parents=True)
     (tmp_path / "results/paper/figures/figure1.svg").write_bytes(b"<svg/>")
     (tmp_path / "results/paper/tables/table1.csv").write_bytes(b"X\n1\n")
-    (tmp_path / "results/paper/tables/table1.md").write_text(
-        "# Table 1\n\n| X |\n", encoding="utf-8"
-    )
-    return lambda more: report(
-        CONFIGURATION | more, CLAIMS, "9.9", "results/paper/codecheck/report.md"
-    )
+    (tmp_path / "results/paper/tables/table1.md").write_bytes(b"# Table 1\n\n| X |\n")
+    path = "results/paper/codecheck/report.md"
+    return lambda more: report(CONFIGURATION | more, CLAIMS, "9.9", path)
 
 
 def test_outputs_have_their_sizes_and_digests(written):
@@ -72,12 +69,7 @@ def test_figures_and_tables_are_shown(written):
 
 def test_it_claims_no_certificate_that_is_not_there(written):
     assert "No codechecker has run this workflow" in written({})
-    checked = written(
-        {
-            "certificate": "2020-001",
-            "codechecker": [{"name": "C. Checker"}],
-            "report": "https://doi.org/10.2/b",
-        }
-    )
+    checker = {"codechecker": [{"name": "C. Checker"}], "report": "https://doi.org/10.2/b"}
+    checked = written({"certificate": "2020-001", **checker})
     assert "Certificate 2020-001 by C. Checker: https://doi.org/10.2/b." in checked
     assert "No codechecker" not in checked

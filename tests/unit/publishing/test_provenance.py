@@ -14,10 +14,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from dampbalance.project.files import sha256
 from dampbalance.publishing.provenance import archive
-from dampbalance.publishing.provenance.crate import crate
-from dampbalance.publishing.provenance.entities import CrateFolder
+from dampbalance.publishing.provenance.crate import CrateFolder, crate
 from dampbalance.publishing.provenance.manifest import manifest
 from dampbalance.publishing.provenance.sources import PROJECT, code_version, digest_of, files_of
 from folders import ROOT
@@ -77,26 +75,30 @@ def test_a_digest_does_not_depend_on_the_order_of_keys_and_does_on_every_value()
     assert digest_of({"a": 1.0}) != digest_of({"a": 1.0000000000000002})
 
 
-def of_one_file(folder, monkeypatch, locked):
+def manifest_of(folder, monkeypatch, locked="numpy==0.1", **outputs):
+    """The manifest of a run that made these files in a folder, from then on the current one."""
     monkeypatch.chdir(folder)
-    Path("in").write_text("1", encoding="utf-8")
-    Path("out").write_text("2", encoding="utf-8")
-    Path("lock").write_text(f"{locked} \\\n    --hash=sha256:00\n", encoding="utf-8")
-    job = {"rule": "r", "script": "s.py", "inputs": ["in"], "outputs": ["out"]}
-    code = {"version": "1", "commit": None, "committed": "2026-01-02", "modified": None}
-    return manifest("case", {"case": "case"}, [], {"in": "in"}, [job], code, "lock")
+    for name, text in {
+        "in": "1",
+        "lock": f"{locked} \\\n    --hash=sha256:00\n",
+        **outputs,
+    }.items():
+        Path(name).write_text(text, encoding="utf-8")
+    jobs = [{"rule": o, "script": "s.py", "inputs": ["in"], "outputs": [o]} for o in outputs]
+    code = {"version": "1", "commit": "c0ffee", "committed": "2026-01-02", "modified": False}
+    return manifest("case", {"case": "case"}, [], {"in": "in"}, jobs, code, "lock")
 
 
 def test_a_package_that_is_not_as_locked_is_named(tmp_path, monkeypatch):
-    right = of_one_file(tmp_path, monkeypatch, f"numpy=={metadata.version('numpy')}")
+    right = manifest_of(tmp_path, monkeypatch, f"numpy=={metadata.version('numpy')}", out="2")
     assert right["run"]["packages_not_as_locked"] == []
-    other = of_one_file(tmp_path, monkeypatch, "numpy==0.1")
+    other = manifest_of(tmp_path, monkeypatch, out="2")
     assert other["run"]["packages_not_as_locked"] == ["numpy"]
     assert right["reproducible"] == other["reproducible"]  # what differs is in its own part
 
 
 def test_the_date_of_a_crate_is_that_of_the_release(tmp_path, monkeypatch):
-    made = of_one_file(tmp_path, monkeypatch, "numpy==0.1")
+    made = manifest_of(tmp_path, monkeypatch, out="2")
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     citation.pop("date-released", None)
 
@@ -118,39 +120,12 @@ def test_sources_in_another_folder_are_described_and_results_are_found():
 
 
 def test_large_results_stay_out_and_are_named(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(archive, "LARGEST_PACKED", 10)
-    results = []
-    for name, data in (("small", b"123"), ("large", b"x" * 11)):
-        (tmp_path / name).write_bytes(data)
-        results.append(
-            {"path": name, "bytes": len(data), "sha256": sha256(tmp_path / name), "rule": name}
-        )
+    made = manifest_of(tmp_path, monkeypatch, small="123", large="x" * 11)
     for name in ("source", "manifest.json", "crate.json"):
         (tmp_path / name).write_text("{}", encoding="utf-8")
-    manifest = {
-        "reproducible": {
-            "case": "tiny",
-            "version": "1.0",
-            "configuration": {},
-            "configuration_files": [],
-            "sources": {},
-            "results": results,
-            "jobs": [
-                {"rule": name, "script": "s.py", "inputs": [], "outputs": [name]}
-                for name in ("small", "large")
-            ],
-        },
-        "run": {
-            "code": {"version": "1.0", "commit": "c0ffee", "committed": None, "modified": False},
-            "python": "3.11.0",
-            "system": "Linux",
-            "machine": "x86_64",
-            "packages": {},
-        },
-    }
     citation = {"title": "t", "abstract": "a", "license": "BSD-3-Clause"}
-    given = (["source"], manifest, "manifest.json", "crate.json", citation)
+    given = (["source"], made, "manifest.json", "crate.json", citation)
     archive.pack("it.tar.gz", *given, rebuild="make")
     with tarfile.open("it.tar.gz") as tar:
         names = {name.removeprefix("it/") for name in tar.getnames()}
@@ -182,11 +157,7 @@ def packed(path, *entries):
 
 
 def test_an_archive_is_unpacked_as_it_was_packed(tmp_path):
-    entries = [
-        ("dampbalance-1", tarfile.DIRTYPE),
-        ("dampbalance-1/a b/c..d",),
-        ("dampbalance-1/e",),
-    ]
+    entries = ("dampbalance-1", tarfile.DIRTYPE), ("dampbalance-1/a b/c..d",), ("dampbalance-1/e",)
     archive.unpack(packed(tmp_path / "a.tar.gz", *entries), tmp_path / "new")
     files = [file for file in (tmp_path / "new").rglob("*") if file.is_file()]
     top = tmp_path / "new/dampbalance-1"

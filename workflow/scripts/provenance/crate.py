@@ -7,8 +7,7 @@ import yaml
 
 from dampbalance.project.files import write_json
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.publishing.provenance.crate import crate
-from dampbalance.publishing.provenance.entities import CrateFolder
+from dampbalance.publishing.provenance.crate import CrateFolder, crate
 
 if __name__ == "__main__":
     brief_troubles()

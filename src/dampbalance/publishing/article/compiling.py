@@ -38,10 +38,7 @@ def compiler(source: Source, root: str | Path, inputs: Inputs) -> typst.Compiler
 
 def query(source: Source, root: str | Path, inputs: Inputs, selector: str, field: str) -> list[Any]:
     """Compile a source and return a field of every element that a selector matches, in the order of the document."""
-    fields: list[Any] = json.loads(
-        compiler(source, root, inputs).query(selector, field=field, format="json")
-    )
-    return fields
+    return json.loads(compiler(source, root, inputs).query(selector, field=field, format="json"))
 
 
 def version() -> str:

@@ -60,7 +60,7 @@ def derived_numbers(
     first = next(iter(exact))
     terms = {name: balance_terms(f, oscillator) for name, f in exact.items()}
     fourier = approaches[approaches["approach"] == "fourier"]
-    numbers: Json = _without_nan(
+    return _without_nan(
         {
             "setting": setting(case, exact[first]),
             "verdicts": verdict_counts(claims),
@@ -84,7 +84,6 @@ def derived_numbers(
             },
         }
     )
-    return numbers
 
 
 def verdict_counts(claims: pd.DataFrame) -> Json:
@@ -280,10 +279,10 @@ def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[P
     table = estimate_table(features.replaced(X_3=0.0, X_5=0.0), oscillator.k, pairs)
     rows = table[table["approach"] == "fourier"]
     pair, fit = (rows[rows["kind"] == kind] for kind in ("pair", "least_squares"))
-    of_fit = comparison.relative_errors(fit, oscillator)
+    errors = comparison.relative_errors(fit, oscillator).items()
     return {
         "pair": comparison.largest_errors(pair, oscillator),
-        "least_squares": {name: float(error.iloc[0]) for name, error in of_fit.items()},
+        "least_squares": {name: float(error.iloc[0]) for name, error in errors},
     }
 
 
@@ -326,16 +325,14 @@ def largest_errors(
     estimates: Mapping[str, Mapping[str, pd.DataFrame]], oscillator: Oscillator
 ) -> Json:
     """Largest error of F_k and c, %, of the pairs by Table 3's two-point formulas: route → frequency → coefficient."""
-
-    def of_table(table: pd.DataFrame) -> Json:
-        harmonic = table["approach"].map(takes_phase)
-        pairs = (table["kind"] == "pair") & (table["phase"] == "common")
-        return comparison.largest_errors(table[pairs & harmonic], oscillator)
-
-    return {
-        route: {frequency: of_table(table) for frequency, table in tables.items()}
-        for route, tables in estimates.items()
-    }
+    largest: Json = {}
+    for route, tables in estimates.items():
+        for frequency, table in tables.items():
+            pairs = (table["kind"] == "pair") & (table["phase"] == "common")
+            rows = table[pairs & table["approach"].map(takes_phase)]
+            errors = comparison.largest_errors(rows, oscillator)
+            largest.setdefault(route, {})[frequency] = errors
+    return largest
 
 
 def _printed(claims: pd.DataFrame, name: str) -> np.ndarray:
@@ -360,5 +357,5 @@ def _without_nan(document: Any) -> Any:
     if isinstance(document, dict):
         return {name: _without_nan(value) for name, value in document.items()}
     if isinstance(document, list):
-        return [_without_nan(value) for value in document]
+        return list(map(_without_nan, document))
     return None if isinstance(document, float) and not math.isfinite(document) else document

@@ -10,16 +10,16 @@ from __future__ import annotations
 import gzip
 import hashlib
 import io
-import json
 import os
 import sys
 import tarfile
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from ...project.files import replacing, sha256
+from ...project.files import json_text, replacing, sha256
+from ..markdown import templates
 from .crate import DESCRIPTOR, crate
 from .sources import ARCHIVED_VERSION
 
@@ -28,58 +28,6 @@ LARGEST_PACKED = 5_000_000
 TIME = 315_532_800  # of every file, s: 1980-01-01, the earliest that all formats can hold
 SUMS = "SHA256SUMS"
 NUMERICAL = ("numpy", "scipy", "numba", "pandas", "matplotlib")
-
-README = """\
-# {name}
-
-Sources of dampbalance {version} ({commit})
-with the results of the case `{case}`. Start with `README.md`, which describes the project, and `results/README.md`,
-which describes the results.
-
-## Verify
-
-In this folder
-
-```
-sha256sum --check --quiet SHA256SUMS
-```
-
-prints nothing if every file is as it was packed.
-
-## Rebuild
-
-The results were computed with {python}. A rebuild needs Python 3.11 or newer, make and, for the
-installation of the packages, a connection to a package index:
-
-```
-make setup    # the packages of requirements.lock, each checked against its digest
-make clean    # removes the packed results; keep a copy if you need them
-{rebuild}
-sha256sum --check --quiet SHA256SUMS
-```
-
-Afterwards only `{manifest}` may differ, because it names the machine of the run. On another kind of
-processor, or with other packages, the last bits of numbers may differ, and so may the digests; verdicts should not.
-
-If the packages were stored together with this archive (`make wheels`), no connection is needed: unpack them into a
-folder and run `PIP_NO_INDEX=1 PIP_FIND_LINKS=that/folder make setup`. They fit one version of Python and one kind of
-system only.
-
-If the packages are no longer available, `requirements.lock` states the version of each package, and the manifest lists
-those that were installed, with their licences. The numbers were computed by {packages}.
-
-## What is included
-
-- `SHA256SUMS`: the digest of every file
-- `VERSION.json`: the commit of the sources
-- `ro-crate-metadata.json`: the description of the archive as an RO-Crate, with the job that produced each result
-- `{manifest}`: the merged configuration, digests, packages and machine
-- all other files: the project as under version control, and its results
-
-## What is omitted
-
-{omitted}
-"""
 
 
 def pack(
@@ -107,7 +55,7 @@ def pack(
     code = manifest["run"]["code"]
     guide = readme(name, manifest, set(results) - packed, manifest_file, rebuild)
     written = {
-        ARCHIVED_VERSION: _json({k: v for k, v in code.items() if k != "known_from"}),
+        ARCHIVED_VERSION: json_text({k: v for k, v in code.items() if k != "known_from"}).encode(),
         "ARCHIVE.md": guide.encode(),
     }
     digests |= {file: _digest(data) for file, data in written.items()}
@@ -124,7 +72,7 @@ def pack(
         others={file: digest for file, digest in digests.items() if file != manifest_file},
         ended=_when_written(packed),
     )
-    written[DESCRIPTOR] = _json(metadata)
+    written[DESCRIPTOR] = json_text(metadata).encode()
     digests[DESCRIPTOR] = _digest(written[DESCRIPTOR])
     lines = [f"{digest}  {file}\n" for file, digest in sorted(digests.items())]
     written[SUMS] = "".join(lines).encode()
@@ -151,16 +99,8 @@ def unpack(path: str | Path, folder: str | Path) -> None:
     try:
         with tarfile.open(path, "r:gz") as tar:
             entries = tar.getmembers()
-            tops = {PurePosixPath(entry.name).parts[:1] for entry in entries}
-            for entry in entries:
-                if problem := _misplaced(entry):
-                    raise ValueError(
-                        f"{path}: {entry.name!r} {problem}: nothing was unpacked; name an archive of `make archive`"
-                    )
-            if len(tops) != 1 or not "".join(*tops).startswith("dampbalance-"):
-                raise ValueError(
-                    f"{path}: does not hold one folder dampbalance-…; name an archive of `make archive`"
-                )
+            if problem := _problem(entries):
+                raise ValueError(f"{path}: {problem}; name an archive of `make archive`")
             for entry in entries:
                 target = Path(folder, entry.name)
                 if data := tar.extractfile(entry):
@@ -173,14 +113,19 @@ def unpack(path: str | Path, folder: str | Path) -> None:
         ) from None
 
 
-def _misplaced(entry: tarfile.TarInfo) -> str:
-    """Why an entry of an archive must not be unpacked; "" if it may."""
-    if not (entry.isfile() or entry.isdir()):
-        return "is a link or a device"
-    name = PurePosixPath(entry.name)
-    if name.is_absolute() or ".." in name.parts or "\\" in entry.name:
-        return "leads out of the folder"
-    return ""
+def _problem(entries: Sequence[tarfile.TarInfo]) -> str:
+    """Why the entries of an archive must not be unpacked; "" if they may."""
+    for entry in entries:
+        name, problem = PurePosixPath(entry.name), ""
+        if not (entry.isfile() or entry.isdir()):
+            problem = "is a link or a device"
+        elif name.is_absolute() or ".." in name.parts or "\\" in entry.name:
+            problem = "leads out of the folder"
+        if problem:
+            return f"{entry.name!r} {problem}: nothing was unpacked"
+    tops = {PurePosixPath(entry.name).parts[:1] for entry in entries}
+    alone = len(tops) == 1 and "".join(*tops).startswith("dampbalance-")
+    return "" if alone else "does not hold one folder dampbalance-…"
 
 
 def readme(
@@ -192,24 +137,19 @@ def readme(
     commit = f"commit {code['commit']}" if code["commit"] else "a commit that is not known"
     if code["modified"]:
         commit += ", with changes that the archive holds"
-    sizes = {result["path"]: result["bytes"] for result in made["results"]}
-    omitted = "Nothing: the archive contains every result."
-    if left_out:
-        omitted = (
-            f"Results larger than {LARGEST_PACKED / 1e6:.0f} MB are omitted. A rebuild makes them again; "
-            f"their digests are in `{manifest_file}`.\n"
-        ) + "".join(f"\n- `{file}` ({sizes[file] / 1e6:.0f} MB)" for file in sorted(left_out))
     packages = [f"{p} {run['packages'][p]}" for p in NUMERICAL if p in run["packages"]]
-    return README.format(
+    template = templates().get_template("archive.md.j2")
+    return template.render(
         name=name,
-        version=made["version"],
+        made=made,
         commit=commit,
-        case=made["case"],
-        python=f"Python {run['python']} on {run['system']} ({run['machine']})",
+        run=run,
         packages=", ".join(packages) or "those named in pyproject.toml",
         rebuild=rebuild,
         manifest=manifest_file,
-        omitted=omitted,
+        left_out=sorted(left_out),
+        sizes={result["path"]: result["bytes"] for result in made["results"]},
+        largest=f"{LARGEST_PACKED / 1e6:.0f}",
     )
 
 
@@ -227,10 +167,6 @@ def _when_written(files: Iterable[str]) -> dict[str, float]:
 
 def _digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
-
-
-def _json(data: Any) -> bytes:
-    return (json.dumps(data, indent=1, ensure_ascii=False) + "\n").encode()
 
 
 if __name__ == "__main__":  # python -m … ARCHIVE FOLDER: `make verify`

@@ -6,6 +6,10 @@ sources by relative paths (../..), so it is valid only in place. The crate of an
 folder: deposit this one. If the workflow ran in another folder than its own, the crate describes the sources but does
 not contain them, although the profiles require the workflow itself.
 
+A step is a rule, its tool the script of the rule; each job is a CreateAction, from its inputs (object) by its tool
+(instrument) to its outputs (result). The engine's OrganizeAction leads to one ControlAction for each step, and that to
+the jobs of the step.
+
 All recommendations of the profiles are followed, with these exceptions. Tools should have an address on the web, and
 the sources have none. The crate of a case has no time of the run (`endTime`), so that the same inputs give the same
 bytes; the crate of an archive, which describes one run, has it. If neither a release date nor a commit is known, the
@@ -15,11 +19,18 @@ responsible for the published results.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from graphlib import TopologicalSorter
+from pathlib import Path, PurePosixPath
 from typing import Any
+from urllib.parse import quote
 
-from .entities import CrateFolder, Entity, entity, references
-from .workflow_run import BIOSCHEMAS, LANGUAGE, WORKFLOW_FILE, actions, engine, parameters, steps
+from ...project.wording import dotted
+from ..article.software import name as printed_name
 
 DESCRIPTOR = "ro-crate-metadata.json"
 CONTEXT = [
@@ -34,9 +45,81 @@ PROFILES = {
     "https://w3id.org/ro/wfrun/provenance/0.5": "Provenance Run Crate",
     WORKFLOW_CRATE: "Workflow RO-Crate",
 }
-SOURCE = ["File", "SoftwareSourceCode"]
+BIOSCHEMAS = "https://bioschemas.org/profiles/"
+LANGUAGE = "https://w3id.org/workflowhub/workflow-ro-crate#snakemake"
+ENGINE = "https://snakemake.github.io"
 LICENCES = "https://spdx.org/licenses/"
+WORKFLOW_FILE = "Snakefile"
 ABOUT_MANIFEST = "Configuration, code, packages, digests. Names the machine: no digest of its own."
+_PARAMETER_TYPES = {bool: "Boolean", int: "Integer", float: "Number", str: "Text"}
+
+# Everything else is text. Python's own table grows with every version and depends on the system.
+_FILE_TYPES = {
+    "application/json": [".json"],
+    "application/pdf": [".pdf"],
+    "application/toml": [".toml"],
+    "application/vnd.apache.parquet": [".parquet"],
+    "application/x-ipynb+json": [".ipynb"],
+    "application/yaml": [".cff", ".yaml", ".yml"],
+    "image/png": [".png"],
+    "image/svg+xml": [".svg"],
+    "text/css": [".css"],
+    "text/csv": [".csv"],
+    "text/html": [".html"],
+    "text/javascript": [".js"],
+    "text/markdown": [".md"],
+    "text/x-python": [".py"],
+    "text/x-rst": [".rst"],
+}
+_TYPE_OF = {suffix: kind for kind, suffixes in _FILE_TYPES.items() for suffix in suffixes}
+
+Entity = dict[str, Any]
+
+
+def entity(identifier: str, kind: str | list[str], /, **properties: Any) -> Entity:
+    """An entity with those of its properties that have a value.
+
+    Another entity as a value is written as a reference to it, a list of one item as that item.
+    """
+    entries = {key: _written(value) for key, value in properties.items()}
+    return {"@id": identifier, "@type": kind} | {
+        key: value for key, value in entries.items() if value not in (None, [])
+    }
+
+
+def _written(value: Any) -> Any:
+    if isinstance(value, list):
+        items = [_written(item) for item in value]
+        return items[0] if len(items) == 1 else items
+    return at(value["@id"]) if isinstance(value, dict) else value
+
+
+def at(identifier: str) -> dict[str, str]:
+    """A reference to the entity of this identifier."""
+    return {"@id": identifier}
+
+
+@dataclass(frozen=True, slots=True)
+class CrateFolder:
+    """The folder that holds a crate, and the names of files as seen from there.
+
+    root : the folder, relative to the project; "" is the project itself.   beside_sources : whether the files of the
+    project can be reached from there. They cannot when the workflow was run in another folder: then the crate only
+    describes them, under names that begin with '#'.
+    """
+
+    root: str = ""
+    beside_sources: bool = True
+
+    def name(self, path: str) -> str:
+        """The name of a file in the crate, which is its path from there.   path : relative to the project."""
+        if not self.beside_sources and not path.startswith("results/"):
+            return f"#{quote(path)}"
+        return quote(Path(os.path.relpath(path, self.root or ".")).as_posix())
+
+    def references(self, paths: Iterable[str]) -> list[dict[str, str]]:
+        """References to these files, in the order of their paths."""
+        return [at(self.name(path)) for path in sorted(paths)]
 
 
 def crate(
@@ -51,7 +134,7 @@ def crate(
 
     manifest : from `manifest.manifest`, which stands in the file `manifest_file`.   citation : CITATION.cff.
     folder : the folder of the crate; by default the project itself.   others : further files, path → digest.
-    ended : the time when each result was finished, path → s since 1970; empty for a crate without times.
+    ended : the time when each result was finished, s since 1970; without an entry, its action has no `endTime`.
     """
     made, run = manifest["reproducible"], manifest["run"]
     jobs, others, folder = made["jobs"], others or {}, folder or CrateFolder()
@@ -61,44 +144,48 @@ def crate(
     scripts = {job["script"] for job in jobs}
     used = {file for job in jobs for file in job["inputs"]} | set(configuration)
     named = {*results, *others, *scripts, WORKFLOW_FILE} | (used & digests.keys())
-
     files = {
-        path: folder.file(path, digests.get(path), results.get(path, {}).get("bytes"))
-        for path in sorted(named)
+        path: entity(
+            folder.name(path),
+            "File",
+            name=path,
+            encodingFormat=_TYPE_OF.get(PurePosixPath(path).suffix, "text/plain"),
+            contentSize=str(results[path]["bytes"]) if path in results else None,
+            sha256=digests.get(path),
+        )
+        for path in [*sorted(named), manifest_file]
     }
-    files[manifest_file] = folder.file(manifest_file) | {"description": ABOUT_MANIFEST}
+    files[manifest_file] |= {"description": ABOUT_MANIFEST}
     authors = [
         _author(author, i, folder) for i, author in enumerate(citation.get("authors", []), 1)
     ]
-    terms = citation["license"]
-    licence = entity(
-        f"{LICENCES}{terms}", "CreativeWork", name=terms, identifier=f"{LICENCES}{terms}"
-    )
-    responsible = references(authors)
-    common = {"license": {"@id": licence["@id"]}, "author": responsible}
-    keys, settings = parameters(made["configuration"])
-    howto = steps(jobs, folder)
-    acts = actions(jobs, settings, configuration, named, responsible, folder, ended or {})
+    terms, spdx = citation["license"], f"{LICENCES}{citation['license']}"
+    licence = entity(spdx, "CreativeWork", name=terms, identifier=spdx)
+    keys, settings = _parameters(made["configuration"])
+    steps = _steps(jobs, folder)
+    acts = _actions(jobs, steps, settings, configuration, named, authors, folder, ended or {})
 
-    version = made["version"]
-    tools = {path: files[path] for path in sorted(scripts)}
-    for path, tool in tools.items():
-        tool |= _software(folder.name(path), SOURCE, version, "Python")
-    files[WORKFLOW_FILE] |= _software(
+    of_source = {"version": made["version"], "programmingLanguage": "Python"}
+    for path in sorted(scripts):
+        files[path] |= {"@type": ["File", "SoftwareSourceCode"], "url": at(files[path]["@id"])}
+        files[path] |= of_source
+    files[WORKFLOW_FILE] |= entity(
         folder.name(WORKFLOW_FILE),
-        [*SOURCE, "ComputationalWorkflow", "HowTo"],
-        version,
-        {"@id": LANGUAGE},
-        **common,
+        ["File", "SoftwareSourceCode", "ComputationalWorkflow", "HowTo"],
+        url=at(folder.name(WORKFLOW_FILE)),
+        version=made["version"],
+        programmingLanguage=at(LANGUAGE),
+        license=licence,
+        author=authors,
         name="dampbalance",
         description=_code(run["code"]),
-        conformsTo={"@id": f"{BIOSCHEMAS}ComputationalWorkflow/1.0-RELEASE"},
-        hasPart=references(tools.values()),
-        input=references(keys),
-        step=references(howto),
+        conformsTo=at(f"{BIOSCHEMAS}ComputationalWorkflow/1.0-RELEASE"),
+        hasPart=[files[path] for path in sorted(scripts)],
+        input=keys,
+        step=steps,
     )
     if not folder.root and "README.md" in files:
-        files["README.md"] |= {"about": {"@id": "./"}}
+        files["README.md"] |= {"about": at("./")}
 
     published = citation.get("date-released") or run["code"].get("committed")
     top = entity(
@@ -107,44 +194,33 @@ def crate(
         name=f"{citation['title']}: case '{made['case']}'",
         description=citation["abstract"],
         keywords=", ".join(citation.get("keywords", [])),
-        **common,
-        publisher=references(a for a in authors if a["@type"] == "Organization"),
-        conformsTo=[{"@id": profile} for profile in PROFILES],
-        mainEntity={"@id": folder.name(WORKFLOW_FILE)},
-        hasPart=references(files.values()),
-        mentions=references(a for a in acts if a["@type"] != "ControlAction"),
+        license=licence,
+        author=authors,
+        publisher=[author for author in authors if author["@type"] == "Organization"],
+        conformsTo=[at(profile) for profile in PROFILES],
+        mainEntity=files[WORKFLOW_FILE],
+        hasPart=list(files.values()),
+        mentions=[act for act in acts if act["@type"] != "ControlAction"],
         datePublished=str(published) if published else None,
     )
-    descriptor = entity(
-        DESCRIPTOR,
-        "CreativeWork",
-        conformsTo=[{"@id": ROCRATE}, {"@id": WORKFLOW_CRATE}],
-        about={"@id": "./"},
-    )
+    kept = [at(ROCRATE), at(WORKFLOW_CRATE)]
+    descriptor = entity(DESCRIPTOR, "CreativeWork", conformsTo=kept, about=top)
     profiles = [
         entity(address, "CreativeWork", name=name, version=address.rsplit("/", 1)[-1])
         for address, name in PROFILES.items()
     ]
-    software = engine(run["packages"].get("snakemake"))
-    graph = [descriptor, top, *files.values(), *software, *keys, *settings, *howto, *acts]
+    software = _snakemake(run["packages"].get("snakemake"))
+    graph = [descriptor, top, *files.values(), *software, *keys, *settings, *steps, *acts]
     return {"@context": CONTEXT, "@graph": [*graph, *authors, licence, *profiles]}
-
-
-def _software(
-    at: str, kind: list[str], version: str, language: str | dict[str, str], **more: Any
-) -> Entity:
-    """The properties of a file that is software; its URL is its path in the crate."""
-    return entity(at, kind, url={"@id": at}, version=version, programmingLanguage=language, **more)
 
 
 def _author(author: Mapping[str, str], number: int, folder: CrateFolder) -> Entity:
     """A person or an organisation named in the citation; without a website, the citation file serves as its URL."""
-    person = f"{author.get('given-names', '')} {author.get('family-names', '')}".strip()
     return entity(
         author.get("orcid") or f"#author-{number}",
         "Organization" if "name" in author else "Person",
-        name=author.get("name") or person,
-        url=author.get("website") or {"@id": folder.name("CITATION.cff")},
+        name=printed_name(author),
+        url=author.get("website") or at(folder.name("CITATION.cff")),
     )
 
 
@@ -153,3 +229,128 @@ def _code(code: Mapping[str, Any]) -> str:
         return "Commit unknown; the digests of the sources are in the manifest."
     changed = ", with changes; their digests are in the manifest" if code.get("modified") else ""
     return f"Commit {code['commit']}{changed}."
+
+
+def _snakemake(version: str | None) -> list[Entity]:
+    """Snakemake as the language of the workflow and as the engine that ran it."""
+    names = {"name": "Snakemake", "alternateName": "Snakemake workflow language"}
+    addresses = {"identifier": ENGINE, "url": ENGINE}
+    return [
+        entity(LANGUAGE, "ComputerLanguage", **names, **addresses, version=version),
+        entity(
+            ENGINE, "SoftwareApplication", name="Snakemake", url=ENGINE, softwareVersion=version
+        ),
+    ]
+
+
+def _parameters(configuration: Mapping[str, Any]) -> tuple[list[Entity], list[Entity]]:
+    """The keys of a configuration as FormalParameters, and their values as PropertyValues.
+
+    Nested keys are joined by dots, as in `oscillator.m_kg`. A value that is not a number, text or truth value is
+    written as JSON.
+    """
+    keys, values = [], []
+    profile = at(f"{BIOSCHEMAS}FormalParameter/1.0-RELEASE")
+    for name, value in dotted(configuration):
+        key, setting = f"#parameter/{quote(name)}", f"#value/{quote(name)}"
+        kind = _PARAMETER_TYPES.get(type(value))
+        of_key = {"additionalType": kind or "PropertyValue", "conformsTo": profile}
+        of_value = {"value": value if kind else json.dumps(value), "exampleOfWork": at(key)}
+        keys.append(entity(key, "FormalParameter", name=name, **of_key, workExample=at(setting)))
+        values.append(entity(setting, "PropertyValue", name=name, **of_value))
+    return keys, values
+
+
+def _steps(jobs: Sequence[Mapping[str, Any]], folder: CrateFolder) -> list[Entity]:
+    """The rules of the jobs, each after those whose outputs its first job reads."""
+    maker = {file: number for number, job in enumerate(jobs) for file in job["outputs"]}
+    needs = {
+        number: [maker[file] for file in job["inputs"] if file in maker]
+        for number, job in enumerate(jobs)
+    }
+    order = (jobs[number] for number in TopologicalSorter(needs).static_order())
+    tools = {job["rule"]: at(folder.name(job["script"])) for job in order}
+    return [
+        entity(f"#step/{quote(rule)}", "HowToStep", name=rule, position=str(n), workExample=tool)
+        for n, (rule, tool) in enumerate(tools.items(), start=1)
+    ]
+
+
+def _actions(
+    jobs: Sequence[Mapping[str, Any]],
+    steps: Sequence[Entity],
+    settings: list[Entity],
+    configuration: Iterable[str],
+    known: set[str],
+    agents: list[Entity],
+    folder: CrateFolder,
+    ended: Mapping[str, float],
+) -> list[Entity]:
+    """The actions of the run, of its jobs and of the engine that organised them; the run comes first.
+
+    settings : values of the parameters.   configuration : the files that hold them; every job takes its own from there.
+    known : the files that the crate describes.   agents : those who are responsible for the run.
+    """
+    configured = set(configuration)
+
+    def action(
+        identifier: str,
+        tool: str,
+        inputs: set[str],
+        outputs: list[str],
+        name: str,
+        description: str,
+    ) -> Entity:
+        times = [ended[file] for file in outputs if file in ended]
+        return entity(
+            identifier,
+            "CreateAction",
+            instrument=at(folder.name(tool)),
+            agent=agents,
+            object=[
+                *folder.references(inputs & known),
+                *(settings if tool == WORKFLOW_FILE else []),
+            ],
+            result=folder.references(outputs),
+            endTime=_iso(max(times)) if times else None,
+            name=name,
+            description=description,
+        )
+
+    results = [file for job in jobs for file in job["outputs"]]
+    said = f"Snakemake ran {len(jobs)} jobs, which made {len(results)} files."
+    inputs = {file for job in jobs for file in job["inputs"]} - set(results) | configured
+    run = action("#run", WORKFLOW_FILE, inputs, results, "The run of the workflow", said)
+    of_rule: dict[str, list[Entity]] = {}
+    single = []
+    for job in jobs:
+        rule, script, outputs = job["rule"], job["script"], job["outputs"]
+        said = f"Rule {rule}: {script} made {', '.join(outputs)}."
+        name = f"#job/{quote(min(outputs))}"
+        single.append(action(name, script, {*job["inputs"], *configured}, outputs, rule, said))
+        of_rule.setdefault(rule, []).append(single[-1])
+    controls = [
+        entity(
+            f"#control/{quote(step['name'])}",
+            "ControlAction",
+            name=f"Snakemake ran the jobs of rule {step['name']}",
+            instrument=step,
+            object=of_rule[step["name"]],
+        )
+        for step in steps
+    ]
+    organised = entity(
+        "#organisation",
+        "OrganizeAction",
+        name="Snakemake organised the run",
+        instrument=at(ENGINE),
+        agent=agents,
+        object=controls,
+        result=run,
+        endTime=run.get("endTime"),
+    )
+    return [run, *single, *controls, organised]
+
+
+def _iso(time: float) -> str:
+    return datetime.fromtimestamp(time, UTC).isoformat(timespec="seconds")

@@ -38,11 +38,7 @@ def stated_licence(stated: PackageMetadata) -> str:
     field, expression = (
         next(iter(stated.get_all(key) or []), "") for key in ("License", "License-Expression")
     )
-    given = [
-        expression,
-        field,
-        *(classified if len(classified) == 1 else []),
-    ]
+    given = [expression, field, *(classified if len(classified) == 1 else [])]
     for words in given:
         try:
             return str(canonicalize_license_expression(WORDS.get(words, words)))

@@ -86,9 +86,8 @@ def _packages(lock: Path) -> dict[str, Any]:
         pinned.setdefault(name, set()).add(version)
     installed = {}
     for name in sorted(pinned):
-        with suppress(
-            metadata.PackageNotFoundError
-        ):  # for another system, or an extra that is not installed
+        # one may be for another system, or of an extra that is not installed
+        with suppress(metadata.PackageNotFoundError):
             installed[name] = metadata.version(name)
     return {
         "packages": installed,

@@ -6,7 +6,7 @@ import hashlib
 import json
 import re
 import subprocess
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -52,8 +52,10 @@ _LEFT_BEHIND = re.compile(r"__pycache__|\.ipynb_checkpoints|.*\.egg-info|\.DS_St
 def files_of(root: str | Path, names: Iterable[str] = PROJECT) -> list[str]:
     """The files below `names` in the folder `root`, as sorted relative paths with slashes; caches are excluded."""
     root = Path(root)
+    paths = (path for name in names for path in (root / name, *(root / name).rglob("*")))
+    files = (path.relative_to(root) for path in paths if path.is_file())
     return sorted(
-        path.relative_to(root).as_posix() for name in names for path in _below(root / name)
+        file.as_posix() for file in files if not any(map(_LEFT_BEHIND.fullmatch, file.parts))
     )
 
 
@@ -70,9 +72,8 @@ def code_version(root: str | Path, version: str) -> dict[str, Any]:
     modified : whether files differ from that commit, or None.   known_from : git, archive, or nothing.
     """
     root = Path(root).resolve()
+    archived, known_from = root / ARCHIVED_VERSION, "nothing"
     state: dict[str, Any] = dict.fromkeys(("commit", "committed", "modified"))
-    known_from = "nothing"
-    archived = root / ARCHIVED_VERSION
     # An unpacked archive may lie within another repository, whose commit does not describe this code.
     own = _git(root, "rev-parse", "--show-toplevel") == str(root)
     if own and (commit := _git(root, "log", "-1", "--format=%H %cs")):
@@ -84,16 +85,6 @@ def code_version(root: str | Path, version: str) -> dict[str, Any]:
         state = {key: stated.get(key) for key in state}
         known_from = "archive"
     return {"version": version, **state, "known_from": known_from}
-
-
-def _below(path: Path) -> Iterator[Path]:
-    if _LEFT_BEHIND.fullmatch(path.name):
-        return
-    if path.is_file():
-        yield path
-    elif path.is_dir():
-        for inner in path.iterdir():
-            yield from _below(inner)
 
 
 def _git(root: Path, *arguments: str) -> str | None:

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from ...balance import APPROACHES
 from ...law.terms import KNOWN_TERMS
 from ...project.documents import read_yaml
 from ...project.files import UNFINISHED
-from . import command_help, keys, names
+from . import keys, names
 from .gallery import gallery
 from .pages import EXTRA, Pages, SiteError
 
@@ -66,7 +67,7 @@ def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]
     return {
         "version": dampbalance.__version__,
         "commands": commands,
-        "command": lambda name: command_help.command(commands[name]),
+        "command": lambda name: _help(commands[name]),
         "schema": lambda path: keys.tables(read_yaml(root / path), _REGISTRIES),
         "gallery": lambda: gallery(root),
         "terms": KNOWN_TERMS.values(),
@@ -74,6 +75,12 @@ def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]
         "documented": names.directives,
         "others": lambda naming: names.others([equations, naming], PACKAGE),
     }
+
+
+def _help(command: argparse.ArgumentParser) -> str:
+    """The help of a command as it shows it, in lines that a page has room for."""
+    command.formatter_class = partial(argparse.RawDescriptionHelpFormatter, width=90)
+    return f"```\n{command.format_help()}```\n"
 
 
 def commands_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:

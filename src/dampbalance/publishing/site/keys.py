@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from functools import reduce
 from itertools import groupby
-from operator import itemgetter
+from operator import getitem, itemgetter
 from typing import Any
 
+from ...law.terms import named_with_unit
 from ...project.wording import MINUS, in_markdown, listed, markdown_table
 
-# The unit at the end of the name of a key, such as N_s2_per_m2, and the replacements that make it readable
-_UNIT = re.compile(r"(?:^|_)((?:N(?:_s\d?)?|rad)_per_(?:m\d?|s)|hz|kg|N|m|s)$")
-_AS_READ = (("_per_", "/"), ("_", " "), ("hz", "Hz"), ("2", "²"), ("3", "³"))
+# The ending of the name of a key → the unit that it states, the longest endings first
+_UNITS = {
+    named_with_unit("", unit): unit
+    for unit in ("N s³/m³", "N s²/m²", "N s/m", "N/m", "rad/s", "kg", "N", "m", "s")
+} | {"_hz": "Hz"}
 _TYPES = {
     "array": "list",
     "boolean": "true or false",
@@ -22,12 +25,7 @@ _TYPES = {
     "object": "keys",
     "string": "text",
 }
-_LIMITS = (
-    ("minimum", "≥"),
-    ("exclusiveMinimum", ">"),
-    ("maximum", "≤"),
-    ("exclusiveMaximum", "<"),
-)
+_LIMITS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
 
 
 def tables(
@@ -40,88 +38,72 @@ def tables(
 
     registered : the names in each registry to which the schema refers (`registered: NAME`).
     """
-    reader = _Reader(schema, registered)
-    reader.read(schema, "")
+    lines: dict[str, dict[tuple[str, ...], None]] = {}
+    for parent, cells in _rows(_resolved(schema, schema), "", registered):
+        lines.setdefault(parent, {})[cells] = None
     parts = []
-    for parent, lines in reader.lines.items():
+    for parent, rows in lines.items():
         parts += [f"{'#' * level} `{parent}`\n"] if parent else []
-        parts.append(markdown_table(["key", "type", "unit", "meaning"], lines) + "\n")
+        parts.append(markdown_table(["key", "type", "unit", "meaning"], rows) + "\n")
     return "\n".join(parts)
 
 
-@dataclass(frozen=True, slots=True)
-class _Reader:
-    """Reads nodes of a schema into rows of tables and follows references.
+def _resolved(node: Any, schema: Mapping[str, Any]) -> Any:
+    """A node of a schema with its references (`$ref`) within the schema replaced by what they refer to."""
+    if isinstance(node, list):
+        return [_resolved(item, schema) for item in node]
+    if not isinstance(node, Mapping):
+        return node
+    own = {name: _resolved(value, schema) for name, value in node.items() if name != "$ref"}
+    path = node["$ref"].removeprefix("#/").split("/") if "$ref" in node else []
+    return {**_resolved(reduce(getitem, path, schema), schema), **own} if path else own
 
-    lines : the rows of each table, by the path of its keys.
-    """
 
-    schema: Mapping[str, Any]
-    registered: Mapping[str, Sequence[str]]
-    lines: dict[str, dict[tuple[str, ...], None]] = field(default_factory=dict)
-
-    def read(self, node: Mapping[str, Any], parent: str) -> None:
-        """Add the keys below a node; each key precedes the keys inside it."""
-        node = self.followed(node)
-        for inner, name in (("items", "[]"), ("additionalProperties", ".*")):
-            if isinstance(node.get(inner), Mapping):
-                self.read(node[inner], f"{parent}{name}".lstrip("."))
-        children = [
-            (self.followed(child), key) for key, child in node.get("properties", {}).items()
-        ]
-        for child, alike in groupby(children, key=itemgetter(0)):
-            names = [name for _, name in alike]
-            units = dict.fromkeys(filter(None, map(_unit, names)))
-            cells = (
-                ", ".join(f"`{name}`" for name in names)
-                + " *needed*" * (names[0] in node.get("required", ())),
-                self.type_of(child),
-                ", ".join(units),
+def _rows(
+    node: Mapping[str, Any], parent: str, registered: Mapping[str, Sequence[str]]
+) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """The path of the table and the cells of each row; a key precedes the keys inside it."""
+    for inner, name in (("items", "[]"), ("additionalProperties", ".*")):
+        if isinstance(node.get(inner), Mapping):
+            yield from _rows(node[inner], f"{parent}{name}".lstrip("."), registered)
+    for child, alike in groupby(node.get("properties", {}).items(), key=itemgetter(1)):
+        names = [name for name, _ in alike]
+        needed = " *needed*" * (names[0] in node.get("required", ()))
+        yield (
+            parent,
+            (
+                ", ".join(f"`{name}`" for name in names) + needed,
+                _type(child, registered),
+                ", ".join(dict.fromkeys(filter(None, map(_unit, names)))),
                 in_markdown(" ".join(child.get("description", "").split())),
-            )
-            self.lines.setdefault(parent, {})[cells] = None
-            self.read(child, f"{parent}.{names[0] if len(names) == 1 else '*'}".lstrip("."))
+            ),
+        )
+        inside = names[0] if len(names) == 1 else "*"
+        yield from _rows(child, f"{parent}.{inside}".lstrip("."), registered)
 
-    def followed(self, node: Mapping[str, Any]) -> Mapping[str, Any]:
-        """The node with its reference (`$ref`) within the schema resolved."""
-        if "$ref" not in node:
-            return node
-        target: Any = self.schema
-        for name in node["$ref"].removeprefix("#/").split("/"):
-            target = target[name]
-        return {**target, **{name: value for name, value in node.items() if name != "$ref"}}
 
-    def type_of(self, node: Mapping[str, Any]) -> str:
-        """The type in words with its bounds, or the admissible values."""
-        node = self.followed(node)
-        if "registered" in node:
-            names = [*self.registered[node["registered"]], *node.get("also", [])]
-            words = [f"`{name}`" for name in names]
-        elif "enum" in node or "const" in node:
-            words = [_value(value) for value in node.get("enum", [node.get("const")])]
-        elif "anyOf" in node:
-            words = [self.type_of(choice) for choice in node["anyOf"]]
-        else:
-            names = node.get("type", "any value")
-            words = [self._word(one, node) for one in ([names] if names == str(names) else names)]
-        return listed(list(dict.fromkeys(words)), "or")
-
-    def _word(self, name: str, node: Mapping[str, Any]) -> str:
-        """One type in words; for a list, with the type of its entries."""
-        items = node.get("items")
-        if name == "array" and isinstance(items, Mapping):
-            inner = self.type_of(items)
-            what = "entries with keys" if inner == _TYPES["object"] else inner
-            return f"list of {_length(node)}{what}"
-        return _TYPES.get(name, name) + (_range(node) if name in ("number", "integer") else "")
+def _type(node: Mapping[str, Any], registered: Mapping[str, Sequence[str]]) -> str:
+    """The type in words with its bounds, or the admissible values."""
+    if "registered" in node:
+        words = [f"`{name}`" for name in (*registered[node["registered"]], *node.get("also", []))]
+    elif "enum" in node or "const" in node:
+        words = [_value(value) for value in node.get("enum", [node.get("const")])]
+    elif "anyOf" in node:
+        words = [_type(choice, registered) for choice in node["anyOf"]]
+    else:
+        kinds, words = node.get("type", "any value"), []
+        for kind in [kinds] if isinstance(kinds, str) else kinds:
+            words.append(_TYPES.get(kind, kind) + _range(node) * (kind in ("number", "integer")))
+            if kind == "array" and isinstance(node.get("items"), Mapping):
+                inner = _type(node["items"], registered)
+                what = "entries with keys" if inner == _TYPES["object"] else inner
+                words[-1] = f"list of {_length(node)}{what}"
+    return listed(list(dict.fromkeys(words)), "or")
 
 
 def _unit(key: str) -> str:
     """The unit that is stated at the end of the name of a key; "" if there is none."""
-    unit = found[1] if (found := _UNIT.search(key)) else ""
-    for typed, read in _AS_READ:
-        unit = unit.replace(typed, read)
-    return unit
+    return next((unit for end, unit in _UNITS.items() if f"_{key}".endswith(end)), "")
 
 
 def _value(value: object) -> str:
@@ -135,7 +117,9 @@ def _range(node: Mapping[str, Any]) -> str:
     low, high = node.get("minimum"), node.get("maximum")
     if low is not None and high is not None:
         return f" from {_number(low)} to {_number(high)}"
-    return ",".join(f" {sign} {_number(node[name])}" for name, sign in _LIMITS if name in node)
+    return ",".join(
+        f" {sign} {_number(node[name])}" for name, sign in _LIMITS.items() if name in node
+    )
 
 
 def _length(node: Mapping[str, Any]) -> str:

@@ -16,6 +16,7 @@ from typing import Any
 
 import jinja2
 
+from ..markdown import templates
 from . import texts
 from .mirror import Mirror
 
@@ -44,23 +45,16 @@ class Pages:
 
     def made(self) -> dict[str, str]:
         """The Markdown of each page, by its path below the folder. Raises SiteError if a page cannot be rendered."""
-        templates = jinja2.Environment(
-            loader=jinja2.FileSystemLoader(self.root / self.folder),
-            autoescape=False,  # the pages are Markdown and contain only files of the project
-            undefined=jinja2.StrictUndefined,
-            trim_blocks=True,
-            lstrip_blocks=True,
-            keep_trailing_newline=True,
-        )
+        pages = templates(jinja2.FileSystemLoader(self.root / self.folder))
         rendered = {}
-        for name in sorted(templates.list_templates(extensions=["md"])):
+        for name in sorted(pages.list_templates(extensions=["md"])):
             given = {
                 "text": partial(self._text, name),
                 "section": partial(self._section, name),
                 "there": lambda path: (self.root / path).is_file(),
             }
             try:
-                rendered[name] = templates.get_template(name).render(**given, **self.functions)
+                rendered[name] = pages.get_template(name).render(**given, **self.functions)
             except jinja2.TemplateError as error:
                 raise SiteError(f"{self.folder}/{name}: {error}") from error
         return {
@@ -84,21 +78,18 @@ class Pages:
         level : the level of its heading on the page; 0 for no heading.   inner : whether to include its subsections.
         """
         known = self._sections(path)
-        if not title:
-            self.parts[path, ""] = (page, "")
-            return texts.written([replace(known[0], level=0)])
-        try:
-            first, *others = texts.with_inner(known, title)
-        except KeyError:
+        chosen = texts.with_inner(known, title) if title else known[:1]
+        if not chosen:
             titles = ", ".join(repr(section.title) for section in known)
             raise SiteError(
                 f"{self.folder}/{page}: {path} has no section {title!r}; it has {titles}"
-            ) from None
-        if (path, first.anchor) in self.parts:
-            where = self.parts[path, first.anchor][0]
+            )
+        first, others = chosen[0], chosen[1:] if inner else []
+        anchor = first.anchor if title else ""
+        if title and (path, anchor) in self.parts:
+            where = self.parts[path, anchor][0]
             raise SiteError(f"{self.folder}/{page}: {title!r} of {path} is on {where} already")
-        others = others if inner else []
-        self.parts[path, first.anchor] = (page, first.anchor if level else "")
+        self.parts[path, anchor] = (page, anchor if level else "")
         self.parts |= {(path, one.anchor): (page, one.anchor) for one in others}
         down = (level or 1) - first.level
         others = [replace(one, level=one.level + down) for one in others]

@@ -51,21 +51,15 @@ def sections(text: str) -> list[Section]:
 
 
 def with_inner(text: list[Section], title: str) -> list[Section]:
-    """The section of that title with its subsections. Raises KeyError if no section has that title."""
+    """The section of that title with its subsections; none if no section has that title."""
     found = list(dropwhile(lambda one: one.title != title, text))
-    if not found:
-        raise KeyError(title)
-    first, *after = found
-    return [first, *takewhile(lambda one: one.level > first.level, after)]
+    return found[:1] + list(takewhile(lambda one: one.level > found[0].level, found[1:]))
 
 
 def written(text: list[Section]) -> str:
     """Sections as Markdown."""
-    parts: list[str] = []
-    for one in text:
-        parts += [f"{'#' * one.level} {one.title}"] if one.level else []
-        parts += [one.body] if one.body else []
-    return "\n\n".join(parts) + "\n"
+    headed = ((f"{'#' * one.level} {one.title}" * bool(one.level), one.body) for one in text)
+    return "\n\n".join(part for parts in headed for part in parts if part) + "\n"
 
 
 def of_project(text: str, folder: str) -> str:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import jinja2
-
-from ...project.wording import in_words, listed, minus, number, percent
+from ..project.wording import in_words, listed, minus, number, percent
+from .markdown import templates
 
 
 def frame_page(
@@ -18,14 +17,7 @@ def frame_page(
     document : of the findings.   measured : the set of records in the configuration.   limits : what limits the
     identification, by its own account, a sentence each.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("dampbalance.publishing.frame"),
-        autoescape=False,  # Markdown, of nothing but numbers and names of the configuration
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
+    environment = templates()
     environment.filters |= {
         "percent": percent,
         "number": number,
