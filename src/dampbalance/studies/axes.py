@@ -10,7 +10,7 @@ import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -96,9 +96,7 @@ class Sampled:
         points = qmc.Sobol(dimension, scramble=True, bits=SOBOL_BITS, rng=self.seed)
         if start:
             points.fast_forward(start)
-        with (
-            warnings.catch_warnings()
-        ):  # the length of the whole sequence matters, not of a stretch
+        with warnings.catch_warnings():  # the whole sequence matters, not the length of a stretch
             warnings.filterwarnings("ignore", "The balance properties", UserWarning)
             return np.asarray(points.random(count), dtype=np.float64)
 
@@ -135,5 +133,18 @@ def spread(
 
 def is_value(values: Words, wanted: float) -> Mask:
     """Which values equal the wanted one, except for rounding."""
-    same: Mask = np.abs(values.astype(float) - wanted) <= SAME * abs(wanted)
-    return same
+    return np.abs(values.astype(float) - wanted) <= SAME * abs(wanted)
+
+
+def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
+    """Which points have the values of axes that a fact or a figure names in `at`, and lie in its bounds, `between`;
+    axes that have no values here do not count."""
+    kept = np.ones(len(next(iter(values.values()))), dtype=bool)
+    for name, wanted in spec.get("at", {}).items():
+        if name in values:
+            here = values[name]
+            kept &= here == wanted if isinstance(wanted, str) else is_value(here, wanted)
+    for name, (low, high) in spec.get("between", {}).items():
+        if name in values:
+            kept &= (values[name] >= low) & (values[name] <= high)
+    return kept

@@ -35,7 +35,8 @@ def measured_responses(cases: Cases) -> Responses:
     """
     study, si = cases.study, cases.si
     by_simpson = any(fit.approach == SIMPSON for fit in study.fits)
-    points, replicates, plain, fitted = [], [], [], []
+    points, replicates, plain = [], [], []
+    fitted = np.full((2, len(TERMS), len(cases.numbers)), np.nan)
     for case, number in enumerate(cases.numbers.tolist()):
         osc = oscillator_of(si, case)
         rate_hz, noise = (float(cases.values[name][case]) for name in ("sampling_hz", "noise"))
@@ -49,18 +50,16 @@ def measured_responses(cases: Cases) -> Responses:
         point, replicate, whole = _with_one_oscillator(read, osc.k, study.replicates, random)
         points.append(point)
         replicates.append(replicate)
-        fitted.append(None if whole is None else whole.answer)
+        if whole is not None:
+            answer = whole.answer
+            for row, of in zip(fitted, (answer.values, answer.standard_errors), strict=True):
+                row[:, case] = [of[symbol] for symbol in TERMS]
         if by_simpson:
             values, drawn = _by_simpson(records, osc.k, study.replicates, random)
             plain.append((point.replaced(**values), replicate.replaced(**drawn)))
-    likelihood = {
-        symbol: np.array(
-            [(a.values[symbol], a.standard_errors[symbol]) if a else (np.nan,) * 2 for a in fitted]
-        ).T
-        for symbol in TERMS
-    }
+    values, errors = (dict(zip(TERMS, of, strict=True)) for of in fitted)
     simpson = tuple(beside(parts) for parts in zip(*plain, strict=True))
-    return Responses(beside(points), beside(replicates), simpson, likelihood)
+    return Responses(beside(points), beside(replicates), simpson, (values, errors))
 
 
 def _measured(

@@ -26,6 +26,7 @@ from ..motion.regime import Regime
 from ..reading.noisy import Reading, read_features
 from ..records.synthetic import measured_orbit
 from .routes import NONE, law_named, terms_named
+from .settings import Study
 
 SHARE = (0.2, 0.6)
 """Smallest and largest share of the input work that each term takes at one level at least."""
@@ -167,15 +168,11 @@ def chosen_law(
     return NONE if chosen is None else law_named(chosen)
 
 
-def chosen_laws(
-    values: Mapping[str, Words], levels: Sequence[float], cycles: int, seed: int
-) -> Words:
-    """The law that is chosen in each of n cases, (n,).
-
-    values : law, noise and run of each, (n,).
-    """
+def chosen_laws(study: Study, values: Mapping[str, Words]) -> Words:
+    """The law that is chosen in each of n cases, (n,).   values : law, noise and, if runs are counted, run of each."""
     chosen = []
-    for law, noise, run in zip(values["law"], values["noise"], values["run"], strict=True):
-        random = np.random.default_rng([seed, *str(law).encode(), int(run)])
-        chosen.append(chosen_law(str(law), levels, cycles, float(noise), random))
+    runs = values.get("run", np.zeros(len(values["law"])))
+    for law, noise, run in zip(values["law"], values["noise"], runs, strict=True):
+        random = np.random.default_rng([study.seed, *str(law).encode(), int(run)])
+        chosen.append(chosen_law(str(law), study.levels, study.cycles, float(noise), random))
     return np.array(chosen, dtype=object)

@@ -36,13 +36,13 @@ class Responses(NamedTuple):
     features : (L, n). The rest is for noisy records only.
     drawn : bootstrap replicates of the features, (L, n, r).
     simpson : features and replicates with a, b and W by `reading.simpson`, where a fit asks for them.
-    likelihood : symbol → value and standard error of the maximum-likelihood oscillator, SI units, (2, n).
+    likelihood : values and standard errors of the maximum-likelihood oscillator by symbol, SI units, (n,) each.
     """
 
     features: Features
     drawn: Features | None = None
     simpson: tuple[Features, ...] = ()
-    likelihood: Mapping[str, Array] = {}
+    likelihood: tuple[Mapping[str, Array], Mapping[str, Array]] = ({}, {})
 
 
 NOT_READ = "not_read"

@@ -8,6 +8,9 @@ from functools import cached_property
 from itertools import product
 from typing import Any, Self
 
+import numpy as np
+
+from ..arrays import Array
 from ..balance import APPROACHES, TERMS, takes_phase
 from ..law.terms import in_order
 from ..reading.clean import ReadAt
@@ -152,6 +155,10 @@ class Study:
             return block.ranges[name].low, block.ranges[name].high
         values = [float(x) for x in (block.values[name] if block else [self.fixed[name]])]
         return min(values), max(values)
+
+    def amplitudes(self, Y: Array) -> Array:
+        """Amplitudes of the base at the levels, m, (L, n), of cases with the reference amplitudes Y, m, (n,)."""
+        return np.array(self.levels)[:, None] * (Y if self.levels_relative else np.ones_like(Y))
 
     @property
     def seeds(self) -> list[int]:

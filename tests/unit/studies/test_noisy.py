@@ -16,10 +16,10 @@ from dampbalance.reading.noisy import read_features
 from dampbalance.reading.simpson import cycle_integrals
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.studies import evaluate, outputs
-from dampbalance.studies.columns import columns_of
-from dampbalance.studies.shown import facts, groups, summary
-from dampbalance.studies.shown.bounds import bounds_of
+from dampbalance.studies.shown import facts, statistics, summary
+from dampbalance.studies.shown.statistics import bounds_of
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
+from dampbalance.studies.sizes import columns_of
 from paper_case import FREQUENCIES_HZ, PAPER, motions_at
 from unit.studies.documents import document
 
@@ -161,7 +161,7 @@ def test_the_spread_of_known_errors():
     stated = np.full(n, scatter)
     covered = (np.abs(errors - bias) <= 1.959964 * stated).astype(float)
     errors[::100], stated[::100], covered[::100] = np.nan, np.nan, np.nan
-    found = groups.spread(errors, stated, covered)
+    found = statistics.spread(errors, stated, covered)
     assert (found.runs, found.identified) == (n, n - n // 100)
     # Four standard errors of each, from n runs: σ/√n, σ/√2n, √(0.95 · 0.05/n).
     assert found.bias == pytest.approx(bias, abs=4.0 * scatter / math.sqrt(n))
@@ -174,7 +174,7 @@ def test_the_spread_of_known_errors():
     sizes = np.sort(np.abs(errors[np.isfinite(errors)]))
     half, most = (math.ceil(share * len(sizes)) - 1 for share in (0.5, 0.95))
     assert (found.median, found.p95) == (sizes[half], sizes[most])
-    nothing = groups.spread(np.full(3, np.nan), None, None)
+    nothing = statistics.spread(np.full(3, np.nan))
     assert (nothing.runs, nothing.identified) == (3, 0)
     assert math.isnan(nothing.bias)
     assert math.isnan(nothing.coverage)
@@ -186,9 +186,9 @@ def test_the_error_of_a_quantile_is_that_of_drawing_again():
         values = np.abs(rng.standard_normal(n))
         again = np.quantile(rng.choice(values, (20_000, n)), 0.95, axis=1, method="inverted_cdf")
         # a standard deviation from 20,000 numbers is good to 0.5 % or, as their tails are light, less
-        assert groups.quantile_error(values, 0.95) == pytest.approx(again.std(), rel=0.02)
-    assert math.isnan(groups.quantile_error(np.arange(19.0), 0.95))  # the largest of them
-    assert math.isfinite(groups.quantile_error(np.arange(20.0), 0.95))
+        assert statistics.quantile_error(values, 0.95) == pytest.approx(again.std(), rel=0.02)
+    assert math.isnan(statistics.quantile_error(np.arange(19.0), 0.95))  # the largest of them
+    assert math.isfinite(statistics.quantile_error(np.arange(20.0), 0.95))
 
 
 def test_the_error_of_a_quantile_is_right_on_average():
@@ -196,7 +196,7 @@ def test_the_error_of_a_quantile_is_right_on_average():
     a few per cent too large, and scatters by 40 %."""
     rng, n, k = np.random.default_rng(5), 50, 48
     exact = math.sqrt(k * (n - k + 1) / ((n + 1) ** 2 * (n + 2)))
-    found = [groups.quantile_error(rng.random(n), 0.95) for _ in range(2000)]
+    found = [statistics.quantile_error(rng.random(n), 0.95) for _ in range(2000)]
     assert np.mean(found) == pytest.approx(exact, rel=0.1)
     assert np.std(found) == pytest.approx(0.4 * exact, rel=0.25)
 
@@ -205,7 +205,7 @@ def test_the_error_of_the_stated_error_is_that_of_their_scatter():
     """σ² of n runs that state σ² (1 ± 0.2): their rms is known to 0.1/√n."""
     rng, n = np.random.default_rng(6), 5000
     stated = 0.03 * np.sqrt(1.0 + 0.2 * rng.standard_normal(n).clip(-4.0, 4.0))
-    found = groups.spread(np.zeros(n), stated, None)
+    found = statistics.spread(np.zeros(n), stated)
     assert found.standard_error_error == pytest.approx(0.1 * 0.03 / math.sqrt(n), rel=0.05)
 
 
@@ -353,7 +353,7 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         share = at[f"c_covered__{fit.label}"].mean().to_numpy()
         points, _, (bars,) = drawn["coverage"][i]
         assert points.get_ydata() == pytest.approx(100.0 * share)
-        bounds = [groups.share_interval(round(30 * of), 30) for of in share]
+        bounds = [statistics.share_interval(round(30 * of), 30) for of in share]
         ends = np.array(bars.get_segments())[:, :, 1]
         assert ends == pytest.approx(100.0 * np.array(bounds))
         # neighbouring lines stand apart

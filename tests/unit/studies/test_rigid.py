@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dampbalance.balance import APPROACHES
-from dampbalance.studies.shown import facts, groups, summary
+from dampbalance.studies.shown import facts, statistics, summary
 from paper_case import FREQUENCIES_HZ, LEVELS, PAPER, features_at, orbits_at
 from unit.studies.documents import document
 
@@ -147,8 +147,8 @@ def test_facts_and_tables_say_which_contact(computed):
     ],
 )
 def test_interval_of_a_share(count, runs, low, high):
-    assert groups.share_interval(count, runs) == pytest.approx((low, high), abs=1e-5)
+    assert statistics.share_interval(count, runs) == pytest.approx((low, high), abs=1e-5)
 
 
 def test_no_runs_no_interval():
-    assert np.isnan(groups.share_interval(0, 0)).all()
+    assert np.isnan(statistics.share_interval(0, 0)).all()

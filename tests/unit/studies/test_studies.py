@@ -26,7 +26,7 @@ from dampbalance.studies.axes import SOBOL_BITS, Listed, Range, Sampled, case_va
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.logarithmic import is_logarithmic
-from dampbalance.studies.stretches import Sizes
+from dampbalance.studies.shown.statistics import Sizes
 from folders import PAPER_FILE, ROOT, STUDY_SCHEMA
 from paper_case import PAPER
 from unit.studies.documents import document

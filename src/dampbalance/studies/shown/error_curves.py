@@ -15,11 +15,11 @@ from ...figures.looks import SCHEME_LOOKS
 from ...figures.series import EXACT, SHARINGS, SignedScale, signed_scale
 from ...model import Oscillator
 from ...motion.fixed_step import SCHEMES
+from ..axes import selected
+from ..outputs import column_of, terms_of
 from ..parameters import PARAMETERS, SI_COLUMNS, Parameter
 from ..settings import Study
-from ..stretches import column_of
-from .facts import cases_at, worst_errors
-from .groups import terms_of
+from .facts import worst_errors
 from .logarithmic import is_logarithmic
 
 FLOOR, CEILING = 1e-3, 1e3  # %: a smaller error is drawn on a linear axis, a larger one not at all
@@ -159,8 +159,7 @@ def error_curves(study: Study, cases: str | Path) -> ErrorCurves:
                     which |= {"phase": panel.phase} if panel.phase else {}
                     error = worst_errors(study, cases, {**study.figure, **which})
                     curve = Curve(approach, sharing, 100.0 * error[panel.cases])
-                    size = np.abs(curve.error)
-                    worst = float(np.max(size, initial=0.0, where=np.isfinite(size)))
+                    worst = float(np.nanmax(np.abs(curve.error), initial=0.0))
                     if worst < EXACT:
                         exact[approach] = max(worst, exact.get(approach, 0.0))
                     else:
@@ -197,7 +196,8 @@ def _panels(study: Study, cases: str | Path) -> Iterator[Panel]:
     at = study.figure.get("at", {})
     x = column_of(cases, study.figure["x"])
     order = np.argsort(x, kind="stable")
-    order = order[cases_at({name: column_of(cases, name) for name in ("case", *at)}, at)[order]]
+    here = {name: column_of(cases, name) for name in ("case", *at)}
+    order = order[selected(here, {"at": at})[order]]
     by, phase = study.figure.get("panels"), str(study.figure.get("phase", ""))
     if by is None:
         yield Panel(None, "", phase, x[order], order)

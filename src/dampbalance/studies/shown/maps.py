@@ -16,10 +16,9 @@ from ...figures.style import DOUBLE_COLUMN, note, place, styled
 from ...figures.style import page as empty_page
 from ...project.wording import listed, percent
 from ..axes import Sampled
+from ..outputs import stretches, terms_of
 from ..settings import Fit, Study
-from ..stretches import stretches
 from .error_curves import symbol_of
-from .groups import terms_of
 from .logarithmic import is_even, logarithmic_ticks
 
 MOST_BINS = 72  # along each axis

@@ -19,10 +19,12 @@ from ...figures.series import decades
 from ...figures.style import DASHED, DOTTED, FAINT, styled
 from ...project.wording import in_figure
 from ...solver import NORMAL_95
+from ..outputs import terms_of
 from ..parameters import PARAMETERS
 from ..settings import EQUAL, RIGID, Fit, Study
 from .error_curves import symbol_of, with_unit
-from .groups import Spread, groups, spread_of, terms_of
+from .statistics import Spread, spread_of
+from .summary import groups
 
 _APART = 1.13  # ratio by which neighbouring lines are moved apart along x, so that their bars do not overlap
 _COVERAGE, _GAP, _ERRORS = 24.0, 3.0, 40.0  # heights in a row of panels, mm
@@ -39,7 +41,7 @@ def errors_of_runs(study: Study, cases: str | Path) -> Figure:
     """
     settings, lines = study.figure, _lines(study)
     by, intervals = settings.get("panels"), "intervals" in study.columns
-    kept = list(groups(study, cases, [settings["x"], *([by] if by else [])]))
+    kept = list(groups(cases, [settings["x"], *([by] if by else [])]))
     values: list[Any] = list(dict.fromkeys(where[by] for where, _ in kept)) if by else [None]
     symbols = terms_of(cases)
     low = _COVERAGE + _GAP if intervals else 0.0
