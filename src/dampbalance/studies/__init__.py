@@ -7,7 +7,7 @@ parameters.py     what can be varied, in which unit, and how it becomes m, c, k,
 axes.py           from blocks of axes (lists, ranges, samples) to the values of any stretch of cases
 sizes.py          columns, number of cases, chunks and bytes, before anything runs
 responses.py      features of the exact orbits of many cases at several levels, as arrays
-stepwise.py       features of fixed-step simulations and of sampled records, response by response
+one_by_one.py     features of responses under any law, fixed-step simulations and sampled records, one after the other
 experiments.py    features of noisy records, with bootstrap replicates
 law_selection.py  records of oscillators with a known law, and the law that is chosen for them
 evaluate.py       one chunk: cases → responses → rows → errors, as a table

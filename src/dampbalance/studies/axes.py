@@ -104,11 +104,6 @@ class Sampled:
 Block = Listed | Sampled
 
 
-def number_of_cases(blocks: Sequence[Block]) -> int:
-    """The number of cases in the product of the blocks; 1 without a block."""
-    return math.prod(block.count for block in blocks)
-
-
 def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Words]:
     """The value of every axis in the cases start … stop − 1, each an array of length stop − start."""
     remaining = np.arange(start, stop, dtype=np.int64)
@@ -119,16 +114,16 @@ def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Wor
     return values
 
 
-def spread(
-    low: float, high: float, count: int, spacing: Spacing, also: Sequence[float] = ()
-) -> list[float]:
-    """`count` values from low to high, both included, evenly spaced themselves or in their logarithms, and further
-    values `also`, all in ascending order; a further value replaces one that equals it except for rounding."""
-    spaced = np.geomspace if spacing == "log" else np.linspace
-    values: list[float] = spaced(low, high, count).tolist()
-    if not also:
+def spread(spec: Mapping[str, Any]) -> list[float]:
+    """The values of an axis that is given by its ends, which it includes, and their number: evenly spaced themselves or
+    in their logarithms, with further values, `also`, in ascending order; such a value replaces one that equals it
+    except for rounding."""
+    spaced = np.geomspace if spec.get("spacing") == "log" else np.linspace
+    values = spaced(float(spec["from"]), float(spec["to"]), spec["count"]).tolist()
+    if "also" not in spec:
         return values
-    return sorted([*(x for x in values if not is_value(np.asarray(also), x).any()), *also])
+    also = np.array(spec["also"], float)
+    return sorted([*(x for x in values if not is_value(also, x).any()), *also.tolist()])
 
 
 def is_value(values: Words, wanted: float) -> Mask:

@@ -28,10 +28,10 @@ from ..project.documents import (
 )
 from ..project.wording import listed, shortened
 from ..replication.feasibility import MOST_EVENTS, MOST_STEPS, RANGES
-from .axes import SOBOL_BITS, Listed, is_value, selected
+from .axes import SOBOL_BITS, Listed, is_value, selected, spread
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, in_si, objection, synonyms
 from .routes import ROUTES, terms_named
-from .settings import BANDS, CHOICES, OF_INTERVALS, SPREADS, Study, paper_defaults, spread_of
+from .settings import BANDS, CHOICES, OF_INTERVALS, SPREADS, Study, paper_defaults
 from .sizes import PART, columns_of
 
 MOST_POINTS = 50_000
@@ -129,7 +129,7 @@ def _objections(key: Key, name: str, values: Iterable[Any]) -> Iterator[Problem]
 
 
 def _wrong_spread(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    values = spread_of({**spec, "also": ()})
+    values = spread({name: value for name, value in spec.items() if name != "also"})
     if len(set(values)) < len(values):
         yield key, f"its ends are too close for {len(values):,} different values; take fewer"
     elif PARAMETERS[name].whole and any(value != int(value) for value in values):
@@ -272,9 +272,7 @@ def _long_records(study: Study, period: float) -> Iterator[Problem]:
     """period : the longest of the drive, s."""
     simulated = study.route.kind == "fixed_step"
     kept, most = (3, MOST_STEPS) if simulated else (study.cycles, MOST_SAMPLES)
-    for name in ("step_s", "steps_per_cycle", "sampling_hz"):
-        if name not in study.parameters:
-            continue
+    for name in study.parameters.intersection(("step_s", "steps_per_cycle", "sampling_hz")):
         low, high = study.extent(name)
         samples = {"step_s": period / low, "sampling_hz": period * high}.get(name, high)
         if samples * kept > MOST_SAMPLES or samples * study.cycles > most:
@@ -286,9 +284,8 @@ def _large_chunks(study: Study) -> Iterator[Problem]:
     held = len(columns_of(study))
     if study.route.has_intervals:
         held = max(held, study.replicates * len(study.levels) * _FEATURES)
-    part = min(study.chunk_cases, study.cases, PART)
+    part, enough = min(study.chunk_cases, study.cases, PART), max(1, MOST_NUMBERS // held)
     if part * held > MOST_NUMBERS:
-        enough = max(1, MOST_NUMBERS // held)
         text = f"{part:,} cases at a time do not fit in memory; take {enough:,} at most"
         yield ("chunk_cases",), text
 
@@ -361,7 +358,7 @@ def _wrong_figure(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
         text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
         yield ("figure", "kind"), text
     if "panels" in figure and kind in ("curves", "scatter"):
-        yield from _wrong_panels(study, figure, kind)
+        yield from _wrong_panels(study, figure["panels"], kind)
     low, high = study.extent(x)
     lowest, highest = low / FAR if low > 0.0 else FAR * min(low, -high), FAR * max(high, -low)
     for name, value in figure.get("marks", {}).items():
@@ -397,12 +394,12 @@ def _wrong_steps(study: Study, x: str) -> Iterator[Problem]:
         yield ("figure",), "a figure of steps shows the approach direct: see estimation"
 
 
-def _wrong_panels(study: Study, figure: Mapping[str, Any], kind: str) -> Iterator[Problem]:
-    name, key = figure["panels"], ("figure", "panels")
+def _wrong_panels(study: Study, name: str, kind: str) -> Iterator[Problem]:
+    key = ("figure", "panels")
     if name == "phase" and kind == "curves":
         if not any(fit.phase for fit in study.fits):
             yield key, "no approach of this study takes a phase; leave it out"
-    elif name not in study.axis_names or name == figure["x"]:
+    elif name not in study.axis_names or name == study.figure["x"]:
         yield key, f"{shortened(name)} is not another axis of this study"
     elif not 0 < len(study.values_of(name)) <= MOST_PANELS:
         yield key, f"{name} must have {MOST_PANELS} listed values at most, a column of panels each"

@@ -148,12 +148,12 @@ def _responses(cases: Cases, threads: int | None) -> Responses:
 
         return measured_responses(cases)
     if study.route.kind != "exact":
-        from .stepwise import record_responses
+        from .one_by_one import record_responses
 
         return Responses(record_responses(cases))
     terms = {symbol for fit in study.fits for symbol in fit.terms} - TERMS.keys()
     if terms or cases.si.keys() & set(OF_LAW.values()):
-        from .responses_of_laws import law_responses
+        from .one_by_one import law_responses
 
         return Responses(law_responses(cases, terms))
     return Responses(exact_responses(cases, threads))
@@ -180,12 +180,13 @@ def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut
     names = [name for name in values if PARAMETERS[name].kind == "read_out"]
     if not names:
         return []
-    table = pd.DataFrame({name: values[name].astype(float) for name in names})
+    table = np.column_stack([values[name].astype(float) for name in names])
+    sets, member = np.unique(table, axis=0, return_inverse=True)
     rules = []
-    for row, cases in table.groupby(names).indices.items():
-        kept = zip(names, np.atleast_1d(row).tolist(), strict=True)
+    for i, row in enumerate(sets.tolist()):
+        kept = zip(names, row, strict=True)
         section = {name: int(x) if PARAMETERS[name].whole else x for name, x in kept}
-        rules.append((cases, ReadOut.from_config(section)))
+        rules.append((np.flatnonzero(member.ravel() == i), ReadOut.from_config(section)))
     return rules
 
 

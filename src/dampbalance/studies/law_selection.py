@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Words
+from ..features import stack
 from ..identification.law_comparison import compare_laws
-from ..law.integrals import of_harmonics
 from ..law.response import law_orbit
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, KNOWN_TERMS
@@ -25,6 +25,7 @@ from ..motion.orbit import NoSteadyOrbit
 from ..motion.regime import Regime
 from ..reading.noisy import Reading, read_features
 from ..records.synthetic import measured_orbit
+from .one_by_one import of_response
 from .routes import NONE, law_named, terms_named
 from .settings import Study
 
@@ -33,15 +34,11 @@ SHARE = (0.2, 0.6)
 
 MASSES, NATURAL_HZ = (0.1, 10.0), (1.0, 50.0)  # kg, Hz
 HIGHEST = (1e-4, 1e-2)  # m, amplitude of the base at the highest level
-ZETA = (
-    0.01,
-    0.08,
-)  # damping ratio of a viscous damper that takes as much work as all terms together
+ZETA = (0.01, 0.08)  # damping ratio of a viscous damper that takes as much work as all terms
 STIFFNESSES = (10.0, 200.0)  # K_z/k
 BELOW, ABOVE = (0.6, 0.9), (1.1, 1.6)  # ω/ω_n
 
 _SAMPLES = (190.0, 210.0)  # per cycle
-_HARMONICS = 64
 _MOST_DRAWINGS = 1000
 _STICKS = 2.0  # in units of Z_m: the amplitude up to which the contact hardly slips
 
@@ -74,16 +71,11 @@ class Truth:
 
     def shares(self, responses: Sequence[Response]) -> dict[str, Array]:
         """Share of the input work that each term takes, by symbol, each (records,); friction takes the rest."""
-        k, n = self.oscillator.k, np.arange(1.0, 2.0 * _HARMONICS, 2.0)
-        parts: dict[str, list[float]] = {s: [] for s in self.coefficients}
-        for motion, response in zip(self.motions, responses, strict=True):
-            x = response.harmonics(_HARMONICS)[None]
-            base = np.ones(1), np.full((1, 1), complex(motion.Y))
-            W = -math.pi * k * motion.Y * float(x[0, 0].imag)
-            for symbol, p in self.coefficients.items():
-                lost = of_harmonics(symbol, n, x, *base, motion.omega, k)
-                parts[symbol].append(p * float(lost[0]) / W)
-        taken = {symbol: np.array(part) for symbol, part in parts.items()}
+        k, law = self.oscillator.k, self.coefficients
+        pairs = zip(responses, self.motions, strict=True)
+        seen = stack([of_response(response, motion, k, self.law) for response, motion in pairs])
+        integrals = {"c": seen.b, **seen.integrals}
+        taken = {symbol: p * integrals[symbol] / seen.W for symbol, p in law.items()}
         return {FRICTION: 1.0 - np.sum(list(taken.values()), axis=0), **taken}
 
     @property
@@ -97,12 +89,10 @@ def drawn(law: str, levels: Sequence[float], random: np.random.Generator) -> Tru
     """A random oscillator as described above.   law : its name.   levels : parts of the highest amplitude."""
     for _ in range(_MOST_DRAWINGS):
         truth = _candidate(terms_named(law), levels, random)
-        responses = truth.responses()
-        if responses is not None and all(
-            ((part >= SHARE[0]) & (part <= SHARE[1])).any()
-            for part in truth.shares(responses).values()
-        ):
-            return truth
+        if responses := truth.responses():
+            shares = truth.shares(responses).values()
+            if all(((part >= SHARE[0]) & (part <= SHARE[1])).any() for part in shares):
+                return truth
     raise ArithmeticError(f"no oscillator with the law {law} slips once per half cycle as wanted")
 
 
@@ -138,7 +128,7 @@ def _candidate(terms: Sequence[str], levels: Sequence[float], random: np.random.
 def _parts(count: int, random: np.random.Generator) -> Array:
     """Random shares of the work, each within SHARE, whose sum is one."""
     while True:
-        parts: Array = random.dirichlet(np.full(count, 4.0))
+        parts = random.dirichlet(np.full(count, 4.0))
         if parts.min() >= SHARE[0] and parts.max() <= SHARE[1]:
             return parts
 

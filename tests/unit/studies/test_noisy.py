@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -38,13 +39,9 @@ def experiment(case):
     for level, Y in enumerate((0.004, 0.012)):
         random = np.random.default_rng([7, case, level])
         start = random.random() / 3.5
+        orbit = steady_orbit(PAPER, BaseMotion(Y, omega))
         measurement = measured_orbit(
-            steady_orbit(PAPER, BaseMotion(Y, omega)),
-            rate_hz=1000,
-            cycles=20,
-            noise=0.001,
-            seed=random,
-            start=start,
+            orbit, rate_hz=1000, cycles=20, noise=0.001, seed=random, start=start
         )
         yield measurement, read_features(measurement, PAPER.k)
 
@@ -73,7 +70,7 @@ def test_a_case_is_an_experiment_as_one_would_do_it(done):
             assert found[f"{name}_covered__{label}"] == float(held)
 
 
-def test_yardsticks_stand_beside_the_approaches_and_change_nothing(done, make):
+def test_yardsticks_are_added_and_change_nothing_else(done, make):
     study, table, _ = done
     case = 7
     more = make(SMALL | {"estimation": SMALL["estimation"] | {"yardsticks": ["simpson", "fit"]}})
@@ -209,7 +206,7 @@ def test_the_error_of_the_stated_error_is_that_of_their_scatter():
     assert found.standard_error_error == pytest.approx(0.1 * 0.03 / math.sqrt(n), rel=0.05)
 
 
-def test_equal_weights_are_asked_for_and_told_apart(make):
+def test_equal_weights_are_distinguished(make):
     axes = {"frequency_hz": [4.92], "noise": [0.01, 0.02], "run": [1]}
     change = {
         "levels_m": [0.004, 0.008, 0.012],  # two levels are met exactly, whatever they weigh
@@ -217,21 +214,18 @@ def test_equal_weights_are_asked_for_and_told_apart(make):
         "estimation": {"approaches": ["direct"], "weights": ["weighted", "equal"]},
     }
     study = make(SMALL | change)
-    assert [fit.label for fit in study.fits] == [
-        "direct__least_squares",
-        "direct__equal__least_squares",
-    ]
+    labels = [fit.label for fit in study.fits]
+    assert labels == ["direct__least_squares", "direct__equal__least_squares"]
     (weighted,) = study.fits_of({"approach": "direct"})
     (equal,) = study.fits_of({"approach": "direct", "weights": "equal"})
     table = evaluate.evaluate(study, 0, study.cases)
-    errors = [
-        float(table[f"F_k_relative_standard_error__{fit.label}"][0]) for fit in (weighted, equal)
-    ]
+    stated = "F_k_relative_standard_error"
+    errors = [float(table[f"{stated}__{fit.label}"][0]) for fit in (weighted, equal)]
     # 16 % of the information is a standard error 2.5 times as large; 25 replicates know it to 14 %
     assert 1.5 < errors[1] / errors[0] < 4.0
 
 
-def test_the_summary_tells_the_groups_apart(done):
+def test_the_summary_separates_the_groups(done):
     study, table, path = done
     found = summary.summary_of(path, study)
     assert len(found) == 4 * 2 * len(study.fits)
@@ -280,16 +274,9 @@ def test_facts_of_many_runs(done, make):
     _, table, path = done
     where = {"frequency_hz": 4.92, "noise": 0.01}
     takes = ("bias", "rms", "standard_error", "coverage", "p95")
-    study = make(
-        SMALL
-        | {
-            "facts": {
-                take: {"of": "F_k", "take": take, "approach": "direct", "at": where}
-                for take in takes
-            },
-            "shows": "; ".join(f"{{{take}}}" for take in takes),
-        }
-    )
+    spec = {"of": "F_k", "approach": "direct", "at": where}
+    specs = {take: {"take": take, **spec} for take in takes}
+    study = make(SMALL | {"facts": specs, "shows": "; ".join(f"{{{take}}}" for take in takes)})
     cases = table[(table["frequency_hz"] == 4.92) & (table["noise"] == 0.01)]
     errors = cases["F_k_relative_error__direct__least_squares"]
     stated = cases["F_k_relative_standard_error__direct__least_squares"]
@@ -304,11 +291,8 @@ def test_facts_of_many_runs(done, make):
 
 def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line(make, tmp_path):
     """Of 30 invented runs a cell: 95 % lie below the 29th, and so many intervals hold as are said to."""
-    lines = {
-        "X_s, rigid": {"approach": "X_s", "contact": "rigid"},
-        "direct": {"approach": "direct"},
-        "fit alone": {"approach": "fit"},
-    }
+    lines = {"X_s, rigid": {"approach": "X_s", "contact": "rigid"}}
+    lines |= {"direct": {"approach": "direct"}, "fit alone": {"approach": "fit"}}
     changed = document("noisy")
     changed["axes"][2] = {"run": {"from": 1, "to": 30, "count": 30}}
     changed["estimation"] |= {"contact": ["compliant", "rigid"], "yardsticks": ["fit"]}
@@ -329,12 +313,8 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
 
     figure = study_figure(study, path)
     axes = {axes.get_label(): axes for axes in figure.axes}
-    assert list(axes) == [
-        f"{symbol} {hz} {what}"
-        for symbol in ("F_k", "c")
-        for hz in (4.92, 3.5)
-        for what in ("errors", "coverage")
-    ]
+    places = itertools.product(("F_k", "c"), (4.92, 3.5), ("errors", "coverage"))
+    assert list(axes) == ["{} {} {}".format(*place) for place in places]
     fits = study.fits_of(study.figure)
     assert [fit.label for fit in fits] == [
         "X_s__rigid__fundamental__individual__least_squares",
@@ -359,11 +339,8 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         # neighbouring lines stand apart
         assert i == 0 or np.all(points.get_xdata() > drawn["coverage"][i - 1][0].get_xdata() * 1.05)
     (legend,) = figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == [
-        "$X_s$, rigid",
-        "direct",
-        "fit alone",
-    ]
+    labels = [text.get_text() for text in legend.get_texts()]
+    assert labels == ["$X_s$, rigid", "direct", "fit alone"]
     assert "95 % of the errors" in alternative_text(study)
 
 

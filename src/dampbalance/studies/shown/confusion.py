@@ -29,7 +29,7 @@ def choices_of(cases: str | Path) -> pd.DataFrame:
 
 
 def _terms(name: str) -> frozenset[str]:
-    """The terms of a law; none of NONE."""
+    """The terms of a law; NONE has none."""
     return frozenset() if name == NONE else frozenset(terms_named(name))
 
 
@@ -58,7 +58,7 @@ def confusion(cases: str | Path) -> pd.DataFrame:
 def laws_in(summary: pd.DataFrame) -> list[str]:
     """The columns of `confusion` that hold numbers of cases by the law that is chosen."""
     names = [str(name) for name in summary]
-    return [name for name in names if name not in ("law", "cases") and "percent" not in name]
+    return names[names.index("cases") + 1 : names.index("right_percent")]
 
 
 def confusion_markdown(summary: pd.DataFrame) -> list[str]:

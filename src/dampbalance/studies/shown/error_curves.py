@@ -112,14 +112,13 @@ class ErrorOfSteps(NamedTuple):
 
 def unit_of(name: str) -> str:
     """The unit of a parameter, "" for a pure number and for a word."""
-    unit = PARAMETERS[name].unit
-    return "" if unit == "1" else unit
+    return PARAMETERS[name].unit.removeprefix("1")
 
 
 def symbol_of(name: str) -> str:
     """The symbol of a parameter, in TeX, or its meaning where it has none."""
-    p = PARAMETERS[name]
-    return f"${p.symbol}$" if p.symbol else p.meaning
+    symbol = PARAMETERS[name].symbol
+    return f"${symbol}$" if symbol else PARAMETERS[name].meaning
 
 
 def axis_label(name: str) -> str:
@@ -141,11 +140,11 @@ def error_curves(study: Study, cases: str | Path) -> ErrorCurves:
     common to the levels. Where a curve stands for several fits (all pairs) it is the worst.
     """
     fits = study.fits_of(study.figure)
-    sharings = [name for name in SHARINGS if any(fit.sharing == name for fit in fits)]
+    sharings = tuple(name for name in SHARINGS if any(fit.sharing == name for fit in fits))
     approaches = tuple(dict.fromkeys(fit.approach for fit in fits))
     panels = tuple(_panels(study, cases))
     identified = {fit.approach: fit.identified for fit in fits}
-    symbols = [s for s in terms_of(cases) if any(s in of for of in identified.values())]
+    symbols = tuple(s for s in terms_of(cases) if any(s in of for of in identified.values()))
     curves: dict[tuple[str, int], list[Curve]] = {}
     exact: dict[str, float] = {}
     for symbol in symbols:
@@ -164,17 +163,11 @@ def error_curves(study: Study, cases: str | Path) -> ErrorCurves:
                         exact[approach] = max(worst, exact.get(approach, 0.0))
                     else:
                         drawn.append(curve)
-    drawn_somewhere = {curve.approach for drawn in curves.values() for curve in drawn}
-    return ErrorCurves(
-        name=study.figure["x"],
-        places=np.unique(column_of(cases, study.figure["x"])),
-        panels=panels,
-        symbols=tuple(symbols),
-        curves=curves,
-        exact={key: bound for key, bound in exact.items() if key not in drawn_somewhere},
-        approaches=approaches,
-        sharings=tuple(sharings),
-    )
+    somewhere = {curve.approach for drawn in curves.values() for curve in drawn}
+    exact = {key: bound for key, bound in exact.items() if key not in somewhere}
+    name = study.figure["x"]
+    places = np.unique(column_of(cases, name))
+    return ErrorCurves(name, places, panels, symbols, curves, exact, approaches, sharings)
 
 
 def error_of_steps(study: Study, cases: str | Path) -> ErrorOfSteps:

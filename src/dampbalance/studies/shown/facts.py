@@ -123,12 +123,12 @@ def _stretch(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
     first = int(bad[bad < middle[0]].max(initial=-1)) + 1
     last = int(bad[bad > middle[0]].min(initial=len(places))) - 1
     errors = np.where(known, errors, np.nan)
-    ends = [_end(places, errors, within, at, step) for at, step in ((first, -1), (last, 1))]
-    (low, why), (high, _) = ends
+    low, why_low = _end(places, errors, within, first, -1)
     if spec["take"] == "from":
-        return number(low, 3) + why
+        return number(low, 3) + why_low
+    high, why_high = _end(places, errors, within, last, 1)
     decimals = max(0, 2 - math.floor(math.log10(high - low or 1.0)))
-    return " to ".join(f"{minus(f'{end:.{decimals}f}')}{why}" for end, why in ends)
+    return minus(f"{low:.{decimals}f}{why_low} to {high:.{decimals}f}{why_high}")
 
 
 def _end(places: Array, errors: Array, within: float, last: int, step: int) -> tuple[float, str]:

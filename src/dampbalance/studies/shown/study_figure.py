@@ -32,8 +32,7 @@ from ...figures.style import (
     styled,
 )
 from ...project.wording import in_figure, listed
-from ..parameters import PARAMETERS
-from ..parameters import in_maths as in_tex
+from ..parameters import PARAMETERS, in_tex
 from ..routes import NONE
 from ..settings import Study
 from . import error_curves as curves
@@ -56,20 +55,16 @@ def study_figure(study: Study, cases: str | Path) -> Figure:
 
 def alternative_text(study: Study) -> str:
     """What the figure shows, in one sentence."""
-    if study.figure["kind"] == "confusion":
-        return f"{study.title}: how often each law is chosen for records of each true law."
-    axis, identified = (
-        PARAMETERS[study.figure["x"]].meaning,
-        f"the identified {listed(list(TERMS))}",
-    )
-    size = "size of the " if study.figure["kind"] == "steps" else ""
-    shown = f"{size}error of {identified} against {axis}"
-    if study.figure["kind"] == "map":
-        other = PARAMETERS[study.figure["y"]].meaning
-        shown = f"share of the cases with a small error, over {axis} and {other}"
-    if study.figure["kind"] == "scatter":
-        shown = f"size that 95 % of the errors of {identified} do not exceed, and coverage, against {axis}"
-    return f"{study.title}: {shown}."
+    identified, figure = f"the identified {listed(list(TERMS))}", study.figure
+    x, y = (PARAMETERS[figure.get(axis, figure["x"])].meaning for axis in ("x", "y"))
+    shown = {
+        "curves": f"error of {identified} against {x}",
+        "steps": f"size of the error of {identified} against {x}",
+        "map": f"share of the cases with a small error, over {x} and {y}",
+        "scatter": f"size that 95 % of the errors of {identified} do not exceed, and coverage, against {x}",
+        "confusion": "how often each law is chosen for records of each true law",
+    }
+    return f"{study.title}: {shown[figure['kind']]}."
 
 
 @styled()

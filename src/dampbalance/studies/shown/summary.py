@@ -83,7 +83,8 @@ def groups(cases: str | Path, by: Sequence[str]) -> Iterator[tuple[dict[str, Any
     """({axis: value}, which cases) for each combination of values of the axes `by`, in the order of the cases."""
     values = pd.DataFrame({name: column_of(cases, name) for name in by})
     for where in values.drop_duplicates().to_dict("records"):
-        yield dict(where), (values == pd.Series(where)).all(axis=1).to_numpy()  # type: ignore[misc]
+        kept = (values == pd.Series(where)).all(axis=1).to_numpy()
+        yield {str(name): value for name, value in where.items()}, kept
 
 
 def _which(quantity: str, fit: Fit) -> dict[str, str]:
