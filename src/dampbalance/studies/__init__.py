@@ -5,14 +5,12 @@ checking.py       what can be wrong with the file; `read_study`
 routes.py         what each way to the responses needs, one object per route
 parameters.py     what can be varied, in which unit, and how it becomes m, c, k, K_z, F_k, Y, ω
 axes.py           from blocks of axes (lists, ranges, samples) to the values of any stretch of cases
-columns.py        the columns of the table of cases
-sizes.py          number of cases, chunks and bytes, before anything runs
+sizes.py          columns, number of cases, chunks and bytes, before anything runs
 responses.py      features of the exact orbits of many cases at several levels, as arrays
-stepwise.py       features of fixed-step simulations and of sampled records, response by response
+one_by_one.py     features of responses under any law, fixed-step simulations and sampled records, one after the other
 experiments.py    features of noisy records, with bootstrap replicates
 law_selection.py  records of oscillators with a known law, and the law that is chosen for them
 evaluate.py       one chunk: cases → responses → rows → errors, as a table
-outputs.py        the chunks as one Parquet file, and a manifest
-stretches.py      the table of cases read a stretch at a time, and sizes of errors counted along the way
+outputs.py        the chunks as one Parquet file, read a stretch at a time, and a manifest
 shown/            figures, tables and paragraphs from the table of cases
 """

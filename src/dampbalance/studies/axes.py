@@ -10,7 +10,7 @@ import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -96,19 +96,12 @@ class Sampled:
         points = qmc.Sobol(dimension, scramble=True, bits=SOBOL_BITS, rng=self.seed)
         if start:
             points.fast_forward(start)
-        with (
-            warnings.catch_warnings()
-        ):  # the length of the whole sequence matters, not of a stretch
+        with warnings.catch_warnings():  # the whole sequence matters, not the length of a stretch
             warnings.filterwarnings("ignore", "The balance properties", UserWarning)
             return np.asarray(points.random(count), dtype=np.float64)
 
 
 Block = Listed | Sampled
-
-
-def number_of_cases(blocks: Sequence[Block]) -> int:
-    """The number of cases in the product of the blocks; 1 without a block."""
-    return math.prod(block.count for block in blocks)
 
 
 def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Words]:
@@ -121,19 +114,32 @@ def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Wor
     return values
 
 
-def spread(
-    low: float, high: float, count: int, spacing: Spacing, also: Sequence[float] = ()
-) -> list[float]:
-    """`count` values from low to high, both included, evenly spaced themselves or in their logarithms, and further
-    values `also`, all in ascending order; a further value replaces one that equals it except for rounding."""
-    spaced = np.geomspace if spacing == "log" else np.linspace
-    values: list[float] = spaced(low, high, count).tolist()
-    if not also:
+def spread(spec: Mapping[str, Any]) -> list[float]:
+    """The values of an axis that is given by its ends, which it includes, and their number: evenly spaced themselves or
+    in their logarithms, with further values, `also`, in ascending order; such a value replaces one that equals it
+    except for rounding."""
+    spaced = np.geomspace if spec.get("spacing") == "log" else np.linspace
+    values = spaced(float(spec["from"]), float(spec["to"]), spec["count"]).tolist()
+    if "also" not in spec:
         return values
-    return sorted([*(x for x in values if not is_value(np.asarray(also), x).any()), *also])
+    also = np.array(spec["also"], float)
+    return sorted([*(x for x in values if not is_value(also, x).any()), *also.tolist()])
 
 
 def is_value(values: Words, wanted: float) -> Mask:
     """Which values equal the wanted one, except for rounding."""
-    same: Mask = np.abs(values.astype(float) - wanted) <= SAME * abs(wanted)
-    return same
+    return np.abs(values.astype(float) - wanted) <= SAME * abs(wanted)
+
+
+def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
+    """Which points have the values of axes that a fact or a figure names in `at`, and lie in its bounds, `between`;
+    axes that have no values here do not count."""
+    kept = np.ones(len(next(iter(values.values()))), dtype=bool)
+    for name, wanted in spec.get("at", {}).items():
+        if name in values:
+            here = values[name]
+            kept &= here == wanted if isinstance(wanted, str) else is_value(here, wanted)
+    for name, (low, high) in spec.get("between", {}).items():
+        if name in values:
+            kept &= (values[name] >= low) & (values[name] <= high)
+    return kept

@@ -7,7 +7,6 @@ about something that the study does not have, numbers that cannot be solved or h
 
 from __future__ import annotations
 
-import math
 import string
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
@@ -28,13 +27,12 @@ from ..project.documents import (
     read_yaml,
 )
 from ..project.wording import listed, shortened
-from ..replication.feasibility import MOST_EVENTS, RANGES
-from .axes import SOBOL_BITS, Listed, is_value
-from .columns import columns_of
+from ..replication.feasibility import MOST_EVENTS, MOST_STEPS, RANGES
+from .axes import SOBOL_BITS, Listed, is_value, selected, spread
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, in_si, objection, synonyms
 from .routes import ROUTES, terms_named
-from .settings import BANDS, CHOICES, OF_INTERVALS, SPREADS, Study, paper_defaults, spread_of
-from .sizes import PART
+from .settings import BANDS, CHOICES, OF_INTERVALS, SPREADS, Study, paper_defaults
+from .sizes import PART, columns_of
 
 MOST_POINTS = 50_000
 """Cases on the curves of a figure; more are drawn as a map."""
@@ -47,9 +45,6 @@ FAR = 100.0
 
 MOST_SAMPLES = 1_000_000
 """Samples of a record that is read; the reader holds a few arrays as long."""
-
-MOST_STEPS = 100_000_000
-"""Steps of one simulation: about a second."""
 
 MOST_NUMBERS = 200_000_000
 """Numbers that a job holds at a time: cases × columns, or × replicates × levels × features."""
@@ -94,22 +89,22 @@ def problems(
 def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
     seen: set[str] = set()
     for i, block in enumerate(axes):
-        key: Key = ("axes", i)
-        yield from _wrong_sample(key, **block) if "sample" in block else _wrong_lists(key, block)
-        for name in block["sample"]["over"] if "sample" in block else block:
+        sample = block.get("sample")
+        yield from _wrong_sample(i, sample) if sample else _wrong_lists(("axes", i), block)
+        for name in sample["over"] if sample else block:
             for other in seen.intersection(synonyms(name)):
                 reason = "twice" if other == name else f"together with {other}, the same quantity"
-                yield key, f"{name} is set {reason}; keep one"
+                yield ("axes", i), f"{name} is set {reason}; keep one"
             seen.add(name)
 
 
-def _wrong_sample(key: Key, sample: Mapping[str, Any]) -> Iterator[Problem]:
-    most = 2**SOBOL_BITS
+def _wrong_sample(block: int, sample: Mapping[str, Any]) -> Iterator[Problem]:
+    key, most = ("axes", block, "sample"), 2**SOBOL_BITS
     if sample["method"] == "sobol" and sample["count"] > most:
         text = f"a Sobol sequence has {most:,} points at most; take fewer, or method: random"
-        yield (*key, "sample", "count"), text
+        yield (*key, "count"), text
     for name, limits in sample["over"].items():
-        yield from _wrong_range((*key, "sample", "over", name), name, limits)
+        yield from _wrong_range((*key, "over", name), name, limits)
 
 
 def _wrong_lists(key: Key, block: Mapping[str, Any]) -> Iterator[Problem]:
@@ -134,7 +129,7 @@ def _objections(key: Key, name: str, values: Iterable[Any]) -> Iterator[Problem]
 
 
 def _wrong_spread(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    values = spread_of({**spec, "also": ()})
+    values = spread({name: value for name, value in spec.items() if name != "also"})
     if len(set(values)) < len(values):
         yield key, f"its ends are too close for {len(values):,} different values; take fewer"
     elif PARAMETERS[name].whole and any(value != int(value) for value in values):
@@ -142,12 +137,9 @@ def _wrong_spread(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Prob
 
 
 def _wrong_range(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    if PARAMETERS[name].is_word:
-        yield key, "a word has no range; list the values"
-        return
     low, high = spec["from"], spec["to"]
-    for end in ("from", "to"):
-        yield from _objections((*key, end), name, [spec[end]])
+    yield from _objections((*key, "from"), name, [low])
+    yield from _objections((*key, "to"), name, [high])
     if low >= high:
         yield key, f"from must lie below to, got {low!r} and {high!r}"
     if spec.get("spacing") == "log" and low <= 0.0:
@@ -170,7 +162,7 @@ def _wrong_values(document: Mapping[str, Any]) -> Iterator[Problem]:
 
 
 def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
-    estimation, kind = document.get("estimation", {}), study.route.kind
+    estimation = document.get("estimation", {})
     given = {*document.get("base", {}), *study.axis_names} & {"Y_m", "F_k_over_kY"}
     if "levels_m" in document and study.levels_relative:
         yield ("levels_m",), "not together with levels_of_Y; keep one"
@@ -187,32 +179,31 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
         if fit != "least_squares" and max(fit) > len(study.levels):
             yield ("estimation", "fits", i), f"there are only {len(study.levels)} levels"
     if "weights" in estimation and not study.route.has_intervals:
-        text = f"means nothing to the route {kind}: without noise all rows weigh alike"
+        text = f"means nothing to the route {study.route.kind}: without noise all rows weigh alike"
         yield ("estimation", "weights"), text
 
 
 def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
     """What does not fit the route: parameters and settings that are missing, or that mean nothing to it."""
     used, wanted, section = study.parameters, study.route, document.get("route", {})
-    kind = wanted.kind
+    nothing = f"means nothing to the route {wanted.kind}"
     for names in wanted.needs:
         if used.isdisjoint(names):
-            yield ("route",), f"{kind} needs {' or '.join(names)}, here or as an axis"
+            yield ("route",), f"{wanted.kind} needs {' or '.join(names)}, here or as an axis"
         elif used.issuperset(names) and len(names) > 1:
             yield ("route",), f"{' and '.join(names)} set the same quantity; keep one"
     for name in sorted(used):
         if PARAMETERS[name].kind == "numerics" and name not in wanted.parameters:
-            yield ("route",), f"{name} means nothing to the route {kind}"
+            yield ("route",), f"{name} {nothing}"
         if PARAMETERS[name].kind == "read_out" and wanted.is_noisy:
-            yield ("read_out", name), f"means nothing to the route {kind}: noise is its limit"
+            yield ("read_out", name), f"{nothing}: noise is its limit"
     settings = {key for each in ROUTES.values() for key in each.settings}
     for name in section:
         if name in settings and name not in wanted.settings:
-            yield ("route", name), f"means nothing to the route {kind}; leave it out"
+            yield ("route", name), f"{nothing}; leave it out"
     for key in wanted.refuses:
         if key in document:
-            text = f"means nothing to the route {kind}, which draws oscillators; leave it out"
-            yield (key,), text
+            yield (key,), f"{nothing}, which draws oscillators; leave it out"
     if wanted.is_noisy and "seed" not in section:
         yield ("route", "seed"), "missing; the seed of the noise, an integer of at least 0"
     if "intervals" in study.columns and not wanted.has_intervals:
@@ -261,23 +252,18 @@ def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
     corners = np.array(list(product(*map(study.extent, given)))).T
     si = in_si(dict(zip(given, corners, strict=True)))
     omega_n = np.sqrt(si["k"] / si["m"])
-    groups = {
-        "zeta": 0.5 * si["c"] / (si["m"] * omega_n),
-        "K_z_over_k": si["K_z"] / si["k"],
-        "omega_over_omega_n": si["omega"] / omega_n,
-    }
-    for name, values in groups.items():
+    stiffer, faster = si["K_z"] / si["k"], si["omega"] / omega_n
+    groups = {"zeta": 0.5 * si["c"] / (si["m"] * omega_n), "K_z_over_k": stiffer}
+    for name, values in (groups | {"omega_over_omega_n": faster}).items():
         low, high = RANGES[name]
         wrong = values[(values > high) | ((values < low) & (values > 0.0))]
         if wrong.size:
             text = f"reach to {PARAMETERS[name].meaning} = {wrong[0]:.3g}; the exact solution holds"
             yield ("axes",), f"{text} from {low:g} to {high:g}"
-    events = np.max(np.sqrt(1.0 + groups["K_z_over_k"]) / groups["omega_over_omega_n"])
+    events = np.max(np.sqrt(1.0 + stiffer) / faster)
     if events > MOST_EVENTS:
-        text = (
-            f"reach to a natural frequency on the contact of {events:.3g} times that of the drive"
-        )
-        yield ("axes",), f"{text}; {MOST_EVENTS:g} at most can be solved"
+        times = f"{events:.3g} times that of the drive; {MOST_EVENTS:g} at most can be solved"
+        yield ("axes",), f"reach to a natural frequency on the contact of {times}"
     yield from _long_records(study, 2.0 * np.pi / float(np.min(si["omega"])))
     yield from _large_chunks(study)
 
@@ -286,9 +272,7 @@ def _long_records(study: Study, period: float) -> Iterator[Problem]:
     """period : the longest of the drive, s."""
     simulated = study.route.kind == "fixed_step"
     kept, most = (3, MOST_STEPS) if simulated else (study.cycles, MOST_SAMPLES)
-    for name in ("step_s", "steps_per_cycle", "sampling_hz"):
-        if name not in study.parameters:
-            continue
+    for name in study.parameters.intersection(("step_s", "steps_per_cycle", "sampling_hz")):
         low, high = study.extent(name)
         samples = {"step_s": period / low, "sampling_hz": period * high}.get(name, high)
         if samples * kept > MOST_SAMPLES or samples * study.cycles > most:
@@ -300,9 +284,8 @@ def _large_chunks(study: Study) -> Iterator[Problem]:
     held = len(columns_of(study))
     if study.route.has_intervals:
         held = max(held, study.replicates * len(study.levels) * _FEATURES)
-    part = min(study.chunk_cases, study.cases, PART)
+    part, enough = min(study.chunk_cases, study.cases, PART), max(1, MOST_NUMBERS // held)
     if part * held > MOST_NUMBERS:
-        enough = max(1, MOST_NUMBERS // held)
         text = f"{part:,} cases at a time do not fit in memory; take {enough:,} at most"
         yield ("chunk_cases",), text
 
@@ -375,7 +358,7 @@ def _wrong_figure(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
         text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
         yield ("figure", "kind"), text
     if "panels" in figure and kind in ("curves", "scatter"):
-        yield from _wrong_panels(study, figure, kind)
+        yield from _wrong_panels(study, figure["panels"], kind)
     low, high = study.extent(x)
     lowest, highest = low / FAR if low > 0.0 else FAR * min(low, -high), FAR * max(high, -low)
     for name, value in figure.get("marks", {}).items():
@@ -403,22 +386,20 @@ def _not_drawn(study: Study, part: str) -> str:
 
 def _wrong_steps(study: Study, x: str) -> Iterator[Problem]:
     if x != "step_s" or "scheme" not in study.axis_names:
-        text = (
-            "steps shows the error against step_s for each scheme: both must be axes, step_s as x"
-        )
-        yield ("figure", "x"), text
+        text = "steps shows the error against step_s for each scheme: both must be axes"
+        yield ("figure", "x"), f"{text}, step_s as x"
     if "parameters" not in study.columns:
         yield ("columns",), "a figure of steps needs the columns of parameters"
     if not study.fits_of({"approach": "direct"}):
         yield ("figure",), "a figure of steps shows the approach direct: see estimation"
 
 
-def _wrong_panels(study: Study, figure: Mapping[str, Any], kind: str) -> Iterator[Problem]:
-    name, key = figure["panels"], ("figure", "panels")
+def _wrong_panels(study: Study, name: str, kind: str) -> Iterator[Problem]:
+    key = ("figure", "panels")
     if name == "phase" and kind == "curves":
         if not any(fit.phase for fit in study.fits):
             yield key, "no approach of this study takes a phase; leave it out"
-    elif name not in study.axis_names or name == figure["x"]:
+    elif name not in study.axis_names or name == study.figure["x"]:
         yield key, f"{shortened(name)} is not another axis of this study"
     elif not 0 < len(study.values_of(name)) <= MOST_PANELS:
         yield key, f"{name} must have {MOST_PANELS} listed values at most, a column of panels each"
@@ -429,9 +410,9 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
     wrong = list(_wrong_selection(study, key, spec))
     yield from wrong
     about_laws = of == "law", take in CHOICES
-    if study.route.chooses_law and not all(about_laws):
-        yield key, f"a study of laws has facts of: law, take: {listed(CHOICES, 'or')}"
     if study.route.chooses_law:
+        if not all(about_laws):
+            yield key, f"a study of laws has facts of: law, take: {listed(CHOICES, 'or')}"
         return
     if any(about_laws):
         yield key, "is about laws, which only the route laws compares"
@@ -462,17 +443,13 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
 
 def _selected(study: Study, spec: Mapping[str, Any]) -> int:
     """How many cases the conditions on listed axes leave."""
-    at, between = spec.get("at", {}), spec.get("between", {})
     left = 1
     for block in study.blocks:
-        kept = np.ones(block.count, dtype=bool)
-        for name, values in block.values.items() if isinstance(block, Listed) else ():
-            held = np.asarray(values)
-            if name in at:
-                kept &= held == at[name] if held.dtype.kind == "U" else is_value(held, at[name])
-            if name in between:
-                kept &= (held >= between[name][0]) & (held <= between[name][1])
-        left *= int(np.count_nonzero(kept))
+        if isinstance(block, Listed):
+            values = {name: np.asarray(held) for name, held in block.values.items()}
+            left *= int(np.count_nonzero(selected(values, spec)))
+        else:
+            left *= block.count
     return left
 
 
@@ -494,36 +471,32 @@ def _not_selected(study: Study, name: str, wanted: Any) -> str:
     """Why cases cannot be chosen by a value of an axis, or by two bounds; nothing if they can."""
     if name not in study.axis_names:
         return "not an axis of this study"
-    is_word = PARAMETERS[name].is_word
+    is_word, values = PARAMETERS[name].is_word, study.values_of(name)
     if isinstance(wanted, list):
-        if is_word or wanted[0] > wanted[1]:
-            return f"{shortened(wanted)} are not two bounds of {name}, the lower one first"
-        return ""
-    if is_word:
-        values = study.values_of(name)
-        if wanted in values:
-            return ""
-        return f"{shortened(wanted)} is not among its values: {', '.join(map(str, values))}"
-    if isinstance(wanted, bool) or not isinstance(wanted, int | float):
+        in_order = not is_word and wanted[0] <= wanted[1]
+        text = f"{shortened(wanted)} are not two bounds of {name}, the lower one first"
+    elif is_word:
+        in_order = wanted in values
+        text = f"{shortened(wanted)} is not among its values: {', '.join(map(str, values))}"
+    elif isinstance(wanted, str):
         return f"{shortened(wanted)} is not a number"
-    if not math.isfinite(wanted):
-        return f"{wanted!r} is not a finite number"
-    return _not_held(study, name, wanted)
+    else:
+        return _not_held(study, name, wanted)
+    return "" if in_order else text
 
 
 def _not_held(study: Study, name: str, wanted: float) -> str:
     """Why an axis of numbers has no case at a value; nothing if it has."""
     values = np.asarray(study.values_of(name), float)
     if not values.size:
-        return (
-            f"{wanted:g} is no value of {name}, which is sampled: take the cases between two bounds"
-        )
+        text = f"{wanted:g} is no value of {name}, which is sampled"
+        return f"{text}: take the cases between two bounds"
     if is_value(values, wanted).any():
         return ""
     nearest = sorted(values[np.argsort(np.abs(values - wanted), kind="stable")[:2]])
     places = listed([f"{value:.10g}" for value in nearest])
-    are = "nearest is" if len(nearest) == 1 else "nearest are"
+    are = "is" if len(nearest) == 1 else "are"
     return (
-        f"{wanted!r} is not among the {len(values)} values of {name}, whose {are} {places}; take one of them, or add "
-        f"it to the axis, in values or as a further value, also: [{wanted!r}]"
+        f"{wanted!r} is not among the {len(values)} values of {name}, whose nearest {are} {places}; take one of them, "
+        f"or add it to the axis, in values or as a further value, also: [{wanted!r}]"
     )

@@ -17,11 +17,10 @@ from ..motion.regime import Regime
 from ..replication.readout import ReadOut
 from ..solver import NORMAL_95, Estimate, solve
 from .axes import case_values
-from .columns import columns_of
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, SI_COLUMNS, in_si
 from .responses import NOT_READ, REGIME_NAMES, Cases, Responses, exact_responses
 from .settings import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Fit, Study
-from .sizes import PART
+from .sizes import PART, columns_of
 
 READ = ("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi")
 """The features that rules of reading change, as far as the rows need them."""
@@ -58,65 +57,43 @@ def case_parameters(study: Study, start: int, stop: int) -> dict[str, Words]:
 
 def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[str, Any]:
     values = case_parameters(study, start, stop)
-    if study.route.chooses_law:
-        return _chosen(study, start, values)
-    si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
-    levels = np.array(study.levels)[:, None]
-    Y = levels * si["Y"] if study.levels_relative else np.repeat(levels, stop - start, axis=1)
-    cases = Cases(study, np.arange(start, stop), values, si, Y)
-    responses = _responses(cases, threads)
-    rules = _read_out_rules(values)
-
-    table: dict[str, Any] = {"case": cases.numbers}
+    table: dict[str, Any] = {"case": np.arange(start, stop)}
     table |= {name: values[name] for name in study.axis_names}
-    table |= {name: si[key] for key, (name, _, _) in SI_COLUMNS.items() if name not in table}
-    table |= {name: si[key] for name, key in OF_LAW.items() if key in si and name not in table}
-    table["regime"] = _regime_names(responses.features.regime)
-    cached: dict[tuple[Any, ...], Rows] = {}
+    if study.route.chooses_law:
+        from .law_selection import chosen_laws  # slow to import
+
+        regime = np.full(stop - start, REGIME_NAMES[str(Regime.ONE_SLIP)], dtype=object)
+        return table | {"regime": regime, "chosen": chosen_laws(study, values)}
+    si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
+    cases = Cases(study, table["case"], values, si, study.amplitudes(si["Y"]))
+    responses, rules = _responses(cases, threads), _read_out_rules(values)
+    named = {name: si[key] for key, (name, _, _) in SI_COLUMNS.items()}
+    named |= {name: si[key] for name, key in OF_LAW.items() if key in si}
+    table = named | table | {"regime": _regime_names(responses.features.regime)}
+    cached: dict[Fit, Rows] = {}
     for fit in study.fits:
         residual = np.full(stop - start, np.nan)
         if fit.approach == LIKELIHOOD:
-            values_of = {symbol: of[0] for symbol, of in responses.likelihood.items()}
-            errors = {symbol: of[1] for symbol, of in responses.likelihood.items()}
-            table |= _results(fit, values_of, errors, si)
-            table[f"residual__{fit.label}"] = residual
-            continue
-        read, replicates = responses.features, responses.drawn
-        if fit.approach == SIMPSON:
-            read, replicates = responses.simpson
-        key = (fit.approach, fit.phase, fit.sharing, fit.contact, fit.terms)
-        if key not in cached:
-            cached[key] = _rows(fit, read, si["k"], rules)
-        rows = _of_levels(cached[key], fit)
-        if replicates is None:
-            estimate, errors = solve(rows), {}
+            estimates, errors = responses.likelihood
         else:
-            drawn = _of_levels(_rows(fit, replicates, si["k"][:, None], ()), fit)
-            estimate, errors = _with_errors(rows, drawn, fit.weights == WEIGHTED)
-        table |= _results(fit, estimate.values, errors, si)
-        only_rounding = len(rows.W) <= len(estimate.values)
-        table[f"residual__{fit.label}"] = residual if only_rounding else estimate.residual
+            read, replicates = responses.features, responses.drawn
+            if fit.approach == SIMPSON:
+                read, replicates = responses.simpson
+            key = replace(fit, weights="", levels=None)
+            if key not in cached:
+                cached[key] = _rows(fit, read, si["k"], rules)
+            rows = _of_levels(cached[key], fit)
+            if replicates is None:
+                estimate, errors = solve(rows), {}
+            else:
+                drawn = _of_levels(_rows(fit, replicates, si["k"][:, None], ()), fit)
+                estimate, errors = _with_errors(rows, drawn, fit.weights == WEIGHTED)
+            estimates = estimate.values
+            if len(rows.W) > len(estimates):  # else only rounding is left
+                residual = estimate.residual
+        table |= _results(fit, estimates, errors, si)
+        table[f"residual__{fit.label}"] = residual
     return table
-
-
-def _chosen(study: Study, start: int, values: Mapping[str, Words]) -> dict[str, Any]:
-    """The table of cases of a route that chooses laws; all records slip once per half cycle."""
-    from .law_selection import chosen_laws  # slow to import
-
-    count = len(values["law"])
-    runs = {"run": np.zeros(count)} | dict(values)
-    return {
-        "case": np.arange(start, start + count),
-        **{name: values[name] for name in study.axis_names},
-        "regime": np.full(count, REGIME_NAMES[str(Regime.ONE_SLIP)], dtype=object),
-        "chosen": chosen_laws(runs, study.levels, study.cycles, study.seed),
-    }
-
-
-def _relative(value: Array, true: Array) -> Array:
-    """The ratio of a value to the true one; NaN where that is zero."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(true > 0.0, value / true, np.nan)
 
 
 def _of_levels(rows: Rows, fit: Fit) -> Rows:
@@ -135,6 +112,12 @@ def _with_errors(rows: Rows, drawn: Rows, weighted: bool) -> tuple[Estimate, dic
         assert weights is not None
         drawn = replace(drawn, weights=np.broadcast_to(weights[..., None], drawn.W.shape))
     return estimate, {s: of.std(axis=1, ddof=1) for s, of in solve(drawn).values.items()}
+
+
+def _relative(value: Array, true: Array) -> Array:
+    """The ratio of a value to the true one; NaN where that is zero."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(true > 0.0, value / true, np.nan)
 
 
 def _results(
@@ -160,21 +143,20 @@ def _results(
 def _responses(cases: Cases, threads: int | None) -> Responses:
     """The responses of the cases. What a single route needs is slow to import."""
     study = cases.study
-    kind = study.route.kind
-    terms = {symbol for fit in study.fits for symbol in fit.terms} - TERMS.keys()
-    if kind == "exact" and (terms or cases.si.keys() & set(OF_LAW.values())):
-        from .responses_of_laws import law_responses
-
-        return Responses(law_responses(cases, terms))
-    if kind == "exact":
-        return Responses(exact_responses(cases, threads))
-    if kind == "measured":
+    if study.route.kind == "measured":
         from .experiments import measured_responses
 
         return measured_responses(cases)
-    from .stepwise import fixed_step_responses, sampled_responses
+    if study.route.kind != "exact":
+        from .one_by_one import record_responses
 
-    return Responses((fixed_step_responses if kind == "fixed_step" else sampled_responses)(cases))
+        return Responses(record_responses(cases))
+    terms = {symbol for fit in study.fits for symbol in fit.terms} - TERMS.keys()
+    if terms or cases.si.keys() & set(OF_LAW.values()):
+        from .one_by_one import law_responses
+
+        return Responses(law_responses(cases, terms))
+    return Responses(exact_responses(cases, threads))
 
 
 def _rows(
@@ -201,8 +183,8 @@ def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut
     table = np.column_stack([values[name].astype(float) for name in names])
     sets, member = np.unique(table, axis=0, return_inverse=True)
     rules = []
-    for i, row in enumerate(sets):
-        kept = zip(names, row.tolist(), strict=True)
+    for i, row in enumerate(sets.tolist()):
+        kept = zip(names, row, strict=True)
         section = {name: int(x) if PARAMETERS[name].whole else x for name, x in kept}
         rules.append((np.flatnonzero(member.ravel() == i), ReadOut.from_config(section)))
     return rules
@@ -223,14 +205,9 @@ def _as_read(
 
 def _regime_names(words: Words) -> Words:
     """The regime of each case: one name if all levels are alike, else the names of all levels."""
-    kinds, regimes = pd.factorize(words.ravel())
-    base = len(regimes)
-    packed = np.zeros(words.shape[1], dtype=np.int64)
-    for row in kinds.reshape(words.shape):
-        packed = packed * base + row
-    _, first, member = np.unique(packed, return_index=True, return_inverse=True)
+    kinds, patterns = pd.MultiIndex.from_arrays(list(words)).factorize()
     names = []
-    for i in first:
-        levels = [REGIME_NAMES.get(word, NOT_READ) for word in words[:, i]]
+    for pattern in patterns:
+        levels = [REGIME_NAMES.get(word, NOT_READ) for word in pattern]
         names.append(levels[0] if len(set(levels)) == 1 else ", ".join(levels))
-    return np.array(names, dtype=object)[member.ravel()]
+    return np.array(names, dtype=object)[kinds]

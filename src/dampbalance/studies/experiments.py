@@ -33,52 +33,45 @@ def measured_responses(cases: Cases) -> Responses:
     The reader is given the stiffness k alone: frequency, amplitudes and phases are identified. Where a fit of the study
     asks for it, the signals are integrated as they are, by Simpson's rule; that changes no other number.
     """
-    study, si = cases.study, cases.si
+    study = cases.study
     by_simpson = any(fit.approach == SIMPSON for fit in study.fits)
-    points, replicates, plain, fitted = [], [], [], []
+    points, replicates, plain = [], [], []
+    fitted = np.full((2, len(TERMS), len(cases.numbers)), np.nan)
     for case, number in enumerate(cases.numbers.tolist()):
-        osc = oscillator_of(si, case)
-        rate_hz, noise = (float(cases.values[name][case]) for name in ("sampling_hz", "noise"))
-        records: list[tuple[Reading, Measurement] | str] = []
-        for level, Y in enumerate(cases.Y[:, case].tolist()):
-            motion = BaseMotion(Y=Y, omega=float(si["omega"][case]))
-            random = np.random.default_rng([study.seed, number, level])
-            records.append(_measured(osc, motion, rate_hz, study.cycles, noise, random))
+        osc = oscillator_of(cases.si, case)
+        records = [_measured(cases, osc, case, level) for level in range(len(cases.Y))]
         random = np.random.default_rng([study.seed, number, len(cases.Y)])
         read = [record if isinstance(record, str) else record[0] for record in records]
         point, replicate, whole = _with_one_oscillator(read, osc.k, study.replicates, random)
         points.append(point)
         replicates.append(replicate)
-        fitted.append(None if whole is None else whole.answer)
+        if whole is not None and (answer := whole.answer):
+            for row, of in zip(fitted, (answer.values, answer.standard_errors), strict=True):
+                row[:, case] = [of[symbol] for symbol in TERMS]
         if by_simpson:
-            values, drawn = _by_simpson(records, osc.k, study.replicates, random)
-            plain.append((point.replaced(**values), replicate.replaced(**drawn)))
-    likelihood = {
-        symbol: np.array(
-            [(a.values[symbol], a.standard_errors[symbol]) if a else (np.nan,) * 2 for a in fitted]
-        ).T
-        for symbol in TERMS
-    }
+            integrals = _by_simpson(records, osc.k, study.replicates, random)
+            pairs = zip((point, replicate), integrals, strict=True)
+            plain.append([seen.replaced(**dict(zip("abW", of, strict=True))) for seen, of in pairs])
+    values, errors = (dict(zip(TERMS, of, strict=True)) for of in fitted)
     simpson = tuple(beside(parts) for parts in zip(*plain, strict=True))
-    return Responses(beside(points), beside(replicates), simpson, likelihood)
+    return Responses(beside(points), beside(replicates), simpson, (values, errors))
 
 
 def _measured(
-    osc: Oscillator,
-    motion: BaseMotion,
-    rate_hz: float,
-    cycles: int,
-    noise: float,
-    random: np.random.Generator,
+    cases: Cases, osc: Oscillator, case: int, level: int
 ) -> tuple[Reading, Measurement] | str:
     """The reading of one record, and the record; the reason, in words, where it cannot be read."""
+    study = cases.study
+    motion = BaseMotion(float(cases.Y[level, case]), float(cases.si["omega"][case]))
+    random = np.random.default_rng([study.seed, int(cases.numbers[case]), level])
+    rate_hz, noise = (float(cases.values[name][case]) for name in ("sampling_hz", "noise"))
     try:
         orbit = steady_orbit(osc, motion)
     except NoSteadyOrbit:
         return str(Regime.NOT_FOUND)
     start = random.random() * motion.period  # a record begins anywhere in the cycle
     measurement = measured_orbit(
-        orbit, rate_hz=rate_hz, cycles=cycles, noise=noise, seed=random, start=start
+        orbit, rate_hz=rate_hz, cycles=study.cycles, noise=noise, seed=random, start=start
     )
     try:
         return read_features(measurement, osc.k), measurement
@@ -120,8 +113,8 @@ def _by_simpson(
     k: float,
     count: int,
     random: np.random.Generator,
-) -> tuple[dict[str, Array], dict[str, Array]]:
-    """a, b and W of the levels of a case by `reading.simpson`, (L,) each, and replicates, (L, count); NaN where the
+) -> tuple[Array, Array]:
+    """a, b and W of the levels of a case by `reading.simpson`, (3, L), and replicates, (3, L, count); NaN where the
     record was not read."""
     values, drawn = np.full((3, len(records)), np.nan), np.full((3, len(records), count), np.nan)
     for level, record in enumerate(records):
@@ -133,5 +126,4 @@ def _by_simpson(
         of_cycles = cycle_integrals(y.values, x.values, dt, reading.steady.omega, k)
         values[:, level] = of_cycles.mean(axis=-1)
         drawn[:, level] = replicates_of(of_cycles, count, random)
-    names = ("a", "b", "W")
-    return dict(zip(names, values, strict=True)), dict(zip(names, drawn, strict=True))
+    return values, drawn

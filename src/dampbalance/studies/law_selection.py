@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Words
+from ..features import stack
 from ..identification.law_comparison import compare_laws
-from ..law.integrals import of_harmonics
 from ..law.response import law_orbit
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, KNOWN_TERMS
@@ -25,22 +25,20 @@ from ..motion.orbit import NoSteadyOrbit
 from ..motion.regime import Regime
 from ..reading.mean_harmonics import Reading, read_features
 from ..records.synthetic import measured_orbit
+from .one_by_one import of_response
 from .routes import NONE, law_named, terms_named
+from .settings import Study
 
 SHARE = (0.2, 0.6)
 """Smallest and largest share of the input work that each term takes at one level at least."""
 
 MASSES, NATURAL_HZ = (0.1, 10.0), (1.0, 50.0)  # kg, Hz
 HIGHEST = (1e-4, 1e-2)  # m, amplitude of the base at the highest level
-ZETA = (
-    0.01,
-    0.08,
-)  # damping ratio of a viscous damper that takes as much work as all terms together
+ZETA = (0.01, 0.08)  # damping ratio of a viscous damper that takes as much work as all terms
 STIFFNESSES = (10.0, 200.0)  # K_z/k
 BELOW, ABOVE = (0.6, 0.9), (1.1, 1.6)  # ω/ω_n
 
 _SAMPLES = (190.0, 210.0)  # per cycle
-_HARMONICS = 64
 _MOST_DRAWINGS = 1000
 _STICKS = 2.0  # in units of Z_m: the amplitude up to which the contact hardly slips
 
@@ -73,16 +71,11 @@ class Truth:
 
     def shares(self, responses: Sequence[Response]) -> dict[str, Array]:
         """Share of the input work that each term takes, by symbol, each (records,); friction takes the rest."""
-        k, n = self.oscillator.k, np.arange(1.0, 2.0 * _HARMONICS, 2.0)
-        parts: dict[str, list[float]] = {s: [] for s in self.coefficients}
-        for motion, response in zip(self.motions, responses, strict=True):
-            x = response.harmonics(_HARMONICS)[None]
-            base = np.ones(1), np.full((1, 1), complex(motion.Y))
-            W = -math.pi * k * motion.Y * float(x[0, 0].imag)
-            for symbol, p in self.coefficients.items():
-                lost = of_harmonics(symbol, n, x, *base, motion.omega, k)
-                parts[symbol].append(p * float(lost[0]) / W)
-        taken = {symbol: np.array(part) for symbol, part in parts.items()}
+        k, law = self.oscillator.k, self.coefficients
+        pairs = zip(responses, self.motions, strict=True)
+        seen = stack([of_response(response, motion, k, self.law) for response, motion in pairs])
+        integrals = {"c": seen.b, **seen.integrals}
+        taken = {symbol: p * integrals[symbol] / seen.W for symbol, p in law.items()}
         return {FRICTION: 1.0 - np.sum(list(taken.values()), axis=0), **taken}
 
     @property
@@ -96,12 +89,10 @@ def drawn(law: str, levels: Sequence[float], random: np.random.Generator) -> Tru
     """A random oscillator as described above.   law : its name.   levels : parts of the highest amplitude."""
     for _ in range(_MOST_DRAWINGS):
         truth = _candidate(terms_named(law), levels, random)
-        responses = truth.responses()
-        if responses is not None and all(
-            ((part >= SHARE[0]) & (part <= SHARE[1])).any()
-            for part in truth.shares(responses).values()
-        ):
-            return truth
+        if responses := truth.responses():
+            shares = truth.shares(responses).values()
+            if all(((part >= SHARE[0]) & (part <= SHARE[1])).any() for part in shares):
+                return truth
     raise ArithmeticError(f"no oscillator with the law {law} slips once per half cycle as wanted")
 
 
@@ -137,7 +128,7 @@ def _candidate(terms: Sequence[str], levels: Sequence[float], random: np.random.
 def _parts(count: int, random: np.random.Generator) -> Array:
     """Random shares of the work, each within SHARE, whose sum is one."""
     while True:
-        parts: Array = random.dirichlet(np.full(count, 4.0))
+        parts = random.dirichlet(np.full(count, 4.0))
         if parts.min() >= SHARE[0] and parts.max() <= SHARE[1]:
             return parts
 
@@ -167,15 +158,11 @@ def chosen_law(
     return NONE if chosen is None else law_named(chosen)
 
 
-def chosen_laws(
-    values: Mapping[str, Words], levels: Sequence[float], cycles: int, seed: int
-) -> Words:
-    """The law that is chosen in each of n cases, (n,).
-
-    values : law, noise and run of each, (n,).
-    """
+def chosen_laws(study: Study, values: Mapping[str, Words]) -> Words:
+    """The law that is chosen in each of n cases, (n,).   values : law, noise and, if runs are counted, run of each."""
     chosen = []
-    for law, noise, run in zip(values["law"], values["noise"], values["run"], strict=True):
-        random = np.random.default_rng([seed, *str(law).encode(), int(run)])
-        chosen.append(chosen_law(str(law), levels, cycles, float(noise), random))
+    runs = values.get("run", np.zeros(len(values["law"])))
+    for law, noise, run in zip(values["law"], values["noise"], runs, strict=True):
+        random = np.random.default_rng([study.seed, *str(law).encode(), int(run)])
+        chosen.append(chosen_law(str(law), study.levels, study.cycles, float(noise), random))
     return np.array(chosen, dtype=object)

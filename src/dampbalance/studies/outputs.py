@@ -1,4 +1,4 @@
-"""The files of a study: one Parquet file of all cases, and a manifest that describes it.
+"""The files of a study: one Parquet file of all cases, read and written a stretch at a time, and a manifest.
 
 The table has a row per case. Column names end in their unit, or name a pure number; the metadata of the file
 hold unit and meaning of each column, too. The same study gives the same bytes, whatever the number of cores or the
@@ -10,60 +10,53 @@ from __future__ import annotations
 import json
 import shutil
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from ..arrays import Words
+from ..law.terms import KNOWN_TERMS
 from ..project.files import replacing, write_json
 from .axes import Listed
-from .columns import Column, columns_of
 from .responses import REGIME_NAMES
 from .settings import Study
-from .stretches import stretches
+from .sizes import Column, columns_of
 
 MANY = 100_000
 """A table of so many cases or more is written uncompressed: numbers of which no two are alike hardly compress, and
 compressing them takes longer than computing them."""
 
 
-def _packing(study: Study) -> dict[str, Any]:
-    """How the columns are compressed."""
-    packed: dict[str, Any] = {"write_statistics": False, "compression_level": 1}
-    if study.cases < MANY:
-        return packed | {"compression": "zstd"}
-    listed = {name for b in study.blocks if isinstance(b, Listed) for name in b.names}
-    repeated = [c.name for c in columns_of(study) if c.words or c.name in listed]
-    kinds = {c.name: "zstd" if c.name in repeated else "none" for c in columns_of(study)}
-    levels = dict.fromkeys(repeated, 1)
-    return packed | {"use_dictionary": repeated, "compression": kinds, "compression_level": levels}
+def stretches(cases: str | Path, names: Sequence[str]) -> Iterator[dict[str, Words]]:
+    """The columns named, row group by row group, in the order of the cases: memory does not grow with their number."""
+    wanted = list(dict.fromkeys(names))
+    with pq.ParquetFile(cases) as file:
+        for group in range(file.num_row_groups):
+            table = file.read_row_group(group, columns=wanted)
+            yield {name: np.asarray(table[name].to_numpy()) for name in wanted}
 
 
-def schema_of(study: Study, version: str) -> pa.Schema:
-    """Names, types, units and meanings of the columns; the study and its settings as metadata of the file."""
-    fields = [
-        pa.field(
-            column.name, _type(column), metadata={"unit": column.unit, "meaning": column.meaning}
-        )
-        for column in columns_of(study)
-    ]
-    about = {
-        "study": study.name,
-        "dampbalance": version,
-        "settings": json.dumps(study.settings, sort_keys=True, ensure_ascii=False),
-    }
-    return pa.schema(fields, metadata=about)
+def column_of(cases: str | Path, name: str) -> Words:
+    """One whole column of the table of cases."""
+    return np.concatenate([stretch[name] for stretch in stretches(cases, [name])])
+
+
+def terms_of(cases: str | Path) -> list[str]:
+    """Symbols of the terms whose errors the table of cases holds."""
+    held = {column.partition("_relative_error__")[0] for column in pq.read_schema(cases).names}
+    return [symbol for symbol in KNOWN_TERMS if symbol in held]
 
 
 def write_parts(
     path: str | Path, parts: Iterable[pd.DataFrame], study: Study, version: str
 ) -> None:
     """Write the cases of a chunk that come in parts, a row group each; the file appears complete or not at all."""
-    schema = schema_of(study, version)
+    schema = _schema(study, version)
     with (
         replacing(path) as temporary,
         pq.ParquetWriter(temporary, schema, **_packing(study)) as writer,
@@ -110,6 +103,29 @@ def write_manifest(path: str | Path, cases: str | Path, study: Study, version: s
             "columns": [column._asdict() for column in columns_of(study)],
         },
     )
+
+
+def _packing(study: Study) -> dict[str, Any]:
+    """How the columns are compressed."""
+    packed: dict[str, Any] = {"write_statistics": False, "compression_level": 1}
+    if study.cases < MANY:
+        return packed | {"compression": "zstd"}
+    listed = {name for b in study.blocks if isinstance(b, Listed) for name in b.names}
+    repeated = [c.name for c in columns_of(study) if c.words or c.name in listed]
+    kinds = {c.name: "zstd" if c.name in repeated else "none" for c in columns_of(study)}
+    levels = dict.fromkeys(repeated, 1)
+    return packed | {"use_dictionary": repeated, "compression": kinds, "compression_level": levels}
+
+
+def _schema(study: Study, version: str) -> pa.Schema:
+    """Names, types, units and meanings of the columns; the study and its settings as metadata of the file."""
+    fields = [
+        pa.field(c.name, _type(c), metadata={"unit": c.unit, "meaning": c.meaning})
+        for c in columns_of(study)
+    ]
+    settings = json.dumps(study.settings, sort_keys=True, ensure_ascii=False)
+    about = {"study": study.name, "dampbalance": version, "settings": settings}
+    return pa.schema(fields, metadata=about)
 
 
 def _type(column: Column) -> pa.DataType:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from ..arrays import Array, Integers, Words
-from ..features import Features, beside, of_orbits, stack
-from ..model import BaseMotion, Oscillator
+from ..features import Features, of_orbits
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
-from .parameters import oscillator_of
 from .settings import Study
 
 
@@ -36,13 +34,13 @@ class Responses(NamedTuple):
     features : (L, n). The rest is for noisy records only.
     drawn : bootstrap replicates of the features, (L, n, r).
     simpson : features and replicates with a, b and W by `reading.simpson`, where a fit asks for them.
-    likelihood : symbol → value and standard error of the maximum-likelihood oscillator, SI units, (2, n).
+    likelihood : values and standard errors of the maximum-likelihood oscillator by symbol, SI units, (n,) each.
     """
 
     features: Features
     drawn: Features | None = None
     simpson: tuple[Features, ...] = ()
-    likelihood: Mapping[str, Array] = {}
+    likelihood: tuple[Mapping[str, Array], Mapping[str, Array]] = ({}, {})
 
 
 NOT_READ = "not_read"
@@ -64,17 +62,3 @@ def exact_responses(cases: Cases, threads: int | None = None) -> Features:
         **{name: si[name] for name in ("m", "c", "k", "K_z", "F_k", "omega")}, Y=Y, threads=threads
     )
     return of_orbits(orbits, Y, si["omega"])
-
-
-def one_by_one(
-    cases: Cases, response: Callable[[Oscillator, BaseMotion, int], Features]
-) -> Features:
-    """Features (L, n) of responses that are computed one after the other.
-
-    response : features of an oscillator under a base motion, with the place of the case among the cases.
-    """
-    columns = []
-    for case, omega in enumerate(cases.si["omega"].tolist()):
-        osc, levels = oscillator_of(cases.si, case), cases.Y[:, case].tolist()
-        columns.append(stack([response(osc, BaseMotion(Y, omega), case) for Y in levels]))
-    return beside(columns)

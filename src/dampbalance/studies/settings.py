@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from typing import Any, Self
 
+import numpy as np
+
+from ..arrays import Array
 from ..balance import APPROACHES, TERMS, takes_phase
 from ..law.terms import in_order
 from ..reading.clean import ReadAt
-from .axes import Block, Listed, Range, Sampled, number_of_cases, spread
+from .axes import Block, Listed, Range, Sampled, spread
 from .parameters import PARAMETERS, synonyms
 from .routes import REPLICATES, ROUTES, Route
 
@@ -37,14 +41,16 @@ BANDS = ("band", "from")
 """Facts about a stretch of an axis: both its ends, or the lower one."""
 
 
+_SHOWN = ("title", "figure", "facts", "shows", "summary_by")  # keys on which no number depends
+
+
 @dataclass(frozen=True, slots=True)
 class Fit:
     """One way to identify F_k and c in a case: rows, phase, contact, weights, and the levels that it takes.
 
-    approach : a name in `balance.APPROACHES`, or one of YARDSTICKS.
-    phase : reversal, zero_crossing or fundamental.   sharing : φ and t_s individual or common.   Both are empty for
-    an approach that takes no phase.   contact : compliant, with the slip onset as it was read, or rigid, a = 4X.
-    weights : of the rows, weighted or equal; empty without noise, where all weigh alike.
+    approach : a name in `balance.APPROACHES`, or one of YARDSTICKS.   phase : reversal, zero_crossing or fundamental.
+    sharing : φ and t_s individual or common; like the phase, empty for an approach that takes no phase.
+    contact : COMPLIANT or RIGID.   weights : WEIGHTED or EQUAL; empty without noise, where all rows weigh alike.
     levels : positions of two levels counted from 0, None for least squares of all.   terms : of the balance, where the
     study sets them; empty for those of the approach.
     """
@@ -79,16 +85,8 @@ class Fit:
         equal weights of noisy records and terms are named: direct__F_k+c+c_2__rigid__equal__least_squares."""
         contact = "" if self.contact == COMPLIANT else self.contact
         weights = EQUAL if self.weights == EQUAL else ""
-        parts = (
-            self.approach,
-            "+".join(self.terms),
-            contact,
-            weights,
-            self.phase,
-            self.sharing,
-            self.kind,
-        )
-        return "__".join(part for part in parts if part)
+        parts = (self.approach, "+".join(self.terms), contact, weights, self.phase, self.sharing)
+        return "__".join(part for part in (*parts, self.kind) if part)
 
 
 @dataclass(frozen=True)
@@ -124,7 +122,7 @@ class Study:
     @property
     def cases(self) -> int:
         """Number of cases."""
-        return number_of_cases(self.blocks)
+        return math.prod(block.count for block in self.blocks)
 
     @cached_property
     def axis_names(self) -> tuple[str, ...]:
@@ -140,10 +138,10 @@ class Study:
         """The block that sets a parameter, None where none does."""
         return next((block for block in self.blocks if axis in block.names), None)
 
-    def values_of(self, axis: str | None) -> Sequence[float | int | str]:
+    def values_of(self, axis: str) -> Sequence[float | int | str]:
         """The listed values of an axis; none where it is sampled or there is no such axis."""
-        block = self.block_of(str(axis))
-        return block.values[str(axis)] if isinstance(block, Listed) else ()
+        block = self.block_of(axis)
+        return block.values[axis] if isinstance(block, Listed) else ()
 
     def extent(self, name: str) -> tuple[float, float]:
         """The least and the largest value of a parameter, whether it is fixed or an axis of numbers."""
@@ -152,6 +150,10 @@ class Study:
             return block.ranges[name].low, block.ranges[name].high
         values = [float(x) for x in (block.values[name] if block else [self.fixed[name]])]
         return min(values), max(values)
+
+    def amplitudes(self, Y: Array) -> Array:
+        """Amplitudes of the base at the levels, m, (L, n), of cases with the reference amplitudes Y, m, (n,)."""
+        return np.array(self.levels)[:, None] * (Y if self.levels_relative else np.ones_like(Y))
 
     @property
     def seeds(self) -> list[int]:
@@ -171,26 +173,24 @@ class Study:
         if "lines" in spec:
             lines = [self.fits_of(line) for line in spec["lines"].values()]
             return [fit for (fit,) in lines] if set(map(len, lines)) == {1} else []
-        keys, kind = ("approach", "phase", "sharing"), spec.get("fit")
-        fits = [
-            fit
-            for fit in self.fits
-            if all(getattr(fit, key) in ("", spec.get(key, getattr(fit, key))) for key in keys)
-        ]
-        lists = dict.fromkeys(fit.terms for fit in self.fits)
-        terms = in_order(spec["terms"]) if "terms" in spec else next(iter(lists), ())
-        fits = [fit for fit in fits if fit.terms == terms]
-        for key, usual in (("contact", COMPLIANT), ("weights", WEIGHTED)):
-            those = [fit for fit in fits if getattr(fit, key) in ("", spec.get(key, usual))]
-            fits = those if key in spec else those or fits
-        if kind is None:
+        terms = (
+            in_order(spec["terms"]) if "terms" in spec else next((f.terms for f in self.fits), ())
+        )
+        fits = [fit for fit in self.fits if fit.terms == terms]
+        usual = {"contact": COMPLIANT, "weights": WEIGHTED}
+        for key in ("approach", "phase", "sharing", "contact", "weights"):
+            if wanted := spec.get(key, usual.get(key)):
+                those = [fit for fit in fits if getattr(fit, key) in ("", wanted)]
+                fits = those if key in spec else those or fits
+        if "fit" not in spec:
             return [fit for fit in fits if fit.levels is None] or fits
+        kind = spec["fit"]
         return [fit for fit in fits if fit.kind == kind or (fit.levels and kind == "pairs")]
 
     @classmethod
     def of(cls, name: str, document: Mapping[str, Any], paper: Mapping[str, Any]) -> Self:
         """The study of a document in which `checking.problems` finds nothing wrong; paper : see `paper_defaults`."""
-        blocks = tuple(_block(item) for item in document["axes"])
+        blocks = tuple(map(_block, document["axes"]))
         route = {"kind": "exact", "reading": "interpolated"} | document.get("route", {})
         way = ROUTES[route["kind"]]
         estimation = document.get("estimation", {})
@@ -207,11 +207,7 @@ class Study:
         return cls(
             name=name,
             title=document["title"],
-            settings={
-                key: value
-                for key, value in document.items()
-                if key not in ("title", "figure", "facts", "shows", "summary_by")
-            },
+            settings={key: value for key, value in document.items() if key not in _SHOWN},
             blocks=blocks,
             fixed=fixed,
             levels=tuple(levels),
@@ -238,13 +234,6 @@ def paper_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
     return {"base": base, "levels_m": levels}
 
 
-def spread_of(spec: Mapping[str, Any]) -> list[float]:
-    """The values of an axis that is given by its ends and their number."""
-    ends = float(spec["from"]), float(spec["to"])
-    also = [float(value) for value in spec.get("also", ())]
-    return spread(*ends, spec["count"], spec.get("spacing", "linear"), also)
-
-
 def _block(item: Mapping[str, Any]) -> Block:
     if "sample" in item:
         sample = item["sample"]
@@ -253,25 +242,22 @@ def _block(item: Mapping[str, Any]) -> Block:
             for name, spec in sample["over"].items()
         }
         return Sampled(sample["method"], sample["count"], sample["seed"], ranges)
-    values = {
-        name: spec["values"] if "values" in spec else spread_of(spec) for name, spec in item.items()
-    }
-    return Listed(values)
+    return Listed({name: spec.get("values") or spread(spec) for name, spec in item.items()})
 
 
 def _fits(estimation: Mapping[str, Any], noisy: bool) -> Iterator[Fit]:
-    chosen_levels = [
-        None if fit == "least_squares" else (fit[0] - 1, fit[1] - 1)
-        for fit in estimation.get("fits", ["least_squares"])
-    ]
-    phases = estimation.get("phases", ["reversal"])
-    sharings = estimation.get("sharing", ["individual"])
+    kinds = estimation.get("fits", ["least_squares"])
+    levels = [None if kind == "least_squares" else (kind[0] - 1, kind[1] - 1) for kind in kinds]
+    phases, sharings = (
+        estimation.get("phases", ["reversal"]),
+        estimation.get("sharing", ["individual"]),
+    )
     contacts = estimation.get("contact", [COMPLIANT])
     weights = estimation.get("weights", [WEIGHTED]) if noisy else [""]
-    terms = list(dict.fromkeys(in_order(some) for some in estimation.get("terms", [()])))
+    terms = list(dict.fromkeys(map(in_order, estimation.get("terms", [()]))))
     for approach in estimation.get("approaches", APPROACHES):
         choices = (phases, sharings) if takes_phase(approach) else ([""], [""])
-        for choice in product(*choices, contacts, weights, chosen_levels, terms):
+        for choice in product(*choices, contacts, weights, levels, terms):
             yield Fit(approach, *choice)
     of_yardsticks = {SIMPSON: (RIGID, EQUAL), LIKELIHOOD: (COMPLIANT, "")}
     for name in estimation.get("yardsticks", []):

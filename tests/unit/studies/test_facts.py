@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -11,12 +12,12 @@ from scipy.optimize import brentq
 from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.features import of_orbit, stack
-from dampbalance.project.documents import ConfigurationError
+from dampbalance.project.documents import ConfigurationError, read_yaml
 from dampbalance.project.wording import number
 from dampbalance.solver import least_squares, pair
-from dampbalance.studies import checking, evaluate, outputs
+from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.shown import error_curves, facts
-from folders import PAPER_FILE, ROOT, STUDY_SCHEMA
+from folders import ROOT
 from paper_case import PAPER
 
 LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
@@ -30,55 +31,38 @@ def zeta(**more):
     return {"axes": [{"zeta": axis}], **more}
 
 
+PAIRED = [{"zeta": {"values": [0.1, 0.2]}, "K_z_over_k": {"values": [50.0, 90.0]}}]
+SAMPLE = {"method": "random", "count": 5, "seed": 1, "over": {"zeta": {"from": 0.1, "to": 0.2}}}
+AROUND = DIRECT_BAND | {"around": 0.45}
+
+
 @pytest.mark.parametrize(
-    ("axis", "at", "key", "words"),
+    ("axes", "fact", "key", "words"),
     [
-        (
-            {},
-            {"at": {"zeta": 0.31}},
-            "at.zeta",
-            "not among the 9 values of zeta, whose nearest are 0.3 and 0.4",
-        ),
-        (
-            {},
-            {"at": {"zeta": 5.0}},
-            "at.zeta",
-            "whose nearest are 0.8 and 0.9; take one of them, or add it",
-        ),
-        ({"also": [0.31]}, {"at": {"zeta": 0.3100001}}, "at.zeta", "nearest are 0.3 and 0.31"),
-        (
-            {},
-            {},
-            "take",
-            "is the error of one case, and 9 are selected; give a value of each axis in at",
-        ),
+        ({}, {"at": {"zeta": 0.31}}, ".at.zeta", "the 9 values of zeta, whose nearest are 0.3 and 0.4"),
+        ({}, {"at": {"zeta": 5.0}}, ".at.zeta", "are 0.8 and 0.9; take one of them, or add it"),
+        ({"also": [0.31]}, {"at": {"zeta": 0.3100001}}, ".at.zeta", "nearest are 0.3 and 0.31"),
+        ({}, {}, ".take", "of one case, and 9 are selected; give a value of each axis in at"),
+        ({}, AROUND, ".around", "0.45 is not among the 9 values"),
+        ({"also": [0.45]}, AROUND, "", ""),
+        (PAIRED, {"at": {"zeta": 0.1, "K_z_over_k": 50.0}}, "", ""),
+        (PAIRED, {"at": {"zeta": 0.1, "K_z_over_k": 90.0}}, "", "selects no case"),
+        ([{"sample": SAMPLE}], {"at": {"zeta": 0.1}}, ".at.zeta", "sampled: take the cases between two"),
     ],
-)
-def test_a_fact_about_a_case_that_does_not_exist_is_refused(make, axis, at, key, words):
+)  # fmt: skip
+def test_a_fact_about_a_case_that_does_not_exist_is_refused(make, axes, fact, key, words):
+    study = zeta(axis=axes) if isinstance(axes, dict) else {"axes": axes}
+    study["facts"] = {"one": X_S | fact}
+    if not words:
+        make(study)
+        return
     with pytest.raises(ConfigurationError) as caught:
-        make(zeta(axis=axis, facts={"one": X_S | at}))
+        make(study)
     message = str(caught.value)
     assert "test.yaml: line" in message
-    assert f"facts.one.{key}: " in message
+    assert f"facts.one{key}: " in message
     assert words in message
     assert message.count("\n") == 0
-
-
-def test_the_place_around_which_a_band_is_looked_for_must_exist(make):
-    band = DIRECT_BAND | {"around": 0.45}
-    with pytest.raises(ConfigurationError, match=r"one\.around: 0\.45 is not among the 9 values"):
-        make(zeta(facts={"one": band}))
-    make(zeta(facts={"one": band}, axis={"also": [0.45]}))
-
-
-def test_values_of_paired_axes_and_of_samples_are_held_too(make):
-    paired = [{"zeta": {"values": [0.1, 0.2]}, "K_z_over_k": {"values": [50.0, 90.0]}}]
-    make({"axes": paired, "facts": {"one": X_S | {"at": {"zeta": 0.1, "K_z_over_k": 50.0}}}})
-    with pytest.raises(ConfigurationError, match=r"facts\.one: selects no case"):
-        make({"axes": paired, "facts": {"one": X_S | {"at": {"zeta": 0.1, "K_z_over_k": 90.0}}}})
-    sample = {"method": "random", "count": 5, "seed": 1, "over": {"zeta": {"from": 0.1, "to": 0.2}}}
-    with pytest.raises(ConfigurationError, match="which is sampled: take the cases between two"):
-        make({"axes": [{"sample": sample}], "facts": {"one": X_S | {"at": {"zeta": 0.1}}}})
 
 
 def test_an_axis_takes_further_values_in_their_places(make):
@@ -152,20 +136,12 @@ def errors_of_F_k(approach, hz, levels=LEVELS, phase="reversal", rigid=False, pa
 
 
 @pytest.fixture(scope="module")
-def shipped(tmp_path_factory):
+def shipped(computed):
     """Facts of a study as it is shipped, from all of its cases."""
-    made = {}
+    made = functools.cache(lambda name: computed(read_yaml(ROOT / f"config/studies/{name}.yaml")))
 
     def facts_of(name, *wanted):
-        if name not in made:
-            study = checking.read_study(
-                ROOT / f"config/studies/{name}.yaml", STUDY_SCHEMA, PAPER_FILE
-            )
-            path = tmp_path_factory.mktemp(name) / "cases.parquet"
-            frame = evaluate.evaluate(study, 0, study.cases)
-            outputs.write_parts(path, [frame], study, __version__)
-            made[name] = study, path
-        study, path = made[name]
+        study, _, path = made(name)
         return [facts.fact(study, path, study.facts[fact]) for fact in wanted]
 
     return facts_of

@@ -33,6 +33,7 @@ TEXTS = [
     "",
 ]
 NUMBERS = [0, -1, True, None, "x", "", [], {}, 1e-300, 1e300, 2**62, float("nan"), float("inf")]
+PLACES = [0.5, 50.0, -5.0, 1e300]
 NAMES = ["scheme", "phase", "case", "regime", "nowhere", "noise", "zeta", "K_z_over_k", ""]
 SHOWS = [
     "{",
@@ -68,9 +69,8 @@ def of_axes(draw, study):
 
 
 def of_sample(draw, study):
-    over = {
-        draw.choice(NAMES): {"from": draw.choice([0.1, 1e-300]), "to": draw.choice([0.9, 1e300])}
-    }
+    ends = {"from": draw.choice([0.1, 1e-300]), "to": draw.choice([0.9, 1e300])}
+    over = {draw.choice(NAMES): ends}
     count = draw.choice([4, 10**9, 2**40])
     study["axes"] = [{"sample": {"method": "sobol", "count": count, "seed": 2**62, "over": over}}]
 
@@ -86,22 +86,16 @@ def of_figure(draw, study):
             {"phase": "fundamental"},
             {"contact": "rigid"},
             {"within": draw.choice([1e-300, 1e300])},
-            {
-                "marks": {
-                    draw.choice([*TEXTS, 1, True, "omega1"]): draw.choice([0.5, 50.0, -5.0, 1e300])
-                }
-            },
+            {"marks": {draw.choice([*TEXTS, 1, True, "omega1"]): draw.choice(PLACES)}},
         ]
     )
     study["figure"] |= edit
 
 
 def of_facts(draw, study):
-    fact = {
-        "of": draw.choice(["F_k", "c"]),
-        "take": draw.choice(["max", "p95", "signed", "share", "band", "from", "bias", "coverage"]),
-        "approach": draw.choice(["direct", "X_s"]),
-    }
+    takes = ["max", "p95", "signed", "share", "band", "from", "bias", "coverage"]
+    fact = {"of": draw.choice(["F_k", "c"]), "take": draw.choice(takes)}
+    fact["approach"] = draw.choice(["direct", "X_s"])
     axes = [name for block in study["axes"] for name in block]
     for key, values in {
         "at": [{name: draw.choice([*NUMBERS, 1.0, "rk4"])} for name in (*axes, "nowhere", 1)],
@@ -141,10 +135,7 @@ def of_settings(draw, study):
             ("estimation", {"fits": [[1, 9]]}),
             ("route", {"kind": "fixed_step", "scheme": "rk4", "step_s": 1e-12}),
             ("route", {"kind": "sampled", "sampling_hz": 1e9}),
-            (
-                "route",
-                {"kind": "measured", "sampling_hz": 100, "noise": 0.0, "seed": 1, "cycles": 10**5},
-            ),
+            ("route", SOUND["scatter"]["route"] | {"noise": 0.0, "cycles": 10**5}),
         ]
     )
     study[key] = value
@@ -194,9 +185,7 @@ def test_it_is_refused_or_made(tmp_path, seed):
     if not refusal:
         assert study.cases <= 20_000  # what these draws can ask for at most; the rest is refused
         with warnings.catch_warnings():
-            warnings.simplefilter(
-                "ignore"
-            )  # of numbers that do not exist, and of axes without extent
+            warnings.simplefilter("ignore")  # numbers that do not exist, axes without extent
             page = built(study, tmp_path)
         assert "<script" not in page.replace("\\<", "")
     assert file.read_text(encoding="utf-8") == yaml.safe_dump(drawn(seed))

@@ -82,7 +82,7 @@ def test_records_that_cannot_be_read_have_no_law(monkeypatch):
     assert law_selection.chosen_law("F_k + c", (1.0,), 12, 0.01, np.random.default_rng(1)) == "none"
 
 
-def test_noise_and_oscillator_follow_from_seed_law_and_run(monkeypatch):
+def test_noise_and_oscillator_follow_from_seed_law_and_run(make, monkeypatch):
     seen = []
     monkeypatch.setattr(
         law_selection, "chosen_law", lambda *given: seen.append(given[-1].random()) or "none"
@@ -92,10 +92,11 @@ def test_noise_and_oscillator_follow_from_seed_law_and_run(monkeypatch):
         "noise": np.array([0.01, 0.01, 0.01]),
         "run": np.array([1, 2, 1]),
     }
-    law_selection.chosen_laws(values, LEVELS, 100, 1)
-    law_selection.chosen_laws({name: array[::-1] for name, array in values.items()}, LEVELS, 100, 1)
+    study, other = (make(SMALL | {"route": SMALL["route"] | {"seed": seed}}) for seed in (1, 2))
+    law_selection.chosen_laws(study, values)
+    law_selection.chosen_laws(study, {name: array[::-1] for name, array in values.items()})
     assert seen[:3] == seen[:2:-1]
-    law_selection.chosen_laws(values, LEVELS, 100, 2)
+    law_selection.chosen_laws(other, values)
     assert len({*seen[:3], *seen[6:]}) == 6
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -16,10 +17,10 @@ from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.reading.simpson import cycle_integrals
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.studies import evaluate, outputs
-from dampbalance.studies.columns import columns_of
-from dampbalance.studies.shown import facts, groups, summary
-from dampbalance.studies.shown.bounds import bounds_of
+from dampbalance.studies.shown import facts, statistics, summary
+from dampbalance.studies.shown.statistics import bounds_of
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
+from dampbalance.studies.sizes import columns_of
 from paper_case import FREQUENCIES_HZ, PAPER, motions_at
 from unit.studies.documents import document
 
@@ -38,13 +39,9 @@ def experiment(case):
     for level, Y in enumerate((0.004, 0.012)):
         random = np.random.default_rng([7, case, level])
         start = random.random() / 3.5
+        orbit = steady_orbit(PAPER, BaseMotion(Y, omega))
         measurement = measured_orbit(
-            steady_orbit(PAPER, BaseMotion(Y, omega)),
-            rate_hz=1000,
-            cycles=20,
-            noise=0.001,
-            seed=random,
-            start=start,
+            orbit, rate_hz=1000, cycles=20, noise=0.001, seed=random, start=start
         )
         yield measurement, read_features(measurement, PAPER.k)
 
@@ -73,7 +70,7 @@ def test_a_case_is_an_experiment_as_one_would_do_it(done):
             assert found[f"{name}_covered__{label}"] == float(held)
 
 
-def test_yardsticks_stand_beside_the_approaches_and_change_nothing(done, make):
+def test_yardsticks_are_added_and_change_nothing_else(done, make):
     study, table, _ = done
     case = 7
     more = make(SMALL | {"estimation": SMALL["estimation"] | {"yardsticks": ["simpson", "fit"]}})
@@ -161,7 +158,7 @@ def test_the_spread_of_known_errors():
     stated = np.full(n, scatter)
     covered = (np.abs(errors - bias) <= 1.959964 * stated).astype(float)
     errors[::100], stated[::100], covered[::100] = np.nan, np.nan, np.nan
-    found = groups.spread(errors, stated, covered)
+    found = statistics.spread(errors, stated, covered)
     assert (found.runs, found.identified) == (n, n - n // 100)
     # Four standard errors of each, from n runs: σ/√n, σ/√2n, √(0.95 · 0.05/n).
     assert found.bias == pytest.approx(bias, abs=4.0 * scatter / math.sqrt(n))
@@ -174,7 +171,7 @@ def test_the_spread_of_known_errors():
     sizes = np.sort(np.abs(errors[np.isfinite(errors)]))
     half, most = (math.ceil(share * len(sizes)) - 1 for share in (0.5, 0.95))
     assert (found.median, found.p95) == (sizes[half], sizes[most])
-    nothing = groups.spread(np.full(3, np.nan), None, None)
+    nothing = statistics.spread(np.full(3, np.nan))
     assert (nothing.runs, nothing.identified) == (3, 0)
     assert math.isnan(nothing.bias)
     assert math.isnan(nothing.coverage)
@@ -186,9 +183,9 @@ def test_the_error_of_a_quantile_is_that_of_drawing_again():
         values = np.abs(rng.standard_normal(n))
         again = np.quantile(rng.choice(values, (20_000, n)), 0.95, axis=1, method="inverted_cdf")
         # a standard deviation from 20,000 numbers is good to 0.5 % or, as their tails are light, less
-        assert groups.quantile_error(values, 0.95) == pytest.approx(again.std(), rel=0.02)
-    assert math.isnan(groups.quantile_error(np.arange(19.0), 0.95))  # the largest of them
-    assert math.isfinite(groups.quantile_error(np.arange(20.0), 0.95))
+        assert statistics.quantile_error(values, 0.95) == pytest.approx(again.std(), rel=0.02)
+    assert math.isnan(statistics.quantile_error(np.arange(19.0), 0.95))  # the largest of them
+    assert math.isfinite(statistics.quantile_error(np.arange(20.0), 0.95))
 
 
 def test_the_error_of_a_quantile_is_right_on_average():
@@ -196,7 +193,7 @@ def test_the_error_of_a_quantile_is_right_on_average():
     a few per cent too large, and scatters by 40 %."""
     rng, n, k = np.random.default_rng(5), 50, 48
     exact = math.sqrt(k * (n - k + 1) / ((n + 1) ** 2 * (n + 2)))
-    found = [groups.quantile_error(rng.random(n), 0.95) for _ in range(2000)]
+    found = [statistics.quantile_error(rng.random(n), 0.95) for _ in range(2000)]
     assert np.mean(found) == pytest.approx(exact, rel=0.1)
     assert np.std(found) == pytest.approx(0.4 * exact, rel=0.25)
 
@@ -205,11 +202,11 @@ def test_the_error_of_the_stated_error_is_that_of_their_scatter():
     """σ² of n runs that state σ² (1 ± 0.2): their rms is known to 0.1/√n."""
     rng, n = np.random.default_rng(6), 5000
     stated = 0.03 * np.sqrt(1.0 + 0.2 * rng.standard_normal(n).clip(-4.0, 4.0))
-    found = groups.spread(np.zeros(n), stated, None)
+    found = statistics.spread(np.zeros(n), stated)
     assert found.standard_error_error == pytest.approx(0.1 * 0.03 / math.sqrt(n), rel=0.05)
 
 
-def test_equal_weights_are_asked_for_and_told_apart(make):
+def test_equal_weights_are_distinguished(make):
     axes = {"frequency_hz": [4.92], "noise": [0.01, 0.02], "run": [1]}
     change = {
         "levels_m": [0.004, 0.008, 0.012],  # two levels are met exactly, whatever they weigh
@@ -217,21 +214,18 @@ def test_equal_weights_are_asked_for_and_told_apart(make):
         "estimation": {"approaches": ["direct"], "weights": ["weighted", "equal"]},
     }
     study = make(SMALL | change)
-    assert [fit.label for fit in study.fits] == [
-        "direct__least_squares",
-        "direct__equal__least_squares",
-    ]
+    labels = [fit.label for fit in study.fits]
+    assert labels == ["direct__least_squares", "direct__equal__least_squares"]
     (weighted,) = study.fits_of({"approach": "direct"})
     (equal,) = study.fits_of({"approach": "direct", "weights": "equal"})
     table = evaluate.evaluate(study, 0, study.cases)
-    errors = [
-        float(table[f"F_k_relative_standard_error__{fit.label}"][0]) for fit in (weighted, equal)
-    ]
+    stated = "F_k_relative_standard_error"
+    errors = [float(table[f"{stated}__{fit.label}"][0]) for fit in (weighted, equal)]
     # 16 % of the information is a standard error 2.5 times as large; 25 replicates know it to 14 %
     assert 1.5 < errors[1] / errors[0] < 4.0
 
 
-def test_the_summary_tells_the_groups_apart(done):
+def test_the_summary_separates_the_groups(done):
     study, table, path = done
     found = summary.summary_of(path, study)
     assert len(found) == 4 * 2 * len(study.fits)
@@ -280,16 +274,9 @@ def test_facts_of_many_runs(done, make):
     _, table, path = done
     where = {"frequency_hz": 4.92, "noise": 0.01}
     takes = ("bias", "rms", "standard_error", "coverage", "p95")
-    study = make(
-        SMALL
-        | {
-            "facts": {
-                take: {"of": "F_k", "take": take, "approach": "direct", "at": where}
-                for take in takes
-            },
-            "shows": "; ".join(f"{{{take}}}" for take in takes),
-        }
-    )
+    spec = {"of": "F_k", "approach": "direct", "at": where}
+    specs = {take: {"take": take, **spec} for take in takes}
+    study = make(SMALL | {"facts": specs, "shows": "; ".join(f"{{{take}}}" for take in takes)})
     cases = table[(table["frequency_hz"] == 4.92) & (table["noise"] == 0.01)]
     errors = cases["F_k_relative_error__direct__least_squares"]
     stated = cases["F_k_relative_standard_error__direct__least_squares"]
@@ -304,11 +291,8 @@ def test_facts_of_many_runs(done, make):
 
 def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line(make, tmp_path):
     """Of 30 invented runs a cell: 95 % lie below the 29th, and so many intervals hold as are said to."""
-    lines = {
-        "X_s, rigid": {"approach": "X_s", "contact": "rigid"},
-        "direct": {"approach": "direct"},
-        "fit alone": {"approach": "fit"},
-    }
+    lines = {"X_s, rigid": {"approach": "X_s", "contact": "rigid"}}
+    lines |= {"direct": {"approach": "direct"}, "fit alone": {"approach": "fit"}}
     changed = document("noisy")
     changed["axes"][2] = {"run": {"from": 1, "to": 30, "count": 30}}
     changed["estimation"] |= {"contact": ["compliant", "rigid"], "yardsticks": ["fit"]}
@@ -329,12 +313,8 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
 
     figure = study_figure(study, path)
     axes = {axes.get_label(): axes for axes in figure.axes}
-    assert list(axes) == [
-        f"{symbol} {hz} {what}"
-        for symbol in ("F_k", "c")
-        for hz in (4.92, 3.5)
-        for what in ("errors", "coverage")
-    ]
+    places = itertools.product(("F_k", "c"), (4.92, 3.5), ("errors", "coverage"))
+    assert list(axes) == ["{} {} {}".format(*place) for place in places]
     fits = study.fits_of(study.figure)
     assert [fit.label for fit in fits] == [
         "X_s__rigid__fundamental__individual__least_squares",
@@ -353,17 +333,14 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         share = at[f"c_covered__{fit.label}"].mean().to_numpy()
         points, _, (bars,) = drawn["coverage"][i]
         assert points.get_ydata() == pytest.approx(100.0 * share)
-        bounds = [groups.share_interval(round(30 * of), 30) for of in share]
+        bounds = [statistics.share_interval(round(30 * of), 30) for of in share]
         ends = np.array(bars.get_segments())[:, :, 1]
         assert ends == pytest.approx(100.0 * np.array(bounds))
         # neighbouring lines stand apart
         assert i == 0 or np.all(points.get_xdata() > drawn["coverage"][i - 1][0].get_xdata() * 1.05)
     (legend,) = figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == [
-        "$X_s$, rigid",
-        "direct",
-        "fit alone",
-    ]
+    labels = [text.get_text() for text in legend.get_texts()]
+    assert labels == ["$X_s$, rigid", "direct", "fit alone"]
     assert "95 % of the errors" in alternative_text(study)
 
 

@@ -26,7 +26,7 @@ from dampbalance.studies.axes import SOBOL_BITS, Listed, Range, Sampled, case_va
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.logarithmic import is_logarithmic
-from dampbalance.studies.stretches import Sizes
+from dampbalance.studies.shown.statistics import Sizes
 from folders import PAPER_FILE, ROOT, STUDY_SCHEMA
 from paper_case import PAPER
 from unit.studies.documents import document
@@ -47,13 +47,7 @@ SOBOL = document("sobol")
 
 def one_by_one(row, levels, phase):
     """The table of estimates of one case, from its orbits one at a time."""
-    osc = Oscillator(
-        m=row["m_kg"],
-        c=row["c_N_s_per_m"],
-        k=row["k_N_per_m"],
-        K_z=row["K_z_N_per_m"],
-        F_k=row["F_k_N"],
-    )
+    osc = Oscillator(*row[["m_kg", "c_N_s_per_m", "k_N_per_m", "K_z_N_per_m", "F_k_N"]])
     motions = [BaseMotion(Y=level * row["Y_m"], omega=row["omega_rad_per_s"]) for level in levels]
     features = stack([of_orbit(steady_orbit(osc, motion)) for motion in motions])
     return estimate_table(features.with_phase(phase), osc.k, [(0, 2)]), features
@@ -93,12 +87,8 @@ def test_no_number_is_missing_without_a_regime_that_says_why(make):
     made = make(SOBOL)
     table = evaluate.evaluate(made, 0, made.cases)
     missing = table["F_k_N__X_s__reversal__individual__least_squares"].isna()
-    slipping = table["regime"].map(
-        lambda words: (
-            (words.split(", ") * 3)[: len(made.levels)].count("one_slip")
-            + (words.split(", ") * 3)[: len(made.levels)].count("several_slips")
-        )
-    )
+    words = table["regime"].map(lambda words: (words.split(", ") * 3)[: len(made.levels)])
+    slipping = words.map(lambda w: w.count("one_slip") + w.count("several_slips"))
     assert missing.any()
     assert (missing == (slipping < 2)).all()
 
@@ -129,16 +119,10 @@ def test_read_out_rules_are_applied_case_by_case(make):
     orbits = [steady_orbit(osc, BaseMotion(Y=Y, omega=omega)) for Y in (0.004, 0.008, 0.012)]
     features = stack([of_orbit(orbit) for orbit in orbits])
     for case, decimals in enumerate([(5, 6), (6, 5)]):
-        rules = ReadOut(
-            X_decimals=decimals[0],
-            X_s_decimals=decimals[1],
-            phi_decimals=3,
-            common_t_s_decimals=4,
-        )
-        for sharing, seen in (
-            ("individual", rules.apply(features)),
-            ("common", rules.common(features)),
-        ):
+        X, X_s = decimals
+        rules = ReadOut(X_decimals=X, X_s_decimals=X_s, phi_decimals=3, common_t_s_decimals=4)
+        read = {"individual": rules.apply(features), "common": rules.common(features)}
+        for sharing, seen in read.items():
             expected = least_squares(APPROACHES["t_s"](seen, osc.k))
             label = f"t_s__reversal__{sharing}__least_squares"
             assert table[f"F_k_N__{label}"][case] == pytest.approx(expected["F_k"], rel=SOLVER)
@@ -190,10 +174,10 @@ def test_a_sampled_route_tends_to_the_exact_one(make):
     axes = {"axes": [{"sampling_hz": {"values": [5000.0, 40000.0]}}], "route": {"kind": "sampled"}}
     sampled = evaluate.evaluate(make(common | axes), 0, 2)
     exact = evaluate.evaluate(make(common | {"axes": [{"m_kg": {"values": [2.42]}}]}), 0, 1)
-    for column in ("F_k_N__t_s__reversal__individual__least_squares",):
-        off = np.abs(sampled[column] / exact[column][0] - 1.0)
-        assert off[1] < 0.2 * off[0]
-        assert off[1] < 1e-4  # 12 samples and more in a stick phase, continued by cubics
+    column = "F_k_N__t_s__reversal__individual__least_squares"
+    off = np.abs(sampled[column] / exact[column][0] - 1.0)
+    assert off[1] < 0.2 * off[0]
+    assert off[1] < 1e-4  # 12 samples and more in a stick phase, continued by cubics
 
 
 # --- axes ------------------------------------------------------------------------------------------
@@ -225,10 +209,11 @@ def test_any_stretch_of_a_sample_is_part_of_the_whole(method):
 
 
 def test_ranges_hold_both_ends():
-    assert spread(1.0, 3.0, 3, "linear") == [1.0, 2.0, 3.0]
-    assert spread(1.0, 100.0, 3, "log") == pytest.approx([1.0, 10.0, 100.0], rel=1e-15)
-    assert is_logarithmic(spread(0.01, 10.0, 30, "log"))
-    assert not is_logarithmic(spread(0.01, 10.0, 30, "linear"))
+    decades = {"from": 1.0, "to": 100.0, "count": 3, "spacing": "log"}
+    assert spread({"from": 1.0, "to": 3.0, "count": 3}) == [1.0, 2.0, 3.0]
+    assert spread(decades) == pytest.approx([1.0, 10.0, 100.0], rel=1e-15)
+    assert is_logarithmic(spread(decades | {"count": 30}))
+    assert not is_logarithmic(spread(decades | {"count": 30, "spacing": "linear"}))
 
 
 def test_dimensionless_groups_are_what_they_say():
@@ -303,7 +288,7 @@ def test_a_sobol_sequence_too_long_is_refused(make):
 # --- size ------------------------------------------------------------------------------------------
 
 
-def test_the_size_told_is_an_upper_bound_and_not_far_off(make, tmp_path):
+def test_the_stated_size_is_an_upper_bound_and_not_far_off(make, tmp_path):
     changed = document("sobol")
     changed["axes"][0]["sample"]["count"] = 3000
     made = make(changed)
@@ -331,7 +316,7 @@ def test_chunks_cover_every_case_once(make):
     assert [case for start, stop in bounds for case in range(start, stop)] == list(range(40))
 
 
-def test_progress_tells_what_is_left(make, tmp_path):
+def test_progress_states_what_is_left(make, tmp_path):
     made = make(SOBOL)
     for i in range(2):
         (tmp_path / f"0000{i}.parquet").touch()
@@ -370,19 +355,12 @@ def test_chunks_join_to_the_same_table(make, tmp_path):
     assert pq.ParquetFile(tmp_path / "cases.parquet").num_row_groups == 3
 
 
-def test_the_summary_counts_what_is_there(make, tmp_path):
-    made = make(SOBOL)
-    frame = evaluate.evaluate(made, 0, 40)
-    outputs.write_parts(tmp_path / "cases.parquet", [frame], made, __version__)
-    table = summary.summary_of(tmp_path / "cases.parquet", made)
+def test_the_summary_counts_what_is_there(computed):
+    made, frame, path = computed(SOBOL)
+    table = summary.summary_of(path, made)
     assert len(table) == 2 * len(made.fits)
-    line = table[
-        (table["quantity"] == "c")
-        & (table["approach"] == "X_s")
-        & (table["phase"] == "reversal")
-        & (table["sharing"] == "individual")
-        & (table["fit"] == "least_squares")
-    ].iloc[0]
+    by = ["quantity", "approach", "phase", "sharing", "fit"]
+    line = table.set_index(by).loc[("c", "X_s", "reversal", "individual", "least_squares")]
     error = frame["c_relative_error__X_s__reversal__individual__least_squares"].abs()
     assert line["identified"] == error.notna().sum() < 40
     assert line["max_error_percent"] == pytest.approx(100.0 * error.max(), rel=1e-15)
@@ -406,35 +384,20 @@ def test_sizes_are_counted_as_if_all_were_there():
     assert math.isnan(Sizes(0.01).quantile(0.5))
 
 
-def test_facts_are_taken_from_the_cases_they_name(make, tmp_path):
-    made = make(
+def test_facts_are_taken_from_the_cases_they_name(computed):
+    specs = {
+        "worst": {"take": "max"},
+        "one": {"take": "signed", "at": {"zeta": 0.3}},
+        "part": {"take": "share", "within": 0.002, "between": {"zeta": [0.0, 0.45]}},
+        "band": {"take": "band", "within": 0.01, "along": "zeta", "around": 0.1},
+    }
+    made, frame, path = computed(
         {
             "axes": [{"zeta": {"from": 0.1, "to": 0.9, "count": 9}}],
-            "facts": {
-                "worst": {"of": "F_k", "take": "max", "approach": "X_s"},
-                "one": {"of": "F_k", "take": "signed", "approach": "X_s", "at": {"zeta": 0.3}},
-                "part": {
-                    "of": "F_k",
-                    "take": "share",
-                    "within": 0.002,
-                    "approach": "X_s",
-                    "between": {"zeta": [0.0, 0.45]},
-                },
-                "band": {
-                    "of": "F_k",
-                    "take": "band",
-                    "within": 0.01,
-                    "along": "zeta",
-                    "around": 0.1,
-                    "approach": "X_s",
-                },
-            },
+            "facts": {n: {"of": "F_k", "approach": "X_s", **spec} for n, spec in specs.items()},
             "shows": "{worst}; {one}; {part}; {band}; {cases}",
         }
     )
-    path = tmp_path / "cases.parquet"
-    frame = evaluate.evaluate(made, 0, 9)
-    outputs.write_parts(path, [frame], made, __version__)
     error = frame["F_k_relative_error__X_s__reversal__individual__least_squares"]
     worst, one, part, band, cases = facts.paragraph(made, path).split("; ")
     assert worst == percent(error.abs().max())

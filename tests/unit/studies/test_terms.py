@@ -15,8 +15,8 @@ from dampbalance.law.steady import steady_response
 from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.studies import evaluate
+from dampbalance.studies.one_by_one import of_response
 from dampbalance.studies.parameters import OF_LAW, PARAMETERS
-from dampbalance.studies.responses_of_laws import of_response
 from dampbalance.studies.shown import error_curves, facts, summary
 from dampbalance.studies.shown.study_figure import study_figure
 from paper_case import PAPER
@@ -122,14 +122,9 @@ def test_a_term_left_out_is_shared_out_and_a_term_taken_in_is_found(done):
     assert np.isnan(table[f"c_2_relative_error__{WITH}"][0])  # of a true zero
     for symbol in ("F_k", "c", "c_2"):
         assert table[f"{symbol}_relative_error__{WITH}"][1:].abs().max() < 1e-5
-    assert (
-        table[f"F_k_relative_error__{WITHOUT}"][2]
-        < table[f"F_k_relative_error__{WITHOUT}"][1]
-        < -0.1
-    )
-    assert (
-        table[f"c_relative_error__{WITHOUT}"][2] > table[f"c_relative_error__{WITHOUT}"][1] > 0.03
-    )
+    F_k, c = (table[f"{symbol}_relative_error__{WITHOUT}"] for symbol in ("F_k", "c"))
+    assert F_k[2] < F_k[1] < -0.1
+    assert c[2] > c[1] > 0.03
     np.testing.assert_allclose(table[f"c_2_N_s2_per_m2__{WITH}"], [0.0, 10.0, 100.0], atol=1e-4)
     assert f"c_2_relative_error__{WITHOUT}" not in table
 
@@ -148,7 +143,7 @@ def test_the_error_is_what_the_balance_makes_of_the_work_left_out(done):
     np.testing.assert_allclose(errors, extra / [PAPER.F_k, PAPER.c], rtol=1e-4)
 
 
-def test_the_study_tells_the_lists_of_terms_apart(done):
+def test_the_study_separates_the_lists_of_terms(done):
     study, table, path = done
     shown = summary.summary_of(path, study)
     assert sorted(set(shown["terms"])) == ["F_k, c", "F_k, c, c_2"]
@@ -164,25 +159,20 @@ def test_the_study_tells_the_lists_of_terms_apart(done):
 
 
 def test_fixed_further_damping_is_a_column_and_other_studies_have_none(make):
-    study = make(
-        LEFT_OUT | {"axes": [{"frequency_hz": {"values": [4.92, 11.1]}}], "base": {"eta": 0.2}}
-    )
+    axes = {"axes": [{"frequency_hz": {"values": [4.92, 11.1]}}]}
+    study = make(LEFT_OUT | axes | {"base": {"eta": 0.2}})
     table = evaluate.evaluate(study, 0, study.cases)
     assert table["eta"].tolist() == [0.2, 0.2]
-    plain = make({"axes": [{"frequency_hz": {"values": [4.92, 11.1]}}]})
+    plain = make(axes)
     assert not set(OF_LAW) & set(evaluate.evaluate(plain, 0, 2).columns)
     assert all(fit.terms == () for fit in plain.fits)
 
 
 def test_a_case_without_a_steady_response_says_so(make):
     # a contact that hardly slips, with strong cubic damping: the response is not one of those that are followed
-    study = make(
-        LEFT_OUT
-        | {
-            "axes": [{"F_k_N": {"values": [1.28, 300.0]}}],
-            "base": {"c_3_N_s3_per_m3": 1e3, "frequency_hz": 0.9},
-        }
-    )
+    axes = [{"F_k_N": {"values": [1.28, 300.0]}}]
+    base = {"c_3_N_s3_per_m3": 1e3, "frequency_hz": 0.9}
+    study = make(LEFT_OUT | {"axes": axes, "base": base})
     table = evaluate.evaluate(study, 0, study.cases)
     assert len(table) == 2
     assert "one_slip" not in table["regime"][1]

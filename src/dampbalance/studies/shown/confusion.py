@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 
 from ...project.wording import markdown_table, percent
+from ..outputs import column_of
 from ..routes import NONE, terms_named
-from ..stretches import column_of
-from .groups import share_interval
+from .statistics import share_interval
 
 
 def choices_of(cases: str | Path) -> pd.DataFrame:
@@ -29,31 +29,27 @@ def choices_of(cases: str | Path) -> pd.DataFrame:
 
 
 def _terms(name: str) -> frozenset[str]:
-    """The terms of a law; none of NONE."""
+    """The terms of a law; NONE has none."""
     return frozenset() if name == NONE else frozenset(terms_named(name))
 
 
-def _share(held: pd.Series) -> dict[str, float]:
+def share_of(held: pd.Series) -> dict[str, float]:
     """The share of the cases in which something holds, and the bounds of its 95 % interval (`share_interval`)."""
-    count, cases = int(held.sum()), len(held)
-    low, high = share_interval(count, cases)
-    return {"": count / cases if cases else np.nan, "_low": low, "_high": high}
+    low, high = share_interval(int(held.sum()), len(held))
+    return {"": float(held.mean()), "_low": low, "_high": high}
 
 
 def confusion(cases: str | Path) -> pd.DataFrame:
     """A row per true law, a column per law that is true or chosen somewhere, and for none: numbers of cases; how many
     are right and have a term too many, as shares with their 95 % intervals, %."""
-    table = choices_of(cases)
+    table, records = choices_of(cases), []
     laws = list(dict.fromkeys(table["law"]))
     others = sorted(set(table["chosen"]) - {*laws, NONE}, key=lambda law: (len(_terms(law)), law))
-    records = []
-    for law in laws:
-        own = table[table["law"] == law]
-        counts = own["chosen"].value_counts()
+    for law, own in table.groupby("law", sort=False):
         record: dict[str, Any] = {"law": law, "cases": len(own)}
-        record |= {other: int(counts.get(other, 0)) for other in (*laws, *others, NONE)}
+        record |= {other: int((own["chosen"] == other).sum()) for other in (*laws, *others, NONE)}
         for kind in ("right", "extra"):
-            shares = _share(own[kind]).items()
+            shares = share_of(own[kind]).items()
             record |= {f"{kind}{end}_percent": 100.0 * share for end, share in shares}
         records.append(record)
     return pd.DataFrame.from_records(records)
@@ -62,7 +58,7 @@ def confusion(cases: str | Path) -> pd.DataFrame:
 def laws_in(summary: pd.DataFrame) -> list[str]:
     """The columns of `confusion` that hold numbers of cases by the law that is chosen."""
     names = [str(name) for name in summary]
-    return [name for name in names if name not in ("law", "cases") and "percent" not in name]
+    return names[names.index("cases") + 1 : names.index("right_percent")]
 
 
 def confusion_markdown(summary: pd.DataFrame) -> list[str]:
@@ -86,12 +82,3 @@ def _shares_in_words(row: Mapping[Any, Any]) -> Iterator[str]:
     for kind in ("right", "extra"):
         shares = (percent(0.01 * row[f"{kind}{end}_percent"]) for end in ("", "_low", "_high"))
         yield "{} ({} to {})".format(*shares)
-
-
-def choice_fact(cases: str | Path, spec: Mapping[str, Any]) -> str:
-    """A share of the cases in words: right, extra or none, of all laws or of one; or a bound of its interval."""
-    table = choices_of(cases)
-    if "law" in spec.get("at", {}):
-        table = table[table["law"] == spec["at"]["law"]]
-    kind, _, end = spec["take"].partition("_")
-    return percent(_share(table[kind])[f"_{end}" if end else ""])

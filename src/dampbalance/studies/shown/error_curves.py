@@ -15,11 +15,11 @@ from ...figures.looks import SCHEME_LOOKS
 from ...figures.series import EXACT, SHARINGS, SignedScale, signed_scale
 from ...model import Oscillator
 from ...motion.fixed_step import SCHEMES
+from ..axes import selected
+from ..outputs import column_of, terms_of
 from ..parameters import PARAMETERS, SI_COLUMNS, Parameter
 from ..settings import Study
-from ..stretches import column_of
-from .facts import cases_at, worst_errors
-from .groups import terms_of
+from .facts import worst_errors
 from .logarithmic import is_logarithmic
 
 FLOOR, CEILING = 1e-3, 1e3  # %: a smaller error is drawn on a linear axis, a larger one not at all
@@ -112,14 +112,13 @@ class ErrorOfSteps(NamedTuple):
 
 def unit_of(name: str) -> str:
     """The unit of a parameter, "" for a pure number and for a word."""
-    unit = PARAMETERS[name].unit
-    return "" if unit == "1" else unit
+    return PARAMETERS[name].unit.removeprefix("1")
 
 
 def symbol_of(name: str) -> str:
     """The symbol of a parameter, in TeX, or its meaning where it has none."""
-    p = PARAMETERS[name]
-    return f"${p.symbol}$" if p.symbol else p.meaning
+    symbol = PARAMETERS[name].symbol
+    return f"${symbol}$" if symbol else PARAMETERS[name].meaning
 
 
 def axis_label(name: str) -> str:
@@ -141,11 +140,11 @@ def error_curves(study: Study, cases: str | Path) -> ErrorCurves:
     common to the levels. Where a curve stands for several fits (all pairs) it is the worst.
     """
     fits = study.fits_of(study.figure)
-    sharings = [name for name in SHARINGS if any(fit.sharing == name for fit in fits)]
+    sharings = tuple(name for name in SHARINGS if any(fit.sharing == name for fit in fits))
     approaches = tuple(dict.fromkeys(fit.approach for fit in fits))
     panels = tuple(_panels(study, cases))
     identified = {fit.approach: fit.identified for fit in fits}
-    symbols = [s for s in terms_of(cases) if any(s in of for of in identified.values())]
+    symbols = tuple(s for s in terms_of(cases) if any(s in of for of in identified.values()))
     curves: dict[tuple[str, int], list[Curve]] = {}
     exact: dict[str, float] = {}
     for symbol in symbols:
@@ -159,23 +158,16 @@ def error_curves(study: Study, cases: str | Path) -> ErrorCurves:
                     which |= {"phase": panel.phase} if panel.phase else {}
                     error = worst_errors(study, cases, {**study.figure, **which})
                     curve = Curve(approach, sharing, 100.0 * error[panel.cases])
-                    size = np.abs(curve.error)
-                    worst = float(np.max(size, initial=0.0, where=np.isfinite(size)))
+                    worst = float(np.nanmax(np.abs(curve.error), initial=0.0))
                     if worst < EXACT:
                         exact[approach] = max(worst, exact.get(approach, 0.0))
                     else:
                         drawn.append(curve)
-    drawn_somewhere = {curve.approach for drawn in curves.values() for curve in drawn}
-    return ErrorCurves(
-        name=study.figure["x"],
-        places=np.unique(column_of(cases, study.figure["x"])),
-        panels=panels,
-        symbols=tuple(symbols),
-        curves=curves,
-        exact={key: bound for key, bound in exact.items() if key not in drawn_somewhere},
-        approaches=approaches,
-        sharings=tuple(sharings),
-    )
+    somewhere = {curve.approach for drawn in curves.values() for curve in drawn}
+    exact = {key: bound for key, bound in exact.items() if key not in somewhere}
+    name = study.figure["x"]
+    places = np.unique(column_of(cases, name))
+    return ErrorCurves(name, places, panels, symbols, curves, exact, approaches, sharings)
 
 
 def error_of_steps(study: Study, cases: str | Path) -> ErrorOfSteps:
@@ -197,7 +189,8 @@ def _panels(study: Study, cases: str | Path) -> Iterator[Panel]:
     at = study.figure.get("at", {})
     x = column_of(cases, study.figure["x"])
     order = np.argsort(x, kind="stable")
-    order = order[cases_at({name: column_of(cases, name) for name in ("case", *at)}, at)[order]]
+    here = {name: column_of(cases, name) for name in ("case", *at)}
+    order = order[selected(here, {"at": at})[order]]
     by, phase = study.figure.get("panels"), str(study.figure.get("phase", ""))
     if by is None:
         yield Panel(None, "", phase, x[order], order)

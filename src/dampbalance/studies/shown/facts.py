@@ -6,18 +6,18 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from string import Formatter
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from ...arrays import Array, Mask, Words
+from ...arrays import Array, Words
 from ...project.wording import minus, number, percent, signed_percent
-from ..axes import is_value
+from ..axes import is_value, selected
+from ..outputs import stretches
 from ..settings import BANDS, CHOICES, SPREADS, Study
-from ..stretches import Sizes, stretches
-from .confusion import choice_fact
-from .groups import spread_of
+from .confusion import choices_of, share_of
+from .statistics import Sizes, spread_of
 
 CROSSING, BEGINS, ENDS = "", " (where the axis begins)", " (where the axis ends)"
 UNKNOWN = " (beyond it there are cases that cannot be identified)"
@@ -31,10 +31,8 @@ def paragraph(study: Study, cases: str | Path) -> str:
     words = {name: fact(study, cases, spec) for name, spec in study.facts.items()}
     text = study.shows.format(cases=f"{study.cases:,}", **words)
     named = {name for _, name, _, _ in Formatter().parse(study.shows)}
-    stretches_named = any(
-        spec["take"] in BANDS and name in named for name, spec in study.facts.items()
-    )
-    return f"{text} {INTERPOLATED}" if stretches_named else text
+    takes = {spec["take"] for name, spec in study.facts.items() if name in named}
+    return text if takes.isdisjoint(BANDS) else f"{text} {INTERPOLATED}"
 
 
 def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
@@ -42,15 +40,17 @@ def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
     lies, interpolated between cases."""
     take = spec["take"]
     if take in CHOICES:
-        return choice_fact(cases, spec)
+        table = choices_of(cases)
+        kind, _, end = take.partition("_")
+        kept = selected({"law": table["law"].to_numpy()}, spec)
+        return percent(share_of(table[kind][kept])[f"_{end}" if end else ""])
     if take in SPREADS:
         (fit,) = study.fits_of(spec)
         kept = np.concatenate([part["case"] for part in _cases_of(cases, spec, ["case"])])
         spread = spread_of(study, cases, spec["of"], fit, kept)
         return _in_words(float(getattr(spread, take)), signed=take == "bias")
     if take in BANDS:
-        stretch = _stretch(study, cases, spec)
-        return stretch.in_words(take) if stretch else "nowhere"
+        return _stretch(study, cases, spec)
     sizes, signed = Sizes(spec.get("within", math.inf)), math.nan
     for part in _cases_of(cases, spec, error_columns(study, spec)):
         errors = worst(study, part, spec)
@@ -78,8 +78,7 @@ def worst(study: Study, stretch: Mapping[str, Words], spec: Mapping[str, Any]) -
     """The error in each case of a stretch; with several fits (all pairs) the largest among them."""
     errors = np.array([stretch[name] for name in error_columns(study, spec)])
     sizes = np.where(np.isfinite(errors), np.abs(errors), -1.0)
-    largest: Array = np.take_along_axis(errors, sizes.argmax(axis=0)[None], axis=0)[0]
-    return largest
+    return np.take_along_axis(errors, sizes.argmax(axis=0)[None], axis=0)[0]
 
 
 def worst_errors(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> Array:
@@ -99,67 +98,37 @@ def _cases_of(
     cases: str | Path, spec: Mapping[str, Any], names: Sequence[str]
 ) -> Iterator[dict[str, Words]]:
     """The columns named, a stretch at a time, of the cases that a fact is about."""
-    at, between = spec.get("at", {}), spec.get("between", {})
-    for part in stretches(cases, [*names, *at, *between]):
-        kept = cases_at(part, at)
-        for name, (low, high) in between.items():
-            kept &= (part[name] >= low) & (part[name] <= high)
+    for part in stretches(cases, [*names, *spec.get("at", ()), *spec.get("between", ())]):
+        kept = selected(part, spec)
         yield {name: column[kept] for name, column in part.items()}
 
 
-class Stretch(NamedTuple):
-    """The part of an axis along which an error stays within a bound.
-
-    low, high : its ends.   low_how, high_how : why it ends there; CROSSING where the error crosses the bound.
-    """
-
-    low: float
-    low_how: str
-    high: float
-    high_how: str
-
-    def in_words(self, take: str) -> str:
-        """Its lower end to three digits, or both ends to a thousandth of its width; with the reason for an end that is
-        not a crossing."""
-        if take == "from":
-            return number(self.low, 3) + self.low_how
-        decimals = max(0, 2 - math.floor(math.log10(self.high - self.low or 1.0)))
-        ends = (self.low, self.low_how), (self.high, self.high_how)
-        return " to ".join(f"{minus(f'{end:.{decimals}f}')}{how}" for end, how in ends)
-
-
-def cases_at(part: Mapping[str, Words], at: Mapping[str, float | str]) -> Mask:
-    """Which cases of a stretch have these values of axes; all where none are given."""
-    kept = np.ones(len(next(iter(part.values()))), dtype=bool)
-    for name, wanted in at.items():
-        values = part[name]
-        kept &= values == wanted if isinstance(wanted, str) else is_value(values, wanted)
-    return kept
-
-
-def _stretch(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> Stretch | None:
-    """The stretch of an axis, around a value of it, along which the error stays within the bound; None if it does not
-    at that value."""
-    parts = []
+def _stretch(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
+    """The stretch of an axis, around a value of it, along which the error stays within the bound: its lower end to
+    three digits, or both ends to a thousandth of its width; with the reason for an end that is not a crossing."""
+    parts, how = [], {"least": "min", "largest": "max", "known": "all"}
     for part in _cases_of(cases, spec, [spec["along"], *error_columns(study, spec)]):
         errors = np.array([part[name] for name in error_columns(study, spec)])
         known = np.isfinite(errors).all(axis=0)
-        ends = {"least": errors.min(axis=0), "largest": errors.max(axis=0)}
-        rows = pd.DataFrame(ends | {"known": known}).groupby(part[spec["along"]])
-        parts.append(rows.agg({"least": "min", "largest": "max", "known": "all"}))
-    rows = pd.concat(parts).groupby(level=0)
-    table = rows.agg({"least": "min", "largest": "max", "known": "all"})
+        ends = {"least": errors.min(axis=0), "largest": errors.max(axis=0), "known": known}
+        parts.append(pd.DataFrame(ends).groupby(part[spec["along"]]).agg(how))
+    table = pd.concat(parts).groupby(level=0).agg(how)
     places, within = table.index.to_numpy(float), spec["within"]
-    errors = table[["least", "largest"]].to_numpy().T
-    good = table["known"].to_numpy(bool) & (np.abs(errors) <= within).all(axis=0)
+    known, errors = table.pop("known").to_numpy(bool), table.to_numpy().T
+    good = known & (np.abs(errors) <= within).all(axis=0)
     middle = np.flatnonzero(is_value(places, spec.get("around", places[-1])))
     if not middle.size or not good[middle[0]]:
-        return None
+        return "nowhere"
     bad = np.flatnonzero(~good)
     first = int(bad[bad < middle[0]].max(initial=-1)) + 1
     last = int(bad[bad > middle[0]].min(initial=len(places))) - 1
-    errors[:, ~table["known"].to_numpy(bool)] = np.nan
-    return Stretch(*_end(places, errors, within, first, -1), *_end(places, errors, within, last, 1))
+    errors = np.where(known, errors, np.nan)
+    low, why_low = _end(places, errors, within, first, -1)
+    if spec["take"] == "from":
+        return number(low, 3) + why_low
+    high, why_high = _end(places, errors, within, last, 1)
+    decimals = max(0, 2 - math.floor(math.log10(high - low or 1.0)))
+    return minus(f"{low:.{decimals}f}{why_low} to {high:.{decimals}f}{why_high}")
 
 
 def _end(places: Array, errors: Array, within: float, last: int, step: int) -> tuple[float, str]:

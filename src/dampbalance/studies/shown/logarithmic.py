@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,9 +30,7 @@ def is_even(places: Array) -> bool:
     return bool(np.median(np.abs(steps - usual)) < 0.05 * usual)
 
 
-def logarithmic_ticks(
-    axes: Axes, which: Literal["x", "y"], low: float, high: float, ends: bool = True
-) -> None:
+def logarithmic_ticks(axes: Axes, which: str, low: float, high: float, ends: bool = True) -> None:
     """Make an axis from low to high logarithmic, with labels at powers of ten, or at 1, 2, 3, 5 if it is short.
 
     ends : whether a tick at the upper end has a label (where no panel follows with which it would collide).

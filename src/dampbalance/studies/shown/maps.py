@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,10 +16,9 @@ from ...figures.style import DOUBLE_COLUMN, note, place, styled
 from ...figures.style import page as empty_page
 from ...project.wording import listed, percent
 from ..axes import Sampled
+from ..outputs import stretches, terms_of
 from ..settings import Fit, Study
-from ..stretches import stretches
 from .error_curves import symbol_of
-from .groups import terms_of
 from .logarithmic import is_even, logarithmic_ticks
 
 MOST_BINS = 72  # along each axis
@@ -103,8 +102,7 @@ def _words(symbol: str, fit: Fit, kinds: list[tuple[str, str]]) -> str:
     words = [f"${symbol}$"]
     if len(kinds) > 1 and fit.phase:
         words.append(fit.phase.replace("_", " "))
-        if len({sharing for _, sharing in kinds}) > 1:
-            words.append(fit.sharing)
+        words += [fit.sharing] if len({sharing for _, sharing in kinds}) > 1 else []
     return ", ".join(words)
 
 
@@ -121,8 +119,8 @@ def _perfect(fits: list[Fit], shares: Mapping[tuple[Fit, str], Shares]) -> list[
 
     Empty where that holds for all approaches: something must be drawn.
     """
-    approaches = list(dict.fromkeys(fit.approach for fit in fits))
     short = {fit.approach for (fit, _), share in shares.items() if share.overall < 1.0}
+    approaches = dict.fromkeys(fit.approach for fit in fits)
     return [key for key in approaches if key not in short] if short else []
 
 
@@ -160,9 +158,8 @@ def _panel(axes: Axes, study: Study, shares: Shares, last: bool) -> Any:
     mesh = axes.pcolormesh(shares.x_edges, shares.y_edges, shares.share, vmin=0.0, vmax=1.0, **look)
     axes.set(xlim=shares.x_edges[[0, -1]], ylim=shares.y_edges[[0, -1]])
     centres = []
-    sides: dict[Literal["x", "y"], Array] = {"x": shares.x_edges, "y": shares.y_edges}
-    for which, edges in sides.items():
-        _, logarithmic = _edges(study, study.figure[which])
+    for which in ("x", "y"):
+        edges, logarithmic = _edges(study, study.figure[which])
         middle = 0.5 * (edges[1:] + edges[:-1])
         centres.append(np.sqrt(edges[1:] * edges[:-1]) if logarithmic else middle)
         if logarithmic:
@@ -179,13 +176,11 @@ def _panel(axes: Axes, study: Study, shares: Shares, last: bool) -> Any:
 def _edges(study: Study, name: str) -> tuple[Array, bool]:
     """Bin edges along an axis, around each listed value or over the range of a sample; whether it is logarithmic."""
     block = study.block_of(name)
-    if block is None:
-        raise ValueError(f"{name} is not an axis of the study {study.name}")
     if isinstance(block, Sampled):
         limits = block.ranges[name]
         bins = int(np.clip(np.sqrt(study.cases / PER_BIN), 4, MOST_BINS))
         return limits.at(np.linspace(0.0, 1.0, bins + 1)), limits.spacing == "log"
-    values = np.unique(np.asarray(block.values[name], dtype=float))
+    values = np.unique(np.asarray(study.values_of(name), dtype=float))
     if values[0] > 0.0 and not is_even(values):
         middle = np.sqrt(values[1:] * values[:-1])
         return np.array([values[0] ** 2 / middle[0], *middle, values[-1] ** 2 / middle[-1]]), True

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -19,10 +20,12 @@ from ...figures.series import decades
 from ...figures.style import DASHED, DOTTED, FAINT, styled
 from ...project.wording import in_figure
 from ...solver import NORMAL_95
+from ..outputs import terms_of
 from ..parameters import PARAMETERS
 from ..settings import EQUAL, RIGID, Fit, Study
 from .error_curves import symbol_of, with_unit
-from .groups import Spread, groups, spread_of, terms_of
+from .statistics import spread_of
+from .summary import groups
 
 _APART = 1.13  # ratio by which neighbouring lines are moved apart along x, so that their bars do not overlap
 _COVERAGE, _GAP, _ERRORS = 24.0, 3.0, 40.0  # heights in a row of panels, mm
@@ -39,7 +42,7 @@ def errors_of_runs(study: Study, cases: str | Path) -> Figure:
     """
     settings, lines = study.figure, _lines(study)
     by, intervals = settings.get("panels"), "intervals" in study.columns
-    kept = list(groups(study, cases, [settings["x"], *([by] if by else [])]))
+    kept = list(groups(cases, [settings["x"], *([by] if by else [])]))
     values: list[Any] = list(dict.fromkeys(where[by] for where, _ in kept)) if by else [None]
     symbols = terms_of(cases)
     low = _COVERAGE + _GAP if intervals else 0.0
@@ -48,25 +51,20 @@ def errors_of_runs(study: Study, cases: str | Path) -> Figure:
         drawn = []
         for column, value in enumerate(values):
             places = [(w[settings["x"]], mask) for w, mask in kept if not by or w[by] == value]
-            spreads = {
-                label: [(x, spread_of(study, cases, symbol, fit, mask)) for x, mask in places]
-                for label, fit in lines.items()
-            }
             x = np.array([x for x, _ in places])
             errors = panels.panel(row, column, low)
             below = [panels.panel(row, column, 0.0, _COVERAGE)] if intervals else []
-            for axes, name, draw in zip(
-                [errors, *below],
-                ("errors", "coverage"),
-                (_draw_errors, _draw_coverage),
-                strict=False,
-            ):
+            for axes, name in zip([errors, *below], ("errors", "coverage"), strict=False):
                 axes.set_label(f"{symbol} {value} {name}")
                 _x_axis(axes, x)
                 axes.tick_params(labelbottom=False, labelleft=column == 0)
-                for (label, of_places), style in zip(spreads.items(), _styles(lines), strict=True):
-                    draw(axes, of_places, style | {"label": label})
             axes.tick_params(labelbottom=row == len(symbols) - 1)
+            for (label, fit), (shift, style) in zip(lines.items(), _styles(lines), strict=True):
+                spreads = [spread_of(study, cases, symbol, fit, mask) for _, mask in places]
+                runs, style["label"] = pd.DataFrame(spreads), label
+                _draw_errors(errors, shift * 100.0 * x, runs, style)
+                for axes in below:
+                    _draw_coverage(axes, shift * 100.0 * x, runs, style)
             drawn.append(errors)
             if column == 0:
                 panels.name_row(errors, f"95 % of errors of ${symbol}$ below (%)")
@@ -99,9 +97,9 @@ def _label(fit: Fit) -> str:
     return ", ".join(word for word in words if word)
 
 
-def _styles(lines: Mapping[str, Fit]) -> Iterator[dict[str, Any]]:
-    """How each line is drawn, and `shift`, the ratio by which it is moved along x. The lines of one approach have its
-    colour: the first has filled marks, the second open ones, the third crosses."""
+def _styles(lines: Mapping[str, Fit]) -> Iterator[tuple[float, dict[str, Any]]]:
+    """The ratio by which each line is moved along x, and its style. The lines of one approach have its colour: the
+    first has filled marks, the second open ones, the third crosses."""
     looks: Sequence[tuple[Any, dict[str, Any]]]
     looks = (("-", {}), (DASHED, {"mfc": "white"}), (DOTTED, {"marker": "x"}))
     seen: list[str] = []
@@ -111,45 +109,25 @@ def _styles(lines: Mapping[str, Fit]) -> Iterator[dict[str, Any]]:
         seen.append(fit.approach)
         style: dict[str, Any] = {"color": look.colour, "marker": look.marker, "ls": ls}
         style |= {"ms": 3.4, "mew": 0.7, "lw": 0.6, "elinewidth": 0.7} | marks
-        yield style | {"shift": _APART ** (index - 0.5 * (len(lines) - 1))}
+        yield _APART ** (index - 0.5 * (len(lines) - 1)), style
 
 
-def _draw_errors(
-    axes: Axes, spreads: Sequence[tuple[float, Spread]], style: dict[str, Any]
-) -> None:
-    size = 100.0 * np.array([spread.p95 for _, spread in spreads])
-    reach = 100.0 * NORMAL_95 * np.array([spread.p95_error for _, spread in spreads])
-    reach = np.nan_to_num(reach)
+def _draw_errors(axes: Axes, x: Array, runs: pd.DataFrame, style: dict[str, Any]) -> None:
+    size = 100.0 * runs["p95"].to_numpy()
+    reach = np.nan_to_num(100.0 * NORMAL_95 * runs["p95_error"].to_numpy())
     lower = np.minimum(reach, 0.9 * size)  # of a logarithmic axis
-    _bars(axes, spreads, np.where(size > 0.0, size, np.nan), (lower, reach), style)
+    axes.errorbar(x, np.where(size > 0.0, size, np.nan), yerr=[lower, reach], **style)
 
 
-def _draw_coverage(
-    axes: Axes, spreads: Sequence[tuple[float, Spread]], style: dict[str, Any]
-) -> None:
-    low, share, high = (
-        100.0
-        * np.array(
-            [[spread.coverage_low, spread.coverage, spread.coverage_high] for _, spread in spreads]
-        ).T
-    )
+def _draw_coverage(axes: Axes, x: Array, runs: pd.DataFrame, style: dict[str, Any]) -> None:
+    names = ["coverage_low", "coverage", "coverage_high"]
+    low, share, high = 100.0 * runs[names].to_numpy().T
     axes.axhline(_CONFIDENCE, color=FAINT, lw=0.5, zorder=0)
     axes.set_ylim(-6.0, 106.0)
     axes.set_yticks([0.0, 50.0, _CONFIDENCE])
     # without lines, which would cross each other
-    _bars(axes, spreads, share, (share - low, high - share), style | {"ls": ""})
-
-
-def _bars(
-    axes: Axes,
-    spreads: Sequence[tuple[float, Spread]],
-    size: Array,
-    reach: tuple[Array, Array],
-    style: dict[str, Any],
-) -> None:
-    marks = dict(style)
-    x = marks.pop("shift") * 100.0 * np.array([place for place, _ in spreads])
-    axes.errorbar(x, size, yerr=np.abs(np.array(reach)), **marks)
+    reach = np.abs([share - low, high - share])
+    axes.errorbar(x, share, yerr=reach, **style | {"ls": ""})
 
 
 def _x_axis(axes: Axes, places: Array) -> None:
@@ -163,7 +141,7 @@ def _x_axis(axes: Axes, places: Array) -> None:
 
 def _legend(panels: Grid, lines: Mapping[str, Fit]) -> None:
     handles = []
-    for label, style in zip(lines, _styles(lines), strict=True):
-        marks = {key: style[key] for key in style if key not in ("shift", "elinewidth")}
-        handles.append(Line2D([], [], label=label, **marks))
+    for label, (_, style) in zip(lines, _styles(lines), strict=True):
+        del style["elinewidth"]
+        handles.append(Line2D([], [], label=label, **style))
     panels.legend_below(handles, columnspacing=1.2, handlelength=2.4, handletextpad=0.5)

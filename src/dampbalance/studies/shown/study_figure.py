@@ -1,4 +1,5 @@
-"""The figure of a study: errors along one axis, or the error of c against the step of fixed-step schemes."""
+"""The figure of a study: errors along one axis, the error of c against the step of fixed-step schemes, laws chosen, or
+what `maps` and `scatter` draw."""
 
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 
 from ...balance import TERMS
 from ...figures.grid import Grid, grid, signed_axis
@@ -19,7 +21,9 @@ from ...figures.series import SHARINGS
 from ...figures.style import (
     DASHED,
     DOTTED,
+    DOUBLE_COLUMN,
     FAINT,
+    INK,
     SINGLE_COLUMN,
     note,
     omega_of,
@@ -28,13 +32,18 @@ from ...figures.style import (
     styled,
 )
 from ...project.wording import in_figure, listed
-from ..parameters import PARAMETERS
+from ..parameters import PARAMETERS, in_tex
+from ..routes import NONE
 from ..settings import Study
 from . import error_curves as curves
+from .confusion import confusion, laws_in
 from .logarithmic import logarithmic_ticks
 from .maps import share_map
-from .matrix import confusion_matrix
 from .scatter import errors_of_runs
+
+LEFT, BOTTOM, TOP, CELL = 34.0, 4.0, 20.0, 9.0  # mm, around and in the matrix of laws
+_WORDS = 33.0  # mm, of a column of words next to the cells
+_DARK = 0.5  # share of a row from which on its number is white
 
 
 def study_figure(study: Study, cases: str | Path) -> Figure:
@@ -46,20 +55,16 @@ def study_figure(study: Study, cases: str | Path) -> Figure:
 
 def alternative_text(study: Study) -> str:
     """What the figure shows, in one sentence."""
-    if study.figure["kind"] == "confusion":
-        return f"{study.title}: how often each law is chosen for records of each true law."
-    axis, identified = (
-        PARAMETERS[study.figure["x"]].meaning,
-        f"the identified {listed(list(TERMS))}",
-    )
-    size = "size of the " if study.figure["kind"] == "steps" else ""
-    shown = f"{size}error of {identified} against {axis}"
-    if study.figure["kind"] == "map":
-        other = PARAMETERS[study.figure["y"]].meaning
-        shown = f"share of the cases with a small error, over {axis} and {other}"
-    if study.figure["kind"] == "scatter":
-        shown = f"size that 95 % of the errors of {identified} do not exceed, and coverage, against {axis}"
-    return f"{study.title}: {shown}."
+    identified, figure = f"the identified {listed(list(TERMS))}", study.figure
+    x, y = (PARAMETERS[figure.get(axis, figure["x"])].meaning for axis in ("x", "y"))
+    shown = {
+        "curves": f"error of {identified} against {x}",
+        "steps": f"size of the error of {identified} against {x}",
+        "map": f"share of the cases with a small error, over {x} and {y}",
+        "scatter": f"size that 95 % of the errors of {identified} do not exceed, and coverage, against {x}",
+        "confusion": "how often each law is chosen for records of each true law",
+    }
+    return f"{study.title}: {shown[figure['kind']]}."
 
 
 @styled()
@@ -115,6 +120,59 @@ def error_of_steps(study: Study, cases: str | Path) -> Figure:
     _marks(axes, study, label=True)
     figure.legend(handles=handles, loc="center left", bbox_to_anchor=(0.71, 0.55))
     return figure
+
+
+@styled()
+def confusion_matrix(study: Study, cases: str | Path) -> Figure:
+    """Numbers of cases, a row for each true law and a column for each that is chosen; shares in words next to them.
+
+    The shade of a cell is its share of the row. Right choices are framed.
+    """
+    summary = confusion(cases)
+    laws, chosen = list(summary["law"]), laws_in(summary)
+    rows, columns = len(laws), len(chosen)
+    cell = min(CELL, (DOUBLE_COLUMN - LEFT - 2.0 * _WORDS) / columns)
+    figure = page(LEFT + columns * cell + 2.0 * _WORDS, BOTTOM + rows * CELL + TOP)
+    axes = place(figure, LEFT, BOTTOM, columns * cell, rows * CELL)
+    shares = summary[chosen].to_numpy(dtype=float) / summary["cases"].to_numpy(dtype=float)[:, None]
+    axes.pcolormesh(
+        np.arange(columns + 1), np.arange(rows + 1), shares, cmap="Blues", vmin=0.0, vmax=1.2
+    )
+    for i, j in np.ndindex(rows, columns):
+        count, share = summary[chosen[j]].iloc[i], shares[i, j]
+        colour = "white" if share >= _DARK else INK if count else FAINT
+        axes.text(j + 0.5, i + 0.5, f"{count}", ha="center", va="center", color=colour)
+        if chosen[j] == laws[i]:
+            axes.add_patch(
+                Rectangle((j, i), 1.0, 1.0, fill=False, ec=INK, lw=0.9, clip_on=False, zorder=3)
+            )
+    _law_axes(axes, laws, chosen)
+    for place_at, (name, head) in enumerate((("right", "right"), ("extra", "a term too many"))):
+        left = columns + (0.12 + place_at) * _WORDS / cell
+        axes.text(left, -0.25, head, ha="left", va="bottom", clip_on=False)
+        for i, row in enumerate(summary.to_dict("records")):
+            part, low, high = (row[f"{name}{end}_percent"] for end in ("", "_low", "_high"))
+            text = f"{part:.3g} % ({low:.3g} to {high:.3g})"
+            axes.text(left, i + 0.5, text, va="center", size=7.5)
+    return figure
+
+
+def _law_axes(axes: Axes, laws: list[str], chosen: list[str]) -> None:
+    """Names of the laws at the cells."""
+    axes.set_ylim(len(laws), 0.0)
+    rows, columns = (
+        [law if law == NONE else f"${in_tex(law).replace(' ', '')}$" for law in some]
+        for some in (laws, chosen)
+    )
+    axes.set_yticks(np.arange(len(laws)) + 0.5, rows)
+    axes.set_xticks(np.arange(len(chosen)) + 0.5, columns, rotation=50)
+    axes.tick_params(length=0.0, labelbottom=False, labeltop=True)
+    for label in axes.get_xticklabels():
+        label.set(ha="left", rotation_mode="anchor")
+    axes.set_ylabel("true law")
+    note(axes, "law chosen", (0.0, 1.0), (-8.0, 8.0), ha="right", xycoords="axes fraction")
+    for i in range(1, len(laws)):
+        axes.axhline(i, color="white", lw=0.8)
 
 
 def _title(panel: curves.Panel) -> str:

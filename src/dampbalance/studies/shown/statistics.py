@@ -1,0 +1,187 @@
+"""Statistics of errors: counted a stretch of cases at a time, or over many runs with what their number leaves open."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...arrays import Array, Integers
+from ...balance import TERMS
+from ...likelihood.information import cramer_rao, noise_of_rms
+from ...model import BaseMotion
+from ...motion.orbit import NoSteadyOrbit
+from ...solver import NORMAL_95
+from ..evaluate import case_parameters
+from ..outputs import column_of
+from ..parameters import MECHANICAL, in_si, oscillator_of
+from ..settings import Fit, Study
+
+# Bins of sizes: a quantile is good to 0.06 %, below the three digits that are shown.
+_PER_DECADE = 2000
+_LOWEST, _HIGHEST = -18, 8  # decades: smaller and larger sizes fall into the first and the last bin
+
+_NOTHING: Array = np.empty(0)
+
+
+class Sizes:
+    """Sizes of errors, added a stretch at a time: how many there are, their extremes and quantiles."""
+
+    def __init__(self, within: float) -> None:
+        self.cases = self.known = self.within = 0
+        self.smallest, self.largest = np.inf, -np.inf
+        self._bound = within
+        self._counts = np.zeros((_HIGHEST - _LOWEST) * _PER_DECADE, dtype=np.int64)
+
+    def add(self, errors: Array) -> None:
+        """Add the errors of a stretch; missing ones count as cases only."""
+        size = np.abs(errors)
+        size = size[np.isfinite(size)]
+        self.cases += len(errors)
+        self.known += len(size)
+        self.within += int(np.count_nonzero(size <= self._bound))
+        self.smallest = float(size.min(initial=self.smallest))
+        self.largest = float(size.max(initial=self.largest))
+        with np.errstate(divide="ignore"):  # log 0: the first bin
+            place = (np.log10(size) - _LOWEST) * _PER_DECADE
+        bins = np.clip(place, 0, len(self._counts) - 1).astype(np.int64)
+        self._counts += np.bincount(bins, minlength=len(self._counts))
+
+    @property
+    def share(self) -> float:
+        """Share of all cases whose error is within the bound."""
+        return self.within / self.cases
+
+    def quantile(self, share: float) -> float:
+        """The size that this share of the finite errors does not exceed, to 0.06 %; NaN without one."""
+        if not self.known:
+            return math.nan
+        reached = int(np.searchsorted(np.cumsum(self._counts), max(1.0, share * self.known)))
+        middle = 10.0 ** (_LOWEST + (reached + 0.5) / _PER_DECADE)
+        return float(min(max(middle, self.smallest), self.largest))
+
+
+class Spread(NamedTuple):
+    """Statistics of an estimator over n runs. All except the counts are relative to the true value; NaN if unknown.
+
+    bias : mean error.   bias_error : its standard error, scatter/√n.   scatter : standard deviation of the errors.
+    rms : root of their mean square.   median, p95 : sizes that half and 95 % do not exceed; p95_error : standard error
+    of the latter, see `quantile_error`.   standard_error : rms of the stated ones; standard_error_error : its standard
+    error, s(x²)/(2 rms √n).   coverage : share of the runs whose 95 % interval holds the true value;
+    coverage_low, coverage_high : its 95 % interval, see `share_interval`.
+    """
+
+    runs: int
+    identified: int
+    bias: float
+    bias_error: float
+    scatter: float
+    rms: float
+    median: float
+    p95: float
+    p95_error: float
+    standard_error: float
+    standard_error_error: float
+    coverage: float
+    coverage_low: float
+    coverage_high: float
+
+
+def spread(errors: Array, standard_errors: Array = _NOTHING, covered: Array = _NOTHING) -> Spread:
+    """The spread of relative errors; also of the stated standard errors and of the coverage, where there are any."""
+    finite, stated, judged = (x[np.isfinite(x)] for x in (errors, standard_errors, covered))
+    n, squares, rms_error = len(finite), stated**2, math.nan
+    if len(squares) > 1 and squares.any():
+        rms_error = float(squares.std(ddof=1) / (2.0 * np.sqrt(squares.mean() * len(squares))))
+    scatter = float(finite.std(ddof=1)) if n > 1 else np.nan
+    sizes, shares = np.abs(finite), (0.5, 0.95)
+    median, p95 = np.quantile(sizes, shares, method="inverted_cdf") if n else (np.nan, np.nan)
+    low, high = share_interval(int(judged.sum()), len(judged))
+    return Spread(
+        runs=len(errors),
+        identified=n,
+        bias=_mean(finite),
+        bias_error=scatter / np.sqrt(n) if n else np.nan,
+        scatter=scatter,
+        rms=math.sqrt(_mean(finite**2)),
+        median=median,
+        p95=p95,
+        p95_error=quantile_error(sizes, 0.95),
+        standard_error=math.sqrt(_mean(squares)),
+        standard_error_error=rms_error,
+        coverage=_mean(judged),
+        coverage_low=low,
+        coverage_high=high,
+    )
+
+
+def spread_of(study: Study, cases: str | Path, quantity: str, fit: Fit, kept: Any = ...) -> Spread:
+    """The spread of one quantity by one fit over the cases `kept` (an index or a mask; default: all)."""
+    names = ["relative_error"]
+    if "intervals" in study.columns:
+        names += ["relative_standard_error", "covered"]
+    return spread(*(column_of(cases, f"{quantity}_{name}__{fit.label}")[kept] for name in names))
+
+
+def quantile_error(values: Array, share: float) -> float:
+    """Standard error of a quantile, the order statistic x_(k) of n independent values, k = ⌈share · n⌉ (Maritz and
+    Jarrett): its standard deviation over all drawings of n values with replacement, without drawing any.
+
+        P(x*_(k) ≤ x_(i)) = I_{i/n}(k, n − k + 1)   (the incomplete beta function)
+
+    Good to 40 % from 50 values; NaN where the quantile is the largest value, for which this gives no error.
+    """
+    from scipy import special  # slow to import
+
+    n, k = len(values), math.ceil(share * len(values))
+    if k == n:
+        return math.nan
+    weights = np.diff(special.betainc(k, n - k + 1, np.arange(n + 1) / n))
+    ordered = np.sort(values)
+    return float(np.sqrt(weights @ (ordered - weights @ ordered) ** 2))
+
+
+def share_interval(count: int, runs: int) -> tuple[float, float]:
+    """The 95 % interval of a probability observed in `count` of `runs` (Wilson's score interval); NaN without a run.
+
+    (p + z²/2n ± z √(p(1 − p)/n + z²/4n²)) / (1 + z²/n),   p = count/n, n = runs, z = 1.96
+    """
+    if runs == 0:
+        return np.nan, np.nan
+    share, z2 = count / runs, NORMAL_95**2 / runs
+    half = np.sqrt(share * (1.0 - share) * z2 + 0.25 * z2 * z2)
+    middle, whole = share + 0.5 * z2, 1.0 + z2
+    return max(0.0, (middle - half) / whole), min(1.0, (middle + half) / whole)
+
+
+def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
+    """Least relative standard error, by term, that an unbiased estimate from the records of a case can have.
+
+    cases : numbers of cases that differ only by their noise (the axis `run`). The Cramér–Rao bound takes m, k and the
+    drive frequency as known and K_z as unknown. NaN where the records are not noisy ones, the cases differ in more,
+    nothing slips, or the likelihood has no such term.
+    """
+    nothing = dict.fromkeys(TERMS, math.nan)
+    if not study.route.has_intervals or not cases.size:
+        return nothing
+    values = case_parameters(study, int(cases.min()), int(cases.max()) + 1)
+    here = {name: array[cases - cases.min()] for name, array in values.items() if name != "run"}
+    if any(len(set(array.tolist())) > 1 for array in here.values()) or here["noise"][0] == 0.0:
+        return nothing
+    si = in_si({name: here[name][:1].astype(float) for name in MECHANICAL if name in here})
+    osc, omega = oscillator_of(si, 0), float(si["omega"][0])
+    motions = [BaseMotion(float(Y), omega) for Y in study.amplitudes(si["Y"])[:, 0]]
+    try:
+        noise = noise_of_rms(osc, motions, float(here["noise"][0]))
+        rate_hz = float(here["sampling_hz"][0])
+        bound = cramer_rao(osc, motions, rate_hz=rate_hz, cycles=study.cycles, noise=noise)
+    except (ValueError, NoSteadyOrbit, ArithmeticError):
+        return nothing
+    F_k, c, _ = bound.relative  # the third is K_z
+    return nothing | {"F_k": F_k, "c": c}
+
+
+def _mean(values: Array) -> float:
+    return float(values.mean()) if len(values) else np.nan
