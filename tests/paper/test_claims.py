@@ -29,7 +29,6 @@ from dampbalance.replication.claims import (
     read_record,
     summary,
 )
-from dampbalance.replication.claims.inputs import CORRECTED
 from dampbalance.replication.claims.judging import WRITTEN, Tolerance, explanation, verdict
 from dampbalance.replication.claims.table import COLUMNS
 from dampbalance.replication.printed import Printed
@@ -409,7 +408,7 @@ def test_the_plus_sign_of_table_3_is_needed(recorded):
     route = as_published()
     frame = route.estimates["omega1"]
     slipped = (frame["approach"] == "V_s") & (frame["phase"] == "common")
-    correct = frame[frame["approach"] == CORRECTED]
+    correct = frame[frame["approach"] == authors.CORRECTED]
     estimates = pd.concat([frame[~slipped], correct, correct.assign(approach="V_s")])
     table = claims_table(
         PRINT,

@@ -12,8 +12,8 @@ from dampbalance.replication.claims.from_print import (
     from_print,
     printed_estimates,
     printed_features,
-    printed_pair_statistics,
 )
+from dampbalance.replication.comparison import largest_errors
 from dampbalance.replication.printed import Printed
 from dampbalance.solver import least_squares
 from paper.routes import CASE, PAPER, PRINT
@@ -53,8 +53,8 @@ def test_least_squares_to_the_last_digit(route, short, column):
 def test_mean_and_deviation_of_the_printed_pairs(name):
     symbol, kind = name.rsplit("_", 1)
     text = PRINT[f"text.{symbol}_direct_{kind}"].text
-    mean, deviation = printed_pair_statistics(PRINT)
-    value = {"mean": mean, "std": deviation}[kind][symbol]
+    pairs = PRINT.column("table2", symbol)
+    value = pairs.mean() if kind == "mean" else pairs.std(ddof=1)
     assert as_printed(value, text) == same_digits(text)
 
 
@@ -65,7 +65,7 @@ def test_mean_phase_and_time():
 
 
 def test_largest_errors_of_table_3():
-    F_k, c = printed_estimates(PRINT).largest_errors(PAPER).values()
+    F_k, c = largest_errors(printed_estimates(PRINT).pairs(), PAPER).values()
     assert F_k == pytest.approx(100.0 * (1.299 / 1.28 - 1.0), rel=1e-12)  # X_s, pair 2-3
     assert c == pytest.approx(100.0 * (90.071 / 90.0 - 1.0), rel=1e-12)  # V_s, pair 1-2
 

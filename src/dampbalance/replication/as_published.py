@@ -28,11 +28,14 @@ from .readout import ReadOut
 if TYPE_CHECKING:
     import pandas as pd
 
+CORRECTED = "V_s with minus"
+"""The V_s pairs as (19) states them."""
+
 APPROACHES_OF_TABLE_3: dict[str, Approach] = {
     "X_s": APPROACHES["X_s"],
     "t_s": APPROACHES["t_s"],
     "V_s": Approach(slip_velocity_as_printed, "V_s with plus"),
-    "V_s with minus": Approach(slip_velocity, "V_s with minus"),
+    CORRECTED: Approach(slip_velocity, CORRECTED),
 }
 """The rows behind the printed Table 3: the V_s pairs with their slip of sign, and for comparison those without it."""
 

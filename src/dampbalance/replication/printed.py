@@ -17,10 +17,9 @@ class Printed:
     def is_number(self) -> bool:
         """Whether the text is a number at all, and not a word such as "degraded"."""
         try:
-            Decimal(self.text)
-        except InvalidOperation:
+            return self.decimal is not None
+        except ValueError:
             return False
-        return True
 
     @property
     def decimal(self) -> Decimal:
@@ -28,9 +27,8 @@ class Printed:
         try:
             return Decimal(self.text)
         except InvalidOperation:
-            raise ValueError(
-                f"printed value {self.text!r} is not a number such as 90.0402 or 2.9E-3"
-            ) from None
+            text = f"printed value {self.text!r} is not a number such as 90.0402 or 2.9E-3"
+            raise ValueError(text) from None
 
     @property
     def decimals(self) -> int:
@@ -67,9 +65,12 @@ class Printed:
         return f"{value.scaleb(-int(power)):.{mantissa.decimals}f}{self.text[split:]}"
 
     def show(self, value: float, extra: int = 4) -> str:
-        """`value` written as the printed number is, with `extra` more digits; "" for NaN."""
+        """`value` written as the printed number is, with `extra` more digits, or with three decimals where a word is
+        printed; "" for NaN."""
         if math.isnan(value):
             return ""
+        if not self.is_number:
+            return f"{value:.3f}"
         if "e" in self.text.lower():
             return f"{value:.{self.decimal.adjusted() - self.exponent + extra}e}"
         return f"{value:.{self.decimals + extra}f}"

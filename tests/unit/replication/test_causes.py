@@ -6,17 +6,28 @@ import itertools
 import math
 from dataclasses import replace
 
+import pandas as pd
 import pytest
 
-from dampbalance.replication.claims import causes
+from dampbalance.replication.claims import RouteTables, causes
+from dampbalance.replication.claims.of_text import held
+from dampbalance.replication.claims.sources import Sources
+from dampbalance.replication.printed import Printed
 from paper.routes import CASE, PRINT
 
+NO_ROUTE = RouteTables({}, {})
+SOURCES = Sources(PRINT, CASE, NO_ROUTE, NO_ROUTE, pd.DataFrame())
 LABELS = ["1-2", "2-3", "3-4", "4-5", "1-5"]
 
 
 def test_an_input_is_held_to_all_its_digits():
-    assert causes.held(1.28, "1.280") == "The configuration holds this value."
-    assert causes.held(1.2801, "1.28") == "The configuration holds 1.2801, the paper states 1.28."
+    row = PRINT.rows["parameter.F_k"]
+    for F_k, words in (
+        (1.28, "The configuration holds this value."),
+        (1.2801, "The configuration holds 1.2801, the paper states 1.28."),
+    ):
+        osc = replace(CASE.oscillator, F_k=F_k)
+        assert held(replace(SOURCES, case=replace(CASE, oscillator=osc)), row).cause == words
 
 
 def test_backward_euler_adds_m_omega_squared_h():
@@ -69,88 +80,97 @@ def test_a_b_that_the_other_pairs_do_not_want_is_noted():
 
 
 def test_the_papers_own_inputs_may_contradict_what_it_prints():
-    assert causes.printed_inputs_differ({"from_print": 90.04025}, "90.0402") == ""
-    assert causes.printed_inputs_differ({"from_print": 90.05}, "90.0402") == (
+    number = Printed("90.0402")
+    assert causes.printed_inputs_differ({"from_print": 90.04025}, number) == ""
+    assert causes.printed_inputs_differ({"from_print": 90.05}, number) == (
         "It contradicts the paper's own inputs, which give 90.05000000."
     )
 
 
-def test_a_time_is_read_between_the_first_and_the_last_sample():
-    words = causes.slip_time(2.984e-3, 5e-6, "2.9E-3")
-    assert "lasts 2.984 ms, without a step of 5 µs at each end 2.974 ms" in words
-    assert causes.slip_time(2.904e-3, 5e-6, "2.9E-3") == ""  # 2.894 ms: tenths would be 2.8
-    assert causes.slip_time(3.009e-3, 5e-6, "2.9E-3") != ""
-    assert causes.slip_time(3.011e-3, 5e-6, "2.9E-3") == ""
-    assert causes.slip_time(math.nan, 5e-6, "2.9E-3") == ""
+@pytest.mark.parametrize(
+    ("t_s", "explained"),
+    [
+        (2.984e-3, True),
+        (2.904e-3, False),  # 2.894 ms: tenths would be 2.8
+        (3.009e-3, True),
+        (3.011e-3, False),
+        (math.nan, False),
+    ],
+)
+def test_a_time_is_read_between_the_first_and_the_last_sample(t_s, explained):
+    words = causes.slip_time(t_s, 5e-6, Printed("2.9E-3"))
+    inside = (
+        f"lasts {1e3 * t_s:.3f} ms, without a step of 5 µs at each end {1e3 * t_s - 0.01:.3f} ms"
+    )
+    assert (inside in words) == bool(words) == explained
 
 
 def test_a_velocity_is_read_to_half_a_division():
     read = "Read at the corner of the acceleration-velocity plot: the first slipping sample has "
-    assert causes.slip_velocity(0.0113, "0.01135") == (
-        f"{read}11.300 mm/s, to the nearest 0.05 mm/s 11.30, not as printed."
-    )
-    assert causes.slip_velocity(0.01134, "0.01135") == (
-        f"{read}11.340 mm/s, to the nearest 0.05 mm/s 11.35, as printed."
-    )
-    assert causes.slip_velocity(math.nan, "0.01135") == ""
+    for sample, words in (
+        (0.0113, f"{read}11.300 mm/s, to the nearest 0.05 mm/s 11.30, not as printed."),
+        (0.01134, f"{read}11.340 mm/s, to the nearest 0.05 mm/s 11.35, as printed."),
+        (math.nan, ""),
+    ):
+        assert causes.slip_velocity(sample, Printed("0.01135")) == words
 
 
 def test_the_phase_is_the_nearer_of_the_two():
-    assert causes.phase(1.54, 1.57, "1.541") == (
+    number = Printed("1.541")
+    assert causes.phase(1.54, 1.57, number) == (
         "It is the phase of the velocity reversal (+0.0010 rad), not of the zero crossing that the text names "
         "(-0.0290 rad)."
     )
-    assert causes.phase(1.57, 1.54, "1.541") == ""
-    assert causes.phase(math.nan, 1.54, "1.541") == ""
+    assert causes.phase(1.57, 1.54, number) == causes.phase(math.nan, 1.54, number) == ""
 
 
-def test_the_slip_of_sign_is_where_the_two_roots_differ():
-    slip = causes.sign({"as_published": 1.3}, 1.29431, "N", "They share X.")
-    assert slip.endswith("it would be 1.2943 N. They share X.")
-    assert "be 90.023 N s/m." in causes.sign({"as_published": 90.1}, 90.0231, "N s/m", "")
-    assert causes.sign({"as_published": 1.3}, 1.3, "N", "They share X.") == ""
-    assert causes.sign({"as_published": 1.3}, math.nan, "N", "They share X.") == ""
-
-
-def test_the_proof_of_the_sign_states_its_premise():
+def test_the_slip_of_sign_is_where_the_two_roots_differ_and_states_its_premise():
     misfits = {"plus": 0.4, "minus": 4.03, "minus alone": 0.34}
-    assert causes.premise_of_sign(misfits) == (
+    premise = (
         "Where the columns share X and phi, print excludes the minus (4.0 units off at best; the plus 0.4); "
         "the V_s columns alone do not (0.34)."
     )
+    assert causes.sign(1.3, 1.29431, "N", misfits).endswith(f"it would be 1.2943 N. {premise}")
+    assert "be 90.023 N s/m. Where" in causes.sign(90.1, 90.0231, "N s/m", misfits)
+    for correct in (1.3, math.nan):
+        assert causes.sign(1.3, correct, "N", misfits) == ""
 
 
 def test_where_an_integral_begins():
     numerics = CASE.numerics
-    for place in range(5):
-        count = numerics.after_slip(place)
+    for level, count in enumerate(numerics.slip_samples, 1):
         samples = "a sample" if count == 1 else f"{count} samples"
-        assert causes.starting_sample(CASE, place) == (
+        assert causes.starting_sample(CASE, level) == (
             f"Begun {samples} after slip is seen, in the cycle that starts in period {numerics.cycles - 2}."
         )
 
 
 def test_a_number_outside_what_its_table_allows():
     allowed = (1.274, 1.286)
-    for printed in ("1.27", "1.28", "1.29"):  # within half a unit of the range
-        assert causes.outside(allowed, printed, "Table 2") == ""
-    assert causes.outside(None, "1.30", "Table 2") == ""
     words = "The rest of Table 2, within its rounding, allows 1.27400 to 1.28600 only."
-    for printed in ("1.273", "1.287"):
-        assert causes.outside(allowed, printed, "Table 2") == words
-
-
-def test_how_far_printed_inputs_move_a_result():
-    words = causes.printed_inputs({"from_print": 1.2850, "exact": 1.2889}, "Table 1", "1.285022")
-    assert words == "Table 1, as printed, move it by -0.003900 from exact."
-    words = causes.printed_inputs({"from_print": 90.05, "exact": 90.04}, "Table 1", "90.0402")
-    assert words == "Table 1, as printed, move it by +0.0100 from exact."
-    assert causes.printed_inputs({"from_print": math.nan, "exact": 1.0}, "Table 1", "1.0") == ""
+    for printed, said in (
+        *(("1.27", ""), ("1.28", ""), ("1.29", "")),  # within half a unit of the range
+        *(("1.273", words), ("1.287", words)),
+    ):
+        assert causes.outside(allowed, Printed(printed), "Table 2") == said
+    assert causes.outside(None, Printed("1.30"), "Table 2") == ""
 
 
 @pytest.mark.parametrize(
-    ("value", "printed", "is_cut"),
-    [(90.040254, "90.0402", True), (90.040244, "90.0402", False), (90.04034, "90.0402", False)],
+    ("from_print", "exact", "printed", "words"),
+    [
+        (1.2850, 1.2889, "1.285022", "Table 1, as printed, move it by -0.003900 from exact."),
+        (90.05, 90.04, "90.0402", "Table 1, as printed, move it by +0.0100 from exact."),
+        (math.nan, 1.0, "1.0", ""),
+    ],
 )
-def test_digits_cut_off_are_those_that_rounding_would_change(value, printed, is_cut):
-    assert bool(causes.cut_off(value, printed)) == is_cut
+def test_how_far_printed_inputs_move_a_result(from_print, exact, printed, words):
+    values = {"from_print": from_print, "exact": exact}
+    assert causes.printed_inputs(values, "Table 1", Printed(printed)) == words
+
+
+@pytest.mark.parametrize(
+    ("value", "is_cut"), [(90.040254, True), (90.040244, False), (90.04034, False)]
+)
+def test_digits_cut_off_are_those_that_rounding_would_change(value, is_cut):
+    assert bool(causes.cut_off(value, Printed("90.0402"))) == is_cut

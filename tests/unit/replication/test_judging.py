@@ -16,9 +16,9 @@ def test_routes_are_those_that_give_a_number():
     assert made.routes == ["exact", "from_print"]
     assert made.show("as_published") == ""
     assert made.show("exact") == "1.200000"
-    assert made.off() == made.off("exact") == pytest.approx(-8.0)
+    assert made.off("exact") == pytest.approx(-8.0)
     assert made.off("from_print") == pytest.approx(2.0)
-    assert made.off_relative == pytest.approx(-0.0625)
+    assert made.off_relative("exact") == pytest.approx(-0.0625)
 
 
 @pytest.mark.parametrize(

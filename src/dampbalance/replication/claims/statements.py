@@ -7,22 +7,24 @@ of the value. A word holds where the comparison that it names does.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
 from ..claim_verdicts import ROUTE_NAMES
-from ..printed import Printed
-from .published import FILE
+from .published import FILE, Row
 
 ROUTE = "as_published"
 """The route that judges every statement."""
 
 _BOUNDS = {"less than": +1.0, "more than": -1.0}
-_CHANGES: dict[str, Callable[[float, float], bool]] = {
-    "degraded": lambda error, near: error > near,
-    "improved": lambda error, near: error < near,
+WORDS: dict[str, dict[str, Callable[[float, float], bool]]] = {
+    "change": {
+        "degraded": lambda one, other: one > other,
+        "improved": lambda one, other: one < other,
+    },
+    "truth": {"true": lambda one, other: one < other, "false": lambda one, other: not one < other},
 }
-_TRUTHS = {"true": True, "false": False}
+"""Rule → printed word → when it holds of two errors."""
 
 
 class Judged(NamedTuple):
@@ -32,59 +34,40 @@ class Judged(NamedTuple):
     how: str
 
 
-def bound(name: str, quantity: str, printed: str, values: Mapping[str, float]) -> Judged:
-    """A bound, "…: less than" or "…: more than" a number.
+def bound(row: Row, value: float) -> Judged:
+    """A bound on the value of ROUTE, "…: less than" or "…: more than" the printed number.
 
-    name : of the statement, for errors.   quantity : what the paper says is bounded, with these words at its end.
-    values : what is bounded, by route.   Raises ValueError when the quantity ends otherwise.
+    Raises ValueError when the quantity, which says what is bounded, does not end with either.
     """
-    word = next((word for word in _BOUNDS if quantity.endswith(word)), None)
+    word = next((word for word in _BOUNDS if row.quantity.endswith(word)), None)
     if word is None:
         raise ValueError(
-            f"{FILE}: {name}: the quantity must end with {' or '.join(map(repr, _BOUNDS))}, "
-            f"which says how {printed} bounds it"
+            f"{FILE}: {row.id}: the quantity must end with {' or '.join(map(repr, _BOUNDS))}, "
+            f"which says how {row.printed} bounds it"
         )
-    limit, side = Printed(printed), _BOUNDS[word]
-    value = side * values.get(ROUTE, float("nan")) / limit.unit
-    units = side * limit.value / limit.unit
-    tight = (
-        value < units <= value + 1.5
-    )  # rounded, at most half a unit above the value, or one more
-    how = f'"{word}": the bound is the value rounded as it is printed, or one unit looser'
-    return _judged(tight, how)
+    limit, side = row.number, _BOUNDS[word]
+    value, units = side * value / limit.unit, side * limit.value / limit.unit
+    tight = value < units <= value + 1.5  # rounded, at most half a unit above it, or one more
+    return _judged(
+        tight, f'"{word}": the bound is the value rounded as it is printed, or one unit looser'
+    )
 
 
-def change(
-    name: str, printed: str, errors: Mapping[str, float], near: Mapping[str, float]
-) -> Judged:
-    """Whether errors have become larger or smaller than near resonance, by the printed word.
+def word(row: Row, one: float, other: float) -> Judged:
+    """A word for how two errors of ROUTE compare: one off and one near resonance, or one of direct integration and the
+    least of all other approaches.
 
-    errors, near : the largest error off and near resonance, by route.   Raises ValueError for an unknown word.
+    Raises ValueError for a word that the rule of the row does not know.
     """
-    comparison = _known(name, printed, _CHANGES)
-    missing = float("nan")
-    holds = comparison(errors.get(ROUTE, missing), near.get(ROUTE, missing))
-    return _judged(holds, f'"{printed}": the error against that near resonance')
-
-
-def truth(name: str, printed: str, facts: Mapping[str, bool]) -> Judged:
-    """Whether a comparison comes out as printed, "true" or "false".
-
-    facts : how it comes out, by route.   Raises ValueError for another word.
-    """
-    wanted = _known(name, printed, _TRUTHS)
-    return _judged(facts.get(ROUTE) is wanted, f'"{printed}"')
+    words = WORDS[row.rule]
+    if row.printed not in words:
+        raise ValueError(
+            f"{FILE}: {row.id}: cannot judge the word {row.printed!r}; known are {', '.join(words)}"
+        )
+    what = ": the error against that near resonance" if row.rule == "change" else ""
+    return _judged(words[row.printed](one, other), f'"{row.printed}"{what}')
 
 
 def _judged(holds: bool, rule: str) -> Judged:
-    """With the route and the rule in words."""
     outcome = "holds" if holds else "does not hold"
     return Judged(holds, f"Judged {ROUTE_NAMES[ROUTE]}, by {rule}. It {outcome}.")
-
-
-def _known(name: str, printed: str, words: Mapping[str, Any]) -> Any:
-    if printed not in words:
-        raise ValueError(
-            f"{FILE}: {name}: cannot judge the word {printed!r}; known are {', '.join(words)}"
-        )
-    return words[printed]

@@ -12,16 +12,14 @@ from ...project.wording import in_markdown, markdown_table
 from ..claim_ids import PARTS, part_of
 from ..claim_verdicts import HOLDING, KINDS, ROUTE_NAMES, VERDICTS, counts
 from ..route_tables import RouteTables
-from .from_print import from_print
-from .inputs import Sources, require_paper
 from .judging import Claim, explanation, verdict
 from .published import Published, read_texts
 from .rules import check_printed, claims
+from .sources import Sources, require_paper
 
-STATED = ("id", "where", "quantity", "unit", "printed")  # columns that are fields of a claim
 COLUMNS = (
-    *(*STATED, *ROUTE_NAMES, "verdict", "explanation", "kind"),
-    *("judged", "off_relative", "off_units"),
+    *("id", "where", "quantity", "unit", "printed", *ROUTE_NAMES),
+    *("verdict", "explanation", "kind", "judged", "off_relative", "off_units"),
 )
 """Those of claims.csv. judged : the route that judges.   off_… : how far it lies from a computed number as printed, of
 itself and in units of the last digit."""
@@ -47,14 +45,13 @@ def claims_table(
     """
     require_paper(case)
     check_printed(published)
-    sources = Sources(published, case, exact, as_published, from_print(published, case), unrounded)
+    sources = Sources(published, case, exact, as_published, unrounded)
     records = [
         {
-            **{name: getattr(claim, name) for name in STATED},
+            **claim.row._asdict(),
             **{route: claim.show(route) for route in ROUTE_NAMES},
             "verdict": verdict(claim).name,
             "explanation": explanation(claim),
-            "kind": claim.kind,
             "judged": ROUTE_NAMES[claim.route],
             **_off(claim),
         }
@@ -64,13 +61,11 @@ def claims_table(
 
 
 def _off(claim: Claim) -> dict[str, str]:
-    """How far the judging route lies from print, as text: relative, and in units of the last digit."""
-    if claim.kind != "computed" or claim.route not in claim.routes:
+    """How far the judging route lies from a computed number as printed, as text."""
+    if claim.row.kind != "computed" or claim.route not in claim.routes:
         return {"off_relative": "", "off_units": ""}
-    return {
-        "off_relative": f"{claim.off_relative:+.1e}",
-        "off_units": f"{claim.off():+.2f}",
-    }
+    relative, units = claim.off_relative(claim.route), claim.off(claim.route)
+    return {"off_relative": f"{relative:+.1e}", "off_units": f"{units:+.2f}"}
 
 
 def claims_markdown(frame: pd.DataFrame) -> str:
