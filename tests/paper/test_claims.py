@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,11 +12,7 @@ from dampbalance import balance
 from dampbalance.project.files import write_csv
 from dampbalance.replication import as_published as authors
 from dampbalance.replication.claim_verdicts import (
-    DIFFERS,
-    READING,
-    REPRODUCED,
     ROUTE_NAMES,
-    UNEXPLAINED,
     VERDICTS,
 )
 from dampbalance.replication.claims import (
@@ -29,7 +24,6 @@ from dampbalance.replication.claims import (
     read_record,
     summary,
 )
-from dampbalance.replication.claims.judging import WRITTEN, Tolerance, explanation, verdict
 from dampbalance.replication.claims.table import COLUMNS
 from dampbalance.replication.printed import Printed
 from dampbalance.replication.route_tables import HARMONIC
@@ -41,7 +35,6 @@ from paper.routes import (
     as_published,
     as_read,
     case_of,
-    claim,
     exact,
     judged,
     unrounded,
@@ -56,109 +49,6 @@ def claims():
 @pytest.fixture(scope="module")
 def recorded():
     return read_record(PUBLISHED / "verdicts.csv")
-
-
-# ---- Rules ----------------------------------------------------------------------------------------------------------
-
-
-NEAR = Tolerance(1.26, 1.30, "read so", READING)
-
-
-@pytest.mark.parametrize(
-    ("route", "value", "expected"),
-    [
-        ("exact", 1.2849, "reproduced"),
-        ("exact", 1.275, "reproduced"),  # half a unit away: rounds either way
-        ("as_published", 1.2801, "reconstructed"),
-        ("from_print", 1.2849, "reconstructed"),
-        ("exact", 1.2949, "last digit"),
-        ("from_print", 1.2651, "last digit"),
-        ("exact", 1.2951, "reading"),
-        ("exact", 1.3, "reading"),
-        ("exact", 1.3001, "differs"),
-        ("exact", math.nan, "differs"),
-    ],
-)
-def test_verdict_of_a_number_by_the_route_that_judges(route, value, expected):
-    made = claim(tolerances=(NEAR,), route=route, **{route: value})
-    assert verdict(made).name == expected
-    assert explanation(made)
-
-
-def test_digits_of_another_route_are_chance():
-    made = claim("1.280", route="as_published", exact=1.28, as_published=1.283)
-    assert verdict(made) is DIFFERS
-    assert verdict(replace(made, route="exact")) is REPRODUCED
-
-
-@pytest.mark.parametrize(("other", "strays"), [(1.2863, False), (1.2737, False), (1.2865, True)])
-def test_another_route_must_not_be_far_off(other, strays):
-    """Half a per cent of 1.280 is 0.0064."""
-    made = claim("1.280", exact=1.28, as_published=other)
-    assert (verdict(made) is DIFFERS) == strays
-    assert verdict(replace(made, apart=("as_published",))) is REPRODUCED
-    elsewhere = claim("1.280", exact=1.28, as_published=1.33, nearby={"as_published": 1.325})
-    assert verdict(elsewhere) is REPRODUCED
-
-
-def test_a_column_that_was_read_gives_no_digits():
-    """What is read agrees by chance at best, and has no last digit."""
-    for value in (1.28, 1.29):
-        read = claim(exact=value, reach=math.nan, tolerances=(NEAR,))
-        assert verdict(read) is READING
-    assert verdict(claim(exact=1.31, reach=math.nan, tolerances=(NEAR,))) is DIFFERS
-
-
-@pytest.mark.parametrize(("value", "name"), [(2.9e-3, "reproduced"), (2.901e-3, "differs")])
-def test_what_a_route_writes_itself_must_be_the_same(value, name):
-    assert verdict(claim("2.9E-3", exact=value, reach=WRITTEN)).name == name
-
-
-@pytest.mark.parametrize(("printed", "name"), [("1.28", "last digit"), ("1.3", "differs")])
-def test_one_unit_of_two_digits_is_no_near_miss(printed, name):
-    one = Printed(printed)
-    assert verdict(claim(printed, exact=one.value + one.unit)).name == name
-
-
-@pytest.mark.parametrize(
-    ("allowed", "expected"),
-    [(None, "last digit"), ((1.27, 1.286), "last digit"), ((1.279, 1.2799), "differs")],
-)
-def test_one_unit_is_much_where_print_tells_what_was_rounded(allowed, expected):
-    assert verdict(claim(exact=1.29, allowed=allowed)).name == expected
-
-
-def test_the_best_tolerance_that_holds_decides():
-    wide = Tolerance(1.2, 1.4, "nothing says why", UNEXPLAINED)
-    made = claim(exact=1.31, tolerances=(NEAR, wide))
-    assert verdict(made) is UNEXPLAINED
-    assert "nothing says why" in explanation(made)
-    assert verdict(claim(exact=1.298, tolerances=(NEAR, wide))) is READING
-    assert verdict(claim(exact=1.41, tolerances=(NEAR, wide))) is DIFFERS
-
-
-def test_what_the_paper_itself_refutes_differs_whatever_the_routes_give():
-    refuted = claim(contradiction="The mean comes out with 1.29 only.", exact=1.2801)
-    assert verdict(refuted) is DIFFERS
-    assert "The mean comes out with 1.29 only." in explanation(refuted)
-
-
-@pytest.mark.parametrize(
-    ("route", "holds", "expected"),
-    [
-        ("exact", True, "reproduced"),
-        ("as_published", True, "reconstructed"),
-        ("as_published", False, "differs"),
-    ],
-)
-def test_verdict_of_a_statement(route, holds, expected):
-    made = claim("less", holds=holds, route=route, exact=1.0, as_published=1.0)
-    assert verdict(made).name == expected
-
-
-def test_a_route_that_is_silent_supports_no_statement():
-    made = claim("less", holds=True, route="as_published", exact=1.0, as_published=math.nan)
-    assert verdict(made) is DIFFERS
 
 
 # ---- The paper ------------------------------------------------------------------------------------------------------

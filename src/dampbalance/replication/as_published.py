@@ -65,10 +65,11 @@ class ReadFeatures(NamedTuple):
 def coefficients(case: Case) -> dict[str, float]:
     """c_over_m (1/s) and k_over_m (1/s²) with the decimals that the authors' program kept, as `simulate` takes them."""
     osc, numerics = case.oscillator, case.numerics
-    return {
-        "c_over_m": _rounded(osc.c / osc.m, numerics.c_over_m_decimals),
-        "k_over_m": _rounded(osc.k / osc.m, numerics.k_over_m_decimals),
+    ratios = {
+        "c_over_m": (osc.c / osc.m, numerics.c_over_m_decimals),
+        "k_over_m": (osc.k / osc.m, numerics.k_over_m_decimals),
     }
+    return {name: v if kept is None else round(v, kept) for name, (v, kept) in ratios.items()}
 
 
 def added_damping(case: Case, omega: float) -> float:
@@ -127,7 +128,3 @@ def estimates(tabulated: Features, two_point: Features, case: Case) -> pd.DataFr
         common=two_point,
         common_approaches=APPROACHES_OF_TABLE_3,
     )
-
-
-def _rounded(value: float, decimals: int | None) -> float:
-    return value if decimals is None else round(value, decimals)

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import pandas as pd
 
-from ...estimates import estimate_table
 from ...features import Features
 from ...project.case import Case
-from ..as_published import APPROACHES_OF_TABLE_3
+from ..as_published import estimates
 from ..printed_tables import COLUMN_OF
 from ..readout import ReadOut
 from ..route_tables import RouteTables
@@ -63,13 +63,7 @@ def rules_at_work(
     def pairs(frame: pd.DataFrame, *keys: str) -> RouteTables:
         features = Features.from_frame(frame)
         read = ReadOut.from_config({key: configured.get(key) for key in keys}).common(features)
-        table = estimate_table(
-            features,
-            case.oscillator.k,
-            PAIRS,
-            common=read,
-            common_approaches=APPROACHES_OF_TABLE_3,
-        )
+        table = estimates(features, read, replace(case, pairs=PAIRS))
         return RouteTables({"omega1": read.to_frame()}, {"omega1": table})
 
     exact, unread = pairs(exact_route.features["omega1"]), pairs(unrounded)
