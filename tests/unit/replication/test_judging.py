@@ -12,9 +12,12 @@ from paper.routes import claim
 
 NEAR = Tolerance(1.26, 1.30, "read so", READING)
 WIDE = Tolerance(1.2, 1.4, "nothing says why", UNEXPLAINED)
-AUTHORS = {"route": "as_published"}
 READ = {"reach": math.nan, "tolerances": (NEAR,)}
 """A column that was read off a plot: what is read agrees by chance at best, and has no last digit."""
+
+
+def by_authors(value: float, **parts: object) -> dict[str, object]:
+    return {"route": "as_published", "as_published": value, **parts}
 
 
 @pytest.mark.parametrize(
@@ -22,7 +25,7 @@ READ = {"reach": math.nan, "tolerances": (NEAR,)}
     [
         ("1.28", {"exact": 1.2849}, "reproduced"),
         ("1.28", {"exact": 1.275}, "reproduced"),  # half a unit away: rounds either way
-        ("1.28", AUTHORS | {"as_published": 1.2801}, "reconstructed"),
+        ("1.28", by_authors(1.2801), "reconstructed"),
         ("1.28", {"route": "from_print", "from_print": 1.2849}, "reconstructed"),
         ("1.28", {"exact": 1.2949}, "last digit"),
         ("1.28", {"route": "from_print", "from_print": 1.2651}, "last digit"),
@@ -31,7 +34,7 @@ READ = {"reach": math.nan, "tolerances": (NEAR,)}
         ("1.28", {"exact": 1.3001, "tolerances": (NEAR,)}, "differs"),
         ("1.28", {"exact": math.nan, "tolerances": (NEAR,)}, "differs"),
         # digits of another route are chance
-        ("1.280", AUTHORS | {"exact": 1.28, "as_published": 1.283}, "differs"),
+        ("1.280", by_authors(1.283, exact=1.28), "differs"),
         ("1.280", {"exact": 1.28, "as_published": 1.283}, "reproduced"),
         # another route must not be far off: half a per cent of 1.280 is 0.0064
         ("1.280", {"exact": 1.28, "as_published": 1.2863}, "reproduced"),
@@ -66,9 +69,9 @@ READ = {"reach": math.nan, "tolerances": (NEAR,)}
         ("1.28", {"exact": 1.2801, "contradiction": "1.29 only."}, "differs"),
         # statements; a route that is silent supports none
         ("less", {"holds": True, "exact": 1.0}, "reproduced"),
-        ("less", AUTHORS | {"holds": True, "exact": 1.0, "as_published": 1.0}, "reconstructed"),
-        ("less", AUTHORS | {"holds": False, "exact": 1.0, "as_published": 1.0}, "differs"),
-        ("less", AUTHORS | {"holds": True, "exact": 1.0, "as_published": math.nan}, "differs"),
+        ("less", by_authors(1.0, exact=1.0, holds=True), "reconstructed"),
+        ("less", by_authors(1.0, exact=1.0, holds=False), "differs"),
+        ("less", by_authors(math.nan, exact=1.0, holds=True), "differs"),
     ],
 )
 def test_a_number_earns_its_verdict_by_the_route_that_judges(printed, parts, expected):
@@ -87,67 +90,59 @@ def test_routes_are_those_that_give_a_number():
     assert made.off_relative("exact") == pytest.approx(-0.0625)
 
 
+def above(units: str) -> str:
+    return f"{units} of the last digit above print"
+
+
 NOTHING = "No bound reaches so far, and no other number of the paper contradicts it."
-THREE = "Exact: 3 units of the last digit above print"
+EXPLAINED = {"exact": 1.31, "tolerances": (WIDE,), "cause": "So read."}
 
 
 @pytest.mark.parametrize(
     ("printed", "parts", "words"),
     [
         # a distance is in units of the last digit if there are few
-        ("1.28", {"exact": 1.299}, f"Exact: 1.9 units of the last digit above print. {NOTHING}"),
+        ("1.28", {"exact": 1.299}, f"Exact: {above('1.9 units')}. {NOTHING}"),
         ("1.28", {"exact": 1.261}, f"Exact: 1.9 units of the last digit below print. {NOTHING}"),
-        ("1.28", {"exact": 1.47}, f"Exact: 19 units of the last digit above print. {NOTHING}"),
+        ("1.28", {"exact": 1.47}, f"Exact: {above('19 units')}. {NOTHING}"),
         ("1.000", {"exact": 1.025}, f"Exact: 2.5 % above print. {NOTHING}"),
         ("1.000", {"exact": 0.975}, f"Exact: 2.5 % below print. {NOTHING}"),
         ("1.00", {"exact": 1.25}, f"Exact: 25 % above print. {NOTHING}"),
         ("1.000", {"exact": 0.9}, f"Exact: 10 % below print. {NOTHING}"),
         # the route that judges is named however close another comes
-        (
-            "1.280",
-            AUTHORS | {"exact": 1.283, "as_published": 1.285},
-            f"As published: 5 units of the last digit above print. {NOTHING}",
-        ),
-        ("1.28", {"exact": 1.29}, "Exact: 1 unit of the last digit above print."),
+        ("1.280", by_authors(1.285, exact=1.283), f"As published: {above('5 units')}. {NOTHING}"),
+        ("1.28", {"exact": 1.29}, f"Exact: {above('1 unit')}."),
         # digits that are obtained say by what
         ("1.28", {"exact": 1.2801}, "Exactly 1.280100, which rounds to 1.28."),
         (
             "1.280",
-            AUTHORS | {"exact": 1.283, "as_published": 1.2801, "cause": "So read."},
-            "Obtained as published (exact: 3 units of the last digit above print). So read.",
+            by_authors(1.2801, exact=1.283, cause="So read."),
+            f"Obtained as published (exact: {above('3 units')}). So read.",
         ),
         (
             "1.280",
-            AUTHORS | {"exact": 1.2799, "as_published": 1.2801},
+            by_authors(1.2801, exact=1.2799),
             "Obtained as published (exact: rounds to print as well, by chance).",
         ),
-        ("1.28", AUTHORS | {"as_published": 1.2801}, "Obtained as published."),
+        ("1.28", by_authors(1.2801), "Obtained as published."),
         # a last digit needs no tolerance and another does
-        (
-            "1.28",
-            {"exact": 1.294, "tolerances": (WIDE,), "cause": "So read."},
-            "Exact: 1.4 units of the last digit above print. So read.",
-        ),
-        (
-            "1.28",
-            {"exact": 1.31, "tolerances": (WIDE,), "cause": "So read."},
-            f"{THREE}; nothing says why. So read.",
-        ),
+        ("1.28", EXPLAINED | {"exact": 1.294}, f"Exact: {above('1.4 units')}. So read."),
+        ("1.28", EXPLAINED, f"Exact: {above('3 units')}; nothing says why. So read."),
         # what differs is contradicted by the paper, or says that it is not
-        ("1.28", {"exact": 1.31, "evidence": "W says 1.31."}, f"{THREE}. W says 1.31."),
+        ("1.28", {"exact": 1.31, "evidence": "W."}, f"Exact: {above('3 units')}. W."),
         (
             "1.28",
-            {"exact": 1.31, "evidence": "W says 1.31.", "contradiction": "The mean needs 1.31."},
-            f"{THREE}. The mean needs 1.31.",
+            {"exact": 1.31, "evidence": "W.", "contradiction": "The mean needs 1.31."},
+            f"Exact: {above('3 units')}. The mean needs 1.31.",
         ),
         ("1.28", {}, "No number exact."),
+        (
+            "1.280",
+            {"exact": 1.28, "as_published": 1.2935},
+            "Exact: 0 units of the last digit below print. Too far for the deviation that is named: as published "
+            f"{above('14 units')}.",
+        ),
     ],
 )
 def test_an_explanation_says_how_far_off_and_why(printed, parts, words):
     assert explanation(claim(printed, **parts)) == words
-
-
-def test_a_route_that_strays_is_named():
-    assert explanation(claim("1.280", exact=1.28, as_published=1.2935)).endswith(
-        "Too far for the deviation that is named: as published 14 units of the last digit above print."
-    )
