@@ -129,7 +129,7 @@ def test_pairs_of_quite_another_oscillator_differ():
 
 
 def test_a_broken_rule_would_be_seen():
-    """What this test rests on: with the leash let go, a wrong route beside the judging one passes."""
+    """What this test rests on: with the leash let go, a wrong route next to the judging one passes."""
     mutants = [
         m for m in of_rebuild(share=0.01) if m.route not in (m.before.route, *m.before.apart)
     ]

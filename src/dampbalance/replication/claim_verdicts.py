@@ -35,7 +35,7 @@ class ClaimVerdict:
         return self.name.replace(" ", "-")
 
 
-REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS = (
+_BEST_FIRST = (
     ClaimVerdict("reproduced", "✓", "The equations, solved exactly, give the printed digits."),
     ClaimVerdict(
         "reconstructed",
@@ -60,12 +60,9 @@ REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS
         "differs", "✗", "None of these, or against the paper’s own numbers; see the evidence."
     ),
 )
-VERDICTS = {
-    v.name: v
-    for v in (REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS)
-}
+REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS = _BEST_FIRST
+VERDICTS = {verdict.name: verdict for verdict in _BEST_FIRST}
 """Every verdict by its name, best first."""
-
 
 HOLDING = (REPRODUCED.name, RECONSTRUCTED.name)
 """The verdicts with which an input or a statement holds."""

@@ -6,6 +6,11 @@ import math
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 
+LONGEST = 25
+"""Characters of a number at most."""
+
+_POWERS = (-30, 30)  # of ten
+
 
 @dataclass(frozen=True, slots=True)
 class Printed:
@@ -15,11 +20,14 @@ class Printed:
 
     @property
     def is_number(self) -> bool:
-        """Whether the text is a number at all, and not a word such as "degraded"."""
+        """Whether the text is a number, of a size that a quantity of the paper can have, not a word as "degraded"."""
         try:
-            return self.decimal is not None
+            highest = self.decimal.adjusted()
         except ValueError:
             return False
+        if len(self.text) > LONGEST or not self.decimal.is_finite():
+            return False
+        return self.exponent >= _POWERS[0] and highest <= _POWERS[1]
 
     @property
     def decimal(self) -> Decimal:

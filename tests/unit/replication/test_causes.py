@@ -6,16 +6,12 @@ import itertools
 import math
 from dataclasses import replace
 
-import pandas as pd
 import pytest
 
-from dampbalance.replication.claims import RouteTables, causes
-from dampbalance.replication.claims.of_text import held
-from dampbalance.replication.claims.sources import Sources
+from dampbalance.replication.claims import causes
 from dampbalance.replication.printed import Printed
 from paper.routes import CASE, PRINT
 
-NO_ROUTE = RouteTables({}, {})
 LABELS = ["1-2", "2-3", "3-4", "4-5", "1-5"]
 
 
@@ -100,19 +96,6 @@ def test_a_cause_is_named_where_it_explains_and_not_elsewhere(said, words):
 
 def test_a_damping_has_fewer_decimals_in_the_slip_of_sign():
     assert "be 90.023 N s/m. Where" in causes.sign(90.1, 90.0231, "N s/m", MISFITS)
-
-
-@pytest.mark.parametrize(
-    ("F_k", "words"),
-    [
-        (1.28, "The configuration holds this value."),
-        (1.2801, "The configuration holds 1.2801, the paper states 1.28."),
-    ],
-)
-def test_an_input_is_held_to_all_its_digits(F_k, words):
-    case = replace(CASE, oscillator=replace(CASE.oscillator, F_k=F_k))
-    sources = Sources(PRINT, case, NO_ROUTE, NO_ROUTE, pd.DataFrame())
-    assert held(sources, PRINT.rows["parameter.F_k"]).cause == words
 
 
 @pytest.mark.parametrize("level", ["1", "4"])

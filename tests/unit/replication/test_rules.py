@@ -7,7 +7,8 @@ import random
 import pytest
 
 from dampbalance.replication.claims import check_printed, read_published
-from dampbalance.replication.claims.rules import RULES, _few, _is_number
+from dampbalance.replication.claims.rules import RULES, _few
+from dampbalance.replication.printed import Printed
 from folders import PUBLISHED
 
 TEXT = (PUBLISHED / "printed.csv").read_text(encoding="utf-8")
@@ -107,6 +108,6 @@ def test_a_row_that_cannot_be_judged_is_named(error_of, old, new, message):
 
 def test_sizes_of_numbers_and_of_lists_have_their_limits():
     for text, fits in (("1e-30", True), ("1e-31", False), ("9e30", True), ("1e31", False)):
-        assert _is_number(text) == fits
+        assert Printed(text).is_number == fits
     assert _few("01234567") == "0, 1, 2, 3, 4, 5, 6, 7"
     assert _few("012345678") == "0, 1, 2, 3, 4, 5, 6, 7 …"

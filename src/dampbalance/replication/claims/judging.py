@@ -127,9 +127,9 @@ class Claim:
         """
         number, value = self.row.number, self.judged
         low, high = self.allowed or (value, value)
-        known = max(low - value, value - high) > 0.5 * number.unit
+        excluded = max(low - value, value - high) > 0.5 * number.unit
         near = abs(self.off(self.route)) <= 1.0 + self.reach
-        return near and number.significant >= FEWEST_DIGITS and not known
+        return near and number.significant >= FEWEST_DIGITS and not excluded
 
 
 def verdict(claim: Claim) -> ClaimVerdict:

@@ -10,15 +10,13 @@ from ...project.wording import cut
 from ..claim_ids import of_text as id_of_text
 from ..claim_ids import statistic
 from ..claim_verdicts import Kind
-from ..printed import Printed
+from ..printed import LONGEST
 from ..printed_tables import RESIDUAL, TABLE_1, TABLE_2, UNKNOWNS
 from ..route_tables import HARMONIC, PRINTED_APPROACHES
 from . import of_tables, of_text, statements
 from .judging import Claim
 from .published import FILE, FREQUENCIES, Published, Row, column_ids
 from .sources import Sources
-
-_LONGEST, _POWERS = 25, (-30, 30)  # characters of a number, and of ten
 
 
 class Rule(NamedTuple):
@@ -107,20 +105,11 @@ def _problem(row: Row) -> str:
     for column, words in known.items():
         if (text := getattr(row, column)) not in words:
             listed = ", ".join(word or "none" for word in words)
-            return f"{column}: {cut(text, _LONGEST)!r} is not known to its rule; known are {listed}"
-    if row.rule not in statements.WORDS and not _is_number(row.printed):
-        return f"printed: {cut(row.printed, _LONGEST)!r} is not a number such as 90.0402 or 2.9E-3"
+            return f"{column}: {cut(text, LONGEST)!r} is not known to its rule; known are {listed}"
+    if row.rule not in statements.WORDS and not row.number.is_number:
+        return f"printed: {cut(row.printed, LONGEST)!r} is not a number such as 90.0402 or 2.9E-3"
     return ""
 
 
-def _is_number(text: str) -> bool:
-    """Whether the text is a number with digits, of a size that a quantity of the paper can have."""
-    number = Printed(text)
-    if len(text) > _LONGEST or not number.is_number or not number.decimal.is_finite():
-        return False
-    low, high = _POWERS
-    return low <= number.exponent and number.decimal.adjusted() <= high
-
-
 def _few(rows: Sequence[str]) -> str:
-    return ", ".join(cut(row, _LONGEST) for row in rows[:8]) + (" …" if len(rows) > 8 else "")
+    return ", ".join(cut(row, LONGEST) for row in rows[:8]) + (" …" if len(rows) > 8 else "")
