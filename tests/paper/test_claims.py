@@ -163,7 +163,7 @@ def test_kinds(claims):
     assert (given["explanation"] == "The configuration holds this value.").all()
     assert set(given["quantity"].str.startswith("Y:")) == {True, False}
     statements = claims[claims["kind"] == "statement"]
-    assert statements["explanation"].str.startswith("Judged ").all()
+    assert statements["explanation"].str.startswith("Judged as published, by ").all()
     words = [row for row in claims.to_dict("records") if not Printed(row["printed"]).is_number]
     assert {row["kind"] for row in words} == {"statement"}
     assert kinds["parameter.zeta"] == kinds["parameter.omega1_natural"] == "computed"

@@ -1,4 +1,4 @@
-"""The claims of the running text: stated parameters, least squares, means and deviations, error bounds, comparisons."""
+"""The claims on numbers of the running text: stated parameters, least squares, means and deviations."""
 
 from __future__ import annotations
 
@@ -6,19 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from ...balance import TERMS
-from ...estimates import estimate_table
-from ...features import Features
-from ..claim_verdicts import ROUTE_NAMES
-from ..comparison import largest_errors, relative_errors
 from ..printed_tables import COLUMN_OF, RESIDUAL
-from ..readout import ReadOut
-from ..route_tables import HARMONIC, RouteTables
-from . import causes, statements
+from . import causes
 from .judging import WRITTEN, Claim
-from .published import PAIRS, Row
+from .published import Row
 from .sources import SIMULATING, Sources
 
 if TYPE_CHECKING:
@@ -80,100 +71,7 @@ def mean_of_levels(sources: Sources, row: Row) -> Claim:
     return _from_print(row, values, "Over the five values that Table 1 prints.", **how)
 
 
-def bound(sources: Sources, row: Row) -> Claim:
-    """Bounds on the errors of the two-point formulas with common φ and t_s, at ω1 and at other frequencies."""
-    if row.symbol in TERMS:
-        osc = sources.case.oscillator
-        values = {
-            name: largest_errors(tables.pairs(), osc)[row.symbol]
-            for name, tables in sources.pairs.items()
-        }
-        cause = f"Largest error in the fifteen pairs: {_each(values)}."
-    else:
-        values = _worst(sources, sources.routes, frequency=row.symbol)
-        cause = _largest_with_sign(sources, row.symbol)
-    return _stated(row, values, cause, statements.bound(row, values[statements.ROUTE]))
-
-
-def change(sources: Sources, row: Row) -> Claim:
-    """Words for how accurate the two-point formulas are off resonance."""
-    hz = sources.case.frequencies_hz
-    values = _worst(sources, sources.routes, frequency=row.symbol)
-    error, near = (of[statements.ROUTE] for of in (values, _worst(sources, sources.routes)))
-    cause = (
-        f"Largest error of the two-point formulas: {error:.1f} % at {hz[row.symbol]:g} Hz, "
-        f"{near:.1f} % at {hz['omega1']:g} Hz."
-    )
-    return _stated(row, values, cause, statements.word(row, error, near))
-
-
-def truth(sources: Sources, row: Row) -> Claim:
-    """That direct integration is the most accurate approach."""
-    direct, *harmonic = (
-        _worst(sources, sources.pairs, (approach,)) for approach in ("direct", *HARMONIC)
-    )
-    best = {route: min(errors[route] for errors in harmonic) for route in direct}
-    cause = f"Largest error in the pairs, direct: {_each(direct)}; best harmonic approach: {_each(best)}."
-    judged = statements.word(row, direct[statements.ROUTE], best[statements.ROUTE])
-    return _stated(row, direct, cause, judged)
-
-
-def _largest_with_sign(sources: Sources, frequency: str) -> str:
-    """The largest error of F_k at a frequency by several ways to the features, a sentence."""
-
-    def largest(tables: RouteTables) -> str:
-        errors = relative_errors(tables.pairs(frequency=frequency), sources.case.oscillator)
-        of_F_k = errors["F_k"].to_numpy()
-        signless = np.abs(of_F_k)
-        return "" if np.isnan(signless).all() else f"{of_F_k[np.nanargmax(signless)]:+.1f} %"
-
-    return (
-        f"Largest error of F_k by the recipe that gives Table 3: {largest(sources.as_published)}; by exact features "
-        f"{largest(sources.exact)}, with six decimals {largest(_with_decimals(sources, frequency, 6))}, with the five "
-        f"of Table 1 {largest(_with_decimals(sources, frequency, 5))}. The paper prints no number at this frequency to "
-        "hold against it."
-    )
-
-
-def _worst(
-    sources: Sources,
-    routes: Mapping[str, RouteTables],
-    approaches: tuple[str, ...] = HARMONIC,
-    frequency: str = "omega1",
-) -> dict[str, float]:
-    """By each route, the larger of the largest errors of F_k and c over the pairs, per cent."""
-    osc = sources.case.oscillator
-    return {
-        name: max(largest_errors(tables.pairs(approaches, frequency), osc).values())
-        for name, tables in routes.items()
-    }
-
-
-def _with_decimals(sources: Sources, frequency: str, decimals: int) -> RouteTables:
-    """Pairs from exact features of a frequency, X, X_s and V_s with so many decimals; nothing if there are none."""
-    frame = sources.exact.features.get(frequency)
-    if frame is None:
-        return RouteTables({}, {})
-    read = ReadOut(X_decimals=decimals, X_s_decimals=decimals, V_s_decimals=decimals)
-    features = read.apply(Features.from_frame(frame))
-    return RouteTables({}, {frequency: estimate_table(features, sources.case.oscillator.k, PAIRS)})
-
-
 def _from_print(row: Row, values: Mapping[str, float], cause: str, **how: Any) -> Claim:
     """A number of the text that the paper computes from its own tables.   how : further fields of the claim."""
     contradiction = causes.printed_inputs_differ(values, row.number)
     return Claim(row, values, "from_print", cause=cause, contradiction=contradiction, **how)
-
-
-def _stated(row: Row, values: Mapping[str, float], cause: str, judged: statements.Judged) -> Claim:
-    cause = f"{judged.how} {cause}"
-    return Claim(row, values, statements.ROUTE, holds=judged.holds, cause=cause)
-
-
-def _each(values: Mapping[str, float]) -> str:
-    """The errors by the routes in words."""
-    return ", ".join(
-        f"{value:.3f} % {ROUTE_NAMES[route]}"
-        for route, value in values.items()
-        if not math.isnan(value)
-    )

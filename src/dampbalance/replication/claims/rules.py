@@ -50,9 +50,9 @@ RULES = {
     "mean of pairs": Rule(of_text.moment_of_pairs, _ESTIMATES, ("direct",)),
     "deviation of pairs": Rule(of_text.moment_of_pairs, _ESTIMATES, ("direct",)),
     "mean of levels": Rule(of_text.mean_of_levels, ("t_s", "phi")),
-    "bound": Rule(of_text.bound, (*_ESTIMATES, *FREQUENCIES), kind="statement"),
-    "change": Rule(of_text.change, FREQUENCIES, kind="statement"),
-    "truth": Rule(of_text.truth, ("",), kind="statement"),
+    "bound": Rule(statements.bound, (*_ESTIMATES, *FREQUENCIES), kind="statement"),
+    "change": Rule(statements.change, FREQUENCIES, kind="statement"),
+    "truth": Rule(statements.truth, ("",), kind="statement"),
 }
 """Every rule by its name in the column `rule` of the printed numbers."""
 
@@ -91,9 +91,9 @@ def check_printed(published: Published) -> None:
         if problem := _problem(row):
             raise ValueError(f"{FILE}: row {row.id}, column {problem}")
         if row.rule == "bound":
-            statements.bound(row, math.nan)
+            statements.bound_holds(row, math.nan)
         elif row.rule in statements.WORDS:
-            statements.word(row, math.nan, math.nan)
+            statements.word_holds(row, math.nan, math.nan)
 
 
 def _problem(row: Row) -> str:
