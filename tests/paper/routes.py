@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from decimal import Decimal
 from functools import lru_cache
 
 import pandas as pd
@@ -31,6 +32,11 @@ def claim(printed: str = "1.28", **parts) -> Claim:
     values = {route: parts.pop(route) for route in ROUTE_NAMES if route in parts}
     row = Row("id", "where", "F_k", "", "quantity", "N", printed, "computed", "")
     return Claim(row, values, **parts)
+
+
+def with_digits_of(text: str, value: float) -> Decimal:
+    """The value rounded to as many decimals as the text has."""
+    return Decimal(value).quantize(Decimal(text))
 
 
 def case_of(oscillator: Oscillator) -> Case:

@@ -19,7 +19,7 @@ from dampbalance.motion.orbit import steady_orbit
 from dampbalance.reading.clean import of_record
 from dampbalance.replication.readout import ReadOut
 from dampbalance.solver import pair
-from paper.routes import PRINT
+from paper.routes import PRINT, with_digits_of
 from paper_case import LEVELS, OMEGA, PAIRS, PAPER
 
 STEP = 5.0e-6
@@ -75,11 +75,6 @@ def sampled(simulated):
 
 LABELS = [f"{i + 1}-{j + 1}" for i, j in PAIRS]
 numbers = PRINT.column
-
-
-def with_digits_of(text, value):
-    """The value rounded to as many decimals as the text has."""
-    return Decimal(value).quantize(Decimal(text))
 
 
 def table_3(features, readout):

@@ -96,9 +96,21 @@ def test_a_missing_row_is_named(error_of, start):
         ("given,held", "computed,held", "row parameter.m, column kind: 'computed'"),
         (",F_k,direct,", ",F_k,rough,", "row table2.F_k.1-2, column approach: 'rough'"),
         (",0.00605,", ",,", "column printed has an empty cell"),
-        ("less than", "about", "text.max_error_F_k: the quantity must end with"),
-        (",degraded,", ",unclear,", "text.accuracy_omega2: cannot judge the word 'unclear'"),
-        (",true,", ",perhaps,", "text.direct_best: cannot judge the word 'perhaps'"),
+        (
+            "less than",
+            "about",
+            "max_error_F_k: the quantity must end with 'less than' or 'more than'",
+        ),
+        (
+            ",degraded,",
+            ",unclear,",
+            "accuracy_omega2: cannot judge the word 'unclear'; known are degraded, improved",
+        ),
+        (
+            ",true,",
+            ",perhaps,",
+            "direct_best: cannot judge the word 'perhaps'; known are true, false",
+        ),
         ("text.phi_mean", "text.phi_middle", "do not match: text.phi_mean, text.phi_middle;"),
     ],
 )

@@ -43,11 +43,6 @@ def test_a_bound_is_the_rounded_value_or_one_unit_looser(side, value, printed, h
     assert bound_holds(row("bound", printed, f"largest error: {side}"), value)[0] is holds
 
 
-def test_a_bound_must_say_on_which_side_it_is():
-    with pytest.raises(ValueError, match=r"printed\.csv: name: .*'less than' or 'more than'"):
-        bound_holds(row("bound", "1.5", "largest error"), 1.4)
-
-
 @pytest.mark.parametrize(
     ("rule", "printed", "if_larger"),
     [
@@ -60,14 +55,3 @@ def test_a_bound_must_say_on_which_side_it_is():
 def test_the_printed_word_decides(rule, printed, if_larger):
     for one, other in ((19.6, 1.5), (1.0, 1.5)):
         assert word_holds(row(rule, printed), one, other)[0] is ((one > other) == if_larger)
-
-
-@pytest.mark.parametrize(
-    ("rule", "printed", "known"),
-    [("change", "unclear", "degraded, improved"), ("truth", "perhaps", "true, false")],
-)
-def test_an_unknown_word_is_refused(rule, printed, known):
-    with pytest.raises(
-        ValueError, match=f"name: cannot judge the word {printed!r}; known are {known}"
-    ):
-        word_holds(row(rule, printed), 1.0, 1.0)
