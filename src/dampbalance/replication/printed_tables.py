@@ -7,7 +7,7 @@ with has none.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from typing import NamedTuple
 
@@ -76,30 +76,23 @@ def paper_tables(
     routes : result tables by the names of SHOWN_ROUTES.
     claims : their table, for printed numbers and verdicts; None for a frequency at which the paper prints no tables.
     """
+    feature, estimate = RouteTables.feature, RouteTables.estimate
     levels = routes["exact"].features[frequency]["Y_m"]
     labels = dict.fromkeys(routes["exact"].pairs(("direct",), frequency)["pair"])
 
     def features(quantities: Iterable[Quantity]) -> list[_Cell]:
         return [
-            _Cell(f"{1e3 * Y:g} mm", q.symbol, q, partial(RouteTables.feature, level=level))
+            _Cell(f"{1e3 * Y:g} mm", q.symbol, q, partial(feature, level=level))
             for level, Y in enumerate(levels, 1)
             for q in quantities
         ]
 
     def pairs(approach: str, ending: str = "") -> list[_Cell]:
-        look_up = partial(RouteTables.estimate, approach=approach)
+        look_up = partial(estimate, approach=approach)
         return [
             _Cell(f"pair {label}", f"{q.symbol}{ending}", q, partial(look_up, pair=label))
             for label in labels
             for q in UNKNOWNS
-        ]
-
-    def statistics(approach: str, kind: str) -> list[_Cell]:
-        row, look_up = f"{approach}, {kind.replace('_', ' ')}", RouteTables.estimate
-        return [
-            _Cell(row, q.symbol, q, partial(look_up, approach=approach, kind=kind))
-            for q in (*UNKNOWNS, RESIDUAL)
-            if q != RESIDUAL or kind == "least_squares"
         ]
 
     cells = {
@@ -107,14 +100,32 @@ def paper_tables(
         "table2": features(TABLE_2) + pairs("direct"),
         "table3": [cell for name in HARMONIC for cell in pairs(name, f" by {name}")],
         "statistics": [
-            cell
+            _Cell(
+                f"{name}, {kind.replace('_', ' ')}",
+                q.symbol,
+                q,
+                partial(estimate, approach=name, kind=kind),
+            )
             for name in PRINTED_APPROACHES
             for kind in STATISTICS
-            for cell in statistics(name, kind)
+            for q in (*UNKNOWNS, RESIDUAL)
+            if q != RESIDUAL or kind == "least_squares"
         ],
     }
     judged = {} if claims is None else claims.set_index("id").to_dict("index")
-    return {name: _frame(name, of, routes, frequency, judged) for name, of in cells.items()}
+    tables = {}
+    for name, of_table in cells.items():
+        places = {row: place for place, row in enumerate(dict.fromkeys(c.row for c in of_table), 1)}
+        records = []
+        for row, quantity, q, look_up in of_table:
+            claim = judged.get(claim_of(name, row, places[row], quantity), {})
+            printed, verdict = (claim.get(column, "") for column in ("printed", "verdict"))
+            numbers = (
+                look_up(routes[r], column=q.column, frequency=frequency) for r in SHOWN_ROUTES
+            )
+            records.append((row, quantity, q.unit, printed, *numbers, verdict))
+        tables[name] = pd.DataFrame.from_records(records, columns=list(COLUMNS))
+    return tables
 
 
 def claim_of(name: str, row: str, place: int, quantity: str) -> str:
@@ -168,25 +179,6 @@ class _Cell(NamedTuple):
     quantity: str
     of: Quantity
     look_up: Callable[..., float]  # of RouteTables
-
-
-def _frame(
-    name: str,
-    cells: Iterable[_Cell],
-    routes: Mapping[str, RouteTables],
-    frequency: str,
-    judged: Mapping[Hashable, Mapping[Hashable, str]],
-) -> pd.DataFrame:
-    """A table from its cells.   judged : the rows of the table of claims by id."""
-    places: dict[str, int] = {}
-    records = []
-    for row, quantity, q, look_up in cells:
-        place = places.setdefault(row, len(places) + 1)
-        claim = judged.get(claim_of(name, row, place, quantity), {})
-        numbers = [look_up(routes[r], column=q.column, frequency=frequency) for r in SHOWN_ROUTES]
-        printed = claim.get("printed", "")
-        records.append((row, quantity, q.unit, printed, *numbers, claim.get("verdict", "")))
-    return pd.DataFrame.from_records(records, columns=list(COLUMNS))
 
 
 def _shown(cell: pd.Series, source: str) -> str:
