@@ -9,11 +9,9 @@ from functools import cache
 from typing import NamedTuple
 
 from dampbalance.replication.claim_verdicts import VERDICTS
-from dampbalance.replication.claims.from_print import from_print
-from dampbalance.replication.claims.inputs import Sources
 from dampbalance.replication.claims.judging import Claim, verdict
 from dampbalance.replication.claims.rules import claims
-from dampbalance.replication.printed import Printed
+from dampbalance.replication.claims.sources import Sources
 from paper.routes import CASE, PRINT, as_published, exact, unrounded
 
 
@@ -39,9 +37,8 @@ class Mutant(NamedTuple):
 
 def judged(published, *names: str) -> list[Claim]:
     """The claims on some numbers, by their ids."""
-    routes = exact(), as_published(), from_print(published, CASE)
-    sources = Sources(published, CASE, *routes, unrounded())
-    return list(claims(sources, [published.rows[name] for name in names]))
+    sources = Sources(published, CASE, exact(), as_published(), unrounded())
+    return claims(sources, [published.rows[name] for name in names])
 
 
 @cache
@@ -53,14 +50,15 @@ def originals() -> list[Claim]:
 def of_print(*steps: int) -> Iterator[Mutant]:
     """Every computed number, its last printed digit moved by each of some steps."""
     for before, step in itertools.product(originals(), steps):
-        changed = PRINT.changed({before.id: PRINT[before.id].moved(step)})
-        yield Mutant(before, *judged(changed, before.id), step)
+        name = before.row.id
+        changed = PRINT.changed({name: PRINT[name].moved(step)})
+        yield Mutant(before, *judged(changed, name), step)
 
 
 def of_rebuild(*, units: float = 0.0, share: float = 0.0) -> Iterator[Mutant]:
     """Every number that any route gives for a computed one, made wrong by so many units or by a share of itself."""
     for claim in originals():
         for route in claim.routes:
-            wrong = claim.values[route] * (1.0 + share) + units * Printed(claim.printed).unit
+            wrong = claim.values[route] * (1.0 + share) + units * claim.row.number.unit
             after = replace(claim, values={**claim.values, route: wrong})
             yield Mutant(claim, after, units, route)

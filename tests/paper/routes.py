@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from decimal import Decimal
 from functools import lru_cache
 
 import pandas as pd
@@ -17,6 +18,7 @@ from dampbalance.replication import as_published as authors
 from dampbalance.replication.claim_verdicts import ROUTE_NAMES
 from dampbalance.replication.claims import Published, RouteTables, claims_table, read_published
 from dampbalance.replication.claims.judging import Claim
+from dampbalance.replication.claims.published import Row
 from folders import PUBLISHED, ROOT
 
 PRINT = read_published(PUBLISHED)
@@ -28,7 +30,13 @@ PAPER = CASE.oscillator
 def claim(printed: str = "1.28", **parts) -> Claim:
     """A claim on some number. parts : values by route (exact, as_published, from_print) and fields of Claim."""
     values = {route: parts.pop(route) for route in ROUTE_NAMES if route in parts}
-    return Claim("id", "where", "quantity", "N", printed, values, **parts)
+    row = Row("id", "where", "F_k", "", "quantity", "N", printed, "computed", "")
+    return Claim(row, values, **parts)
+
+
+def with_digits_of(text: str, value: float) -> Decimal:
+    """The value rounded to as many decimals as the text has."""
+    return Decimal(value).quantize(Decimal(text))
 
 
 def case_of(oscillator: Oscillator) -> Case:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from decimal import Decimal
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from dampbalance.balance import direct, slip_displacement, slip_time, slip_velocity_as_printed
@@ -20,7 +19,7 @@ from dampbalance.motion.orbit import steady_orbit
 from dampbalance.reading.clean import of_record
 from dampbalance.replication.readout import ReadOut
 from dampbalance.solver import pair
-from folders import PUBLISHED
+from paper.routes import PRINT, with_digits_of
 from paper_case import LEVELS, OMEGA, PAIRS, PAPER
 
 STEP = 5.0e-6
@@ -74,20 +73,8 @@ def sampled(simulated):
     return read(simulated, "sample")
 
 
-PRINTED = pd.read_csv(PUBLISHED / "printed.csv", dtype=str).set_index("id")["printed"]
 LABELS = [f"{i + 1}-{j + 1}" for i, j in PAIRS]
-
-
-def numbers(table, symbol):
-    """The printed column of a table with a line for each level."""
-    return PRINTED[[f"{table}.{symbol}.{level + 1}" for level in range(len(LEVELS))]].to_numpy(
-        float
-    )
-
-
-def with_digits_of(text, value):
-    """The value rounded to as many decimals as the text has."""
-    return Decimal(value).quantize(Decimal(text))
+numbers = PRINT.column
 
 
 def table_3(features, readout):
@@ -102,7 +89,7 @@ def table_3(features, readout):
         for name, of in rows.items():
             estimate = pair(of, i, j)
             for symbol in ("F_k", "c"):
-                text = PRINTED[f"table3.{name}.{symbol}.{label}"]
+                text = PRINT[f"table3.{name}.{symbol}.{label}"].text
                 cells.append((f"{name} {symbol} {label}", text, estimate[symbol]))
     return cells
 
@@ -122,8 +109,8 @@ def test_W_of_table_2(sampled):
     assert np.all(unrounded.W / numbers("table2", "W") - 1.0 < -1.5e-6)
 
 
-def test_b_of_table_2_to_the_last_digit_but_for_b_1(sampled):
-    printed = PRINTED[PRINTED.index.str.startswith("table2.b.")].tolist()
+def test_b_of_table_2_to_the_last_digit_except_b_1(sampled):
+    printed = [PRINT[f"table2.b.{level}"].text for level in range(1, 6)]
     computed = [with_digits_of(text, b) for text, b in zip(printed, sampled.b, strict=True)]
     assert computed[1:] == [Decimal(text) for text in printed[1:]]
     assert Decimal(printed[0]) - computed[0] == Decimal("0.00000001")
@@ -131,11 +118,11 @@ def test_b_of_table_2_to_the_last_digit_but_for_b_1(sampled):
 
 def test_b_1_of_table_2_contradicts_its_own_row():
     """With the F_k and c of the next rows, the printed a_1 and W_1 need the b_1 that the simulation has."""
-    a_1, W_1 = (float(PRINTED[f"table2.{symbol}.1"]) for symbol in ("a", "W"))
+    a_1, W_1 = (PRINT[f"table2.{symbol}.1"].value for symbol in ("a", "W"))
     for label in LABELS[1:4]:
-        F_k, c = (float(PRINTED[f"table2.{symbol}.{label}"]) for symbol in ("F_k", "c"))
+        F_k, c = (PRINT[f"table2.{symbol}.{label}"].value for symbol in ("F_k", "c"))
         b_1 = (W_1 - a_1 * F_k) / c
-        assert with_digits_of(PRINTED["table2.b.1"], b_1) == Decimal("0.00072728")
+        assert with_digits_of(PRINT["table2.b.1"].text, b_1) == Decimal("0.00072728")
 
 
 def off_print_in_samples(features):
@@ -184,7 +171,7 @@ def test_pairs_of_table_2_without_level_1(sampled):
     rows = direct(sampled, PAPER.k)
     for line in (1, 2, 3):
         estimate = pair(rows, *PAIRS[line])
-        F_k, c = (float(PRINTED[f"table2.{symbol}.{LABELS[line]}"]) for symbol in ("F_k", "c"))
+        F_k, c = (PRINT[f"table2.{symbol}.{LABELS[line]}"].value for symbol in ("F_k", "c"))
         # c of pair 4-5 is 90.01144, printed 90.0115: W, 6e-8 of itself off print, moves c by up to half a unit.
         assert estimate["c"] == pytest.approx(c, abs=0.6e-4)
         # W at level 2 is 3.4e-7 of itself off, which moves F_k of pair 2-3 by four times that: 5e-6.
@@ -248,8 +235,8 @@ def test_all_thirty_numbers_of_table_3(interpolated):
 
 def test_the_common_values_of_table_3_follow_from_the_simulation(interpolated):
     common = TABLE_3.common(interpolated)
-    assert np.all(common.phi == float(PRINTED["text.phi_mean"]))
-    assert common.t_s == pytest.approx([float(PRINTED["text.t_s_mean"])] * 5, abs=1e-12)
+    assert np.all(common.phi == PRINT["text.phi_mean"].value)
+    assert common.t_s == pytest.approx([PRINT["text.t_s_mean"].value] * 5, abs=1e-12)
 
 
 @pytest.mark.parametrize(

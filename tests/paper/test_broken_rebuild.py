@@ -14,7 +14,6 @@ import pytest
 from dampbalance.replication.claim_verdicts import DIFFERS, PROPAGATED, ROUTE_NAMES, UNEXPLAINED
 from dampbalance.replication.claims import RouteTables, claims_table
 from dampbalance.replication.claims.judging import LEASH
-from dampbalance.replication.printed import Printed
 from paper.mutants import of_rebuild
 from paper.routes import CASE, PRINT, as_published, exact, unrounded
 
@@ -52,7 +51,7 @@ SURVIVORS = {
 
 def shown_only(mutant):
     return any(
-        mutant.before.id.startswith(start) and mutant.route in routes
+        mutant.before.row.id.startswith(start) and mutant.route in routes
         for start, (routes, _) in APART.items()
     )
 
@@ -60,12 +59,12 @@ def shown_only(mutant):
 @pytest.mark.parametrize("share", [0.01, -0.01, 0.1, -0.1])
 def test_a_number_that_is_wrong_by_a_per_cent_differs(share):
     mutants = list(of_rebuild(share=share))
-    assert len({mutant.before.id for mutant in mutants}) == 100
+    assert len({mutant.before.row.id for mutant in mutants}) == 100
     assert {mutant.route for mutant in mutants} == set(ROUTE_NAMES)
     for mutant in mutants:
         was, now = mutant.verdicts
         assert now == (was if shown_only(mutant) else DIFFERS.name), (
-            mutant.before.id,
+            mutant.before.row.id,
             mutant.route,
         )
 
@@ -83,9 +82,9 @@ def test_ten_units_of_the_last_digit_have_survivors_with_reasons(units):
     for mutant in of_rebuild(units=units):
         (was, now), claim = mutant.verdicts, mutant.after
         if mutant.route == claim.route and now != DIFFERS.name:
-            survivors[claim.id, sign] = now
+            survivors[claim.row.id, sign] = now
         elif mutant.route not in (claim.route, *claim.apart):
-            near = claim.nearby.get(mutant.route, Printed(claim.printed).value)
+            near = claim.nearby.get(mutant.route, claim.row.number.value)
             far = abs(claim.value(mutant.route) / near - 1.0) > LEASH
             assert now == (DIFFERS.name if far else was)
     assert set(survivors) == {key for key in SURVIVORS if key[1] == sign}
@@ -130,7 +129,7 @@ def test_pairs_of_quite_another_oscillator_differ():
 
 
 def test_a_broken_rule_would_be_seen():
-    """What this test rests on: with the leash let go, a wrong route beside the judging one passes."""
+    """What this test rests on: with the leash let go, a wrong route next to the judging one passes."""
     mutants = [
         m for m in of_rebuild(share=0.01) if m.route not in (m.before.route, *m.before.apart)
     ]

@@ -8,8 +8,7 @@ import re
 import pytest
 
 from dampbalance.motion.orbit import steady_orbit
-from dampbalance.replication.as_published import SLIPPING_SAMPLE
-from dampbalance.replication.claims.inputs import CORRECTED
+from dampbalance.replication.as_published import CORRECTED, SLIPPING_SAMPLE
 from dampbalance.replication.printed import Printed
 from paper.routes import CASE, PAPER, as_published, judged, unrounded
 
@@ -120,7 +119,7 @@ def test_with_the_minus_of_19_the_columns_would_be_those_of_the_corrected_rows(c
     for name, row in not_exact(claims, "table3.V_s.").iterrows():
         symbol, label = name.split(".")[2:]
         column = {"F_k": "F_k_N", "c": "c_N_s_per_m"}[symbol]
-        right = as_published().estimate(column, CORRECTED, phase="common", pair=label)
+        right = as_published().estimate(column, CORRECTED, pair=label)
         shown = re.search(r"it would be ([\d.]+) (N|N s/m)\.", row["explanation"])
         assert shown[2] == row["unit"]
         assert float(shown[1]) == pytest.approx(right, abs=0.51 * Printed(shown[1]).unit)

@@ -12,11 +12,11 @@ from dampbalance.replication.claims.from_print import (
     from_print,
     printed_estimates,
     printed_features,
-    printed_pair_statistics,
 )
+from dampbalance.replication.comparison import largest_errors
 from dampbalance.replication.printed import Printed
 from dampbalance.solver import least_squares
-from paper.routes import CASE, PAPER, PRINT
+from paper.routes import CASE, PAPER, PRINT, with_digits_of
 
 APPROACH_IDS = {"direct": "direct", "Xs": "X_s", "ts": "t_s", "Vs": "V_s"}
 
@@ -24,15 +24,6 @@ APPROACH_IDS = {"direct": "direct", "Xs": "X_s", "ts": "t_s", "Vs": "V_s"}
 @pytest.fixture(scope="module")
 def route():
     return from_print(PRINT, CASE)
-
-
-def as_printed(value, text):
-    """The value rounded to the digits of the printed text, as text."""
-    return f"{Decimal(value).quantize(Decimal(1).scaleb(Printed(text).exponent)).normalize():E}"
-
-
-def same_digits(text):
-    return f"{Decimal(text).normalize():E}"
 
 
 @pytest.mark.parametrize("short", APPROACH_IDS)
@@ -43,29 +34,29 @@ def test_least_squares_to_the_last_digit(route, short, column):
     value = route.estimate(column, APPROACH_IDS[short], kind="least_squares")
     if (short, symbol) == ("Xs", "c"):
         # The one exception: 90.04025 rounds to 90.0403, print has 90.0402.
-        assert (as_printed(value, text), text) == ("9.00403E+1", "90.0402")
+        assert (with_digits_of(text, value), text) == (Decimal("90.0403"), "90.0402")
         assert math.floor(value * 1e4) / 1e4 == Printed(text).value
     else:
-        assert as_printed(value, text) == same_digits(text)
+        assert with_digits_of(text, value) == Decimal(text)
 
 
 @pytest.mark.parametrize("name", ["c_mean", "F_k_mean", "c_std", "F_k_std"])
 def test_mean_and_deviation_of_the_printed_pairs(name):
     symbol, kind = name.rsplit("_", 1)
     text = PRINT[f"text.{symbol}_direct_{kind}"].text
-    mean, deviation = printed_pair_statistics(PRINT)
-    value = {"mean": mean, "std": deviation}[kind][symbol]
-    assert as_printed(value, text) == same_digits(text)
+    pairs = PRINT.column("table2", symbol)
+    value = pairs.mean() if kind == "mean" else pairs.std(ddof=1)
+    assert with_digits_of(text, value) == Decimal(text)
 
 
 def test_mean_phase_and_time():
     for name, symbol in (("phi_mean", "phi"), ("t_s_mean", "t_s")):
         text = PRINT[f"text.{name}"].text
-        assert as_printed(PRINT.column("table1", symbol).mean(), text) == same_digits(text)
+        assert with_digits_of(text, PRINT.column("table1", symbol).mean()) == Decimal(text)
 
 
 def test_largest_errors_of_table_3():
-    F_k, c = printed_estimates(PRINT).largest_errors(PAPER).values()
+    F_k, c = largest_errors(printed_estimates(PRINT).pairs(), PAPER).values()
     assert F_k == pytest.approx(100.0 * (1.299 / 1.28 - 1.0), rel=1e-12)  # X_s, pair 2-3
     assert c == pytest.approx(100.0 * (90.071 / 90.0 - 1.0), rel=1e-12)  # V_s, pair 1-2
 
@@ -76,5 +67,5 @@ def test_the_sign_slip_is_not_in_the_least_squares():
     text = PRINT["text.F_k_Vs_ls"].text
     minus = least_squares(APPROACHES["V_s"](features, 2310.0))["F_k"]
     plus = least_squares(slip_velocity_as_printed(features, 2310.0))["F_k"]
-    assert as_printed(minus, text) == same_digits(text)
+    assert with_digits_of(text, minus) == Decimal(text)
     assert abs(plus - Printed(text).value) > 5e-3

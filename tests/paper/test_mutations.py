@@ -50,12 +50,12 @@ CAUGHT = {"parameter": 1.0, "table1": 0.96, "table2": 0.74, "table3": 1.0, "text
 @pytest.fixture(scope="module")
 def verdicts():
     """A line per mutant of a computed number: id, step, verdict after, by how many ranks it is worse."""
-    lines = [(m.before.id, m.step, m.verdicts[1], m.worse) for m in of_print(+1, -1)]
+    lines = [(m.before.row.id, m.step, m.verdicts[1], m.worse) for m in of_print(+1, -1)]
     return pd.DataFrame(lines, columns=["id", "step", "now", "worse"])
 
 
 def test_all_computed_numbers_are_mutated_both_ways(verdicts):
-    computed = {claim.id for claim in originals()}
+    computed = {claim.row.id for claim in originals()}
     assert set(verdicts["id"]) == computed
     assert len(verdicts) == 2 * len(computed) == 200
 

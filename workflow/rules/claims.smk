@@ -33,7 +33,7 @@ if PUBLISHED and workflow.is_main_process:
         check_printed(read_published(Path(PUBLISHED)))
         read_record(Path(PUBLISHED, "verdicts.csv"))
     except ValueError as error:
-        raise WorkflowError(f"{where}: {error}.") from None
+        raise WorkflowError(f"{where}/{error}.") from None
 
 
 def published_files(wildcards):

@@ -28,11 +28,14 @@ from .readout import ReadOut
 if TYPE_CHECKING:
     import pandas as pd
 
+CORRECTED = "V_s with minus"
+"""The V_s pairs as (19) states them."""
+
 APPROACHES_OF_TABLE_3: dict[str, Approach] = {
     "X_s": APPROACHES["X_s"],
     "t_s": APPROACHES["t_s"],
     "V_s": Approach(slip_velocity_as_printed, "V_s with plus"),
-    "V_s with minus": Approach(slip_velocity, "V_s with minus"),
+    CORRECTED: Approach(slip_velocity, CORRECTED),
 }
 """The rows behind the printed Table 3: the V_s pairs with their slip of sign, and for comparison those without it."""
 
@@ -62,10 +65,11 @@ class ReadFeatures(NamedTuple):
 def coefficients(case: Case) -> dict[str, float]:
     """c_over_m (1/s) and k_over_m (1/s²) with the decimals that the authors' program kept, as `simulate` takes them."""
     osc, numerics = case.oscillator, case.numerics
-    return {
-        "c_over_m": _rounded(osc.c / osc.m, numerics.c_over_m_decimals),
-        "k_over_m": _rounded(osc.k / osc.m, numerics.k_over_m_decimals),
+    ratios = {
+        "c_over_m": (osc.c / osc.m, numerics.c_over_m_decimals),
+        "k_over_m": (osc.k / osc.m, numerics.k_over_m_decimals),
     }
+    return {name: v if kept is None else round(v, kept) for name, (v, kept) in ratios.items()}
 
 
 def added_damping(case: Case, omega: float) -> float:
@@ -124,7 +128,3 @@ def estimates(tabulated: Features, two_point: Features, case: Case) -> pd.DataFr
         common=two_point,
         common_approaches=APPROACHES_OF_TABLE_3,
     )
-
-
-def _rounded(value: float, decimals: int | None) -> float:
-    return value if decimals is None else round(value, decimals)

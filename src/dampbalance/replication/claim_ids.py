@@ -30,12 +30,7 @@ def of_text(name: str) -> str:
 
 def statistic(symbol: str, approach: str, kind: str) -> str:
     """The name of a statistic of the running text: c_Xs_ls.   kind : of STATISTICS."""
-    return f"{symbol}_{short(approach)}_{STATISTICS[kind]}"
-
-
-def short(approach: str) -> str:
-    """An approach inside the name of a statistic: Xs."""
-    return approach.replace("_", "")
+    return f"{symbol}_{approach.replace('_', '')}_{STATISTICS[kind]}"
 
 
 def part_of(claim: str) -> str:

@@ -35,7 +35,7 @@ class ClaimVerdict:
         return self.name.replace(" ", "-")
 
 
-REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS = (
+_BEST_FIRST = (
     ClaimVerdict("reproduced", "✓", "The equations, solved exactly, give the printed digits."),
     ClaimVerdict(
         "reconstructed",
@@ -60,12 +60,9 @@ REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS
         "differs", "✗", "None of these, or against the paper’s own numbers; see the evidence."
     ),
 )
-VERDICTS = {
-    v.name: v
-    for v in (REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS)
-}
+REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS = _BEST_FIRST
+VERDICTS = {verdict.name: verdict for verdict in _BEST_FIRST}
 """Every verdict by its name, best first."""
-
 
 HOLDING = (REPRODUCED.name, RECONSTRUCTED.name)
 """The verdicts with which an input or a statement holds."""
@@ -113,18 +110,12 @@ def counts(claims: pd.DataFrame) -> list[Count]:
     Raises KeyError for an id that belongs to no part.
     """
     keys = claims["id"].map(part_of)
-    groups = [*((key, claims[keys == key]) for key in keys.unique()), ("all", claims)]
-    return [_count(key, rows) for key, rows in groups]
-
-
-def _count(key: str, rows: pd.DataFrame) -> Count:
-    verdicts = {kind: rows.loc[rows["kind"] == kind, "verdict"] for kind in KINDS}
-    held = {kind: int(of_kind.isin(HOLDING).sum()) for kind, of_kind in verdicts.items()}
-    return Count(
-        key,
-        {name: int((verdicts["computed"] == name).sum()) for name in VERDICTS},
-        len(verdicts["given"]),
-        held["given"],
-        len(verdicts["statement"]),
-        held["statement"],
-    )
+    counted = []
+    for key, rows in (*((key, claims[keys == key]) for key in keys.unique()), ("all", claims)):
+        given, computed, statements = (
+            list(rows["verdict"][rows["kind"] == kind]) for kind in KINDS
+        )
+        of_verdict = {name: computed.count(name) for name in VERDICTS}
+        held = [sum(map(verdicts.count, HOLDING)) for verdicts in (given, statements)]
+        counted.append(Count(key, of_verdict, len(given), held[0], len(statements), held[1]))
+    return counted

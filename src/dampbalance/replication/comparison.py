@@ -91,35 +91,34 @@ def largest_errors(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, float]
 
 def _errors(features: Features, case: Case) -> Iterator[dict[str, object]]:
     """The lines of one frequency, approach by approach; one that takes no choice of phase has a single line."""
-    k, pairs = case.oscillator.k, case.pairs
+    k, osc, pairs = case.oscillator.k, case.oscillator, case.pairs
     tables = {phase: estimate_table(features.with_phase(phase), k, pairs) for phase in PHASES}
     for approach in APPROACHES:
-        for phase in PHASES if takes_phase(approach) else PHASES[:1]:
+        chooses = takes_phase(approach)
+        for phase in PHASES if chooses else PHASES[:1]:
             lines = tables[phase][tables[phase]["approach"] == approach]
             for sharing, estimates in lines.groupby("phase", sort=False):
-                words = (phase, sharing) if takes_phase(approach) else ("", "")
-                head = {"approach": approach, "phase": words[0], "sharing": words[1]}
-                yield {**head, **_errors_of(estimates, case.oscillator)}
-
-
-def _errors_of(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, float]:
-    """The errors of one approach: of its least squares, and of the pair that is furthest off."""
-    fit, pairs = (estimates[estimates["kind"] == kind] for kind in ("least_squares", "pair"))
-    of_fit = {f"{name}_error_percent": e.iloc[0] for name, e in relative_errors(fit, osc).items()}
-    of_pairs = largest_errors(pairs, osc).items()
-    return of_fit | {f"{name}_largest_pair_error_percent": error for name, error in of_pairs}
+                words = (approach, phase, sharing) if chooses else (approach, "", "")
+                fit, pairwise = (
+                    estimates[estimates["kind"] == kind] for kind in ("least_squares", "pair")
+                )
+                of_fit, of_pairs = relative_errors(fit, osc), largest_errors(pairwise, osc)
+                yield {
+                    **dict(zip(WAY, words, strict=True)),
+                    **{f"{name}_error_percent": e.iloc[0] for name, e in of_fit.items()},
+                    **{f"{name}_largest_pair_error_percent": e for name, e in of_pairs.items()},
+                }
 
 
 def _side_by_side(table: pd.DataFrame, column: str) -> str:
     frequencies = dict(zip(table["frequency"], table["frequency_hz"], strict=True))
     heads = [f"{name}, {hz:g} Hz" for hz in frequencies.values() for name in TERMS]
-    cells = []
     columns = [column.format(name) for name in TERMS]
-    for key, rows in table.groupby(["approach", "phase", "sharing"], sort=False):
+    cells = []
+    for key, rows in table.groupby(list(WAY), sort=False):
         errors = rows.set_index("frequency")[columns].reindex(list(frequencies)).to_numpy().ravel()
-        approach, phase, sharing = (str(word) for word in key)
-        words = [approach, phase.replace("_", " ") or "–", sharing or "–"]
-        cells.append([*words, *map(_signed, errors)])
+        words = (str(word).replace("_", " ") or "–" for word in key[1:])
+        cells.append([str(key[0]), *words, *map(_signed, errors)])
     return markdown_table(["approach", "phase", "φ, t_s", *heads], cells, "lll" + "r" * len(heads))
 
 

@@ -6,6 +6,11 @@ import math
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 
+LONGEST = 25
+"""Characters of a number at most."""
+
+_POWERS = (-30, 30)  # of ten
+
 
 @dataclass(frozen=True, slots=True)
 class Printed:
@@ -15,12 +20,14 @@ class Printed:
 
     @property
     def is_number(self) -> bool:
-        """Whether the text is a number at all, and not a word such as "degraded"."""
+        """Whether the text is a number, of a size that a quantity of the paper can have, not a word as "degraded"."""
         try:
-            Decimal(self.text)
-        except InvalidOperation:
+            highest = self.decimal.adjusted()
+        except ValueError:
             return False
-        return True
+        if len(self.text) > LONGEST or not self.decimal.is_finite():
+            return False
+        return self.exponent >= _POWERS[0] and highest <= _POWERS[1]
 
     @property
     def decimal(self) -> Decimal:
@@ -28,9 +35,8 @@ class Printed:
         try:
             return Decimal(self.text)
         except InvalidOperation:
-            raise ValueError(
-                f"printed value {self.text!r} is not a number such as 90.0402 or 2.9E-3"
-            ) from None
+            text = f"printed value {self.text!r} is not a number such as 90.0402 or 2.9E-3"
+            raise ValueError(text) from None
 
     @property
     def decimals(self) -> int:
@@ -67,9 +73,12 @@ class Printed:
         return f"{value.scaleb(-int(power)):.{mantissa.decimals}f}{self.text[split:]}"
 
     def show(self, value: float, extra: int = 4) -> str:
-        """`value` written as the printed number is, with `extra` more digits; "" for NaN."""
+        """`value` written as the printed number is, with `extra` more digits, or with three decimals where a word is
+        printed; "" for NaN."""
         if math.isnan(value):
             return ""
+        if not self.is_number:
+            return f"{value:.3f}"
         if "e" in self.text.lower():
             return f"{value:.{self.decimal.adjusted() - self.exponent + extra}e}"
         return f"{value:.{self.decimals + extra}f}"

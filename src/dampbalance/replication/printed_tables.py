@@ -7,15 +7,15 @@ with has none.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from typing import NamedTuple
 
 import pandas as pd
 
 from ..balance import TERMS
 from ..project.wording import markdown_table
-from .claim_ids import of_cell, of_text, statistic
+from .claim_ids import STATISTICS, of_cell, of_text, statistic
 from .claim_verdicts import VERDICTS
 from .route_tables import HARMONIC, PRINTED_APPROACHES, RouteTables
 
@@ -76,14 +76,56 @@ def paper_tables(
     routes : result tables by the names of SHOWN_ROUTES.
     claims : their table, for printed numbers and verdicts; None for a frequency at which the paper prints no tables.
     """
-    at = _At(routes, frequency)
+    feature, estimate = RouteTables.feature, RouteTables.estimate
+    levels = routes["exact"].features[frequency]["Y_m"]
+    labels = dict.fromkeys(routes["exact"].pairs(("direct",), frequency)["pair"])
+
+    def features(quantities: Iterable[Quantity]) -> list[_Cell]:
+        return [
+            _Cell(f"{1e3 * Y:g} mm", q.symbol, q, partial(feature, level=level))
+            for level, Y in enumerate(levels, 1)
+            for q in quantities
+        ]
+
+    def pairs(approach: str, ending: str = "") -> list[_Cell]:
+        look_up = partial(estimate, approach=approach)
+        return [
+            _Cell(f"pair {label}", f"{q.symbol}{ending}", q, partial(look_up, pair=label))
+            for label in labels
+            for q in UNKNOWNS
+        ]
+
     cells = {
-        "table1": at.levels(TABLE_1),
-        "table2": [*at.levels(TABLE_2), *at.pairs("direct")],
-        "table3": [cell for approach in HARMONIC for cell in at.pairs(approach)],
-        "statistics": at.statistics(),
+        "table1": features(TABLE_1),
+        "table2": features(TABLE_2) + pairs("direct"),
+        "table3": [cell for name in HARMONIC for cell in pairs(name, f" by {name}")],
+        "statistics": [
+            _Cell(
+                f"{name}, {kind.replace('_', ' ')}",
+                q.symbol,
+                q,
+                partial(estimate, approach=name, kind=kind),
+            )
+            for name in PRINTED_APPROACHES
+            for kind in STATISTICS
+            for q in (*UNKNOWNS, RESIDUAL)
+            if q != RESIDUAL or kind == "least_squares"
+        ],
     }
-    return {name: _frame(name, of_table, claims) for name, of_table in cells.items()}
+    judged = {} if claims is None else claims.set_index("id").to_dict("index")
+    tables = {}
+    for name, of_table in cells.items():
+        places = {row: place for place, row in enumerate(dict.fromkeys(c.row for c in of_table), 1)}
+        records = []
+        for row, quantity, q, look_up in of_table:
+            claim = judged.get(claim_of(name, row, places[row], quantity), {})
+            printed, verdict = (claim.get(column, "") for column in ("printed", "verdict"))
+            numbers = (
+                look_up(routes[r], column=q.column, frequency=frequency) for r in SHOWN_ROUTES
+            )
+            records.append((row, quantity, q.unit, printed, *numbers, verdict))
+        tables[name] = pd.DataFrame.from_records(records, columns=list(COLUMNS))
+    return tables
 
 
 def claim_of(name: str, row: str, place: int, quantity: str) -> str:
@@ -103,9 +145,10 @@ def markdown(table: pd.DataFrame, title: str) -> str:
     """The table as the paper lays it out, a line per route, with marks for the verdicts; GitHub-flavoured Markdown."""
     parts = [f"# {title}", ""]
     for quantities, block in blocks(table):
-        units = [block.loc[block["quantity"] == q, "unit"].iloc[0] for q in quantities]
+        units = block["unit"]  # those of its first row come first
         heads = [
-            q if unit == "1" else f"{q} ({unit})" for q, unit in zip(quantities, units, strict=True)
+            q if unit == "1" else f"{q} ({unit})"
+            for q, unit in zip(quantities, units, strict=False)
         ]
         lines = []
         for row, cells in block.groupby("row", sort=False):
@@ -134,69 +177,8 @@ def blocks(table: pd.DataFrame) -> Iterator[tuple[list[str], pd.DataFrame]]:
 class _Cell(NamedTuple):
     row: str
     quantity: str
-    unit: str
-    values: dict[str, float]
-
-
-@dataclass(frozen=True, slots=True)
-class _At:
-    """Cells of tables at a frequency, by the routes that are shown."""
-
-    routes: Mapping[str, RouteTables]
-    frequency: str
-
-    def levels(self, quantities: Iterable[Quantity]) -> Iterator[_Cell]:
-        """The quantities at every level."""
-        for level, Y in enumerate(self.routes["exact"].features[self.frequency]["Y_m"], 1):
-            for q in quantities:
-                values = {
-                    name: self.routes[name].feature(q.column, level, self.frequency)
-                    for name in SHOWN_ROUTES
-                }
-                yield _Cell(f"{1e3 * Y:g} mm", q.symbol, q.unit, values)
-
-    def pairs(self, approach: str) -> Iterator[_Cell]:
-        """F_k and c of every pair by an approach."""
-        estimates = self.routes["exact"].estimates[self.frequency]
-        for pair in dict.fromkeys(estimates.loc[estimates["kind"] == "pair", "pair"]):
-            for q in UNKNOWNS:
-                quantity = q.symbol if approach == "direct" else f"{q.symbol} by {approach}"
-                values = self._estimate(q, approach, "pair", pair)
-                yield _Cell(f"pair {pair}", quantity, q.unit, values)
-
-    def statistics(self) -> Iterator[_Cell]:
-        """The statistics over all levels or pairs, approach by approach."""
-        for approach in PRINTED_APPROACHES:
-            for kind in ("least_squares", "mean", "std"):
-                row = f"{approach}, {kind.replace('_', ' ')}"
-                for q in (*UNKNOWNS, RESIDUAL) if kind == "least_squares" else UNKNOWNS:
-                    yield _Cell(row, q.symbol, q.unit, self._estimate(q, approach, kind))
-
-    def _estimate(
-        self, q: Quantity, approach: str, kind: str, pair: str = "all"
-    ) -> dict[str, float]:
-        common = approach != "direct" and kind != "least_squares"
-        which = {"kind": kind, "phase": "common" if common else "individual", "pair": pair}
-        return {
-            name: self.routes[name].estimate(q.column, approach, frequency=self.frequency, **which)
-            for name in SHOWN_ROUTES
-        }
-
-
-def _frame(name: str, cells: Iterable[_Cell], claims: pd.DataFrame | None) -> pd.DataFrame:
-    judged: dict[str, tuple[str, str]] = {}
-    if claims is not None:
-        judged = dict(
-            zip(claims["id"], zip(claims["printed"], claims["verdict"], strict=True), strict=True)
-        )
-    places: dict[str, int] = {}
-    records = []
-    for row, quantity, unit, values in cells:
-        place = places.setdefault(row, len(places) + 1)
-        printed, verdict = judged.get(claim_of(name, row, place, quantity), ("", ""))
-        head = {"row": row, "quantity": quantity, "unit": unit}
-        records.append({**head, **values, "printed": printed, "verdict": verdict})
-    return pd.DataFrame.from_records(records, columns=list(COLUMNS))
+    of: Quantity
+    look_up: Callable[..., float]  # of RouteTables
 
 
 def _shown(cell: pd.Series, source: str) -> str:

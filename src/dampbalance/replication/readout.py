@@ -90,15 +90,13 @@ class ReadOut:
         if self.X_s_mark is None:
             return _rounded(X_slip, self.X_s_decimals)
         marks = np.ceil((X - X_slip) / self.X_s_mark - _WHOLE)
-        distance: Array = X_read - marks * self.X_s_mark
-        return distance
+        return X_read - marks * self.X_s_mark
 
     def _time(self, t: Array) -> Array:
         inside = t - self.t_s_inset
         if self.t_s_unit is None:
             return inside
-        whole: Array = np.floor(inside / self.t_s_unit + _WHOLE) * self.t_s_unit
-        return whole
+        return np.floor(inside / self.t_s_unit + _WHOLE) * self.t_s_unit
 
 
 def _rounded(values: Array, decimals: int | None) -> Array:

@@ -7,10 +7,12 @@ little. So everything else that one would have written is tried, too.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import pandas as pd
 
+from ..arrays import Array
 from ..balance import direct
 from ..motion.fixed_step import SCHEMES
 from ..project.case import Case
@@ -35,20 +37,10 @@ def scheme_table(case: Case, frequency: str) -> pd.DataFrame:
             tried = replace(case, numerics=replace(numerics, scheme=scheme))
             features = features_of(simulate_levels(tried, frequency), tried, frequency, "sample")
             estimate = least_squares(direct(features, case.oscillator.k))
-            tables.append(
-                pd.DataFrame(
-                    {
-                        "scheme": scheme,
-                        "coefficients": coefficients,
-                        "level": range(1, len(features) + 1),
-                        "a_m": features.a,
-                        "b_m2_per_s": features.b,
-                        "W_J": features.W,
-                        "F_k_N": estimate["F_k"],
-                        "c_N_s_per_m": estimate["c"],
-                    }
-                )
-            )
+            head = {"scheme": scheme, "coefficients": coefficients}
+            columns = {"a_m": features.a, "b_m2_per_s": features.b, "W_J": features.W}
+            fit = {"F_k_N": estimate["F_k"], "c_N_s_per_m": estimate["c"]}
+            tables.append(_by_level(head, columns).assign(**fit))
     return pd.concat(tables, ignore_index=True)
 
 
@@ -67,14 +59,10 @@ def cycle_table(case: Case, frequency: str) -> pd.DataFrame:
         length = math.ceil(CYCLES_TO_READ * period) + 1
         parts = [r.samples(max(end - length, 0), end) for r, end in zip(records, ends, strict=True)]
         read = features_of(parts, case, frequency, "sample")
-        tables.append(
-            pd.DataFrame(
-                {
-                    "cycle": -cycle,
-                    "level": range(1, len(read) + 1),
-                    "a_m": read.a,
-                    "V_s_m_per_s": read.V_s,
-                }
-            )
-        )
+        tables.append(_by_level({"cycle": -cycle}, {"a_m": read.a, "V_s_m_per_s": read.V_s}))
     return pd.concat(tables, ignore_index=True)
+
+
+def _by_level(head: Mapping[str, object], columns: Mapping[str, Array]) -> pd.DataFrame:
+    levels = range(1, len(next(iter(columns.values()))) + 1)
+    return pd.DataFrame({**head, "level": levels, **columns})

@@ -100,7 +100,7 @@ def test_what_cannot_be_identified_is_left_empty():
     assert table["F_k_error_percent"].isna().all()
     undamped = replace(PAPER, c=0.0)
     table = approaches_table({"f": features_at(3.5, osc=undamped)}, alone("f", 3.5, undamped))
-    assert table["c_error_percent"].isna().all()  # of nothing there is no relative error
+    assert table["c_error_percent"].isna().all()  # a true value of zero has no relative error
     assert np.isfinite(table["F_k_error_percent"]).all()
     assert "nan" not in approaches_markdown(table, "Title")
 

@@ -13,8 +13,13 @@ from scipy import stats
 from dampbalance.reading.conditioning import condition
 from dampbalance.reading.mean_harmonics import Reading
 from dampbalance.records.measurement import Channel, Measurement
-from dampbalance.replication.frame.findings import Findings, Prediction, findings
-from dampbalance.replication.frame.line import GRAVITY, load_line
+from dampbalance.replication.frame.findings import (
+    GRAVITY,
+    Findings,
+    Prediction,
+    findings,
+    load_line,
+)
 from dampbalance.replication.frame.measured_loop import Loop, friction_loop, shape
 from dampbalance.replication.frame.pictures import loops as drawn_loops
 from dampbalance.replication.frame.prediction import Mass, predicted

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from dampbalance.balance import Rows
@@ -121,8 +120,7 @@ def test_ranges_made_linear_are_those_of_the_equations():
 
 
 def test_the_printed_tables_give_the_printed_least_squares():
-    assert refuted(PRINT, CASE, "table1") == {}
-    assert refuted(PRINT, CASE, "table2") == {}
+    assert refuted(PRINT, CASE) == {}
 
 
 @pytest.mark.parametrize(
@@ -138,21 +136,21 @@ def test_the_printed_tables_give_the_printed_least_squares():
 def test_a_changed_digit_is_found_and_put_right(name, right, step):
     """An error-locating code: only the changed cell, and only its own digit, restores all that is printed."""
     wrong = PRINT.changed({name: Printed(right).moved(step)})
-    refutations = refuted(wrong, CASE, name.partition(".")[0])
+    refutations = refuted(wrong, CASE)
     assert right in refutations[name]
     assert list(refutations) == [name]
 
 
 def test_a_cell_of_little_weight_is_found_among_others():
     """V_s of level 1 hardly moves the least squares: cells that could restore their digits as well are named, too."""
-    refutations = refuted(PRINT.changed({"table1.V_s.1": "0.00775"}), CASE, "table1")
+    refutations = refuted(PRINT.changed({"table1.V_s.1": "0.00775"}), CASE)
     assert "0.00774" in refutations["table1.V_s.1"]
     assert all(name.startswith("table1.V_s.") for name in refutations)
 
 
 def test_a_changed_result_refutes_no_cell():
     """Where the printed least squares themselves are off, no one cell explains it."""
-    assert refuted(PRINT.changed({"text.residual_Xs_ls": "7.77e-05"}), CASE, "table1") == {}
+    assert refuted(PRINT.changed({"text.residual_Xs_ls": "7.77e-05"}), CASE) == {}
 
 
 @pytest.mark.parametrize(
@@ -166,10 +164,9 @@ def test_a_changed_result_refutes_no_cell():
     ],
 )
 def test_digits_rounded_or_cut_off_agree(value, printed, expected):
-    assert agrees(value, printed) is expected
+    assert agrees(value, Printed(printed)) is expected
 
 
 def test_a_moved_last_digit_is_written_as_before():
     moved = [Printed(text).moved(1) for text in ("2.9E-3", "-0.00272", "90.000", "2310", "9.9e-7")]
     assert moved == ["3.0E-3", "-0.00271", "90.001", "2311", "10.0e-7"]
-    assert isinstance(pd.Series(moved).iloc[0], str)

@@ -7,7 +7,8 @@ import random
 import pytest
 
 from dampbalance.replication.claims import check_printed, read_published
-from dampbalance.replication.claims.rules import RULES, _few, _is_number
+from dampbalance.replication.claims.rules import RULES, _few
+from dampbalance.replication.printed import Printed
 from folders import PUBLISHED
 
 TEXT = (PUBLISHED / "printed.csv").read_text(encoding="utf-8")
@@ -95,9 +96,21 @@ def test_a_missing_row_is_named(error_of, start):
         ("given,held", "computed,held", "row parameter.m, column kind: 'computed'"),
         (",F_k,direct,", ",F_k,rough,", "row table2.F_k.1-2, column approach: 'rough'"),
         (",0.00605,", ",,", "column printed has an empty cell"),
-        ("less than", "about", "text.max_error_F_k: the quantity must end with"),
-        (",degraded,", ",unclear,", "text.accuracy_omega2: cannot judge the word 'unclear'"),
-        (",true,", ",perhaps,", "text.direct_best: cannot judge the word 'perhaps'"),
+        (
+            "less than",
+            "about",
+            "max_error_F_k: the quantity must end with 'less than' or 'more than'",
+        ),
+        (
+            ",degraded,",
+            ",unclear,",
+            "accuracy_omega2: cannot judge the word 'unclear'; known are degraded, improved",
+        ),
+        (
+            ",true,",
+            ",perhaps,",
+            "direct_best: cannot judge the word 'perhaps'; known are true, false",
+        ),
         ("text.phi_mean", "text.phi_middle", "do not match: text.phi_mean, text.phi_middle;"),
     ],
 )
@@ -107,6 +120,6 @@ def test_a_row_that_cannot_be_judged_is_named(error_of, old, new, message):
 
 def test_sizes_of_numbers_and_of_lists_have_their_limits():
     for text, fits in (("1e-30", True), ("1e-31", False), ("9e30", True), ("1e31", False)):
-        assert _is_number(text) == fits
+        assert Printed(text).is_number == fits
     assert _few("01234567") == "0, 1, 2, 3, 4, 5, 6, 7"
     assert _few("012345678") == "0, 1, 2, 3, 4, 5, 6, 7 …"

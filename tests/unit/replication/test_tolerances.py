@@ -13,22 +13,23 @@ from dampbalance.replication.claims.tolerances import (
     simulated,
     velocity_read,
 )
+from dampbalance.replication.printed import Printed
 from paper.routes import CASE
 
 OMEGA = 2.0 * math.pi * 4.92
 
 
 def verdict_of(tolerances, value):
-    return next((t.verdict for t in tolerances if t.holds(value)), None)
+    return next((t.verdict for t in tolerances if t.low <= value <= t.high), None)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.parametrize(
     ("tolerances", "middle", "step", "words"),
     [
-        (phase_read("1.522", OMEGA), 1.522, OMEGA * 1e-4, "0.1 ms"),
+        (phase_read(Printed("1.522"), OMEGA), 1.522, OMEGA * 1e-4, "0.1 ms"),
         # the velocity of the first slipping sample, to half a mark
-        (velocity_read("0.01330", 2e-5), 0.01330 - 2e-5, 2.5e-5, "0.05 mm/s"),
+        (velocity_read(Printed("0.01330"), 2e-5), 0.01330 - 2e-5, 2.5e-5, "0.05 mm/s"),
     ],
     ids=["phase", "velocity"],
 )
@@ -40,11 +41,11 @@ def test_what_was_read_lies_within_its_resolution(side, tolerances, middle, step
 
 
 def test_a_range_that_print_leaves_is_one_of_the_rebuilt_number_itself():
-    (tolerance,) = propagated((1.2798, 1.2802), "1.280")
+    (tolerance,) = propagated((1.2798, 1.2802), Printed("1.280"))
     assert tolerance.verdict is PROPAGATED
-    assert tolerance.holds(1.2801)
-    assert not tolerance.holds(1.2797)  # though print would round to the same digits
-    assert propagated(None, "1.280") == ()
+    # not 1.2797, though print would round it to the same digits
+    assert (tolerance.low, tolerance.high) == (1.2798, 1.2802)
+    assert propagated(None, Printed("1.280")) == ()
 
 
 @pytest.mark.parametrize(
@@ -58,8 +59,7 @@ def test_a_range_that_print_leaves_is_one_of_the_rebuilt_number_itself():
     ],
 )
 def test_what_a_simulation_gives_is_near_within_ten_units_and_a_step_in_a_period(printed, reach):
-    (tolerance,) = simulated(printed, OMEGA, CASE.numerics.step_s)
+    (tolerance,) = simulated(Printed(printed), CASE)
     assert tolerance.verdict is UNEXPLAINED
-    for side in (1.0, -1.0):
-        assert tolerance.holds(float(printed) + side * 0.999 * reach)
-        assert not tolerance.holds(float(printed) + side * 1.001 * reach)
+    ends = tolerance.low - float(printed), tolerance.high - float(printed)
+    assert ends == pytest.approx((-reach, reach), rel=1e-3)

@@ -16,49 +16,50 @@ determine the sign only if all its columns share X and φ (`misfits`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...arrays import Array
-from ...balance import Approach, Rows
+from ...balance import Rows
 from ...features import of_numbers
 from ...project.case import Case
 from ...solver import solve
-from ..as_published import APPROACHES_OF_TABLE_3
+from ..as_published import APPROACHES_OF_TABLE_3, CORRECTED
 from ..claim_ids import of_text
-from ..printed import Printed
 from ..printed_tables import TABLE_2, UNKNOWNS
 from ..route_tables import HARMONIC
-from .inputs import CORRECTED
 from .judging import Range
-from .published import LEVELS, PAIRS, Published, column_ids
+from .published import PAIRS, Published, column_ids
+
+if TYPE_CHECKING:
+    from scipy.optimize import OptimizeResult
 
 _ESTIMATES = tuple(q.symbol for q in UNKNOWNS)
 
 
-class _Table(NamedTuple):
+@dataclass(frozen=True)
+class _Table:
     """Numbers of print and how they follow from the inputs among them.
 
-    printed : by id, the inputs first.
+    ids : of the numbers, the inputs first.
+    value, unit : of each as printed, and a unit of its last digit.
     inputs : how many of them are inputs.
     of_inputs : the function from m sets of inputs, shape (inputs, m), to all numbers.
     """
 
-    printed: Mapping[str, Printed]
+    ids: list[str]
+    value: Array
+    unit: Array
     inputs: int
     of_inputs: Callable[[Array], Array]
 
-    @property
-    def print_(self) -> Array:
-        """The printed numbers."""
-        return np.array([number.value for number in self.printed.values()])
 
-    @property
-    def unit(self) -> Array:
-        """A unit of the last digit of each."""
-        return np.array([number.unit for number in self.printed.values()])
+def ranges(published: Published, case: Case) -> dict[str, Range | None]:
+    """The ranges that the printed tables allow for numbers of Tables 2 and 3, by id.   case : for ω1 and k."""
+    return {**by_table_2(published), **by_table_3(published, case)}
 
 
 def by_table_2(published: Published) -> dict[str, Range | None]:
@@ -66,8 +67,17 @@ def by_table_2(published: Published) -> dict[str, Range | None]:
 
     None: no value agrees with all other printed numbers.
     """
-    wanted = [claim for symbol in ("b", *_ESTIMATES) for claim in column_ids("table2", symbol)]
-    return _ranges(_table_2(published), wanted)
+    inputs, estimates = (
+        [claim for symbol in symbols for claim in column_ids("table2", symbol)]
+        for symbols in ([q.symbol for q in TABLE_2], _ESTIMATES)
+    )
+
+    def of_inputs(values: Array) -> Array:
+        a, b, W = values.reshape(3, -1, values.shape[1])
+        return np.vstack([values, _estimates(Rows({"F_k": a, "c": b}, W))])
+
+    table = _table(published, inputs, estimates, of_inputs)
+    return _ranges(table, [*column_ids("table2", "b"), *estimates])
 
 
 def by_table_3(published: Published, case: Case) -> dict[str, Range | None]:
@@ -75,10 +85,8 @@ def by_table_3(published: Published, case: Case) -> dict[str, Range | None]:
 
     Empty where every number agrees with all others, which is seen at once.   case : for ω1 and k.
     """
-    table = _table_3(published, case, _as_computed())
-    if _misfit(table) <= 0.5:
-        return {}
-    return _ranges(table, list(table.printed)[table.inputs :])
+    table = _table_3(published, case, _AS_COMPUTED)
+    return {} if _misfit(table) <= 0.5 else _ranges(table, table.ids[table.inputs :])
 
 
 def misfits(published: Published, case: Case) -> dict[str, float]:
@@ -87,107 +95,89 @@ def misfits(published: Published, case: Case) -> dict[str, float]:
     "plus", "minus" : all columns from the same X, φ and t_s.   "minus alone" : the V_s columns for themselves. Above
     half a unit no inputs within the rounding of Table 1 give what is printed.
     """
-    plus = _as_computed()
-    minus = {"V_s": APPROACHES_OF_TABLE_3[CORRECTED]}
-    ways = {"plus": plus, "minus": plus | minus, "minus alone": minus}
+    minus = {"V_s": CORRECTED}
+    ways = {"plus": _AS_COMPUTED, "minus": _AS_COMPUTED | minus, "minus alone": minus}
     return {name: _misfit(_table_3(published, case, rows)) for name, rows in ways.items()}
 
 
-def _as_computed() -> dict[str, Approach]:
-    """The rows behind the columns of Table 3, by approach."""
-    return {name: APPROACHES_OF_TABLE_3[name] for name in HARMONIC}
+_AS_COMPUTED = {name: name for name in HARMONIC}
+"""The columns of Table 3 and the rows behind them, of APPROACHES_OF_TABLE_3."""
 
 
-def _table_2(published: Published) -> _Table:
-    symbols = (*(q.symbol for q in TABLE_2), *_ESTIMATES)
-    ids = [claim for symbol in symbols for claim in column_ids("table2", symbol)]
-
-    def of_inputs(values: Array) -> Array:
-        a, b, W = values.reshape(3, -1, values.shape[1])
-        return np.vstack([values, _estimates(Rows({"F_k": a, "c": b}, W))])
-
-    return _Table({claim: published[claim] for claim in ids}, len(TABLE_2) * LEVELS, of_inputs)
-
-
-def _table_3(published: Published, case: Case, approaches: Mapping[str, Approach]) -> _Table:
+def _table_3(published: Published, case: Case, rows: Mapping[str, str]) -> _Table:
+    """Some columns of Table 3 with their inputs.   rows : behind each column, as _AS_COMPUTED."""
     inputs = [claim for symbol in ("X", "X_s", "V_s") for claim in column_ids("table1", symbol)]
     inputs += [of_text("phi_mean"), of_text("t_s_mean")]
     estimates = [
         claim
-        for approach in approaches
+        for column in rows
         for symbol in _ESTIMATES
-        for claim in column_ids("table3", symbol, approach)
+        for claim in column_ids("table3", symbol, column)
     ]
-    Y = published.column("table1", "Y")[:, None]
+    Y, omega = published.column("table1", "Y")[:, None], case.omega("omega1")
 
     def of_inputs(values: Array) -> Array:
-        X, X_s, V_s = values[:-2].reshape(3, len(Y), -1)
-        phi, t_s = (np.broadcast_to(row, X.shape) for row in values[-2:])
-        features = of_numbers(
-            case.omega("omega1"),
-            "",
-            Y=np.broadcast_to(Y, X.shape),
-            X=X,
-            X_s=X_s,
-            V_s=V_s,
-            phi=phi,
-            t_s=t_s,
-        )
-        rows = [approach(features, case.oscillator.k) for approach in approaches.values()]
-        return np.vstack([values, *map(_estimates, rows)])
+        numbers = dict(zip(("X", "X_s", "V_s"), values[:-2].reshape(3, len(Y), -1), strict=True))
+        numbers |= {"Y": Y, "phi": values[-2], "t_s": values[-1]}
+        every = {name: np.broadcast_to(of, numbers["X"].shape) for name, of in numbers.items()}
+        features = of_numbers(omega, "", **every)
+        systems = (APPROACHES_OF_TABLE_3[row](features, case.oscillator.k) for row in rows.values())
+        return np.vstack([values, *map(_estimates, systems)])
 
-    printed = {claim: published[claim] for claim in [*inputs, *estimates]}
-    return _Table(printed, len(inputs), of_inputs)
+    return _table(published, inputs, estimates, of_inputs)
+
+
+def _table(
+    published: Published,
+    inputs: list[str],
+    estimates: list[str],
+    of_inputs: Callable[[Array], Array],
+) -> _Table:
+    ids = inputs + estimates
+    value, unit = np.array([(published[i].value, published[i].unit) for i in ids]).T
+    return _Table(ids, value, unit, len(inputs), of_inputs)
 
 
 def _estimates(rows: Rows) -> Array:
     """F_k of all pairs, then c of all pairs, a column per set of inputs.   rows : shape (levels, sets)."""
     estimate = solve(rows[np.transpose(PAIRS)])
-    return np.vstack([estimate[q.symbol] for q in UNKNOWNS])
+    return np.vstack([estimate[symbol] for symbol in _ESTIMATES])
 
 
-def _ranges(table: _Table, wanted: Sequence[str]) -> dict[str, Range | None]:
+def _ranges(table: _Table, wanted: Iterable[str]) -> dict[str, Range | None]:
     """The range that all other printed numbers leave for each wanted one, by id."""
     off, slopes = _linear(table, _closest(table))
-    places = {claim: place for place, claim in enumerate(table.printed)}
     ranges: dict[str, Range | None] = {}
     for claim in wanted:
-        number, ends = table.printed[claim], _ends(off, slopes, places[claim])
-        value, unit = number.value, number.unit
-        ranges[claim] = ends and (value + unit * ends[0], value + unit * ends[1])
+        place = table.ids.index(claim)
+        ends, value, unit = _ends(off, slopes, place), table.value[place], table.unit[place]
+        ranges[claim] = ends and (float(value + unit * ends[0]), float(value + unit * ends[1]))
     return ranges
 
 
 def _misfit(table: _Table) -> float:
     """How many units the number furthest off print is off, with the inputs that suit it best."""
-    off, _ = _linear(table, _closest(table))
-    return float(np.max(np.abs(off)))
+    return float(np.max(np.abs(_linear(table, _closest(table))[0])))
 
 
 def _linear(table: _Table, inputs: Array) -> tuple[Array, Array]:
     """How far every number is off print, and its slopes, in units of its last digit per unit of each input."""
-    n, print_, unit = table.inputs, table.print_, table.unit
+    n, unit = table.inputs, table.unit
     steps = 0.1 * np.diag(unit[:n])
     sets = np.hstack([inputs[:, None], inputs[:, None] + steps, inputs[:, None] - steps])
     values = table.of_inputs(sets) / unit[:, None]
-    return values[:, 0] - print_ / unit, (values[:, 1 : n + 1] - values[:, n + 1 :]) / 0.2
+    return values[:, 0] - table.value / unit, (values[:, 1 : n + 1] - values[:, n + 1 :]) / 0.2
 
 
 def _closest(table: _Table) -> Array:
     """The inputs at which the number furthest off print is the fewest units off; twice, since the first is far off."""
-    from scipy.optimize import linprog  # slow to import, and not needed to read or to check claims
-
-    inputs = table.print_[: table.inputs]
+    inputs = table.value[: table.inputs]
     for _ in range(2):
         off, slopes = _linear(table, inputs)
-        ones = np.ones((len(off), 1))  # the last unknown: by how many units the furthest is off
-        program = linprog(
-            np.append(np.zeros(table.inputs), 1.0),
-            A_ub=np.vstack([np.hstack([slopes, -ones]), np.hstack([-slopes, -ones])]),
-            b_ub=np.concatenate([-off, off]),
-            bounds=(None, None),
-            method="highs",
-        )
+        # the last unknown: by how many units the furthest is off
+        both = np.hstack([np.vstack([slopes, -slopes]), -np.ones((2 * len(off), 1))])
+        least = np.append(np.zeros(table.inputs), 1.0)
+        program = _program(least, both, np.concatenate([-off, off]))
         if program.x is not None:
             inputs = inputs + table.unit[: table.inputs] * program.x[:-1]
     return inputs
@@ -195,19 +185,17 @@ def _closest(table: _Table) -> Array:
 
 def _ends(off: Array, slopes: Array, place: int) -> Range | None:
     """Least and greatest of one number, in units off print, with all others within half a unit of it; None for none."""
-    from scipy.optimize import linprog
-
     others, room = np.delete(slopes, place, axis=0), np.delete(off, place)
-    ends = []
-    for sign in (1.0, -1.0):
-        program = linprog(
-            sign * slopes[place],
-            A_ub=np.vstack([others, -others]),
-            b_ub=np.concatenate([0.5 - room, 0.5 + room]),
-            bounds=(None, None),
-            method="highs",
-        )
-        if program.status != 0 or program.x is None:
-            return None
-        ends.append(float(off[place] + slopes[place] @ program.x))
-    return ends[0], ends[1]
+    bounds = np.vstack([others, -others]), np.concatenate([0.5 - room, 0.5 + room])
+    programs = [_program(sign * slopes[place], *bounds) for sign in (1.0, -1.0)]
+    if any(program.status != 0 or program.x is None for program in programs):
+        return None
+    low, high = (float(off[place] + slopes[place] @ program.x) for program in programs)
+    return low, high
+
+
+def _program(least: Array, A: Array, b: Array) -> OptimizeResult:
+    """The x of any sign with the smallest `least`·x among those of A x ≤ b."""
+    from scipy.optimize import linprog  # slow to import, and not needed to read or to check claims
+
+    return linprog(least, A_ub=A, b_ub=b, bounds=(None, None), method="highs")

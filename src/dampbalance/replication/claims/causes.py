@@ -12,30 +12,16 @@ import numpy as np
 
 from ...balance import Rows
 from ...project.case import Case
-from ...solver import pair
+from ...solver import least_squares
 from ..as_published import added_damping
 from ..claim_ids import of_cell
 from ..printed import Printed
 from ..printed_tables import TABLE_2
+from ..route_tables import RouteTables
 from .checksums import agrees
-from .inputs import Sources
 from .judging import Range
 from .published import PAIR_LABELS, PAIRS, Published, Row
-from .tolerances import TIME_UNIT_S, VELOCITY_MARK
-
-
-def same(value: float, printed: str) -> bool:
-    """Whether the configuration holds the printed number itself, not one that rounds to it."""
-    return math.isclose(value, Printed(printed).value, rel_tol=1e-12)
-
-
-def held(value: float, printed: str) -> str:
-    """A sentence on a stated parameter."""
-    return (
-        "The configuration holds this value."
-        if same(value, printed)
-        else f"The configuration holds {value:g}, the paper states {printed}."
-    )
+from .tolerances import TIME_UNIT_S, VELOCITY_MARK, shown
 
 
 def backward_euler(case: Case, values: Mapping[str, float]) -> str:
@@ -57,19 +43,21 @@ def implied_b(published: Published, level: str) -> tuple[str, str]:
     show which b this level should have had.
     """
     b = published[of_cell("table2", "b", level)]
-    own = [label for label in PAIR_LABELS if level in label.split("-")]
-    other = [label for label in PAIR_LABELS if level not in label.split("-")]
-    used = _implied(published, level, own)
-    wanted = _implied(published, level, other)
+    own, other = (
+        [label for label in PAIR_LABELS if (level in label.split("-")) == with_it]
+        for with_it in (True, False)
+    )
+    used, wanted = (_implied(published, level, labels) for labels in (own, other))
+    used_range, wanted_range = (shown((min(of)[0], max(of)[0]), b) for of in (used, wanted))
     names = " and ".join(own)
     if any(abs(value - b.value) > slack for value, slack in used):
         return (
             "",
-            f"It contradicts Table 2 itself: the printed pairs {names} give b = {_range(used, b)}.",
+            f"It contradicts Table 2 itself: the printed pairs {names} give b = {used_range}.",
         )
     if all(abs(value - b.value) > slack for value, slack in wanted):
-        note = f"The printed pairs {names} were computed with b_{level} = {_range(used, b)}"
-        return f"{note}, the others want {_range(wanted, b)}.", ""
+        note = f"The printed pairs {names} were computed with b_{level} = {used_range}"
+        return f"{note}, the others want {wanted_range}.", ""
     return "", ""
 
 
@@ -80,31 +68,23 @@ def _implied(published: Published, level: str, labels: list[str]) -> list[tuple[
     for label in labels:
         F_k, c = (published[of_cell("table2", symbol, label)] for symbol in ("F_k", "c"))
         rounding = a.value * F_k.unit + F_k.value * a.unit + b.value * c.unit + W.unit
-        implied.append(
-            ((W.value - a.value * F_k.value) / c.value, 0.5 * (b.unit + rounding / c.value))
-        )
+        slack = 0.5 * (b.unit + rounding / c.value)
+        implied.append(((W.value - a.value * F_k.value) / c.value, slack))
     return implied
 
 
-def _range(implied: list[tuple[float, float]], b: Printed) -> str:
-    values = [value for value, _ in implied]
-    return f"{b.show(min(values), 2)} to {b.show(max(values), 2)}"
-
-
-def printed_inputs_differ(values: Mapping[str, float], printed: str) -> str:
+def printed_inputs_differ(values: Mapping[str, float], number: Printed) -> str:
     """The paper's own inputs in its own equations against what it prints, should that be another number."""
     value = values["from_print"]
-    if agrees(value, printed):
+    if agrees(value, number):
         return ""
-    return f"It contradicts the paper's own inputs, which give {Printed(printed).show(value)}."
+    return f"It contradicts the paper's own inputs, which give {number.show(value)}."
 
 
-def slip_time(t_s: float, step: float, printed: str) -> str:
+def slip_time(t_s: float, step: float, number: Printed) -> str:
     """t_s as read: between the first and the last sample of the microstick phase, in whole tenths of a millisecond."""
     between = t_s - 2.0 * step
-    if math.isnan(t_s) or math.floor(between / TIME_UNIT_S) != round(
-        Printed(printed).value / TIME_UNIT_S
-    ):
+    if math.isnan(t_s) or math.floor(between / TIME_UNIT_S) != round(number.value / TIME_UNIT_S):
         return ""
     return (
         f"The microstick phase lasts {1e3 * t_s:.3f} ms, without a step of {1e6 * step:g} µs at each end "
@@ -112,7 +92,7 @@ def slip_time(t_s: float, step: float, printed: str) -> str:
     )
 
 
-def slip_velocity(sample: float, printed: str) -> str:
+def slip_velocity(sample: float, number: Printed) -> str:
     """V_s as read off the velocity axis: whether half a division of 0.1 mm/s explains it.
 
     sample : the velocity of the first slipping sample of the as-published simulation, m/s.
@@ -120,17 +100,16 @@ def slip_velocity(sample: float, printed: str) -> str:
     if math.isnan(sample):
         return ""
     read = round(sample / VELOCITY_MARK) * VELOCITY_MARK
-    as_printed = math.isclose(read, Printed(printed).value, rel_tol=1e-9)
+    as_printed = math.isclose(read, number.value, rel_tol=1e-9)
     return (
         f"Read at the corner of the acceleration-velocity plot: the first slipping sample has {1e3 * sample:.3f} mm/s, "
         f"to the nearest {1e3 * VELOCITY_MARK:g} mm/s {1e3 * read:.2f}, {'as' if as_printed else 'not as'} printed."
     )
 
 
-def phase(reversal: float, zero_crossing: float, printed: str) -> str:
+def phase(reversal: float, zero_crossing: float, number: Printed) -> str:
     """Which phase the printed one is."""
-    value = Printed(printed).value
-    to_reversal, to_crossing = value - reversal, value - zero_crossing
+    to_reversal, to_crossing = number.value - reversal, number.value - zero_crossing
     if not abs(to_reversal) < abs(to_crossing):
         return ""
     return (
@@ -139,93 +118,85 @@ def phase(reversal: float, zero_crossing: float, printed: str) -> str:
     )
 
 
-def sign(values: Mapping[str, float], correct: float, unit: str, premise: str) -> str:
-    """Table 3: the slip of sign in the V_s columns, "" elsewhere.
+def sign(as_published: float, correct: float, unit: str, misfits: Mapping[str, float]) -> str:
+    """Table 3: the slip of sign in the V_s columns, and on what its proof rests; "" elsewhere.
 
-    correct : the as-published pair by the row that (19) states; in the V_s columns values["as_published"] has the slip.
-    premise : under which the printed numbers alone determine the sign, a sentence.
+    as_published : the pair as published, in the V_s columns with the slip.   correct : by the row that (19) states.
+    misfits : `allowed.misfits`.
     """
-    if math.isnan(correct) or values["as_published"] == correct:
+    if math.isnan(correct) or as_published == correct:
         return ""
     digits = 4 if unit == "N" else 3
     return (
         "Slip of sign: alpha with a plus under the root. "
-        f"With the minus of (19) it would be {correct:.{digits}f} {unit}. {premise}"
-    )
-
-
-def premise_of_sign(misfits: Mapping[str, float]) -> str:
-    """On what the proof of the sign rests.   misfits : `allowed.misfits`."""
-    return (
+        f"With the minus of (19) it would be {correct:.{digits}f} {unit}. "
         f"Where the columns share X and phi, print excludes the minus ({misfits['minus']:.1f} units off at best; the "
         f"plus {misfits['plus']:.1f}); the V_s columns alone do not ({misfits['minus alone']:.2f})."
     )
 
 
-def starting_sample(case: Case, place: int) -> str:
-    """Where the integral a begins.   place : of the level, counted from 0."""
-    count = case.numerics.after_slip(place)
+def starting_sample(case: Case, level: int) -> str:
+    """Where the integral a begins.   level : counted from 1."""
+    count = case.numerics.after_slip(level - 1)
     samples = "a sample" if count == 1 else f"{count} samples"
     return f"Begun {samples} after slip is seen, in the cycle that starts in period {case.numerics.cycles - 2}."
 
 
-def other_b(sources: Sources, of_print: Mapping[str, Range | None], row: Row) -> str:
+def other_b(
+    published: Published,
+    as_published: RouteTables,
+    allowed: Mapping[str, Range | None],
+    row: Row,
+) -> str:
     """A pair of which a printed b is not the simulated one: the pair with the b that print needs, if that explains it.
 
-    of_print : what the printed Table 2 allows, `allowed.by_table_2`.   row : of the pair.
+    allowed : what the printed tables allow, `allowed.ranges`.   row : of the pair.
     """
-    i, j = PAIRS[PAIR_LABELS.index(row.line)]
+    pair = PAIRS[PAIR_LABELS.index(row.line)]
     a, b, W = (
-        np.array([sources.as_published.feature(q.column, level + 1) for level in (i, j)])
-        for q in TABLE_2
+        np.array([as_published.feature(q.column, level + 1) for level in pair]) for q in TABLE_2
     )
     if not np.all(np.isfinite([a, b, W])):
         return ""
     notes = []
-    for place, level in enumerate((i, j)):
+    for place, level in enumerate(pair):
         cell = of_cell("table2", "b", level + 1)
-        used, text = of_print.get(cell), sources.published[cell]
-        if used is None or abs(b[place] / text.unit - text.value / text.unit) <= 0.5:
+        used, number = allowed[cell], published[cell]
+        if used is None or abs(b[place] / number.unit - number.value / number.unit) <= 0.5:
             continue
         simulated, b[place] = float(b[place]), 0.5 * (used[0] + used[1])
         notes.append(
-            f"b_{level + 1} = {text.show(float(b[place]), 2)}, which the printed pairs need "
-            f"(simulated: {text.show(simulated, 2)})"
+            f"b_{level + 1} = {number.show(float(b[place]), 2)}, which the printed pairs need "
+            f"(simulated: {number.show(simulated, 2)})"
         )
     if not notes:
         return ""
-    value = float(pair(Rows({"F_k": a, "c": b}, W), 0, 1)[row.symbol])
-    return f"With {' and '.join(notes)}, the as-published pair is {Printed(row.printed).show(value, 2)}."
+    value = float(least_squares(Rows({"F_k": a, "c": b}, W))[row.symbol])
+    return f"With {' and '.join(notes)}, the as-published pair is {row.number.show(value, 2)}."
 
 
-def outside(allowed: Range | None, printed: str, table: str) -> str:
+def outside(allowed: Range | None, number: Printed, table: str) -> str:
     """A number that the rest of its table, within its rounding, does not allow."""
     if allowed is None:
         return ""
-    number, (low, high) = Printed(printed), allowed
-    half = 0.5 * number.unit
+    (low, high), half = allowed, 0.5 * number.unit
     if low - half <= number.value <= high + half:
         return ""
-    return f"The rest of {table}, within its rounding, allows {number.show(low, 2)} to {number.show(high, 2)} only."
+    return f"The rest of {table}, within its rounding, allows {shown(allowed, number)} only."
 
 
-def printed_inputs(values: Mapping[str, float], inputs: str, printed: str) -> str:
+def printed_inputs(values: Mapping[str, float], inputs: str, number: Printed) -> str:
     """How far the digits of a printed table move what is computed from it."""
     shift = values["from_print"] - values["exact"]
     if math.isnan(shift):
         return ""
-    return f"{inputs}, as printed, move it by {_signed(shift, printed)} from exact."
+    signed = f"{'+' if shift > 0 else '-'}{number.show(abs(shift), 0)}"
+    return f"{inputs}, as printed, move it by {signed} from exact."
 
 
-def cut_off(value: float, printed: str) -> str:
+def cut_off(value: float, number: Printed) -> str:
     """Whether the printed digits are those of `value` cut off where rounding would give others."""
-    number = Printed(printed)
     units = value / number.unit
     if math.floor(units) == round(number.value / number.unit) != round(units):
         return f"{number.show(value, 2)} cut off, not rounded, has the printed digits."
     return ""
-
-
-def _signed(shift: float, printed: str) -> str:
-    text = Printed(printed).show(abs(shift), 0)
-    return f"{'+' if shift > 0 else '-'}{text}"

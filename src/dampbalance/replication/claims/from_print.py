@@ -12,10 +12,9 @@ import pandas as pd
 from ...estimates import estimate_table
 from ...features import COLUMNS, Features, of_numbers
 from ...project.case import Case
-from ...solver import Statistics, mean_and_deviation
 from ..claim_ids import of_text
-from ..printed_tables import COLUMN_OF, TABLE_1, TABLE_2
-from ..route_tables import RouteTables
+from ..printed_tables import TABLE_1, TABLE_2, UNKNOWNS
+from ..route_tables import HARMONIC, RouteTables
 from .published import LEVELS, PAIRS, Published
 
 
@@ -45,21 +44,13 @@ def from_print(published: Published, case: Case) -> RouteTables:
     return RouteTables({"omega1": features.to_frame()}, {"omega1": estimates})
 
 
-def printed_pair_statistics(published: Published) -> Statistics:
-    """Mean and standard deviation (n − 1) of the five pairs that Table 2 prints."""
-    F_k, c = (published.column("table2", symbol) for symbol in ("F_k", "c"))
-    return mean_and_deviation([{"F_k": p, "c": q} for p, q in zip(F_k, c, strict=True)])
-
-
 def printed_estimates(published: Published) -> RouteTables:
-    """The printed pairs of Tables 2 and 3 as a table of estimates, to ask it for its largest errors."""
-    pairs: dict[tuple[str, str], dict[str, float]] = {}
-    for row in published.rows.values():
-        if row.rule in ("direct pair", "harmonic pair"):
-            pair = pairs.setdefault((row.approach, row.line), {})
-            pair[COLUMN_OF[row.symbol]] = published[row.id].value
-    frame = pd.DataFrame.from_records(
-        [{"approach": name, "pair": label, **pair} for (name, label), pair in pairs.items()]
-    )
-    phase = np.where(frame["approach"] == "direct", "individual", "common")
-    return RouteTables({}, {"omega1": frame.assign(kind="pair", phase=phase)})
+    """The printed pairs of Tables 2 and 3 as a table of estimates."""
+
+    def pairs(phase: str, table: str, name: str, *approach: str) -> pd.DataFrame:
+        columns = {q.column: published.column(table, q.symbol, *approach) for q in UNKNOWNS}
+        return pd.DataFrame(columns).assign(approach=name, kind="pair", phase=phase)
+
+    tables = [pairs("individual", "table2", "direct")]
+    tables += [pairs("common", "table3", name, name) for name in HARMONIC]
+    return RouteTables({}, {"omega1": pd.concat(tables)})

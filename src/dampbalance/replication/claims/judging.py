@@ -18,9 +18,8 @@ from ..claim_verdicts import (
     REPRODUCED,
     ROUTE_NAMES,
     ClaimVerdict,
-    Kind,
 )
-from ..printed import Printed
+from .published import Row
 
 Range = tuple[float, float]
 
@@ -46,17 +45,13 @@ class Tolerance:
     reason: str
     verdict: ClaimVerdict
 
-    def holds(self, value: float) -> bool:
-        """Whether the number lies in the range."""
-        return self.low <= value <= self.high
-
 
 @dataclass(frozen=True, slots=True)
 class Claim:
     """One printed number, what the routes give for it, and why they differ.
 
     values : a number per route of ROUTE_NAMES, NaN or absent where the route has nothing to say.
-    route : the one that judges.   kind : of verdicts.KINDS.
+    route : the one that judges.
     holds : for an input or a statement, whether it holds by that route; None for a number, compared by its digits.
     reach : how many units of the last digit the printed digits reach; NaN for a column that was read off a plot, whose
     digits agree by chance at best.
@@ -69,14 +64,9 @@ class Claim:
     evidence : what in the paper's own numbers contradicts the printed one, should it differ.
     """
 
-    id: str
-    where: str
-    quantity: str
-    unit: str
-    printed: str
+    row: Row
     values: Mapping[str, float]
     route: str = "exact"
-    kind: Kind = "computed"
     holds: bool | None = None
     reach: float = HALF
     allowed: Range | None = None
@@ -96,52 +86,50 @@ class Claim:
         """The routes that give a number, in the order of ROUTE_NAMES."""
         return [route for route in ROUTE_NAMES if not math.isnan(self.value(route))]
 
+    @property
+    def judged(self) -> float:
+        """The number of the route that judges."""
+        return self.value(self.route)
+
     def show(self, route: str) -> str:
         """The value of a route, written like the printed number with a few more digits; "" if there is none."""
-        value = self.value(route)
-        if math.isnan(value):
-            return ""
-        printed = Printed(self.printed)
-        return printed.show(value) if printed.is_number else f"{value:.3f}"
+        return self.row.number.show(self.value(route))
 
-    def off(self, route: str = "") -> float:
-        """Distance of a route, if none is named the judging one, from print, in units of the last digit, signed."""
-        printed = Printed(self.printed)
-        return (self.value(route or self.route) - printed.value) / printed.unit
+    def off(self, route: str) -> float:
+        """Distance of a route from print, in units of the last digit, signed."""
+        return (self.value(route) - self.row.number.value) / self.row.number.unit
 
-    @property
-    def off_relative(self) -> float:
-        """Distance of the judging route from the printed number, of the latter, signed."""
-        return self.value(self.route) / Printed(self.printed).value - 1.0
+    def off_relative(self, route: str) -> float:
+        """Distance of a route from the printed number, of the latter, signed."""
+        return self.value(route) / self.row.number.value - 1.0
 
     @property
     def strays(self) -> list[str]:
-        """The routes beside the judging one that lie further than LEASH from where they belong."""
-        print_ = Printed(self.printed).value
+        """The routes next to the judging one that lie further than LEASH from where they belong."""
         return [
             route
             for route in self.routes
             if route not in (self.route, *self.apart)
-            and not abs(self.value(route) / self.nearby.get(route, print_) - 1.0) <= LEASH
+            and not abs(self.value(route) / self.nearby.get(route, self.row.number.value) - 1.0)
+            <= LEASH
         ]
 
     @property
     def tolerance(self) -> Tolerance | None:
         """The best tolerance that holds the number of the judging route."""
-        return next((t for t in self.tolerances if t.holds(self.value(self.route))), None)
+        return next((t for t in self.tolerances if t.low <= self.judged <= t.high), None)
 
     @property
     def one_unit_off(self) -> bool:
         """Whether the judging route misses by a digit that rounding may have moved.
 
-        It may not where the paper's other numbers tell what was rounded, and the route lies half a unit from that.
+        It may not where the paper's other numbers show what was rounded, and the route lies half a unit from that.
         """
-        number, value = Printed(self.printed), self.value(self.route)
+        number, value = self.row.number, self.judged
         low, high = self.allowed or (value, value)
-        told = max(low - value, value - high) > 0.5 * number.unit
-        return (
-            abs(self.off()) <= 1.0 + self.reach and number.significant >= FEWEST_DIGITS and not told
-        )
+        excluded = max(low - value, value - high) > 0.5 * number.unit
+        near = abs(self.off(self.route)) <= 1.0 + self.reach
+        return near and number.significant >= FEWEST_DIGITS and not excluded
 
 
 def verdict(claim: Claim) -> ClaimVerdict:
@@ -153,7 +141,7 @@ def verdict(claim: Claim) -> ClaimVerdict:
         return given if claim.holds else DIFFERS
     if claim.strays:
         return DIFFERS
-    if abs(claim.off()) <= claim.reach:
+    if abs(claim.off(claim.route)) <= claim.reach:
         return given
     if claim.one_unit_off:
         return LAST_DIGIT
@@ -166,7 +154,7 @@ def explanation(claim: Claim) -> str:
         return claim.cause
     decided = verdict(claim)
     if decided is REPRODUCED:
-        return f"Exactly {claim.show('exact')}, which rounds to {claim.printed}."
+        return f"Exactly {claim.show('exact')}, which rounds to {claim.row.printed}."
     if claim.route not in claim.routes:
         return f"No number {ROUTE_NAMES[claim.route]}."
     if decided is RECONSTRUCTED:
@@ -197,5 +185,5 @@ def _distance(claim: Claim, route: str) -> str:
     if abs(units) < 20.0:
         few = f"{abs(units):.2g}"
         return f"{few} unit{'' if few == '1' else 's'} of the last digit {side} print"
-    percent = 100.0 * abs(claim.values[route] / Printed(claim.printed).value - 1.0)
+    percent = 100.0 * abs(claim.off_relative(route))
     return f"{percent:.0f} % {side} print" if percent >= 10.0 else f"{percent:.2g} % {side} print"

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -16,10 +16,8 @@ import pandas as pd
 from ...arrays import Array
 from ...solver import Pair, pair_label
 from ..claim_ids import of_cell
-from ..claim_verdicts import Kind
 from ..printed import Printed
 from ..printed_tables import UNKNOWNS
-from .judging import Claim
 
 FILE = "printed.csv"
 
@@ -58,18 +56,10 @@ class Row(NamedTuple):
         """The line of a table in which the number stands: a level, counted from 1, or the label of a pair."""
         return self.id.rpartition(".")[2]
 
-    def claim(self, values: Mapping[str, float], **how: Any) -> Claim:
-        """The claim on this number.   values : by route.   how : further fields of the claim."""
-        return Claim(
-            id=self.id,
-            where=self.where,
-            quantity=self.quantity,
-            unit=self.unit,
-            printed=self.printed,
-            values=values,
-            kind=cast(Kind, self.kind),
-            **how,
-        )
+    @property
+    def number(self) -> Printed:
+        """The number as it is printed."""
+        return Printed(self.printed)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +70,7 @@ class Published:
 
     def __getitem__(self, claim: str) -> Printed:
         """A printed number by its id."""
-        return Printed(self.rows[claim].printed)
+        return self.rows[claim].number
 
     def column(self, table: str, symbol: str, approach: str = "") -> Array:
         """The numbers of a column of a table, from its first line to its last; arguments as in `column_ids`."""
@@ -104,29 +94,32 @@ def read_published(folder: Path) -> Published:
 
     Raises ValueError naming file and column when a cell is blank or an id appears twice.
     """
-    path = folder / FILE
-    frame = read_texts(path, Row._fields)
+    frame = read_texts(folder / FILE, Row._fields)
     for column in ("id", "where", "quantity", "printed", "kind", "rule"):
         if (frame[column].str.strip() == "").any():
             raise ValueError(
-                f"{path}: column {column} has an empty cell; every printed number needs its digits, place and rule"
+                f"{FILE}: column {column} has an empty cell; every printed number needs its digits, place and rule"
             )
     if (twice := frame["id"][frame["id"].duplicated()]).any():
-        raise ValueError(f"{path}: id {twice.iloc[0]} appears twice; each needs its own name")
+        raise ValueError(f"{FILE}: id {twice.iloc[0]} appears twice; each needs its own name")
     return Published({row.id: row for row in map(Row._make, frame.to_numpy())})
 
 
 def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
     """A table with these columns, every cell the text that it is. Raises ValueError for anything else."""
     if not path.is_file() or path.stat().st_size > _MOST_BYTES:
-        raise ValueError(f"{path}: needed is a file of this name, of {_MOST_BYTES:,} bytes at most")
+        raise ValueError(
+            f"{path.name}: needed is a file of this name, of {_MOST_BYTES:,} bytes at most"
+        )
     try:
         frame = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
     except (OSError, ValueError) as error:  # not text, empty, or rows of different lengths
         reason = " ".join(str(error).split())[:120]
-        raise ValueError(f"{path}: cannot be read as a table of text in UTF-8: {reason}") from None
+        raise ValueError(
+            f"{path.name}: cannot be read as a table of text in UTF-8: {reason}"
+        ) from None
     if tuple(frame.columns) != columns:
         raise ValueError(
-            f"{path}: expected the columns {', '.join(columns)}, found {', '.join(frame.columns)[:120]}"
+            f"{path.name}: expected the columns {', '.join(columns)}, found {', '.join(frame.columns)[:120]}"
         )
     return frame

@@ -8,93 +8,95 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
 
-from ...estimates import estimate_table
+import pandas as pd
+
 from ...features import Features
-from ..as_published import APPROACHES_OF_TABLE_3
-from ..printed import Printed
+from ...project.case import Case
+from ..as_published import estimates
 from ..printed_tables import COLUMN_OF
 from ..readout import ReadOut
 from ..route_tables import RouteTables
-from .inputs import Sources
 from .published import PAIRS, Row
 
-_RULES = {
-    "X": ("X_decimals",),
-    "X_s": ("X_s_mark_m", "X_s_decimals"),
-    "V_s": ("V_s_decimals",),
-    "t_s": ("t_s_inset_s", "t_s_unit_s", "common_t_s_decimals"),
-    "phi": ("phi_decimals", "common_phi_decimals"),
-}
-"""Each feature that is read, with the keys of the configuration for its rules of reading."""
+
+class _Read(NamedTuple):
+    """A feature that is read: keys of its rules in the configuration; words for how it reads, the columns whose sum
+    reads so, scaled, and its format with its unit."""
+
+    keys: tuple[str, ...]
+    words: str
+    columns: tuple[str, ...]
+    scale: float
+    shown: str
 
 
-def rules_at_work(sources: Sources) -> Callable[[Row], str]:
+_READ = (
+    _Read(("X_decimals",), "X read as", ("X_m",), 1e3, "{:g} mm"),
+    _Read(("X_s_mark_m", "X_s_decimals"), "X + X_s read as", ("X_m", "X_s_m"), 1e6, "{:.4g} µm"),
+    _Read(("V_s_decimals",), "V_s read as", ("V_s_m_per_s",), 1e3, "{:g} mm/s"),
+    _Read(
+        ("t_s_inset_s", "t_s_unit_s", "common_t_s_decimals"),
+        "one t_s of",
+        ("t_s_s",),
+        1e3,
+        "{:g} ms",
+    ),
+    _Read(("phi_decimals", "common_phi_decimals"), "one phi of", ("phi_rad",), 1.0, "{:.6g} rad"),
+)
+
+
+def rules_at_work(
+    case: Case, exact_route: RouteTables, unrounded: pd.DataFrame
+) -> Callable[[Row], str]:
     """A function of a row that says what moves that number of Table 3 from exact, in a sentence.
 
     Named are the largest share, and every other that moves the number by half a unit of its last printed digit.
+    Arguments as in `Sources`.
     """
-    if "omega1" not in sources.exact.features or sources.unrounded.empty:
+    if "omega1" not in exact_route.features or unrounded.empty:
         return lambda row: ""
-    k, configured = sources.case.oscillator.k, sources.case.numerics.two_point
-    simulated = Features.from_frame(sources.unrounded)
-    exact = Features.from_frame(sources.exact.features["omega1"])
+    configured = case.numerics.two_point
 
-    def pairs(features: Features, rules: ReadOut) -> RouteTables:
-        read = rules.common(features)
-        table = estimate_table(
-            features, k, PAIRS, common=read, common_approaches=APPROACHES_OF_TABLE_3
-        )
+    def pairs(frame: pd.DataFrame, *keys: str) -> RouteTables:
+        features = Features.from_frame(frame)
+        read = ReadOut.from_config({key: configured.get(key) for key in keys}).common(features)
+        table = estimates(features, read, replace(case, pairs=PAIRS))
         return RouteTables({"omega1": read.to_frame()}, {"omega1": table})
 
-    by_nobody, unread = pairs(exact, ReadOut()), pairs(simulated, ReadOut())
+    exact, unread = pairs(exact_route.features["omega1"]), pairs(unrounded)
     read = {
-        what: pairs(simulated, ReadOut.from_config({key: configured.get(key) for key in keys}))
-        for what, keys in _RULES.items()
-        if any(configured.get(key) is not None for key in keys)
+        one: pairs(unrounded, *one.keys)
+        for one in _READ
+        if any(configured.get(key) is not None for key in one.keys)
     }
 
     def sentence(row: Row) -> str:
-        number = Printed(row.printed)
-
         def value(tables: RouteTables) -> float:
-            column = COLUMN_OF[row.symbol]
-            return tables.estimate(column, row.approach, phase="common", pair=row.line)
+            return tables.estimate(COLUMN_OF[row.symbol], row.approach, pair=row.line)
 
-        shifts = {"the simulation": value(unread) - value(by_nobody)}
-        for what, tables in read.items():
-            shifts[_as_read(what, tables, row.line)] = value(tables) - value(unread)
+        shifts = {"the simulation": value(unread) - value(exact)}
+        for one, tables in read.items():
+            shifts[_as_read(one, tables, row.line)] = value(tables) - value(unread)
         if not all(map(math.isfinite, shifts.values())):
             return ""
-        largest = max(shifts, key=lambda what: abs(shifts[what]))
-        named = [
-            what
-            for what, shift in shifts.items()
-            if what == largest or abs(shift) >= 0.5 * number.unit
-        ]
+        in_order = sorted(shifts, key=lambda what: -abs(shifts[what]))
         shares = (
-            f"{what} ({shifts[what]:+.{number.decimals + 1}f} {row.unit})"
-            for what in sorted(named, key=lambda what: -abs(shifts[what]))
+            f"{what} ({shifts[what]:+.{row.number.decimals + 1}f} {row.unit})"
+            for what in in_order
+            if what == in_order[0] or abs(shifts[what]) >= 0.5 * row.number.unit
         )
         return f"What moves it: {', '.join(shares)}."
 
     return sentence
 
 
-def _as_read(what: str, tables: RouteTables, label: str) -> str:
-    """How a rule reads, with the numbers that come of it, for the levels of a pair."""
-    i, j = map(int, label.split("-"))
-
-    def both(column: str) -> tuple[float, float]:
-        return tables.feature(column, i), tables.feature(column, j)
-
-    if what == "X":
-        return "X read as {:g} mm and {:g} mm".format(*(1e3 * X for X in both("X_m")))
-    if what == "X_s":
-        lengths = (1e6 * (X + X_s) for X, X_s in zip(both("X_m"), both("X_s_m"), strict=True))
-        return f"X + X_s read as {' and '.join(dict.fromkeys(f'{one:.4g} µm' for one in lengths))}"
-    if what == "t_s":
-        return f"one t_s of {1e3 * both('t_s_s')[0]:g} ms"
-    if what == "phi":
-        return f"one phi of {both('phi_rad')[0]:.6g} rad"
-    return "V_s read as {:g} mm/s and {:g} mm/s".format(*(1e3 * V for V in both("V_s_m_per_s")))
+def _as_read(one: _Read, tables: RouteTables, label: str) -> str:
+    """How a feature reads at the levels of a pair; once if it reads the same."""
+    values = (
+        one.scale * math.fsum(tables.feature(column, int(level)) for column in one.columns)
+        for level in label.split("-")
+    )
+    return f"{one.words} {' and '.join(dict.fromkeys(map(one.shown.format, values)))}"

@@ -2,33 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import groupby
+import math
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
+from ...project.wording import cut
 from ..claim_ids import of_text as id_of_text
 from ..claim_ids import statistic
 from ..claim_verdicts import Kind
-from ..printed import Printed
+from ..printed import LONGEST
 from ..printed_tables import RESIDUAL, TABLE_1, TABLE_2, UNKNOWNS
 from ..route_tables import HARMONIC, PRINTED_APPROACHES
 from . import of_tables, of_text, statements
-from .inputs import Sources
 from .judging import Claim
 from .published import FILE, FREQUENCIES, Published, Row, column_ids
-
-_LONGEST, _POWERS = 25, (-30, 30)  # characters of a number, and of ten
+from .sources import Sources
 
 
 class Rule(NamedTuple):
     """How some of the printed numbers are judged.
 
-    claims : a function from rows that follow each other in the table to the claims on them.
-    symbols, approaches : what these rows may hold.
-    kind : the kind of the claims.
+    claim : a function from a row to the claim on it.
+    symbols, approaches : what such rows may hold.
+    kind : of the claims.
     """
 
-    claims: Callable[[Sources, Sequence[Row]], Iterator[Claim]]
+    claim: Callable[[Sources, Row], Claim]
     symbols: tuple[str, ...]
     approaches: tuple[str, ...] = ("",)
     kind: Kind = "computed"
@@ -40,31 +39,23 @@ _INPUTS = ("m", "c", "k", "K_z", "F_k", "Y", *FREQUENCIES)
 RULES = {
     "held": Rule(of_text.held, _INPUTS, kind="given"),
     "follows": Rule(of_text.follows, ("zeta", "omega_n")),
-    "rounded": Rule(of_tables.read_outs, ("X", "X_s")),
-    "velocity": Rule(of_tables.read_outs, ("V_s",)),
-    "phase": Rule(of_tables.read_outs, ("phi",)),
-    "time": Rule(of_tables.read_outs, ("t_s",)),
-    "integral": Rule(of_tables.integrals, tuple(q.symbol for q in TABLE_2)),
-    "direct pair": Rule(of_tables.direct_pairs, _ESTIMATES, ("direct",)),
-    "harmonic pair": Rule(of_tables.harmonic_pairs, _ESTIMATES, HARMONIC),
+    "rounded": Rule(of_tables.read_out, ("X", "X_s")),
+    "velocity": Rule(of_tables.read_out, ("V_s",)),
+    "phase": Rule(of_tables.read_out, ("phi",)),
+    "time": Rule(of_tables.read_out, ("t_s",)),
+    "integral": Rule(of_tables.integral, tuple(q.symbol for q in TABLE_2)),
+    "direct pair": Rule(of_tables.direct_pair, _ESTIMATES, ("direct",)),
+    "harmonic pair": Rule(of_tables.harmonic_pair, _ESTIMATES, HARMONIC),
     "least squares": Rule(of_text.least_squares, _OF_FIT, PRINTED_APPROACHES),
-    "mean of pairs": Rule(of_text.moments, _ESTIMATES, ("direct",)),
-    "deviation of pairs": Rule(of_text.moments, _ESTIMATES, ("direct",)),
-    "mean of levels": Rule(of_text.moments, ("t_s", "phi")),
-    "bound": Rule(of_text.bounds, (*_ESTIMATES, *FREQUENCIES), kind="statement"),
-    "change": Rule(of_text.changes, FREQUENCIES, kind="statement"),
-    "truth": Rule(of_text.truths, ("",), kind="statement"),
+    "mean of pairs": Rule(of_text.moment_of_pairs, _ESTIMATES, ("direct",)),
+    "deviation of pairs": Rule(of_text.moment_of_pairs, _ESTIMATES, ("direct",)),
+    "mean of levels": Rule(of_text.mean_of_levels, ("t_s", "phi")),
+    "bound": Rule(statements.bound, (*_ESTIMATES, *FREQUENCIES), kind="statement"),
+    "change": Rule(statements.change, FREQUENCIES, kind="statement"),
+    "truth": Rule(statements.truth, ("",), kind="statement"),
 }
 """Every rule by its name in the column `rule` of the printed numbers."""
 
-_STATEMENTS: dict[str, Callable[[Row], object]] = {
-    "bound": lambda row: statements.bound(row.id, row.quantity, row.printed, {}),
-    "change": lambda row: statements.change(row.id, row.printed, {}, {}),
-    "truth": lambda row: statements.truth(row.id, row.printed, {}),
-}
-"""Functions that raise ValueError for a statement that cannot be judged."""
-
-_WORDS = ("change", "truth")  # rules for which a word is printed, not a number
 _CELLS = {
     *(claim for q in TABLE_1 for claim in column_ids("table1", q.symbol)),
     *(claim for q in (*TABLE_2, *UNKNOWNS) for claim in column_ids("table2", q.symbol)),
@@ -79,10 +70,9 @@ _OF_TEXT = {
 }
 
 
-def claims(sources: Sources, rows: Iterable[Row]) -> Iterator[Claim]:
-    """The claims on some printed numbers, in the order of their rows."""
-    for judged, group in groupby(rows, key=lambda row: RULES[row.rule].claims):
-        yield from judged(sources, list(group))
+def claims(sources: Sources, rows: Iterable[Row]) -> list[Claim]:
+    """The claims on some printed numbers."""
+    return [RULES[row.rule].claim(sources, row) for row in rows]
 
 
 def check_printed(published: Published) -> None:
@@ -98,44 +88,28 @@ def check_printed(published: Published) -> None:
             f"{FILE}: rows and claims do not match: {_few(sorted(odd))}; each printed number needs its row"
         )
     for row in published.rows.values():
-        problem = _problem(row)
-        if problem:
-            raise ValueError(f"{FILE}: row {row.id}, {problem}")
-        if row.rule in _STATEMENTS:
-            _STATEMENTS[row.rule](row)
+        if problem := _problem(row):
+            raise ValueError(f"{FILE}: row {row.id}, column {problem}")
+        if row.rule == "bound":
+            statements.bound_holds(row, math.nan)
+        elif row.rule in statements.WORDS:
+            statements.word_holds(row, math.nan, math.nan)
 
 
 def _problem(row: Row) -> str:
-    """The message for the first cell that its rule does not know; "" if there is none."""
-    if row.rule not in RULES:
-        return _unknown("rule", row.rule, RULES)
-    rule = RULES[row.rule]
-    allowed = {"kind": (rule.kind,), "symbol": rule.symbols, "approach": rule.approaches}
-    for column, known in allowed.items():
-        if getattr(row, column) not in known:
-            return _unknown(column, getattr(row, column), known)
-    if row.rule not in _WORDS and not _is_number(row.printed):
-        return f"column printed: {_cut(row.printed)!r} is not a number such as 90.0402 or 2.9E-3"
+    """The column of the first cell that its rule does not know, and why; "" if there is none."""
+    rule = RULES.get(row.rule)
+    known: dict[str, Iterable[str]] = {"rule": RULES}
+    if rule:
+        known = {"kind": (rule.kind,), "symbol": rule.symbols, "approach": rule.approaches}
+    for column, words in known.items():
+        if (text := getattr(row, column)) not in words:
+            listed = ", ".join(word or "none" for word in words)
+            return f"{column}: {cut(text, LONGEST)!r} is not known to its rule; known are {listed}"
+    if row.rule not in statements.WORDS and not row.number.is_number:
+        return f"printed: {cut(row.printed, LONGEST)!r} is not a number such as 90.0402 or 2.9E-3"
     return ""
 
 
-def _unknown(column: str, text: str, known: Iterable[str]) -> str:
-    words = ", ".join(word or "none" for word in known)
-    return f"column {column}: {_cut(text)!r} is not known to its rule; known are {words}"
-
-
-def _is_number(text: str) -> bool:
-    """Whether the text is a number with digits, of a size that a quantity of the paper can have."""
-    printed = Printed(text)
-    if len(text) > _LONGEST or not printed.is_number or not printed.decimal.is_finite():
-        return False
-    low, high = _POWERS
-    return low <= printed.exponent and printed.decimal.adjusted() <= high
-
-
-def _cut(text: str) -> str:
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
-
-
 def _few(rows: Sequence[str]) -> str:
-    return ", ".join(map(_cut, rows[:8])) + (" …" if len(rows) > 8 else "")
+    return ", ".join(cut(row, LONGEST) for row in rows[:8]) + (" …" if len(rows) > 8 else "")

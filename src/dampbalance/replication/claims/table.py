@@ -12,16 +12,14 @@ from ...project.wording import in_markdown, markdown_table
 from ..claim_ids import PARTS, part_of
 from ..claim_verdicts import HOLDING, KINDS, ROUTE_NAMES, VERDICTS, counts
 from ..route_tables import RouteTables
-from .from_print import from_print
-from .inputs import Sources, require_paper
 from .judging import Claim, explanation, verdict
 from .published import Published, read_texts
 from .rules import check_printed, claims
+from .sources import Sources, require_paper
 
-STATED = ("id", "where", "quantity", "unit", "printed")  # columns that are fields of a claim
 COLUMNS = (
-    *(*STATED, *ROUTE_NAMES, "verdict", "explanation", "kind"),
-    *("judged", "off_relative", "off_units"),
+    *("id", "where", "quantity", "unit", "printed", *ROUTE_NAMES),
+    *("verdict", "explanation", "kind", "judged", "off_relative", "off_units"),
 )
 """Those of claims.csv. judged : the route that judges.   off_… : how far it lies from a computed number as printed, of
 itself and in units of the last digit."""
@@ -47,14 +45,13 @@ def claims_table(
     """
     require_paper(case)
     check_printed(published)
-    sources = Sources(published, case, exact, as_published, from_print(published, case), unrounded)
+    sources = Sources(published, case, exact, as_published, unrounded)
     records = [
         {
-            **{name: getattr(claim, name) for name in STATED},
+            **claim.row._asdict(),
             **{route: claim.show(route) for route in ROUTE_NAMES},
             "verdict": verdict(claim).name,
             "explanation": explanation(claim),
-            "kind": claim.kind,
             "judged": ROUTE_NAMES[claim.route],
             **_off(claim),
         }
@@ -64,13 +61,11 @@ def claims_table(
 
 
 def _off(claim: Claim) -> dict[str, str]:
-    """How far the judging route lies from print, as text: relative, and in units of the last digit."""
-    if claim.kind != "computed" or claim.route not in claim.routes:
+    """How far the judging route lies from a computed number as printed, as text."""
+    if claim.row.kind != "computed" or claim.route not in claim.routes:
         return {"off_relative": "", "off_units": ""}
-    return {
-        "off_relative": f"{claim.off_relative:+.1e}",
-        "off_units": f"{claim.off():+.2f}",
-    }
+    relative, units = claim.off_relative(claim.route), claim.off(claim.route)
+    return {"off_relative": f"{relative:+.1e}", "off_units": f"{units:+.2f}"}
 
 
 def claims_markdown(frame: pd.DataFrame) -> str:
@@ -127,37 +122,25 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
         f"of {total.statements} statements {total.statements_held} hold.",
         "",
     ]
-    rest = frame[~frame["verdict"].isin(HOLDING)]
-    if len(rest):
-        shown = [
-            {
-                "number": row["id"],
-                "printed": f"{row['printed']} {'' if row['unit'] == '1' else row['unit']}".strip(),
-                "verdict": row["verdict"],
-                "obtained": _obtained(row),
-            }
-            for row in rest.to_dict("records")
-        ]
+    rest = [row for row in frame.to_dict("records") if row["verdict"] not in HOLDING]
+    if rest:
+        rows = [("number", "printed", "verdict", "obtained"), *map(_open, rest)]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines.append("Neither reproduced nor reconstructed (why: claims.md)")
-        lines.append(_aligned(pd.DataFrame.from_records(shown)))
+        for row in rows:
+            padded = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+            lines.append(f"  {'  '.join(padded)}".rstrip())
     if len(offences):
         lines += ["", f"{len(offences)} {WORSE}:", *("  " + offences["message"])]
     return "\n".join(lines) + "\n"
 
 
-def _obtained(row: Mapping[Hashable, str]) -> str:
-    """The value of the route that judges, and how many units it is off."""
-    column = next(name for name, words in ROUTE_NAMES.items() if words == row["judged"])
+def _open(row: Mapping[Hashable, str]) -> tuple[str, ...]:
+    """A claim in the summary: with the number of the route that judges, and how many units it is off."""
+    value = row[next(name for name, words in ROUTE_NAMES.items() if words == row["judged"])]
     off = f", {row['off_units']} units" if row["off_units"] else ""
-    return f"{row[column] or 'nothing'} {row['judged']}{off}"
-
-
-def _aligned(frame: pd.DataFrame) -> str:
-    """The frame as text with its columns flush left."""
-    widths = [max(len(name), *frame[name].str.len()) for name in frame.columns]
-    rows = [list(frame.columns), *frame.to_numpy().tolist()]
-    cells = ("  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)) for row in rows)
-    return "\n".join(f"  {line}".rstrip() for line in cells)
+    printed = f"{row['printed']} {'' if row['unit'] == '1' else row['unit']}".strip()
+    return row["id"], printed, row["verdict"], f"{value or 'nothing'} {row['judged']}{off}"
 
 
 def read_claims(path: Path) -> pd.DataFrame:
@@ -172,7 +155,7 @@ def read_record(path: Path) -> pd.DataFrame:
     if len(unknown):
         first = unknown.iloc[0]
         raise ValueError(
-            f"{path}: {first['id']} has the verdict {first['verdict']!r}; known are {', '.join(VERDICTS)}"
+            f"{path.name}: {first['id']} has the verdict {first['verdict']!r}; known are {', '.join(VERDICTS)}"
         )
     return recorded
 
@@ -182,41 +165,32 @@ def check(frame: pd.DataFrame, recorded: pd.DataFrame) -> pd.DataFrame:
 
     Returns id, printed, was, now and message, a row per offence, none when all is well. A better verdict is no offence.
     """
-    now, was = frame.set_index("id"), recorded.set_index("id")
+    now, was = ({row["id"]: row for row in table.to_dict("records")} for table in (frame, recorded))
     offences = []
-    for name in [*now.index, *(name for name in was.index if name not in now.index)]:
-        message = _offence(name, now, was)
-        if message:
-            offences.append(
-                {
-                    "id": name,
-                    "printed": now["printed"].get(name, was["printed"].get(name)),
-                    "was": was["verdict"].get(name, ""),
-                    "now": now["verdict"].get(name, ""),
-                    "message": message,
-                }
-            )
+    for name in dict.fromkeys([*now, *was]):
+        new, old = now.get(name, {}), was.get(name, {})
+        if message := _offence(new, old):
+            printed = (new or old)["printed"]
+            verdicts = (row.get("verdict", "") for row in (old, new))
+            offences.append((name, printed, *verdicts, f"{name}: printed {message}"))
     return pd.DataFrame.from_records(offences, columns=["id", "printed", "was", "now", "message"])
 
 
-def _offence(name: str, now: pd.DataFrame, was: pd.DataFrame) -> str:
-    if name not in was.index:
-        return f"{name}: printed {now['printed'][name]}, {now['verdict'][name]}, is not on record; add it"
-    if name not in now.index:
-        return f"{name}: printed {was['printed'][name]}, on record as {was['verdict'][name]}, has no claim any more"
-    row = now.loc[name]
-    if row["printed"] != was["printed"][name]:
-        return f"{name}: printed {was['printed'][name]} on record, now read as {row['printed']}"
+def _offence(new: Mapping[Hashable, str], old: Mapping[Hashable, str]) -> str:
+    if not old:
+        return f"{new['printed']}, {new['verdict']}, is not on record; add it"
+    if not new:
+        return f"{old['printed']}, on record as {old['verdict']}, has no claim any more"
+    if new["printed"] != old["printed"]:
+        return f"{old['printed']} on record, now read as {new['printed']}"
     ranks = list(VERDICTS)
-    if ranks.index(str(row["verdict"])) > ranks.index(was["verdict"][name]):
-        obtained = ", ".join(
-            f"{ROUTE_NAMES[route]} {row[route]}" for route in ROUTE_NAMES if row[route]
-        )
-        return (
-            f"{name}: printed {row['printed']}, obtained {obtained}: was {was['verdict'][name]}, now {row['verdict']}. "
-            f"{row['explanation']}"
-        )
-    return ""
+    if ranks.index(new["verdict"]) <= ranks.index(old["verdict"]):
+        return ""
+    obtained = ", ".join(f"{words} {new[name]}" for name, words in ROUTE_NAMES.items() if new[name])
+    return (
+        f"{new['printed']}, obtained {obtained}: was {old['verdict']}, now {new['verdict']}. "
+        f"{new['explanation']}"
+    )
 
 
 def _meanings(frame: pd.DataFrame) -> list[str]:

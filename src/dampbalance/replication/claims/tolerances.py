@@ -19,7 +19,8 @@ from __future__ import annotations
 
 import math
 
-from ..claim_verdicts import PROPAGATED, READING, UNEXPLAINED
+from ...project.case import Case
+from ..claim_verdicts import PROPAGATED, READING, UNEXPLAINED, ClaimVerdict
 from ..printed import Printed
 from .judging import Range, Tolerance
 
@@ -35,46 +36,53 @@ NEAR_UNITS = 10.0
 NOTHING = "nothing says why"
 
 
-def phase_read(printed: str, omega: float) -> tuple[Tolerance, ...]:
+def phase_read(number: Printed, omega: float) -> tuple[Tolerance, ...]:
     """φ as the difference of two instants that were each read to the nearest unit of time.   omega : rad/s."""
     step = omega * TIME_UNIT_S
     how = f"a difference of two instants, each to the nearest {1e3 * TIME_UNIT_S:g} ms, is known to {step:.4f} rad"
-    return _read(Printed(printed).value, step, how)
+    return _read(number.value, step, how)
 
 
-def velocity_read(printed: str, to_sample: float) -> tuple[Tolerance, ...]:
+def velocity_read(number: Printed, to_sample: float) -> tuple[Tolerance, ...]:
     """V_s as the velocity of the first slipping sample, read to the nearest mark.
 
     to_sample : by how much it exceeds that of the onset itself, which the route gives, m/s.
     """
     half = 0.5 * VELOCITY_MARK
     how = f"the first slipping sample, to the nearest {1e3 * VELOCITY_MARK:g} mm/s, is known to {1e3 * half:g} mm/s"
-    return _read(Printed(printed).value - to_sample, half, how)
+    return _read(number.value - to_sample, half, how)
 
 
-def _read(value: float, step: float, how: str) -> tuple[Tolerance, ...]:
-    far = NEAR_READINGS * step
-    beyond = f"{how}; it is less than {NEAR_READINGS:g} times as far off, and {NOTHING}"
-    return (
-        Tolerance(value - step, value + step, how, READING),
-        Tolerance(value - far, value + far, beyond, UNEXPLAINED),
-    )
-
-
-def propagated(allowed: Range | None, printed: str) -> tuple[Tolerance, ...]:
+def propagated(allowed: Range | None, number: Printed) -> tuple[Tolerance, ...]:
     """F_k or c of a pair in the range that the rest of Table 2 allows, if any."""
     if allowed is None:
         return ()
-    number, (low, high) = Printed(printed), allowed
-    reason = f"digits that are not printed leave {number.show(low, 2)} to {number.show(high, 2)}"
-    return (Tolerance(low, high, reason, PROPAGATED),)
+    reason = f"digits that are not printed leave {shown(allowed, number)}"
+    return (Tolerance(*allowed, reason, PROPAGATED),)
 
 
-def simulated(printed: str, omega: float, step: float) -> tuple[Tolerance, ...]:
-    """A number of Table 2 close to print without a reason.   omega : rad/s.   step : of the simulation, s."""
-    number, share = Printed(printed), step * omega / (2.0 * math.pi)
+def simulated(number: Printed, case: Case) -> tuple[Tolerance, ...]:
+    """A number of Table 2 close to print without a reason.   case : for ω1 and the step of the simulation."""
+    share = case.numerics.step_s * case.omega("omega1") / (2.0 * math.pi)
     far = min(NEAR_UNITS * number.unit, share * abs(number.value))
     reason = (
         f"less than {NEAR_UNITS:g} units and {share:.1e} of itself, a step in a period; {NOTHING}"
     )
-    return (Tolerance(number.value - far, number.value + far, reason, UNEXPLAINED),)
+    return (_about(number.value, far, reason, UNEXPLAINED),)
+
+
+def shown(ends: Range, number: Printed) -> str:
+    """A range as text, with two digits more than are printed."""
+    return " to ".join(number.show(end, 2) for end in ends)
+
+
+def _read(value: float, step: float, how: str) -> tuple[Tolerance, ...]:
+    beyond = f"{how}; it is less than {NEAR_READINGS:g} times as far off, and {NOTHING}"
+    return (
+        _about(value, step, how, READING),
+        _about(value, NEAR_READINGS * step, beyond, UNEXPLAINED),
+    )
+
+
+def _about(value: float, far: float, reason: str, verdict: ClaimVerdict) -> Tolerance:
+    return Tolerance(value - far, value + far, reason, verdict)

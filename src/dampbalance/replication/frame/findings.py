@@ -20,10 +20,13 @@ from ...law.terms import FRICTION, named_with_unit, term
 from ...reading.mean_harmonics import Reading, read_features
 from ...records.measured import read_records
 from ...records.measurement import Channel, Measurement
-from .line import load_line
 from .measured_loop import AT_REST, Loop, friction_loop, shape
 from .prediction import Mass, predicted
 
+GRAVITY = 9.80665
+"""Standard gravity, m/s²."""
+
+_CONFIDENCE = 0.95
 _REPLICATES = 2  # of an identification whose intervals nobody asks for
 
 
@@ -114,6 +117,41 @@ def require(measured: Mapping[str, Any], frame: Mapping[str, Any], records: int)
         )
 
 
+def load_line(
+    loads: Sequence[float], forces: Sequence[float], errors: Sequence[float]
+) -> tuple[dict[str, Any], list[float]]:
+    """F_k = F_0 + s·load by unweighted least squares, and the relative distance of each force from the line.
+
+    loads : kg, three or more.   forces : F_k at each, N.   errors : their standard errors from the cycles, N.
+
+    `slope_N_per_kg` s and `intercept_N` F_0, with intervals of 95 % by Student's t from the scatter about the line;
+    `coefficient` s/g of friction, if the load alone presses; `scatter`, the scatter about the line relative to
+    that which the standard errors predict: 1 where the cycles explain all of it.
+    """
+    from scipy import special  # slow to import
+
+    load, force = np.asarray(loads), np.asarray(forces)
+    columns = np.column_stack([np.ones(load.size), load])
+    inverse = np.linalg.inv(columns.T @ columns)
+    intercept, slope = (inverse @ columns.T @ force).tolist()
+    off = force - intercept - slope * load
+    freedom = load.size - 2
+    variance = float(off @ off) / freedom
+    quantile = float(special.stdtrit(freedom, 0.5 + 0.5 * _CONFIDENCE))
+    reach = (quantile * np.sqrt(variance * np.diag(inverse))).tolist()
+    left = np.eye(load.size) - columns @ inverse @ columns.T  # residuals of unit errors
+    expected = float(np.sum(left**2 @ np.asarray(errors) ** 2)) / freedom
+    line = {
+        "slope_N_per_kg": slope,
+        "slope_interval_N_per_kg": [slope - reach[1], slope + reach[1]],
+        "coefficient": slope / GRAVITY,
+        "intercept_N": intercept,
+        "intercept_interval_N": [intercept - reach[0], intercept + reach[0]],
+        "scatter": math.sqrt(variance / expected),
+    }
+    return line, (off / force).tolist()
+
+
 def _force(identified: Mapping[str, Any], law: Law, i: int) -> dict[str, Any]:
     """F_k of record i with its standard error and interval, N, by direct integration."""
     estimates, key = identified["approaches"][DIRECT], law.key(FRICTION, i)
@@ -139,11 +177,10 @@ def _first_cycles(
             raise ValueError(f"{one.record.name}: has {steady.cycles} cycles; identify from fewer")
         end = steady.start + 2.0 * math.pi / steady.omega * cycles
         measurement = one.record.whole()
-        channels = [measurement[quantity] for quantity in measurement]
-        kept = [
-            Channel(c.quantity, c.t[c.t < end + _steps(c)], c.values[c.t < end + _steps(c)])
-            for c in channels
-        ]
+        kept = []
+        for c in map(measurement.__getitem__, measurement):
+            inside = c.t < end + 2.0 * float(c.t[1] - c.t[0])  # for the last cycle to be whole
+            kept.append(Channel(c.quantity, c.t[inside], c.values[inside]))
         parts.append(read_features(Measurement.of(one.record.name, kept), k))
     direct = {DIRECT: APPROACHES[DIRECT]}
     result = identify_readings(parts, k, law=law, approaches=direct, replicates=_REPLICATES)
@@ -152,11 +189,6 @@ def _first_cycles(
         (replace(part, joint=True), values[law.key(FRICTION, i)].value)
         for i, part in enumerate(parts)
     ]
-
-
-def _steps(channel: Channel) -> float:
-    """Two samples of a channel, s: for the last cycle to be whole."""
-    return 2.0 * float(channel.t[1] - channel.t[0])
 
 
 def _prediction(one: Loaded, first: Reading, mass: Mass) -> Prediction:
@@ -176,14 +208,9 @@ def _prediction(one: Loaded, first: Reading, mass: Mass) -> Prediction:
     y = np.interp(t, base.t, base.values)
     displacement = predicted(replace(mass, zero=zero), t, y, float(x[0]), speed, steady.omega)
     phase = steady.omega * (t - steady.start) + float(np.angle(steady.mean(steady.Y)[1]))
-    again = np.interp(phase % (2.0 * math.pi), *_wrapped(loop)) + X_0
+    angles = np.linspace(0.0, 2.0 * math.pi, loop.x.size, endpoint=False)
+    again = np.interp(phase, angles, loop.x, period=2.0 * math.pi) + X_0
     return Prediction(t, x, displacement, again)
-
-
-def _wrapped(loop: Loop) -> tuple[Array, Array]:
-    """Phases of a loop, the first again at their end, rad, and its displacements, m."""
-    phases = np.linspace(0.0, 2.0 * math.pi, loop.x.size + 1)
-    return phases, np.append(loop.x, loop.x[0])
 
 
 def _errors(prediction: Prediction, X: float) -> dict[str, float]:

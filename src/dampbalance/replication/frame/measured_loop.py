@@ -23,9 +23,8 @@ AT_REST = 0.02
 """Share of the largest speed below which the mass counts as at rest: 31 harmonics do not resolve less."""
 
 _SLIDING = 0.25  # of the largest speed: above it neither the onset nor the end of slip plays a part
-_RIPPLES_HZ = np.linspace(
-    8.0, 30.0, 221
-)  # a pass takes a sixth of a second: slower ones are trends
+# a pass takes a sixth of a second: slower ones are trends
+_RIPPLES_HZ = np.linspace(8.0, 30.0, 221)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,14 +48,12 @@ class Loop:
     @property
     def at_rest(self) -> Mask:
         """Where the mass stands."""
-        rest: Mask = np.abs(self.v) < AT_REST * np.abs(self.v).max()
-        return rest
+        return np.abs(self.v) < AT_REST * np.abs(self.v).max()
 
     @property
     def sliding(self) -> Mask:
         """Where it slides, well away from the ends of slip."""
-        sliding: Mask = np.abs(self.v) > _SLIDING * np.abs(self.v).max()
-        return sliding
+        return np.abs(self.v) > _SLIDING * np.abs(self.v).max()
 
 
 def friction_loop(reading: Reading, m: float, damping: Mapping[str, float]) -> Loop:
@@ -79,12 +76,8 @@ def viscous(
     damping: Mapping[str, float], v: Array, w: Array, k: float, omega: float
 ) -> Array | float:
     """Σ p_j h_j, N, of the velocities v of the mass and w of the base, m/s."""
-    total: Array | float = 0.0
-    for symbol, p in damping.items():
-        force = KNOWN_TERMS[symbol].force
-        if force is not None:
-            total = total + p * force(v, w, k, omega)
-    return total
+    terms = ((p, KNOWN_TERMS[symbol].force) for symbol, p in damping.items())
+    return sum(p * force(v, w, k, omega) for p, force in terms if force is not None)
 
 
 def shape(loop: Loop, F_k: float) -> dict[str, float | list[float]]:
@@ -128,20 +121,19 @@ def _ripple(loop: Loop, off: Array) -> tuple[float, float, float]:
     passes = [loop.sliding & (sign * loop.v > 0.0) for sign in (1.0, -1.0)]
     total = math.fsum(float(np.sum((off[on] - off[on].mean()) ** 2)) for on in passes)
     for hz in _RIPPLES_HZ:
-        left, square, count = 0.0, 0.0, 0
+        left, square = 0.0, 0.0
         for on in passes:  # each with a separate phase
             angle = 2.0 * math.pi * hz * t[on]
             columns = np.column_stack([np.ones(angle.size), np.cos(angle), np.sin(angle)])
             fit = np.linalg.lstsq(columns, off[on])[0]
             left += float(np.sum((off[on] - columns @ fit) ** 2))
-            square, count = square + float(fit[1] ** 2 + fit[2] ** 2), count + 1
+            square += float(fit[1] ** 2 + fit[2] ** 2)
         explained = 1.0 - left / total
         if explained > best[2]:
-            best = (float(hz), math.sqrt(square / count), explained)
+            best = (float(hz), math.sqrt(square / len(passes)), explained)
     return best
 
 
 def _series(theta: Array, n: Array, x: Array, omega: float, order: int) -> Array:
     """The derivative of that order by time of Re Σ x_n e^{inθ}."""
-    values: Array = (np.exp(1j * np.outer(theta, n)) @ ((1j * n * omega) ** order * x)).real
-    return values
+    return (np.exp(1j * np.outer(theta, n)) @ ((1j * n * omega) ** order * x)).real
