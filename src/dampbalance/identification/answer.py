@@ -7,7 +7,7 @@ document, figures and studies read answers and nothing else, so that none of the
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..balance import Rows
-from ..law.terms import term
+from ..law.terms import named_with_unit, term
 from ..reading.oscillator_fit import OscillatorFit
 from ..solver import NORMAL_95
 
@@ -166,8 +166,8 @@ class Answer:
     def row_misfit(self) -> Array:
         """Σ g_j p_j − W of each row with the values of this answer, J, (rows,)."""
         assert self.balance is not None
-        values = {symbol: p.value for symbol, p in self.coefficients.items()}
-        return self.balance.rows.misfit({**self.balance.rows.given, **values})
+        rows = self.balance.rows
+        return rows.misfit({**rows.given, **{s: p.value for s, p in self.coefficients.items()}})
 
     @property
     def row_names(self) -> tuple[str, ...]:
@@ -176,21 +176,14 @@ class Answer:
 
 
 def answer_of_fit(
-    fit: OscillatorFit,
-    coefficients: Mapping[str, float],
-    unknowns: Sequence[str],
-    notes: tuple[str, ...],
-    **merit: Any,
+    fit: OscillatorFit, coefficients: Iterable[str], notes: Iterable[str], **merit: Any
 ) -> Answer:
-    """The answer of a fit of maximum likelihood.
-
-    coefficients : by key.   unknowns : names in the order of the covariance of the fit.   merit : what else is known.
-    """
-    parameters = {key: normal(value, fit.error(key)) for key, value in coefficients.items()}
+    """The answer of a fit of maximum likelihood.   coefficients : keys.   merit : what else the fit identifies."""
+    parameters = {key: normal(fit.value(key), fit.error(key)) for key in coefficients}
     parameters["K_z"] = ParameterEstimate(
         fit.K_z, fit.K_z_error, math.nan, Interval(*fit.K_z_interval)
     )
-    places = [unknowns.index("rho" if symbol == "K_z" else symbol) for symbol in parameters]
+    places = [fit.names.index("rho" if symbol == "K_z" else symbol) for symbol in parameters]
     # K_z = ρ^{−2}, dK_z = −2ρ^{−3} dρ
     slopes = np.array([-2.0 * fit.K_z**1.5 if symbol == "K_z" else 1.0 for symbol in parameters])
     with np.errstate(invalid="ignore"):
@@ -201,7 +194,7 @@ def answer_of_fit(
         "natural_frequency_Hz": fit.natural_frequency_hz,
         "misfit": fit.misfit,
     }
-    return Answer(REFERENCE, parameters, covariance, notes, merit=of_fit | merit)
+    return Answer(REFERENCE, parameters, covariance, tuple(notes), merit=of_fit | merit)
 
 
 def normal(value: float, error: float) -> ParameterEstimate:
@@ -229,18 +222,19 @@ def unit_of(key: str) -> str:
     return "N/m" if key == "K_z" else term(key).unit
 
 
+def column(symbol: str, what: str = "") -> str:
+    """F_k_standard_error_N: what a number says of a parameter, and its unit."""
+    return named_with_unit(f"{symbol}{what}", unit_of(symbol))
+
+
 def _judged(symbol: str, parameter: ParameterEstimate, notes: Sequence[str]) -> Verdict:
     """The verdict on a number by itself, and by the notes on its answer: the only place that decides it."""
     if math.isnan(parameter.value):
         return Verdict(NONE, "; ".join(notes) or f"these records do not determine {symbol}")
-    reasons = "; ".join([*notes, *_reasons(symbol, parameter)])
-    return Verdict(DOUBTFUL, reasons) if reasons else Verdict(USABLE)
-
-
-def _reasons(symbol: str, parameter: ParameterEstimate) -> Iterator[str]:
-    """Why a number is doubtful by itself."""
     low, high = parameter.interval
+    reasons = [*notes]
     if math.isinf(parameter.value) or math.isinf(high):
-        yield f"a lower limit only: {symbol} is above {low:.4g} {unit_of(symbol)}"
+        reasons.append(f"a lower limit only: {symbol} is above {low:.4g} {unit_of(symbol)}")
     elif not high - low <= abs(parameter.value):
-        yield "its interval is wider than its value"
+        reasons.append("its interval is wider than its value")
+    return Verdict(DOUBTFUL, "; ".join(reasons)) if reasons else Verdict(USABLE)

@@ -58,43 +58,21 @@ _FEWEST, _LOOSE = 2, 1e-2
 class DecayOutcome(Outcome):
     """The answers to records of free decays, and all that they come from.
 
-    fit : of one oscillator to all samples; the balance has its K_z.
-    half_cycles : rows of the balance.   mass_given : whether the fit takes the mass as given.
+    fit : of one oscillator to all samples; the balance has its K_z.   half_cycles : rows of the balance.
     """
 
     fit: RingFit
     half_cycles: RingRows
-    mass_given: bool
 
     kind: ClassVar[Mapping[str, str]] = {"kind": "ring-down"}
 
-    @property
-    def head(self) -> str:
-        """How many records, decays and half cycles."""
-        records, decays = len(self.sources), len(self.fit.stretches)
-        halves = self.half_cycles.halves
-        return (
-            f"{_counted(records, 'record')} with {_counted(decays, 'free decay')}, {_slipping(halves)}; "
-            "values with 95 % intervals"
-        )
-
-    @property
-    def rig(self) -> list[str]:
-        """Mass and natural frequency of the fit."""
-        return implied(self.fit, self.mass_given)
-
-    def settings(self) -> dict[str, Any]:
-        """The probability of the intervals."""
-        return {"confidence": CONFIDENCE}
-
-    def findings(self, files: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    def findings(self) -> dict[str, Any]:
         """The decays of each record."""
         decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.stretches)]
         return {
             "records": [
                 {"record": name, "decays": [decay for source, decay in decays if source == name]}
-                | dict(file)
-                for name, file in zip(self.sources, files, strict=True)
+                for name in self.sources
             ]
         }
 
@@ -134,15 +112,9 @@ class DecayOutcome(Outcome):
     @property
     def pictures(self) -> dict[str, Picture]:
         """decays : each with the motion fitted to it."""
-
-        def draw() -> Any:
-            from .pictures import decays  # slow to import
-
-            return decays(self.fit, self.half_cycles.turns)
-
         count = len(self.fit.stretches)
         words = f"{count} free decays with the motion fitted to them, their turns and the residual"
-        return {"decays": Picture(draw, words)}
+        return {"decays": Picture(words, (self.fit, self.half_cycles.turns))}
 
 
 def _counted(n: int, what: str) -> str:
@@ -267,13 +239,13 @@ def _solved(
     from scipy import special  # slow to import
 
     values, covariance, misfit, freedom = _least_squares(fit, rows)
-    notes, fit_notes = [], []
+    fit_notes = []
     if not fit.adequate:
         fit_notes.append(
             f"the decays are not those of one mass on a spring, a damper and one friction contact within white noise: "
             f"what is left is {fit.misfit:.3g} times as large as noise would leave it over a twelfth of a cycle"
         )
-    notes += fit_notes
+    notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < _CHANCE:
         notes.append(f"the half cycles do not share one F_k and c: χ² is {misfit:.3g} per row")
     if not values:
@@ -281,14 +253,13 @@ def _solved(
             f"{_slipping(rows.halves)} do not distinguish F_k from c: start the decay higher, or give more of them"
         )
     if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
-        words = (
+        fit_notes.append(
             "no friction shows in addition to the damping: if the contact sticks all the time, c belongs to the "
             "stiffness k + K_z, and is 1 + K_z/k times as large"
         )
-        notes.append(words)
-        fit_notes.append(words)
-    errors = {symbol: math.sqrt(covariance[i, i]) for i, symbol in enumerate(values)}
-    estimates = {s: normal(values[s], errors[s]) for s in TERMS if s in values}
+        notes.append(fit_notes[-1])
+    errors = np.sqrt(np.diag(covariance)).tolist()
+    estimates = {s: normal(p, error) for (s, p), error in zip(values.items(), errors, strict=True)}
     clipped_signals = {
         f"{signal.quantity} of {one.source}": Remark(
             f"{signal.quantity} is clipped: several samples hold its extreme value; swings are too small; raise the "
@@ -301,12 +272,9 @@ def _solved(
     }
     suspects = "the drive, a hand on the mass, a gain or a filter"
     notes += forbidden(estimates, list(clipped_signals), suspects)
-    coefficients = {symbol: getattr(fit, symbol) for symbol in TERMS}
-    reference = answer_of_fit(fit, coefficients, COMMON, tuple(fit_notes))
-    parameters = {s: estimates.get(s, UNKNOWN) for s in TERMS} | {"K_z": reference.K_z}
-    correlations = (
-        {("F_k", "c"): float(covariance[0, 1]) / (errors["F_k"] * errors["c"])} if values else {}
-    )
+    reference = answer_of_fit(fit, TERMS, fit_notes)
+    parameters = {**dict.fromkeys(TERMS, UNKNOWN), **estimates, "K_z": reference.K_z}
+    correlations = {("F_k", "c"): float(covariance[0, 1]) / math.prod(errors)} if values else {}
     numbers = [i + 1 if i >= 0 else None for i in rows.stretch.tolist()]
     balance = Balance(
         Rows(rows.terms, rows.columns[:, W]),
@@ -329,18 +297,20 @@ def _solved(
         estimates={BALANCE: answer},
         reference=reference,
         warnings=(*warnings, *clipped_signals.values()),
+        head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.stretches), 'free decay')}, "
+        f"{_slipping(rows.halves)}; values with 95 % intervals",
+        rig=implied(fit, mass_given),
+        settings={"confidence": CONFIDENCE},
         fit=fit,
         half_cycles=rows,
-        mass_given=mass_given,
     )
 
 
 def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Array, float, int]:
     """(F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom)."""
-    nothing: dict[str, float] = {}
-    count = len(rows.columns)
-    if not count:
-        return nothing, np.empty((0, 0)), math.nan, 0
+    nothing: tuple[dict[str, float], Array, float, int] = {}, np.empty((0, 0)), math.nan, 0
+    if not len(rows.columns):
+        return nothing
     scale = np.sqrt(np.diag(rows.covariance))
     scale = np.where(scale > 0.0, scale, 1.0)
     correlations = rows.covariance / np.outer(scale, scale)
@@ -352,12 +322,12 @@ def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Arra
     )
     estimate = solve(white)
     if math.isnan(estimate.residual):
-        return nothing, np.empty((0, 0)), math.nan, 0
+        return nothing
     design = np.column_stack(list(white.terms.values()))
     length = np.linalg.norm(design, axis=0)
     covariance = np.linalg.inv((design / length).T @ (design / length)) / np.outer(length, length)
     values = {name: float(value) for name, value in estimate.values.items()}
-    freedom = count - len(values)
+    freedom = len(rows.columns) - len(values)
     left = white.misfit(values)
     misfit = float(left @ left) / freedom if freedom > 0 else math.nan
     return values, covariance, misfit, freedom

@@ -42,7 +42,6 @@ from .answer import (
     Remark,
     covariance_of,
 )
-from .law_comparison import LawComparison
 from .law_rows import LawRows
 from .loading import Loaded
 from .microstick import Microstick, Sample, Samples, microstick, read_samples
@@ -68,8 +67,6 @@ class ForcedOutcome(Outcome):
     joint : the fit of one oscillator to all records.
     features : of the records, (n,), with the onset of slip of that oscillator.
     microstick : the line that all records share.
-    replicates, seed : of the bootstrap.
-    laws : which laws the records support, where that was asked for.
     loaded : the records with their leading samples, for pictures.
     """
 
@@ -79,50 +76,9 @@ class ForcedOutcome(Outcome):
     joint: JointFit
     features: Features
     microstick: Microstick
-    replicates: int
-    seed: int
-    laws: LawComparison | None = None
     loaded: tuple[Loaded, ...] = ()
 
-    @property
-    def head(self) -> str:
-        """How many records, at which frequencies."""
-        hz = sorted({round(r.steady.frequency_hz, 4) for r in self.readings})
-        return (
-            f"{len(self.readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; values with 95 % intervals from "
-            f"{self.replicates} bootstrap replicates"
-        )
-
-    @property
-    def rig(self) -> list[str]:
-        """Mass and natural frequency of the fit, and the delay between the channels."""
-        fit, delayed = self.joint.fit, self.joint.delayed
-        if fit is None or self.joint.linear:
-            return []
-        sentences = implied(fit, self.joint.mass_given)
-        if fit.adequate and delayed is not None:
-            delay, error = 1e6 * delayed.delay, 1e6 * delayed.error("delay")
-            sentences.append(
-                f"Left free, a delay of the response is {with_error(delay, error)} µs."
-            )
-        return sentences
-
-    @property
-    def comparison(self) -> list[str]:
-        """The comparison of damping laws."""
-        return [] if self.laws is None else self.laws.lines()
-
-    def settings(self) -> dict[str, Any]:
-        """Law, phase and bootstrap."""
-        groups = {symbol: list(labels) for symbol, labels in self.law.groups.items()}
-        return {
-            "law": {"terms": self.law.terms, "given": self.law.given, "groups": groups},
-            "phase": self.phase,
-            "confidence": CONFIDENCE,
-            "bootstrap": {"replicates": self.replicates, "seed": self.seed},
-        }
-
-    def findings(self, files: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    def findings(self) -> dict[str, Any]:
         """Comparison of laws, microstick line, features of each record, effect of faults, and limits."""
         line = self.microstick
         return {
@@ -133,7 +89,7 @@ class ForcedOutcome(Outcome):
                 "resolved": line.resolved,
                 "upper_bound_m": line.bound,
             },
-            "records": [{**self._record(i), **file} for i, file in enumerate(files)],
+            "records": [self._record(i) for i in range(len(self.readings))],
             "sensitivities": {
                 name: {"fault": FAULTS[name].words}
                 | {f"{symbol}_percent": 100.0 * change for symbol, change in changes.items()}
@@ -187,24 +143,18 @@ class ForcedOutcome(Outcome):
         line = "on a line of slope F_k" if two else "on the line where the law takes the input work"
         return {
             "cycles": Picture(
-                lambda: _drawing().cycles(self.loaded, self.readings),
                 f"{count} records folded onto one cycle of the drive, with their averaged cycle",
+                (self.loaded, self.readings),
             ),
             "loops": Picture(
-                lambda: _drawing().loops(self.loaded, self.readings, self.microstick),
                 f"acceleration against displacement of {count} records, with the fitted microstick lines",
+                (self.loaded, self.readings, self.microstick),
             ),
             "balance": Picture(
-                lambda: _drawing().balance(self.estimates, two),
                 f"rows of the energy balance {line}, and the residual of each row by approach",
+                (self.estimates, two),
             ),
         }
-
-
-def _drawing() -> Any:
-    from . import pictures  # slow to import
-
-    return pictures
 
 
 @one_thread
@@ -251,22 +201,49 @@ def identify_readings(
     }
     estimates = with_notes(estimates, readings, joint)
     of_records = [Remark(words, r.steady.source) for r in readings for words in r.warnings]
-    of_all = [Remark(words) for words in agreement(readings, line, joint, estimates)]
+    of_all = map(Remark, agreement(readings, line, joint, estimates))
     return ForcedOutcome(
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
         estimates=estimates,
         reference=joint.answer,
         warnings=(*of_records, *of_all),
+        head=_head(readings, replicates),
+        rig=_rig(joint),
+        settings={
+            "law": {"terms": law.terms, "given": law.given, "groups": law.groups},
+            "phase": phase,
+            "confidence": CONFIDENCE,
+            "bootstrap": {"replicates": replicates, "seed": seed},
+        },
         law=law,
         phase=phase,
         readings=tuple(readings),
         joint=joint,
         features=samples.point.features.with_phase(phase),
         microstick=line,
-        replicates=replicates,
-        seed=seed,
     )
+
+
+def _head(readings: Sequence[Reading], replicates: int) -> str:
+    """How many records, at which frequencies."""
+    hz = sorted({round(r.steady.frequency_hz, 4) for r in readings})
+    return (
+        f"{len(readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; values with 95 % intervals from "
+        f"{replicates} bootstrap replicates"
+    )
+
+
+def _rig(joint: JointFit) -> list[str]:
+    """Mass and natural frequency of the fit, and the delay between the channels."""
+    fit, delayed = joint.fit, joint.delayed
+    if fit is None or joint.linear:
+        return []
+    sentences = implied(fit, joint.mass_given)
+    if fit.adequate and delayed is not None:
+        late = with_error(1e6 * delayed.delay, 1e6 * delayed.error("delay"))
+        sentences.append(f"Left free, a delay of the response is {late} µs.")
+    return sentences
 
 
 def _require(

@@ -67,8 +67,7 @@ class JointFit:
             return None
         return answer_of_fit(
             fit,
-            {key: fit.value(key) for key in fit.law.unknowns},
-            fit.unknowns.names,
+            fit.law.unknowns,
             self.notes,
             misfit_of_records=fit.misfits,
             delay_s=None if delayed is None else delayed.delay,

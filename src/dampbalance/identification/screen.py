@@ -8,6 +8,7 @@ from html import escape
 
 from ..reading.oscillator_fit import OscillatorFit
 from .answer import Answer, ParameterEstimate, Verdict, unit_of
+from .law_comparison import LawComparison, Probability
 from .outcome import Outcome
 from .remarks import in_a_sentence, limits
 
@@ -20,8 +21,9 @@ _MANTISSA = 6  # decimals of a number with a power of ten
 
 def text(outcome: Outcome) -> str:
     """For a screen: the answers with their 95 % intervals and verdicts, a line each, then what limits them."""
-    lines = [outcome.head, "", *aligned(_table(outcome.answers)), "", *outcome.rig]
-    lines += ["", *outcome.comparison] if outcome.comparison else []
+    lines = [outcome.head, "", *_aligned(_table(outcome.answers)), "", *outcome.rig]
+    comparison = _comparison(outcome.laws)
+    lines += ["", *comparison] if comparison else []
     sentences = _limits(outcome)
     lines += ["", LIMITS, *sentences] if sentences else []
     return "\n".join(lines) + "\n"
@@ -42,15 +44,15 @@ def html(outcome: Outcome) -> str:
         f"<table><thead><tr>{columns}</tr></thead><tbody>{rows}</tbody></table>",
     ]
     parts += [f"<p>{escape(' '.join(outcome.rig))}</p>"] if outcome.rig else []
-    if outcome.comparison:
-        parts.append(f"<pre>{escape(chr(10).join(outcome.comparison))}</pre>")
+    if comparison := _comparison(outcome.laws):
+        parts.append(f"<pre>{escape(chr(10).join(comparison))}</pre>")
     if sentences := _limits(outcome):
         items = "".join(f"<li>{escape(words)}</li>" for words in sentences)
         parts.append(f"<p>{escape(LIMITS)}</p><ul>{items}</ul>")
     return f"<div>{''.join(parts)}</div>"
 
 
-def aligned(table: Sequence[Sequence[str]]) -> list[str]:
+def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
     """The lines of a table with columns of equal width."""
     widths = [max(len(line[i]) for line in table) for i in range(len(table[0]))]
     return [
@@ -79,6 +81,36 @@ def in_one(verdicts: Mapping[str, Verdict]) -> str:
     if len(by_word) == 1:
         return next(iter(by_word))
     return "; ".join(f"{word}: {', '.join(symbols)}" for word, symbols in by_word.items())
+
+
+def _comparison(laws: LawComparison | None) -> list[str]:
+    """What follows from a comparison of laws, then a line for each law with its tests."""
+    if laws is None:
+        return []
+    table = [["law", "balance", "waveforms", "", "coefficients"]]
+    for test in laws.tests:
+        rejected = test.rejected_by_balance if laws.by_balance else test.rejected
+        word = "chosen" if laws.chosen == test.terms else "rejected" if rejected else "possible"
+        values = ", ".join(
+            f"{key} = {value:.5g} ± {error:.2g}"
+            for key, (value, error) in test.coefficients.items()
+        )
+        tests = [_in_noise(test.balance), _in_noise(test.waveforms)]
+        table.append([", ".join(test.terms), *tests, word, "" if word == "rejected" else values])
+    return [
+        *(f"{words[0].upper()}{words[1:]}." for words in laws.words()),
+        "Probability in noise of what each law leaves, of the balance and of the waveforms:",
+        "",
+        *_aligned(table),
+    ]
+
+
+def _in_noise(test: Probability | None) -> str:
+    if test is None:
+        return "no such motion"
+    if math.isnan(test.p):
+        return "no degrees of freedom left"
+    return "< 1e-6" if test.p < 1e-6 else f"{test.p:.2g}"
 
 
 def _limits(outcome: Outcome) -> list[str]:

@@ -163,6 +163,13 @@ def test_every_picture_can_be_drawn(found):
         found.plot("loop")
 
 
+def test_the_line_of_the_balance_takes_the_coefficient_that_is_given():
+    given = identify(made(), PAPER.k, given={"c": 90.0}, approaches=["direct"], replicates=20)
+    *_, line = given.plot("balance").axes[0].get_lines()
+    (_, end), heights = line.get_data()
+    np.testing.assert_allclose(heights, [90.0, 90.0 + given.values["F_k"] * end], rtol=1e-12)
+
+
 @BOTH
 def test_all_of_it_is_saved_and_nothing_is_replaced_unasked(found, tmp_path):
     folder = tmp_path / "new" / "found"
