@@ -225,7 +225,7 @@ def _require_different(records: Sequence[MeasuredRecord]) -> None:
 
 def _require_possible(loaded: Sequence[Loaded], mass: float | None, k: float) -> None:
     """Raise ValueError for a mass with which the oscillator is a thousand times faster or slower than the drive."""
-    if mass is None or not mass > 0.0:  # what is no mass is refused later
+    if mass is None:
         return
     for one in loaded:
         swings = math.sqrt(k / mass) / one.reading.steady.omega
