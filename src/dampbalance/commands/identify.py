@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> None:
         require_room(folder, (*TABLES, *ALL_PICTURES), permission)
     if document is not None:
         require_room(document.parent, [document.name], permission)
-    found = identify(
+    result = identify(
         options.records,
         options.stiffness,
         kind=options.kind,
@@ -90,13 +90,13 @@ def run(options: argparse.Namespace) -> None:
         seed=options.seed,
         largest=options.largest,
     )
-    print(json_text(found.document()) if shown_as_json else found.text(), end="")
+    print(json_text(result.document()) if shown_as_json else result.text(), end="")
     places = []
     if document is not None:
-        write_json(document, found.document())
+        write_json(document, result.document())
         places.append(str(document))
     if folder is not None:
-        files = found.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
+        files = result.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
         places.append(f"{folder}: {', '.join(file.name for file in files)}")
     if places:
         said = f"\nWritten to {'; '.join(places)}."
@@ -115,12 +115,12 @@ def _labels(text: str) -> tuple[str, str]:
 
 def _once(named: Iterable[tuple[str, Any]], option: str) -> dict[str, Any]:
     """Options of one term each as a mapping. Raises ValueError for a term that is named twice."""
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for name, value in named:
-        if name in found:
+        if name in values:
             raise ValueError(f"{option} names {name} twice: leave out one of the two")
-        found[name] = value
-    return found
+        values[name] = value
+    return values
 
 
 _SEVERAL: dict[str, Any] = {"action": "append", "default": []}

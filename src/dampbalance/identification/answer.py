@@ -1,7 +1,8 @@
 """An answer: numbers with their intervals, what they are good for, and the rows of the balance that they come from.
 
-Every approach to forced records or free decays ends in an `Answer`, and so does the fit of maximum likelihood. Table,
-document, figures and studies read answers and nothing else, so that none of them asks what kind of record it was.
+Every approach to forced records or free decays ends in an `Answer`, and so does the fit of maximum likelihood; all
+answers to a set of records make an `Outcome`. Table, document, figures and studies read these and nothing else, so that
+none of them asks what kind of record it was.
 """
 
 from __future__ import annotations
@@ -208,13 +209,13 @@ def covariance_of(
 ) -> Array:
     """The covariance that standard errors and correlations make; NaN where a correlation is not given."""
     errors = np.array([p.standard_error for p in parameters.values()])
-    known = np.full((errors.size, errors.size), np.nan)
-    np.fill_diagonal(known, 1.0)
+    matrix = np.full((errors.size, errors.size), np.nan)
+    np.fill_diagonal(matrix, 1.0)
     places = {symbol: i for i, symbol in enumerate(parameters)}
     for (one, other), correlation in correlations.items():
         i, j = places[one], places[other]
-        known[i, j] = known[j, i] = correlation
-    return np.asarray(known * np.outer(errors, errors))
+        matrix[i, j] = matrix[j, i] = correlation
+    return matrix * np.outer(errors, errors)
 
 
 def unit_of(key: str) -> str:

@@ -39,8 +39,7 @@ def document(
         **findings,
         "warnings": list(outcome.warnings),
     }
-    plain: dict[str, Any] = _plain(everything)
-    return plain
+    return _plain(everything)
 
 
 def estimates_table(outcome: Outcome) -> list[dict[str, Any]]:

@@ -318,9 +318,10 @@ def _answer(
         )
     weights = uncertain.weighted(estimate.values).weights
     assert weights is not None
-    known = weights if np.isfinite(weights[usable]).all() else np.ones(len(weights))
+    weighted = np.isfinite(weights[usable]).all()  # exact rows have no errors
+    shared = weights if weighted else np.ones(len(weights))
     estimates = Samples(
-        estimate, _weighed(rows.drawn, known), tuple(_weighed(r, known) for r in rows.left)
+        estimate, _weighed(rows.drawn, shared), tuple(_weighed(r, shared) for r in rows.left)
     )
     K_z, roots = _stiffness(samples, estimates, rows_of.law, line)
     errors = dict(estimates.drawn.values)
@@ -340,13 +341,13 @@ def _answer(
         balance=Balance(point, 1.0 / np.sqrt(weights), sources),
         correlations=correlations,
         equal=nothing | _parameters(rows.map(solve)),
-        shape_bias=_shape_bias(rows_of, joint, readings, known, usable),
+        shape_bias=_shape_bias(rows_of, joint, readings, shared, usable),
         merit={
             "residual": float(np.linalg.norm(off) / np.linalg.norm(point.W[usable]))
             if freedom
             else math.nan,
-            "misfit": float(known[usable] @ off**2) / freedom
-            if freedom and known is weights
+            "misfit": float(weights[usable] @ off**2) / freedom
+            if freedom and weighted
             else math.nan,
         },
     )
@@ -382,8 +383,8 @@ def _stiffness(
     """
 
     def friction(of: Estimate) -> Array:
-        known = [of.values.get(key, law.given.get(key, math.nan)) for key in law.keys_of(FRICTION)]
-        return np.mean(np.broadcast_arrays(*known), axis=0)
+        forces = [of.values.get(key, law.given.get(key, math.nan)) for key in law.keys_of(FRICTION)]
+        return np.mean(np.broadcast_arrays(*forces), axis=0)
 
     def root(sample: Sample, of: Estimate) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):

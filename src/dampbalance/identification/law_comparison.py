@@ -87,8 +87,8 @@ class LawTest:
         """The p-value of both tests together: the smaller one, times two."""
         if self.balance is None or self.waveforms is None:
             return 0.0
-        known = [t.p for t in (self.balance, self.waveforms) if not math.isnan(t.p)]
-        return min(1.0, len(known) * min(known)) if known else 1.0
+        both = [t.p for t in (self.balance, self.waveforms) if not math.isnan(t.p)]
+        return min(1.0, len(both) * min(both)) if both else 1.0
 
     @property
     def p_of_balance(self) -> float:
@@ -236,8 +236,9 @@ def compare_laws(
             within = [e.fit for e in tests if e.fit and set(e.terms) < set(tried.terms)]
             near = sorted(within, key=lambda fit: fit.chi_square)[:1]
             fit = fit_quickly(lines, k, tried, near)
-            known = None if mass is None or fit is None else with_mass(fit, mass)
-            tests.append(_tested(tried, readings, means, known or fit))
+            if mass is not None and fit is not None:
+                fit = with_mass(fit, mass) or fit
+            tests.append(_tested(tried, readings, means, fit))
     both, alone = _rejected([e.p for e in tests]), _rejected([e.p_of_balance for e in tests])
     tests = [
         replace(e, rejected=one, rejected_by_balance=other)

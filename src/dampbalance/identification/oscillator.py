@@ -96,9 +96,9 @@ def joint_fit(
     linear = explained < _SHOWS and not slips
     if fit is None or linear:
         return JointFit(fit, linear, None, mass=m)
-    known = None if m is None else with_mass(fit, m)
-    fits = known is not None and known.chi_square - fit.chi_square < _SHOWS
-    fit = known if known is not None and fits else fit
+    given = None if m is None else with_mass(fit, m)
+    fits = given is not None and given.chi_square - fit.chi_square < _SHOWS
+    fit = given if given is not None and fits else fit
     # a damper to the base and one to the ground together make up for any delay
     delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
     late = delayed is not None and delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS

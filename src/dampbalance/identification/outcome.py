@@ -1,4 +1,4 @@
-"""What an identification hands over, of forced records and of free decays alike."""
+"""All answers to a set of records with what a report says of them, whatever the kind of the records."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from .answer import REFERENCE, Answer, Remark
+from .law_comparison import LawComparison
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from .law_comparison import LawComparison
 
 
 class Picture(NamedTuple):

@@ -67,8 +67,7 @@ def _table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
     order = sorted(symbols, key=lambda symbol: symbol == "K_z")  # the contact last
     lines = [("", *map(_headed, order), "verdict")]
     for name, answer in answers.items():
-        known = answer.parameters
-        cells = (with_interval(known[s]) if s in known else "" for s in order)
+        cells = (with_interval(p) if (p := answer.parameters.get(s)) else "" for s in order)
         lines.append((name + " *" * bool(answer.notes), *cells, in_one(answer.verdicts)))
     return lines
 

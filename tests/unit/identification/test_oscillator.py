@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from dampbalance.identification.oscillator import joined, joint_fit
-from dampbalance.reading.noisy import read_features
-from dampbalance.records.synthetic import measured_orbit
 from paper_case import NEAR, PAPER, orbits_at
+from unit.identification.levels import read
 from unit.reading.harmonics import lines_of
 
 LEVELS = (0.004, 0.012)
@@ -77,12 +76,7 @@ def test_a_delay_is_said_where_it_explains_more_than_noise_would(mass):
 
 
 def test_readings_share_the_waveforms_that_hold_and_have_none_where_none_do():
-    readings = [
-        read_features(
-            measured_orbit(orbit, rate_hz=1000.0, cycles=20.0, noise=0.01, seed=i), PAPER.k
-        )
-        for i, orbit in enumerate(orbits_at(NEAR, LEVELS))
-    ]
+    readings = read(orbits_at(NEAR, LEVELS))
     whole = joint_fit([reading.lines for reading in readings], PAPER.k)
     shared = joined(readings, whole)
     assert [reading.waveform for reading in shared] == list(whole.fit.waveforms)
