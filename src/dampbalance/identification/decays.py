@@ -184,7 +184,7 @@ def identify_ring_downs(
             f"{_slipping(rows.halves)} and leaves {times(math.sqrt(fit.misfit))} the noise; is the mass still driven, "
             "or is its frequency or its gain not constant? Give the record from the release or the blow on"
         )
-    return _solved(fit, rows, tuple(r.source for r in records), mass is not None, warnings)
+    return _solved(fit, rows, tuple(record.source for record in records), warnings)
 
 
 def _unclear(record: Measurement) -> str:
@@ -213,27 +213,24 @@ def _signal(record: Measurement, channel: Channel, warnings: list[str]) -> Signa
 
 def _with_mass(fit: RingFit, mass: float, warnings: list[Remark]) -> RingFit:
     """The fit with the mass given, unless the decays contradict it."""
-    off = (fit.m - mass) / fit.error("m")
-    start = fit.point.copy()
-    start[3] = mass
-    again = fit_stretches(fit.stretches, fit.k, start, given={3}) if abs(off) < _MASS_OFF else None
-    if again is None:
-        warnings.append(
-            Remark(
-                f"the mass given, {mass:g} kg, is not that of these decays, {fit.m:.6g} ± {fit.error('m'):.2g} kg, and "
-                "is left out: a gain, a unit or the stiffness may be wrong"
-            )
+    at, error = fit.names.index("m"), fit.error("m")
+    if abs(fit.m - mass) < _MASS_OFF * error:
+        start = fit.point.copy()
+        start[at] = mass
+        again = fit_stretches(fit.stretches, fit.k, start, given={at})
+        if again is not None:
+            return again
+    warnings.append(
+        Remark(
+            f"the mass given, {mass:g} kg, is not that of these decays, {fit.m:.6g} ± {error:.2g} kg, and is left out: "
+            "a gain, a unit or the stiffness may be wrong"
         )
-        return fit
-    return again
+    )
+    return fit
 
 
 def _solved(
-    fit: RingFit,
-    rows: RingRows,
-    sources: tuple[str, ...],
-    mass_given: bool,
-    warnings: list[Remark],
+    fit: RingFit, rows: RingRows, sources: tuple[str, ...], warnings: Sequence[Remark]
 ) -> DecayOutcome:
     """The rows solved, with notes and warnings."""
     from scipy import special  # slow to import
@@ -299,7 +296,7 @@ def _solved(
         warnings=(*warnings, *clipped_signals.values()),
         head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.stretches), 'free decay')}, "
         f"{_slipping(rows.halves)}; values with 95 % intervals",
-        rig=implied(fit, mass_given),
+        rig=implied(fit),
         settings={"confidence": CONFIDENCE},
         fit=fit,
         half_cycles=rows,

@@ -240,7 +240,7 @@ def _rig(joint: JointFit) -> list[str]:
     fit, delayed = joint.fit, joint.delayed
     if fit is None or joint.linear:
         return []
-    sentences = implied(fit, joint.mass_given)
+    sentences = implied(fit)
     if fit.adequate and delayed is not None:
         late = with_error(1e6 * delayed.delay, 1e6 * delayed.error("delay"))
         sentences.append(f"Left free, a delay of the response is {late} µs.")

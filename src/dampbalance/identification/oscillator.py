@@ -35,11 +35,6 @@ class JointFit:
     mass_fits: bool = True
 
     @property
-    def mass_given(self) -> bool:
-        """Whether the fit takes the mass as given."""
-        return self.mass is not None and self.mass_fits
-
-    @property
     def waveforms_hold(self) -> bool:
         """Whether the waveforms of the fit are those of the records, so that the onset of slip and K_z are known."""
         return self.fit is not None and self.fit.adequate and not self.linear

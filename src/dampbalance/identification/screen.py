@@ -16,6 +16,7 @@ LIMITS = "What limits the answer:"
 
 _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
 _DIGITS = 15  # significant digits of a float
+_ROUNDING = 1e-12
 _MANTISSA = 6  # decimals of a number with a power of ten
 
 
@@ -120,9 +121,12 @@ def _limits(outcome: Outcome) -> list[str]:
     ]
 
 
-def implied(fit: OscillatorFit, mass_given: bool) -> list[str]:
+def implied(fit: OscillatorFit) -> list[str]:
     """What a fit implies about the rig: numbers that its owner can check."""
-    mass = "the mass given" if mass_given else f"m = {with_error(fit.m, fit.error('m'))} kg"
+    error = fit.error("m")
+    # what rounding leaves of the error of a mass that is given
+    given = error < _ROUNDING * fit.m
+    mass = "the mass given" if given else f"m = {with_error(fit.m, error)} kg"
     return [
         f"The oscillator of largest likelihood has {mass} and a natural frequency of {fit.natural_frequency_hz:.4g} Hz "
         "with the contact loose.",

@@ -156,6 +156,11 @@ def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
     assert given.reference.K_z.standard_error < free.reference.K_z.standard_error
     assert wrong.fit.m == pytest.approx(free.fit.m)
     assert "is not that of these decays" in wrong.warnings[0]
+    assert ["the mass given" in each.rig[0] for each in (free, given, wrong)] == [
+        False,
+        True,
+        False,
+    ]
 
 
 def test_a_contact_of_another_kind_is_told():
