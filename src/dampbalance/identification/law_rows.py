@@ -27,7 +27,7 @@ class LawRows:
     linear: bool
 
     def __call__(self, features: Features) -> Rows:
-        """The rows of features, with a column for each coefficient; a coefficient whose records all lack rows has none."""
+        """The rows of features, with a column for each coefficient; one whose records all lack rows has none."""
         rows = self.approach(features.with_phase(self.phase), self.k, self.law.terms)
         if self.linear:
             rows = replace(rows, terms={**rows.terms, FRICTION: np.zeros(rows.W.shape)})

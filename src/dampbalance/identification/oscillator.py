@@ -45,14 +45,12 @@ class JointFit:
         fit = self.fit
         if fit is None or self.linear:
             return ()
-        nearest = (
+        far = (
             "the records are not those of such an oscillator: it is only the one that comes nearest"
         )
         of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
-        return (
-            *(() if fit.adequate else (nearest,)),
-            *(f"the best {key} {of_zero}" for key in fit.undamped),
-        )
+        at_zero = [f"the best {key} {of_zero}" for key in fit.undamped]
+        return (*at_zero,) if fit.adequate else (far, *at_zero)
 
     @property
     def answer(self) -> Answer | None:
@@ -109,20 +107,11 @@ def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None)
     law : of the terms whose integrals are wanted.
     """
     wanted = () if law is None else tuple(s for s in law.terms if s not in (FRICTION, "c"))
+    plain = [replace(reading, joint=True, shared=None, terms=wanted) for reading in readings]
     if joint.fit is None or joint.linear:
-        return [replace(reading, joint=True, shared=None, terms=wanted) for reading in readings]
-    if not joint.fit.adequate:
-        return [
-            replace(
-                reading,
-                joint=True,
-                shared=None,
-                terms=wanted,
-                taken=response.taken if response.slips else math.nan,
-            )
-            for reading, response in zip(readings, joint.fit.responses, strict=True)
-        ]
-    return [
-        replace(reading, joint=True, shared=waveform, terms=wanted)
-        for reading, waveform in zip(readings, joint.fit.waveforms, strict=True)
-    ]
+        return plain
+    if joint.fit.adequate:
+        pairs = zip(plain, joint.fit.waveforms, strict=True)
+        return [replace(reading, shared=waveform) for reading, waveform in pairs]
+    taken = [one.taken if one.slips else math.nan for one in joint.fit.responses]
+    return [replace(reading, taken=part) for reading, part in zip(plain, taken, strict=True)]
