@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, get_args
 
@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> None:
         require_room(folder, (*TABLES, *ALL_PICTURES), permission)
     if document is not None:
         require_room(document.parent, [document.name], permission)
-    found = identify(
+    result = identify(
         options.records,
         options.stiffness,
         kind=options.kind,
@@ -80,7 +80,7 @@ def run(options: argparse.Namespace) -> None:
         frequency=options.frequency,
         skip_cycles=options.skip_cycles,
         terms=options.terms,
-        given=_once([one for some in options.given or () for one in some.items()], "--given"),
+        given=_once((one for some in options.given for one in some.items()), "--given"),
         groups=_once(options.groups, "--groups"),
         laws=options.laws,
         approaches=options.approach,
@@ -90,63 +90,48 @@ def run(options: argparse.Namespace) -> None:
         seed=options.seed,
         largest=options.largest,
     )
-    print(json_text(found.document()) if shown_as_json else found.text(), end="")
+    print(json_text(result.document()) if shown_as_json else result.text(), end="")
     places = []
     if document is not None:
-        write_json(document, found.document())
+        write_json(document, result.document())
         places.append(str(document))
     if folder is not None:
-        files = found.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
+        files = result.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
         places.append(f"{folder}: {', '.join(file.name for file in files)}")
     if places:
         said = f"\nWritten to {'; '.join(places)}."
         print(said, file=sys.stderr if shown_as_json else sys.stdout)
 
 
-def _names(text: str) -> list[str]:
-    """A type of argument: symbols of terms with commas between them."""
-    names = [name.strip() for name in text.split(",")]
-    for name in names:
-        _require_term(name, text)
-    return names
-
-
-def _labels(text: str) -> tuple[str, list[str]]:
+def _labels(text: str) -> tuple[str, str]:
     """A type of argument: a term and a label for each record, F_k=A,A,B."""
     name, equals, labels = text.partition("=")
-    _require_term(name.strip(), text)
-    if not equals or not all(label.strip() for label in labels.split(",")):
+    if not equals:
         raise argparse.ArgumentTypeError(
             f"must be TERM=LABELS with a label for each record, as in F_k=A,A,B, got {shortened(text)}"
         )
-    return name.strip(), [label.strip() for label in labels.split(",")]
+    return name.strip(), labels
 
 
-def _require_term(name: str, text: str) -> None:
-    if name not in KNOWN_TERMS:
-        raise argparse.ArgumentTypeError(
-            f"{shortened(name)} in {shortened(text)} is no term of a damping law; known are {', '.join(KNOWN_TERMS)}"
-        )
-
-
-def _once(named: Sequence[tuple[str, Any]] | None, option: str) -> dict[str, Any]:
+def _once(named: Iterable[tuple[str, Any]], option: str) -> dict[str, Any]:
     """Options of one term each as a mapping. Raises ValueError for a term that is named twice."""
-    found: dict[str, Any] = {}
-    for name, value in named or ():
-        if name in found:
+    values: dict[str, Any] = {}
+    for name, value in named:
+        if name in values:
             raise ValueError(f"{option} names {name} twice: leave out one of the two")
-        found[name] = value
-    return found
+        values[name] = value
+    return values
 
 
+_SEVERAL: dict[str, Any] = {"action": "append", "default": []}
 _OPTIONS: dict[str, dict[str, Any]] = {
     "records": {"nargs": "+", "type": Path, "metavar": "RECORD"},
     "--kind": {"choices": ("forced", "ring-down"), "default": "recognised"},
     "--stiffness": {"type": number(), "required": True, "metavar": "K"},
     "--frequency": {"type": number(1e-9, 1e9), "metavar": "HZ"},
-    "--terms": {"type": _names, "metavar": "TERMS"},
-    "--given": {"type": coefficients, "action": "append", "metavar": "TERM=VALUE"},
-    "--groups": {"type": _labels, "action": "append", "metavar": "TERM=LABELS"},
+    "--terms": {"metavar": "TERMS"},
+    "--given": {"type": coefficients, **_SEVERAL, "metavar": "TERM=VALUE"},
+    "--groups": {"type": _labels, **_SEVERAL, "metavar": "TERM=LABELS"},
     "--laws": {"action": "store_true"},
     "--approach": {"action": "append", "choices": list(APPROACHES)},
     "--phase": {"choices": get_args(Phase), "default": "reversal"},

@@ -33,13 +33,13 @@ class _Parser(argparse.ArgumentParser):
 
 def parser(named: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:
     """The parser of the command line; of its commands, only those that are named know their arguments."""
-    made = _Parser(
+    top = _Parser(
         prog="dampbalance",
         description="Friction and viscous damping of a vibrating system from the balance of energy over one period.",
         epilog="dampbalance COMMAND --help tells more.",
     )
-    made.add_argument("--version", action="version", version=f"dampbalance {__version__}")
-    commands = made.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    top.add_argument("--version", action="version", version=f"dampbalance {__version__}")
+    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, summary in COMMANDS.items():
         command_parser = commands.add_parser(
             name, help=summary, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -50,7 +50,7 @@ def parser(named: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:
             for argument, options_of in command.ARGUMENTS.items():
                 command_parser.add_argument(argument, **options_of)
             command_parser.set_defaults(run=command.run)
-    return made
+    return top
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -30,7 +30,7 @@ def count(text: str) -> int:
 
 def coefficients(text: str) -> dict[str, float]:
     """A type of argument: coefficients of the terms of a law by symbol, SI, as in c_2=40,eta=0.02."""
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for part in text.split(","):
         symbol, equals, value = (piece.strip() for piece in part.partition("="))
         if not (symbol and equals):
@@ -39,14 +39,14 @@ def coefficients(text: str) -> dict[str, float]:
             )
         try:
             symbol = term(symbol).symbol
-            if symbol in found:
+            if symbol in values:
                 raise ValueError(f"{symbol} stands there twice: give it once")
-            found[symbol] = float(number(0.0)(value))
+            values[symbol] = float(number(0.0)(value))
         except argparse.ArgumentTypeError as error:
             raise argparse.ArgumentTypeError(f"{symbol} {error}") from None
         except ValueError as error:
             raise argparse.ArgumentTypeError(str(error)) from None
-    return found
+    return values
 
 
 def _within(

@@ -35,7 +35,7 @@ c_r on that relative to the base, c_2 quadratic, c_3 cubic, eta structural, a lo
 _MOST_SWINGS = 300_000  # a second or two of computing
 _MOST_SWINGS_OF_LAW = 3_000  # a minute or two
 DAMPING, FRICTION = 90.0, 1.28
-"""Of the oscillator of the paper, N s/m and N."""
+"""The paper's c, N s/m, and F_k, N."""
 
 _CHANNELS = ("base_displacement", "displacement")
 
@@ -90,19 +90,13 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
 
 
 def run(options: argparse.Namespace) -> None:
-    """Simulate and write; a file that exists is not touched unless told so."""
-    path: Path = options.record
-    if path.exists() and not options.overwrite:
-        raise ValueError(f"{path} exists already: choose another name, or add --overwrite")
-    osc, law = _of_options(options)
+    """Simulate and write a record."""
+    require_new(options)
+    law = dict(options.law or {})
+    osc = oscillator(options, law)
     motion = BaseMotion(Y=options.amplitude, omega=2.0 * math.pi * options.frequency)
-    swings = math.sqrt((osc.k + osc.K_z) / osc.m) / motion.omega
-    most = _MOST_SWINGS_OF_LAW if law else _MOST_SWINGS
-    if swings > most:
-        raise ValueError(
-            f"the oscillator swings {swings:.2g} times in a cycle of {options.frequency:g} Hz, and no more than "
-            f"{most:,} can be followed{' under such a law' * bool(law)}; ask for a higher --frequency, or more --mass"
-        )
+    cycle = f"a cycle of {options.frequency:g} Hz"
+    require_brief(osc, 1.0 / options.frequency, cycle, "a higher --frequency", bool(law))
     measurement = measured_orbit(
         _steady(osc, motion, law),
         rate_hz=options.rate,
@@ -114,13 +108,38 @@ def run(options: argparse.Namespace) -> None:
     )
     if options.decimals is not None:
         measurement = _rounded(measurement, options.decimals)
-    for written in write(path, measurement, options.format):
+    save(options, measurement)
+
+
+def require_new(options: argparse.Namespace) -> None:
+    """Raise ValueError where the record exists and may not be replaced."""
+    if options.record.exists() and not options.overwrite:
+        raise ValueError(
+            f"{options.record} exists already: choose another name, or add --overwrite"
+        )
+
+
+def require_brief(
+    osc: Oscillator, duration: float, within: str, remedy: str, law: bool = False
+) -> None:
+    """Raise ValueError where the oscillator swings more often within a duration, s, than can be followed."""
+    swings = math.sqrt((osc.k + osc.K_z) / osc.m) * duration / (2.0 * math.pi)
+    most = _MOST_SWINGS_OF_LAW if law else _MOST_SWINGS
+    if swings > most:
+        raise ValueError(
+            f"the oscillator swings {swings:.2g} times in {within}, and no more than {most:,} can be followed"
+            f"{' under such a law' * law}; ask for {remedy}, or more --mass"
+        )
+
+
+def save(options: argparse.Namespace, measurement: Measurement) -> None:
+    """Write the record, and say which files that made."""
+    for written in write(options.record, measurement, options.format):
         print(f"Written: {written}")
 
 
-def _of_options(options: argparse.Namespace) -> tuple[Oscillator, dict[str, float]]:
-    """The oscillator, and the terms of its law besides friction and c."""
-    law = dict(options.law or {})
+def oscillator(options: argparse.Namespace, law: dict[str, float]) -> Oscillator:
+    """The oscillator of the options; it takes friction and c out of a law that gives them."""
     given = {"c": options.damping, "F_k": options.friction}
     for symbol, option in (("c", "--damping"), ("F_k", "--friction")):
         if symbol in law and given[symbol] is not None:
@@ -130,10 +149,9 @@ def _of_options(options: argparse.Namespace) -> tuple[Oscillator, dict[str, floa
         law.pop(symbol, default[symbol] if given[symbol] is None else given[symbol])
         for symbol in ("c", "F_k")
     )
-    osc = Oscillator(
+    return Oscillator(
         m=options.mass, c=c, k=options.stiffness, K_z=options.contact_stiffness, F_k=F_k
     )
-    return osc, law
 
 
 def _steady(osc: Oscillator, motion: BaseMotion, law: dict[str, float]) -> Orbit | LawOrbit:

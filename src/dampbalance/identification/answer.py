@@ -1,13 +1,14 @@
 """An answer: numbers with their intervals, what they are good for, and the rows of the balance that they come from.
 
-Every approach to forced records or free decays ends in an `Answer`, and so does the fit of maximum likelihood. Table,
-document, figures and studies read answers and nothing else, so that none of them asks what kind of record it was.
+Every approach to forced records or free decays ends in an `Answer`, and so does the fit of maximum likelihood; all
+answers to a set of records make an `Outcome`. Table, document, figures and studies read these and nothing else, so that
+none of them asks what kind of record it was.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -15,7 +16,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..balance import Rows
-from ..law.terms import term
+from ..law.terms import named_with_unit, term
 from ..reading.climb import OscillatorFit
 from ..solver import NORMAL_95
 
@@ -168,8 +169,8 @@ class Answer:
     def row_misfit(self) -> Array:
         """Σ g_j p_j − W of each row with the values of this answer, J, (rows,)."""
         assert self.balance is not None
-        values = {symbol: p.value for symbol, p in self.coefficients.items()}
-        return self.balance.rows.misfit({**self.balance.rows.given, **values})
+        rows = self.balance.rows
+        return rows.misfit({**rows.given, **{s: p.value for s, p in self.coefficients.items()}})
 
     @property
     def row_names(self) -> tuple[str, ...]:
@@ -179,26 +180,26 @@ class Answer:
 
 def answer_of_fit(
     fit: OscillatorFit,
-    coefficients: Mapping[str, float],
-    unknowns: Sequence[str],
-    notes: tuple[str, ...],
+    coefficients: Iterable[str],
+    notes: Iterable[str],
     *,
     doubt: str = "",
     **merit: Any,
 ) -> Answer:
     """The answer of a fit of maximum likelihood.
 
-    coefficients : by key.   unknowns : names in the order of the covariance of the fit.   doubt : why K_z is not to be
-    trusted.   merit : what else is known.
+    coefficients : keys.   doubt : why K_z is not to be trusted.   merit : what else the fit identifies.
     """
     parameters = {
-        key: ParameterEstimate(value, fit.error(key), math.nan, Interval(*fit.interval(key)))
-        for key, value in coefficients.items()
+        key: ParameterEstimate(
+            fit.value(key), fit.error(key), math.nan, Interval(*fit.interval(key))
+        )
+        for key in coefficients
     }
     parameters["K_z"] = ParameterEstimate(
         fit.K_z, fit.K_z_error, math.nan, Interval(*fit.K_z_interval), doubt
     )
-    places = [unknowns.index("rho" if symbol == "K_z" else symbol) for symbol in parameters]
+    places = [fit.names.index("rho" if symbol == "K_z" else symbol) for symbol in parameters]
     # K_z = ρ^{−2}, dK_z = −2ρ^{−3} dρ
     slopes = np.array([-2.0 * fit.K_z**1.5 if symbol == "K_z" else 1.0 for symbol in parameters])
     with np.errstate(invalid="ignore"):
@@ -209,7 +210,7 @@ def answer_of_fit(
         "natural_frequency_Hz": fit.natural_frequency_hz,
         "misfit": fit.misfit,
     }
-    return Answer(REFERENCE, parameters, covariance, notes, merit=of_fit | merit)
+    return Answer(REFERENCE, parameters, covariance, tuple(notes), merit=of_fit | merit)
 
 
 def normal(value: float, error: float) -> ParameterEstimate:
@@ -223,13 +224,13 @@ def covariance_of(
 ) -> Array:
     """The covariance that standard errors and correlations make; NaN where a correlation is not given."""
     errors = np.array([p.standard_error for p in parameters.values()])
-    known = np.full((errors.size, errors.size), np.nan)
-    np.fill_diagonal(known, 1.0)
+    matrix = np.full((errors.size, errors.size), np.nan)
+    np.fill_diagonal(matrix, 1.0)
     places = {symbol: i for i, symbol in enumerate(parameters)}
     for (one, other), correlation in correlations.items():
         i, j = places[one], places[other]
-        known[i, j] = known[j, i] = correlation
-    return np.asarray(known * np.outer(errors, errors))
+        matrix[i, j] = matrix[j, i] = correlation
+    return matrix * np.outer(errors, errors)
 
 
 def unit_of(key: str) -> str:
@@ -237,20 +238,19 @@ def unit_of(key: str) -> str:
     return "N/m" if key == "K_z" else term(key).unit
 
 
+def column(symbol: str, what: str = "") -> str:
+    """F_k_standard_error_N: what a number says of a parameter, and its unit."""
+    return named_with_unit(f"{symbol}{what}", unit_of(symbol))
+
+
 def _judged(symbol: str, parameter: ParameterEstimate, notes: Sequence[str]) -> Verdict:
     """The verdict on a number by itself, and by the notes on its answer: the only place that decides it."""
     if math.isnan(parameter.value):
         return Verdict(NONE, "; ".join(notes) or f"these records do not determine {symbol}")
-    reasons = "; ".join([*notes, *_reasons(symbol, parameter)])
-    return Verdict(DOUBTFUL, reasons) if reasons else Verdict(USABLE)
-
-
-def _reasons(symbol: str, parameter: ParameterEstimate) -> Iterator[str]:
-    """Why a number is doubtful by itself."""
-    if parameter.doubt:
-        yield parameter.doubt
     low, high = parameter.interval
+    reasons = [*notes, *filter(None, [parameter.doubt])]
     if math.isinf(parameter.value) or math.isinf(high):
-        yield f"a lower limit only: {symbol} is above {low:.4g} {unit_of(symbol)}"
+        reasons.append(f"a lower limit only: {symbol} is above {low:.4g} {unit_of(symbol)}")
     elif not high - low <= abs(parameter.value):
-        yield "its interval is wider than its value"
+        reasons.append("its interval is wider than its value")
+    return Verdict(DOUBTFUL, "; ".join(reasons)) if reasons else Verdict(USABLE)

@@ -59,43 +59,21 @@ _FEWEST, _LOOSE = 2, 1e-2
 class DecayOutcome(Outcome):
     """The answers to records of free decays, and all that they come from.
 
-    fit : of one oscillator to all samples; the balance has its K_z.
-    half_cycles : rows of the balance.   mass_given : whether the fit takes the mass as given.
+    fit : of one oscillator to all samples; the balance has its K_z.   half_cycles : rows of the balance.
     """
 
     fit: RingFit
     half_cycles: RingRows
-    mass_given: bool
 
     kind: ClassVar[Mapping[str, str]] = {"kind": "ring-down"}
 
-    @property
-    def head(self) -> str:
-        """How many records, decays and half cycles."""
-        records, decays = len(self.sources), len(self.fit.decays)
-        halves = self.half_cycles.halves
-        return (
-            f"{_counted(records, 'record')} with {_counted(decays, 'free decay')}, {_slipping(halves)}; "
-            "values with 95 % intervals"
-        )
-
-    @property
-    def rig(self) -> list[str]:
-        """Mass and natural frequency of the fit."""
-        return implied(self.fit, self.mass_given)
-
-    def settings(self) -> dict[str, Any]:
-        """The probability of the intervals."""
-        return {"confidence": CONFIDENCE}
-
-    def findings(self, files: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    def findings(self) -> dict[str, Any]:
         """The decays of each record."""
         decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.decays)]
         return {
             "records": [
                 {"record": name, "decays": [decay for source, decay in decays if source == name]}
-                | dict(file)
-                for name, file in zip(self.sources, files, strict=True)
+                for name in self.sources
             ]
         }
 
@@ -134,15 +112,9 @@ class DecayOutcome(Outcome):
     @property
     def pictures(self) -> dict[str, Picture]:
         """decays : each with the motion fitted to it."""
-
-        def draw() -> Any:
-            from .pictures import decays  # slow to import
-
-            return decays(self.fit, self.half_cycles.turns)
-
         count = len(self.fit.decays)
         words = f"{count} free decays with the motion fitted to them, their turns and the residual"
-        return {"decays": Picture(draw, words)}
+        return {"decays": Picture(words, (self.fit, self.half_cycles.turns))}
 
 
 def _counted(n: int, what: str) -> str:
@@ -219,7 +191,7 @@ def identify_ring_downs(
             f"{_slipping(rows.halves)} and leaves {times(math.sqrt(fit.misfit))} the noise; is the mass still driven, "
             "or is its frequency or its gain not constant? Give the record from the release or the blow on"
         )
-    return _solved(fit, rows, tuple(r.source for r in records), mass is not None, warnings)
+    return _solved(fit, rows, tuple(record.source for record in records), warnings)
 
 
 def _unclear(record: Measurement) -> str:
@@ -248,39 +220,36 @@ def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[s
 
 def _with_mass(fit: RingFit, mass: float, warnings: list[Remark]) -> RingFit:
     """The fit with the mass given, unless the decays contradict it."""
-    off = (fit.m - mass) / fit.error("m")
-    start = fit.point.copy()
-    start[3] = mass
-    again = fit_decays(fit.decays, fit.k, start, given={3}) if abs(off) < _MASS_OFF else None
-    if again is None:
-        warnings.append(
-            Remark(
-                f"the mass given, {mass:g} kg, is not that of these decays, {fit.m:.6g} ± {fit.error('m'):.2g} kg, and "
-                "is left out: a gain, a unit or the stiffness may be wrong"
-            )
+    at, error = fit.names.index("m"), fit.error("m")
+    if abs(fit.m - mass) < _MASS_OFF * error:
+        start = fit.point.copy()
+        start[at] = mass
+        again = fit_decays(fit.decays, fit.k, start, given={at})
+        if again is not None:
+            return again
+    warnings.append(
+        Remark(
+            f"the mass given, {mass:g} kg, is not that of these decays, {fit.m:.6g} ± {error:.2g} kg, and is left out: "
+            "a gain, a unit or the stiffness may be wrong"
         )
-        return fit
-    return again
+    )
+    return fit
 
 
 def _solved(
-    fit: RingFit,
-    rows: RingRows,
-    sources: tuple[str, ...],
-    mass_given: bool,
-    warnings: list[Remark],
+    fit: RingFit, rows: RingRows, sources: tuple[str, ...], warnings: Sequence[Remark]
 ) -> DecayOutcome:
     """The rows solved, with notes and warnings."""
     from scipy import special  # slow to import
 
     values, covariance, misfit, freedom = _least_squares(fit, rows)
-    notes, fit_notes = [], []
+    fit_notes = []
     if not fit.adequate:
         fit_notes.append(
             f"the decays are not those of one mass on a spring, a damper and one friction contact within white noise: "
             f"what is left is {fit.misfit:.3g} times as large as noise would leave it over a twelfth of a cycle"
         )
-    notes += fit_notes
+    notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < _CHANCE:
         notes.append(f"the half cycles do not share one F_k and c: χ² is {misfit:.3g} per row")
     if not values:
@@ -288,14 +257,13 @@ def _solved(
             f"{_slipping(rows.halves)} do not distinguish F_k from c: start the decay higher, or give more of them"
         )
     if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
-        words = (
+        fit_notes.append(
             "no friction shows in addition to the damping: if the contact sticks all the time, c belongs to the "
             "stiffness k + K_z, and is 1 + K_z/k times as large"
         )
-        notes.append(words)
-        fit_notes.append(words)
-    errors = {symbol: math.sqrt(covariance[i, i]) for i, symbol in enumerate(values)}
-    estimates = {s: normal(values[s], errors[s]) for s in TERMS if s in values}
+        notes.append(fit_notes[-1])
+    errors = np.sqrt(np.diag(covariance)).tolist()
+    estimates = {s: normal(p, error) for (s, p), error in zip(values.items(), errors, strict=True)}
     clipped_signals = {
         f"{signal.quantity} of {one.source}": Remark(
             f"{signal.quantity} is clipped: several samples hold its extreme value; swings are too small; raise the "
@@ -308,16 +276,13 @@ def _solved(
     }
     suspects = "the drive, a hand on the mass, a gain or a filter"
     notes += forbidden(estimates, list(clipped_signals), suspects)
-    coefficients = {symbol: getattr(fit, symbol) for symbol in TERMS}
     split = ""
     if fit.adequate and fit.minima > 1:
         split = f"{fit.minima} contacts fit the samples almost equally well, and the interval covers all of them"
         estimates = {s: _covering(p, *fit.interval(s)) for s, p in estimates.items()}
-    reference = answer_of_fit(fit, coefficients, COMMON, tuple(fit_notes), doubt=split)
-    parameters = {s: estimates.get(s, UNKNOWN) for s in TERMS} | {"K_z": reference.K_z}
-    correlations = (
-        {("F_k", "c"): float(covariance[0, 1]) / (errors["F_k"] * errors["c"])} if values else {}
-    )
+    reference = answer_of_fit(fit, TERMS, fit_notes, doubt=split)
+    parameters = {**dict.fromkeys(TERMS, UNKNOWN), **estimates, "K_z": reference.K_z}
+    correlations = {("F_k", "c"): float(covariance[0, 1]) / math.prod(errors)} if values else {}
     numbers = [i + 1 if i >= 0 else None for i in rows.decay.tolist()]
     balance = Balance(
         Rows(rows.terms, rows.columns[:, W]),
@@ -340,9 +305,12 @@ def _solved(
         estimates={BALANCE: answer},
         reference=reference,
         warnings=(*warnings, *clipped_signals.values()),
+        head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.decays), 'free decay')}, "
+        f"{_slipping(rows.halves)}; values with 95 % intervals",
+        rig=implied(fit),
+        settings={"confidence": CONFIDENCE},
         fit=fit,
         half_cycles=rows,
-        mass_given=mass_given,
     )
 
 
@@ -354,10 +322,9 @@ def _covering(estimate: ParameterEstimate, low: float, high: float) -> Parameter
 
 def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Array, float, int]:
     """(F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom)."""
-    nothing: dict[str, float] = {}
-    count = len(rows.columns)
-    if not count:
-        return nothing, np.empty((0, 0)), math.nan, 0
+    nothing: tuple[dict[str, float], Array, float, int] = {}, np.empty((0, 0)), math.nan, 0
+    if not len(rows.columns):
+        return nothing
     scale = np.sqrt(np.diag(rows.covariance))
     scale = np.where(scale > 0.0, scale, 1.0)
     correlations = rows.covariance / np.outer(scale, scale)
@@ -369,12 +336,12 @@ def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Arra
     )
     estimate = solve(white)
     if math.isnan(estimate.residual):
-        return nothing, np.empty((0, 0)), math.nan, 0
+        return nothing
     design = np.column_stack(list(white.terms.values()))
     length = np.linalg.norm(design, axis=0)
     covariance = np.linalg.inv((design / length).T @ (design / length)) / np.outer(length, length)
     values = {name: float(value) for name, value in estimate.values.items()}
-    freedom = count - len(values)
+    freedom = len(rows.columns) - len(values)
     left = white.misfit(values)
     misfit = float(left @ left) / freedom if freedom > 0 else math.nan
     return values, covariance, misfit, freedom

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..law.terms import named_with_unit
-from .answer import Answer, ParameterEstimate, unit_of
+from .answer import Answer, ParameterEstimate, column
 from .outcome import Outcome
 
 _IN_TABLE = ("residual", "misfit")  # of the merit of an answer
@@ -26,20 +25,21 @@ def document(
 
     options : as given.   files : what is known of the file of each record, in their order.
     """
-    reference = outcome.reference
+    reference, findings = outcome.reference, outcome.findings()
+    for record, file in zip(findings["records"], files, strict=bool(files)):
+        record |= file
     everything = {
         "dampbalance": version,
         **outcome.kind,
         "options": dict(options or {}),
         "k_N_per_m": outcome.k,
-        **outcome.settings(),
+        **outcome.settings,
         "approaches": {name: _entries(answer) for name, answer in outcome.estimates.items()},
         "maximum_likelihood": None if reference is None else _entries(reference),
-        **outcome.findings(files or [{}] * len(outcome.sources)),
+        **findings,
         "warnings": list(outcome.warnings),
     }
-    plain: dict[str, Any] = _plain(everything)
-    return plain
+    return _plain(everything)
 
 
 def estimates_table(outcome: Outcome) -> list[dict[str, Any]]:
@@ -51,10 +51,10 @@ def estimates_table(outcome: Outcome) -> list[dict[str, Any]]:
         for symbol, parameter in answer.parameters.items():
             ends = {f"_{end}": number for end, number in parameter.interval._asdict().items()}
             numbers = _with_errors(answer, parameter) | ends
-            row |= {_key(symbol, what): number for what, number in numbers.items()}
+            row |= {column(symbol, what): number for what, number in numbers.items()}
         for symbol, parameter in answer.equal.items():
-            row[f"equal_weights_{_key(symbol)}"] = parameter.value
-            row[f"equal_weights_{_key(symbol, '_standard_error')}"] = parameter.standard_error
+            row[f"equal_weights_{column(symbol)}"] = parameter.value
+            row[f"equal_weights_{column(symbol, '_standard_error')}"] = parameter.standard_error
         row |= {key: answer.merit[key] for key in _IN_TABLE if key in answer.merit}
         row |= {f"{symbol}_verdict": verdict for symbol, (verdict, _) in answer.verdicts.items()}
         rows.append(row | {"note": "; ".join(answer.notes)})
@@ -67,7 +67,7 @@ def _entries(answer: Answer) -> dict[str, Any]:
     for beginning, parameters in (("", answer.parameters), ("equal_weights_", answer.equal)):
         for symbol, parameter in parameters.items():
             numbers = _with_errors(answer, parameter) | {"_interval": parameter.interval}
-            entries |= {beginning + _key(symbol, what): of for what, of in numbers.items()}
+            entries |= {beginning + column(symbol, what): of for what, of in numbers.items()}
     if answer.balance is not None:
         entries |= {
             f"correlation_of_{one}_and_{other}": answer.correlations.get((one, other))
@@ -84,11 +84,6 @@ def _with_errors(answer: Answer, parameter: ParameterEstimate) -> dict[str, Any]
     """The value and its standard errors by the ends of their keys; the error by propagation where it is computed."""
     numbers = {"": parameter.value, "_standard_error": parameter.standard_error}
     return numbers | ({"_propagated_error": parameter.propagated_error} if answer.equal else {})
-
-
-def _key(symbol: str, what: str = "") -> str:
-    """F_k_standard_error_N: what a number says of a parameter, and its unit."""
-    return named_with_unit(f"{symbol}{what}", unit_of(symbol))
 
 
 def _plain(value: Any) -> Any:

@@ -19,6 +19,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,6 @@ from .answer import (
     Remark,
     covariance_of,
 )
-from .law_comparison import LawComparison
 from .law_rows import LawRows
 from .loading import Loaded
 from .microstick import Microstick, Sample, Samples, microstick, read_samples
@@ -68,8 +68,6 @@ class ForcedOutcome(Outcome):
     joint : the fit of one oscillator to all records.
     features : of the records, (n,), with the onset of slip of that oscillator.
     microstick : the line that all records share.
-    replicates, seed : of the bootstrap.
-    laws : which laws the records support, where that was asked for.
     loaded : the records with their leading samples, for pictures.
     """
 
@@ -79,50 +77,9 @@ class ForcedOutcome(Outcome):
     joint: JointFit
     features: Features
     microstick: Microstick
-    replicates: int
-    seed: int
-    laws: LawComparison | None = None
     loaded: tuple[Loaded, ...] = ()
 
-    @property
-    def head(self) -> str:
-        """How many records, at which frequencies."""
-        hz = sorted({round(r.steady.frequency_hz, 4) for r in self.readings})
-        return (
-            f"{len(self.readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; values with 95 % intervals from "
-            f"{self.replicates} bootstrap replicates"
-        )
-
-    @property
-    def rig(self) -> list[str]:
-        """Mass and natural frequency of the fit, and the delay between the channels."""
-        fit, delayed = self.joint.fit, self.joint.delayed
-        if fit is None or self.joint.linear:
-            return []
-        sentences = implied(fit, self.joint.mass_given)
-        if fit.adequate and delayed is not None:
-            delay, error = 1e6 * delayed.delay, 1e6 * delayed.error("delay")
-            sentences.append(
-                f"Left free, a delay of the response is {with_error(delay, error)} µs."
-            )
-        return sentences
-
-    @property
-    def comparison(self) -> list[str]:
-        """The comparison of damping laws."""
-        return [] if self.laws is None else self.laws.lines()
-
-    def settings(self) -> dict[str, Any]:
-        """Law, phase and bootstrap."""
-        groups = {symbol: list(labels) for symbol, labels in self.law.groups.items()}
-        return {
-            "law": {"terms": self.law.terms, "given": self.law.given, "groups": groups},
-            "phase": self.phase,
-            "confidence": CONFIDENCE,
-            "bootstrap": {"replicates": self.replicates, "seed": self.seed},
-        }
-
-    def findings(self, files: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    def findings(self) -> dict[str, Any]:
         """Comparison of laws, microstick line, features of each record, effect of faults, and limits."""
         line = self.microstick
         return {
@@ -133,7 +90,7 @@ class ForcedOutcome(Outcome):
                 "resolved": line.resolved,
                 "upper_bound_m": line.bound,
             },
-            "records": [{**self._record(i), **file} for i, file in enumerate(files)],
+            "records": [self._record(i) for i in range(len(self.readings))],
             "sensitivities": {
                 name: {"fault": FAULTS[name].words}
                 | {f"{symbol}_percent": 100.0 * change for symbol, change in changes.items()}
@@ -187,24 +144,18 @@ class ForcedOutcome(Outcome):
         line = "on a line of slope F_k" if two else "on the line where the law takes the input work"
         return {
             "cycles": Picture(
-                lambda: _drawing().cycles(self.loaded, self.readings),
                 f"{count} records folded onto one cycle of the drive, with their averaged cycle",
+                (self.loaded, self.readings),
             ),
             "loops": Picture(
-                lambda: _drawing().loops(self.loaded, self.readings, self.microstick),
                 f"acceleration against displacement of {count} records, with the fitted microstick lines",
+                (self.loaded, self.readings, self.microstick),
             ),
             "balance": Picture(
-                lambda: _drawing().balance(self.estimates, two),
                 f"rows of the energy balance {line}, and the residual of each row by approach",
+                (self.estimates, two),
             ),
         }
-
-
-def _drawing() -> Any:
-    from . import pictures  # slow to import
-
-    return pictures
 
 
 @one_thread
@@ -251,22 +202,49 @@ def identify_readings(
     }
     estimates = with_notes(estimates, readings, joint)
     of_records = [Remark(words, r.steady.source) for r in readings for words in r.warnings]
-    of_all = [Remark(words) for words in agreement(readings, line, joint, estimates)]
+    of_all = map(Remark, agreement(readings, line, joint, estimates))
     return ForcedOutcome(
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
         estimates=estimates,
         reference=joint.answer,
         warnings=(*of_records, *of_all),
+        head=_head(readings, replicates),
+        rig=_rig(joint),
+        settings={
+            "law": {"terms": law.terms, "given": law.given, "groups": law.groups},
+            "phase": phase,
+            "confidence": CONFIDENCE,
+            "bootstrap": {"replicates": replicates, "seed": seed},
+        },
         law=law,
         phase=phase,
         readings=tuple(readings),
         joint=joint,
         features=samples.point.features.with_phase(phase),
         microstick=line,
-        replicates=replicates,
-        seed=seed,
     )
+
+
+def _head(readings: Sequence[Reading], replicates: int) -> str:
+    """How many records, at which frequencies."""
+    hz = sorted({round(r.steady.frequency_hz, 4) for r in readings})
+    return (
+        f"{len(readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; values with 95 % intervals from "
+        f"{replicates} bootstrap replicates"
+    )
+
+
+def _rig(joint: JointFit) -> list[str]:
+    """Mass and natural frequency of the fit, and the delay between the channels."""
+    fit, delayed = joint.fit, joint.delayed
+    if fit is None or joint.linear:
+        return []
+    sentences = implied(fit)
+    if fit.adequate and delayed is not None:
+        late = with_error(1e6 * delayed.delay, 1e6 * delayed.error("delay"))
+        sentences.append(f"Left free, a delay of the response is {late} µs.")
+    return sentences
 
 
 def _require(
@@ -311,24 +289,22 @@ def _answer(
     rows_of: LawRows,
     joint: JointFit,
     readings: Sequence[Reading],
-    samples: Samples,
+    samples: Samples[Sample],
     line: Microstick,
 ) -> Answer:
     """The answer of one approach, with standard errors and intervals."""
-    unknowns = rows_of.law.unknowns
     sources = tuple(reading.steady.source for reading in readings)
-    rows = rows_of(samples.point.features)
-    drawn = rows_of(samples.drawn.features)
-    left = [rows_of(sample.features) for sample in samples.left]
-    covariance = drawn.scatter()
-    nothing = dict.fromkeys(unknowns, UNKNOWN)
+    rows = samples.map(lambda sample: rows_of(sample.features))
+    point, usable = rows.point, rows.point.usable
+    uncertain = replace(point, covariance=rows.drawn.scatter())
+    nothing = dict.fromkeys(rows_of.law.unknowns, UNKNOWN)
     try:
-        estimate = least_squares(replace(rows, covariance=covariance))
+        estimate = least_squares(uncertain)
     except ValueError as error:
         unresolved = not joint.waveforms_hold and not joint.linear and name != DIRECT
         unshaped = any(
             np.isnan(g).all() and parted(key)[0] not in rows_of.approach.terms
-            for key, g in rows.terms.items()
+            for key, g in point.terms.items()
         )
         parameters = {**nothing, "K_z": UNKNOWN}
         return Answer(
@@ -336,57 +312,50 @@ def _answer(
             parameters,
             covariance_of(parameters, {}),
             (_NO_FORM if unshaped else _NO_ONSET if unresolved else str(error),),
-            Balance(rows, np.full(len(rows.W), math.nan), sources),
+            Balance(point, np.full(len(point.W), math.nan), sources),
             equal=nothing,
             merit={"residual": math.nan, "misfit": math.nan},
         )
-    weights = replace(rows, covariance=covariance).weighted(estimate.values).weights
+    weights = uncertain.weighted(estimate.values).weights
     assert weights is not None
-    known = weights if np.isfinite(weights[rows.usable]).all() else np.ones(len(weights))
-    of_drawn, of_left = solve(_weighing(drawn, known)), [solve(_weighing(r, known)) for r in left]
-    plain, plain_drawn, plain_left = solve(rows), solve(drawn), [solve(r) for r in left]
-    values = {symbol: float(value) for symbol, value in estimate.values.items()}
-    freedom = int(estimate.n) - len(values)
-    symbols = [symbol for symbol in unknowns if symbol in values]
-    W = rows.W[rows.usable]
-    off = rows.misfit({**rows.given, **values})[rows.usable]
-    K_z, roots = _stiffness(samples, line, rows_of.law, estimate, of_drawn, of_left)
-    errors = {symbol: of_drawn[symbol] for symbol in symbols}
+    weighted = np.isfinite(weights[usable]).all()  # exact rows have no errors
+    shared = weights if weighted else np.ones(len(weights))
+    estimates = Samples(
+        estimate, _weighed(rows.drawn, shared), tuple(_weighed(r, shared) for r in rows.left)
+    )
+    K_z, roots = _stiffness(samples, estimates, rows_of.law, line)
+    errors = dict(estimates.drawn.values)
     if roots is not None:
         errors["K_z"] = -roots  # K_z falls as its inverse root grows
     correlations = {
         (one, other): float(np.corrcoef(errors[one], errors[other])[0, 1])
         for one, other in itertools.combinations(errors, 2)
     }
-    parameters = nothing | _parameters(symbols, estimate, of_drawn, of_left) | {"K_z": K_z}
-    weighed = freedom and known is weights
+    parameters = nothing | _parameters(estimates) | {"K_z": K_z}
+    freedom = int(estimate.n) - len(estimate.values)
+    off = point.misfit({**point.given, **estimate.values})[usable]
     return Answer(
         name,
         parameters,
         covariance_of(parameters, correlations),
-        balance=Balance(rows, 1.0 / np.sqrt(weights), sources),
+        balance=Balance(point, 1.0 / np.sqrt(weights), sources),
         correlations=correlations,
-        equal=nothing | _parameters(symbols, plain, plain_drawn, plain_left),
-        shape_bias=_shape_bias(rows_of, joint, readings, known, rows.usable),
+        equal=nothing | _parameters(rows.map(solve)),
+        shape_bias=_shape_bias(rows_of, joint, readings, shared, usable),
         merit={
-            "residual": float(np.linalg.norm(off) / np.linalg.norm(W)) if freedom else math.nan,
-            "misfit": float(known[rows.usable] @ off**2) / freedom if weighed else math.nan,
+            "residual": float(np.linalg.norm(off) / np.linalg.norm(point.W[usable]))
+            if freedom
+            else math.nan,
+            "misfit": float(weights[usable] @ off**2) / freedom
+            if freedom and weighted
+            else math.nan,
         },
     )
 
 
-def _weighing(rows: Rows, weights: Array) -> Rows:
-    """Rows of replicates, (n, r), weighted like those of the records, (n,)."""
-    return replace(rows, weights=np.broadcast_to(weights[:, None], rows.W.shape))
-
-
-def _parameters(
-    symbols: Sequence[str], estimate: Estimate, drawn: Estimate, left: Sequence[Estimate]
-) -> dict[str, ParameterEstimate]:
-    return {
-        symbol: _parameter(float(estimate[symbol]), drawn[symbol], [e[symbol] for e in left])
-        for symbol in symbols
-    }
+def _weighed(rows: Rows, weights: Array) -> Estimate:
+    """The estimates from rows of replicates, (n, r), weighted like those of the records, (n,)."""
+    return solve(replace(rows, weights=np.broadcast_to(weights[:, None], rows.W.shape)))
 
 
 def _shape_bias(
@@ -399,19 +368,14 @@ def _shape_bias(
     exact = stack([reading.exact_features for reading in readings])
     estimate = solve(replace(rows_of(exact), weights=weights)[used])
     return {
-        key: float(estimate[key]) / fit.value(key) - 1.0
-        for key in estimate.values
+        key: float(value) / fit.value(key) - 1.0
+        for key, value in estimate.values.items()
         if fit.value(key) > 0.0
     }
 
 
 def _stiffness(
-    samples: Samples,
-    line: Microstick,
-    law: Law,
-    estimate: Estimate,
-    drawn: Estimate,
-    left: Sequence[Estimate],
+    samples: Samples[Sample], estimates: Samples[Estimate], law: Law, line: Microstick
 ) -> tuple[ParameterEstimate, Array | None]:
     """K_z = 2F_k/L (10), from the root of its inverse, whose errors are nearly normal, and that root of each drawing.
 
@@ -419,50 +383,50 @@ def _stiffness(
     """
 
     def friction(of: Estimate) -> Array:
-        known = [
-            of[key] if key in of.values else np.asarray(law.given.get(key, math.nan))
-            for key in law.keys_of(FRICTION)
-        ]
-        return np.asarray(np.mean(np.broadcast_arrays(*known), axis=0))
-
-    if not float(friction(estimate)) > 0.0 or not math.isfinite(line.length):
-        return UNKNOWN, None
+        forces = [of.values.get(key, law.given.get(key, math.nan)) for key in law.keys_of(FRICTION)]
+        return np.mean(np.broadcast_arrays(*forces), axis=0)
 
     def root(sample: Sample, of: Estimate) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = np.maximum(sample.F_k / friction(of), 0.0)
-            return np.asarray(sample.rho * np.sqrt(ratio))
+            return sample.rho * np.sqrt(np.maximum(sample.F_k / friction(of), 0.0))
 
-    here, roots = float(root(samples.point, estimate)[0]), root(samples.drawn, drawn)
-    parts = [root(sample, of) for sample, of in zip(samples.left, left, strict=True)]
-    inverse_root = _parameter(here, roots, parts)
+    if not float(friction(estimates.point)) > 0.0 or not math.isfinite(line.length):
+        return UNKNOWN, None
+    roots = Samples(
+        root(samples.point, estimates.point)[0],
+        root(samples.drawn, estimates.drawn),
+        tuple(map(root, samples.left, estimates.left)),
+    )
+    inverse_root = _parameter(roots)
     low, high = inverse_root.interval
     if not line.resolved:
         unbounded = Interval(high**-2, math.inf)
         return ParameterEstimate(math.inf, math.nan, math.nan, unbounded), None
-    slope = 2.0 * here**-3
+    slope = 2.0 * inverse_root.value**-3
     K_z = ParameterEstimate(
-        here**-2,
+        inverse_root.value**-2,
         slope * inverse_root.standard_error,
         slope * inverse_root.propagated_error,
         Interval(high**-2, low**-2 if low > 0.0 else math.inf),
     )
-    return K_z, roots
+    return K_z, roots.drawn
 
 
-def _parameter(value: float, drawn: Array, left: Sequence[Array]) -> ParameterEstimate:
+def _parameters(estimates: Samples[Estimate]) -> dict[str, ParameterEstimate]:
+    return {s: _parameter(estimates.map(itemgetter(s))) for s in estimates.point.values}
+
+
+def _parameter(values: Samples[Array]) -> ParameterEstimate:
     """Standard errors and interval of one number.
 
     The variances that the records contribute, v_i of g_i groups, give the degrees of freedom of their sum,
     (Σ v_i)²/Σ v_i²/(g_i − 1) (Welch–Satterthwaite), and the degrees of freedom the quantile of Student's t.
-
-    drawn : values of the bootstrap.   left : values without each group of cycles, for each record.
     """
     from scipy import special  # slow to import, as scipy.stats with the same functions is
 
-    error = float(drawn.std(ddof=1))
-    parts = np.array([(len(p) - 1) / len(p) * np.sum((p - p.mean()) ** 2) for p in left])
-    groups = np.array([len(p) for p in left])
+    value, error = float(values.point), float(values.drawn.std(ddof=1))
+    parts = np.array([(len(p) - 1) / len(p) * np.sum((p - p.mean()) ** 2) for p in values.left])
+    groups = np.array([len(p) for p in values.left])
     total = float(parts.sum())
     freedom = total**2 / float(np.sum(parts**2 / (groups - 1))) if total > 0.0 else math.inf
     reach = float(special.stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE)) * error

@@ -127,7 +127,7 @@ class Identified:
         """
         name = self.figures[0] if figure is None else one_of("figure", figure, self.figures)
         with _lacking_glyphs():
-            return self.result.pictures[name].draw()
+            return self.result.draw(name)
 
     def text(self) -> str:
         """The table for a screen, with what limits the answer."""
@@ -171,7 +171,7 @@ class Identified:
         for name, picture in self.result.pictures.items():
             svg, png = (folder / file for file in pictures_of([name]))
             with _lacking_glyphs():
-                save(picture.draw(), svg, png, picture.words, DPI)
+                save(self.result.draw(name), svg, png, picture.words, DPI)
 
     def __repr__(self) -> str:
         """The table for a screen."""

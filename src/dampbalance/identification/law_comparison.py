@@ -17,14 +17,14 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from ..balance import APPROACHES, Rows
 from ..law.law import Law
-from ..law.terms import FRICTION, KNOWN_TERMS, named_with_unit, term
+from ..law.terms import FRICTION, KNOWN_TERMS, term
 from ..project.wording import listed
 from ..reading.fitting import fit_quickly, with_mass
 from ..reading.lines import probability
@@ -32,12 +32,11 @@ from ..reading.mean_harmonics import Means, Reading
 from ..reading.one_thread import one_thread
 from ..reading.waveforms import WaveformFit
 from ..solver import solve
-from .answer import unit_of
+from .answer import column
 from .law_rows import LawRows
 from .microstick import sample_of
 from .oscillator import JointFit, joined
 from .remarks import DIRECT
-from .screen import aligned
 
 ALPHA = 0.05
 """Probability of rejecting any true law."""
@@ -51,12 +50,8 @@ class Probability:
     """A χ² with its degrees of freedom and its p-value, that of one as large in noise; NaN without freedom."""
 
     chi_square: float
-    freedom: int
+    degrees_of_freedom: int
     p: float
-
-    def document(self) -> dict[str, Any]:
-        """The test for JSON."""
-        return {"chi_square": self.chi_square, "degrees_of_freedom": self.freedom, "p": self.p}
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +87,8 @@ class LawTest:
         """The p-value of both tests together: the smaller one, times two."""
         if self.balance is None or self.waveforms is None:
             return 0.0
-        known = [t.p for t in (self.balance, self.waveforms) if not math.isnan(t.p)]
-        return min(1.0, len(known) * min(known)) if known else 1.0
+        both = [t.p for t in (self.balance, self.waveforms) if not math.isnan(t.p)]
+        return min(1.0, len(both) * min(both)) if both else 1.0
 
     @property
     def p_of_balance(self) -> float:
@@ -104,15 +99,15 @@ class LawTest:
 
     def document(self) -> dict[str, Any]:
         """The tests for JSON."""
-        coefficients: dict[str, float] = {}
-        for key, (value, error) in self.coefficients.items():
-            coefficients[named_with_unit(key, unit_of(key))] = value
-            coefficients[named_with_unit(f"{key}_standard_error", unit_of(key))] = error
         return {
             "terms": self.terms,
-            **coefficients,
-            "balance": self.balance and self.balance.document(),
-            "waveforms": self.waveforms and self.waveforms.document(),
+            **{
+                column(key, what): number
+                for key, numbers in self.coefficients.items()
+                for what, number in zip(("", "_standard_error"), numbers, strict=True)
+            },
+            "balance": self.balance and asdict(self.balance),
+            "waveforms": self.waveforms and asdict(self.waveforms),
             "rejected": self.rejected,
             "rejected_by_balance": self.rejected_by_balance,
         }
@@ -161,7 +156,7 @@ class LawComparison:
             return "no law can be tested: there are no more records than coefficients; add records at other amplitudes"
         best = max(tested, key=lambda e: e.p_of_balance)
         assert best.balance is not None
-        times = math.sqrt(best.balance.chi_square / best.balance.freedom)
+        times = math.sqrt(best.balance.chi_square / best.balance.degrees_of_freedom)
         return (
             f"no law of {MOST_TERMS} terms or fewer in addition to friction fits: the rows lie {times:.2g} times as far"
             f" from the balance of the nearest, {_words(best.terms)}, as noise explains; the levels may differ in more "
@@ -179,34 +174,6 @@ class LawComparison:
             "words": self.words(),
             "tested": [test.document() for test in self.tests],
         }
-
-    def lines(self) -> list[str]:
-        """The comparison for a screen: what follows from it, then a table of the laws with their tests."""
-        table = [["law", "balance", "waveforms", "", "coefficients"]]
-        for e in self.tests:
-            rejected = e.rejected_by_balance if self.by_balance else e.rejected
-            word = "rejected" if rejected else "possible"
-            word = "chosen" if self.chosen == e.terms else word
-            values = ", ".join(
-                f"{key} = {value:.5g} ± {error:.2g}"
-                for key, (value, error) in e.coefficients.items()
-            )
-            tests = [_in_words(e.balance), _in_words(e.waveforms)]
-            table.append([", ".join(e.terms), *tests, word, "" if word == "rejected" else values])
-        return [
-            *(f"{words[0].upper()}{words[1:]}." for words in self.words()),
-            "Probability in noise of what each law leaves, of the balance and of the waveforms:",
-            "",
-            *aligned(table),
-        ]
-
-
-def _in_words(test: Probability | None) -> str:
-    if test is None:
-        return "no such motion"
-    if math.isnan(test.p):
-        return "no degrees of freedom left"
-    return "< 1e-6" if test.p < 1e-6 else f"{test.p:.2g}"
 
 
 def _words(terms: Sequence[str]) -> str:
@@ -269,8 +236,9 @@ def compare_laws(
             within = [e.fit for e in tests if e.fit and set(e.terms) < set(tried.terms)]
             near = sorted(within, key=lambda fit: fit.chi_square)[:1]
             fit = fit_quickly(lines, k, tried, near)
-            known = None if mass is None or fit is None else with_mass(fit, mass)
-            tests.append(_tested(tried, readings, means, known or fit))
+            if mass is not None and fit is not None:
+                fit = with_mass(fit, mass) or fit
+            tests.append(_tested(tried, readings, means, fit))
     both, alone = _rejected([e.p for e in tests]), _rejected([e.p_of_balance for e in tests])
     tests = [
         replace(e, rejected=one, rejected_by_balance=other)

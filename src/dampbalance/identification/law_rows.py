@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..balance import Approach, Rows
 from ..features import Features, Phase
@@ -27,13 +26,9 @@ class LawRows:
     phase: Phase
     linear: bool
 
-    def __call__(self, features: Features, k: ArrayLike | None = None) -> Rows:
-        """The rows of features, with a column for each coefficient; a coefficient whose records all lack rows has none.
-
-        k : N/m; default, that of the records.
-        """
-        stiffness = self.k if k is None else k
-        rows = self.approach(features.with_phase(self.phase), stiffness, self.law.terms)
+    def __call__(self, features: Features) -> Rows:
+        """The rows of features, with a column for each coefficient; one whose records all lack rows has none."""
+        rows = self.approach(features.with_phase(self.phase), self.k, self.law.terms)
         if self.linear:
             rows = replace(rows, terms={**rows.terms, FRICTION: np.zeros(rows.W.shape)})
         rows = rows.of_law(self.law)

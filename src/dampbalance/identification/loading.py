@@ -47,9 +47,15 @@ def load(
     """
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
     measurement = record.measurement
+    if not record.driven or (
+        measurement is not None and stands_still(measurement.excitation.values)
+    ):
+        raise NotDriven(
+            f"{record.name}: the excitation channel is missing or constant: a forced record needs one that moves "
+            f"({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
+        )
     if measurement is None:
         channels = open_channels(record.name, record.rules, largest=record.largest)
-        _require_driven(record, record.driven)
         steady = condition_blocks(
             record.name,
             channels,
@@ -60,20 +66,9 @@ def load(
         )
         first = {q: next(iter(blocks())) for q, blocks in channels.items()}
     else:
-        moves = measurement.driven and not stands_still(measurement.excitation.values)
-        _require_driven(record, moves)
         reading = read_features(measurement, k, frequency_hz=nominal, skip_cycles=skip_cycles)
         steady = reading.steady
         first = {q: (measurement[q].t, measurement[q].values) for q in measurement}
     reading = Reading(replace(steady, warnings=(*record.warnings, *steady.warnings)))
     excerpt = {q: (t[:EXCERPT], values[:EXCERPT]) for q, (t, values) in first.items()}
     return Loaded(record, reading, excerpt)
-
-
-def _require_driven(record: MeasuredRecord, driven: bool) -> None:
-    """Raise NotDriven for a record of a free decay."""
-    if not driven:
-        raise NotDriven(
-            f"{record.name}: the excitation channel is missing or constant: a forced record needs one that moves "
-            f"({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
-        )

@@ -178,15 +178,8 @@ def _of_steady(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
 ) -> Identified:
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]
-    loaded = tuple(
-        load(
-            record,
-            k,
-            frequency_hz=options["frequency_hz"],
-            skip_cycles=options["skip_cycles"],
-        )
-        for record in records
-    )
+    of_drive = {name: options[name] for name in ("frequency_hz", "skip_cycles")}
+    loaded = tuple(load(record, k, **of_drive) for record in records)
     _require_possible(loaded, mass, k)
     readings = [one.reading for one in loaded]
     common = {name: options[name] for name in ("replicates", "seed")} | {"law": law, "mass": mass}
@@ -200,9 +193,8 @@ def _of_steady(
 def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> Identified:
     odd = [Remark(words, record.name) for record in records for words in record.warnings]
     measurements = [record.whole() for record in records]
-    result = identify_ring_downs(
-        measurements, options["stiffness_N_per_m"], mass=options["mass_kg"]
-    )
+    k, mass = options["stiffness_N_per_m"], options["mass_kg"]
+    result = identify_ring_downs(measurements, k, mass=mass)
     result = replace(result, warnings=(*odd, *result.warnings))
     return Identified(records, options, result)
 
@@ -225,7 +217,7 @@ def _require_different(records: Sequence[MeasuredRecord]) -> None:
 
 def _require_possible(loaded: Sequence[Loaded], mass: float | None, k: float) -> None:
     """Raise ValueError for a mass with which the oscillator is a thousand times faster or slower than the drive."""
-    if mass is None or not mass > 0.0:  # what is no mass is refused later
+    if mass is None:
         return
     for one in loaded:
         swings = math.sqrt(k / mass) / one.reading.steady.omega

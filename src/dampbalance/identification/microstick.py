@@ -8,8 +8,9 @@ record.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from ..features import Features, stack
 from ..reading.mean_harmonics import RESOLVED, Means, Reading
 from ..reading.waveforms import WaveformFit
 from ..solver import NORMAL_95
+
+Of = TypeVar("Of")
+To = TypeVar("To")
 
 _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 
@@ -35,16 +39,20 @@ class Sample:
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
-    """Features of n records, with what their errors are computed from.
+class Samples(Generic[Of]):
+    """What n records give, features at first, with what its errors are computed from.
 
-    point : as read.   drawn : r bootstrap replicates.   left : for each record, the samples without one group of its
-    rows after the other.
+    point : as read.   drawn : of r bootstrap replicates.   left : for each record, without one group of its rows after
+    the other.
     """
 
-    point: Sample
-    drawn: Sample
-    left: tuple[Sample, ...]
+    point: Of
+    drawn: Of
+    left: tuple[Of, ...]
+
+    def map(self, of: Callable[[Of], To]) -> Samples[To]:
+        """What a function makes of each."""
+        return Samples(of(self.point), of(self.drawn), tuple(map(of, self.left)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +71,7 @@ class Microstick:
 
 def read_samples(
     readings: Sequence[Reading], count: int, random: np.random.Generator, *, jackknife: bool = True
-) -> Samples:
+) -> Samples[Sample]:
     """Features of readings that share the waveforms of a joint fit (`oscillator.joined`), as read and resampled.
 
     count : of replicates.   random : generator of the drawings.   jackknife : whether groups of rows are left out, too;
@@ -84,7 +92,7 @@ def sample_of(readings: Sequence[Reading], means: Sequence[Means]) -> Sample:
     return _sample(readings, stack(features), moved)
 
 
-def microstick(samples: Samples) -> Microstick:
+def microstick(samples: Samples[Sample]) -> Microstick:
     """The length of the microstick line, and whether it stands out of the scatter of its replicates."""
     F_k, rho = float(samples.point.F_k[0]), float(samples.point.rho[0])
     length = 2.0 * F_k * rho**2

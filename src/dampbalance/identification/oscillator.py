@@ -35,11 +35,6 @@ class JointFit:
     mass_fits: bool = True
 
     @property
-    def mass_given(self) -> bool:
-        """Whether the fit takes the mass as given."""
-        return self.mass is not None and self.mass_fits
-
-    @property
     def waveforms_hold(self) -> bool:
         """Whether the waveforms of the fit are those of the records, so that the onset of slip and K_z are known."""
         return self.fit is not None and self.fit.adequate and not self.linear
@@ -50,14 +45,12 @@ class JointFit:
         fit = self.fit
         if fit is None or self.linear:
             return ()
-        nearest = (
+        far = (
             "the records are not those of such an oscillator: it is only the one that comes nearest"
         )
         of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
-        return (
-            *(() if fit.adequate else (nearest,)),
-            *(f"the best {key} {of_zero}" for key in fit.undamped),
-        )
+        at_zero = [f"the best {key} {of_zero}" for key in fit.undamped]
+        return (*at_zero,) if fit.adequate else (far, *at_zero)
 
     @property
     def answer(self) -> Answer | None:
@@ -67,8 +60,7 @@ class JointFit:
             return None
         return answer_of_fit(
             fit,
-            {key: fit.value(key) for key in fit.law.unknowns},
-            fit.unknowns.names,
+            fit.law.unknowns,
             self.notes,
             misfit_of_records=fit.misfits,
             delay_s=None if delayed is None else delayed.delay,
@@ -97,9 +89,9 @@ def joint_fit(
     linear = explained < _SHOWS and not slips
     if fit is None or linear:
         return JointFit(fit, linear, None, mass=m)
-    known = None if m is None else with_mass(fit, m)
-    fits = known is not None and known.chi_square - fit.chi_square < _SHOWS
-    fit = known if known is not None and fits else fit
+    given = None if m is None else with_mass(fit, m)
+    fits = given is not None and given.chi_square - fit.chi_square < _SHOWS
+    fit = given if given is not None and fits else fit
     # a damper to the base and one to the ground together make up for any delay
     delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
     late = delayed is not None and delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS
@@ -115,20 +107,11 @@ def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None)
     law : of the terms whose integrals are wanted.
     """
     wanted = () if law is None else tuple(s for s in law.terms if s not in (FRICTION, "c"))
+    plain = [replace(reading, joint=True, shared=None, terms=wanted) for reading in readings]
     if joint.fit is None or joint.linear:
-        return [replace(reading, joint=True, shared=None, terms=wanted) for reading in readings]
-    if not joint.fit.adequate:
-        return [
-            replace(
-                reading,
-                joint=True,
-                shared=None,
-                terms=wanted,
-                taken=response.taken if response.slips else math.nan,
-            )
-            for reading, response in zip(readings, joint.fit.responses, strict=True)
-        ]
-    return [
-        replace(reading, joint=True, shared=waveform, terms=wanted)
-        for reading, waveform in zip(readings, joint.fit.waveforms, strict=True)
-    ]
+        return plain
+    if joint.fit.adequate:
+        pairs = zip(plain, joint.fit.waveforms, strict=True)
+        return [replace(reading, shared=waveform) for reading, waveform in pairs]
+    taken = [one.taken if one.slips else math.nan for one in joint.fit.responses]
+    return [replace(reading, taken=part) for reading, part in zip(plain, taken, strict=True)]

@@ -6,8 +6,6 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-FIGURES = ("cycles", "loops", "balance")
-
 TABLES = ("identification.json", "identification.csv", "features.csv", "summary.txt")
 """The document with everything; the estimates; the features; the table of the screen."""
 
@@ -17,14 +15,11 @@ def pictures_of(figures: Iterable[str]) -> tuple[str, ...]:
     return tuple(f"{name}.{suffix}" for name in figures for suffix in ("svg", "png"))
 
 
-PICTURES = pictures_of(FIGURES)
+OUTPUTS = (*TABLES, *pictures_of(("cycles", "loops", "balance")))
+"""The files that an identification of forced records is written to."""
 
-OUTPUTS = (*TABLES, *PICTURES)
-
-RING_DOWN_FIGURES = ("decays",)
-"""The picture of an identification from free decays, instead of FIGURES."""
-
-ALL_PICTURES = (*PICTURES, *pictures_of(RING_DOWN_FIGURES))
+ALL_PICTURES = pictures_of(("cycles", "loops", "balance", "decays"))
+"""The files of the pictures of any kind of records."""
 
 
 def require_room(folder: Path, names: Iterable[str], permission: str) -> None:
@@ -40,8 +35,8 @@ def require_room(folder: Path, names: Iterable[str], permission: str) -> None:
         raise ValueError(f"{there} is a file: choose a folder for the results")
     if not os.access(there, os.W_OK):
         raise ValueError(f"{there} cannot be written to: choose another folder for the results")
-    found = [name for name in names if (folder / name).exists()]
-    if found and permission:
+    held = next((name for name in names if (folder / name).exists()), None)
+    if held and permission:
         raise ValueError(
-            f"{folder} holds {found[0]} already: choose another folder, or add {permission}"
+            f"{folder} holds {held} already: choose another folder, or add {permission}"
         )

@@ -112,7 +112,7 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
         look = look_of(name)
         marks: dict[str, Any] = {"color": look.colour, "fillstyle": "none"}
         marks["label"] = in_maths(label_of(name))
-        values = [answer.values[symbol] for symbol in answer.coefficients]
+        values = {**rows.given, **answer.values}
         with np.errstate(divide="ignore", invalid="ignore"):
             along, height = (
                 (rows.terms["F_k"] / rows.terms["c"], rows.W / rows.terms["c"])
@@ -121,9 +121,9 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
             )
             scaled = off / answer.balance.errors
         left.plot(along[usable], height[usable], look.marker, **marks)
-        if index == 0 and np.isfinite(values).all():
+        if index == 0 and all(math.isfinite(values[symbol]) for symbol in rows.terms):
             ends = np.array([0.0, 1.06 * float(np.max(along[usable]))])
-            line = answer.values["F_k"] * ends + answer.values["c"] if two else ends
+            line = values["F_k"] * ends + values["c"] if two else ends
             left.plot(ends, line, color=FAINT, zorder=0)
         places = np.arange(len(scaled)) + 1 + 0.12 * (index - 0.5 * (len(answers) - 1))
         bars: dict[str, Any] = {"yerr": 1.0, "fmt": look.marker, "elinewidth": 0.6, **marks}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
@@ -44,35 +44,31 @@ def with_notes(
     }
 
 
-def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> list[str]:
+def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[str]:
     clipped = [
         f"{quantity} of {reading.steady.source}"
         for reading in readings
         for quantity, harmonics in reading.steady.channels.items()
         if is_clipped(harmonics)
     ]
-    notes = forbidden(answer.coefficients, clipped, "a sign, a gain, a channel or the stiffness")
-    shape = _shape(answer)
-    if shape:
-        notes.append(shape)
+    suspects = "a sign, a gain, a channel or the stiffness"
+    yield from forbidden(answer.coefficients, clipped, suspects)
+    yield from _shape(answer)
     if joint.linear:
-        notes.append("F_k and K_z leave no trace in the records: c comes from W = b c")
+        yield "F_k and K_z leave no trace in the records: c comes from W = b c"
     elif not joint.waveforms_hold and not answer.notes:
-        notes.append(
+        yield (
             "the onset of slip is not known: what sticking takes from 4X is that of the oscillator that comes nearest"
             if joint.fit is not None
             else "the onset of slip is not known: the contact is taken as rigid, and F_k is too small"
         )
         if answer.misfit > _FAR**2:
-            notes.append(
+            yield (
                 f"its rows lie {times(math.sqrt(answer.misfit))} farther from the balance than noise explains, and "
                 "the intervals do not show it"
             )
     if joint.late:
-        notes.append(
-            "the response is out of time with the drive (see below): F_k and c carry that error"
-        )
-    return notes
+        yield "the response is out of time with the drive (see below): F_k and c carry that error"
 
 
 def forbidden(
@@ -92,7 +88,7 @@ def forbidden(
     ]
 
 
-def _shape(answer: Answer) -> str:
+def _shape(answer: Answer) -> Iterator[str]:
     """A sentence where the shape of x(t) that an approach assumes costs more than its interval shows."""
     parts = []
     for symbol, bias in answer.shape_bias.items():
@@ -102,12 +98,11 @@ def _shape(answer: Answer) -> str:
             sense = "small" if bias < 0.0 else "large"
             size = f"{100.0 * abs(bias):.2g} % too {sense}"
             parts.append(f"{symbol} {size if math.isfinite(bias) else 'impossible to find'}")
-    if not parts:
-        return ""
-    return (
-        f"the shape of x(t) that this approach assumes makes {listed(parts)} for the oscillator identified, and its "
-        "intervals do not show it"
-    )
+    if parts:
+        yield (
+            f"the shape of x(t) that this approach assumes makes {listed(parts)} for the oscillator identified, and "
+            "its intervals do not show it"
+        )
 
 
 def agreement(
@@ -115,68 +110,66 @@ def agreement(
     microstick: Microstick,
     joint: JointFit,
     answers: Mapping[str, Answer],
-) -> list[str]:
+) -> Iterator[str]:
     """Warnings on all records together: what the joint fit shows, which levels fail, where answers contradict."""
-    warnings = _on_the_oscillator(readings, joint)
+    yield from _on_the_oscillator(readings, joint)
     still = [str(i + 1) for i, reading in enumerate(readings) if reading.slips is False]
     if still:
-        warnings.append(
+        yield (
             f"the contact only sticks in record {', '.join(still)}: it takes no energy there, and the record stays out "
             "of the balance"
         )
     if joint.waveforms_hold and not microstick.resolved:
-        warnings.append(
+        yield (
             "the records together do not resolve the onset of slip: K_z has a lower limit only; sample faster, measure "
             "acceleration, or reduce the noise"
         )
     folded = [str(i + 1) for i, r in enumerate(readings) if r.lines.aliased > _FOLDED]
     if folded and not joint.linear:
-        warnings.append(
+        yield (
             f"the sampling rate of record {', '.join(folded)} folds back harmonics that are larger than the noise: K_z "
             "may be off by more than its interval shows; sample faster, or through an anti-alias filter that the "
             "mapping names"
         )
     fit = joint.fit
     if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
-        warnings.append(
+        yield (
             f"c and c_r together cannot be distinguished from a skew of the channels: if the response lags by 1 µs, "
             f"c_r is {1e-6 * fit.k:.2g} N s/m too small and c as much too large"
         )
-    apart = _apart(answers.get(DIRECT), joint)
-    if apart:
-        warnings.append(apart)
+    yield from _apart(answers.get(DIRECT), joint)
     solved = [(a, a.balance.rows) for a in answers.values() if a.balance is not None]
     first = next(((a, rows) for a, rows in solved if rows.usable.sum() >= 2), None)
     if first is not None and _sine(first[1]) < _ALIKE:
-        warnings.append(
+        yield (
             f"the levels are so alike that {listed(list(first[0].coefficients))} can hardly be distinguished: add "
             "a record at a much higher or lower amplitude"
         )
-    return warnings
 
 
-def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> list[str]:
+def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator[str]:
     """Warnings from the joint fit."""
     if joint.linear:
-        return [
+        yield (
             "the records are those of a linear oscillator within their noise: the contact only sticks, or there is no "
             "friction, and F_k and K_z cannot be determined; raise the excitation"
-        ]
+        )
+        return
     if joint.fit is None:
-        return [
+        yield (
             "no oscillator with this stiffness and a friction contact slips and responds like the records: check the "
             "stiffness, the signs, the units and the order of the channels"
-        ]
-    warnings = []
+        )
+        return
     fit, delayed = joint.fit, joint.delayed
     if not joint.mass_fits:
-        warnings.append(
+        yield (
             f"the mass given, {joint.mass:.6g} kg, is not that of the records, {fit.m:.6g} ± {fit.error('m'):.2g} kg: "
             "nothing here uses it; check the mass, the stiffness, the gains and the units"
         )
     if not fit.adequate:
         worst = int(np.argmax(fit.misfits))
-        warnings.append(
+        yield (
             "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
             f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in "
             f"{readings[worst].steady.source}; K_z and the onset of slip cannot be determined; a channel may be skewed,"
@@ -185,18 +178,17 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> list[str
         )
     if joint.late and delayed is not None:
         without = [f"{key} = {delayed.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]
-        warnings.append(
+        yield (
             f"the harmonics say that the response lags the drive by {1e6 * delayed.delay:.4g} ± "
             f"{1e6 * delayed.error('delay'):.2g} µs more than the motion explains; without that, {listed(without)}: "
             "give the delay in the mapping, or sample all channels at once"
         )
-    return warnings
 
 
-def _apart(answer: Answer | None, joint: JointFit) -> str:
+def _apart(answer: Answer | None, joint: JointFit) -> Iterator[str]:
     """A sentence where the balance contradicts the joint fit by more than their errors allow."""
     if answer is None or joint.fit is None or not joint.waveforms_hold:
-        return ""
+        return
     parts = []
     for symbol, own in answer.coefficients.items():
         of_fit = joint.fit.value(symbol)
@@ -205,12 +197,11 @@ def _apart(answer: Answer | None, joint: JointFit) -> str:
         error = max(error, 0.5 * own.standard_error, 1e-7 * abs(of_fit))
         if abs(own.value - of_fit) > _APART * error and of_fit:
             parts.append(f"{symbol} by {100.0 * (own.value / of_fit - 1.0):+.2g} %")
-    if not parts:
-        return ""
-    return (
-        f"the energy balance and the fit of one oscillator to all records differ, {' and '.join(parts)}, by more than "
-        "their errors allow: trust neither interval"
-    )
+    if parts:
+        yield (
+            f"the energy balance and the fit of one oscillator to all records differ, {' and '.join(parts)}, by more "
+            "than their errors allow: trust neither interval"
+        )
 
 
 def _sine(rows: Rows) -> float:

@@ -8,6 +8,7 @@ from html import escape
 
 from ..reading.climb import OscillatorFit
 from .answer import Answer, ParameterEstimate, Verdict, unit_of
+from .law_comparison import LawComparison, Probability
 from .outcome import Outcome
 from .remarks import in_a_sentence, limits
 
@@ -15,13 +16,15 @@ LIMITS = "What limits the answer:"
 
 _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
 _DIGITS = 15  # significant digits of a float
+_ROUNDING = 1e-12
 _MANTISSA = 6  # decimals of a number with a power of ten
 
 
 def text(outcome: Outcome) -> str:
     """For a screen: the answers with their 95 % intervals and verdicts, a line each, then what limits them."""
-    lines = [outcome.head, "", *aligned(_table(outcome.answers)), "", *outcome.rig]
-    lines += ["", *outcome.comparison] if outcome.comparison else []
+    lines = [outcome.head, "", *_aligned(_table(outcome.answers)), "", *outcome.rig]
+    comparison = _comparison(outcome.laws)
+    lines += ["", *comparison] if comparison else []
     sentences = _limits(outcome)
     lines += ["", LIMITS, *sentences] if sentences else []
     return "\n".join(lines) + "\n"
@@ -42,15 +45,15 @@ def html(outcome: Outcome) -> str:
         f"<table><thead><tr>{columns}</tr></thead><tbody>{rows}</tbody></table>",
     ]
     parts += [f"<p>{escape(' '.join(outcome.rig))}</p>"] if outcome.rig else []
-    if outcome.comparison:
-        parts.append(f"<pre>{escape(chr(10).join(outcome.comparison))}</pre>")
+    if comparison := _comparison(outcome.laws):
+        parts.append(f"<pre>{escape(chr(10).join(comparison))}</pre>")
     if sentences := _limits(outcome):
         items = "".join(f"<li>{escape(words)}</li>" for words in sentences)
         parts.append(f"<p>{escape(LIMITS)}</p><ul>{items}</ul>")
     return f"<div>{''.join(parts)}</div>"
 
 
-def aligned(table: Sequence[Sequence[str]]) -> list[str]:
+def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
     """The lines of a table with columns of equal width."""
     widths = [max(len(line[i]) for line in table) for i in range(len(table[0]))]
     return [
@@ -65,8 +68,7 @@ def _table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
     order = sorted(symbols, key=lambda symbol: symbol == "K_z")  # the contact last
     lines = [("", *map(_headed, order), "verdict")]
     for name, answer in answers.items():
-        known = answer.parameters
-        cells = (with_interval(known[s]) if s in known else "" for s in order)
+        cells = (with_interval(p) if (p := answer.parameters.get(s)) else "" for s in order)
         lines.append((name + " *" * bool(answer.notes), *cells, in_one(answer.verdicts)))
     return lines
 
@@ -81,6 +83,36 @@ def in_one(verdicts: Mapping[str, Verdict]) -> str:
     return "; ".join(f"{word}: {', '.join(symbols)}" for word, symbols in by_word.items())
 
 
+def _comparison(laws: LawComparison | None) -> list[str]:
+    """What follows from a comparison of laws, then a line for each law with its tests."""
+    if laws is None:
+        return []
+    table = [["law", "balance", "waveforms", "", "coefficients"]]
+    for test in laws.tests:
+        rejected = test.rejected_by_balance if laws.by_balance else test.rejected
+        word = "chosen" if laws.chosen == test.terms else "rejected" if rejected else "possible"
+        values = ", ".join(
+            f"{key} = {value:.5g} ± {error:.2g}"
+            for key, (value, error) in test.coefficients.items()
+        )
+        tests = [_in_noise(test.balance), _in_noise(test.waveforms)]
+        table.append([", ".join(test.terms), *tests, word, "" if word == "rejected" else values])
+    return [
+        *(f"{words[0].upper()}{words[1:]}." for words in laws.words()),
+        "Probability in noise of what each law leaves, of the balance and of the waveforms:",
+        "",
+        *_aligned(table),
+    ]
+
+
+def _in_noise(test: Probability | None) -> str:
+    if test is None:
+        return "no such motion"
+    if math.isnan(test.p):
+        return "no degrees of freedom left"
+    return "< 1e-6" if test.p < 1e-6 else f"{test.p:.2g}"
+
+
 def _limits(outcome: Outcome) -> list[str]:
     """What limits the answers, in sentences: "*" begins a note on answers, "warning:" all else."""
     return [
@@ -89,9 +121,12 @@ def _limits(outcome: Outcome) -> list[str]:
     ]
 
 
-def implied(fit: OscillatorFit, mass_given: bool) -> list[str]:
+def implied(fit: OscillatorFit) -> list[str]:
     """What a fit implies about the rig: numbers that its owner can check."""
-    mass = "the mass given" if mass_given else f"m = {with_error(fit.m, fit.error('m'))} kg"
+    error = fit.error("m")
+    # what rounding leaves of the error of a mass that is given
+    given = error < _ROUNDING * fit.m
+    mass = "the mass given" if given else f"m = {with_error(fit.m, error)} kg"
     return [
         f"The oscillator of largest likelihood has {mass} and a natural frequency of {fit.natural_frequency_hz:.4g} Hz "
         "with the contact loose.",

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 import numpy as np
 
@@ -42,17 +41,13 @@ class Fault:
     stiffness: float = 0.0
 
 
-FAULTS: Mapping[str, Fault] = MappingProxyType(
-    {
-        "drive_gain_1_percent": Fault("the drive reads 1 % too large", drive=0.01),
-        "response_gain_1_percent": Fault("the response reads 1 % too large", response=0.01),
-        "response_phase_1_degree": Fault(
-            "the response lags by 1° too much", angle=math.radians(1.0)
-        ),
-        "response_late_100_us": Fault("the response is 100 µs late", late=1e-4),
-        "stiffness_1_percent": Fault("k is given 1 % too large", stiffness=0.01),
-    }
-)
+FAULTS: Mapping[str, Fault] = {
+    "drive_gain_1_percent": Fault("the drive reads 1 % too large", drive=0.01),
+    "response_gain_1_percent": Fault("the response reads 1 % too large", response=0.01),
+    "response_phase_1_degree": Fault("the response lags by 1° too much", angle=math.radians(1.0)),
+    "response_late_100_us": Fault("the response is 100 µs late", late=1e-4),
+    "stiffness_1_percent": Fault("k is given 1 % too large", stiffness=0.01),
+}
 
 
 @one_thread

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion
-from dampbalance.balance import APPROACHES
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.document import document, estimates_table
 from dampbalance.identification.forced import identify_readings
@@ -18,11 +17,9 @@ from dampbalance.identification.law_comparison import _rejected, compare_laws
 from dampbalance.identification.screen import text
 from dampbalance.law.law import Law
 from dampbalance.law.response import law_orbit
-from dampbalance.reading.mean_harmonics import read_features
-from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER
+from unit.identification.levels import identified, read
 
-DIRECT = {"direct": APPROACHES["direct"]}
 AT = [(hz, Y) for hz in (3.5, 7.0) for Y in (0.003, 0.006, 0.012)]
 BARE = replace(PAPER, c=0.0)
 LAWS = {
@@ -36,23 +33,12 @@ LAWS = {
 
 def readings(osc, law, at=AT, noise=0.01, seed=1, cycles=50.0, rate_hz=500.0):
     """Records of the response that the integrator finds."""
-    rng = np.random.default_rng(seed)
     oscillators = osc if isinstance(osc, list) else [osc] * len(at)
-    return [
-        read_features(
-            measured_orbit(
-                law_orbit(one, BaseMotion(Y, 2.0 * math.pi * hz), law),
-                rate_hz=rate_hz,
-                cycles=cycles,
-                noise=noise,
-                seed=rng,
-                start=rng.random(),
-                source=f"{hz:g} Hz, {Y:g} m",
-            ),
-            one.k,
-        )
+    orbits = [
+        law_orbit(one, BaseMotion(Y, 2.0 * math.pi * hz), law)
         for one, (hz, Y) in zip(oscillators, at, strict=True)
     ]
+    return read(orbits, noise=noise, seed=seed, cycles=cycles, rate_hz=rate_hz)
 
 
 def truth(osc, law):
@@ -63,7 +49,7 @@ def truth(osc, law):
 def test_the_coefficients_of_any_law_are_found(name):
     osc, law = LAWS[name]
     true = {symbol: value for symbol, value in truth(osc, law).items() if value}
-    found = identify_readings(readings(osc, law), osc.k, law=Law(tuple(true)), approaches=DIRECT)
+    found = identified(readings(osc, law), law=Law(tuple(true)), replicates=1000)
     assert found.joint.waveforms_hold
     assert found.warnings == ()
     direct = found.estimates["direct"]
@@ -86,9 +72,7 @@ def test_standard_errors_of_another_law_are_those_of_the_scatter():
     off = []
     for seed in range(12):
         records = readings(osc, law, at=AT[::2], seed=seed, cycles=30.0)
-        found = identify_readings(
-            records, osc.k, law=Law(("F_k", "c_r")), approaches=DIRECT, replicates=200
-        ).estimates["direct"]
+        found = identified(records, law=Law(("F_k", "c_r")), replicates=200).estimates["direct"]
         for symbol in ("F_k", "c_r"):
             estimate = found.coefficients[symbol]
             off.append((estimate.value - truth(osc, law)[symbol]) / estimate.standard_error)
@@ -98,13 +82,8 @@ def test_standard_errors_of_another_law_are_those_of_the_scatter():
 
 def test_exact_records_give_the_coefficients_to_what_the_harmonics_hold():
     osc, law = LAWS["c_3"]
-    found = identify_readings(
-        readings(osc, law, noise=0.0, rate_hz=2000.0, cycles=12.0),
-        osc.k,
-        law=Law(("F_k", "c_3")),
-        approaches=DIRECT,
-        replicates=20,
-    ).estimates["direct"]
+    records = readings(osc, law, noise=0.0, rate_hz=2000.0, cycles=12.0)
+    found = identified(records, law=Law(("F_k", "c_3")), replicates=20).estimates["direct"]
     # the waveforms hold to 3e-6 of the amplitude, of whose work friction takes less than a hundredth at the top
     assert found.coefficients["F_k"].value == pytest.approx(osc.F_k, rel=3e-3)
     assert found.coefficients["c_3"].value == pytest.approx(3000.0, rel=3e-4)
@@ -119,7 +98,7 @@ def two_loads():
 
 def test_each_load_has_its_friction_and_all_have_one_damper(two_loads):
     law = Law(groups={"F_k": ("light", "heavy") * 3})
-    found = identify_readings(two_loads, PAPER.k, law=law, approaches=DIRECT)
+    found = identified(two_loads, law=law)
     direct = found.estimates["direct"]
     assert found.joint.waveforms_hold
     for key, value in (("F_k[light]", 1.28), ("F_k[heavy]", 2.0), ("c", 90.0)):
@@ -145,10 +124,10 @@ def test_without_groups_no_law_fits_records_of_two_loads(two_loads):
 
 def test_what_is_given_sharpens_the_rest_and_one_record_is_enough():
     records = readings(PAPER, {}, at=AT[:2])
-    both = identify_readings(records, PAPER.k, approaches=DIRECT).estimates["direct"]
+    both = identified(records).estimates["direct"]
     law = Law(given={"c": 90.0})
     for used in (records, records[:1]):
-        known = identify_readings(used, PAPER.k, law=law, approaches=DIRECT).estimates["direct"]
+        known = identified(used, law=law).estimates["direct"]
         assert list(known.coefficients) == ["F_k"]
         F_k = known.coefficients["F_k"]
         assert abs(F_k.value - 1.28) < 4.0 * F_k.standard_error
@@ -159,8 +138,7 @@ def test_a_group_whose_records_only_stick_has_no_usable_friction_force_and_the_o
     stuck = replace(PAPER, F_k=60.0)
     records = readings([PAPER, PAPER, stuck], {}, at=[AT[0], AT[2], AT[1]])
     law = Law(groups={"F_k": ("loose", "loose", "stuck")})
-    found = identify_readings(records, PAPER.k, law=law, approaches=DIRECT)
-    direct = found.estimates["direct"]
+    direct = identified(records, law=law).estimates["direct"]
     verdicts = direct.verdicts
     assert verdicts["F_k[stuck]"].verdict != USABLE
     assert verdicts["F_k[loose]"].verdict == USABLE
@@ -168,9 +146,7 @@ def test_a_group_whose_records_only_stick_has_no_usable_friction_force_and_the_o
 
 
 def test_dampers_to_base_and_ground_together_say_what_a_skew_would_do():
-    found = identify_readings(
-        readings(*LAWS["c_r"]), PAPER.k, law=Law(("F_k", "c", "c_r")), approaches=DIRECT
-    )
+    found = identified(readings(*LAWS["c_r"]), law=Law(("F_k", "c", "c_r")))
     assert found.joint.delayed is None
     assert any("cannot be distinguished from a skew" in words for words in found.warnings)
 

@@ -18,33 +18,22 @@ from dampbalance.identification.screen import text
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
 from dampbalance.reading.mean_harmonics import RESOLVED, read_features
 from dampbalance.records.measurement import Channel, Measurement
-from dampbalance.records.synthetic import measured_orbit
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
-
-BOTH = ("base_displacement", "displacement", "acceleration")
+from unit.identification.levels import THREE, identified, read
 
 
 def readings(
-    hz=NEAR, noise=0.0, seed=1, levels=LEVELS, rate_hz=2000.0, cycles=25.0, channels=BOTH, osc=PAPER
+    hz=NEAR,
+    noise=0.0,
+    seed=1,
+    levels=LEVELS,
+    rate_hz=2000.0,
+    cycles=25.0,
+    channels=THREE,
+    osc=PAPER,
 ):
-    rng = np.random.default_rng(seed)
-    orbits = orbits_at(hz, levels, osc)
-    return [
-        read_features(
-            measured_orbit(
-                orbit,
-                rate_hz=rate_hz,
-                cycles=cycles,
-                noise=noise,
-                seed=rng,
-                channels=channels,
-                start=rng.random(),
-                source=f"level {i + 1}",
-            ),
-            osc.k,
-        )
-        for i, orbit in enumerate(orbits)
-    ]
+    options = {"rate_hz": rate_hz, "cycles": cycles, "channels": channels}
+    return read(orbits_at(hz, levels, osc), noise=noise, seed=seed, **options)
 
 
 def relative(parameter, true):
@@ -62,11 +51,10 @@ def test_exact_records_give_the_truth_off_resonance_too(hz):
     assert direct.notes == ()
     # what a balance of three harmonics cuts off: 1.2e-4 of b or less, five times that of F_k where low levels weigh
     # as much as high ones, and the note says it
-    assert relative(fourier.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=7e-4)
+    off = relative(fourier.coefficients["F_k"], PAPER.F_k)
+    assert off == pytest.approx(0.0, abs=7e-4)
     assert relative(fourier.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=5e-5)
-    assert fourier.shape_bias["F_k"] == pytest.approx(
-        relative(fourier.coefficients["F_k"], PAPER.F_k), abs=2e-5
-    )
+    assert fourier.shape_bias["F_k"] == pytest.approx(off, abs=2e-5)
     assert found.joint.fit.m == pytest.approx(PAPER.m, rel=1e-6)
     assert found.warnings == ()
 
@@ -84,13 +72,10 @@ def test_records_of_several_frequencies_go_together():
 @pytest.mark.slow
 def test_intervals_tell_the_truth():
     runs = [
-        identify_readings(
+        identified(
             readings(
                 3.5, 0.01, seed=100 + i, levels=(0.004, 0.008, 0.012), rate_hz=1000.0, cycles=20.0
-            ),
-            PAPER.k,
-            approaches={"direct": APPROACHES["direct"]},
-            replicates=100,
+            )
         ).estimates["direct"]
         for i in range(40)
     ]
@@ -111,10 +96,10 @@ def test_intervals_tell_the_truth():
 
 
 def test_the_records_share_what_no_single_one_resolves():
-    read = readings(4.92, 0.05, rate_hz=1500.0, cycles=20.0, channels=BOTH[:2])
-    fits = [reading.waveform.fit for reading in read]
+    single = readings(4.92, 0.05, rate_hz=1500.0, cycles=20.0, channels=THREE[:2])
+    fits = [reading.waveform.fit for reading in single]
     assert any(fit.rho < RESOLVED * fit.error("rho") for fit in fits)
-    found = identify_readings(read, PAPER.k, replicates=200)
+    found = identified(single, replicates=200)
     assert found.microstick.resolved
     direct = found.estimates["direct"]
     assert direct.K_z.interval.low < PAPER.K_z < direct.K_z.interval.high
@@ -131,9 +116,7 @@ def test_the_records_share_what_no_single_one_resolves():
 def test_an_onset_that_is_not_resolved_enters_with_its_error_and_K_z_has_a_limit():
     # 20,000 N/mm: a microstick line of 0.13 µm beside 24 µm of noise
     stiff = replace(PAPER, K_z=2e7)
-    found = identify_readings(
-        readings(noise=0.03, rate_hz=1000.0, channels=BOTH[:2], osc=stiff), PAPER.k, replicates=100
-    )
+    found = identified(readings(noise=0.03, rate_hz=1000.0, channels=THREE[:2], osc=stiff))
     assert not found.microstick.resolved
     (warning,) = found.warnings
     assert "do not resolve the onset of slip: K_z has a lower limit only" in warning
@@ -162,20 +145,15 @@ def test_an_approach_whose_shape_does_not_hold_is_named():
     own = relative(found.estimates["X_s"].coefficients["F_k"], PAPER.F_k)
     assert bias == pytest.approx(own, abs=0.005)  # half a percent of noise
     better = identify_readings(readings(3.5, 0.005), PAPER.k, phase="fundamental", replicates=100)
-    of_better, of_found = (
-        abs(relative(each.estimates["X_s"].coefficients["F_k"], PAPER.F_k))
-        for each in (better, found)
-    )
-    assert of_better < 0.5 * of_found
+    of_better = relative(better.estimates["X_s"].coefficients["F_k"], PAPER.F_k)
+    assert abs(of_better) < 0.5 * abs(own)
 
 
 @pytest.mark.slow
 def test_a_level_that_does_not_belong_is_noticed():
     odd = replace(PAPER, c=1.01 * PAPER.c)
     mixed = [*readings(noise=0.005)[:4], readings(noise=0.005, osc=odd)[4]]
-    found = identify_readings(
-        mixed, PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=100
-    )
+    found = identified(mixed)
     assert "the records are not those of one mass on a spring" in found.warnings[0]
     direct = found.estimates["direct"]
     assert all(verdict != "usable" for verdict, _ in direct.verdicts.values())
@@ -184,19 +162,16 @@ def test_a_level_that_does_not_belong_is_noticed():
 
 
 def test_levels_that_are_alike_are_reported():
-    found = identify_readings(
-        readings(noise=0.001, levels=(0.0100, 0.0101)), PAPER.k, replicates=50
-    )
+    found = identified(readings(noise=0.001, levels=(0.0100, 0.0101)), replicates=50)
     assert "so alike" in " ".join(found.warnings)
 
 
 def test_equal_seeds_give_equal_numbers_whatever_is_asked_beside():
-    read = readings(noise=0.01)
-    one = identify_readings(read, PAPER.k, replicates=50, seed=3)
-    two = identify_readings(
-        read, PAPER.k, replicates=50, seed=3, approaches={"fourier": APPROACHES["fourier"]}
+    only = {"fourier": APPROACHES["fourier"]}
+    one, two, other = (
+        identify_readings(readings(noise=0.01), PAPER.k, replicates=50, **options)
+        for options in ({"seed": 3}, {"seed": 3, "approaches": only}, {"seed": 4})
     )
-    other = identify_readings(read, PAPER.k, replicates=50, seed=4)
     first, again, drawn = (
         each.estimates["fourier"].coefficients["F_k"] for each in (one, two, other)
     )
@@ -239,23 +214,20 @@ def test_tables_and_documents_hold_the_same_numbers():
     ],
 )
 def test_what_makes_no_sense_is_refused(change, message):
-    read = readings(noise=0.01, levels=LEVELS[:2], cycles=12.0)[: change.pop("count", 2)]
+    levels = readings(noise=0.01, levels=LEVELS[:2], cycles=12.0)[: change.pop("count", 2)]
     k = change.pop("k", PAPER.k)
     with pytest.raises(ValueError, match=message):
-        identify_readings(read, k, **change)
+        identify_readings(levels, k, **change)
 
 
 @pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
 def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold(hz):
-    motions, two = motions_at(hz), BOTH[:2]
+    motions, two = motions_at(hz), THREE[:2]
     noise = noise_of_rms(PAPER, motions, 0.01)
     bound = cramer_rao(PAPER, motions, rate_hz=1000.0, cycles=25.0, noise=noise, free=("m",))
     runs = [
-        identify_readings(
-            readings(hz, 0.01, seed=50 + i, rate_hz=1000.0, channels=two),
-            PAPER.k,
-            approaches={"direct": APPROACHES["direct"]},
-            replicates=400,
+        identified(
+            readings(hz, 0.01, seed=50 + i, rate_hz=1000.0, channels=two), replicates=400
         ).estimates["direct"]
         for i in range(4)
     ]
@@ -270,9 +242,7 @@ def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold(hz):
 
 
 def test_where_no_level_slips_there_is_no_friction_force():
-    found = identify_readings(
-        readings(noise=0.01, levels=(0.0002, 0.0003, 0.0004)), PAPER.k, replicates=50
-    )
+    found = identified(readings(noise=0.01, levels=(0.0002, 0.0003, 0.0004)), replicates=50)
     assert found.joint.linear
     (warning,) = found.warnings
     assert "the records are those of a linear oscillator" in warning
@@ -289,9 +259,7 @@ def test_where_no_level_slips_there_is_no_friction_force():
 
 
 def test_a_level_that_does_not_slip_leaves_the_balance_without_a_star():
-    found = identify_readings(
-        readings(noise=0.01, levels=(0.0003, 0.004, 0.008, 0.012)), PAPER.k, replicates=100
-    )
+    found = identified(readings(noise=0.01, levels=(0.0003, 0.004, 0.008, 0.012)))
     assert [reading.slips for reading in found.readings] == [False, True, True, True]
     (warning,) = found.warnings
     assert "only sticks in record 1" in warning
@@ -348,7 +316,7 @@ def integrated(Y, hz, cycles, rate_hz):
 @pytest.mark.parametrize("driven_by", ["base_displacement", "base_acceleration", "force"])
 def test_records_of_an_independent_integrator(hz, driven_by, independent):
     rng = np.random.default_rng(8)
-    read = []
+    records = []
     for Y in (0.004, 0.008, 0.012):
         t, y, x, a = independent(Y, hz)
         omega = 2.0 * math.pi * hz
@@ -362,8 +330,9 @@ def test_records_of_an_independent_integrator(hz, driven_by, independent):
             for name, values in ((driven_by, drive), ("displacement", x), ("acceleration", a))
         ]
         # from rest; e^{−ct/2m} falls by e⁻¹⁶ or more in ten cycles
-        read.append(read_features(Measurement.of("independent", channels), PAPER.k, skip_cycles=10))
-    found = identify_readings(read, PAPER.k, replicates=200)
+        record = Measurement.of("independent", channels)
+        records.append(read_features(record, PAPER.k, skip_cycles=10))
+    found = identify_readings(records, PAPER.k, replicates=200)
     for name in ("direct", "fourier"):
         for symbol in ("F_k", "c", "K_z"):
             parameter, true = found.estimates[name].parameters[symbol], getattr(PAPER, symbol)
@@ -403,21 +372,19 @@ def rounded_contact(Y, osc, cycles=30.0, rate_hz=500.0):
 def gradual():
     """Readings of three levels of a contact that yields gradually, with noise that shows it."""
     osc, rng = replace(PAPER, K_z=20_000.0), np.random.default_rng(3)
-    read = []
+    records = []
     for Y in (0.004, 0.008, 0.012):
         t, y, x = rounded_contact(Y, osc)
         channels = [
             Channel(name, t, values + 2e-4 * values.std() * rng.standard_normal(t.size))
             for name, values in (("base_displacement", y), ("displacement", x))
         ]
-        read.append(read_features(Measurement.of("gradual", channels), osc.k, skip_cycles=10))
-    return read
+        records.append(read_features(Measurement.of("gradual", channels), osc.k, skip_cycles=10))
+    return records
 
 
 def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
-    found = identify_readings(
-        gradual, PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=100
-    )
+    found = identified(gradual)
     assert not found.joint.waveforms_hold
     assert "are not those of one mass on a spring" in found.warnings[0]
     direct = found.estimates["direct"]
@@ -427,19 +394,14 @@ def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
     # the nearest oscillator sticks over nearly the same travel; with 4X alone F_k would be 4 % off
     assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.003)
     assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=0.0005)
-    assert (
-        "what sticking takes from 4X is that of the oscillator that comes nearest"
-        in direct.notes[0]
-    )
+    assert "from 4X is that of the oscillator that comes nearest" in direct.notes[0]
     told = document(found)
     assert told["approaches"]["direct"]["verdicts"]["K_z"]["verdict"] == "none"
     assert "nearest" in told["maximum_likelihood"]["notes"][0]
 
 
 def test_two_levels_of_such_a_contact_are_enough(gradual):
-    found = identify_readings(
-        gradual[::2], PAPER.k, approaches={"direct": APPROACHES["direct"]}, replicates=50
-    )
+    found = identified(gradual[::2], replicates=50)
     direct = found.estimates["direct"]
     assert not found.joint.waveforms_hold
     assert math.isnan(direct.K_z.value)
@@ -460,19 +422,9 @@ def test_harmonics_that_fold_back_are_told():
     # a contact that sticks for a sample or two, accelerations sampled a whole number of times in a cycle
     osc = replace(PAPER, c=3.0, F_k=1.0)
     for per_cycle, told in ((250.0, True), (4000.0, False)):
-        found = identify_readings(
-            readings(
-                6.9,
-                2e-4,
-                rate_hz=6.9 * per_cycle,
-                cycles=60.0,
-                channels=("base_acceleration", "acceleration"),
-                osc=osc,
-            ),
-            PAPER.k,
-            approaches={"direct": APPROACHES["direct"]},
-            replicates=20,
-        )
+        sampled = {"rate_hz": 6.9 * per_cycle, "cycles": 60.0, "osc": osc}
+        sampled["channels"] = ("base_acceleration", "acceleration")
+        found = identified(readings(6.9, 2e-4, **sampled), replicates=20)
         assert any("folds back harmonics" in words for words in found.warnings) == told
 
 

@@ -9,19 +9,13 @@ import pytest
 
 from dampbalance.identification.microstick import microstick, read_samples
 from dampbalance.identification.oscillator import JointFit, joined, joint_fit
-from dampbalance.reading.mean_harmonics import read_features
-from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER, orbits_at
+from unit.identification.levels import read
 
 
 @pytest.fixture(scope="module")
 def readings():
-    return [
-        read_features(
-            measured_orbit(orbit, rate_hz=1000.0, cycles=25.0, noise=0.01, seed=i), PAPER.k
-        )
-        for i, orbit in enumerate(orbits_at(3.5, (0.004, 0.008, 0.012)))
-    ]
+    return read(orbits_at(3.5, (0.004, 0.008, 0.012)))
 
 
 @pytest.fixture(scope="module")

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from dampbalance.identification.oscillator import joined, joint_fit
-from dampbalance.reading.mean_harmonics import read_features
-from dampbalance.records.synthetic import measured_orbit
 from paper_case import NEAR, PAPER, orbits_at
+from unit.identification.levels import read
 from unit.reading.harmonics import lines_of
 
 LEVELS = (0.004, 0.012)
@@ -27,7 +26,6 @@ def test_records_of_an_oscillator_are_one_and_nothing_else():
     assert whole.waveforms_hold
     assert not whole.linear
     assert not whole.late
-    assert not whole.mass_given
     for name in ("F_k", "c", "m"):
         assert abs(getattr(whole.fit, name) - getattr(PAPER, name)) < 4.0 * whole.fit.error(name)
 
@@ -55,7 +53,7 @@ def test_a_mass_is_taken_where_the_records_agree_with_it(mass, fits):
     free = joint_fit(lines(), PAPER.k).fit
     assert abs(mass - free.m) > 16.0 * free.error("m") or fits
     whole = joint_fit(lines(), PAPER.k, mass)
-    assert (whole.mass, whole.mass_fits, whole.mass_given) == (mass, fits, fits)
+    assert (whole.mass, whole.mass_fits) == (mass, fits)
     assert whole.waveforms_hold
     if fits:
         assert (whole.fit.m, whole.fit.error("m")) == (mass, 0.0)
@@ -77,12 +75,7 @@ def test_a_delay_is_said_where_it_explains_more_than_noise_would(mass):
 
 
 def test_readings_share_the_waveforms_that_hold_and_have_none_where_none_do():
-    readings = [
-        read_features(
-            measured_orbit(orbit, rate_hz=1000.0, cycles=20.0, noise=0.01, seed=i), PAPER.k
-        )
-        for i, orbit in enumerate(orbits_at(NEAR, LEVELS))
-    ]
+    readings = read(orbits_at(NEAR, LEVELS))
     whole = joint_fit([reading.lines for reading in readings], PAPER.k)
     shared = joined(readings, whole)
     assert [reading.waveform for reading in shared] == list(whole.fit.waveforms)

@@ -54,17 +54,19 @@ def compiled():
         yield
 
 
-def holds(result, decay, far=FAR):
+def holds(result, decay):
     """Whether F_k, c and K_z of balance and fit are those of the truth within their errors."""
-    for found in (answer.parameters for answer in result.answers.values()):
+    for found in result.answers.values():
         for symbol in ("F_k", "c"):
-            off = found[symbol].value - getattr(decay, symbol)
-            assert abs(off) < far * found[symbol].standard_error, symbol
-    low, high = (
-        1.0 / math.sqrt(end) for end in reversed(result.reference.parameters["K_z"].interval)
-    )
-    middle, spread = 0.5 * (low + high), 0.5 * (high - low)
-    assert abs(decay.K_z**-0.5 - middle) < far / 1.96 * spread
+            off = found.values[symbol] - getattr(decay, symbol)
+            assert abs(off) < FAR * found.standard_errors[symbol], symbol
+    high, low = (1.0 / math.sqrt(end) for end in result.reference.K_z.interval)
+    assert abs(decay.K_z**-0.5 - 0.5 * (low + high)) < FAR / 1.96 * 0.5 * (high - low)
+
+
+def plucked(**options):
+    """What a release of the oscillator gives."""
+    return identify_ring_downs([record(PLUCKED)[0]], PLUCKED.k, **options)
 
 
 @pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
@@ -74,7 +76,7 @@ def test_a_release_tells_friction_damping_and_contact(quantity):
     holds(result, decay)
     assert result.fit.adequate
     # what 1 % noise over 12 half cycles leaves
-    assert result.estimates["balance"].parameters["F_k"].standard_error < 0.02 * decay.F_k
+    assert result.estimates["balance"].standard_errors["F_k"] < 0.02 * decay.F_k
     assert result.fit.m == pytest.approx(decay.m, abs=FAR * result.fit.error("m"))
 
 
@@ -85,19 +87,19 @@ def test_a_record_without_noise_gives_the_oscillator_back(quantity):
     )
     result = identify_ring_downs([clean], OSCILLATOR.k)
     assert result.fit.adequate
-    for found in (answer.parameters for answer in result.answers.values()):
+    for found in result.answers.values():
         for symbol in SYMBOLS:
             # where a climb ends: 1e-4 of the errors that the least noise assumed, 3e-6 of the swing, leaves: 3e-5 of c
-            assert found[symbol].value == pytest.approx(getattr(OSCILLATOR, symbol), rel=1e-8)
+            assert found.values[symbol] == pytest.approx(getattr(OSCILLATOR, symbol), rel=1e-8)
 
 
 def test_the_balance_uses_what_the_samples_hold():
-    result = identify_ring_downs([record(PLUCKED)[0]], PLUCKED.k)
+    result = plucked()
+    balance, bound = result.estimates["balance"], result.reference.standard_errors
     for symbol in ("F_k", "c"):
-        bound = result.reference.parameters[symbol].standard_error
-        assert bound**2 > 0.8 * result.estimates["balance"].parameters[symbol].standard_error ** 2
+        assert bound[symbol] ** 2 > 0.8 * balance.standard_errors[symbol] ** 2
     # χ² of rows that share turns: their covariance is full
-    assert 0.1 < result.estimates["balance"].misfit < 3.0
+    assert 0.1 < balance.misfit < 3.0
 
 
 def test_what_held_the_mass_before_is_left_out():
@@ -127,12 +129,9 @@ def test_records_go_together():
     records = [record(replace(PLUCKED, index=i))[0] for i in range(3)]
     one, all_of_them = (identify_ring_downs(some, PLUCKED.k) for some in (records[:1], records))
     holds(all_of_them, PLUCKED)
-    ratio = (
-        all_of_them.reference.parameters["F_k"].standard_error
-        / one.reference.parameters["F_k"].standard_error
-    )
+    error, of_one = (each.reference.standard_errors["F_k"] for each in (all_of_them, one))
     # the starts are found within a tenth of a cycle, the first tenth of the largest of 12 half cycles
-    assert ratio == pytest.approx(3.0**-0.5, rel=0.12)
+    assert error / of_one == pytest.approx(3.0**-0.5, rel=0.12)
     assert len(all_of_them.sources) == 3
 
 
@@ -143,24 +142,24 @@ def test_it_agrees_with_the_forced_result_for_the_same_oscillator():
         measured = measured_orbit(orbit, rate_hz=500.0, cycles=60.0, noise=0.01, seed=i)
         forced.append(read_features(measured, PLUCKED.k))
     driven = identify_readings(forced, PLUCKED.k, replicates=100).estimates["direct"]
-    free = identify_ring_downs([record(PLUCKED)[0]], PLUCKED.k)
+    free = plucked().estimates["balance"]
     for symbol in ("F_k", "c"):
-        one, other = driven.coefficients[symbol], free.estimates["balance"].parameters[symbol]
+        one, other = driven.coefficients[symbol], free.coefficients[symbol]
         error = math.hypot(one.standard_error, other.standard_error)
         assert abs(one.value - other.value) < FAR * error
 
 
 def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
-    measured, _ = record(PLUCKED)
-    free, given = (identify_ring_downs([measured], PLUCKED.k, mass=m) for m in (None, PLUCKED.m))
+    free, given, wrong = (plucked(mass=m) for m in (None, PLUCKED.m, 1.3 * PLUCKED.m))
     assert given.fit.m == PLUCKED.m
-    assert (
-        given.reference.parameters["K_z"].standard_error
-        < free.reference.parameters["K_z"].standard_error
-    )
-    wrong = identify_ring_downs([measured], PLUCKED.k, mass=1.3 * PLUCKED.m)
+    assert given.reference.K_z.standard_error < free.reference.K_z.standard_error
     assert wrong.fit.m == pytest.approx(free.fit.m)
     assert "is not that of these decays" in wrong.warnings[0]
+    assert ["the mass given" in each.rig[0] for each in (free, given, wrong)] == [
+        False,
+        True,
+        False,
+    ]
 
 
 def test_a_contact_of_another_kind_is_told():
@@ -171,9 +170,8 @@ def test_a_contact_of_another_kind_is_told():
     other = Measurement.of("bent", [Channel("displacement", channel.t, bent)])
     result = identify_ring_downs([other], PLUCKED.k)
     assert not result.fit.adequate
-    assert any(
-        "not those of one mass on a spring" in words for words in result.estimates["balance"].notes
-    )
+    notes = " ".join(result.estimates["balance"].notes)
+    assert "not those of one mass on a spring" in notes
 
 
 def test_a_clipped_decay_is_named_and_what_physics_forbids(tmp_path):
@@ -181,18 +179,14 @@ def test_a_clipped_decay_is_named_and_what_physics_forbids(tmp_path):
     channel = sound["displacement"]
     half = 0.5 * np.abs(channel.values).max()
     cut_off = Channel("displacement", channel.t, np.clip(channel.values, -half, half))
-    result = identify_ring_downs([Measurement.of("decay", [cut_off])], OSCILLATOR.k)
-    assert result.estimates["balance"].parameters["c"].interval.high < 0.0
-    (words,) = [note for note in result.estimates["balance"].notes if "physics forbids" in note]
-    assert re.match(
-        r"c = -\d.* N s/m is negative, .* clipping is the likely cause \(displacement of decay\)",
-        words,
-    )
-    (warning,) = result.warnings
+    found = identify([Measurement.of("decay", [cut_off])], OSCILLATOR.k)
+    assert found.intervals["c"].high < 0.0
+    (words,) = [note for note in found.answer.notes if "physics forbids" in note]
+    cause = r"clipping is the likely cause \(displacement of decay\)"
+    assert re.match(rf"c = -\d.* N s/m is negative, .* {cause}", words)
+    assert words in found.verdicts["c"].reason
+    (warning,) = found.warnings
     assert warning.startswith("decay: displacement is clipped")
-    assert (
-        words in identify([Measurement.of("decay", [cut_off])], OSCILLATOR.k).verdicts["c"].reason
-    )
 
 
 @pytest.mark.parametrize("end", [1, -1])

@@ -10,31 +10,18 @@ import pytest
 from dampbalance.identification.document import document
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.sensitivities import FAULTS
-from dampbalance.reading.mean_harmonics import Reading, read_features
-from dampbalance.records.synthetic import measured_orbit
+from dampbalance.reading.mean_harmonics import Reading
 from paper_case import PAPER, orbits_at
+from unit.identification.levels import THREE, identified, read
 
 SYMBOLS = ("F_k", "c", "K_z")
 
 
 @pytest.fixture(scope="module", params=[3.5, 11.1])
 def found(request):
-    rng = np.random.default_rng(7)
-    channels = ("base_displacement", "displacement", "acceleration")
-    records = [
-        measured_orbit(
-            orbit,
-            rate_hz=2000.0,
-            cycles=25.0,
-            noise=0.001,
-            seed=rng,
-            channels=channels,
-            source=name,
-        )
-        for name, orbit in zip("abc", orbits_at(request.param, (0.004, 0.008, 0.012)), strict=True)
-    ]
-    readings = [read_features(record, PAPER.k) for record in records]
-    return readings, identify_readings(readings, PAPER.k, replicates=20)
+    orbits = orbits_at(request.param, (0.004, 0.008, 0.012))
+    readings = read(orbits, noise=0.001, seed=7, rate_hz=2000.0, channels=THREE)
+    return readings, identified(readings, replicates=20)
 
 
 def with_fault(reading, fault, part):
@@ -89,5 +76,4 @@ def test_the_document_has_them_in_percent(found):
 
 def test_without_direct_integration_there_are_none(found):
     result = found[1]
-    only = replace(result, estimates={"fourier": result.estimates["fourier"]})
-    assert only.sensitivities() == {}
+    assert replace(result, estimates={}).sensitivities() == {}
