@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 from dampbalance.balance import APPROACHES
 from dampbalance.identification.document import document, estimates_table
 from dampbalance.identification.forced import _parameter, identify_readings
+from dampbalance.identification.microstick import Samples
 from dampbalance.identification.screen import text
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
 from dampbalance.reading.mean_harmonics import RESOLVED, read_features
@@ -448,7 +449,7 @@ def test_the_degrees_of_freedom_lie_between_those_of_one_record_and_of_all(scale
         for s, g in zip(scales, groups, strict=True)
     ]
     drawn = np.random.default_rng(4).standard_normal(500)
-    number = _parameter(3.0, drawn, left)
+    number = _parameter(Samples(np.array(3.0), drawn, tuple(left)))
     low, high = number.interval
     assert 0.5 * (low + high) == pytest.approx(3.0)
     reach = 0.5 * (high - low) / drawn.std(ddof=1)
