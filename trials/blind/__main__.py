@@ -15,6 +15,7 @@ from typing import Any
 import pandas as pd
 
 from . import decrements, efficiency, faults, laws, others, score
+from .truths import SEED
 
 
 def _rows(
@@ -77,7 +78,8 @@ def decays(options: argparse.Namespace) -> str:
     done = pd.read_csv(file) if file.exists() else pd.DataFrame({"set": []})
     wanted = range(options.first, options.first + options.sets)
     for index in sorted(set(wanted) - set(done["set"].astype(int))):
-        done = pd.concat([done, pd.DataFrame(decrements.tried(index))], ignore_index=True)
+        rows = pd.DataFrame(decrements.tried(index, options.seed))
+        done = pd.concat([done, rows], ignore_index=True)
         done.to_csv(file, index=False)
     return decrements.table(done)
 
@@ -92,6 +94,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("part", nargs="?", default="blind", choices=PARTS)
     parser.add_argument("--sets", type=int, default=900)
     parser.add_argument("--first", type=int, default=0, help="number of the first set, or drawing")
+    parser.add_argument("--seed", type=int, default=SEED, help="of the sets of decays")
     parser.add_argument("--drawings", type=int, default=200, help="of each truth or law")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--approach", default="direct", help="whose errors faults shows")
