@@ -13,13 +13,7 @@ from scipy import stats
 from dampbalance.reading.conditioning import condition
 from dampbalance.reading.mean_harmonics import Reading
 from dampbalance.records.measurement import Channel, Measurement
-from dampbalance.replication.frame.findings import (
-    GRAVITY,
-    Findings,
-    Prediction,
-    findings,
-    load_line,
-)
+from dampbalance.replication.frame.findings import Findings, Prediction, findings, load_line
 from dampbalance.replication.frame.measured_loop import Loop, friction_loop, shape
 from dampbalance.replication.frame.pictures import loops as drawn_loops
 from dampbalance.replication.frame.prediction import Mass, predicted
@@ -46,7 +40,7 @@ def test_the_line_is_that_of_linear_regression():
     known = stats.linregress(load, force)
     t = stats.t.ppf(0.975, 2)
     assert line["slope_N_per_kg"] == pytest.approx(known.slope, rel=1e-12)
-    assert line["coefficient"] == pytest.approx(known.slope / GRAVITY, rel=1e-12)
+    assert line["coefficient"] == pytest.approx(known.slope / 9.80665, rel=1e-12)
     for name, value, error in (
         ("slope_interval_N_per_kg", known.slope, known.stderr),
         ("intercept_interval_N", known.intercept, known.intercept_stderr),

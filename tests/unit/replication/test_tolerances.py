@@ -52,10 +52,8 @@ def test_a_range_that_print_leaves_is_one_of_the_rebuilt_number_itself():
     ("printed", "reach"),
     [
         ("0.81655453", 10e-8),  # ten units; a step in a period is two hundred times as much
-        (
-            "0.00072729",
-            0.00072729 * 4.92 * 5e-6,
-        ),  # a step in a period; ten units are five times as much
+        # a step in a period; ten units are five times as much
+        ("0.00072729", 0.00072729 * 4.92 * 5e-6),
     ],
 )
 def test_what_a_simulation_gives_is_near_within_ten_units_and_a_step_in_a_period(printed, reach):

@@ -23,9 +23,7 @@ from ...records.measurement import Channel, Measurement
 from .measured_loop import AT_REST, Loop, friction_loop, shape
 from .prediction import Mass, predicted
 
-GRAVITY = 9.80665
-"""Standard gravity, m/s²."""
-
+_GRAVITY = 9.80665  # the standard one, m/s²
 _CONFIDENCE = 0.95
 _REPLICATES = 2  # of an identification whose intervals nobody asks for
 
@@ -144,7 +142,7 @@ def load_line(
     line = {
         "slope_N_per_kg": slope,
         "slope_interval_N_per_kg": [slope - reach[1], slope + reach[1]],
-        "coefficient": slope / GRAVITY,
+        "coefficient": slope / _GRAVITY,
         "intercept_N": intercept,
         "intercept_interval_N": [intercept - reach[0], intercept + reach[0]],
         "scatter": math.sqrt(variance / expected),
