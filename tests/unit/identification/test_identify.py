@@ -8,11 +8,12 @@ from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
+from scipy import stats
 from scipy.integrate import solve_ivp
 
 from dampbalance.balance import APPROACHES
 from dampbalance.identification.document import document, estimates_table
-from dampbalance.identification.forced import identify_readings
+from dampbalance.identification.forced import _parameter, identify_readings
 from dampbalance.identification.screen import text
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
 from dampbalance.reading.mean_harmonics import RESOLVED, read_features
@@ -473,3 +474,60 @@ def test_harmonics_that_fold_back_are_told():
             replicates=20,
         )
         assert any("folds back harmonics" in words for words in found.warnings) == told
+
+
+def test_the_interval_of_K_z_is_that_of_its_inverse_root():
+    """K_z^{−1/2} has an interval that is symmetric about its estimate, and K_z takes its ends over."""
+    direct = identify_readings(readings(noise=0.003), PAPER.k, replicates=200).estimates["direct"]
+    low, high = direct.K_z.interval
+    assert low < direct.K_z.value < high < math.inf
+    assert 0.5 * (low**-0.5 + high**-0.5) == pytest.approx(direct.K_z.value**-0.5, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("scales", "groups", "freedom"),
+    [((1.0, 0.0), (6, 9), 5.0), ((1.0, 1.0), (9, 9), 16.0), ((1.0, 1.0, 1.0), (5, 5, 5), 12.0)],
+)
+def test_the_degrees_of_freedom_lie_between_those_of_one_record_and_of_all(scales, groups, freedom):
+    """The Welch–Satterthwaite formula gives g − 1 where one record contributes all variance, Σ(g − 1) where each does
+    alike. The values without each group of cycles are such that the variances of the records are equal."""
+    left = [
+        s * np.resize([1.0, -1.0, 0.0], g) * math.sqrt(g / (g - 1))
+        for s, g in zip(scales, groups, strict=True)
+    ]
+    drawn = np.random.default_rng(4).standard_normal(500)
+    number = _parameter(3.0, drawn, left)
+    low, high = number.interval
+    assert 0.5 * (low + high) == pytest.approx(3.0)
+    reach = 0.5 * (high - low) / drawn.std(ddof=1)
+    assert stats.t.cdf(reach, freedom) == pytest.approx(0.975, abs=1e-9)
+
+
+def test_part_of_a_record_is_no_copy_of_it():
+    """Copies are told by the harmonics of their cycles, of which a shorter record has fewer."""
+    whole = readings(levels=(0.004,), cycles=24.0)[0]
+    part = readings(levels=(0.004,), cycles=12.0)[0]
+    assert len(whole.steady.X) != len(part.steady.X)
+    identify_readings([whole, part, *readings(levels=(0.008,), seed=2)], PAPER.k, replicates=20)
+
+
+def test_the_residual_is_what_the_estimates_leave_of_the_works():
+    found = identify_readings(readings(noise=0.01), PAPER.k, replicates=50).estimates["direct"]
+    rows = found.balance.rows
+    values = [found.coefficients[symbol].value for symbol in ("F_k", "c")]
+    left = rows.W - np.stack([rows.terms["F_k"], rows.terms["c"]], axis=1) @ values
+    expected = math.sqrt(np.sum(left**2) / np.sum(rows.W**2))
+    assert expected > 1e-6
+    assert found.merit["residual"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_delay_of_the_response_is_reported_in_microseconds():
+    found = identify_readings(readings(noise=0.01), PAPER.k, replicates=20)
+    sentences = " ".join(found.rig)
+    value, error = re.search(
+        r"delay of the response is (-?[\d.]+) ± ([\d.]+) µs", sentences
+    ).groups()
+    delayed = found.joint.delayed
+    # the error is written with two digits, the delay with as many decimals
+    assert float(error) == pytest.approx(1e6 * delayed.error("delay"), rel=0.06)
+    assert float(value) == pytest.approx(1e6 * delayed.delay, abs=0.06 * float(error))

@@ -241,3 +241,16 @@ def test_frequency_of_a_noisy_signal_scatters_by_its_bound():
 def test_a_signal_without_oscillation_is_refused():
     with pytest.raises(ValueError, match="at least 3"):
         drive_frequency(DT * np.arange(500), np.cos(OMEGA * DT * np.arange(500)), DT)
+
+
+def test_a_signal_may_move_fast_up_to_its_length_from_where_it_stands():
+    """A stop begins and ends a little earlier or later in each cycle: fast motion within the length of the held samples
+    on either side explains the jump, motion farther off does not."""
+    assert _held_for(26, 8, 0.0) == ""
+    assert _held_for(27, 8, 0.0) == "a drop-out: 8 samples hold the value 198"
+    falling = np.concatenate([np.arange(80.0), 80.0 + 10.0 * np.arange(20)])
+    for start, seen in ((64, True), (65, False)):
+        spoiled = falling.copy()
+        spoiled[start : start + 8] = falling[start]
+        found = _held(spoiled, np.tile(falling, (8, 1)), 0.0)
+        assert bool(found) == seen, start

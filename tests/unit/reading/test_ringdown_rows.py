@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from dampbalance.motion.events import PHASE_X
 from dampbalance.motion.jit import interpreted
+from dampbalance.motion.states import states_in_phases
 from dampbalance.reading.ringdown_bursts import Signal
-from dampbalance.reading.ringdown_fit import Decay, fit_decays, samples_of
-from dampbalance.reading.ringdown_rows import _columns, _course, _turns
+from dampbalance.reading.ringdown_fit import Decay, fit_decays, numbers_of, samples_of
+from dampbalance.reading.ringdown_rows import _basis, _columns, _course, _turns
 from dampbalance.reading.ringdown_search import (
     _before,
     _until_disturbed,
@@ -121,3 +123,26 @@ def test_a_decay_ends_where_a_hand_holds_the_mass_that_rang(grasped):
     else:
         # the ringing, of a few times the noise, tells the instant to some samples
         assert found.decays[0].end == pytest.approx(grasped * HALF, abs=0.3 * HALF)
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_samples_of_the_ringing_change_with_the_last_turn_as_the_motion_does(order):
+    """Against the motion from a last turn that lies a little farther out."""
+    whole, point = decay(20.0)
+    (signal,) = whole.signals
+    whole = replace(whole, signals=(replace(signal, order=order),))
+    with interpreted():
+        course = _course(point, STATE, K, whole)
+        block, seen = _basis(point, K, whole, course)
+        ringing, step, par = course.ringing, 1e-7, numbers_of(point, K)
+        late = signal.t > ringing.t_a
+        farther = course.phases.copy()
+        farther[-1, PHASE_X] += step
+        exact, moved = (
+            states_in_phases(signal.t[late], phases, 0.0, par)[order]
+            for phases in (course.phases, farther)
+        )
+    assert late.sum() > 50
+    assert seen[late].all()
+    expected = (moved - exact) / step / signal.noise
+    np.testing.assert_allclose(block[late, -1], expected, atol=1e-6 * np.abs(expected).max())

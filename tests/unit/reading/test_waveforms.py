@@ -15,9 +15,16 @@ from dampbalance.likelihood.information import cramer_rao
 from dampbalance.motion.regime import Regime
 from dampbalance.reading import fitting
 from dampbalance.reading.climb import climb
-from dampbalance.reading.fitting import fit_oscillator, fit_quickly, with_delay, with_mass
+from dampbalance.reading.fitting import (
+    _shares_of,
+    _swings,
+    fit_oscillator,
+    fit_quickly,
+    with_delay,
+    with_mass,
+)
 from dampbalance.reading.lines import Lines
-from dampbalance.reading.waveforms import WaveformFit
+from dampbalance.reading.waveforms import Unknowns, WaveformFit
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
 from unit.reading.harmonics import lines_of
 
@@ -385,3 +392,42 @@ def test_the_errors_that_harmonics_have_decide_what_they_weigh():
     alone = fit_oscillator(sure, PAPER.k)
     assert np.abs(off(both, PAPER)).max() < 0.02  # moved by 1e-3 of its noise, in standard errors
     assert both.error("c") == pytest.approx(alone.error("c"), rel=1e-5)
+
+
+def test_the_damping_that_is_given_has_no_share_in_the_search():
+    """Where nothing but friction is free, every record has a share of one; next to quadratic damping, whose shares
+    differ by level, a coefficient that is given changes nothing."""
+    lines = tuple(lines_of(orbit, EXACT) for orbit in orbits_at(NEAR))
+    alone, quadratic, both = (
+        _shares_of(Unknowns(law, lines, PAPER.k)).damping
+        for law in (
+            Law(("F_k", "c"), given={"c": 20.0}),
+            Law(("F_k", "c_2")),
+            Law(("F_k", "c", "c_2"), given={"c": 20.0}),
+        )
+    )
+    assert alone.tolist() == [1.0] * len(lines)
+    assert both == pytest.approx(quadratic)
+    assert np.ptp(quadratic) > 0.1
+
+
+@pytest.mark.parametrize("Y", [0.0003, 0.008])
+def test_the_swings_of_the_stuck_mass_are_counted(Y):
+    """While the mass sticks, it swings at the frequency of spring and contact together: half a period of the drive
+    where it never slips, else from the turning point to the onset of slip."""
+    (motion,) = motions_at(NEAR, (Y,))
+    orbit = steady_orbit(PAPER, motion)
+    stuck = 0.5 * motion.period if orbit.regime == Regime.NO_SLIP else orbit.t_s
+    hertz = math.sqrt((PAPER.k + PAPER.K_z) / PAPER.m) / (2.0 * math.pi)
+    assert _swings(orbit) == pytest.approx(stuck * hertz, rel=1e-9)
+
+
+def test_a_law_without_viscous_damping_has_none():
+    (orbit,) = orbits_at(NEAR, (0.008,))
+    motion, lines = orbit.motion, (lines_of(orbit, EXACT),)
+    unknowns = Unknowns(Law(("F_k", "c_2")), lines, PAPER.k)
+    values = {"F_k": 1.28, "c_2": 400.0, "rho": PAPER.K_z**-0.5, "m": PAPER.m, "delay": 0.0}
+    point = np.array([*(values[name] for name in unknowns.names), motion.Y, 0.0])
+    expected = steady_response(replace(PAPER, c=0.0), motion, {"c_2": 400.0})
+    found = unknowns.response(point, 0)
+    np.testing.assert_allclose(found.harmonics(5), expected.harmonics(5), rtol=1e-9)

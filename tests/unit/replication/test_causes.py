@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -154,3 +155,14 @@ def test_how_far_printed_inputs_move_a_result():
 )
 def test_digits_cut_off_are_those_that_rounding_would_change(value, printed, is_cut):
     assert bool(causes.cut_off(value, printed)) == is_cut
+
+
+def test_a_pair_without_a_simulated_b_has_no_other():
+    """Where a level does not slip, one of the features is missing."""
+
+    def feature(column, level):
+        return math.nan if (column, level) == ("b_m2_per_s", 1) else 1e-3 * level
+
+    sources = SimpleNamespace(as_published=SimpleNamespace(feature=feature), published=PRINT)
+    allowed = {f"table2.b.{level}": (1e-3, 2e-3) for level in (1, 2)}
+    assert causes.other_b(sources, allowed, SimpleNamespace(line="1-2")) == ""
