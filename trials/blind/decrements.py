@@ -234,7 +234,8 @@ def table(rows: pd.DataFrame) -> str:
         f"tenth). Processor time for 20,000 samples: {per_sample.median():.1f} s (median), {per_sample.max():.1f} s at "
         "the most.",
         "",
-        f"In {(seconds['above'] > 0.5).sum()} of {len(seconds)} sets χ² lies more than 0.5 above the lowest that climbs "
-        f"from the truth reach. {fewer.sum()} sets have fewer decays in the answer than in the record, {more.sum()} more.",
+        f"In {(seconds['above'] > 0.5).sum()} of {len(seconds)} sets χ² lies more than 0.5 above the lowest that "
+        f"climbs from the truth reach. In {fewer.sum()} sets the answer has fewer decays than the record, in {more.sum()} "
+        "more.",
     ]
     return "\n".join(lines) + "\n"
