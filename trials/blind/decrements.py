@@ -235,7 +235,7 @@ def table(rows: pd.DataFrame) -> str:
         "the most.",
         "",
         f"In {(seconds['above'] > 0.5).sum()} of {len(seconds)} sets χ² lies more than 0.5 above the lowest that "
-        f"climbs from the truth reach. In {fewer.sum()} sets the answer has fewer decays than the record, in {more.sum()} "
-        "more.",
+        f"climbs from the truth reach. In {fewer.sum()} sets the answer has fewer decays than the record, in "
+        f"{more.sum()} more.",
     ]
     return "\n".join(lines) + "\n"
