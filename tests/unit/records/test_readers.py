@@ -711,3 +711,30 @@ def test_what_may_drive_a_record_must_be_named_or_left_out(csv):
     path = csv("t (s),x (mm),CH2 (V)\n0,1,0\n1,2,1\n2,-1,0\n3,0,1\n")
     refused(path, r"finds no excitation; it needs one of .*, unless it is a free decay")
     assert list(read(path, {"channels": {"displacement": {"channel": "x"}}})) == ["displacement"]
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity", "factor"),
+    [
+        ("Laser [mm]", "displacement", 1e-3),
+        ("Ch1 (m/s)", "velocity", 1.0),
+        ("a0 [g]", "acceleration", 9.80665),
+    ],
+)
+def test_a_single_signal_is_a_response_by_its_unit(name, quantity, factor, tmp_path):
+    t = np.arange(50) * 0.01
+    values = np.cos(9.0 * t)
+    path = tmp_path / "single.csv"
+    rows = "\n".join(f"{a:.2f},{b:.9f}" for a, b in zip(t, values, strict=True))
+    path.write_text(f"t [s],{name}\n{rows}\n", encoding="utf-8")
+    record = read(path)
+    assert not record.driven
+    assert record[quantity].values == pytest.approx(factor * values, abs=1e-8)
+
+
+@pytest.mark.parametrize("name", ["Laser", "Ch1 [V]", "load cell [N]"])
+def test_a_single_signal_that_no_unit_makes_a_response_is_refused(name, tmp_path):
+    path = tmp_path / "single.csv"
+    path.write_text(f"t [s],{name}\n" + "0.00,1\n0.01,2\n" * 20, encoding="utf-8")
+    with pytest.raises(RecordError, match="finds no"):
+        read(path)

@@ -123,7 +123,7 @@ class _Plan:
         )
 
     def recognised(self) -> dict[str, int]:
-        """Quantity → channel, by the names."""
+        """Quantity → channel, by the names; of a single signal by its unit, if that is one of a response."""
         chosen: dict[str, int] = {}
         for i, key in enumerate(self.keys):
             quantity = _QUANTITIES.get(key)
@@ -132,6 +132,9 @@ class _Plan:
                 raise self.unclear(f"takes both {' and '.join(both)} for {quantity}")
             if quantity:
                 chosen[quantity] = i
+        signals = [i for i, raw in enumerate(self.channels) if not _holds_time(raw)]
+        if not chosen and len(signals) == 1 and (unit := _unit(self.channels[signals[0]])):
+            chosen = {q: signals[0] for q in RESPONSES if DIMENSIONS[q] == unit.dimension}
         return chosen
 
     def time_of(self, index: int) -> int | None:
