@@ -23,14 +23,14 @@ from .ringdown_fit import COMMON, STATE, Decay, RingFit, fit_decays
 
 _F_K, _C, _RHO, _M = range(4)
 _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in the loss
-_LOSSES = tuple(np.geomspace(0.75, 1.4, 8).tolist())  # relative to that of the fit
-_FINER = tuple(np.linspace(0.1, 1.0, 10).tolist())  # shares of friction, where nothing fits
+_LOSSES = tuple(np.geomspace(0.75, 1.4, 12).tolist())  # relative to that of the fit
+_FINER = tuple(np.linspace(0.1, 1.0, 16).tolist())  # shares of friction next to these
 _STIFFNESSES = (3.0, 8.0, 20.0, 50.0, 120.0, 300.0, 1000.0)  # of K_z/k
 _LOADS, _OTHER = (0.0, 0.5, 1.0, 1.5, 2.0), 0.2  # of w, and how far off another start is
 _ASIDE = 1.5  # standard errors
 _CYCLES = 4  # of ringing, more or fewer
 _THINNED = 1200  # samples, about, of a thinned record
-_TRIED, _POLISHED = 14, 6  # starts that are climbed from, on thinned samples and on all
+_TRIED, _POLISHED = 20, 6  # starts that are climbed from, on thinned samples and on all
 _WITHIN = 30.0  # of χ²: minima that are kept
 _SAME = 1.0  # standard errors: two climbs that end so close ended in one minimum
 _LOWER = 0.05  # of χ²: what another minimum must be lower by to be searched around again
@@ -44,8 +44,7 @@ _NEAR = 0.1  # of its distance: where an end is taken as found
 def minima_of(fit: RingFit, *, wide: bool = True) -> list[RingFit]:
     """The minima of χ² that a search finds, the lowest first, up to 30 above it; `fit` is where it starts.
 
-    wide : whether to search on around what it finds until no lower one is found, and over the loss of energy as well
-    where no oscillator fits.
+    wide : whether to search over the loss of energy as well, and on around what is found until nothing lower is.
     """
     thin = [_thinned(one, _THINNED // len(fit.decays)) for one in fit.decays]
     found, starts = [fit], [*_starts(fit, wide), *_neighbours(fit)]
@@ -91,8 +90,8 @@ def _promising(thin: Sequence[Decay], k: float, starts: Sequence[Array]) -> list
 def _starts(fit: RingFit, wide: bool) -> Iterator[Array]:
     """Points of a grid over the stiffness of the contact and the share of friction in the loss of energy.
 
-    In a wide search where no oscillator fits so far, the loss itself is varied as well: with each half cycle more or
-    fewer until the mass sticks, χ² has another minimum.
+    In a wide search the loss itself is varied as well: with each half cycle more or fewer until the mass sticks, χ² has
+    another minimum.
     """
     phases = fit.phases(0)
     travel = float(np.abs(np.diff(phases[:, PHASE_X])).sum())
@@ -104,7 +103,7 @@ def _starts(fit: RingFit, wide: bool) -> Iterator[Array]:
         pairs += [(share * loss, (1.0 - share) * loss / ratio) for share in _SHARES]
     stiffnesses = [fit.point[_RHO], *(1.0 / math.sqrt(stiff * fit.k) for stiff in _STIFFNESSES)]
     grid = list(itertools.product(stiffnesses, pairs))
-    if wide and not fit.adequate and len(pairs) > 1:
+    if wide and len(pairs) > 1:
         closer = itertools.product((fit.point[_RHO],), _LOSSES, _FINER)
         grid += [(rho, (f * s * loss, f * (1.0 - s) * loss / ratio)) for rho, f, s in closer]
     for rho, (F_k, c) in grid:
