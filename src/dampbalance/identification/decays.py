@@ -180,9 +180,18 @@ def identify_ring_downs(
         )
         for one in left_out
     ]
-    fit = with_intervals(minima_of(with_noise_of(common)))
-    if mass is not None:
-        fit = _with_mass(fit, mass, warnings)
+    ends = minima_of(with_noise_of(common))
+    with_mass = None if mass is None else _with_mass(ends, mass)
+    fit = with_mass or with_intervals(ends)
+    notes = []
+    if mass is not None and with_mass is None:
+        notes.append("the mass given contradicts the decays")
+        warnings.append(
+            Remark(
+                f"the mass given, {mass:g} kg, is not that of these decays, {fit.m:.6g} ± {fit.error('m'):.2g} kg, and "
+                "is left out: a gain, a unit or the stiffness may be wrong"
+            )
+        )
     rows = rows_of(fit)
     if not fit.adequate and (rows.halves < _FEWEST or fit.K_z < _LOOSE * k):
         raise ValueError(
@@ -191,7 +200,7 @@ def identify_ring_downs(
             f"{_slipping(rows.halves)} and leaves {times(math.sqrt(fit.misfit))} the noise; is the mass still driven, "
             "or is its frequency or its gain not constant? Give the record from the release or the blow on"
         )
-    return _solved(fit, rows, tuple(record.source for record in records), warnings)
+    return _solved(fit, rows, tuple(record.source for record in records), notes, warnings)
 
 
 def _unclear(record: Measurement) -> str:
@@ -218,32 +227,33 @@ def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[s
     return Signal(channel.quantity, _ORDERS[channel.quantity], t, values, noise_of(values), offset)
 
 
-def _with_mass(fit: RingFit, mass: float, warnings: list[Remark]) -> RingFit:
-    """The fit with the mass given, unless the decays contradict it."""
-    at, error = fit.names.index("m"), fit.error("m")
-    if abs(fit.m - mass) < _MASS_OFF * error:
-        start = fit.point.copy()
+def _with_mass(ends: Sequence[RingFit], mass: float) -> RingFit | None:
+    """The fit with the mass given, from the same minima; None where the decays contradict it."""
+    at = ends[0].names.index("m")
+    if not abs(ends[0].m - mass) < _MASS_OFF * ends[0].error("m"):
+        return None
+    fits = []
+    for end in ends:
+        start = end.point.copy()
         start[at] = mass
-        again = fit_decays(fit.decays, fit.k, start, given={at})
-        if again is not None:
-            return again
-    warnings.append(
-        Remark(
-            f"the mass given, {mass:g} kg, is not that of these decays, {fit.m:.6g} ± {error:.2g} kg, and is left out: "
-            "a gain, a unit or the stiffness may be wrong"
-        )
-    )
-    return fit
+        again = fit_decays(end.decays, end.k, start, given={at})
+        fits += [] if again is None else [again]
+    fits.sort(key=lambda fit: fit.chi_square)
+    return with_intervals(fits) if fits else None
 
 
 def _solved(
-    fit: RingFit, rows: RingRows, sources: tuple[str, ...], warnings: Sequence[Remark]
+    fit: RingFit,
+    rows: RingRows,
+    sources: tuple[str, ...],
+    known: Sequence[str],
+    warnings: Sequence[Remark],
 ) -> DecayOutcome:
-    """The rows solved, with notes and warnings."""
+    """The rows solved, with warnings and with notes, those that are known before and others."""
     from scipy import special  # slow to import
 
     values, covariance, misfit, freedom = _least_squares(fit, rows)
-    fit_notes = []
+    fit_notes = [*known]
     if not fit.adequate:
         fit_notes.append(
             f"the decays are not those of one mass on a spring, a damper and one friction contact within white noise: "

@@ -14,6 +14,8 @@ from ..reading.mean_harmonics import Reading
 from ..reading.waveforms import WaveformFit
 from .answer import Answer, answer_of_fit
 
+CONTRADICTED = "the mass given contradicts the records"
+
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 
 
@@ -50,7 +52,8 @@ class JointFit:
         )
         of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
         at_zero = [f"the best {key} {of_zero}" for key in fit.undamped]
-        return (*at_zero,) if fit.adequate else (far, *at_zero)
+        heavy = () if self.mass_fits else (CONTRADICTED,)
+        return (*heavy, *(() if fit.adequate else (far,)), *at_zero)
 
     @property
     def answer(self) -> Answer | None:

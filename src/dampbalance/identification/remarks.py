@@ -21,7 +21,7 @@ from ..reading.checks import is_clipped
 from ..reading.mean_harmonics import Reading
 from .answer import Answer, ParameterEstimate, Remark
 from .microstick import Microstick
-from .oscillator import JointFit
+from .oscillator import CONTRADICTED, JointFit
 
 DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
@@ -54,6 +54,8 @@ def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iter
     suspects = "a sign, a gain, a channel or the stiffness"
     yield from forbidden(answer.coefficients, clipped, suspects)
     yield from _shape(answer)
+    if not joint.mass_fits:
+        yield CONTRADICTED
     if joint.linear:
         yield "F_k and K_z leave no trace in the records: c comes from W = b c"
     elif not joint.waveforms_hold and not answer.notes:

@@ -54,6 +54,9 @@ def test_a_mass_is_taken_where_the_records_agree_with_it(mass, fits):
     assert abs(mass - free.m) > 16.0 * free.error("m") or fits
     whole = joint_fit(lines(), PAPER.k, mass)
     assert (whole.mass, whole.mass_fits) == (mass, fits)
+    doubts = () if fits else ("the mass given contradicts the records",)
+    assert whole.notes == doubts
+    assert whole.answer.verdicts["F_k"].verdict == ("usable" if fits else "doubtful")
     assert whole.waveforms_hold
     if fits:
         assert (whole.fit.m, whole.fit.error("m")) == (mass, 0.0)

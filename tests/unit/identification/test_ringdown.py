@@ -155,6 +155,9 @@ def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
     assert given.reference.K_z.standard_error < free.reference.K_z.standard_error
     assert wrong.fit.m == pytest.approx(free.fit.m)
     assert "is not that of these decays" in wrong.warnings[0]
+    assert given.estimates["balance"].verdicts["F_k"] == ("usable", "")
+    for answer in wrong.answers.values():
+        assert answer.verdicts["F_k"] == ("doubtful", "the mass given contradicts the decays")
     assert ["the mass given" in each.rig[0] for each in (free, given, wrong)] == [
         False,
         True,
