@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import textwrap
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -30,6 +31,7 @@ from .pages import EXTRA, Pages, SiteError
 SOURCE = "paper/site"
 EQUATIONS = "paper/equations.md"
 PACKAGE = "dampbalance"
+_WIDTH = 64  # letters of a command's help in a line: what a page shows without scrolling
 _REGISTRIES = {"approach": list(APPROACHES), "term": list(KNOWN_TERMS)}
 
 
@@ -79,8 +81,13 @@ def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]
 
 def _help(command: argparse.ArgumentParser) -> str:
     """The help of a command as it shows it, in lines that a page has room for."""
-    command.formatter_class = partial(argparse.RawDescriptionHelpFormatter, width=90)
-    return f"```\n{command.format_help()}```\n"
+    command.formatter_class = partial(argparse.RawDescriptionHelpFormatter, width=_WIDTH)
+    parts = command.format_help().rstrip().split("\n\n")
+    prose = [not any(line.startswith(" ") for line in part.splitlines()) for part in parts]
+    filled = [
+        textwrap.fill(p, _WIDTH) if plain else p for p, plain in zip(parts, prose, strict=True)
+    ]
+    return "```\n" + "\n\n".join(filled) + "\n```\n"
 
 
 def commands_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
