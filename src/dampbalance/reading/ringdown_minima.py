@@ -37,6 +37,7 @@ _LOWER = 0.05  # of χ²: what another minimum must be lower by to be searched a
 _ROUNDS = 6
 _COARSE = 1e-2  # of half of χ², where a climb on the way ends
 _LEVEL = NORMAL_95**2  # of χ² above the least, at the ends of an interval
+_REST = 0.025  # of the likelihood, that minima left out may have
 _PROFILES = 4  # climbs to an end of an interval
 _NEAR = 0.1  # of its distance: where an end is taken as found
 
@@ -154,20 +155,38 @@ def with_intervals(fits: Sequence[RingFit]) -> RingFit:
     """The lowest of some minima, with the intervals that all of them leave.
 
     An interval is the hull of {χ² − χ²_min < 3.84} over all minima: profiled over the other unknowns at the lowest,
-    from the standard errors at the others.
+    from the standard errors at the others. Noise lowers one minimum of many by more than that: minima higher up count
+    until those left out have less than a fortieth of the likelihood of all, integrated over the unknowns.
     """
     best = fits[0]
-    others = [one for one in fits[1:] if one.chi_square < best.chi_square + _LEVEL]
+    others = [
+        one for one, share in zip(fits[1:], _shares_above(fits), strict=True) if share > _REST
+    ]
     ranges = {}
     for j, name in enumerate(COMMON[:_M]):
         if not best.error(name) > 0.0:
             continue
         low, high = _end(best, j, -1.0), _end(best, j, 1.0)
         for one in others:
-            reach = math.sqrt(best.chi_square + _LEVEL - one.chi_square) * one.error(name)
+            left = max(_LEVEL - (one.chi_square - best.chi_square), 0.0)
+            reach = math.sqrt(left) * one.error(name)
             low, high = min(low, one.value(name) - reach), max(high, one.value(name) + reach)
         ranges[name] = (low, high)
     return replace(best, ranges=ranges, minima=1 + len(others))
+
+
+def _shares_above(fits: Sequence[RingFit]) -> Array:
+    """The share in the likelihood, integrated over the unknowns, of each minimum but the lowest with those above it."""
+    sizes = []
+    for one in fits:
+        errors = np.sqrt(np.diag(one.covariance)[: len(COMMON)])
+        free = errors > 0.0
+        common = one.covariance[: len(COMMON), : len(COMMON)][np.ix_(free, free)]
+        _, logarithm = np.linalg.slogdet(common / np.outer(errors[free], errors[free]))
+        volume = float(np.log(errors[free]).sum()) + 0.5 * logarithm
+        sizes.append(volume - 0.5 * (one.chi_square - fits[0].chi_square))
+    parts = np.exp(np.array(sizes) - max(sizes))
+    return np.cumsum(parts[::-1])[::-1][1:] / parts.sum()
 
 
 def _end(fit: RingFit, j: int, side: float) -> float:

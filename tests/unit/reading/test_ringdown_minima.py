@@ -77,15 +77,21 @@ def test_an_interval_covers_all_minima_that_are_as_good():
     best = fit_decays([whole], K, point)
     moved = best.point.copy()
     moved[2] *= 1.1
-    # residuals so that the other minimum lies 1 above, and one of them too far
-    size = best.residual.size
-    other = replace(
-        best, point=moved, residual=np.full(size, math.sqrt((best.chi_square + 1.0) / size))
-    )
-    far = replace(other, residual=np.full(size, math.sqrt((best.chi_square + 5.0) / size)))
-    alone, several = with_intervals([best, far]), with_intervals([best, other, far])
-    assert (alone.minima, several.minima) == (1, 2)
+
+    def raised(by: float) -> RingFit:
+        """The other minimum, so much higher."""
+        residual = np.full(
+            best.residual.size, math.sqrt((best.chi_square + by) / best.residual.size)
+        )
+        return replace(best, point=moved, residual=residual)
+
+    # e^{−12/2} is 2.5e-3 of the likelihood, e^{−5/2} 0.08
+    alone, near = with_intervals([best, raised(12.0)]), with_intervals([best, raised(5.0)])
+    several = with_intervals([best, raised(1.0)])
+    assert (alone.minima, near.minima, several.minima) == (1, 2, 2)
     assert several.ranges["rho"][0] == alone.ranges["rho"][0]
+    assert alone.ranges["rho"][1] < moved[2]
+    assert near.ranges["rho"][1] == moved[2]
     reach = math.sqrt(LEVEL - 1.0) * best.error("rho")
     assert several.ranges["rho"][1] == pytest.approx(moved[2] + reach, rel=1e-3)
     # the standard error is that of the whole interval
