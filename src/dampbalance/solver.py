@@ -18,7 +18,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -61,13 +60,6 @@ class Estimate:
         j = list(self.values).index(symbol)
         error: Array = np.sqrt(self.covariance[j, j])
         return error
-
-
-class Statistics(NamedTuple):
-    """Mean and standard deviation of several estimates, by symbol."""
-
-    mean: Mapping[str, float]
-    deviation: Mapping[str, float]
 
 
 def solve(rows: Rows) -> Estimate:
@@ -172,18 +164,18 @@ def pair(rows: Rows, i: int, j: int) -> Estimate:
     return estimate
 
 
-def mean_and_deviation(estimates: Sequence[Mapping[str, ArrayLike]]) -> Statistics:
-    """Mean and standard deviation (divisor n − 1, NaN for n = 1) of estimates, as the paper takes over its pairs.
+def mean_and_deviation(
+    estimates: Sequence[Mapping[str, ArrayLike]],
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Mean and standard deviation (divisor n − 1, NaN for n = 1) of estimates by symbol, as the paper has of its pairs.
 
     estimates : the values of each, by symbol. Raises ValueError when there are none.
     """
     if not estimates:
         raise ValueError("mean of no estimates: give at least one pair of responses that slip")
     values = {s: np.array([estimate[s] for estimate in estimates]) for s in estimates[0]}
-    return Statistics(
-        {s: float(v.mean()) for s, v in values.items()},
-        {s: float(v.std(ddof=1)) if len(v) > 1 else math.nan for s, v in values.items()},
-    )
+    mean = {s: float(v.mean()) for s, v in values.items()}
+    return mean, {s: float(v.std(ddof=1)) if len(v) > 1 else math.nan for s, v in values.items()}
 
 
 def contact_stiffness(F_k: ArrayLike, X: ArrayLike, X_s: ArrayLike) -> Array:

@@ -9,8 +9,7 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from dampbalance.replication.claim_ids import part_of
-from dampbalance.replication.claim_verdicts import LAST_DIGIT, RECONSTRUCTED
+from dampbalance.replication.claim_verdicts import LAST_DIGIT, RECONSTRUCTED, part_of
 from paper.mutants import of_print, originals
 
 pytestmark = pytest.mark.slow

@@ -1,68 +1,16 @@
-"""The integrals g = ∮ h ẋ dt of a law's terms over a period, from what is known of a motion."""
+"""The integrals g = ∮ h ẋ dt of a law's terms over a period, from the harmonics of a motion."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arrays import Array, Complexes
-from ..motion.events import PHASE_S, PHASE_T
-from .terms import FRICTION, KNOWN_TERMS, term
-
-if TYPE_CHECKING:
-    from ..motion.orbit import Orbit
-    from .response import LawOrbit
+from .terms import FRICTION, KNOWN_TERMS
 
 _POINTS = 512  # of a cycle, at least; |ẋ|³ has a jump in its third derivative, and the rule an error of 1e-9
 _PER_HARMONIC = 8
-
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
-_PANEL = 2.0  # rad of the fastest oscillation: of a fourth power of ẋ, what these nodes integrate exactly to rounding
-_CLOSE = 1e-13  # of ∮ |h ẋ| dt: change of an integral when its panels are halved
-_MOST_HALVINGS = 8
-
-
-def of_motion(symbol: str, orbit: Orbit | LawOrbit) -> float:
-    """g = ∮ h ẋ dt of a term over a period of a steady response; friction's is the travel in slip, a of Eq. (7a).
-
-    Gauss's rule between the events of half a cycle; the other half is the mirror image, in which h and ẋ change their
-    sign, and h ẋ does not. Raises ValueError for a term that is not known.
-    """
-    one, k, omega = term(symbol), orbit.oscillator.k, orbit.motion.omega
-    force = one.force
-    if force is None:
-        return orbit.a
-    return _around(orbit, lambda v, w, y: force(v, w, k, omega) * v)
-
-
-def input_work(orbit: Orbit | LawOrbit) -> float:
-    """W = ∮ k y ẋ dt over a period, J: Eq. (5), for any law."""
-    return _around(orbit, lambda v, w, y: orbit.oscillator.k * y * v)
-
-
-def _around(orbit: Orbit | LawOrbit, integrand: Callable[[Array, Array, Array], Array]) -> float:
-    """∮ of a function of (ẋ, ẏ, y) that is the same in both half cycles, over a period."""
-    motion, osc = orbit.motion, orbit.oscillator
-    kappa = np.where(orbit.phases[:, PHASE_S] == 0.0, osc.k + osc.K_z, osc.k)
-    edges = np.append(orbit.phases[:, PHASE_T], 0.5 * motion.period)
-    fastest = motion.omega + np.sqrt(kappa / osc.m)
-    panels = 1 + (np.diff(edges) * fastest / _PANEL).astype(np.intp)
-    total = math.inf
-    for _ in range(_MOST_HALVINGS):
-        width = np.repeat(np.diff(edges) / panels, panels)[:, None]
-        number = np.arange(panels.sum()) - np.repeat(np.cumsum(panels) - panels, panels)
-        begin = np.repeat(edges[:-1], panels)[:, None] + width * number[:, None]
-        psi = orbit.theta + motion.omega * (begin + 0.5 * width * (1.0 + _NODES))
-        y, w = motion.Y * np.cos(psi), -motion.omega * motion.Y * np.sin(psi)
-        parts = width * _WEIGHTS * integrand(orbit.state(psi / motion.omega).v, w, y)
-        before, total = total, float(parts.sum())
-        if abs(total - before) <= _CLOSE * float(np.abs(parts).sum()):
-            break
-        panels = 2 * panels
-    return total
 
 
 def of_harmonics(

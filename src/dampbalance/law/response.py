@@ -91,40 +91,14 @@ class LawTrajectory:
 
 
 @dataclass(frozen=True, eq=False)
-class LawOrbit:
+class LawOrbit(LawTrajectory):
     """Steady response under any law, in place of an `Orbit` where a motion is sampled or integrated.
 
-    half : its half cycle from the reversal at x = −X on, t from there; the other is the mirror image,
-    x(t + T/2) = −x(t).
+    The fields are those of its half cycle from the reversal at x = −X on, with times from there; the other half is the
+    mirror image, x(t + T/2) = −x(t).
     """
 
-    half: LawTrajectory
-
-    @property
-    def oscillator(self) -> Oscillator:
-        """What moves; its c is the coefficient of the term c."""
-        return self.half.oscillator
-
-    @property
-    def motion(self) -> BaseMotion:
-        """That of the base."""
-        assert self.half.motion is not None
-        return self.half.motion
-
-    @property
-    def law(self) -> Mapping[str, float]:
-        """Symbol → coefficient, SI, of the terms besides friction and c."""
-        return self.half.law
-
-    @property
-    def theta(self) -> float:
-        """Phase of the base, ωt, at the reversal at −X, rad."""
-        return self.half.theta
-
-    @property
-    def phases(self) -> Array:
-        """(n, 5), rows (t, s, x, ẋ, z) at the start of each phase of the half cycle; t from the reversal, s."""
-        return self.half.phases
+    motion: BaseMotion
 
     @property
     def X(self) -> float:
@@ -143,7 +117,7 @@ class LawOrbit:
         half = 0.5 * self.motion.period
         since = np.mod(times - self.theta / self.motion.omega, 2.0 * half)
         mirrored = since >= half
-        state = self.half.state(np.clip(since - half * mirrored, 0.0, self.half.end))
+        state = super().state(np.clip(since - half * mirrored, 0.0, self.end))
         return State(*(np.where(mirrored, -row, row) for row in state))
 
 
@@ -198,7 +172,7 @@ def law_orbit(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, floa
     theta = motion.omega * (t if side < 0.0 else (t + 0.5 * motion.period) % motion.period)
     reversal = -side * x, 0.0, -side * z
     half = _trajectory(eq, law, reversal, (0.0, 0.5 * motion.period), theta)
-    return LawOrbit(_until_closed(half))
+    return LawOrbit(**vars(_until_closed(half)))
 
 
 def _until_closed(half: LawTrajectory) -> LawTrajectory:

@@ -7,7 +7,7 @@ offset is removed with what it adds to the harmonics. Harmonics are then turned 
     y_n = −a_n/(nω)²   of a base acceleration,      y_n = f_n/k   of a force,
     x_n = v_n/(inω)    of a velocity,               x_n = −a_n/(nω)²   of an acceleration,
 
-after the known gain, delay and filters of the channel have been removed (`records/correction.py`). The harmonics of
+after the known gain, delay and filters of the channel have been removed (`records/measurement.py`). The harmonics of
 several response channels are averaged, each weighted by its inverse variance.
 """
 
@@ -22,9 +22,8 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Mask
 from ..project.wording import visible
-from ..records.correction import Correction
 from ..records.errors import RecordError
-from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
+from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Correction, Measurement
 from . import checks
 from .checks import weighted_mean
 from .cycles import CycleHarmonics, Samples, accumulate

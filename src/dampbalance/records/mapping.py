@@ -21,9 +21,8 @@ from typing import Any
 
 from ..arguments import path
 from ..arrays import ReadOnly
-from .correction import Correction
 from .errors import RecordError, library
-from .measurement import EXCITATIONS, RESPONSES
+from .measurement import EXCITATIONS, RESPONSES, Correction
 from .units import UnitError, unit_for
 
 SCHEMA = Path(__file__).with_name("mapping.schema.yaml")

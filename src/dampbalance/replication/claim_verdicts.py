@@ -1,6 +1,7 @@
-"""The verdicts on printed numbers: their names, marks and meanings, best first, and how many numbers earn each.
+"""Printed numbers and their verdicts: the ids of the claims, the verdicts, best first, and how many earn each.
 
-The routes by which a printed number is computed have their names here, too: the reasons for a verdict cite them.
+An id, such as table2.F_k.1-5 or text.c_Xs_ls, stands for one printed number. The routes by which a printed number is
+computed have their names here, too: the reasons for a verdict cite them.
 """
 
 from __future__ import annotations
@@ -9,10 +10,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from .claim_ids import PARTS, part_of
-
 if TYPE_CHECKING:
     import pandas as pd
+
+PARTS = {
+    "parameter": "Parameters",
+    "table1": "Table 1",
+    "table2": "Table 2",
+    "table3": "Table 3",
+    "text": "Text",
+}
+"""The parts of the paper: how their ids begin → in words."""
+
+STATISTICS = {"least_squares": "ls", "mean": "mean", "std": "std"}
+"""Kinds of estimates over all levels or pairs → how the id of such a number ends."""
 
 ROUTE_NAMES = {"exact": "exact", "as_published": "as published", "from_print": "from print"}
 """Column of the table of claims → the route in words."""
@@ -119,3 +130,29 @@ def counts(claims: pd.DataFrame) -> list[Count]:
         held = [sum(map(verdicts.count, HOLDING)) for verdicts in (given, statements)]
         counted.append(Count(key, of_verdict, len(given), held[0], len(statements), held[1]))
     return counted
+
+
+def of_cell(table: str, symbol: str, line: str | int = "", approach: str = "") -> str:
+    """A cell of Tables 1 to 3: table1.X_s.3, table2.F_k.1-5, table3.V_s.c.1-2; without the line, how a column begins.
+
+    line : level, counted from 1, or label of a pair.   approach : in Table 3, whose columns repeat.
+    """
+    return ".".join([table, *([approach] if approach else []), symbol, str(line)])
+
+
+def of_text(name: str) -> str:
+    """A number of the running text by its name: text.phi_mean."""
+    return f"text.{name}"
+
+
+def statistic(symbol: str, approach: str, kind: str) -> str:
+    """The name of a statistic of the running text: c_Xs_ls.   kind : of STATISTICS."""
+    return f"{symbol}_{approach.replace('_', '')}_{STATISTICS[kind]}"
+
+
+def part_of(claim: str) -> str:
+    """The part of the paper that a claim belongs to, a key of PARTS; raises KeyError where there is none."""
+    part = claim.partition(".")[0]
+    if part not in PARTS:
+        raise KeyError(f"{claim!r} belongs to no part of the paper; known are {', '.join(PARTS)}")
+    return part

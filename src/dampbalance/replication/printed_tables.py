@@ -15,8 +15,7 @@ import pandas as pd
 
 from ..balance import TERMS
 from ..project.wording import markdown_table
-from .claim_ids import STATISTICS, of_cell, of_text, statistic
-from .claim_verdicts import VERDICTS
+from .claim_verdicts import STATISTICS, VERDICTS, of_cell, of_text, statistic
 from .route_tables import HARMONIC, PRINTED_APPROACHES, RouteTables
 
 COLUMNS = ("row", "quantity", "unit", "printed", "as_published", "exact", "verdict")

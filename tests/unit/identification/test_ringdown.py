@@ -21,8 +21,7 @@ from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.reading.ringdown_bursts import Signal
 from dampbalance.reading.ringdown_fit import Decay, fit_decays
 from dampbalance.reading.ringdown_rows import rows_of
-from dampbalance.records.correction import Correction
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.measurement import Channel, Correction, Measurement
 from dampbalance.records.synthetic import measured_orbit, measured_ring_down
 from dampbalance.records.writers import write
 

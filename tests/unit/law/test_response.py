@@ -62,7 +62,7 @@ def test_friction_and_c_give_the_exact_orbit(numbers):
     assert_same_motion(found, orbit)
     if oscillator.F_k > 0.0:
         assert found.a == pytest.approx(orbit.a, rel=TOLERANCE)
-        assert len(found.half.onsets) == np.count_nonzero(np.diff(np.abs(orbit.phases[:, 1])) > 0)
+        assert len(found.onsets) == np.count_nonzero(np.diff(np.abs(orbit.phases[:, 1])) > 0)
 
 
 @pytest.mark.parametrize("numbers", REGIMES, ids=str)
@@ -149,7 +149,7 @@ def test_phases_begin_at_reversals_and_onsets():
     oscillator, motion = case(*LAWS["quadratic"][1])
     orbit = law_orbit(oscillator, motion, LAWS["quadratic"][0])
     assert list(orbit.phases[:, PHASE_S]) == [0.0, 1.0]
-    (onset,) = orbit.half.onsets
+    (onset,) = orbit.onsets
     assert onset[PHASE_X] == pytest.approx(-orbit.X + 2.0 * oscillator.Z_m, rel=1e-12)
     whole = law_transient(oscillator, motion, orbit.law, 3.0 * motion.period, x=0.01)
     turns = whole.state(whole.turns[:, PHASE_T])

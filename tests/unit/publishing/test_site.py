@@ -8,7 +8,7 @@ import textwrap
 import docutils.core
 import pytest
 
-from dampbalance.publishing.site import keys, mirror, names, pages, texts
+from dampbalance.publishing.site import keys, names, pages, texts
 from dampbalance.publishing.site.docstrings import markup
 
 TEXT = """\
@@ -257,7 +257,7 @@ def test_files_are_copied_as_they_lie_with_links_that_lead_somewhere(tmp_path):
         '<a href="https://example.org/">web</a>'
     )
     (root / "a/b.txt").write_text("b")
-    copies = mirror.Mirror(root)
+    copies = pages.Mirror(root)
     assert copies.add("a/page.html") == "files/a/page.html"
     assert copies.add("a/no.txt") is None
     assert copies.add("../secret") is None

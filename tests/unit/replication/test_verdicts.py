@@ -5,8 +5,14 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from dampbalance.replication.claim_ids import of_cell, of_text, part_of, statistic
-from dampbalance.replication.claim_verdicts import VERDICTS, counts
+from dampbalance.replication.claim_verdicts import (
+    VERDICTS,
+    counts,
+    of_cell,
+    of_text,
+    part_of,
+    statistic,
+)
 
 
 def test_counts_per_part_and_of_all():

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from dampbalance.law.integrals import input_work, of_motion
+from analytic.integrals import input_work, of_motion
 from dampbalance.law.response import law_orbit
 from dampbalance.studies import evaluate, law_selection
 from dampbalance.studies.routes import law_named, terms_named
@@ -36,7 +36,7 @@ def test_what_is_drawn_has_every_term_of_its_law_matter(law):
     taken = {symbol: [] for symbol in truth.coefficients}
     for motion in truth.motions:
         orbit = law_orbit(truth.oscillator, motion, truth.law)
-        assert len(orbit.half.onsets) == 1
+        assert len(orbit.onsets) == 1
         for symbol, p in truth.coefficients.items():
             taken[symbol].append(p * of_motion(symbol, orbit) / input_work(orbit))
     shares = truth.shares(truth.responses())

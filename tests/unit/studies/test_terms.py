@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from analytic.integrals import input_work, of_motion
 from dampbalance import BaseMotion, Oscillator
 from dampbalance.features import of_orbit
-from dampbalance.law.integrals import input_work, of_motion
 from dampbalance.law.response import law_orbit
 from dampbalance.law.steady import steady_response
 from dampbalance.law.terms import KNOWN_TERMS
@@ -55,7 +55,7 @@ def test_features_of_a_response_are_those_of_the_integrated_motion(name, hz):
         "X": orbit.X,
         "X_s": X_s,
         "V_s": V_s,
-        "t_s": orbit.half.onsets[0, 0],
+        "t_s": orbit.onsets[0, 0],
         "a": orbit.a,
         "b": of_motion("c", orbit),
         "W": input_work(orbit),

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...balance import TERMS, takes_phase, viscous_integral
+from ...balance import TERMS, viscous_integral
 from ...estimates import estimate_table
 from ...features import Features
 from ...figures import glance
@@ -23,10 +23,10 @@ from ...project.case import Case
 from ...reading.clean import CYCLES_TO_READ
 from ...replication import comparison
 from ...replication.as_published import added_damping, coefficients
-from ...replication.claim_ids import of_cell
-from ...replication.claim_verdicts import VERDICTS, counts
+from ...replication.claim_verdicts import VERDICTS, counts, of_cell
 from ...replication.printed_tables import TABLE_2
 from ...replication.readout import ReadOut
+from ...replication.route_tables import RouteTables
 from ...solver import Pair
 
 Json = dict[str, Any]
@@ -73,7 +73,15 @@ def derived_numbers(
             },
             "balance": terms,
             "fundamental_work_largest": max(of["W_fundamental"]["max"] for of in terms.values()),
-            "two_point_largest": largest_errors(estimates, oscillator),
+            "two_point_largest": {  # of the pairs by Table 3's formulas
+                route: {
+                    name: comparison.largest_errors(
+                        RouteTables({}, of).pairs(frequency=name), oscillator
+                    )
+                    for name in of
+                }
+                for route, of in estimates.items()
+            },
             "direct_largest": direct_largest(approaches),
             "slip_detected": samples_off(features["as_published"][first], claims, case),
             "step_from_W": step_from_work(claims, schemes, case),
@@ -319,20 +327,6 @@ def balance_terms(features: Features, oscillator: Oscillator) -> Json:
         name: 100.0 * float(np.ptp(of) / np.mean(of)) for name, of in sines.items()
     }
     return ranges
-
-
-def largest_errors(
-    estimates: Mapping[str, Mapping[str, pd.DataFrame]], oscillator: Oscillator
-) -> Json:
-    """Largest error of F_k and c, %, of the pairs by Table 3's two-point formulas: route → frequency → coefficient."""
-    largest: Json = {}
-    for route, tables in estimates.items():
-        for frequency, table in tables.items():
-            pairs = (table["kind"] == "pair") & (table["phase"] == "common")
-            rows = table[pairs & table["approach"].map(takes_phase)]
-            errors = comparison.largest_errors(rows, oscillator)
-            largest.setdefault(route, {})[frequency] = errors
-    return largest
 
 
 def _printed(claims: pd.DataFrame, name: str) -> np.ndarray:

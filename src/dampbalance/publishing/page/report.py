@@ -24,17 +24,18 @@ from ...figures.numerics import Evidence
 from ...motion.orbit import Orbit
 from ...project.case import Case
 from ...project.wording import MINUS, NONE, dotted, frequency_name, minus, percent, unit_of
-from ...replication.claim_ids import PARTS, part_of
 from ...replication.claim_verdicts import (
     DIFFERS,
     HOLDING,
     KINDS,
+    PARTS,
     RECONSTRUCTED,
     REPRODUCED,
     ROUTE_NAMES,
     VERDICTS,
     Count,
     counts,
+    part_of,
 )
 from ...replication.printed_tables import TITLES
 from ...studies.settings import Study

@@ -9,10 +9,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ...project.wording import shortened
-from ..correction import Correction
 from ..errors import RecordError, RecordWarning
 from ..mapping import ChannelRule, RecordMapping, Which
-from ..measurement import EXCITATIONS, QUANTITIES, RESPONSES
+from ..measurement import EXCITATIONS, QUANTITIES, RESPONSES, Correction
 from ..units import DIMENSIONS, Unit, UnitError, find_unit, unit_for
 from .record_file import RawChannel, RecordFile
 

@@ -28,7 +28,7 @@ from ...features import of_numbers
 from ...project.case import Case
 from ...solver import solve
 from ..as_published import APPROACHES_OF_TABLE_3, CORRECTED
-from ..claim_ids import of_text
+from ..claim_verdicts import of_text
 from ..printed_tables import TABLE_2, UNKNOWNS
 from ..route_tables import HARMONIC
 from .judging import Range

@@ -14,7 +14,7 @@ from ...balance import Rows
 from ...project.case import Case
 from ...solver import least_squares
 from ..as_published import added_damping
-from ..claim_ids import of_cell
+from ..claim_verdicts import of_cell
 from ..printed import Printed
 from ..printed_tables import TABLE_2
 from ..route_tables import RouteTables

@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from ...balance import APPROACHES
 from ...project.case import Case
 from ...solver import least_squares
-from ..claim_ids import of_text, statistic
+from ..claim_verdicts import of_text, statistic
 from ..printed import Printed
 from ..printed_tables import RESIDUAL, TABLE_1, TABLE_2
 from ..route_tables import HARMONIC

@@ -12,7 +12,7 @@ import pandas as pd
 from ...estimates import estimate_table
 from ...features import COLUMNS, Features, of_numbers
 from ...project.case import Case
-from ..claim_ids import of_text
+from ..claim_verdicts import of_text
 from ..printed_tables import TABLE_1, TABLE_2, UNKNOWNS
 from ..route_tables import HARMONIC, RouteTables
 from .published import LEVELS, PAIRS, Published

@@ -15,7 +15,7 @@ import pandas as pd
 
 from ...arrays import Array
 from ...solver import Pair, pair_label
-from ..claim_ids import of_cell
+from ..claim_verdicts import of_cell
 from ..printed import Printed
 from ..printed_tables import UNKNOWNS
 

@@ -7,9 +7,8 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 from ...project.wording import cut
-from ..claim_ids import of_text as id_of_text
-from ..claim_ids import statistic
-from ..claim_verdicts import Kind
+from ..claim_verdicts import Kind, statistic
+from ..claim_verdicts import of_text as id_of_text
 from ..printed import LONGEST
 from ..printed_tables import RESIDUAL, TABLE_1, TABLE_2, UNKNOWNS
 from ..route_tables import HARMONIC, PRINTED_APPROACHES

@@ -9,8 +9,7 @@ import pandas as pd
 
 from ...project.case import Case
 from ...project.wording import in_markdown, markdown_table
-from ..claim_ids import PARTS, part_of
-from ..claim_verdicts import HOLDING, KINDS, ROUTE_NAMES, VERDICTS, counts
+from ..claim_verdicts import HOLDING, KINDS, PARTS, ROUTE_NAMES, VERDICTS, counts, part_of
 from ..route_tables import RouteTables
 from .judging import Claim, explanation, verdict
 from .published import Published, read_texts
