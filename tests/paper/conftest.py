@@ -20,3 +20,30 @@ def browser():
         )
         yield started
         started.close()
+
+
+@pytest.fixture
+def visit(browser):
+    """Opens a page without network: visit(address, …) -> page. It may complain of nothing, and ask no other machine.
+
+    visit.asked : the addresses that the pages asked for.
+    """
+    contexts, asked, complaints = [], [], []
+
+    def opened(address, dark=False, **options):
+        scheme = "dark" if dark else "light"
+        contexts.append(browser.new_context(offline=True, color_scheme=scheme, **options))
+        page = contexts[-1].new_page()
+        page.set_default_timeout(120_000)  # a busy machine
+        page.on("console", lambda message: complaints.append(message.text))
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto(address)
+        return page
+
+    opened.asked = asked
+    yield opened
+    for context in contexts:
+        context.close()
+    assert complaints == []
+    assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
