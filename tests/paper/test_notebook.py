@@ -330,6 +330,7 @@ def test_a_browser_without_network_shows_it(page, tmp_path, visit, width, dark):
     )
     view.keyboard.press("Tab")
     skip = view.evaluate("document.activeElement.className")
+    assert visit.said == []
     assert seen["wide"] <= width  # nothing has to be pushed sideways but tables, figures, equations
     assert seen["formula"] > 10
     assert seen["pictures"] == [True] * 6

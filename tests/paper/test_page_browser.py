@@ -48,9 +48,10 @@ def address(file):
 
 @pytest.fixture
 def opened(visit, address):
-    """Opens the page, which may ask for nothing but itself."""
+    """Opens the page, which may ask for nothing but itself, and complain of nothing."""
     yield lambda viewport=DESK, **options: visit(address, viewport=viewport, **options)
     assert set(visit.asked) == {address}
+    assert visit.said == []
 
 
 def shown(page, kind="computed"):
