@@ -1,10 +1,32 @@
-"""Where the project under test stands."""
+"""Where the project under test stands, what a folder holds, and files that a test changes for a while."""
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PUBLISHED = ROOT / "paper/published"
 PAPER_FILE = ROOT / "config/config.yaml"
 STUDY_SCHEMA = ROOT / "workflow/schemas/study.schema.yaml"
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every file below a folder, by its path in it."""
+    files = (path for path in sorted(folder.rglob("*")) if path.is_file())
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
+
+
+@contextmanager
+def restored(path: Path) -> Iterator[None]:
+    """Put a file back at the end as it was, contents and times; one that was not there is removed."""
+    before = (path.read_bytes(), path.stat()) if path.exists() else None
+    try:
+        yield
+    finally:
+        path.unlink(missing_ok=True)
+        if before:
+            path.write_bytes(before[0])
+            os.utime(path, ns=(before[1].st_atime_ns, before[1].st_mtime_ns))

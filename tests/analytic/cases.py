@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 
-from dampbalance import BaseMotion, Oscillator
+from hypothesis import strategies as st
+from scipy.stats import qmc
+
+from dampbalance import BaseMotion, Oscillator, steady_orbit
 from paper_case import FREQUENCIES_HZ, LEVELS, PAPER, motions_at
 
 PAPER_MOTIONS = [motion for hertz in FREQUENCIES_HZ.values() for motion in motions_at(hertz)]
@@ -15,6 +18,22 @@ def case(zeta, r, K, F):
     m, k, Y = PAPER.m, PAPER.k, LEVELS[0]
     oscillator = Oscillator(m=m, c=2.0 * zeta * math.sqrt(k * m), k=k, K_z=K * k, F_k=F * k * Y)
     return oscillator, BaseMotion(Y=Y, omega=r * math.sqrt(k / m))
+
+
+def orbit_of(m, c, k, K_z, F_k, Y, omega):
+    """The steady orbit of one case in the arguments of `steady_orbits`."""
+    return steady_orbit(Oscillator(m, c, k, K_z, F_k), BaseMotion(Y, omega))
+
+
+def spread(n, seed, *ranges):
+    """n points (a power of 2) that fill the box of the ranges evenly by their logarithms; one array per range."""
+    columns = qmc.Sobol(len(ranges), seed=seed).random(n).T
+    return [low * (high / low) ** u for u, (low, high) in zip(columns, ranges, strict=True)]
+
+
+def drawn(*ranges):
+    """Strategies of hypothesis: numbers between the ends of each range, spread by their logarithms."""
+    return [st.floats(math.log(low), math.log(high)).map(math.exp) for low, high in ranges]
 
 
 def dimensions(zeta, r, K, F):

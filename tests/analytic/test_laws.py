@@ -8,21 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from scipy.stats import qmc
 
-from analytic.cases import PAPER_MOTIONS, SEVERAL_SLIPS, dimensions
-from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit, steady_orbits
+from analytic.cases import PAPER_MOTIONS, SEVERAL_SLIPS, dimensions, drawn, orbit_of, spread
+from dampbalance import Regime, steady_orbit, steady_orbits
 from paper_case import PAPER
 
 FEATURES = ("X", "X_s", "V_s", "t_s", "phi", "a", "b", "W", "X_1", "phi_1", "X_3", "X_5")
-
-
-def spread(n, seed, *ranges):
-    """n points (a power of 2) that fill the box of the ranges evenly by their logarithms; one array per range."""
-    points = qmc.Sobol(len(ranges), seed=seed).random(n)
-    return [
-        low * (high / low) ** column for column, (low, high) in zip(points.T, ranges, strict=True)
-    ]
 
 
 # ζ, ω/ω_n, K_z/k, F_k/kY: the range the accuracy is promised for, and far beyond
@@ -107,12 +98,8 @@ def test_geometry_of_slip(population):
 exponents = st.integers(-20, 20)
 
 
-def log_uniform(low, high):
-    return st.floats(math.log(low), math.log(high)).map(math.exp)
-
-
 @settings(max_examples=60)
-@given(*(log_uniform(*r) for r in WIDE), exponents)
+@given(*drawn(*WIDE), exponents)
 @example(0.04417, 0.4204, 21.1, 0.4329, 3)
 def test_forces_scale(zeta, r, K, F, exponent):
     # m, c, k, K_z, F_k times s: the same motion, s times the work. A power of 2 leaves no rounding: bit for bit.
@@ -127,7 +114,7 @@ def test_forces_scale(zeta, r, K, F, exponent):
 
 
 @settings(max_examples=60)
-@given(*(log_uniform(*r) for r in PROMISED), log_uniform(1e-6, 1e6), log_uniform(1e-6, 1e6))
+@given(*drawn(*PROMISED, (1e-6, 1e6), (1e-6, 1e6)))
 @example(0.04417, 0.4204, 21.1, 0.4329, 1e-3, 1e3)
 def test_lengths_and_times_scale(zeta, r, K, F, length, rate):
     base = dimensions(zeta, r, K, F)
@@ -155,11 +142,7 @@ def test_lengths_and_times_scale(zeta, r, K, F, length, rate):
 def test_the_sign_of_time_zero_does_not_matter():
     # Shifting time by half a period mirrors the orbit: the state at t and at t + T/2
     for numbers in SEVERAL_SLIPS:
-        o = dimensions(*numbers)
-        orbit = steady_orbit(
-            Oscillator(**{n: o[n] for n in ("m", "c", "k", "K_z", "F_k")}),
-            BaseMotion(Y=1.0, omega=o["omega"]),
-        )
+        orbit = orbit_of(**dimensions(*numbers))
         t = np.linspace(0.0, orbit.motion.period, 41)
         here, there = orbit.state(t), orbit.state(t + 0.5 * orbit.motion.period)
         for value, mirrored in zip(here, there, strict=True):

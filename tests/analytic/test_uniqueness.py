@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from analytic.cases import SEVERAL_SLIPS, case
+from analytic.cases import SEVERAL_SLIPS, case, drawn
 from dampbalance import Regime, steady_orbit, transient
 from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X
 
@@ -31,16 +31,12 @@ def energy_of_difference(oscillator, first, second):
     return 0.5 * (o.m * dv**2 + o.k * dx**2 + o.K_z * dz**2)
 
 
-numbers = st.tuples(
-    *(
-        st.floats(math.log(low), math.log(high)).map(math.exp)
-        for low, high in ((1e-3, 4.0), (0.2, 3.0), (0.1, 1e3), (1e-3, 2.0))
-    )
-)
-
-
 @settings(max_examples=60)
-@given(numbers, st.tuples(unit, unit, unit), st.tuples(unit, unit, unit))
+@given(
+    st.tuples(*drawn((1e-3, 4.0), (0.2, 3.0), (0.1, 1e3), (1e-3, 2.0))),
+    st.tuples(unit, unit, unit),
+    st.tuples(unit, unit, unit),
+)
 def test_two_motions_never_part(chosen, one, other):
     # d/dt [½mΔẋ² + ½kΔx² + ½K_zΔz²] = −cΔẋ² − (a term ≥ 0 while either slips)
     oscillator, motion = case(*chosen)
@@ -59,12 +55,7 @@ def test_two_motions_never_part(chosen, one, other):
 
 @settings(max_examples=40)
 @given(
-    st.tuples(
-        *(
-            st.floats(math.log(low), math.log(high)).map(math.exp)
-            for low, high in ((0.15, 2.0), (0.3, 2.0), (2.0, 300.0), (0.01, 0.5))
-        )
-    ),
+    st.tuples(*drawn((0.15, 2.0), (0.3, 2.0), (2.0, 300.0), (0.01, 0.5))),
     st.tuples(unit, unit, unit),
 )
 def test_every_start_leads_to_the_steady_orbit(chosen, start):
@@ -95,9 +86,7 @@ def test_without_slip_a_residual_force_of_the_spring_stays():
     oscillator, motion = case(0.5, 0.7, 3.0, 10.0)
     orbit = steady_orbit(oscillator, motion)
     assert orbit.regime is Regime.NO_SLIP
-    end = (
-        40.0 * motion.period
-    )  # e^{−ζω_n t}, ζω_n t = 0.5 · 2π · 40/0.7: nothing is left of the start
+    end = 40.0 * motion.period  # e^{−ζω_n t}, ζω_n t = 0.5 · 2π · 40/0.7: the start is forgotten
     offset = 0.2 * oscillator.Z_m  # of the contact point
     paths = [transient(oscillator, motion, end, x=0.0, v=0.0, z=z) for z in (0.0, offset)]
     t = end - motion.period * np.linspace(0.0, 1.0, 50)

@@ -9,20 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
-from scipy.stats import qmc
 
-from analytic.cases import dimensions
-from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit, steady_orbits
+from analytic.cases import dimensions, drawn, orbit_of, spread
+from dampbalance import BaseMotion, Regime, steady_orbit, steady_orbits
 from paper_case import PAPER
 
 FINITE = ("X", "phi", "a", "b", "W", "X_1", "phi_1", "X_3", "phi_3", "X_5", "phi_5")
 OF_SLIP = ("X_s", "V_s", "t_s")
 RANGES = ((1e-4, 10.0), (0.05, 10.0), (0.01, 1e5), (1e-4, 10.0))  # ζ, ω/ω_n, K_z/k, F_k/kY
-
-
-def points(n, seed):
-    columns = qmc.Sobol(4, seed=seed).random(n).T
-    return [low * (high / low) ** u for u, (low, high) in zip(columns, RANGES, strict=True)]
 
 
 def assert_nan_has_its_reason(orbits):
@@ -37,7 +31,7 @@ def assert_nan_has_its_reason(orbits):
 
 @pytest.mark.parametrize("damping", [1.0, 0.0])
 def test_thousands_of_cases(damping):
-    zeta, r, K, F = points(2048, seed=1)
+    zeta, r, K, F = spread(2048, 1, *RANGES)
     orbits = steady_orbits(**dimensions(damping * zeta, r, K, F))
     assert_nan_has_its_reason(orbits)
     counts = np.bincount(orbits.regime, minlength=5)
@@ -57,10 +51,7 @@ def test_slow_and_stiff_with_hundreds_of_events():
 
 
 @settings(max_examples=150)
-@given(
-    *(st.floats(math.log(low), math.log(high)).map(math.exp) for low, high in RANGES),
-    st.booleans(),
-)
+@given(*drawn(*RANGES), st.booleans())
 @example(1.0, 1.0, 1.0, 1.0, False)
 @example(1.0, 1.0, 1.0, 1.0, True)
 @example(1.0, 2.0, 3.0, 0.25, True)  # the stick phase at resonance
@@ -72,9 +63,8 @@ def test_each_case_is_solved_and_fits_its_own_claims(zeta, r, K, F, undamped):
     numbers = dimensions(0.0 if undamped else zeta, r, K, F)
     orbits = steady_orbits(**numbers)
     assert_nan_has_its_reason(orbits)
-    model = {name: numbers[name] for name in ("m", "c", "k", "K_z", "F_k")}
-    motion = BaseMotion(Y=1.0, omega=r)
-    orbit = steady_orbit(Oscillator(**model), motion)
+    orbit = orbit_of(**numbers)
+    motion = orbit.motion
     assert orbit.regime == orbits.regime
 
     t = orbit.t_1 + np.linspace(0.0, 1.0, 200) * motion.period

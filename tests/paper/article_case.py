@@ -22,16 +22,23 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from dampbalance import figures, steady_orbit
-from dampbalance.features import Features
 from dampbalance.project.files import write_csv
 from dampbalance.publishing.article import compiling
-from dampbalance.replication import comparison
 from dampbalance.replication.printed_tables import paper_tables
-from dampbalance.studies import evaluate, outputs
-from dampbalance.studies.checking import read_study
+from dampbalance.studies import outputs
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from dampbalance.studies.shown.summary import summary_of
-from paper.routes import CASE, CONFIG, PAPER, ROOT, as_published, exact, judged
+from paper.routes import (
+    CASE,
+    CONFIG,
+    PAPER,
+    ROOT,
+    approaches,
+    as_published,
+    computed,
+    exact,
+    judged,
+)
 
 RESULTS, STUDIES = "results/paper", "results/studies"
 FOLDERS = {"RESULTS": RESULTS, "ARTICLE": f"{RESULTS}/article", "STUDY_RESULTS": STUDIES}
@@ -145,10 +152,7 @@ def _routes(folder: Path) -> None:
             frames[f"estimates/{route}/{name}"] = of.estimates[name]
     tables = paper_tables(routes, FIRST, claims)
     frames |= {f"tables/{name}": tables[name] for name in ("table1", "table2", "table3")}
-    frames["tables/approaches"] = comparison.approaches_table(
-        {name: Features.from_frame(of) for name, of in routes["exact"].features.items()},
-        CASE,
-    )
+    frames["tables/approaches"] = approaches()
     for name, frame in frames.items():
         file = folder / f"{RESULTS}/{name}.csv"
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -159,19 +163,7 @@ def _studies(folder: Path) -> tuple[list[str], list[str]]:
     """The cases of each study, and the file that describes it."""
     cases, files = [], []
     for name in OF_ARTICLE:
-        old, new = COARSER.get(name, ("", ""))
-        text = (ROOT / f"config/studies/{name}.yaml").read_text(encoding="utf-8")
-        assert old in text
-        (folder / f"{STUDIES}/{name}").mkdir(parents=True)
-        file = folder / f"{STUDIES}/{name}.yaml"
-        file.write_text(text.replace(old, new) if old else text, encoding="utf-8")
-        study = read_study(
-            file, ROOT / "workflow/schemas/study.schema.yaml", ROOT / "config/config.yaml"
-        )
-        table = folder / f"{STUDIES}/{name}/cases.parquet"
-        outputs.write_parts(
-            table, [evaluate.evaluate(study, 0, study.cases, threads=1)], study, "0"
-        )
+        study, table = computed(name, folder / STUDIES, COARSER.get(name, ("", "")))
         if name in ("frequency", "noise", "rigid_contact"):
             figure = study_figure(study, table)
             _save(figure, table.with_name("figure.svg"), alternative_text(study))

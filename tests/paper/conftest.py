@@ -20,3 +20,30 @@ def browser():
         )
         yield started
         started.close()
+
+
+@pytest.fixture
+def visit(browser):
+    """Opens a page without network: visit(address, …) -> page. No script may fail, and no other machine be asked.
+
+    visit.asked, visit.said : the addresses that the pages asked for, and what they wrote to the console.
+    """
+    contexts, asked, said, failed = [], [], [], []
+
+    def opened(address, dark=False, **options):
+        scheme = "dark" if dark else "light"
+        contexts.append(browser.new_context(offline=True, color_scheme=scheme, **options))
+        page = contexts[-1].new_page()
+        page.set_default_timeout(120_000)  # a busy machine
+        page.on("console", lambda message: said.append(message.text))
+        page.on("pageerror", lambda error: failed.append(str(error)))
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto(address)
+        return page
+
+    opened.asked, opened.said = asked, said
+    yield opened
+    for context in contexts:
+        context.close()
+    assert failed == []
+    assert [url for url in asked if not url.startswith(("file:", "data:"))] == []

@@ -9,17 +9,12 @@ from pathlib import Path
 import pandas as pd
 
 from dampbalance import steady_orbit
-from dampbalance.features import Features
 from dampbalance.figures.numerics import Evidence
 from dampbalance.project.files import read_csv, write_csv
 from dampbalance.publishing.page.report import PageContent, report_page
-from dampbalance.replication import comparison
 from dampbalance.replication.printed_tables import paper_tables
 from dampbalance.replication.schemes import scheme_table
-from dampbalance.studies import evaluate, outputs
-from dampbalance.studies.checking import read_study
-from dampbalance.studies.settings import Study
-from paper.routes import CASE, CONFIG, PAPER, ROOT, as_published, exact, judged
+from paper.routes import CASE, CONFIG, PAPER, approaches, as_published, computed, exact, judged
 
 PAGE = "results/paper/report.html"
 # The frequency coarser than in config/studies; of the schemes those without the slowest steps.
@@ -39,8 +34,7 @@ def results(folder: Path) -> PageContent:
             table: _through(folder / f"{table}_{name}.csv", frame)
             for table, frame in paper_tables(routes, name, None if n else claims).items()
         }
-    features = {n: Features.from_frame(f) for n, f in routes["exact"].features.items()}
-    studies = [study(name, folder) for name in COARSER]
+    studies = [computed(name, folder, coarser) for name, coarser in COARSER.items()]
     evidence = Evidence(
         claims=claims,
         exact=routes["exact"].features["omega1"],
@@ -53,30 +47,12 @@ def results(folder: Path) -> PageContent:
         config=copy.deepcopy(CONFIG),
         claims=claims,
         tables=made,
-        approaches=_through(
-            folder / "approaches.csv",
-            comparison.approaches_table(features, CASE),
-        ),
+        approaches=_through(folder / "approaches.csv", approaches()),
         orbits=[steady_orbit(PAPER, motion) for motion in CASE.motions("omega1")],
         estimates=routes["exact"].estimates,
         evidence=evidence,
         studies=studies,
     )
-
-
-def study(name: str, folder: Path) -> tuple[Study, Path]:
-    """A study of config/studies with fewer cases, computed."""
-    old, new = COARSER[name]
-    text = (ROOT / f"config/studies/{name}.yaml").read_text(encoding="utf-8")
-    assert old in text
-    file = folder / f"{name}.yaml"
-    file.write_text(text.replace(old, new), encoding="utf-8")
-    read = read_study(
-        file, ROOT / "workflow/schemas/study.schema.yaml", ROOT / "config/config.yaml"
-    )
-    cases = folder / f"{name}.parquet"
-    outputs.write_parts(cases, [evaluate.evaluate(read, 0, read.cases, threads=1)], read, "0")
-    return read, cases
 
 
 @lru_cache

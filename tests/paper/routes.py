@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from decimal import Decimal
 from functools import lru_cache
+from pathlib import Path
 
 import pandas as pd
 import yaml
 
 from dampbalance.estimates import estimate_table
-from dampbalance.features import of_orbit, stack
+from dampbalance.features import Features, of_orbit, stack
 from dampbalance.model import Oscillator
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import Case
@@ -19,7 +20,11 @@ from dampbalance.replication.claim_verdicts import ROUTE_NAMES
 from dampbalance.replication.claims import Published, RouteTables, claims_table, read_published
 from dampbalance.replication.claims.judging import Claim
 from dampbalance.replication.claims.published import Row
-from folders import PUBLISHED, ROOT
+from dampbalance.replication.comparison import approaches_table
+from dampbalance.studies import evaluate, outputs
+from dampbalance.studies.checking import read_study
+from dampbalance.studies.settings import Study
+from folders import PUBLISHED, ROOT, STUDY_SCHEMA
 
 PRINT = read_published(PUBLISHED)
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
@@ -92,3 +97,24 @@ def as_published(oscillator: Oscillator = PAPER) -> RouteTables:
 def unrounded(oscillator: Oscillator = PAPER) -> pd.DataFrame:
     """What the as-published simulation gives at the first frequency, before it is read."""
     return as_read(oscillator)["omega1"].to_frame()
+
+
+def approaches() -> pd.DataFrame:
+    """The table of all approaches on exact features."""
+    features = {name: Features.from_frame(of) for name, of in exact().features.items()}
+    return approaches_table(features, CASE)
+
+
+def computed(name: str, folder: Path, coarser: tuple[str, str] = ("", "")) -> tuple[Study, Path]:
+    """A study of config/studies, computed in a folder, and the file of its cases.
+
+    coarser : a part of its text, and what stands there instead, so that it has fewer cases.
+    """
+    text = (ROOT / f"config/studies/{name}.yaml").read_text(encoding="utf-8")
+    assert coarser[0] in text
+    file, cases = folder / f"{name}.yaml", folder / f"{name}/cases.parquet"
+    cases.parent.mkdir(parents=True)
+    file.write_text(text.replace(*coarser) if coarser[0] else text, encoding="utf-8")
+    study = read_study(file, STUDY_SCHEMA, ROOT / "config/config.yaml")
+    outputs.write_parts(cases, [evaluate.evaluate(study, 0, study.cases, threads=1)], study, "0")
+    return study, cases

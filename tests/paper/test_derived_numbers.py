@@ -18,8 +18,8 @@ from dampbalance.publishing.article.derived_numbers import (
     sampling_instants,
     step_from_work,
 )
-from dampbalance.replication import comparison, schemes
-from paper.routes import CASE, PAPER, as_published, exact
+from dampbalance.replication import schemes
+from paper.routes import CASE, PAPER, approaches, as_published, exact
 
 STEP_US = 1e6 * CASE.numerics.step_s
 
@@ -108,15 +108,12 @@ def test_the_errors_of_a_fit_have_their_sign():
 
 def test_the_figure_shows_what_it_is_given():
     features = exact(PAPER).features
-    approaches = comparison.approaches_table(
-        {name: Features.from_frame(of) for name, of in features.items()}, CASE
-    )
     claims = pd.DataFrame({"id": ["text.c_direct_ls"], "printed": ["90.0115"]})
     none = pd.DataFrame()
     evidence = Evidence(
         claims, features["omega1"], as_published(PAPER).estimates["omega1"], none, none
     )
-    damping, errors, hz = at_a_glance(evidence, approaches, CASE)
+    damping, errors, hz = at_a_glance(evidence, approaches(), CASE)
     assert damping.true == 90.0
     assert damping.rebuilt == pytest.approx(90.0114, abs=5e-5)
     assert damping.added == pytest.approx(PAPER.m * CASE.omega("omega1") ** 2 * 5e-6, rel=1e-12)

@@ -8,7 +8,6 @@ import importlib
 import os
 import re
 from dataclasses import replace
-from html.parser import HTMLParser
 
 import nbformat
 import numpy as np
@@ -18,6 +17,7 @@ import pytest
 from dampbalance.publishing import notebook
 from folders import ROOT
 from paper import axe
+from paper.html import Tree
 
 FOLDER = ROOT / "paper/notebook"
 SOURCE = FOLDER / "tour.py"
@@ -270,40 +270,21 @@ def test_one_core_shows_the_same_bytes(tour):
     assert html == tour[2]
 
 
-class Links(HTMLParser):
-    """Everything that a page would load or point at."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.targets, self.tags, self.ids, self.alt = [], [], set(), []
-        self.feed(text)
-
-    def handle_starttag(self, tag, attributes):
-        given = dict(attributes)
-        self.tags.append(tag)
-        self.ids.add(given.get("id"))
-        if tag == "img":
-            self.alt.append(given.get("alt"))
-        for name in ("src", "href", "srcset", "data", "poster", "action"):
-            if given.get(name):
-                self.targets.append(given[name])
-
-
 @pytest.mark.slow
 def test_the_page_loads_nothing_and_its_links_lead_somewhere(page):
-    links = Links(page)
-    assert [t for t in links.targets if not t.startswith(("data:", "#"))] == []
-    within = [t[1:] for t in links.targets if t.startswith("#")]
+    tree = Tree(page)
+    assert [a for a in tree.addresses if not a.startswith(("data:", "#"))] == []
+    within = {a[1:] for a in tree.addresses if a.startswith("#")}
     assert within
-    assert [name for name in within if name not in links.ids] == []
-    assert not {"script", "link", "iframe", "object"} & set(links.tags)
+    assert within - set(tree.ids) == set()
+    assert tree.named("script", "link", "iframe", "object") == []
     assert not re.search(r"@import|url\(", page)
 
 
 @pytest.mark.slow
 def test_formulas_are_mathml_and_pictures_are_described(page, executed):
-    links = Links(page)
-    assert links.tags.count("math") > 50
+    tree = Tree(page)
+    assert len(tree.named("math")) > 50
     assert "\\ddot" not in re.sub(
         r"<annotation.*?</annotation>|<pre.*?</pre>", "", page, flags=re.S
     )
@@ -315,9 +296,9 @@ def test_formulas_are_mathml_and_pictures_are_described(page, executed):
         for cell in executed.cells
         if any("image/svg+xml" in o.get("data", {}) for o in cell.get("outputs", []))
     ]
-    assert links.alt == [cell.metadata.alt for cell in pictures]
+    assert [e.get("alt") for e in tree.named("img")] == [cell.metadata.alt for cell in pictures]
     assert len(pictures) == 6
-    assert links.tags.count("details") == 5
+    assert len(tree.named("details")) == 5
 
 
 @pytest.mark.slow
@@ -332,19 +313,11 @@ def test_what_is_said_beside_a_table_is_shown(page):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("width", "scheme"), [(1200, "light"), (360, "dark")])
-def test_a_browser_without_network_shows_it(page, tmp_path, browser, width, scheme):
-    (tmp_path / "tour.html").write_text(page, encoding="utf-8")
-    context = browser.new_context(
-        offline=True, color_scheme=scheme, viewport={"width": width, "height": 800}
-    )
-    view = context.new_page()
-    view.set_default_timeout(120_000)  # a busy machine
-    asked, complaints = [], []
-    view.on("request", lambda request: asked.append(request.url))
-    view.on("console", lambda message: complaints.append(message.text))
-    view.on("pageerror", lambda problem: complaints.append(str(problem)))
-    view.goto((tmp_path / "tour.html").as_uri())
+@pytest.mark.parametrize(("width", "dark"), [(1200, False), (360, True)])
+def test_a_browser_without_network_shows_it(page, tmp_path, visit, width, dark):
+    file = tmp_path / "tour.html"
+    file.write_text(page, encoding="utf-8")
+    view = visit(file.as_uri(), dark, viewport={"width": width, "height": 800})
     seen = view.evaluate(
         """() => ({
             wide: document.documentElement.scrollWidth,
@@ -357,15 +330,13 @@ def test_a_browser_without_network_shows_it(page, tmp_path, browser, width, sche
     )
     view.keyboard.press("Tab")
     skip = view.evaluate("document.activeElement.className")
-    context.close()
-    assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
-    assert complaints == []
+    assert visit.said == []
     assert seen["wide"] <= width  # nothing has to be pushed sideways but tables, figures, equations
     assert seen["formula"] > 10
     assert seen["pictures"] == [True] * 6
     assert seen["open"] == 0
     assert seen["pushed"] == 0
-    assert (seen["paper"] == "rgb(255, 255, 255)") == (scheme == "light")
+    assert (seen["paper"] == "rgb(255, 255, 255)") == (not dark)
     assert skip == "skip"  # the first thing that the keyboard reaches
 
 

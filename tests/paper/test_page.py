@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import colorsys
 import dataclasses
+import io
 import itertools
 import json
 import math
 import re
-import subprocess
-import sys
-import zipfile
-from html.parser import HTMLParser
 from xml.etree import ElementTree
 
 import altair
@@ -29,10 +26,9 @@ from dampbalance.publishing.page.report import LARGEST_PAGE
 from dampbalance.replication.claim_verdicts import KINDS, VERDICTS, counts
 from dampbalance.replication.printed_tables import claim_of
 from paper.contrast import GRAPHICS_ON, TEXT_ON, contrast
+from paper.html import Tree
 from paper.page_case import PAGE, claims_of_paper, page_of, results
 from paper.routes import CASE, ROOT
-
-VOID = {"meta", "link", "input", "br", "col", "hr", "img"}
 
 
 @pytest.fixture(scope="module")
@@ -43,44 +39,6 @@ def made(tmp_path_factory):
 @pytest.fixture(scope="module")
 def html(made):
     return page_of(made)
-
-
-class Tree(HTMLParser):
-    """Elements with their attributes, parents and text; a tag that is not closed where it must be is an error."""
-
-    def __init__(self, html: str) -> None:
-        super().__init__(convert_charrefs=True)
-        self.open: list[dict] = []
-        self.all: list[dict] = []
-        self.feed(html)
-        self.close()
-        assert self.open == []
-
-    def handle_starttag(self, tag, attrs):
-        names = [name for name, _ in attrs]
-        assert len(names) == len(set(names)), (tag, attrs)
-        within = tuple(element["tag"] for element in self.open)
-        element = {"tag": tag, "text": "", "within": within, **dict(attrs)}
-        self.all.append(element)
-        if tag not in VOID:
-            self.open.append(element)
-
-    def handle_startendtag(self, tag, attrs):
-        self.handle_starttag(tag, attrs)
-        if tag not in VOID:
-            self.open.pop()
-
-    def handle_endtag(self, tag):
-        assert self.open, tag
-        assert self.open[-1]["tag"] == tag, f"</{tag}> closes <{self.open[-1]['tag']}>"
-        self.open.pop()
-
-    def handle_data(self, data):
-        for element in self.open:
-            element["text"] += data
-
-    def named(self, *tags):
-        return [element for element in self.all if element["tag"] in tags]
 
 
 @pytest.fixture(scope="module")
@@ -115,12 +73,12 @@ def test_every_claim_has_its_row_and_its_reason(tree, made):
 
 def test_the_headline_counts_what_is_computed(tree, made):
     computed = made.claims[made.claims["kind"] == "computed"]
-    lead = next(e["text"] for e in tree.named("p") if e.get("class") == "lead")
+    lead = tree.one("p", class_="lead")["text"]
     assert f"Of the {len(computed)} computed numbers" in lead
     for verdict, n in computed["verdict"].value_counts().items():
         said = verdict.replace("differs", "differ")
         assert re.search(rf"\b{n} (are )?(by )?{said}|\b{n} by reconstructing", lead), verdict
-    besides = next(e["text"] for e in tree.named("p") if e.get("class") == "besides")
+    besides = tree.one("p", class_="besides")["text"]
     of_kind = made.claims["kind"].value_counts()
     assert f"{of_kind['given']} given values" in besides
     assert f"{of_kind['statement']} statements" in besides
@@ -130,8 +88,7 @@ def test_a_given_value_that_the_configuration_does_not_hold_says_so(made):
     claims = made.claims.copy()
     claims.loc[claims["id"] == "parameter.m", "verdict"] = "differs"
     tree = Tree(page_of(dataclasses.replace(made, claims=claims, evidence=None, studies=[])))
-    (mass,) = (e["text"] for e in tree.named("li") if e.get("id") == "parameter.m")
-    assert "differs" in mass
+    assert "differs" in tree.one("li", id="parameter.m")["text"]
     held = int((claims["kind"] == "given").sum()) - 1
     (fold,) = (e["text"] for e in tree.named("summary") if "given values" in e["text"])
     assert f"holds {held} of them" in fold
@@ -169,7 +126,7 @@ def test_a_cell_knows_its_claim(cell, claim):
 
 
 def test_the_errors_are_those_of_the_table(tree, made):
-    text = next(e["text"] for e in tree.named("table") if e.get("class") == "errors")
+    text = tree.one("table", class_="errors")["text"]
     rows = made.approaches.set_index(["frequency", "approach", "phase", "sharing"])
     worst = rows["F_k_error_percent"]["omega3", "X_s", "reversal", "common"]
     assert -67.0 < worst < -65.0  # findings: 65.8 % of least squares
@@ -178,9 +135,7 @@ def test_the_errors_are_those_of_the_table(tree, made):
 
 
 def test_off_resonance_the_page_tells_both_causes_and_what_each_costs(tree, made):
-    text = " ".join(
-        next(e["text"] for e in tree.named("section") if e.get("id") == "errors").split()
-    )
+    text = " ".join(tree.one("section", id="errors")["text"].split())
     assert "Which phase:" in text
     assert "One phase for all levels:" in text
     # findings: −16.2 % by the phase alone and −19.5 % by both at 3.5 Hz, +11.8 and −65.8 % at 11.1 Hz
@@ -202,7 +157,7 @@ def test_a_case_without_a_paper_has_a_page_without_verdicts(made):
     }
     own = dataclasses.replace(made, claims=None, tables=blank, evidence=None, studies=[])
     tree = Tree(page_of(own))
-    text = next(e["text"] for e in tree.named("main"))
+    text = tree.one("main")["text"]
     assert not [e for e in tree.all if "data-verdict" in e]
     assert "Figure 3" in text
     assert "Parameter studies" not in text
@@ -227,22 +182,18 @@ def test_it_is_small_enough_and_says_when_it_is_not(made, html, monkeypatch):
 
 
 def test_it_loads_nothing_from_elsewhere(tree):
-    for element in tree.all:
-        for name in ("src", "href", "action", "data", "srcset", "poster"):
-            address = element.get(name)
-            assert address is None or not re.match(r"(?:[a-z]+:)?//|https?:", address), element
+    assert [a for a in tree.addresses if re.match(r"(?:[a-z]+:)?//|https?:", a)] == []
     policy = next(e["content"] for e in tree.named("meta") if "http-equiv" in e)
     assert policy.startswith("default-src 'none'")
     assert "http" not in policy
 
 
 def test_every_link_leads_somewhere(tree):
-    names = {e["id"] for e in tree.all if "id" in e}
     folder = (ROOT / PAGE).parent
     for element in tree.named("a"):
         target = element["href"]
         if target.startswith("#"):
-            assert target[1:] in names, target
+            assert target[1:] in tree.ids, target
             continue
         path = (folder / target).resolve()
         assert path.is_relative_to(ROOT.resolve()), target
@@ -263,24 +214,6 @@ def test_a_source_is_where_it_says(source):
 def test_links_start_from_where_the_page_stands():
     assert link("src/a.py", "results/paper/report.html") == "../../src/a.py"
     assert link("src/a.py", "report.html") == "src/a.py"
-
-
-def test_the_package_ships_what_the_page_is_made_of(tmp_path):
-    subprocess.run(
-        [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)],
-        cwd=ROOT,
-        check=True,
-        capture_output=True,
-    )
-    (wheel,) = tmp_path.glob("*.whl")
-    held = set(zipfile.ZipFile(wheel).namelist())
-    parts = [
-        p
-        for f in ("static", "templates")
-        for p in (ROOT / "src/dampbalance/publishing/page" / f).iterdir()
-    ]
-    assert len(parts) == 5
-    assert {p.relative_to(ROOT / "src").as_posix() for p in parts} <= held
 
 
 # --- it can be read by everybody -------------------------------------------------------------------
@@ -341,7 +274,7 @@ def test_every_colour_of_the_page_is_one_that_is_checked(html):
     assert used - checked == {"rule"}  # lines of tables and grids, which only decorate
     style = (ROOT / "src/dampbalance/publishing/page/static/style.css").read_text(encoding="utf-8")
     assert re.findall(r"#[0-9a-fA-F]{3,8}\b", style) == []  # no colour outside the palette
-    specs = next(e["text"] for e in Tree(html).named("script") if e.get("id") == "charts")
+    specs = Tree(html).one("script", id="charts")["text"]
     assert re.findall(r'"#[0-9a-fA-F]{3,8}"', specs) == []
 
 
@@ -355,8 +288,8 @@ def test_the_document_says_its_language_and_its_headings_are_in_order(tree, html
 
 
 def test_names_are_unique_and_references_meet_them(tree):
-    names = [e["id"] for e in tree.all if "id" in e]
-    assert len(names) == len(set(names))
+    names = set(tree.ids)
+    assert len(tree.ids) == len(names)
     for element in tree.all:
         for key in ("aria-labelledby", "popovertarget", "for"):
             assert element.get(key) is None or element[key] in names, element
@@ -372,7 +305,7 @@ def test_tables_have_captions_and_scoped_heads(tree):
 def test_the_first_thing_to_reach_skips_to_the_content(tree):
     first = next(e for e in tree.all if e["tag"] in ("a", "button", "input", "select"))
     assert first["href"] == "#main"
-    assert next(e for e in tree.named("main"))["id"] == "main"
+    assert tree.one("main")["id"] == "main"
 
 
 def test_every_chart_is_described_and_drawn_without_a_script(tree):
@@ -393,18 +326,20 @@ def test_every_chart_is_described_and_drawn_without_a_script(tree):
 
 @pytest.mark.slow
 def test_specifications_are_valid_vega_lite(tree):
-    sent = json.loads(next(e["text"] for e in tree.named("script") if e.get("id") == "charts"))
+    sent = json.loads(tree.one("script", id="charts")["text"])
     assert len(sent["charts"]) == 23
     for spec in sent["charts"].values():
         altair.Chart.from_dict({**spec, "config": sent["config"]}, validate=True)
 
 
+def chart_rows(tree, name):
+    """The table behind a chart, as text."""
+    text = tree.one("script", id=f"rows.{name}")["text"]
+    return pd.read_csv(io.StringIO(text), dtype=str, keep_default_na=False)
+
+
 def test_a_chart_holds_the_values_that_were_found(tree, made):
-    rows = next(
-        e["text"] for e in tree.named("script") if e.get("id") == "rows.study-frequency-F-k-0"
-    )
-    lines = [line.split(",") for line in rows.splitlines()]
-    table = pd.DataFrame(lines[1:], columns=lines[0]).astype(float)
+    table = chart_rows(tree, "study-frequency-F-k-0").astype(float)
     study, cases = made.studies[0]
     truth = pd.read_parquet(cases)
     assert len(table) == study.cases
@@ -414,9 +349,7 @@ def test_a_chart_holds_the_values_that_were_found(tree, made):
 
 
 def test_the_loops_tell_x_and_its_derivatives(tree, made):
-    rows = next(e["text"] for e in tree.named("script") if e.get("id") == "rows.orbit")
-    lines = [line.split(",") for line in rows.splitlines()]
-    table = pd.DataFrame(lines[1:], columns=lines[0])
+    table = chart_rows(tree, "orbit")
     orbit = made.orbits[0]
     stick = table[(table["phase"] == "microstick") & (table["branch"] == "0")]
     x = stick["x"].astype(float)
@@ -499,62 +432,38 @@ def test_what_stands_in_a_script_cannot_end_it():
 
 
 @pytest.mark.parametrize(
-    ("text", "html"),
+    ("function", "text", "shown"),
     [
-        ("X_s of 1 < 2", "<i>X</i><sub>s</sub> of 1 &lt; 2"),
-        ("phi: phase", "<i>φ</i>: phase"),
-        ("ω/ω_n and omega_1", "ω/<i>ω</i><sub>n</sub> and <i>ω</i><sub>1</sub>"),
-        ("least_squares", "least_squares"),
-        (
-            "F_k is 5 % off at 4 mm",
-            "<i>F</i><sub>k</sub> is 5\N{NO-BREAK SPACE}% off at 4\N{NO-BREAK SPACE}mm",
-        ),
+        (words.rich, "X_s of 1 < 2", "<i>X</i><sub>s</sub> of 1 &lt; 2"),
+        (words.rich, "phi: phase", "<i>φ</i>: phase"),
+        (words.rich, "ω/ω_n and omega_1", "ω/<i>ω</i><sub>n</sub> and <i>ω</i><sub>1</sub>"),
+        (words.rich, "least_squares", "least_squares"),
+        (words.rich, "F_k is 5 % off at 4 mm", "<i>F</i><sub>k</sub> is 5~% off at 4~mm"),
+        (words.titled, "error of *c* by X_s < 1", "error of <i>c</i> by <i>X</i><sub>s</sub> &lt; 1"),
+        (words.titled, "at ω₁, 4.92 Hz", "at <i>ω</i><sub>1</sub>, 4.92~Hz"),
+        (words.quantity, "a: norm of w", "<i>a</i>: norm of <i>w</i>"),
+        (words.quantity, "share of a bound", "share of a bound"),
+        (words.reason, "c acts as c + mω²h = 90.01 N s/m, not as the author’s c",
+         "<i>c</i> acts as <i>c</i> + <i>m</i>ω²<i>h</i> = 90.01~N s/m, not as the author’s <i>c</i>"),
+        (words.italic, "c", "*c*"),
+        (words.italic, "F_k", "F_k"),
+        (wording.plain, "F_k by X_s, K_z", "Fₖ by Xₛ, K_z"),
+        (wording.unit_of, "m^2/s", "m²/s"),
+        (wording.minus, "-0.5 and 1e-5, x-1", "−0.5 and 1e-5, x-1"),
+        (wording.frequency_name, "omega2", "ω₂"),
+        (wording.frequency_name, "resonance", "resonance"),
+        (wording.number, 90.0, "90.00000"),
+        (wording.number, -0.00271563541, "−0.002715635"),
+        (wording.number, 4.2915e-16, "4.291500·10⁻¹⁶"),
+        (wording.number, 0.0, "0"),
+        (wording.number, math.nan, "–"),
+        (wording.power_of_ten, 3e-12, "10⁻¹¹"),  # a bound is not below what it bounds
+        (wording.power_of_ten, 1e-11, "10⁻¹¹"),
     ],
-)
-def test_symbols_are_set(text, html):
-    assert str(words.rich(text)) == html
-
-
-def test_titles_set_single_letters_between_asterisks():
-    assert str(words.titled("error of *c* by X_s < 1")) == (
-        "error of <i>c</i> by <i>X</i><sub>s</sub> &lt; 1"
-    )
-    assert (
-        str(words.titled("at ω₁, 4.92 Hz")) == "at <i>ω</i><sub>1</sub>, 4.92\N{NO-BREAK SPACE}Hz"
-    )
-    assert str(words.quantity("a: norm of w")) == "<i>a</i>: norm of <i>w</i>"
-    assert str(words.quantity("share of a bound")) == "share of a bound"
-    reason = "c acts as c + mω²h = 90.01 N s/m, not as the author’s c"
-    set_ = "<i>c</i> acts as <i>c</i> + <i>m</i>ω²<i>h</i> = 90.01\N{NO-BREAK SPACE}N s/m, not as the author’s <i>c</i>"
-    assert str(words.reason(reason)) == set_
-    assert [words.italic(symbol) for symbol in ("c", "F_k")] == ["*c*", "F_k"]
-
-
-def test_plain_symbols_unit_and_signs():
-    assert wording.plain("F_k by X_s, K_z") == "Fₖ by Xₛ, K_z"
-    assert wording.unit_of("m^2/s") == "m²/s"
-    assert wording.minus("-0.5 and 1e-5, x-1") == "−0.5 and 1e-5, x-1"
-    assert wording.frequency_name("omega2") == "ω₂"
-    assert wording.frequency_name("resonance") == "resonance"
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (90.0, "90.00000"),
-        (-0.00271563541, "−0.002715635"),
-        (4.2915e-16, "4.291500·10⁻¹⁶"),
-        (0.0, "0"),
-        (math.nan, "–"),
-    ],
-)
-def test_numbers(value, text):
-    assert wording.number(value) == text
-
-
-def test_a_bound_is_not_below_what_it_bounds():
-    assert wording.power_of_ten(3e-12) == "10⁻¹¹"
-    assert wording.power_of_ten(1e-11) == "10⁻¹¹"
+)  # fmt: skip
+def test_symbols_numbers_and_units_are_set(function, text, shown):
+    """A tilde stands for a space at which no line breaks."""
+    assert str(function(text)) == shown.replace("~", "\N{NO-BREAK SPACE}")
 
 
 # --- the picture in the README ---------------------------------------------------------------------
@@ -565,16 +474,18 @@ def test_the_picture_of_the_match_is_up_to_date():
     assert match_picture(counts(claims_of_paper())) == shown
 
 
+SVG = "{http://www.w3.org/2000/svg}"
+
+
 def test_the_picture_says_its_numbers():
     found = counts(claims_of_paper())
     root = ElementTree.fromstring(match_picture(found))
-    space = "{http://www.w3.org/2000/svg}"
     total = found[-1]
-    description = root.find(f"{space}desc").text
+    description = root.find(f"{SVG}desc").text
     assert description.startswith(
         f"Of {total.computed} computed numbers: {total.of_verdict['reproduced']} reproduced"
     )
-    titles = [title.text for title in root.iter(f"{space}title")][1:]
+    titles = [title.text for title in root.iter(f"{SVG}title")][1:]
     expected = [
         f"{count.part}: {n} {verdict}"
         for count in found
@@ -584,8 +495,8 @@ def test_the_picture_says_its_numbers():
     assert titles == expected
     bars = [
         float(rect.get("width"))
-        for rect in root.iter(f"{space}rect")
-        if rect.find(f"{space}title") is not None
+        for rect in root.iter(f"{SVG}rect")
+        if rect.find(f"{SVG}title") is not None
     ]
     room = match.WIDTH - match.LEFT - match.RIGHT
     ends = itertools.accumulate(sum(map(bool, count.of_verdict.values())) for count in found)
@@ -600,8 +511,7 @@ def test_the_picture_says_its_numbers():
 
 def test_the_legend_of_the_picture_holds_every_verdict_inside_it():
     root = ElementTree.fromstring(match_picture(counts(claims_of_paper())))
-    space = "{http://www.w3.org/2000/svg}"
-    words = {text.text: text for text in root.iter(f"{space}text")}
+    words = {text.text: text for text in root.iter(f"{SVG}text")}
     for name in VERDICTS:
         # 8 px a letter at 14 px, and some room
         assert float(words[name].get("x")) + 8 * len(name) < match.WIDTH

@@ -47,27 +47,11 @@ def address(file):
 
 
 @pytest.fixture
-def opened(browser, address):
-    """Opens the page: opened(viewport, dark) -> page. At the end nothing may have been said or asked for."""
-    contexts, said = [], []
-
-    def open_(viewport=DESK, dark=False, **options):
-        context = browser.new_context(
-            viewport=viewport, offline=True, color_scheme="dark" if dark else "light", **options
-        )
-        contexts.append(context)
-        page = context.new_page()
-        page.set_default_timeout(120_000)  # a busy machine
-        page.on("console", lambda message: said.append(message.text))
-        page.on("pageerror", lambda error: said.append(str(error)))
-        page.on("request", lambda request: said.append(request.url))
-        page.goto(address)
-        return page
-
-    yield open_
-    for context in contexts:
-        context.close()
-    assert said == [address] * len(contexts)  # the page itself, and nothing else
+def opened(visit, address):
+    """Opens the page, which may ask for nothing but itself, and complain of nothing."""
+    yield lambda viewport=DESK, **options: visit(address, viewport=viewport, **options)
+    assert set(visit.asked) == {address}
+    assert visit.said == []
 
 
 def shown(page, kind="computed"):
@@ -363,17 +347,11 @@ def test_axe_would_find_what_is_wrong(opened):
     assert {"image-alt", "target-size"} <= rules
 
 
-def test_without_a_script_everything_can_be_read(browser, address, computed):
-    context = browser.new_context(viewport=DESK, offline=True, java_script_enabled=False)
-    try:
-        page = context.new_page()
-        page.set_default_timeout(120_000)  # a busy machine
-        page.goto(address)
-        assert page.locator("#claims tbody tr >> visible=true").count() == len(computed)
-        assert page.locator(".plot > svg >> visible=true").count() == 23
-        assert not page.locator(".filter").is_visible()  # nothing that would not work
-        page.click('[id="table1.phi.1"] summary')
-        assert page.locator('[id="table1.phi.1"] details p').is_visible()
-        assert re.search("needs? it", page.inner_text(".noscript"))
-    finally:
-        context.close()
+def test_without_a_script_everything_can_be_read(opened, computed):
+    page = opened(java_script_enabled=False)
+    assert page.locator("#claims tbody tr >> visible=true").count() == len(computed)
+    assert page.locator(".plot > svg >> visible=true").count() == 23
+    assert not page.locator(".filter").is_visible()  # nothing that would not work
+    page.click('[id="table1.phi.1"] summary')
+    assert page.locator('[id="table1.phi.1"] details p').is_visible()
+    assert re.search("needs? it", page.inner_text(".noscript"))

@@ -14,14 +14,7 @@ from paper.site_case import built
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason=REASON)]
 
 PHONE = {"width": 375, "height": 800}
-SAMPLE = (
-    "index",
-    "start/paper",
-    "explain/balance",
-    "reference/api",
-    "studies",
-    "search",
-)
+SAMPLE = ("index", "start/paper", "explain/balance", "reference/api", "studies", "search")
 
 
 @pytest.fixture(scope="module")
@@ -29,36 +22,12 @@ def site(tmp_path_factory):
     return built(tmp_path_factory.mktemp("site"))
 
 
-@pytest.fixture
-def opened(browser):
-    """Opens a page: opened(path, viewport) -> page. Nothing may be asked for elsewhere, and no script may fail."""
-    contexts, wrong = [], []
-
-    def open_(path, viewport=None, query=""):
-        context = browser.new_context(offline=True, viewport=viewport)
-        contexts.append(context)
-        page = context.new_page()
-        page.set_default_timeout(120_000)  # a busy machine
-        page.on("pageerror", lambda error: wrong.append(str(error)))
-        page.on(
-            "request",
-            lambda r: wrong.append(r.url) if not r.url.startswith(("file:", "data:")) else None,
-        )
-        page.goto(path.as_uri() + query)
-        return page
-
-    yield open_
-    for context in contexts:
-        context.close()
-    assert wrong == []
-
-
 @pytest.mark.parametrize(
     ("words", "leads"),
     [("steady_orbit", "reference/api.html"), ("F_k", "explain/"), ("bootstrap", "uncertainty")],
 )
-def test_a_search_without_a_network_finds_it(site, opened, words, leads):
-    page = opened(site / "search.html", query=f"?q={words}")
+def test_a_search_without_a_network_finds_it(site, visit, words, leads):
+    page = visit(f"{(site / 'search.html').as_uri()}?q={words}")
     page.wait_for_selector("#search-results li a")
     page.wait_for_function(
         "() => /found|finished/i.test(document.querySelector('#search-results').innerText)"
@@ -67,8 +36,8 @@ def test_a_search_without_a_network_finds_it(site, opened, words, leads):
     assert any(leads in link for link in links)
 
 
-def test_the_search_field_leads_to_the_results(site, opened):
-    page = opened(site / "index.html")
+def test_the_search_field_leads_to_the_results(site, visit):
+    page = visit((site / "index.html").as_uri())
     page.keyboard.press("Control+k")
     page.keyboard.type("Coulomb")
     page.keyboard.press("Enter")
@@ -76,10 +45,8 @@ def test_the_search_field_leads_to_the_results(site, opened):
     assert "search.html?q=Coulomb" in page.url
 
 
-def test_no_page_is_wider_than_a_phone(site, browser):
-    context = browser.new_context(offline=True, viewport=PHONE)
-    page = context.new_page()
-    page.set_default_timeout(120_000)  # a busy machine
+def test_no_page_is_wider_than_a_phone(site, visit):
+    page = visit("about:blank", viewport=PHONE)
     wide = []
     for path in sorted(site.rglob("*.html")):
         if "files" not in path.relative_to(site).parts:
@@ -87,7 +54,6 @@ def test_no_page_is_wider_than_a_phone(site, browser):
             width = page.evaluate("() => document.documentElement.scrollWidth")
             if width > PHONE["width"]:
                 wide.append(f"{path.relative_to(site)}: {width}")
-    context.close()
     assert wide == []
 
 
@@ -97,9 +63,9 @@ def test_it_hinders_nobody(site, browser, name):
     assert axe.found(browser, site / f"{name}.html") == []
 
 
-def test_where_the_keyboard_is_can_be_seen(site, opened):
+def test_where_the_keyboard_is_can_be_seen(site, visit):
     """Each of the first twenty places that the Tab key reaches has an outline, a ring or a shadow."""
-    page = opened(site / "explain/balance.html", {"width": 1280, "height": 900})
+    page = visit((site / "explain/balance.html").as_uri())
     unseen = []
     for _ in range(20):
         page.keyboard.press("Tab")

@@ -315,7 +315,3 @@ def test_fourier_has_the_integrals_that_three_harmonics_tell():
         assert rows.terms[symbol][0] == pytest.approx(work, rel=1e-12)
     for symbol in ("c_2", "c_3"):
         assert np.isnan(rows.terms[symbol]).all()
-
-
-def test_the_approaches_by_the_onset_of_slip_depend_on_the_choice_of_phase():
-    assert [name for name in APPROACHES if takes_phase(name)] == ["X_s", "t_s", "V_s"]

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from numba.core.caching import _CacheLocator
 
 from dampbalance.publishing.provenance.sources import PROJECT
+from folders import contents
 from workflow.starting import snakemake
 
 get_subpath = _CacheLocator.get_suitable_cache_subpath
@@ -34,30 +37,29 @@ class Checkout:
             self.folder, "--cores", str(cores), *arguments, compiled=compiled, project=self.project
         )
 
+    def made(self, *arguments: str, **options: Any) -> str:
+        """What a run says that must succeed."""
+        done = self.run(*arguments, **options)
+        assert done.returncode == 0, done.stderr
+        return done.stdout + done.stderr
+
+    def refused(self, *arguments: str) -> str:
+        """What a run says that must fail, with words and no traceback."""
+        done = self.run(*arguments)
+        said = done.stdout + done.stderr
+        assert (done.returncode != 0, "Traceback" in said) == (True, False)
+        return said
+
     def jobs(self, *arguments: str, compiled: bool = True) -> dict[str, int]:
         """How many jobs of each rule a run would start (a dry run)."""
-        done = self.run("--dry-run", *arguments, compiled=compiled)
-        assert done.returncode == 0, done.stderr
-        lines = done.stdout.splitlines() + done.stderr.splitlines()
-        counts = {}
-        for i, line in enumerate(lines):
-            if line.split() == ["job", "count"]:
-                for row in lines[i + 2 :]:
-                    if len(row.split()) != 2:
-                        break
-                    name, count = row.split()
-                    counts[name] = int(count)
-                break
-        return counts
+        said = self.made("--dry-run", *arguments, compiled=compiled)
+        table = re.search(r"^job +count\n-.*\n((?:\w+ +\d+\n)*)", said, re.MULTILINE)
+        rows = table[1].splitlines() if table else ()
+        return {name: int(count) for name, count in map(str.split, rows)}
 
     def files(self, folder: str) -> dict[str, bytes]:
         """Every file below results/<folder>, by its path in it."""
-        top = self.folder / "results" / folder
-        return {
-            str(path.relative_to(top)): path.read_bytes()
-            for path in sorted(top.rglob("*"))
-            if path.is_file()
-        }
+        return contents(self.folder / "results" / folder)
 
 
 def keep_kernels(source: Path, folder: Path) -> None:

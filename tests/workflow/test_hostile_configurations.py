@@ -30,6 +30,18 @@ PAPER = yaml.safe_load(FILE.read_text(encoding="utf-8"))
 LONGEST = 300  # characters of a line
 FAR = [1e-300, 1e-30, 1e-9, 1e-3, 1e3, 1e9, 1e30, 1e300]
 DECIMALS = ["X_decimals", "X_s_decimals", "V_s_decimals", "phi_decimals", "common_phi_decimals"]
+LEVELS = [[1e-300, 1.0], [10**30, 2], [1, 2, 3], [1e-6, 2e-6], [0.001] * 2, ["a", 1]]
+PAIRS = [
+    [[1, 1]],
+    [[1, 6]],
+    [[1.0, 2.0]],
+    [[1, 2], [1, 2]],
+    [[0, 1]],
+    [[True, 2]],
+    [[1, 2**62]],
+    [1],
+]
+NUMERICS = [1e-300, 1e300, 10**9, 2**62, [2**62], [0], 400, "rk4", 5.0, None]
 NAMES = [
     "../x",
     "a/b",
@@ -71,36 +83,13 @@ def far_out(draw: random.Random) -> dict:
         frequency["hz"] = draw.choice(FAR)
     elif choice == 2:
         near = 0.004 * (1.0 + log_uniform(draw, 1e-16, 1e-3))
-        levels["levels_m"] = draw.choice(
-            [
-                [0.004, near],
-                [1e-300, 1.0],
-                [10**30, 2],
-                [1, 2, 3],
-                [1e-6, 2e-6],
-                [0.001] * 2,
-                ["a", 1],
-            ]
-        )
+        levels["levels_m"] = draw.choice([[0.004, near], *LEVELS])
         pairs["pairs"] = [[1, 2]]
     elif choice == 3:
-        pairs["pairs"] = draw.choice(
-            [
-                [[1, 1]],
-                [[1, 6]],
-                [[1.0, 2.0]],
-                [[1, 2], [1, 2]],
-                [[0, 1]],
-                [[True, 2]],
-                [[1, 2**62]],
-                [1],
-            ]
-        )
+        pairs["pairs"] = draw.choice(PAIRS)
     elif choice == 4:
         key = draw.choice(["step_s", "cycles", "slip_samples", "c_over_m_decimals", "scheme"])
-        published[key] = draw.choice(
-            [1e-300, 1e300, 10**9, 2**62, [2**62], [0], 400, "rk4", 5.0, None]
-        )
+        published[key] = draw.choice(NUMERICS)
     elif choice == 5:
         rules = published[draw.choice(["tabulated", "two_point"])]
         rules[draw.choice([*rules, "X_decimals"])] = draw.choice(

@@ -8,6 +8,7 @@ import os
 import pytest
 import yaml
 
+from folders import contents, restored
 from workflow.copies import SMALL, Checkout
 
 pytestmark = pytest.mark.slow
@@ -84,24 +85,15 @@ def made(foreign):
     """Part of what could be made there, by names of files and of rules, and by a rule of the folder's own."""
     before = {path for path in foreign.project.rglob("*") if path.is_file()}
     targets = ("mine", "db_tables", "db_manifest", "db/results/studies/ours/summary.md")
-    done = foreign.run(*targets, f"example/results/{IDENTIFIED}/summary.txt")
-    assert done.returncode == 0, done.stderr
+    foreign.made(*targets, f"example/results/{IDENTIFIED}/summary.txt")
     kept = {path for path in foreign.project.rglob("*") if path.is_file()}
     # In the project's folder appear compiled modules and kernels, and nothing else.
     assert {path.suffix for path in kept - before} <= {".pyc", ".nbi", ".nbc"}
     return foreign
 
 
-def below(folder):
-    return {
-        path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in sorted(folder.rglob("*"))
-        if path.is_file()
-    }
-
-
 def test_the_results_are_those_of_the_project_itself(made, built):
-    files = below(made.folder / "db/results/small")
+    files = contents(made.folder / "db/results/small")
     there = built.files("small")
     assert {f"tables/{name}.csv" for name in ("table1", "table3_above", "approaches")} <= set(files)
     assert {"report.html", "figures/figure3.svg", "estimates/exact/above.csv"} <= set(files)
@@ -125,20 +117,16 @@ def test_the_manifest_names_files_as_the_project_does(made, built):
 
 def test_a_study_of_its_own_is_made_beside_those_of_the_project(made, built):
     ours = built.folder / "config/studies/ours.yaml"
-    ours.write_text(STUDY, encoding="utf-8")
-    try:
-        done = built.run("results/studies/ours/summary.md")
-    finally:
-        ours.unlink()
-    assert done.returncode == 0, done.stderr
-    assert below(made.folder / "db/results/studies/ours") == built.files("studies/ours")
+    with restored(ours):
+        ours.write_text(STUDY, encoding="utf-8")
+        built.made("results/studies/ours/summary.md")
+    assert contents(made.folder / "db/results/studies/ours") == built.files("studies/ours")
     assert made.jobs("db/results/studies/damping/summary.md")["db_study_cases"] == 1
 
 
 def test_records_that_the_project_brings_along_are_identified(made, built):
-    done = built.run("--configfile", EXAMPLE)
-    assert done.returncode == 0, done.stderr
-    files = below(made.folder / "example/results" / IDENTIFIED)
+    built.made("--configfile", EXAMPLE)
+    files = contents(made.folder / "example/results" / IDENTIFIED)
     # Records are named by their paths from the folder of the run on.
     way = os.path.relpath(built.folder, made.folder).encode() + b"/"
     assert way in files["features.csv"]
@@ -177,7 +165,5 @@ def test_the_workflow_runs_in_another_folder(built, tmp_path):
     snakefile = ("--snakefile", str(built.folder / "Snakefile"))
     small = ("--configfile", str(built.folder / SMALL[1]))
     elsewhere = Checkout(tmp_path, built.folder)
-    done = elsewhere.run("estimates", *snakefile, *small)
-    assert done.returncode == 0, done.stderr
-    there = built.files("small/estimates")
-    assert elsewhere.files("small/estimates") == there
+    elsewhere.made("estimates", *snakefile, *small)
+    assert elsewhere.files("small/estimates") == built.files("small/estimates")

@@ -11,6 +11,7 @@ import yaml
 
 from dampbalance.identification.outputs import OUTPUTS
 from dampbalance.project.files import ROUTES
+from folders import restored
 from schemas import values
 
 NAMES_A_FILE = {
@@ -129,11 +130,9 @@ def test_a_frame_that_does_not_fit_its_set_is_told_before_anything_runs(named, c
 @pytest.mark.slow
 def test_a_missing_file_of_channels_is_told_with_its_mapping(named):
     base = named.folder / "data/base.csv"
-    aside = base.rename(named.folder / "aside.csv")
-    try:
+    with restored(base):
+        base.unlink()
         status, said = dry_run(named, CASE)
-    finally:
-        aside.rename(base)
     assert "one.yaml: line 4: channels.base_displacement.file: no file data/base.csv" in said
     assert (status, "Traceback" in said) == (1, False)
 
@@ -142,12 +141,9 @@ def test_a_missing_file_of_channels_is_told_with_its_mapping(named):
 @pytest.mark.parametrize("name", NAMED)
 def test_a_file_that_is_named_and_changes_is_read_again(named, name):
     file, soon = named.folder / name, time.time() + 60.0
-    before = file.stat()
-    os.utime(file, (soon, soon))
-    try:
+    with restored(file):
+        os.utime(file, (soon, soon))
         status, said = dry_run(named, CASE)
-    finally:
-        os.utime(file, ns=(before.st_atime_ns, before.st_mtime_ns))
     assert status == 0
     assert re.search(rf"Updated input files: {re.escape(name)}\n", said)
 

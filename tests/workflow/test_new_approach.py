@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 import yaml
 
+from folders import restored
 from processes import output_of
 
 pytestmark = pytest.mark.slow
@@ -85,8 +86,7 @@ def extended(checkout):
 
 
 def test_the_pipeline_shows_it(extended):
-    done = extended.run("--configfile", "toy.yaml")
-    assert done.returncode == 0, done.stderr
+    extended.made("--configfile", "toy.yaml")
     results = extended.folder / "results/toy"
     table = pd.read_csv(results / "estimates/exact/resonance.csv")
     fit = table[(table["approach"] == "toy") & (table["kind"] == "least_squares")].iloc[0]
@@ -103,8 +103,7 @@ def test_the_pipeline_shows_it(extended):
 
 
 def test_a_study_can_ask_for_it(extended):
-    done = extended.run("results/studies/toy/summary.md")
-    assert done.returncode == 0, done.stderr
+    extended.made("results/studies/toy/summary.md")
     folder = extended.folder / "results/studies/toy"
     cases = pd.read_parquet(folder / "cases.parquet")
     assert cases["F_k_relative_error__toy__least_squares"].abs().max() < 1e-6
@@ -150,8 +149,7 @@ def test_records_of_such_a_law_are_simulated_and_it_is_found_in_them(extended):
 def test_an_approach_that_is_not_there_is_named(extended):
     wrong = STUDY | {"estimation": {"approaches": ["toi"]}}
     file = extended.folder / "config/studies/wrong.yaml"
-    file.write_text(yaml.safe_dump(wrong, allow_unicode=True), encoding="utf-8")
-    done = extended.run("--dry-run", "results/studies/wrong/summary.md")
-    file.unlink()
-    assert done.returncode != 0
-    assert "'toi' is not an approach (did you mean toy?)" in done.stdout + done.stderr
+    with restored(file):
+        file.write_text(yaml.safe_dump(wrong, allow_unicode=True), encoding="utf-8")
+        said = extended.refused("--dry-run", "results/studies/wrong/summary.md")
+    assert "'toi' is not an approach (did you mean toy?)" in said

@@ -10,22 +10,12 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
-from folders import ROOT
+from folders import ROOT, restored
 from paper_case import PAPER, orbits_at
 from same_results import digests
 from workflow.copies import SMALL
 
 pytestmark = pytest.mark.slow
-
-
-def touched(checkout, file):
-    """Give a file of the copy a newer time and other contents (a comment)."""
-    path = checkout.folder / file
-    before = path.read_text(encoding="utf-8")
-    path.write_text(before + "\n# changed\n", encoding="utf-8")
-    later = time.time() + 2
-    os.utime(path, (later, later))
-    return before
 
 
 def test_everything_is_made(built):
@@ -74,12 +64,10 @@ def test_a_second_run_does_nothing(built):
 
 
 def test_a_changed_value_reruns_what_depends_on_it(built):
-    config = (built.folder / "small.yaml").read_text(encoding="utf-8")
-    try:
-        (built.folder / "small.yaml").write_text(config.replace("9.0", "9.5"), encoding="utf-8")
+    config = built.folder / "small.yaml"
+    with restored(config):
+        config.write_text(config.read_text("utf-8").replace("9.0", "9.5"), encoding="utf-8")
         jobs = built.jobs(*SMALL)
-    finally:
-        (built.folder / "small.yaml").write_text(config, encoding="utf-8")
     assert jobs["simulate_exact"] == 1
     assert jobs["features_exact"] == 1
     assert jobs["estimate_exact"] == jobs["estimate_as_published"] == 1
@@ -111,14 +99,11 @@ def test_a_changed_value_reruns_what_depends_on_it(built):
     ],
 )
 def test_an_edited_module_or_script_reruns_what_depends_on_it(built, file, reruns, stays):
-    path = built.folder / file
-    stat = path.stat()
-    before = touched(built, file)
-    try:
+    path, later = built.folder / file, time.time() + 2
+    with restored(path):
+        path.write_text(f"{path.read_text('utf-8')}\n# changed\n", encoding="utf-8")
+        os.utime(path, (later, later))
         jobs = built.jobs(*SMALL, compiled=False)
-    finally:
-        path.write_text(before, encoding="utf-8")
-        os.utime(path, (stat.st_atime, stat.st_mtime))
     assert reruns <= jobs.keys()
     assert not stays & jobs.keys()
 
@@ -141,10 +126,8 @@ def test_a_wrong_configuration_is_refused_and_nothing_is_lost(built, old, new, e
     before = built.files("small")
     wrong = (built.folder / "small.yaml").read_text(encoding="utf-8").replace(old, new)
     (built.folder / "wrong.yaml").write_text(wrong, encoding="utf-8")
-    done = built.run("--configfile", "wrong.yaml")
-    assert done.returncode != 0
-    assert expected.replace("small.yaml", "wrong.yaml") in done.stderr + done.stdout
-    assert "Traceback" not in done.stderr + done.stdout
+    said = built.refused("--configfile", "wrong.yaml")
+    assert expected.replace("small.yaml", "wrong.yaml") in said
     assert built.files("small") == before
 
 

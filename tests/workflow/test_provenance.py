@@ -21,7 +21,7 @@ from dampbalance import __version__
 from dampbalance.project.files import sha256
 from dampbalance.publishing.provenance import archive
 from dampbalance.publishing.provenance.sources import digest_of, files_of
-from folders import ROOT
+from folders import ROOT, contents
 from processes import git
 from workflow.copies import SMALL, Checkout
 
@@ -132,8 +132,7 @@ def test_a_commit_renews_the_manifest_and_no_result(built):
 
 
 def test_the_report_of_snakemake_has_captions_and_needs_no_network(built):
-    done = built.run("--report", "report.html", *SMALL)
-    assert done.returncode == 0, done.stderr
+    built.made("--report", "report.html", *SMALL)
     html = (built.folder / "report.html").read_text(encoding="utf-8")
     (built.folder / "report.html").unlink()
     for name in ("page", "manifest", "crate"):
@@ -180,20 +179,14 @@ def rebuilt(unpacked):
     """The results that the archive had, by path; they are deleted, and built again by its own sources, on one core."""
     packed = unpacked.files("small")
     shutil.rmtree(unpacked.folder / "results/small")
-    done = unpacked.run("all", *(f"results/small/{name}" for name in packed), *SMALL, cores=1)
-    assert done.returncode == 0, done.stderr
+    unpacked.made("all", *(f"results/small/{name}" for name in packed), *SMALL, cores=1)
     return packed
 
 
 def test_the_digests_are_those_of_the_files(unpacked):
     lines = (unpacked.folder / "SHA256SUMS").read_text(encoding="utf-8").splitlines()
     listed = {path: digest for digest, path in (line.split("  ", 1) for line in lines)}
-    there = {
-        path.relative_to(unpacked.folder).as_posix()
-        for path in unpacked.folder.rglob("*")
-        if path.is_file()
-    }
-    assert there == {*listed, "SHA256SUMS"}
+    assert set(contents(unpacked.folder)) == {*listed, "SHA256SUMS"}
     for path, digest in listed.items():
         assert sha256(unpacked.folder / path) == digest, path
 
@@ -235,17 +228,13 @@ def test_it_rebuilds_its_results_from_itself_alone_and_on_one_core_the_same(unpa
 
 
 def test_packing_again_gives_the_same_bytes_and_makes_nothing_else(built):
-    first = (built.folder / PACKED).read_bytes()
+    first = sha256(built.folder / PACKED)
     (built.folder / PACKED).unlink()
     readme = built.folder / "README.md"  # a later time, the same contents
     os.utime(readme, (readme.stat().st_atime, readme.stat().st_mtime + 10))
     assert built.jobs("archive", *SMALL) == {"archive": 1, "total": 1}
-    done = built.run("archive", *SMALL, cores=1)
-    assert done.returncode == 0, done.stderr
-    assert (
-        hashlib.sha256((built.folder / PACKED).read_bytes()).digest()
-        == hashlib.sha256(first).digest()
-    )
+    built.made("archive", *SMALL, cores=1)
+    assert sha256(built.folder / PACKED) == first
 
 
 def test_its_entries_tell_no_time_and_no_person(built):

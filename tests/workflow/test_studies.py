@@ -14,7 +14,7 @@ import pytest
 import yaml
 
 from dampbalance.studies import checking, evaluate
-from folders import ROOT
+from folders import ROOT, restored
 
 pytestmark = pytest.mark.slow
 
@@ -37,8 +37,7 @@ def studied(checkout):
             for folder in (SHIPPED, SMALL)
         ]
         write(copy, name, documents[0] | documents[1])
-    done = copy.run("studies")
-    assert done.returncode == 0, done.stderr
+    copy.made("studies")
     return copy
 
 
@@ -98,12 +97,10 @@ def test_a_second_run_does_nothing(studied):
 
 def test_a_new_title_computes_no_case_again(studied):
     path = studied.folder / "config/studies/map.yaml"
-    before = path.read_text(encoding="utf-8")
-    try:
-        write(studied, "map", yaml.safe_load(before) | {"title": "Another title"})
+    document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    with restored(path):
+        write(studied, "map", document | {"title": "Another title"})
         jobs = studied.jobs(target("map"))
-    finally:
-        path.write_text(before, encoding="utf-8")
     assert jobs.keys() - {"total"} == {"study_figure", "study_summary"}
 
 
@@ -113,11 +110,9 @@ def test_an_interrupted_study_resumes_and_ends_in_the_same_bytes(studied):
     folder = studied.folder / "results/studies/map"
     shutil.rmtree(folder)
     chunks = [f"results/studies/map/chunks/{i:05d}.parquet" for i in (2, 1)]
-    assert studied.run(*chunks, cores=1).returncode == 0
+    studied.made(*chunks, cores=1)
     assert studied.jobs(target("map"))["study_chunk"] == 2
-    done = studied.run(target("map"), cores=1)
-    assert done.returncode == 0, done.stderr
-    assert "Study map: 4 of 4 chunks" in done.stderr + done.stdout
+    assert "Study map: 4 of 4 chunks" in studied.made(target("map"), cores=1)
     again = studied.files("studies/map")
     assert {name: again[name] == finished[name] for name in finished} == dict.fromkeys(
         finished, True
@@ -125,10 +120,8 @@ def test_an_interrupted_study_resumes_and_ends_in_the_same_bytes(studied):
 
 
 def test_a_dry_run_tells_cases_and_bytes(studied):
-    done = studied.run("--dry-run", target("map"))
-    assert "Study map: 3,500 cases × 3 levels = 10,500 responses, 4 chunks, up to" in (
-        done.stderr + done.stdout
-    )
+    said = studied.made("--dry-run", target("map"))
+    assert "Study map: 3,500 cases × 3 levels = 10,500 responses, 4 chunks, up to" in said
 
 
 GOOD = {"title": "Wrong", "axes": [{"zeta": {"values": [0.1, 0.2]}}]}
@@ -165,43 +158,31 @@ GOOD = {"title": "Wrong", "axes": [{"zeta": {"values": [0.1, 0.2]}}]}
 )
 def test_a_wrong_study_is_refused_and_nothing_is_lost(studied, change, expected):
     before = studied.files("studies")
-    path = studied.folder / "config/studies/wrong.yaml"
-    try:
+    with restored(studied.folder / "config/studies/wrong.yaml"):
         write(studied, "wrong", GOOD | change)
-        done = studied.run(target("wrong"))
-        others = studied.run("--dry-run", target("map"))
-    finally:
-        path.unlink()
-    assert done.returncode != 0
-    assert expected in done.stderr + done.stdout
-    assert "Traceback" not in done.stderr + done.stdout
+        assert expected in studied.refused(target("wrong"))
+        studied.made("--dry-run", target("map"))  # it stops nothing but itself
     assert studied.files("studies") == before
-    assert others.returncode == 0  # it stops nothing but itself
 
 
 def test_a_study_that_is_not_there_is_named(studied):
-    done = studied.run(target("frequenzy"))
-    assert done.returncode != 0
-    assert "config/studies/frequenzy.yaml: there is no such study" in done.stderr + done.stdout
+    said = studied.refused(target("frequenzy"))
+    assert "config/studies/frequenzy.yaml: there is no such study" in said
 
 
 def test_a_study_whose_name_snakemake_cannot_take_is_told(studied):
     path = studied.folder / f"config/studies/{'a' * 60}.yaml"
-    try:
+    with restored(path):
         write(studied, path.stem, GOOD)
-        done = studied.run("--dry-run", target(path.stem))
-    finally:
-        path.unlink()
-    assert done.returncode != 0
-    assert "with nothing 20 times in a row at its end; rename the file" in done.stderr + done.stdout
-    assert "PeriodicWildcardError" not in done.stderr + done.stdout
+        said = studied.refused("--dry-run", target(path.stem))
+    assert "with nothing 20 times in a row at its end; rename the file" in said
+    assert "PeriodicWildcardError" not in said
 
 
 def test_the_site_shows_them_and_is_made_again_when_a_text_changes(studied):
     shutil.copy2(ROOT / "tests/workflow/small.yaml", studied.folder)
     own = ("--configfile", "small.yaml")  # of the paper's case, the site would need all results
-    done = studied.run("results/site", *own)
-    assert done.returncode == 0, done.stderr
+    studied.made("results/site", *own)
     page = (studied.folder / "results/site/studies.html").read_text(encoding="utf-8")
     assert "Not computed yet" not in page
     assert len(re.findall(r'<img[^>]*src="_images/', page)) == len(NAMES)

@@ -416,10 +416,15 @@ def off_by(factor: float):
     return pytest.approx(expected, rel=1e-12, abs=1e-12, nan_ok=True)
 
 
+def labelled(figure: Figure, name: str):
+    (found,) = [axes for axes in figure.axes if axes.get_label() == name]
+    return found
+
+
 def drawn(figure: Figure, axes: str, label: str) -> np.ndarray:
     """The errors drawn with a label in the named axes, in the order of the pairs, then all."""
-    (found,) = [ax for ax in figure.axes if ax.get_label() == axes]
-    return np.concatenate([line.get_ydata() for line in found.lines if line.get_label() == label])
+    lines = labelled(figure, axes).lines
+    return np.concatenate([line.get_ydata() for line in lines if line.get_label() == label])
 
 
 def test_errors_are_relative_to_the_truth(stand_in):
@@ -428,8 +433,8 @@ def test_errors_are_relative_to_the_truth(stand_in):
     for symbol, factor in (("F_k", -1.0), ("c", 2.0)):
         assert drawn(figure, f"{symbol} omega1", "X_s common") == off_by(factor)
     assert "$\\omega_{1}/2\\pi$ = 4.92 Hz" in [axes.get_title() for axes in figure.axes]
-    (lowest,) = [axes for axes in figure.axes if axes.get_label() == "c omega1"]
-    assert [t.get_text() for t in lowest.get_xticklabels()] == ["4–6", "6–8", "4–8", "all"]
+    ticks = labelled(figure, "c omega1").get_xticklabels()
+    assert [t.get_text() for t in ticks] == ["4–6", "6–8", "4–8", "all"]
 
 
 @pytest.mark.parametrize("name", FREQUENCIES_HZ)
@@ -445,8 +450,7 @@ def test_every_estimate_is_in_the_picture(make, estimates, name, phase):
         for symbol, column, true in (("F_k", "F_k_N", PAPER.F_k), ("c", "c_N_s_per_m", PAPER.c)):
             shown = drawn(figure, f"{symbol} {name}", f"{approach} {phase}")
             assert shown == pytest.approx(100.0 * (chosen[column] / true - 1.0), rel=1e-12)
-            (axes,) = [axes for axes in figure.axes if axes.get_label() == f"{symbol} {name}"]
-            low, high = axes.get_ylim()
+            low, high = labelled(figure, f"{symbol} {name}").get_ylim()
             assert low < shown.min()
             assert shown.max() < high
 
@@ -463,8 +467,7 @@ def test_what_is_exact_lies_on_zero_and_the_legend_states_its_bound(make):
 
 
 def test_the_axis_of_errors_shows_both_signs(make):
-    figure = make["estimation_error"]()
-    (axes,) = [axes for axes in figure.axes if axes.get_label() == "F_k omega1"]
+    axes = labelled(make["estimation_error"](), "F_k omega1")
     assert axes.get_yscale() == "asinh"
     assert axes.get_ylim() == (-100.0, 100.0)
     named = [t.get_text() for t in axes.get_yticklabels() if t.get_text()]

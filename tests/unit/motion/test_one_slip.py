@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 from scipy.optimize import brentq
-from scipy.stats import qmc
 
-from analytic.cases import dimensions
+from analytic.cases import dimensions, spread
 from dampbalance import Regime, steady_orbits
 from dampbalance.model import Parameters, parameters
 from dampbalance.motion.events import PHASE_T, PHASE_V
@@ -30,16 +29,11 @@ from paper_case import FREQUENCIES_HZ, PAPER, motions_at
 LABORATORY = ((0.01, 1.0), (0.3, 3.0), (3.0, 1e3), (3e-3, 0.6))  # ζ, ω/ω_n, K_z/k, F_k/kY
 
 
-def points(n):
-    columns = qmc.Sobol(4, seed=1).random(n).T
-    return [low * (high / low) ** u for u, (low, high) in zip(columns, LABORATORY, strict=True)]
-
-
 def of_case(zeta, r, K, F):
     return Parameters(**{name: float(v) for name, v in dimensions(zeta, r, K, F).items()})
 
 
-CASES = [of_case(*numbers) for numbers in zip(*points(32), strict=True)]
+CASES = [of_case(*numbers) for numbers in zip(*spread(32, 1, *LABORATORY), strict=True)]
 PAPER_CASES = [
     parameters(PAPER, motion) for hertz in FREQUENCIES_HZ.values() for motion in motions_at(hertz)
 ]
@@ -70,7 +64,7 @@ def test_what_it_finds_is_the_motion_of_half_a_period(par):
 @pytest.mark.parametrize("part", range(16))
 def test_it_serves_wherever_the_velocity_keeps_its_sign_and_nowhere_else(part):
     """Of 512 oscillators that a laboratory may meet, thirty-two at a time: 492 have one slip, and it finds 480."""
-    zeta, r, K, F = np.array(points(512))[:, part::16]
+    zeta, r, K, F = np.array(spread(512, 1, *LABORATORY))[:, part::16]
     orbits = steady_orbits(**dimensions(zeta, r, K, F))
     served = 0
     for i in range(zeta.size):

@@ -13,7 +13,6 @@ import pytest
 from analytic.cases import SEVERAL_SLIPS, case
 from dampbalance import BaseMotion, NoSteadyOrbit, Orbit, Oscillator, Regime, State, steady_orbit
 from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_Z
-from paper_case import FREQUENCIES_HZ, PAPER, orbits_at
 
 CASES = [
     (0.6, 1.0, 90.0, 0.14),
@@ -56,18 +55,6 @@ def test_public_interface():
     )
     assert orbits.X[0] == orbit.X
     assert orbits.regime.shape == (2,)
-
-
-@pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
-def test_direct_integration_identifies_the_paper_exactly(hz):
-    # two rows a F_k + b c = W, every pair of levels: c = 90, F_k = 1.28 within 1e-10
-    orbits = orbits_at(hz)
-    for i, first in enumerate(orbits):
-        for second in orbits[i + 1 :]:
-            rows = np.array([[first.a, first.b], [second.a, second.b]])
-            F_k, c = np.linalg.solve(rows, [first.W, second.W])
-            assert c == pytest.approx(PAPER.c, rel=1e-10)
-            assert F_k == pytest.approx(PAPER.F_k, rel=1e-10)
 
 
 def test_ends_of_the_half_cycle(orbit):

@@ -9,16 +9,12 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from analytic.cases import SEVERAL_SLIPS, dimensions
+from analytic.cases import SEVERAL_SLIPS, dimensions, drawn, orbit_of
 from dampbalance import (
-    BaseMotion,
     NoSteadyOrbit,
     Orbits,
-    Oscillator,
     Regime,
-    steady_orbit,
     steady_orbits,
 )
 from dampbalance.motion.orbits import _BLOCK
@@ -32,10 +28,7 @@ PAPER_CASE = {name: getattr(PAPER, name) for name in MODEL} | {"Y": 0.004, "omeg
 def one_by_one(**numbers):
     """Every field of `Orbits` for one case, from `steady_orbit`."""
     try:
-        orbit = steady_orbit(
-            Oscillator(**{name: numbers[name] for name in MODEL}),
-            BaseMotion(Y=numbers["Y"], omega=numbers["omega"]),
-        )
+        orbit = orbit_of(**numbers)
     except NoSteadyOrbit:
         return dict.fromkeys(NAMES, math.nan) | {"regime": 0}
     values = {n: getattr(orbit, n) for n in NAMES if hasattr(orbit, n)}
@@ -54,19 +47,9 @@ def random_cases(n, seed=0):
 
 
 @settings(max_examples=80)
-@given(
-    *(
-        st.floats(math.log(low), math.log(high)).map(math.exp)
-        for low, high in ((1e-4, 10.0), (0.05, 10.0), (0.01, 1e5), (1e-4, 10.0))
-    )
-)
+@given(*drawn((1e-4, 10.0), (0.05, 10.0), (0.01, 1e5), (1e-4, 10.0)))
 def test_one_case_bit_for_bit(zeta, r, K, F):
-    numbers = dimensions(zeta, r, K, F)
-    many, one = steady_orbits(**numbers), one_by_one(**numbers)
-    for name in NAMES:
-        assert np.float64(getattr(many, name)[()]).tobytes() == np.float64(one[name]).tobytes(), (
-            name
-        )
+    assert_same_bits(zeta, r, K, F)
 
 
 @pytest.mark.parametrize(
@@ -75,11 +58,14 @@ def test_one_case_bit_for_bit(zeta, r, K, F):
     ids=str,
 )
 def test_every_regime_bit_for_bit(numbers):
+    assert_same_bits(*numbers)
+
+
+def assert_same_bits(*numbers):
     many, one = steady_orbits(**dimensions(*numbers)), one_by_one(**dimensions(*numbers))
     for name in NAMES:
-        assert np.float64(getattr(many, name)[()]).tobytes() == np.float64(one[name]).tobytes(), (
-            name
-        )
+        bits = [np.float64(value).tobytes() for value in (getattr(many, name)[()], one[name])]
+        assert bits[0] == bits[1], name
 
 
 @pytest.mark.parametrize(
@@ -97,10 +83,7 @@ def test_the_zero_crossing_is_where_x_crosses_zero(numbers, regime):
     numbers = dimensions(*numbers)
     many = steady_orbits(**numbers)
     assert many.regime == regime
-    orbit = steady_orbit(
-        Oscillator(**{name: numbers[name] for name in MODEL}),
-        BaseMotion(Y=numbers["Y"], omega=numbers["omega"]),
-    )
+    orbit = orbit_of(**numbers)
     assert many.phi_zero_crossing == orbit.phi_zero_crossing
     at = (many.phi_zero_crossing - 0.5 * math.pi) / numbers["omega"] + orbit.motion.period
     small = 1e-6 * orbit.motion.period
