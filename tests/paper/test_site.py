@@ -91,7 +91,7 @@ def test_every_function_of_an_equation_is_documented(site):
         "balance.direct",
         "solver.pair",
         "reading.clean.of_record",
-        "law.integrals.of_motion",
+        "law.integrals.of_harmonics",
     ):
         assert f"dampbalance.{name}" in known
 
