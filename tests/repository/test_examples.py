@@ -23,7 +23,7 @@ def test_its_examples_say_what_comes_out(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     said: list[str] = []
     for test in examples(name):
-        doctest.DocTestRunner().run(test, out=said.append)
+        doctest.DocTestRunner(verbose=False).run(test, out=said.append)
     assert "".join(said) == ""
 
 
