@@ -1,10 +1,10 @@
 """All minima of χ² of free decays that matter, and the intervals that they leave.
 
 The ringing of a mass that sticks makes χ² oscillate along K_z: a fit whose ringing is a cycle off over the record is a
-side minimum. The search starts from stiffnesses whose ringing has some cycles more or fewer, from lines in the spectrum
-of the ringing, and from a grid of stiffnesses and of shares of friction in the loss, on thinned samples; what comes
-close is climbed to the end on all of them. Kinks of χ², where an event appears or vanishes, are passed by starts with
-the contact spring loaded the other way. A minimum that is found lower is searched around again.
+side minimum. The search starts from stiffnesses whose ringing has some cycles more or fewer, and from a grid of
+stiffnesses, of losses and of shares of friction in them, on thinned samples; what comes close is climbed to the end on
+all of them. Kinks of χ², where an event appears or vanishes, are passed by starts with the contact spring loaded
+differently and some standard errors aside. A minimum that is found lower is searched around again.
 """
 
 from __future__ import annotations
