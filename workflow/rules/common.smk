@@ -36,7 +36,7 @@ PREFIX = str(workflow.modifier.modify_path(""))
 
 
 def unmoved(path):
-    """A file that no rule makes, as an input of one: a module's `prefix` is not put before it."""
+    """An input that the workflow does not make, before which a module's `prefix` is not put."""
     return local(str(path)) if IS_MODULE else str(path)
 
 
@@ -87,6 +87,8 @@ if workflow.is_main_process:
 CASE = Case.from_config(config)
 FREQUENCIES = list(CASE.frequencies_hz)
 RESULTS = f"results/{CASE.name}"
+LOGS = f"results/logs/{CASE.name}"
+ENVIRONMENT = "../envs/dampbalance.yaml"
 STUDY_DEFAULTS = {  # what a script needs to read the file of a study
     "schema": project_file("workflow/schemas/study.schema.yaml"),
     "base": BASE_CONFIG,
@@ -101,6 +103,16 @@ def of_case(*fields):
 def at_frequency(*fields):
     """The same with the drive frequency that the rule's wildcard names, and no other."""
     return lambda wildcards: excerpt(config, *fields, frequency=wildcards.frequency)
+
+
+def log_file(job, extension="log"):
+    """What a job says, or how long it took (tsv). A job that says nothing leaves no log."""
+    return f"{LOGS}/{job}.{extension}"
+
+
+def study_log(job, extension="log"):
+    """The same of a job of a study."""
+    return f"results/logs/studies/{{study}}/{job}.{extension}"
 
 
 def of_routes(kind):

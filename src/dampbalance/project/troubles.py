@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
+import contextlib
 import errno
+import os
 import sys
+from collections.abc import Sequence
+from pathlib import Path
 from types import TracebackType
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
@@ -23,12 +28,32 @@ def trouble(error: BaseException) -> str | None:
     return None
 
 
-def brief_troubles() -> None:
-    """Let a script tell such a trouble in its one sentence, and an interruption not at all; other errors as ever."""
-    sys.excepthook = _tell
+def brief_troubles(log: Sequence[str] = ()) -> None:
+    """Let a script report such a trouble in its one sentence, and an interruption not at all; other errors as ever.
+
+    log : file that takes what the script writes to its output and its errors, as a sequence of one; nothing where there
+    is none. A file that stays empty is removed.
+    """
+    sys.excepthook = _report
+    for file in log:
+        path = Path(file)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        taken = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        for stream in (sys.stdout, sys.stderr):  # of this process and of those that it starts
+            stream.flush()
+            os.dup2(taken, stream.fileno())
+        os.close(taken)
+        atexit.register(_remove_if_empty, path)
 
 
-def _tell(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+def _remove_if_empty(path: Path) -> None:
+    sys.stdout.flush()
+    with contextlib.suppress(OSError):
+        if not path.stat().st_size:
+            path.unlink()
+
+
+def _report(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
     if sentence := trouble(error):
         print(f"error: {sentence}", file=sys.stderr)
     elif not issubclass(kind, KeyboardInterrupt):

@@ -26,7 +26,7 @@ from xml.etree.ElementTree import Element
 import jinja2
 import jupytext  # type: ignore[import-untyped]
 import nbformat
-from latex2mathml.converter import convert as in_mathml  # type: ignore[import-untyped]
+from latex2mathml.converter import convert as in_mathml
 from markdown_it import MarkdownIt
 from mdit_py_plugins.anchors import anchors_plugin
 from mdit_py_plugins.dollarmath import dollarmath_plugin
