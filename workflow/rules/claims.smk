@@ -21,6 +21,7 @@ rule claims:
         md=f"{RESULTS}/claims.md",
     log:
         log_file("claims"),
+    priority: FIRST
     conda:
         ENVIRONMENT
     params:
@@ -48,6 +49,7 @@ rule check:
         ),
     log:
         log_file("check"),
+    priority: FIRST
     conda:
         ENVIRONMENT
     params:

@@ -88,6 +88,7 @@ CASE = Case.from_config(config)
 FREQUENCIES = list(CASE.frequencies_hz)
 RESULTS = f"results/{CASE.name}"
 LOGS = f"results/logs/{CASE.name}"
+FIRST = 10  # priority of what leads to the paper's tables and verdicts: they are seen before the studies are computed
 ENVIRONMENT = "../envs/dampbalance.yaml"
 STUDY_DEFAULTS = {  # what a script needs to read the file of a study
     "schema": project_file("workflow/schemas/study.schema.yaml"),
@@ -106,7 +107,7 @@ def at_frequency(*fields):
 
 
 def log_file(job, extension="log"):
-    """What a job says, or how long it took (tsv). A job that says nothing leaves no log."""
+    """What a job says, or how long it took (tsv)."""
     return f"{LOGS}/{job}.{extension}"
 
 

@@ -9,6 +9,7 @@ rule estimate_exact:
         estimates=expand(f"{RESULTS}/estimates/exact/{{frequency}}.csv", frequency=FREQUENCIES),
     log:
         log_file("estimate_exact"),
+    priority: FIRST
     conda:
         ENVIRONMENT
     params:
@@ -30,6 +31,7 @@ rule estimate_as_published:
         ),
     log:
         log_file("estimate_as_published"),
+    priority: FIRST
     conda:
         ENVIRONMENT
     params:

@@ -10,6 +10,7 @@ rule features_exact:
         features=expand(f"{RESULTS}/features/exact/{{frequency}}.csv", frequency=FREQUENCIES),
     log:
         log_file("features_exact"),
+    priority: FIRST
     conda:
         ENVIRONMENT
     params:
@@ -35,6 +36,7 @@ rule features_as_published:
         },
     log:
         log_file("features_as_published"),
+    priority: FIRST
     conda:
         ENVIRONMENT
     params:

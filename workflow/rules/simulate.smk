@@ -8,6 +8,7 @@ rule simulate_exact:
         orbits=f"{RESULTS}/orbits/{{frequency}}.json",
     log:
         log_file("simulate_exact_{frequency}"),
+    priority: FIRST
     conda:
         ENVIRONMENT
     params:
@@ -27,6 +28,7 @@ rule simulate_as_published:
         log_file("simulate_as_published_{frequency}"),
     benchmark:
         log_file("simulate_as_published_{frequency}", "tsv")
+    priority: FIRST
     conda:
         ENVIRONMENT
     params:

@@ -16,6 +16,7 @@ rule tables:
         md=table_files("md"),
     log:
         log_file("tables"),
+    priority: FIRST
     conda:
         ENVIRONMENT
     params:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import atexit
-import contextlib
 import errno
 import os
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from types import TracebackType
+from typing import TextIO
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 _CLOSED = (errno.EROFS, errno.EACCES, errno.EPERM)
@@ -28,29 +26,21 @@ def trouble(error: BaseException) -> str | None:
     return None
 
 
-def brief_troubles(log: Sequence[str] = ()) -> None:
+def brief_troubles(log: Sequence[str] = ()) -> TextIO:
     """Let a script report such a trouble in its one sentence, and an interruption not at all; other errors as ever.
 
-    log : file that takes what the script writes to its output and its errors, as a sequence of one; nothing where there
-    is none. A file that stays empty is removed.
+    log : file that takes what the script, and what it starts, writes to its output and its errors, as a sequence of one;
+    nothing where there is none.   Returns the stream of errors that was there before: for what is to be seen at once.
     """
     sys.excepthook = _report
+    seen = os.fdopen(os.dup(sys.stderr.fileno()), "w", encoding="utf-8")
     for file in log:
-        path = Path(file)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        taken = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
-        for stream in (sys.stdout, sys.stderr):  # of this process and of those that it starts
+        taken = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        for stream in (sys.stdout, sys.stderr):
             stream.flush()
             os.dup2(taken, stream.fileno())
         os.close(taken)
-        atexit.register(_remove_if_empty, path)
-
-
-def _remove_if_empty(path: Path) -> None:
-    sys.stdout.flush()
-    with contextlib.suppress(OSError):
-        if not path.stat().st_size:
-            path.unlink()
+    return seen
 
 
 def _report(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
