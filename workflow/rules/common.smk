@@ -14,7 +14,7 @@ from snakemake.utils import update_config
 
 try:
     from dampbalance.balance import APPROACHES
-    from dampbalance.project.case import Case, check, excerpt
+    from dampbalance.project.case import Case, check, excerpt, require_own_case
     from dampbalance.project.documents import ConfigurationError
     from dampbalance.project.dependencies import package_modules
     from dampbalance.project.files import ROUTES, remove_unfinished
@@ -79,6 +79,8 @@ if workflow.is_main_process:
             CONFIG_FILES,
             APPROACHES,
         )
+        if not IS_MODULE and config["case"] == load_configfile(BASE_CONFIG)["case"]:
+            require_own_case(workflow.overwrite_configfiles)
         for notice in check_feasible(Case.from_config(config), CONFIG_FILES):
             logger.warning(notice)
     except ConfigurationError as error:
