@@ -214,7 +214,10 @@ def _wrong_laws(study: Study) -> Iterator[Problem]:
     if "base" in study.route.refuses:
         kind = study.route.kind
         if not study.levels_relative:
-            yield ("levels_of_Y",), f"missing; the levels of the route {kind}, in parts of the highest"
+            yield (
+                ("levels_of_Y",),
+                f"missing; the levels of the route {kind}, in parts of the highest",
+            )
         for name in filter(MECHANICAL.__contains__, study.axis_names):
             yield ("axes",), f"{name} means nothing to the route {kind}, which draws oscillators"
     for law in study.values_of("law"):
