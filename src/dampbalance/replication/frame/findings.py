@@ -20,7 +20,6 @@ import numpy as np
 
 from ...arrays import Array
 from ...balance import APPROACHES, TERMS
-from ...features import Features
 from ...identification.forced import identify_readings
 from ...identification.loading import Loaded, load
 from ...identification.remarks import DIRECT
@@ -30,6 +29,7 @@ from ...reading.mean_harmonics import Reading, read_features
 from ...reading.turning import turning_points
 from ...records.measured import read_records
 from ...records.measurement import Channel, Measurement
+from .drift import drift, friction_of_rows
 from .measured_loop import AT_REST, Loop, friction_loop, shape
 from .prediction import Mass, predicted
 from .speed_laws import SPEED_LAWS, SpeedLaw
@@ -97,6 +97,7 @@ def findings(
     ]
     errors = [force["standard_error_N"] for force in forces]
     line, off = load_line(loads, [force["F_k_N"] for force in forces], errors)
+    by_series, _ = load_line(loads, [force["F_k_by_series_N"] for force in forces], errors)
     rows = [
         {
             "record": one.record.label,
@@ -121,6 +122,7 @@ def findings(
     document = {
         "files": _digests(identified),
         "line": line,
+        "line_by_series": by_series,
         "mass_kg": m,
         "loads": rows,
         "speed_laws": {
@@ -190,69 +192,32 @@ def _force(identified: Mapping[str, Any], law: Law, i: int) -> dict[str, Any]:
 def _robust(
     identified: Mapping[str, Any], law: Law, i: int, reading: Reading, records: int
 ) -> dict[str, Any]:
-    """How F_k of record i, of so many, depends on the time in the record and on the convention of the travel.
-
-    The cycles enter as pseudo-values of the jackknife, which keep what the mean of all of them resolves.
-    """
+    """How F_k of record i, of so many, depends on the time in the record and on the convention of the travel."""
     estimates, rows = identified["approaches"][DIRECT], identified["approaches"][DIRECT]["rows"]
     force = estimates[named_with_unit(law.key(FRICTION, i), "N")]
     low, high = estimates[named_with_unit(f"{law.key(FRICTION, i)}_interval", "N")]
     others = {s: _coefficient(identified, law, s, i) for s in law.terms if s != FRICTION}
-
-    def friction(features: Features) -> Array:
-        terms = APPROACHES[DIRECT](features, reading.steady.k, law.terms)
-        work = np.sum([p * terms.terms[s] for s, p in others.items()], axis=0)
-        return np.asarray((terms.W - work) / terms.terms[FRICTION])
-
-    left = friction(reading.features_of(reading.left_out()))
-    line = drift(force + (left.size - 1) * (left.mean() - left), _CONFIDENCE, records)
+    line = drift(friction_of_rows(reading, others), _CONFIDENCE, records)
     a = rows[term(law.key(FRICTION, i)).integral_column][i]
-    X = [
-        turning_points(*reading.series(reading.mean), rests=rests)[1][0] for rests in (True, False)
-    ]
-    by_series = force * a / (a + 4.0 * (X[1] - X[0]))
-    per_row = line["slope"] / reading.steady.cycles_per_row
-    moved = 0.5 * abs(line["slope"]) * (left.size - 1) if line["significant"] else 0.0
-    reach = (line["reach"],) * 2 if line["significant"] else (force - low, high - force)
-    both = sorted((force, by_series))
+    at_rests, of_series = (
+        float(turning_points(*reading.series(reading.mean), rests=rests)[1][0])
+        for rests in (True, False)
+    )
+    by_series = force * a / (a + 4.0 * (of_series - at_rests))
+    both, reach, moved = sorted((force, by_series)), (force - low, high - force), 0.0
+    if line.significant:
+        reach, moved = (line.reach, line.reach), 0.5 * abs(line.over_record)
+    per_cycle = line.steps / reading.steady.cycles
     return {
         "drift": {
-            "slope_N_per_cycle": per_row,
-            "standard_error_N_per_cycle": line["error"] / reading.steady.cycles_per_row,
-            "p": line["p"],
-            "significant": line["significant"],
-            "over_record": line["slope"] * (left.size - 1) / force,
+            "slope_N_per_cycle": line.slope * per_cycle,
+            "standard_error_N_per_cycle": line.error * per_cycle,
+            "p": line.p,
+            "significant": line.significant,
+            "over_record": line.over_record / force,
         },
         "F_k_by_series_N": by_series,
         "robust_interval_N": [both[0] - moved - reach[0], both[1] + moved + reach[1]],
-    }
-
-
-def drift(forces: Array, confidence: float, tests: int) -> dict[str, Any]:
-    """The straight line through equally spaced forces, (n,) with n ≥ 3, and whether its slope differs from zero.
-
-    Gives `slope` per step and its standard `error`, `p` of Student's t with n − 2 degrees of freedom, whether it is
-    `significant` where so many tests are made together, and the `reach` of the interval about the line at its middle.
-    """
-    from scipy import special  # slow to import
-
-    step = np.arange(forces.size) - 0.5 * (forces.size - 1)
-    slope = float(step @ forces / (step @ step))
-    off, freedom = forces - forces.mean() - slope * step, forces.size - 2
-    scatter = math.sqrt(float(off @ off) / freedom)
-    error = scatter / math.sqrt(float(step @ step))
-    p = (
-        2.0 * float(special.stdtr(freedom, -abs(slope) / error))
-        if error > 0.0
-        else float(not slope)
-    )
-    quantile = float(special.stdtrit(freedom, 0.5 + 0.5 * confidence))
-    return {
-        "slope": slope,
-        "error": error,
-        "p": p,
-        "significant": p < (1.0 - confidence) / tests,
-        "reach": quantile * scatter / math.sqrt(forces.size),
     }
 
 

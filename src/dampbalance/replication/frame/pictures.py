@@ -86,7 +86,7 @@ def _loop(axes: Axes, loop: Loop, F_k: float) -> None:
 def _cycles(axes: Axes, prediction: Prediction, laws: Sequence[str]) -> None:
     """Displacement of the held-out cycles, measured and predicted by laws, from the first of them."""
     t = prediction.t - prediction.t[0]
-    axes.plot(t, 1e3 * prediction.measured, color=SLIP, label="measured")
+    axes.plot(t, 1e3 * prediction.measured, color=SLIP, zorder=3, label="measured")
     for law, look in zip(laws, ({"color": STICK, "ls": DASHED}, {"color": OTHER}), strict=False):
         axes.plot(t, 1e3 * prediction.predicted[law], label=f"predicted, {law} friction", **look)
     axes.set_xlabel("time (s)")
@@ -117,10 +117,10 @@ def load(findings: Findings) -> Figure:
     lower.axhline(0.0, color=FAINT)
     lower.set_ylabel("off the line (%)", labelpad=1.0)
     lower.set_xlabel("load (kg)")
-    bars: dict[str, Any] = {"fmt": "none", "color": SLIP}
+    bars: dict[str, Any] = {"fmt": "none", "color": SLIP, "capsize": 2.0}
     widths = {
         "interval_N": (2.0, "95 % interval"),
-        "robust_interval_N": (0.8, "with drift, travel"),
+        "robust_interval_N": (0.8, "with drift and travel"),
     }
     expected = on_line(load_kg)
     for name, (width, label) in widths.items():
@@ -133,7 +133,7 @@ def load(findings: Findings) -> Figure:
     look: dict[str, Any] = {"ls": "none", "marker": "o", "ms": 3.5, "mec": SLIP, "mew": 0.8}
     for forces, fill, label in (
         (F_k, SLIP, "travel from rests"),
-        (by_series, "white", "from series"),
+        (by_series, "white", "travel from series"),
     ):
         upper.plot(load_kg, forces, mfc=fill, zorder=3, **look)
         lower.plot(

@@ -84,7 +84,7 @@ def logarithmic(loop: Loop, F_k: float) -> SpeedLaw:
         lambda p: at(speed, *p) - force, _START, bounds=((0.0, 0.0), _LARGEST), x_scale=_LARGEST
     )
     a, c = fit.x.tolist()
-    F_0, b = solved(a, c)
+    F_0, b = map(float, solved(a, c))
     coefficients = {"F_0_N": F_0, "F_s_N": F_s, "a_N": a, "b_N": b, "c": c}
     return SpeedLaw(lambda v: at(v, a, c), coefficients)
 
