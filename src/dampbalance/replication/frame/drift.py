@@ -24,9 +24,11 @@ from ...reading.mean_harmonics import Reading
 class Drift:
     """The straight line through forces at equal steps.
 
-    slope, error : per step, and its standard error, N.   p : of a slope as large as this if there were none, by Student's
-    t.   significant : whether p is small enough where many such tests are made together.   reach : half the width of the
-    interval about the middle of the line, N.   steps : number of forces.
+    slope, error : per step, and its standard error, N.
+    p : probability of a slope as large as this if there were none, by Student's t.
+    significant : whether p is small enough where several such tests are made together.
+    reach : half the width of the interval about the middle of the line, N.
+    steps : number of forces.
     """
 
     slope: float
@@ -47,8 +49,8 @@ def friction_of_rows(reading: Reading, others: Mapping[str, float]) -> Array:
 
     others : coefficients of the terms other than friction, by symbol; the reading has their integrals.
 
-    The forces are pseudo-values of the jackknife, n F − (n − 1) F₋ᵢ: what is read off a mean of n − 1 cycles, the levels
-    of the rests above all, hardly differs from what is read off all of them, and a single cycle is noisy.
+    The forces are pseudo-values of the jackknife, n F − (n − 1) F₋ᵢ: the levels of the rests are read off a mean of
+    n − 1 cycles, as they are off all of them, and not off a single noisy cycle.
     """
 
     def friction(features: Features) -> Array:
