@@ -85,8 +85,10 @@ def test_the_numbers_are_those_that_were_recorded():
 def test_the_cycles_foretold_follow_those_identified_from():
     for one in found().predictions:
         assert one.t.size == pytest.approx(5 * 250, abs=3)
-        assert one.measured.shape == one.predicted.shape == one.repeated.shape == one.t.shape
-        assert one.predicted[0] == one.measured[0]
+        for x in (one.measured, one.repeated, *one.predicted.values()):
+            assert x.shape == one.t.shape
+        for x in one.predicted.values():
+            assert x[0] == one.measured[0]
 
 
 def test_the_recorded_numbers_agree_with_each_other():
