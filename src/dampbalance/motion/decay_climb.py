@@ -274,7 +274,7 @@ def _damped(information: Array, active: Mask, damping: float) -> Array:
     root, solution = np.zeros((n, n)), np.empty(n)
     for i in range(n):
         for j in range(i + 1):
-            entry = information[chosen[i], chosen[j]] / (length[i] * length[j])
+            entry = information[chosen[i], chosen[j]] / length[i] / length[j]
             if i == j:
                 entry += ridge
             for l in range(j):

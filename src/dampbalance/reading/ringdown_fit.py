@@ -47,7 +47,7 @@ STEP = 1e-6
 """Relative step of finite differences: motions are exact to 1e-12."""
 
 _RHO = COMMON.index("rho")
-_STIFFEST = 1e8  # of K_z/k: the contact that stands for a rigid one
+_LOOSEST, _STIFFEST = 1e-4, 1e8  # of K_z/k: contacts that stand for none and for a rigid one
 # Bounds for a motion that oscillates: c over √(km), and the mass over that of the start, either way.
 _DAMPED, _MASSES = 4.0, 10.0
 _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
@@ -240,7 +240,7 @@ def fit_decays(
     upper = np.full(start.size, math.inf)
     scale = np.ones(start.size)
     lower[:4] = 1e-9 * F_k, 0.0, rigid, m / _MASSES
-    upper[1], upper[3] = _DAMPED * math.sqrt(k * m), m * _MASSES
+    upper[1:4] = _DAMPED * math.sqrt(k * m), 1.0 / math.sqrt(_LOOSEST * k), m * _MASSES
     scale[:4] = F_k, 1e-3 * math.sqrt(k * m), 1e-3 * rho, m
     states = start[first_state:].reshape(-1, STATE)
     size = np.maximum(np.maximum(np.abs(states[:, 0]), np.abs(states[:, 1]) / omega), 1e-300)
