@@ -359,3 +359,36 @@ def climb_decays(
         if damping > _STEEPEST:
             break
     return point, here, count
+
+
+@jit
+def climb_from_all(
+    starts: Array,
+    k: float,
+    offsets: int,
+    channels: Array,
+    values: Array,
+    bounds: Bounds,
+    gain: float,
+    most: int,
+    following: bool,
+) -> Array:
+    """Where climbs from many starts (n, p) end, and χ² there, (n, p + 1); infinite χ² where the model has no motion.
+
+    following : whether each climb starts from the end of the one before, with its own values of the unknowns that are
+    not free.
+    """
+    n, p = starts.shape
+    ends = np.empty((n, p + 1))
+    for i in range(n):
+        start = starts[i].copy()
+        if following and i > 0 and math.isfinite(ends[i - 1, p]):
+            for j in range(p):
+                if bounds.free[j]:
+                    start[j] = ends[i - 1, j]
+        point, reached, count = climb_decays(
+            start, k, offsets, channels, values, bounds, gain, most
+        )
+        ends[i, :p] = point
+        ends[i, p] = reached[p, p] if count > 0 else math.inf
+    return ends

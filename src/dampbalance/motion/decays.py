@@ -93,7 +93,8 @@ def phase_slopes(phases: Array, w: float, par: Parameters) -> Array:
     for i in range(phases.shape[0]):
         here = slopes[i]
         f0, delta, Omega2 = phase_start_of(s, x0, z0, par)
-        here[2] = -par.k / m * here[0]
+        for j in range(7):
+            here[2, j] = -par.k / m * here[0, j]
         here[3, _C], here[3, _M] = 0.5 / m, -delta / m
         here[4, _M] = -Omega2 / m
         here[2, _M] -= f0 / m
@@ -108,9 +109,14 @@ def phase_slopes(phases: Array, w: float, par: Parameters) -> Array:
         t = phases[i + 1, 0] - phases[i, 0]
         for order in range(2):
             _, x, v, f, d, O = _weights(t, order, v0, f0, delta, Omega2)
-            slopes[i + 1, order] = (
-                x * here[0] + v * here[1] + f * here[2] + d * here[3] + O * here[4]
-            )
+            for j in range(7):
+                slopes[i + 1, order, j] = (
+                    x * here[0, j]
+                    + v * here[1, j]
+                    + f * here[2, j]
+                    + d * here[3, j]
+                    + O * here[4, j]
+                )
         _, s, x0, v0, z0 = read_phase(phases, i + 1)
         side, by_w = 1.0 if z0 > 0.0 else -1.0, 0.0
     return slopes

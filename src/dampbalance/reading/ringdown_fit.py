@@ -16,6 +16,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,6 +28,7 @@ from ..motion.decay_climb import (
     OFFSET,
     Bounds,
     climb_decays,
+    climb_from_all,
     contact_chord,
     decay_residuals,
 )
@@ -229,11 +231,82 @@ def fit_decays(
     given : numbers of the unknowns that keep their values.   gain : of half of χ², where the climb ends.
     most : evaluations.
     """
+    samples = Samples.of(decays, start.size)
+    bounds, rigid = _bounds(samples, k, start, given)
+    point, information, count = climb_decays(
+        np.array(start, dtype=float), k, *samples, bounds, gain, most
+    )
+    if not count:
+        return None
+    information = information[:-1, :-1] * np.outer(bounds.free, bounds.free)
+    return RingFit(
+        k=k,
+        point=point,
+        covariance=_covariance(information, w_errors(start.size, len(COMMON) + samples.offsets)),
+        residual=decay_residuals(point, k, *samples),
+        rigid=bool(point[_RHO] <= rigid),
+        decays=tuple(decays),
+        free=bounds.free,
+    )
+
+
+def rough_ends(
+    decays: Sequence[Decay],
+    k: float,
+    starts: Array,
+    *,
+    given: Collection[int] = (),
+    gain: float,
+    most: int,
+    following: bool = False,
+) -> Array:
+    """Where climbs from many starts (n, p) end and χ² there, (n, p + 1), the lowest first; those that the model has no
+    motion at are left out.
+
+    following : whether each start takes the unknowns that are not given from the end before; the order then stays.
+    """
+    if not len(starts):
+        return np.empty((0, 0))
+    starts = np.asarray(starts, dtype=float)
+    samples = Samples.of(decays, starts.shape[1])
+    bounds, _ = _bounds(samples, k, starts[0], given)
+    ends = climb_from_all(starts, k, *samples, bounds, gain, most, following)
+    if following:
+        return ends
+    ends = ends[np.isfinite(ends[:, -1])]
+    return ends[np.argsort(ends[:, -1], kind="stable")]
+
+
+class Samples(NamedTuple):
+    """The samples of decays as kernels take them: number of offsets, table of channels, values of all of them."""
+
+    offsets: int
+    channels: Array
+    values: Array
+
+    @classmethod
+    def of(cls, decays: Sequence[Decay], unknowns: int) -> Samples:
+        """Pack the samples of decays for a fit with so many unknowns."""
+        rows, end = [], 0
+        for i, one in enumerate(decays):
+            for signal in one.signals:
+                begin, end = end, end + signal.t.size
+                first = float(signal.t[0]) - one.start if signal.t.size else 0.0
+                step = signal.dt if signal.t.size > 1 else 1.0
+                rows.append((i, signal.order, signal.offset, first, step, signal.noise, begin, end))
+        values = np.concatenate([signal.values for one in decays for signal in one.signals])
+        offsets = unknowns - len(COMMON) - STATE * len(decays)
+        return cls(offsets, np.array(rows, dtype=float), values)
+
+
+def _bounds(
+    samples: Samples, k: float, start: Array, given: Collection[int]
+) -> tuple[Bounds, float]:
+    """The bounds of a climb from a start, and the ρ that stands for a rigid contact."""
     free = np.ones(start.size, dtype=np.bool_)
     free[[*given]] = False
     rigid = 1.0 / math.sqrt(_STIFFEST * k)
-    first_state = start.size - STATE * len(decays)
-    offsets = first_state - len(COMMON)
+    first_state = len(COMMON) + samples.offsets
     F_k, _, rho, m = start[: len(COMMON)].tolist()
     omega = math.sqrt(k / m)
     lower = np.full(start.size, -math.inf)
@@ -246,38 +319,9 @@ def fit_decays(
     size = np.maximum(np.maximum(np.abs(states[:, 0]), np.abs(states[:, 1]) / omega), 1e-300)
     scale[first_state::STATE], scale[first_state + 1 :: STATE] = size, size * omega
     lower[first_state + 2 :: STATE], upper[first_state + 2 :: STATE] = 0.0, 2.0
-    channels, values = _packed(decays)
-    for offset, noise in zip(channels[:, OFFSET], channels[:, NOISE], strict=True):
+    for offset, noise in samples.channels[:, (OFFSET, NOISE)].tolist():
         scale[len(COMMON) + int(offset)] = noise
-    bounds = Bounds(free, lower, upper, scale)
-    point, information, count = climb_decays(
-        np.array(start, dtype=float), k, offsets, channels, values, bounds, gain, most
-    )
-    if not count:
-        return None
-    information = information[:-1, :-1] * np.outer(free, free)
-    return RingFit(
-        k=k,
-        point=point,
-        covariance=_covariance(information, w_errors(start.size, first_state)),
-        residual=decay_residuals(point, k, offsets, channels, values),
-        rigid=bool(point[_RHO] <= rigid),
-        decays=tuple(decays),
-        free=free,
-    )
-
-
-def _packed(decays: Sequence[Decay]) -> tuple[Array, Array]:
-    """The table of channels and the samples that `climb_decays` takes."""
-    rows, end = [], 0
-    for i, one in enumerate(decays):
-        for signal in one.signals:
-            begin, end = end, end + signal.t.size
-            first = float(signal.t[0]) - one.start if signal.t.size else 0.0
-            step = signal.dt if signal.t.size > 1 else 1.0
-            rows.append((i, signal.order, signal.offset, first, step, signal.noise, begin, end))
-    values = np.concatenate([signal.values for one in decays for signal in one.signals])
-    return np.array(rows, dtype=float), values
+    return Bounds(free, lower, upper, scale), rigid
 
 
 def _covariance(information: Array, errors: Array) -> Array:
