@@ -37,6 +37,8 @@ _OWN = (
 )  # unknowns of one decay without its offset, which follows, and the residual
 _UNDER = 0.999  # of the critical damping: below it the responses are advanced by a rotation
 _CHORD = 3e-2  # of ρ√k, K_z = 1100 k
+# A motion with more phases than that for its samples is none that they show.
+_FEW_PHASES, _PER_PHASE = 64, 4
 _RIDGE = 1e-13  # of the diagonal of the information, in which rounding is as large
 _RELATIVE = 1e-11
 _STALLED = 1e-7  # of an unknown: rounding may refuse a step below this
@@ -187,7 +189,9 @@ def _phases_of(
         samples += size
     x, v, w = point[state], point[state + 1], point[state + 2]
     z = min(max((w - 1.0) * Z_m, -Z_m), Z_m)
-    count, reached, _, _, _ = run(x, v, z, 0.0, until, 0.0, par, rows[: 64 + samples])
+    count, reached, _, _, _ = run(
+        x, v, z, 0.0, until, 0.0, par, rows[: _FEW_PHASES + samples // _PER_PHASE]
+    )
     return (count if reached >= until else -1), par
 
 
@@ -240,7 +244,7 @@ def products(
 def decay_residuals(point: Array, k: float, offsets: int, channels: Array, values: Array) -> Array:
     """Residuals (model − sample)/σ at a point, in the order of the samples, NaN where the contact rattles on."""
     out = np.full(values.size, np.nan)
-    rows = np.empty((min(MOST_PHASES, 64 + values.size), 5))
+    rows = np.empty((min(MOST_PHASES, _FEW_PHASES + values.size), 5))
     for i in range(channels.shape[0]):
         channel = channels[i]
         if i == 0 or channel[DECAY] != channels[i - 1, DECAY]:
@@ -320,7 +324,7 @@ def climb_decays(
     longest = 0
     for i in range(channels.shape[0]):
         longest += int(channels[i, END] - channels[i, BEGIN])
-    rows = np.empty((min(MOST_PHASES, 64 + longest), 5))
+    rows = np.empty((min(MOST_PHASES, _FEW_PHASES + longest), 5))
     lower, upper = bounds.lower, bounds.upper
     point = start.copy()
     for j in range(p):

@@ -59,18 +59,25 @@ def separate_fits(
     lead = max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)
     bursts = bursts_of(lead)
     fits: dict[Burst, RingFit] = {}
-    since = bursts[0].earliest
+
+    def since(burst: Burst) -> float:
+        """The time before which a burst cannot have begun: the one before it lasts until then."""
+        ends = (
+            fit.decays[0].end for b, fit in fits.items() if b.turn < burst.turn and fit.adequate
+        )
+        return max(burst.earliest, *ends, -math.inf)
+
     for burst in bursts:
         whole = Decay(source, burst.turn, burst.end, tuple(signals), burst.period)
-        fit = _of_burst(whole, burst, max(since, burst.earliest), lead, k)
+        fit = _of_burst(whole, burst, since(burst), lead, k)
         if fit is not None:
-            fits[burst], since = fit, fit.decays[0].start
+            fits[burst] = fit
     slipping = [fit for fit in fits.values() if fit.adequate and _turns(fit)]
     surest = max(slipping, key=lambda fit: fit.decays[0].samples, default=None)
     for burst in bursts if surest is not None else ():
         if burst not in fits or not fits[burst].adequate:  # from the oscillator of the surest
             whole = Decay(source, burst.turn, burst.end, tuple(signals), burst.period)
-            fit = _of_burst(whole, burst, burst.earliest, lead, k, surest)
+            fit = _of_burst(whole, burst, since(burst), lead, k, surest)
             if fit is not None and fit.adequate:
                 fits[burst] = fit
     kept = {burst: fit for burst, fit in fits.items() if fit.adequate} or fits
