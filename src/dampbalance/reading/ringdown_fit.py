@@ -51,7 +51,7 @@ STEP = 1e-6
 _RHO = COMMON.index("rho")
 _LOOSEST, _STIFFEST = 1e-4, 1e8  # of K_z/k: contacts that stand for none and for a rigid one
 # Bounds for a motion that oscillates: c over √(km), and the mass over that of the start, either way.
-_DAMPED, _MASSES = 4.0, 10.0
+_DAMPED, _MASSES = 2.0, 10.0
 _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
 _W_ERROR = 1.0  # of w, which lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
@@ -232,7 +232,7 @@ def fit_decays(
     most : evaluations.
     """
     samples = Samples.of(decays, start.size)
-    bounds, rigid = _bounds(samples, k, start, given)
+    bounds, rigid = _bounds(decays, samples, k, start, given)
     point, information, count = climb_decays(
         np.array(start, dtype=float), k, *samples, bounds, gain, most
     )
@@ -269,7 +269,7 @@ def rough_ends(
         return np.empty((0, 0))
     starts = np.asarray(starts, dtype=float)
     samples = Samples.of(decays, starts.shape[1])
-    bounds, _ = _bounds(samples, k, starts[0], given)
+    bounds, _ = _bounds(decays, samples, k, starts[0], given)
     ends = climb_from_all(starts, k, *samples, bounds, gain, most, following)
     if following:
         return ends
@@ -300,7 +300,7 @@ class Samples(NamedTuple):
 
 
 def _bounds(
-    samples: Samples, k: float, start: Array, given: Collection[int]
+    decays: Sequence[Decay], samples: Samples, k: float, start: Array, given: Collection[int]
 ) -> tuple[Bounds, float]:
     """The bounds of a climb from a start, and the ρ that stands for a rigid contact."""
     free = np.ones(start.size, dtype=np.bool_)
@@ -312,7 +312,9 @@ def _bounds(
     lower = np.full(start.size, -math.inf)
     upper = np.full(start.size, math.inf)
     scale = np.ones(start.size)
-    lower[:4] = 1e-9 * F_k, 0.0, rigid, m / _MASSES
+    # with no contact at all, a mass this light is critically damped
+    light = k * (min(one.period for one in decays) / (4.0 * math.pi)) ** 2
+    lower[:4] = 1e-9 * F_k, 0.0, rigid, max(m / _MASSES, min(light, m))
     upper[1:4] = _DAMPED * math.sqrt(k * m), 1.0 / math.sqrt(_LOOSEST * k), m * _MASSES
     scale[:4] = F_k, 1e-3 * math.sqrt(k * m), 1e-3 * rho, m
     states = start[first_state:].reshape(-1, STATE)
