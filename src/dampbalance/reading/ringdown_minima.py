@@ -27,6 +27,7 @@ _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in the loss
 _LOSSES = tuple(np.geomspace(0.75, 1.4, 12).tolist())  # relative to that of the fit
 _FINER = tuple(np.linspace(0.1, 1.0, 16).tolist())  # shares of friction next to these
 _STIFFNESSES = (3.0, 8.0, 20.0, 50.0, 120.0, 300.0, 1000.0)  # of K_z/k
+_MASSES = (0.82, 0.9, 0.95, 1.05, 1.1, 1.2)  # relative, where the fit is not adequate
 _SCANNED = tuple(np.geomspace(0.5, 1e5, 45).tolist())  # of K_z/k, the last as good as rigid
 _LOADS, _OTHER = (0.0, 0.5, 1.0, 1.5, 2.0), 0.2  # of w, and how far off another start is
 _ASIDE = 1.5  # standard errors
@@ -185,9 +186,18 @@ def _starts(fit: RingFit, wide: bool) -> Iterator[Array]:
     if wide and len(pairs) > 1:
         closer = itertools.product((fit.point[_RHO],), _LOSSES, _FINER)
         grid += [(rho, (f * s * loss, f * (1.0 - s) * loss / ratio)) for rho, f, s in closer]
-    for rho, (F_k, c) in grid:
+    points = [(F_k, c, rho, fit.m) for rho, (F_k, c) in grid]
+    if wide and not fit.adequate:
+        # another mass, which rings on its contact as fast as this one
+        together = fit.k + fit.point[_RHO] ** -2
+        for mass, f, s in itertools.product(_MASSES, _LOSSES[::2], _SHARES):
+            rho = max(mass * together - fit.k, 0.1 * fit.k) ** -0.5
+            points.append(
+                (f * s * loss, f * (1.0 - s) * loss / max(ratio, 1e-300), rho, mass * fit.m)
+            )
+    for point in points:
         start = fit.point.copy()
-        start[_F_K], start[_C], start[_RHO] = F_k, c, rho
+        start[: len(COMMON)] = point
         yield start
 
 

@@ -44,6 +44,7 @@ _GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
 _PART = 0.1  # of the swing of a burst, that its motion has at least
 _DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
 _ALIKE = 1.5  # χ² per sample of a fit that needs no other start
+_SPARE = 3  # bursts that may be left out instead of those that slip least
 _MOST_TURNS = 4  # half cycles that slip, of a burst that may be the work of a hand
 
 
@@ -128,7 +129,7 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
     for count in range(1, len(fits)):
         if turns[order[count - 1]] > _MOST_TURNS:
             break
-        for some in itertools.combinations(order[: count + 1], count):
+        for some in itertools.combinations(order[: count + _SPARE], count):
             if any(turns[i] > _MOST_TURNS for i in some):
                 continue
             fit = _joined([fit for i, fit in enumerate(fits) if i not in some], offsets)
