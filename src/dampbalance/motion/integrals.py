@@ -28,9 +28,7 @@ _CANCELLED_BELOW = 1e-2  # of ∫ ẋ² beside the same integral of the forced m
 PANEL = 8.0
 """Radians of the fastest oscillation of an integrand: 12 Gauss points are then exact to rounding."""
 
-GAUSS_NODES, GAUSS_WEIGHTS = (
-    np.ascontiguousarray(a) for a in np.polynomial.legendre.leggauss(12)
-)
+GAUSS_NODES, GAUSS_WEIGHTS = (np.ascontiguousarray(a) for a in np.polynomial.legendre.leggauss(12))
 """Of the rule on [−1, 1]."""
 
 

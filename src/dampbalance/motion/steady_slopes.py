@@ -1,8 +1,8 @@
 """Exact derivatives of a steady orbit by its oscillator: of its harmonics and of its first onset of slip.
 
-At a fixed phase of the base, changes δx and δẋ pass every event unchanged, since the force of the contact is continuous;
-where the mass turns, that force becomes s F_k + K_z(x − x_r), x_r the place of the turn, which moves by δx. Within a
-phase the motion obeys a linear equation and its derivatives the same equation, differentiated: both are followed by
+At a fixed phase of the base, changes δx and δẋ pass every event unchanged, since the force of the contact is
+continuous; where the mass turns, that force becomes s F_k + K_z(x − x_r), x_r the place of the turn, which moves by δx.
+Within a phase the motion obeys a linear equation and its derivatives the same equation, differentiated: both are followed by
 Taylor's series, a few radians of the fastest motion at a time, which is exact to rounding at resonance, in the shortest
 stick and whatever the damping. Half a period later
 
@@ -24,7 +24,7 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 from ..model import Parameters
-from .events import PHASE_S, PHASE_T, PHASE_X, PHASE_Z, read_phase
+from .events import PHASE_S, PHASE_T, PHASE_Z, read_phase
 from .flow import unit
 from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL, fastest_of_integrand
 from .jit import jit
@@ -54,7 +54,7 @@ def harmonics_with_slopes(orbit: Orbit, count: int) -> tuple[Complexes, Complexe
     """
     par, n = orbit.parameters, np.arange(1.0, 2.0 * count, 2.0)
     impedance = par.k - (n * par.omega) ** 2 * par.m + 1j * n * par.omega * par.c
-    force = np.zeros((5, count), dtype=np.complex128)  # that of the contact, with the opposite sign, and its derivatives
+    force = np.zeros((5, count), dtype=np.complex128)  # −f_n and its derivatives
     if orbit.regime not in _LINEAR:
         force = _contact_harmonics(orbit, count)
     elif orbit.regime is Regime.NO_SLIP:
@@ -109,7 +109,7 @@ def _contact_harmonics(orbit: Orbit, count: int) -> Complexes:
     values[rates.size // _COLUMNS :, 0] = 0.0  # an onset that moves adds to the derivatives alone
     terms = np.empty((len(values), count), dtype=np.complex128)
     np.exp(-1j * np.concatenate((places.ravel(), shifts[:, 0])), out=terms[:, 0])
-    terms[:, 1:] = (terms[:, :1] * terms[:, :1])
+    terms[:, 1:] = terms[:, :1] * terms[:, :1]
     np.multiply.accumulate(terms, axis=1, out=terms)
     derivatives = values[:, :_X]
     derivatives[:, _F_K:] += values[:, _X:] @ start
