@@ -49,12 +49,13 @@ class Orbit:
         self.phases.flags.writeable = False
 
     @cached_property
-    def _parameters(self) -> Parameters:
+    def parameters(self) -> Parameters:
+        """The oscillator and the motion as the plain numbers that kernels take."""
         return parameters(self.oscillator, self.motion)
 
     @cached_property
     def _measures(self) -> Measures:
-        return measure(self.phases, len(self.phases), self.theta, self._parameters)
+        return measure(self.phases, len(self.phases), self.theta, self.parameters)
 
     @property
     def X(self) -> float:
@@ -120,7 +121,7 @@ class Orbit:
     def harmonics(self, count: int) -> Complexes:
         """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); x_n = X_n e^{−iφ_n}."""
         series: Complexes = harmonics(
-            self.phases, self.theta, self._parameters, whole("count", count)
+            self.phases, self.theta, self.parameters, whole("count", count)
         )
         return series
 
@@ -131,7 +132,7 @@ class Orbit:
         since = np.mod(times.ravel() - self.theta / self.motion.omega, period)
         mirrored = since >= 0.5 * period
         since[mirrored] -= 0.5 * period
-        rows = states_in_phases(since, self.phases, self.theta, self._parameters)
+        rows = states_in_phases(since, self.phases, self.theta, self.parameters)
         np.negative(rows, out=rows, where=mirrored)
         return State(*(row.reshape(times.shape) for row in rows))
 

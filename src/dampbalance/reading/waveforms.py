@@ -98,27 +98,28 @@ class Unknowns:
     ) -> tuple[Complexes, Complexes]:
         """Harmonics n = 1, 3 … of a record, turned by ψ, m, (count,), and their derivatives, (count, unknowns).
 
-        By the common unknowns from neighbouring motions. By Y because x is homogeneous: of degree one in Y and in
-        p_j^{1/(1 − d_j)}, d_j the order of the term, so that Y ∂x/∂Y = x − Σ (1 − d_j) p_j ∂x/∂p_j.
+        By Y because x is homogeneous: of degree one in Y and in p_j^{1/(1 − d_j)}, d_j the order of the term, so that
+        Y ∂x/∂Y = x − Σ (1 − d_j) p_j ∂x/∂p_j.
 
-        quickly : from the equations of a nonlinear law where there are some, accurate to 1e-3 or so. Choose that during
-        a search, and differences for standard errors.
+        quickly : whether derivatives under a nonlinear law may come from its equations (`Response.with_slopes`).
         """
-        at = self.at[record]
-        n = np.arange(1, 2 * count, 2)
-        turn = np.exp(1j * n * point[at["psi"]])
-        x = response.harmonics(count)
-        known = response.slopes(count, self.law.terms) if quickly else None
+        at, n = self.at[record], np.arange(1, 2 * count, 2)
+        if quickly or response.change is None:
+            x, known = response.with_slopes(count, self.law.terms)
+        else:
+            x, known = response.harmonics(count), None
         if known is None:
             slope = self._slopes(point, record, response, lambda motion: motion.harmonics(count))
         else:
             slope = np.zeros((count, point.size), dtype=np.complex128)
-            known["rho"] = -2.0 * point[at["rho"]] ** -3 * known.pop("K_z")
             for name, by in known.items():
                 slope[:, at[name]] = by
         slope[:, at["Y"]] = self._by_base(point, record, x, slope)
         slope[:, at["psi"]] = 1j * n * x
-        return x * turn, slope * turn[:, None]
+        if psi := float(point[at["psi"]]):
+            turn = np.exp(1j * n * psi)
+            return x * turn, slope * turn[:, None]
+        return x, slope
 
     def onset(self, point: Array, record: int, response: Response) -> tuple[Array, Array]:
         """(V_s, t_s, λ), SI, λ = 4X − a, and their derivatives, (3, unknowns)."""
@@ -126,9 +127,16 @@ class Unknowns:
         def read(motion: Response) -> Array:
             return np.array([motion.V_s, motion.t_s, motion.taken])
 
-        onset, slope = read(response), self._slopes(point, record, response, read)
+        onset, at = read(response), self.at[record]
+        known = response.onset_slopes(self.law.terms)
+        if known is None:
+            slope = self._slopes(point, record, response, read)
+        else:
+            slope = np.zeros((3, point.size))
+            for name, by in known.items():
+                slope[:, at[name]] = by
         degree = np.array([1.0, 0.0, 1.0])
-        slope[:, self.at[record]["Y"]] = self._by_base(point, record, degree * onset, slope)
+        slope[:, at["Y"]] = self._by_base(point, record, degree * onset, slope)
         return onset, slope
 
     def _slopes(

@@ -101,8 +101,9 @@ def test_from_a_response_beside_it_the_way_leads_to_the_same():
 
 def test_slopes_from_the_equations_are_those_of_responses_beside():
     osc, law, count, h = replace(BARE, c=20.0, K_z=2e3), LAWS["c_2"], 8, 1e-4
-    slopes = steady_response(osc, MOTION, law).slopes(count, ("F_k", "c", "c_2"))
-    assert set(slopes) == {"F_k", "c", "c_2", "K_z", "m"}
+    slopes = steady_response(osc, MOTION, law).with_slopes(count, ("F_k", "c", "c_2"))[1]
+    assert set(slopes) == {"F_k", "c", "c_2", "rho", "m"}
+    slopes["K_z"] = -0.5 * osc.K_z**-1.5 * slopes.pop("rho")
     for name, slope in slopes.items():
         value = law.get(name) or getattr(osc, name)
 
