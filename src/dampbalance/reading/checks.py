@@ -275,8 +275,8 @@ def harmonic_base(mean: Complexes, error: Array) -> Iterator[str]:
     if relative.any():
         yield (
             f"the base motion is not harmonic: {100.0 * math.hypot(*relative):.2g} % distortion, most of it harmonic "
-            f"{np.argmax(relative) + 2} ({100.0 * relative.max():.2g} %); direct integration counts the work of "
-            "all its harmonics, everything else the fundamental only"
+            f"{np.argmax(relative) + 2} ({100.0 * relative.max():.2g} %); direct integration and the fit of "
+            "one oscillator count all its harmonics, everything else the fundamental only"
         )
 
 

@@ -31,9 +31,9 @@ from ..features import COLUMNS, Features, of_numbers, wrapped
 from ..law.integrals import of_harmonics
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
-from .fitting import fit_oscillator
 from .lines import Lines
 from .one_thread import one_thread
+from .recorded import added, fit_records
 from .turning import Series, turning_points, upward_zero
 from .waveforms import Waveform
 
@@ -104,7 +104,7 @@ class Reading:
         """The exact waveform that fits; None where there is none."""
         if self.joint:
             return self.shared
-        fit = fit_oscillator([self.lines], self.steady.k)
+        fit = fit_records([self.lines], self.steady.k)
         return fit.waveforms[0] if fit is not None and fit.adequate else None
 
     @property
@@ -250,6 +250,12 @@ class Reading:
     def _unknowns(self) -> int:
         return 0 if self.waveform is None else self.waveform.fit.point.size
 
+    @cached_property
+    def _of_base(self) -> Complexes:
+        """What the harmonics of the base add to those of the waveform, m, as many as its tail has."""
+        assert self.waveform is not None
+        return added(self.lines.base, self.waveform.response, self.waveform.tail.size)
+
     def series(self, means: Means, moved: Array | None = None) -> tuple[Series, Series]:
         """The odd and the even harmonics of r means of the response: the record's own, odd ones beyond them those of
         the waveform.   moved : as for `features_of`."""
@@ -263,6 +269,8 @@ class Reading:
             own = lines.n <= min(max(self.steady.bandwidth, 1), _READ)
             beyond = slice(np.count_nonzero(own), None)
             tail = waveform.tail[beyond] + (waveform.tail_slope[beyond] @ moved).T
+            if means.base.any():
+                tail = tail + self._of_base[beyond]
         x = np.hstack([means.x[:, own], tail])
         variance = np.append(means.bias * 2.0 * lines.x_error[own] ** 2, np.zeros(tail.shape[1]))
         n = 2.0 * np.arange(1.0, means.even.shape[1] + 1.0)
