@@ -48,7 +48,7 @@ from .loading import Loaded
 from .microstick import Microstick, Sample, Samples, microstick, read_samples
 from .oscillator import JointFit, joined, joint_fit
 from .outcome import Outcome, Picture
-from .remarks import DIRECT, agreement, limits, with_notes
+from .remarks import DIRECT, agreement, doubts, limits, with_notes
 from .screen import implied, with_error
 from .sensitivities import FAULTS, sensitivities
 
@@ -203,11 +203,12 @@ def identify_readings(
     estimates = with_notes(estimates, readings, joint)
     of_records = [Remark(words, r.steady.source) for r in readings for words in r.warnings]
     of_all = map(Remark, agreement(readings, line, joint, estimates))
+    reference = joint.answer
     return ForcedOutcome(
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
         estimates=estimates,
-        reference=joint.answer,
+        reference=reference and replace(reference, notes=(*doubts(readings), *reference.notes)),
         warnings=(*of_records, *of_all),
         head=_head(readings, replicates),
         rig=_rig(joint),

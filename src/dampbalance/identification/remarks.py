@@ -44,7 +44,18 @@ def with_notes(
     }
 
 
+def doubts(readings: Sequence[Reading]) -> tuple[str, ...]:
+    """Faults of records that leave no number to be trusted, each once, without the record's name."""
+    return tuple(
+        limit.words
+        for limit in _gathered(
+            "", ((r.steady.source, words) for r in readings for words in r.doubts)
+        )
+    )
+
+
 def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[str]:
+    yield from doubts(readings)
     clipped = [
         f"{quantity} of {reading.steady.source}"
         for reading in readings

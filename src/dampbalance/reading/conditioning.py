@@ -13,8 +13,9 @@ several response channels are averaged, each weighted by its inverse variance.
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -59,7 +60,8 @@ class SteadyRecord:
     channels : harmonics of each channel, corrected, by quantity.
     noise_rms : of the samples, by quantity, in the unit of the channel.
     skew : by how much each response lags the first, s, as corrected (only where it is significant).
-    warnings : what is wrong with the record, one sentence each.
+    warnings : what is wrong with the record, one sentence each.   doubts : why no number that it gives is to be
+    trusted, likewise.
     """
 
     source: str
@@ -81,6 +83,7 @@ class SteadyRecord:
     noise_rms: Mapping[str, float]
     skew: Mapping[str, float]
     warnings: tuple[str, ...]
+    doubts: tuple[str, ...] = ()
 
     @property
     def frequency_hz(self) -> float:
@@ -182,7 +185,10 @@ def _condition(
     frequency_hz: float | None,
     skip_cycles: int,
     corrections: Mapping[str, Correction | None],
+    clocks: Mapping[str, float] = MappingProxyType({}),
 ) -> SteadyRecord:
+    """As `condition_blocks`.   clocks : by how much the clock of a channel is faster than that of the excitation, as
+    has been found; default, that is sought."""
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"the stiffness k must be positive, got {k} N/m")
     driving = next(q for q in EXCITATIONS if q in channels)
@@ -201,12 +207,26 @@ def _condition(
     Y = _displacement(driving, settled[driving], omega, k)
     Y_error = _error(Y, weights)
     moved = {q: _displacement(q, settled[q], omega, k) for q in RESPONSES if q in channels}
+    if not clocks:
+        apart = {q: checks.clock(Y[:, 1], x[:, 1], times, weights, omega) for q, x in moved.items()}
+        faster = {q: ratio for q, ratio in apart.items() if ratio is not None}
+        if faster:
+            by_one = {q: _by_clock(of, faster.get(q, (0.0,))[0]) for q, of in channels.items()}
+            known = {q: part for q, (part, _) in faster.items()}
+            steady = _condition(source, by_one, k, frequency_hz, skip_cycles, corrections, known)
+            words = tuple(itertools.starmap(checks.two_clocks, faster.items()))
+            return replace(
+                steady, warnings=(*words, *steady.warnings), doubts=(*words, *steady.doubts)
+            )
     skew, inconsistencies = checks.consistency(moved, weights, omega)
     warnings += inconsistencies
     X, X_error = _combined(moved, weights)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
     warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
-    warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, 2.0 * math.pi / base.omega)
+    unsteady = tuple(
+        checks.steadiness(Y[:, 1], X[:, 1], times, weights, 2.0 * math.pi / base.omega)
+    )
+    warnings += unsteady
     warnings += checks.harmonic_base(mean_Y, Y_error)
     asymmetry = list(checks.symmetry(mean_X, X_error))
     warnings += asymmetry
@@ -234,6 +254,7 @@ def _condition(
         },
         skew=skew,
         warnings=tuple(warnings),
+        doubts=unsteady,
     )
 
 
@@ -259,6 +280,18 @@ def _harmonics(
         q: accumulate(blocks(), omega, start=start, dt=steps[q], harmonics=counts[q])
         for q, blocks in channels.items()
     }, warnings
+
+
+def _by_clock(blocks: SampleBlocks, faster: float) -> SampleBlocks:
+    """The blocks of a channel in the time of a clock that is slower by that part, and started with its own."""
+
+    def blocks_in_time() -> Iterator[Samples]:
+        start: float | None = None
+        for t, values in blocks():
+            start = float(t[0]) if start is None and len(t) else start
+            yield (t if start is None else start + (t - start) * (1.0 - faster)), values
+
+    return blocks_in_time if faster else blocks
 
 
 def _leading_samples(blocks: Iterable[Samples], count: int) -> Samples:

@@ -223,9 +223,10 @@ def linear_misfit(
         y = y[one.n]
         driven = one.clear & (y != 0.0)
         chi_square += float(np.sum(np.abs(one.x / one.x_error)[~driven] ** 2))
-        relative = one.x_error / np.abs(one.x)
+        y, x = y[driven], one.x[driven]
+        relative = one.x_error[driven] / np.abs(x)
         relative[0] = math.hypot(relative[0], one.Y_error / one.Y)
-        rows.append(np.column_stack([y / one.x, relative, one.n * one.omega + 0.0 * y])[driven])
+        rows.append(np.column_stack([y / x, relative, one.n[driven] * one.omega]))
     ratio, relative, rate = np.concatenate(rows).T
     rate, omega = rate.real, np.repeat([one.omega for one in lines], [len(part) for part in rows])
     z, error = k * (ratio - 1.0), k * np.abs(ratio) * relative.real

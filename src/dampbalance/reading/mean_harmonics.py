@@ -138,6 +138,11 @@ class Reading:
         """Faults of the record, one sentence each."""
         return self.steady.warnings
 
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Faults of the record that leave no number to be trusted, one sentence each; they are among the warnings."""
+        return self.steady.doubts
+
     @cached_property
     def standard_errors(self) -> Mapping[str, float]:
         """Standard errors by leaving out one group of rows after the other; NaN for what is not read."""
