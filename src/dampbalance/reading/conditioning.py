@@ -30,6 +30,7 @@ from .checks import weighted_mean
 from .cycles import CycleHarmonics, Samples, accumulate
 from .frequency import FEWEST_CYCLES, drive_frequency, frequency_offset
 from .one_thread import one_thread
+from .rounding import converter_step, rounding_error
 
 SampleBlocks = Callable[[], Iterable[Samples]]
 
@@ -55,6 +56,7 @@ class SteadyRecord:
     Each signal is Re Σ s_n e^{inω(t − start)}.
     weights : usable cycles in each row.   X_error, Y_error : standard deviation of the real and of the imaginary part
     of the mean of each harmonic, m; infinite where no channel reaches.
+    X_rounding, Y_rounding : part of these that the steps of a converter leave, which no scatter between cycles shows.
     bandwidth : N, the highest odd harmonic that stands out of the noise.   even_bandwidth : the highest even one, 0
     where the response is symmetric.   base_bandwidth : the highest harmonic of the base, 1 where it is harmonic.
     channels : harmonics of each channel, corrected, by quantity.
@@ -76,6 +78,8 @@ class SteadyRecord:
     weights: Array
     X_error: Array
     Y_error: Array
+    X_rounding: Array
+    Y_rounding: Array
     bandwidth: int
     even_bandwidth: int
     base_bandwidth: int
@@ -192,7 +196,7 @@ def _condition(
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"the stiffness k must be positive, got {k} N/m")
     driving = next(q for q in EXCITATIONS if q in channels)
-    uncorrected, warnings = _harmonics(channels, driving, frequency_hz, skip_cycles)
+    uncorrected, converter, warnings = _harmonics(channels, driving, frequency_hz, skip_cycles)
     harmonics = {q: _corrected(q, h, corrections.get(q)) for q, h in uncorrected.items()}
     base = harmonics[driving]
     weights = _common_weights(harmonics)
@@ -205,7 +209,16 @@ def _condition(
     settled = {q: _settled(h, usable, times, weights, offset) for q, h in harmonics.items()}
     omega = base.omega + offset
     Y = _displacement(driving, settled[driving], omega, k)
-    Y_error = _error(Y, weights)
+    noise_rms = {
+        q: _noise_rms(_settled(h, usable, times, weights, offset), weights, h)
+        for q, h in uncorrected.items()
+    }
+    rounding = {
+        q: _rounding(q, h, converter[q], noise_rms[q], corrections.get(q), k)
+        for q, h in uncorrected.items()
+    }
+    Y_rounding = rounding[driving][: Y.shape[1]]
+    Y_error = np.hypot(_error(Y, weights), Y_rounding)
     moved = {q: _displacement(q, settled[q], omega, k) for q in RESPONSES if q in channels}
     if not clocks:
         apart = {q: checks.clock(Y[:, 1], x[:, 1], times, weights, omega) for q, x in moved.items()}
@@ -220,7 +233,7 @@ def _condition(
             )
     skew, inconsistencies = checks.consistency(moved, weights, omega)
     warnings += inconsistencies
-    X, X_error = _combined(moved, weights)
+    X, X_error, X_rounding = _combined(moved, rounding, weights)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
     warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
     unsteady = tuple(
@@ -244,14 +257,13 @@ def _condition(
         weights=weights,
         X_error=X_error,
         Y_error=Y_error,
+        X_rounding=X_rounding,
+        Y_rounding=Y_rounding,
         bandwidth=_bandwidth(mean_X, X_error),
         even_bandwidth=_bandwidth(mean_X, X_error, lowest=2) if asymmetry else 0,
         base_bandwidth=checks.highest_of_base(mean_Y, Y_error),
         channels=harmonics,
-        noise_rms={
-            q: _noise_rms(_settled(h, usable, times, weights, offset), weights, h)
-            for q, h in uncorrected.items()
-        },
+        noise_rms=noise_rms,
         skew=skew,
         warnings=tuple(warnings),
         doubts=unsteady,
@@ -260,8 +272,9 @@ def _condition(
 
 def _harmonics(
     channels: Mapping[str, SampleBlocks], driving: str, frequency_hz: float | None, skip_cycles: int
-) -> tuple[dict[str, CycleHarmonics], list[str]]:
-    """The harmonics of every channel at the drive frequency of the leading part; warnings about that frequency."""
+) -> tuple[dict[str, CycleHarmonics], dict[str, float], list[str]]:
+    """The harmonics of every channel at the drive frequency of the leading part, the steps of its converter, and
+    warnings about that frequency."""
     leading = {
         q: _leading_samples(blocks(), _LEADING if q == driving else _COMPARED)
         for q, blocks in channels.items()
@@ -276,10 +289,14 @@ def _harmonics(
     warnings = list(checks.frequency(omega, error, cycles, frequency_hz))
     start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
     counts = {q: _harmonics_of(q, period / dt) for q, dt in steps.items()}
-    return {
-        q: accumulate(blocks(), omega, start=start, dt=steps[q], harmonics=counts[q])
-        for q, blocks in channels.items()
-    }, warnings
+    return (
+        {
+            q: accumulate(blocks(), omega, start=start, dt=steps[q], harmonics=counts[q])
+            for q, blocks in channels.items()
+        },
+        {q: converter_step(values[:_COMPARED]) for q, (_, values) in leading.items()},
+        warnings,
+    )
 
 
 def _by_clock(blocks: SampleBlocks, faster: float) -> SampleBlocks:
@@ -442,18 +459,39 @@ def _noise_rms(rows: Complexes, weights: Array, of: CycleHarmonics) -> float:
     return math.sqrt(float(np.median(_scatter(rows, weights)[1:])) * 0.5 * period / of.dt)
 
 
-def _combined(moved: Mapping[str, Complexes], weights: Array) -> tuple[Complexes, Array]:
-    """The mean of the harmonics of all responses, weighted by inverse variance, and its standard deviations."""
+def _rounding(
+    quantity: str,
+    of: CycleHarmonics,
+    step: float,
+    noise_rms: float,
+    correction: Correction | None,
+    k: float,
+) -> Array:
+    """Standard deviations that the steps of a converter leave in the harmonics of a channel, m.   of : uncorrected."""
+    samples, cycles = 2.0 * math.pi / (of.omega * of.dt), round(float(of.weights.sum()))
+    error = rounding_error(step, of.span, samples, cycles, noise_rms)
+    ones = replace(of, coefficients=np.full((1, of.coefficients.shape[1]), error + 0j))
+    return np.abs(
+        _displacement(quantity, _corrected(quantity, ones, correction).coefficients, of.omega, k)
+    )[0]
+
+
+def _combined(
+    moved: Mapping[str, Complexes], rounding: Mapping[str, Array], weights: Array
+) -> tuple[Complexes, Array, Array]:
+    """The mean of the harmonics of all responses, weighted by inverse variance, its standard deviations, and what
+    rounding contributes to them."""
     count = max(rows.shape[1] for rows in moved.values())
     total = np.zeros((len(weights), count), dtype=np.complex128)
-    precision = np.zeros(count)
-    for rows in moved.values():
+    precision, rounded = np.zeros(count), np.zeros(count)
+    for q, rows in moved.items():
         size = rows.shape[1]
-        weight = 1.0 / _error(rows, weights) ** 2
+        weight = 1.0 / (_error(rows, weights) ** 2 + rounding[q][:size] ** 2)
         total[:, :size] += weight * rows
         precision[:size] += weight
+        rounded[:size] += (weight * rounding[q][:size]) ** 2
     total /= precision
-    return total, 1.0 / np.sqrt(precision)
+    return total, 1.0 / np.sqrt(precision), np.sqrt(rounded) / precision
 
 
 def _bandwidth(mean: Complexes, error: Array, lowest: int = 1) -> int:

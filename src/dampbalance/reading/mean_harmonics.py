@@ -163,9 +163,26 @@ class Reading:
 
     @one_thread
     def resampled(self, count: int, rng: np.random.Generator) -> Means:
-        """`count` bootstrap replicates of the means: of rows drawn with replacement."""
-        drawn, stretch = bootstrap(len(self.steady.weights), count, rng)
-        return self._drawn(drawn * self.steady.weights, stretch, 2.0)
+        """`count` bootstrap replicates of the means: of rows drawn with replacement, with random errors of the size
+        that a converter leaves in all of them alike."""
+        steady = self.steady
+        drawn, stretch = bootstrap(len(steady.weights), count, rng)
+        means = self._drawn(drawn * steady.weights, stretch, 2.0)
+        if not (steady.X_rounding.any() or steady.Y_rounding.any()):
+            return means
+
+        def shaken(x: Complexes, error: Array) -> Complexes:
+            noise = rng.standard_normal((2, *x.shape)) * error
+            return x + noise[0] + 1j * noise[1]
+
+        even = np.arange(2, steady.even_bandwidth + 1, 2)
+        return replace(
+            means,
+            Y=shaken(means.Y, steady.Y_rounding[1]).real,
+            x=shaken(means.x, steady.X_rounding[self.lines.n]),
+            even=shaken(means.even, steady.X_rounding[even]),
+            base=shaken(means.base, steady.Y_rounding[2 : means.base.shape[1] + 2]),
+        )
 
     @one_thread
     def left_out(self) -> Means:
