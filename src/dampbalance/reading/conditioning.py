@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -64,6 +64,7 @@ class SteadyRecord:
     skew : by how much each response lags the first, s, as corrected (only where it is significant).
     warnings : what is wrong with the record, one sentence each.   doubts : why no number that it gives is to be
     trusted, likewise.
+    gathered : what all this comes from.   unfolded : whether harmonics beyond those that are fitted have been removed.
     """
 
     source: str
@@ -87,7 +88,19 @@ class SteadyRecord:
     noise_rms: Mapping[str, float]
     skew: Mapping[str, float]
     warnings: tuple[str, ...]
-    doubts: tuple[str, ...] = ()
+    doubts: tuple[str, ...]
+    gathered: Gathered
+    unfolded: bool = False
+
+    def without(self, beyond: Mapping[str, Complexes]) -> SteadyRecord:
+        """The record freed of what harmonics beyond those that were fitted add to these: to the harmonics of a channel
+        as it was recorded, by quantity, rows × (0 … N), in the unit of the channel."""
+        channels = {
+            q: replace(h, coefficients=h.coefficients - beyond[q]) if q in beyond else h
+            for q, h in self.gathered.channels.items()
+        }
+        freed = _steady(_Settled.of(replace(self.gathered, channels=channels)))
+        return replace(freed, gathered=self.gathered, unfolded=True)
 
     @property
     def frequency_hz(self) -> float:
@@ -189,48 +202,114 @@ def _condition(
     frequency_hz: float | None,
     skip_cycles: int,
     corrections: Mapping[str, Correction | None],
-    clocks: Mapping[str, float] = MappingProxyType({}),
 ) -> SteadyRecord:
-    """As `condition_blocks`.   clocks : by how much the clock of a channel is faster than that of the excitation, as
-    has been found; default, that is sought."""
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"the stiffness k must be positive, got {k} N/m")
-    driving = next(q for q in EXCITATIONS if q in channels)
-    uncorrected, converter, warnings = _harmonics(channels, driving, frequency_hz, skip_cycles)
-    harmonics = {q: _corrected(q, h, corrections.get(q)) for q, h in uncorrected.items()}
-    base = harmonics[driving]
-    weights = _common_weights(harmonics)
-    warnings += _checked_cycles(harmonics, weights, base.omega)
 
-    # a longer look corrects the frequency of the leading part
-    offset, omega_error = frequency_offset(base)
-    usable = weights > 0.0
-    times, weights = base.times[: len(weights)][usable] - base.start, weights[usable]
-    settled = {q: _settled(h, usable, times, weights, offset) for q, h in harmonics.items()}
-    omega = base.omega + offset
-    Y = _displacement(driving, settled[driving], omega, k)
+    def gathered(channels: Mapping[str, SampleBlocks], doubts: Sequence[str] = ()) -> Gathered:
+        uncorrected, sampling, warnings = _harmonics(channels, frequency_hz, skip_cycles)
+        words = (*doubts, *warnings)
+        return Gathered(source, k, uncorrected, sampling, corrections, words, tuple(doubts))
+
+    of_record = gathered(channels)
+    settled = _Settled.of(of_record)
+    apart = {
+        q: checks.clock(settled.Y[:, 1], x[:, 1], settled.times, settled.weights, settled.omega)
+        for q, x in settled.moved.items()
+    }
+    faster = {q: ratio for q, ratio in apart.items() if ratio is not None}
+    if faster:
+        by_one = {q: _by_clock(of, faster.get(q, (0.0,))[0]) for q, of in channels.items()}
+        of_record = gathered(by_one, [*itertools.starmap(checks.two_clocks, faster.items())])
+        settled = _Settled.of(of_record)
+    return _steady(settled)
+
+
+@dataclass(frozen=True, eq=False)
+class Gathered:
+    """What one pass through the samples of a record leaves of them.
+
+    source, k : as for `SteadyRecord`.   channels : harmonics of each channel, as they were recorded.   sampling : time
+    of the first sample and sampling interval, s, and step of the converter, by quantity.   corrections : of the
+    harmonics.   warnings, doubts : on the samples.
+    """
+
+    source: str
+    k: float
+    channels: Mapping[str, CycleHarmonics]
+    sampling: Mapping[str, tuple[float, float, float]]
+    corrections: Mapping[str, Correction | None]
+    warnings: tuple[str, ...]
+    doubts: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Settled:
+    """The harmonics of base and responses as those of displacements, in the usable rows, m.
+
+    gathered : that they come from.   corrected : harmonics of each channel.   usable : rows in which every channel is.
+    times, weights : of these rows, from the start, s.   omega, offset, omega_error : of the drive, rad/s; offset from
+    that of the leading part.   warnings : on the cycles.
+    """
+
+    gathered: Gathered
+    corrected: Mapping[str, CycleHarmonics]
+    usable: Mask
+    times: Array
+    weights: Array
+    omega: float
+    offset: float
+    omega_error: float
+    Y: Complexes
+    moved: dict[str, Complexes]
+    warnings: list[str]
+
+    @classmethod
+    def of(cls, gathered: Gathered) -> _Settled:
+        """The channels, corrected."""
+        corrected = {
+            q: _corrected(q, h, gathered.corrections.get(q)) for q, h in gathered.channels.items()
+        }
+        driving = next(q for q in EXCITATIONS if q in corrected)
+        base, weights = corrected[driving], _common_weights(corrected)
+        warnings = _checked_cycles(corrected, weights, base.omega)
+        # a longer look corrects the frequency of the leading part
+        offset, omega_error = frequency_offset(base)
+        usable, omega = weights > 0.0, base.omega + offset
+        times, weights = base.times[: len(weights)][usable] - base.start, weights[usable]
+        rows = {
+            q: _displacement(q, _settled(h, usable, times, weights, offset), omega, gathered.k)
+            for q, h in corrected.items()
+        }
+        return cls(
+            gathered,
+            corrected,
+            usable,
+            times,
+            weights,
+            omega,
+            offset,
+            omega_error,
+            rows[driving],
+            {q: rows[q] for q in RESPONSES if q in rows},
+            warnings,
+        )
+
+
+def _steady(settled: _Settled) -> SteadyRecord:
+    """The steady record that these harmonics are."""
+    gathered, Y, weights, omega = settled.gathered, settled.Y, settled.weights, settled.omega
+    driving = next(q for q in EXCITATIONS if q in settled.corrected)
+    base, times = settled.corrected[driving], settled.times
     noise_rms = {
-        q: _noise_rms(_settled(h, usable, times, weights, offset), weights, h)
-        for q, h in uncorrected.items()
+        q: _noise_rms(_settled(h, settled.usable, times, weights, settled.offset), weights, h)
+        for q, h in gathered.channels.items()
     }
-    rounding = {
-        q: _rounding(q, h, converter[q], noise_rms[q], corrections.get(q), k)
-        for q, h in uncorrected.items()
-    }
+    rounding = {q: _rounding(gathered, q, noise_rms[q]) for q in gathered.channels}
     Y_rounding = rounding[driving][: Y.shape[1]]
     Y_error = np.hypot(_error(Y, weights), Y_rounding)
-    moved = {q: _displacement(q, settled[q], omega, k) for q in RESPONSES if q in channels}
-    if not clocks:
-        apart = {q: checks.clock(Y[:, 1], x[:, 1], times, weights, omega) for q, x in moved.items()}
-        faster = {q: ratio for q, ratio in apart.items() if ratio is not None}
-        if faster:
-            by_one = {q: _by_clock(of, faster.get(q, (0.0,))[0]) for q, of in channels.items()}
-            known = {q: part for q, (part, _) in faster.items()}
-            steady = _condition(source, by_one, k, frequency_hz, skip_cycles, corrections, known)
-            words = tuple(itertools.starmap(checks.two_clocks, faster.items()))
-            return replace(
-                steady, warnings=(*words, *steady.warnings), doubts=(*words, *steady.doubts)
-            )
+    moved = dict(settled.moved)
+    warnings = [*gathered.warnings, *settled.warnings]
     skew, inconsistencies = checks.consistency(moved, weights, omega)
     warnings += inconsistencies
     X, X_error, X_rounding = _combined(moved, rounding, weights)
@@ -245,10 +324,10 @@ def _condition(
     warnings += asymmetry
     warnings += checks.work(mean_Y[1], mean_X[1], Y_error[1], X_error[1])
     return SteadyRecord(
-        source=source,
-        k=k,
+        source=gathered.source,
+        k=gathered.k,
         omega=omega,
-        omega_standard_error=omega_error,
+        omega_standard_error=settled.omega_error,
         start=base.start,
         cycles=int(weights.sum()),
         cycles_per_row=base.cycles_per_row,
@@ -262,19 +341,21 @@ def _condition(
         bandwidth=_bandwidth(mean_X, X_error),
         even_bandwidth=_bandwidth(mean_X, X_error, lowest=2) if asymmetry else 0,
         base_bandwidth=checks.highest_of_base(mean_Y, Y_error),
-        channels=harmonics,
+        channels=settled.corrected,
         noise_rms=noise_rms,
         skew=skew,
         warnings=tuple(warnings),
-        doubts=unsteady,
+        doubts=(*gathered.doubts, *unsteady),
+        gathered=gathered,
     )
 
 
 def _harmonics(
-    channels: Mapping[str, SampleBlocks], driving: str, frequency_hz: float | None, skip_cycles: int
-) -> tuple[dict[str, CycleHarmonics], dict[str, float], list[str]]:
-    """The harmonics of every channel at the drive frequency of the leading part, the steps of its converter, and
-    warnings about that frequency."""
+    channels: Mapping[str, SampleBlocks], frequency_hz: float | None, skip_cycles: int
+) -> tuple[dict[str, CycleHarmonics], dict[str, tuple[float, float, float]], list[str]]:
+    """The harmonics of every channel at the drive frequency of the leading part, `Gathered.sampling`, and warnings about
+    that frequency."""
+    driving = next(q for q in EXCITATIONS if q in channels)
     leading = {
         q: _leading_samples(blocks(), _LEADING if q == driving else _COMPARED)
         for q, blocks in channels.items()
@@ -294,7 +375,10 @@ def _harmonics(
             q: accumulate(blocks(), omega, start=start, dt=steps[q], harmonics=counts[q])
             for q, blocks in channels.items()
         },
-        {q: converter_step(values[:_COMPARED]) for q, (_, values) in leading.items()},
+        {
+            q: (float(t[0]), _step_of(t, q), converter_step(values[:_COMPARED]))
+            for q, (t, values) in leading.items()
+        },
         warnings,
     )
 
@@ -459,21 +543,14 @@ def _noise_rms(rows: Complexes, weights: Array, of: CycleHarmonics) -> float:
     return math.sqrt(float(np.median(_scatter(rows, weights)[1:])) * 0.5 * period / of.dt)
 
 
-def _rounding(
-    quantity: str,
-    of: CycleHarmonics,
-    step: float,
-    noise_rms: float,
-    correction: Correction | None,
-    k: float,
-) -> Array:
-    """Standard deviations that the steps of a converter leave in the harmonics of a channel, m.   of : uncorrected."""
-    samples, cycles = 2.0 * math.pi / (of.omega * of.dt), round(float(of.weights.sum()))
-    error = rounding_error(step, of.span, samples, cycles, noise_rms)
+def _rounding(gathered: Gathered, quantity: str, noise_rms: float) -> Array:
+    """Standard deviations that the steps of a converter leave in the harmonics of a channel, m."""
+    of, (_, dt, step) = gathered.channels[quantity], gathered.sampling[quantity]
+    cycles = round(float(of.weights.sum()))
+    error = rounding_error(step, of.span, 2.0 * math.pi / (of.omega * dt), cycles, noise_rms)
     ones = replace(of, coefficients=np.full((1, of.coefficients.shape[1]), error + 0j))
-    return np.abs(
-        _displacement(quantity, _corrected(quantity, ones, correction).coefficients, of.omega, k)
-    )[0]
+    corrected = _corrected(quantity, ones, gathered.corrections.get(quantity))
+    return np.abs(_displacement(quantity, corrected.coefficients, of.omega, gathered.k))[0]
 
 
 def _combined(
