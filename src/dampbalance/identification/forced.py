@@ -32,6 +32,7 @@ from ..law.law import Law
 from ..law.terms import FRICTION, parted
 from ..reading.mean_harmonics import Reading
 from ..reading.one_thread import one_thread
+from ..reading.unfolding import unfolded
 from ..solver import Estimate, least_squares, solve
 from .answer import (
     CONFIDENCE,
@@ -190,7 +191,8 @@ def identify_readings(
     _require(readings, k, law, approaches, replicates)
     if mass is not None:
         number("mass", mass)
-    joint = joint_fit([reading.lines for reading in readings], k, mass, law)
+    readings, near = unfolded(readings, k, law)
+    joint = joint_fit([reading.lines for reading in readings], k, mass, law, near)
     readings = joined(readings, joint, law)
     samples = read_samples(readings, replicates, np.random.default_rng(seed))
     line = microstick(samples)

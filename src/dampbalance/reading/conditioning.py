@@ -353,8 +353,8 @@ def _steady(settled: _Settled) -> SteadyRecord:
 def _harmonics(
     channels: Mapping[str, SampleBlocks], frequency_hz: float | None, skip_cycles: int
 ) -> tuple[dict[str, CycleHarmonics], dict[str, tuple[float, float, float]], list[str]]:
-    """The harmonics of every channel at the drive frequency of the leading part, `Gathered.sampling`, and warnings about
-    that frequency."""
+    """The harmonics of every channel at the drive frequency of the leading part, `Gathered.sampling`, and warnings
+    about that frequency."""
     driving = next(q for q in EXCITATIONS if q in channels)
     leading = {
         q: _leading_samples(blocks(), _LEADING if q == driving else _COMPARED)

@@ -73,7 +73,7 @@ class Lines:
     omega : rad/s.   Y : amplitude of the base, m.   n : odd orders, (h,).   x : x_n, m, (h,).
     Y_error, x_error : standard deviations of the real and of the imaginary part of each, m.
     rows : independent rows that the standard deviations come from.   aliased : what harmonics beyond half the sampling
-    rate add, as a part of the noise, at its largest; it is counted in x_error.
+    rate add, as a part of the noise, at its largest; it is counted in x_error unless it has been removed.
     base : y_n, n = 2, 3 …, m, likewise, zero where they do not stand out of the noise; empty for a harmonic base.
     """
 
@@ -101,14 +101,15 @@ class Lines:
         base, higher = y[1], np.arange(2, y.size)
         clear = np.abs(y[higher]) > SIGNIFICANT * steady.Y_error[higher]
         x = steady.mean(steady.X)[n] * np.exp(-1j * n * np.angle(base))
-        noise, aliased = steady.X_error[n], _aliased(steady, n)
+        noise = steady.X_error[n]
+        aliased = _aliased(steady, n)
         return cls(
             omega=steady.omega,
             Y=float(abs(base)),
             Y_error=float(steady.Y_error[1]),
             n=n,
             x=x,
-            x_error=np.hypot(noise, aliased),
+            x_error=noise if steady.unfolded else np.hypot(noise, aliased),
             rows=len(steady.weights),
             aliased=float(np.max(aliased / np.maximum(noise, _ROUNDING * abs(x[0])))),
             base=np.where(clear, y[higher] * np.exp(-1j * higher * np.angle(base)), 0.0),

@@ -98,6 +98,12 @@ class Reading:
         """The harmonics that waveforms are fitted to."""
         return Lines.of(self.steady)
 
+    def x_of(self, n: Integers) -> Complexes:
+        """Harmonics x_n of the record as in `lines`, of any orders, m, (h,)."""
+        steady = self.steady
+        base = steady.mean(steady.Y[:, 1:2])[0]
+        return steady.mean(steady.X)[n] * np.exp(-1j * n * np.angle(base))
+
     @cached_property
     @one_thread
     def waveform(self) -> Waveform | None:
