@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -91,6 +91,11 @@ class Lines:
     def clear(self) -> Mask:
         """Which harmonics stand out of the noise; the fundamental always."""
         return (np.abs(self.x) > CLEAR * self.x_error) | (self.n == 1)
+
+    def up_to(self, highest: int) -> Lines:
+        """The harmonics up to an order."""
+        low = self.n <= highest
+        return replace(self, n=self.n[low], x=self.x[low], x_error=self.x_error[low])
 
     @classmethod
     def of(cls, steady: SteadyRecord) -> Lines:

@@ -35,6 +35,7 @@ _DENSE, _FINER = (
     8,
 )  # points of a cycle that is exact, and how many more of them are interpolated
 _REPEATS = 5
+_LOW = 7  # a harmonic so high still shows the contact
 _STAYS = 0.05  # standard errors of the unknowns
 # Errors of a record that has been freed over those before: beyond, the motion was another.
 _WORSE = 1.02
@@ -58,9 +59,12 @@ def unfolded(
         return list(readings), None
     freed, fit = _repeated(readings, concerned, first)
     if fit is not None and not fit.adequate:
-        again = fit_records([reading.lines for reading in freed], k, law)
-        if again is not None and again.chi_square < fit.chi_square:
-            freed, fit = _repeated(readings, concerned, again)
+        # high harmonics, which fold most beside their own size, have led elsewhere
+        low = [reading.lines.up_to(_LOW) for reading in readings]
+        again = fit_records(low, k, law)
+        if again is not None:
+            ends = (freed, fit), _repeated(readings, concerned, again)
+            freed, fit = min(ends, key=lambda end: end[1].chi_square if end[1] else math.inf)
     if fit is None or (first.adequate and not fit.adequate):
         return list(readings), None
     # with the same errors
