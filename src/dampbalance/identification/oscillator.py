@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 from ..law.law import Law
 from ..law.terms import FRICTION
-from ..reading.fitting import fit_oscillator, with_delay, with_mass
+from ..reading.fitting import with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
 from ..reading.mean_harmonics import Reading
+from ..reading.recorded import fit_records
 from ..reading.waveforms import WaveformFit
 from .answer import Answer, answer_of_fit
 
@@ -76,6 +77,7 @@ def joint_fit(
     k: float,
     m: float | None = None,
     law: Law | None = None,
+    near: WaveformFit | None = None,
 ) -> JointFit:
     """The oscillator behind the records.
 
@@ -83,11 +85,12 @@ def joint_fit(
     left out.
 
     k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.
+    near : a fit to these harmonics that has been found already.
     """
     law = law or Law()
     chi_square, freedom = linear_misfit(lines, k, law.terms)
     slips = improbable(chi_square, freedom, lines)
-    fit = fit_oscillator(lines, k, law, thorough=slips)
+    fit = near if near is not None else fit_records(lines, k, law, thorough=slips)
     explained = 0.0 if fit is None else chi_square - fit.chi_square
     linear = explained < _SHOWS and not slips
     if fit is None or linear:

@@ -65,6 +65,13 @@ def fit_oscillator(
     return _nearest(ends)
 
 
+def climb_on(fit: WaveformFit, lines: Sequence[Lines]) -> WaveformFit | None:
+    """The fit to other harmonics of the same records, from there on; what was given keeps its value."""
+    given = {name for name in ("m", "delay") if not fit.error(name)}
+    reached = _climbed(replace(fit.unknowns, lines=tuple(lines)), fit.point, given, (0.0,))
+    return reached and replace(reached, evaluations=fit.evaluations + reached.evaluations)
+
+
 def fit_quickly(
     lines: Sequence[Lines], k: float, law: Law, near: Sequence[WaveformFit]
 ) -> WaveformFit | None:

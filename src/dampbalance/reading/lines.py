@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -32,6 +32,7 @@ from ..motion.jit import interpreted
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
 from ..records.measurement import RESPONSES
+from .checks import SIGNIFICANT
 from .conditioning import SteadyRecord
 
 CLEAR = 4.0
@@ -73,7 +74,8 @@ class Lines:
     omega : rad/s.   Y : amplitude of the base, m.   n : odd orders, (h,).   x : x_n, m, (h,).
     Y_error, x_error : standard deviations of the real and of the imaginary part of each, m.
     rows : independent rows that the standard deviations come from.   aliased : what harmonics beyond half the sampling
-    rate add, as a part of the noise, at its largest; it is counted in x_error.
+    rate add, as a part of the noise, at its largest; it is counted in x_error unless it has been removed.
+    base : y_n, n = 2, 3 …, m, likewise, zero where they do not stand out of the noise; empty for a harmonic base.
     """
 
     omega: float
@@ -84,29 +86,39 @@ class Lines:
     x_error: Array
     rows: int
     aliased: float = 0.0
+    base: Complexes = field(default_factory=lambda: np.empty(0, dtype=np.complex128))
 
     @property
     def clear(self) -> Mask:
         """Which harmonics stand out of the noise; the fundamental always."""
         return (np.abs(self.x) > CLEAR * self.x_error) | (self.n == 1)
 
+    def up_to(self, highest: int) -> Lines:
+        """The harmonics up to an order."""
+        low = self.n <= highest
+        return replace(self, n=self.n[low], x=self.x[low], x_error=self.x_error[low])
+
     @classmethod
     def of(cls, steady: SteadyRecord) -> Lines:
         """The harmonics of a record up to a little beyond its bandwidth."""
         highest = min(steady.bandwidth + 2 * _EXTRA, len(steady.X_error) - 1)
         n = np.arange(1, highest + 1, 2)
-        base = steady.mean(steady.Y[:, 1:2])[0]
+        y = steady.mean(steady.Y[:, : steady.base_bandwidth + 1])
+        base, higher = y[1], np.arange(2, y.size)
+        clear = np.abs(y[higher]) > SIGNIFICANT * steady.Y_error[higher]
         x = steady.mean(steady.X)[n] * np.exp(-1j * n * np.angle(base))
-        noise, aliased = steady.X_error[n], _aliased(steady, n)
+        noise = steady.X_error[n]
+        aliased = _aliased(steady, n)
         return cls(
             omega=steady.omega,
             Y=float(abs(base)),
             Y_error=float(steady.Y_error[1]),
             n=n,
             x=x,
-            x_error=np.hypot(noise, aliased),
+            x_error=noise if steady.unfolded else np.hypot(noise, aliased),
             rows=len(steady.weights),
             aliased=float(np.max(aliased / np.maximum(noise, _ROUNDING * abs(x[0])))),
+            base=np.where(clear, y[higher] * np.exp(-1j * higher * np.angle(base)), 0.0),
         )
 
 
@@ -211,26 +223,36 @@ def linear_misfit(
 ) -> tuple[float, int]:
     """χ² of the records about a linear oscillator, and its degrees of freedom.
 
-    It has (k + K − mω² + iωΣ p_j h_j) x_1 = kY, K ≥ 0 the stiffness of a contact that only sticks, and no other
-    harmonics.   terms : of its damping, of which those that are linear count.
+    It has (k + K − mω² + iωΣ p_j h_j) x_1 = kY, K ≥ 0 the stiffness of a contact that only sticks, and likewise at nω
+    where the base has a harmonic y_n; no other harmonics.
+
+    terms : of its damping, of which those that are linear count.
     """
-    x_1 = np.array([one.x[0] for one in lines])
-    omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
-    z = k * Y / x_1 - k
-    relative = [math.hypot(one.x_error[0] / abs(one.x[0]), one.Y_error / one.Y) for one in lines]
-    error = np.abs(k * Y / x_1) * relative
-    columns = [np.ones(omega.size), (omega / omega.max()) ** 2]
+    rows, chi_square = [], 0.0
+    for one in lines:
+        y = np.zeros(2 * one.n.size, dtype=np.complex128)
+        y[1], y[2 : one.base.size + 2] = one.Y, one.base[: y.size - 2]
+        y = y[one.n]
+        driven = one.clear & (y != 0.0)
+        chi_square += float(np.sum(np.abs(one.x / one.x_error)[~driven] ** 2))
+        y, x = y[driven], one.x[driven]
+        relative = one.x_error[driven] / np.abs(x)
+        relative[0] = math.hypot(relative[0], one.Y_error / one.Y)
+        rows.append(np.column_stack([y / x, relative, one.n[driven] * one.omega]))
+    ratio, relative, rate = np.concatenate(rows).T
+    rate, omega = rate.real, np.repeat([one.omega for one in lines], [len(part) for part in rows])
+    z, error = k * (ratio - 1.0), k * np.abs(ratio) * relative.real
+    columns = [np.ones(rate.size), rate**2]
     for symbol in terms:
         force = KNOWN_TERMS[symbol].force
         if force is not None and KNOWN_TERMS[symbol].linear:
-            columns.append(1j * omega * force(1.0, Y / x_1, k, omega))
+            columns.append(1j * rate * force(1.0, ratio, k, omega))
     matrix = np.column_stack(columns) / error[:, None]
     matrix = np.vstack([matrix.real, matrix.imag])
     matrix /= np.linalg.norm(matrix, axis=0)
     right = np.concatenate([z.real / error, z.imag / error])
     solution, _, rank, _ = np.linalg.lstsq(matrix, right, rcond=1e-6)
-    chi_square = float(np.sum((matrix @ solution - right) ** 2))
-    chi_square += math.fsum(float(np.sum(np.abs(one.x / one.x_error)[1:] ** 2)) for one in lines)
+    chi_square += float(np.sum((matrix @ solution - right) ** 2))
     return chi_square, 2 * sum(one.n.size for one in lines) - int(rank)
 
 
