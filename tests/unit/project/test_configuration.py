@@ -208,5 +208,7 @@ def test_an_override_without_a_case_of_its_own_is_refused(tmp_path):
     other.write_text("case: mine\n", encoding="utf-8")
     require_own_case([])
     require_own_case([other, one])
-    with pytest.raises(ConfigurationError, match=r"friction\.yaml: case: is missing.*case: friction"):
+    with pytest.raises(
+        ConfigurationError, match=r"friction\.yaml: case: is missing.*case: friction"
+    ):
         require_own_case([one])

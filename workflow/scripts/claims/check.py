@@ -12,5 +12,7 @@ if __name__ == "__main__":
     claims = read_claims(Path(snakemake.input.claims))
     offences = check(claims, read_record(Path(snakemake.input.recorded)))
     text = summary(claims, offences)
-    print(text.split("\n\nNeither", maxsplit=1)[0], "\n", file=sys.stderr)  # long before the run ends
+    print(
+        text.split("\n\nNeither", maxsplit=1)[0], "\n", file=sys.stderr
+    )  # long before the run ends
     write_text(snakemake.output.summary, text)
