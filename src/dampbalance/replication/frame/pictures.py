@@ -87,7 +87,8 @@ def _cycles(axes: Axes, prediction: Prediction, laws: Sequence[str]) -> None:
     """Displacement of the held-out cycles, measured and predicted by laws, from the first of them."""
     t = prediction.t - prediction.t[0]
     axes.plot(t, 1e3 * prediction.measured, color=SLIP, zorder=3, label="measured")
-    for law, look in zip(laws, ({"color": STICK, "ls": DASHED}, {"color": OTHER}), strict=False):
+    looks: list[dict[str, Any]] = [{"color": STICK, "ls": DASHED}, {"color": OTHER}]
+    for law, look in zip(laws, looks, strict=False):
         axes.plot(t, 1e3 * prediction.predicted[law], label=f"predicted, {law} friction", **look)
     axes.set_xlabel("time (s)")
     axes.set_xlim(0.0, float(t[-1]))

@@ -72,21 +72,23 @@ def logarithmic(loop: Loop, F_k: float) -> SpeedLaw:
     def solved(a: float, c: float) -> tuple[float, float]:
         (log, late), (log_0, late_0) = shapes(np.abs(loop.v), c), shapes(np.zeros(1), c)
         mean, mean_late = float(path @ log), float(path @ late)
-        b = (F_k - F_s - a * (mean - log_0[0])) / (mean_late - late_0[0])
+        b = (F_k - F_s - a * (mean - float(log_0[0]))) / (mean_late - float(late_0[0]))
         return F_k - a * mean - b * mean_late, b
 
-    def at(v: Array, a: float, c: float) -> Array:
+    def law(a: float, c: float) -> SpeedLaw:
         F_0, b = solved(a, c)
-        log, late = shapes(v, c)
-        return F_0 + a * log + b * late
 
-    fit = least_squares(
-        lambda p: at(speed, *p) - force, _START, bounds=((0.0, 0.0), _LARGEST), x_scale=_LARGEST
-    )
-    a, c = fit.x.tolist()
-    F_0, b = map(float, solved(a, c))
-    coefficients = {"F_0_N": F_0, "F_s_N": F_s, "a_N": a, "b_N": b, "c": c}
-    return SpeedLaw(lambda v: at(v, a, c), coefficients)
+        def at(v: Array) -> Array:
+            log, late = shapes(v, c)
+            return F_0 + a * log + b * late
+
+        return SpeedLaw(at, {"F_0_N": F_0, "F_s_N": F_s, "a_N": a, "b_N": b, "c": c})
+
+    def off(p: Array) -> Array:
+        return law(*p.tolist()).force(speed) - force
+
+    bounds = ((0.0, 0.0), _LARGEST)
+    return law(*least_squares(off, _START, bounds=bounds, x_scale=_LARGEST).x.tolist())
 
 
 SPEED_LAWS: Mapping[str, Callable[[Loop, float], SpeedLaw]] = {
