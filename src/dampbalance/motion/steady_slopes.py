@@ -2,9 +2,9 @@
 
 At a fixed phase of the base, changes δx and δẋ pass every event unchanged, since the force of the contact is
 continuous; where the mass turns, that force becomes s F_k + K_z(x − x_r), x_r the place of the turn, which moves by δx.
-Within a phase the motion obeys a linear equation and its derivatives the same equation, differentiated: both are followed by
-Taylor's series, a few radians of the fastest motion at a time, which is exact to rounding at resonance, in the shortest
-stick and whatever the damping. Half a period later
+Within a phase the motion obeys a linear equation and its derivatives the same equation, differentiated: both are
+followed by Taylor's series, a few radians of the fastest motion at a time, which is exact to rounding at resonance, in
+the shortest stick and whatever the damping. Half a period later
 
     δs(T/2) = A δs(0) + B δp        s = (x, ẋ) at the reversal at −X, p = (F_k, c, ρ, m), ρ = K_z^{−1/2}
 
