@@ -219,8 +219,10 @@ def _unlimited() -> Array:
 
 def _swings(orbit: Orbit) -> float:
     """How often the mass swings on contact and spring in half a cycle, while it sticks."""
-    t, s = orbit.phases[:, 0], orbit.phases[:, 1]
-    stuck = float(np.diff(t, append=0.5 * orbit.motion.period)[s == 0.0].sum())
+    rows, stuck = orbit.phases.tolist(), 0.0
+    for i, (t, s, *_) in enumerate(rows):
+        if s == 0.0:
+            stuck += (rows[i + 1][0] if i + 1 < len(rows) else 0.5 * orbit.motion.period) - t
     osc = orbit.oscillator
     return stuck * math.sqrt((osc.k + osc.K_z) / osc.m) / (2.0 * math.pi)
 
