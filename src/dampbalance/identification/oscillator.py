@@ -17,6 +17,8 @@ from .answer import Answer, answer_of_fit
 
 CONTRADICTED = "the mass given contradicts the records"
 
+NOT_CONVERGED = "the search for the best oscillator was ended before it converged: its numbers are no optimum"
+
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 
 
@@ -54,7 +56,8 @@ class JointFit:
         of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
         at_zero = [f"the best {key} {of_zero}" for key in fit.undamped]
         heavy = () if self.mass_fits else (CONTRADICTED,)
-        return (*heavy, *(() if fit.adequate else (far,)), *at_zero)
+        search = () if fit.converged else (NOT_CONVERGED,)
+        return (*heavy, *(() if fit.adequate else (far,)), *search, *at_zero)
 
     @property
     def answer(self) -> Answer | None:

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Complexes
 from ..model import BaseMotion, Oscillator
+from ..motion.events import MOST_RADIANS
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
 from ..motion.steady_slopes import harmonics_with_slopes, onset_slopes
@@ -175,17 +176,20 @@ def steady_response(
     motion: BaseMotion,
     law: Mapping[str, float],
     near: Response | None = None,
+    *,
+    most_radians: float = MOST_RADIANS,
 ) -> Response:
     """The steady response of an oscillator under a law.
 
     law : symbol → coefficient of the terms besides friction and c, which are the oscillator's, SI.
     near : a response from which to start.
+    most_radians : as for `steady_orbit`, of a law with linear terms only.
 
     Raises NoSteadyOrbit where there is none, or none with one onset of slip per half cycle under quadratic or cubic
     damping.
     """
     if not law:
-        return Response(steady_orbit(oscillator, motion), 0.0)
+        return Response(steady_orbit(oscillator, motion, most_radians=most_radians), 0.0)
     omega, k = motion.omega, oscillator.k
     linear, to_base, others = oscillator.c, 0.0, {}
     for symbol, p in law.items():
@@ -198,7 +202,8 @@ def steady_response(
     base = BaseMotion(motion.Y * math.hypot(1.0, omega * to_base / k), omega)
     advance = math.atan2(omega * to_base, k)
     if not others:
-        return Response(steady_orbit(replace(oscillator, c=linear), base), advance)
+        own = replace(oscillator, c=linear)
+        return Response(steady_orbit(own, base, most_radians=most_radians), advance)
     if near is not None and near.change is not None:
         extra = near.orbit.oscillator.c - linear
         orbit = steady_orbit(replace(oscillator, c=linear + max(extra, 0.0)), base)

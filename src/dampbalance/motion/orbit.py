@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from ..arguments import instance, numbers, whole
 from ..arrays import Array, Complexes
 from ..model import BaseMotion, Oscillator, Parameters, parameters
+from .events import MOST_RADIANS
 from .integrals import Measures, harmonics, measure
 from .regime import Regime
 from .states import State, states_in_phases
@@ -163,8 +164,13 @@ def read_orbits(path: str | Path) -> list[Orbit]:
     return [Orbit.from_dict(data) for data in json.loads(Path(path).read_text(encoding="utf-8"))]
 
 
-def steady_orbit(oscillator: Oscillator, motion: BaseMotion) -> Orbit:
+def steady_orbit(
+    oscillator: Oscillator, motion: BaseMotion, *, most_radians: float = MOST_RADIANS
+) -> Orbit:
     """The exact steady response to harmonic base motion, in any regime.
+
+    most_radians : of the fastest motion of the oscillator, that are followed in search of an orbit with several slips
+    per half cycle; the default takes seconds. Choose fewer where an orbit that takes long is not worth the wait.
 
     Raises NoSteadyOrbit where there is none (an undamped oscillator driven at resonance, with F_k < πkY/4) or none was
     found, ValueError for what is no oscillator and no motion.
@@ -182,7 +188,7 @@ def steady_orbit(oscillator: Oscillator, motion: BaseMotion) -> Orbit:
     """
     phases = np.empty((MAX_PHASES, 5))
     par = parameters(oscillator, instance("motion", motion, BaseMotion))
-    code, count, theta = solve_steady(par, phases)
+    code, count, theta = solve_steady(par, phases, most_radians)
     regime = Regime(code)
     if regime is Regime.NOT_FOUND:
         raise NoSteadyOrbit(f"no steady orbit found for {oscillator} under {motion}")

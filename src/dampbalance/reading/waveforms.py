@@ -37,6 +37,10 @@ from .lines import Lines, improbable
 _OTHERS = ("rho", "m", "delay")  # common unknowns in addition to the coefficients of the law
 _STEP = 1e-6  # of the finite differences: orbits are exact to 1e-13
 _LEAST = 2e-2  # of √(km): damping that sets the step where that of the point is smaller
+MOST_RADIANS = 5e5
+"""Of the fastest motion that are followed in search of one orbit: a quarter of a second."""
+
+_CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
 _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
 
 
@@ -91,7 +95,7 @@ class Unknowns:
         )
         law = {s: value[at[s]] for s in self.law.terms if s not in (FRICTION, "c")}
         motion = BaseMotion(value[at["Y"]], self.lines[record].omega)
-        return steady_response(oscillator, motion, law, near)
+        return steady_response(oscillator, motion, law, near, most_radians=MOST_RADIANS)
 
     def harmonics(
         self, point: Array, record: int, response: Response, count: int, *, quickly: bool
@@ -241,6 +245,7 @@ class WaveformFit(OscillatorFit):
     places : places of each record's data.
     freedom : degrees of freedom.
     undamped : keys of the coefficients that are at zero.
+    promise : what another step of the climb would gain in −log L, were the residuals linear.
     evaluations : evaluations that the search took.
     """
 
@@ -249,6 +254,7 @@ class WaveformFit(OscillatorFit):
     places: tuple[slice, ...]
     freedom: int
     undamped: tuple[str, ...]
+    promise: float
     evaluations: int = 0
 
     @property
@@ -285,6 +291,11 @@ class WaveformFit(OscillatorFit):
     def adequate(self) -> bool:
         """Whether such an oscillator explains the records within their noise."""
         return not improbable(self.chi_square, self.freedom, self.lines)
+
+    @property
+    def converged(self) -> bool:
+        """Whether the climb ended in an optimum: a step would move no unknown by a tenth of its standard error."""
+        return self.promise < _CONVERGED
 
     @property
     def misfits(self) -> Array:
