@@ -11,12 +11,12 @@ that fit are exact, its derivatives are those under the harmonic base.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Complexes
+from ..arrays import Array, Complexes, Integers
 from ..law.law import Law
 from ..law.steady import Response
 from ..motion.distorted import distorted_harmonics
@@ -25,8 +25,9 @@ from .fitting import climb_on, fit_oscillator
 from .lines import Lines
 from .waveforms import WaveformFit
 
-_MOST = 12  # repetitions; each leaves some hundredths of the change before
-_STAYS = 1e-2  # of the error of a harmonic: a change that does not matter
+_MOST = 20  # repetitions; three or four do, but where a contact rings while it sticks
+_LEAST = 0.2  # of 1 − R: less, and the last step does not show it
+_STAYS = 0.02  # standard errors: a change that does not matter
 
 
 def fit_records(
@@ -54,22 +55,73 @@ def settled(fit: WaveformFit, lines: Sequence[Lines]) -> WaveformFit:
     the base is harmonic. Use it after a fit that took the harmonics as they are, or those of another fit."""
     if not any(one.base.any() for one in lines):
         return fit
+    return repeated(fit, lambda responses: of_harmonic_base(lines, responses)) or fit
+
+
+def of_harmonic_base(lines: Sequence[Lines], responses: Sequence[Response]) -> list[Lines]:
+    """The harmonics without what those of the base add to the motion of an oscillator, one response for each record."""
+    return [
+        replace(one, x=one.x - added(one.base, response, one.n.size)) if one.base.any() else one
+        for one, response in zip(lines, responses, strict=True)
+    ]
+
+
+def repeated(
+    fit: WaveformFit, freed: Callable[[Sequence[Response]], Sequence[Lines]]
+) -> WaveformFit | None:
+    """The fit to harmonics that are freed of something which depends on the oscillator itself, again and again until it
+    stays as it is; None where a climb fails.
+
+    freed : the harmonics that the motions of an oscillator leave, one motion for each record.
+
+    The oscillator p that frees them should be the one, G(p), that fits them then. From the second time on p is where a
+    line through the last two G(p) − p comes nearest to zero (Anderson's mixing).
+    """
+    at = fit.point
+    steps: list[tuple[Array, Array]] = []
     for _ in range(_MOST):
-        freed = [
-            replace(one, x=one.x - added(one.base, response, one.n.size))
-            for one, response in zip(lines, fit.responses, strict=True)
-        ]
-        moved = max(
-            float(np.max(np.abs(new.x - old.x) / new.x_error))
-            for new, old in zip(freed, fit.lines, strict=True)
-        )
-        following = climb_on(fit, freed)
+        try:
+            responses = [fit.unknowns.response(at, i) for i in range(len(fit.lines))]
+        except (NoSteadyOrbit, ValueError):
+            return None
+        following = climb_on(fit, freed(responses))
         if following is None:
+            return None
+        fit, error = following, np.sqrt(np.diag(following.covariance))
+        free = np.flatnonzero(error[: len(fit.names)])
+        steps.append((at[free], fit.point[free]))
+        off = (fit.point - at)[free] / error[free]
+        if (np.abs(off) <= _STAYS).all():
             break
-        fit = following
-        if moved < _STAYS:
-            break
-    return fit
+        at = fit.point.copy()
+        if len(steps) > 1:
+            (old, old_fit), (_, new_fit) = steps[-2:]
+            turned = off - (old_fit - old) / error[free]
+            part = float(off @ turned) / max(float(turned @ turned), 1e-300)
+            at[free] = np.clip(new_fit - part * (new_fit - old_fit), 0.5 * new_fit, 2.0 * new_fit)
+    return _fed_back(fit, free, steps)
+
+
+def _fed_back(
+    fit: WaveformFit, free: Integers, steps: Sequence[tuple[Array, Array]]
+) -> WaveformFit:
+    """The fit with the errors of the p = G(p) that it is: noise that moves p moves what is taken off as well, and G by
+    R = ∂G/∂p of that, so that errors are those of the last climb times (1 − R)^{−1}. R is taken along the last step,
+    and only where it makes the errors larger.
+
+    free : places of the common unknowns that were fitted.   steps : p and G(p).
+    """
+    if len(steps) < 2:
+        return fit
+    error = np.sqrt(np.diag(fit.covariance))[free]
+    moved, answered = ((steps[-1][i] - steps[-2][i]) / error for i in (0, 1))
+    size, along = float(moved @ moved), float(moved @ answered)
+    if not 0.0 < along < (1.0 - _LEAST) * size:
+        return fit
+    response = fit.response.copy()
+    change = np.outer(error * answered, moved @ (response[free] / error[:, None]))
+    response[free] += change / (size - along)
+    return replace(fit, response=response, covariance=response @ response.T)
 
 
 def added(base: Complexes, response: Response, count: int) -> Complexes:

@@ -25,18 +25,17 @@ from ..records.measurement import RESPONSES, Correction
 from .conditioning import SteadyRecord
 from .cycles import accumulate
 from .fitting import climb_on
+from .lines import Lines
 from .mean_harmonics import Reading
 from .one_thread import one_thread
-from .recorded import fit_records, settled
+from .recorded import fit_records, of_harmonic_base, repeated, settled
 from .waveforms import WaveformFit
 
 _DENSE, _FINER = (
     8192,
     8,
 )  # points of a cycle that is exact, and how many more of them are interpolated
-_REPEATS = 5
 _LOW = 7  # a harmonic so high still shows the contact
-_STAYS = 0.05  # standard errors of the unknowns
 # Errors of a record that has been freed over those before: beyond, the motion was another.
 _WORSE = 1.02
 _SHOWS = 16.0  # of χ²: four standard errors
@@ -81,24 +80,18 @@ def unfolded(
 def _repeated(
     readings: Sequence[Reading], concerned: Sequence[bool], fit: WaveformFit
 ) -> tuple[list[Reading], WaveformFit | None]:
-    """The readings freed of what the oscillator of a fit adds to them, and the fit to what is left, again and again
-    until it stays as it is; None in place of a fit where there is none."""
-    own = slice(len(fit.names))
-    for _ in range(_REPEATS):
-        freed = [
+    """The readings freed of what the oscillator adds to them that fits them then; None in place of that fit where there
+    is none."""
+    freed = list(readings)
+
+    def lines(responses: Sequence[Response]) -> list[Lines]:
+        freed[:] = [
             _freed(reading, response) if folds else reading
-            for reading, response, folds in zip(readings, fit.responses, concerned, strict=True)
+            for reading, response, folds in zip(readings, responses, concerned, strict=True)
         ]
-        lines = [reading.lines for reading in freed]
-        following = climb_on(fit, lines)
-        if following is None:
-            return list(readings), None
-        following = settled(following, lines)
-        moved = np.abs(following.point - fit.point)[own]
-        fit = following
-        if (moved <= _STAYS * np.sqrt(np.diag(fit.covariance)[own])).all():
-            break
-    return freed, fit
+        return of_harmonic_base([reading.lines for reading in freed], responses)
+
+    return freed, repeated(fit, lines)
 
 
 def _folds(steady: SteadyRecord) -> bool:
