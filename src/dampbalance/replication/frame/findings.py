@@ -32,7 +32,7 @@ from ...records.measurement import Channel, Measurement
 from .drift import drift, friction_of_rows
 from .measured_loop import AT_REST, Loop, friction_loop, shape
 from .prediction import Mass, predicted
-from .speed_laws import SPEED_LAWS, SpeedLaw
+from .speed_laws import SPEED_LAWS, SpeedLaw, linear
 
 _GRAVITY = 9.80665  # the standard one, m/s²
 _CONFIDENCE = 0.95
@@ -90,7 +90,7 @@ def findings(
     ]
     loops = [friction_loop(reading, m, law.given) for reading in readings]
     first = _first_cycles(records, k, law, frame["cycles_identified"])
-    fitted = [_speed_laws(part, m, F_k, law) for part, F_k in first]
+    fitted = [speed_laws_of(part, m, F_k, law) for part, F_k in first]
     predictions = [
         _prediction(one, part, m, law.given, laws)
         for one, (part, _), laws in zip(records, first, fitted, strict=True)
@@ -229,10 +229,23 @@ def _coefficient(identified: Mapping[str, Any], law: Law, symbol: str, i: int) -
     return float(identified["approaches"][DIRECT][named_with_unit(key, term(key).unit)])
 
 
-def _speed_laws(part: Reading, m: float, F_k: float, law: Law) -> dict[str, SpeedLaw]:
-    """The laws of friction and speed of a record's first cycles, by name."""
+def speed_laws_of(part: Reading, m: float, F_k: float, law: Law) -> dict[str, SpeedLaw]:
+    """The laws of friction and speed that the cycles of a reading show, by name.
+
+    m : kg.   F_k : friction force that does their work, N.   law : whose given terms are taken off the force.
+
+    F_1 has its standard error by the jackknife, which leaves out one cycle after the other.
+    """
     loop = friction_loop(part, m, law.given)
-    return {name: fitted(loop, F_k) for name, fitted in SPEED_LAWS.items()}
+    laws = {name: fitted(loop, F_k) for name, fitted in SPEED_LAWS.items()}
+    left, key = part.left_out(), "F_1_N_s_per_m"
+    slopes = [
+        linear(friction_loop(part, m, law.given, left[[i]]), F_k).coefficients[key]
+        for i in range(left.Y.size)
+    ]
+    error = math.sqrt((len(slopes) - 1) * float(np.var(slopes)))
+    known = {**laws["linear"].coefficients, "F_1_standard_error_N_s_per_m": error}
+    return laws | {"linear": replace(laws["linear"], coefficients=known)}
 
 
 def _share(identified: Mapping[str, Any], law: Law, i: int) -> float:
