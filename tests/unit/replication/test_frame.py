@@ -203,21 +203,25 @@ def test_the_logarithmic_law_gives_back_the_friction_of_a_loop():
     assert law.force(np.zeros(1))[0] == pytest.approx(float(force(0.0)), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_standard_error_of_the_slope_over_speed_is_its_scatter():
     of = Stopping(base=TWO, c_r=6.0)
     clean, rng = record(steady(of)), np.random.default_rng(8)
     law, slopes, errors = Law(("F_k", "c_r"), {"c_r": 6.0}), [], []
     for _ in range(40):
         noisy = [
-            Channel(q, clean[q].t, clean[q].values + 5e-6 * rng.standard_normal(clean[q].t.size))
+            Channel(q, clean[q].t, clean[q].values + 5e-7 * rng.standard_normal(clean[q].t.size))
             for q in clean
         ]
         reading = Reading(condition(Measurement.of("noisy", noisy), of.k), joint=True)
         coefficients = speed_laws_of(reading, of.m, 1.0, law)["linear"].coefficients
         slopes.append(coefficients["F_1_N_s_per_m"])
         errors.append(coefficients["F_1_standard_error_N_s_per_m"])
+    # so little noise that all 31 harmonics are taken every time: their choice is not in the error
     # 40 slopes know their scatter to 11 %, ten cycles theirs to 24 % each, the mean of 40 to 4 %
     assert np.mean(errors) == pytest.approx(np.std(slopes, ddof=1), rel=0.4)
+    # what 31 harmonics ring near the stops, as a part of F_k at the largest speed
+    assert abs(np.mean(slopes)) * 0.02 < 0.01
 
 
 @pytest.mark.parametrize("name", SPEED_LAWS)
