@@ -234,8 +234,8 @@ def speed_laws_of(part: Reading, m: float, F_k: float, law: Law) -> dict[str, Sp
 
     m : kg.   F_k : friction force that does their work, N.   law : whose given terms are taken off the force.
 
-    F_1 has its standard error by the jackknife, which leaves out one cycle after the other. The harmonics that are taken
-    are held; which of them stand out of the noise moves F_1 by about as much again.
+    F_1 has its standard error by the jackknife, which leaves out one cycle after the other. The choice of the harmonics
+    that stand out of the noise, which it holds, moves F_1 by about as much again.
     """
     loop = friction_loop(part, m, law.given)
     laws = {name: fitted(loop, F_k) for name, fitted in SPEED_LAWS.items()}
