@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Complexes
+from ..arrays import Array, Complexes
 from ..law.law import Law
 from ..law.steady import Response
 from ..records.measurement import RESPONSES, Correction
@@ -146,7 +146,7 @@ def _beyond(steady: SteadyRecord, quantity: str, response: Response) -> Complexe
         max(0, math.floor((channel.start - first) / dt) - 1),
         math.ceil((channel.start + duration - first) / dt) + 2,
     )
-    t = first + dt * number
+    t: Array = first + dt * number.astype(np.float64)
     place = np.mod(steady.omega / (2.0 * math.pi) * (t - channel.start), 1.0) * cycle.size
     before = np.floor(place).astype(np.intp)
     part = place - before
