@@ -20,6 +20,10 @@ CONTRADICTED = "the mass given contradicts the records"
 LATE = "the response is out of time with the drive (see below): F_k and c carry that error"
 COUPLED = "the response is coupled (AC, see below): F_k and c carry that error"
 
+NOT_CONVERGED = (
+    "the search for the best oscillator was ended before it converged: its numbers are no optimum"
+)
+
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 
 
@@ -60,7 +64,8 @@ class JointFit:
         at_zero = [f"the best {key} {of_zero}" for key in fit.undamped]
         heavy = () if self.mass_fits else (CONTRADICTED,)
         channel = [note for note, holds in ((COUPLED, self.coupling), (LATE, self.late)) if holds]
-        return (*heavy, *channel, *(() if fit.adequate else (far,)), *at_zero)
+        search = () if fit.converged else (NOT_CONVERGED,)
+        return (*heavy, *channel, *(() if fit.adequate else (far,)), *search, *at_zero)
 
     @property
     def answer(self) -> Answer | None:
