@@ -58,8 +58,8 @@ def ac_coupling(fit: WaveformFit, shows: float) -> Coupling | None:
 
 def _passed(hz: float, omega: float, n: Integers) -> Complexes:
     """What passes a high-pass filter of first order with a corner in Hz at the harmonics n of ω."""
-    rates = omega * n.astype(np.float64)
-    passed: Complexes = 1.0 / (1.0 - 2.0j * math.pi * hz / rates)
+    rates: Array = omega * n.astype(np.float64)
+    passed: Complexes = 1j * rates / (1j * rates + 2.0 * math.pi * hz)
     return passed
 
 
