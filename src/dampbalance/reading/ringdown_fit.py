@@ -38,6 +38,7 @@ from ..motion.states import states_in_phases
 from ..solver import NORMAL_95
 from .climb import GAIN, MOST, OscillatorFit
 from .ringdown_bursts import Signal, rounding
+from .whiteness import averages, chance_of_averages, chance_of_lines, louder
 
 COMMON = ("F_k", "c", "rho", "m")
 """Unknowns common to all decays; the offsets and the start states follow."""
@@ -56,7 +57,8 @@ _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
 _W_ERROR = 1.0  # of w, which lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
 _DOUBTFUL, _ALIKE = 0.02, 3.0
-_ROUNDING = 0.1  # of the variance of the noise
+_SMOOTH, _SEEN = 3, 1e-6  # degree of polynomials of time, and what the unknowns must leave of them
+_CHANCE_OF_TREND = 1e-3
 _BINS = 12  # of a cycle, in which the residual is averaged
 
 
@@ -173,15 +175,14 @@ class RingFit(OscillatorFit):
     @property
     def misfit(self) -> float:
         """Mean square of the residual averaged over parts of a cycle, relative to white noise, which gives 1."""
-        return self._likeness[0]
+        return averages(*self._parts, self.point.size)[0]
 
-    @property
+    @cached_property
     def chance(self) -> float:
-        """Probability that white noise leaves a residual as similar to a motion."""
-        from scipy import special  # slow to import
-
-        ratio, bins, rest = self._likeness
-        return float(special.fdtrc(bins, rest, ratio))
+        """Probability that white noise leaves a residual as similar to a motion, slow or fast."""
+        residuals, widths = self._parts
+        slow = chance_of_averages(residuals, widths, self.point.size)
+        return min(1.0, 2.0 * min(slow, chance_of_lines(residuals)))
 
     @property
     def doubtful(self) -> bool:
@@ -199,22 +200,82 @@ class RingFit(OscillatorFit):
         """Whether the residual is white, so that such an oscillator may have made the records."""
         return self.chance >= _CHANCE
 
-    @cached_property
-    def _likeness(self) -> tuple[float, int, int]:
-        """F ratio of the averages to the scatter about them, and its two numbers of degrees of freedom."""
-        between = within = 0.0
-        bins = count = 0
+    @property
+    def _parts(self) -> tuple[list[Array], list[int]]:
+        """The residual of each channel of each decay, and the samples in a part of a cycle there."""
+        residuals, widths = [], []
         for i, signal, residual in self.residuals():
-            per_bin = max(2, round(self.decays[i].period / (_BINS * signal.dt)))
-            n = residual.size // per_bin
-            parts = residual[: n * per_bin].reshape(n, per_bin)
-            means = parts.mean(axis=1)
-            between += per_bin * float(means @ means)
-            within += float(np.sum((parts - means[:, None]) ** 2))
-            bins, count = bins + n, count + n * per_bin
-        first, rest = max(1, bins - self.point.size), max(1, count - bins)
-        # a record without noise leaves rounding, far below the least noise that is assumed
-        return (between / first) / max(within / rest, _ROUNDING), first, rest
+            residuals.append(residual)
+            widths.append(max(2, round(self.decays[i].period / (_BINS * signal.dt))))
+        return residuals, widths
+
+    @cached_property
+    def departures(self) -> tuple[str, ...]:
+        """In which ways the decays are not those of such an oscillator with white noise, in words; empty where they may
+        be."""
+        words = []
+        if not self.adequate:
+            words.append(
+                "the decays are not those of one mass on a spring, a damper and one friction contact within white "
+                f"noise: what is left is {self.misfit:.3g} times as large as noise would leave it over a twelfth of a "
+                f"cycle, with a probability of {self.chance:.1g}"
+            )
+        elif self.trend_chance < _CHANCE_OF_TREND:
+            words.append(
+                "what is left of the decays changes with their amplitude, as another law of damping or stiffness "
+                f"would have it; noise does so with a probability of {self.trend_chance:.1g}"
+            )
+        loud = max(louder(r, signal.values, signal.noise) for _, signal, r in self.residuals())
+        if loud > 1.0:
+            words.append(
+                f"what is left of the decays is {loud:.3g} times the noise that the samples themselves show"
+            )
+        return tuple(words)
+
+    @cached_property
+    def trend_chance(self) -> float:
+        """Probability that noise leaves a residual like a motion whose amplitude or phase changes slowly.
+
+        The score of a smooth alternative: the model's motion and its rate, while the mass slips, times polynomials of
+        time, less what a change of the unknowns does. Another law of damping or stiffness looks like that.
+        """
+        from scipy import special  # slow to import
+
+        design = self.jacobian
+        columns = []
+        for rows, motion in self._motions():
+            rate = np.gradient(motion)
+            tau = np.linspace(-1.0, 1.0, motion.size)
+            for shape in (motion, rate):
+                for power in np.polynomial.legendre.legvander(tau, _SMOOTH).T:
+                    column = np.zeros(self.residual.size)
+                    column[rows] = shape * power
+                    columns.append(column)
+        if not columns:
+            return 1.0
+        added = np.column_stack(columns)
+        added /= np.maximum(np.linalg.norm(added, axis=0), 1e-300)
+        size = np.linalg.norm(design, axis=0)
+        design = design[:, size > 0.0] / size[size > 0.0]
+        solved = np.linalg.lstsq(design.T @ design, design.T @ added, rcond=1e-12)[0]
+        rest = added - design @ solved
+        information, vectors = np.linalg.eigh(rest.T @ rest)
+        seen = information > _SEEN
+        score = vectors[:, seen].T @ (rest.T @ self.residual)
+        variance = self.chi_square / self.freedom
+        statistic = float(np.sum(score**2 / information[seen])) / max(variance, 1e-300)
+        return float(special.chdtrc(max(1, int(seen.sum())), statistic))
+
+    def _motions(self) -> Iterator[tuple[slice, Array]]:
+        """Of each channel of each decay, the samples while the mass slips, and their motion over σ."""
+        at = 0
+        for i, signal, residual in self.residuals():
+            until = self.decays[i].start + self.sticks_from(i)
+            n = int(np.searchsorted(signal.t, until))
+            if n > 2 * _SMOOTH:
+                level = self.point[len(COMMON) + signal.offset]
+                yield slice(at, at + n), residual[:n] + (signal.values[:n] - level) / signal.noise
+            at += signal.t.size
 
 
 def fit_decays(
