@@ -32,7 +32,7 @@ from ..motion.decay_climb import (
     contact_chord,
     decay_residuals,
 )
-from ..motion.decays import decay_samples, phase_slopes
+from ..motion.decays import decay_samples, law_effects, phase_slopes
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
 from ..solver import NORMAL_95
@@ -57,9 +57,15 @@ _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
 _W_ERROR = 1.0  # of w, which lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
 _DOUBTFUL, _ALIKE = 0.02, 3.0
-_SMOOTH, _SEEN = 3, 1e-6  # degree of polynomials of time, and what the unknowns must leave of them
-_CHANCE_OF_TREND = 1e-3
+_SEEN = 1e-3  # of the effect of a law, that the unknowns must leave
+_CHANCE_OF_TREND = 5e-3
 _BINS = 12  # of a cycle, in which the residual is averaged
+_LAWS = (
+    "damping that grows with the speed",
+    "damping that grows with the square of the speed",
+    "a stiffness that changes with the amplitude",
+    "a friction that changes with time",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,23 +114,29 @@ class RingFit(OscillatorFit):
     def jacobian(self) -> Array:
         """Derivatives of the residual by the unknowns, (samples, p); zero where one was given."""
         whole = np.zeros((self.residual.size, self.point.size))
-        par, at = numbers_of(self.point, self.k), 0
+        par = numbers_of(self.point, self.k)
         stretch = 1.0 + 0.5 * contact_chord(float(self.point[_RHO]), self.k) / self.point[_RHO]
-        for i, one in enumerate(self.decays):
-            own, state = self.places(i), self.point[self.places(i)]
-            phases = _phases_to_last(self.point, state, self.k, one)
-            slopes = phase_slopes(phases, float(state[2]), par)
-            for signal in one.signals:
-                part = decay_samples(signal.t - one.start, signal.order, phases, slopes, par)
-                block = whole[at : at + signal.t.size]
-                at += signal.t.size
-                block[:, : len(COMMON)] = part[:, 1 : len(COMMON) + 1]
-                block[:, _RHO] *= stretch
-                block[:, own] = part[:, len(COMMON) + 1 :]
-                block[:, len(COMMON) + signal.offset] = 1.0
-                block /= signal.noise
+        for i, signal, rows, phases in self._motions():
+            slopes = phase_slopes(phases, float(self.point[self.places(i)][2]), par)
+            times = signal.t - self.decays[i].start
+            part = decay_samples(times, signal.order, phases, slopes, par)
+            block = whole[rows]
+            block[:, : len(COMMON)] = part[:, 1 : len(COMMON) + 1]
+            block[:, _RHO] *= stretch
+            block[:, self.places(i)] = part[:, len(COMMON) + 1 :]
+            block[:, len(COMMON) + signal.offset] = 1.0
+            block /= signal.noise
         whole[:, ~self.free] = 0.0
         return whole
+
+    def _motions(self) -> Iterator[tuple[int, Signal, slice, Array]]:
+        """Number of the decay, channel, places of its samples in the residual and phases, of each channel."""
+        at = 0
+        for i, one in enumerate(self.decays):
+            phases = _phases_to_last(self.point, self.point[self.places(i)], self.k, one)
+            for signal in one.signals:
+                yield i, signal, slice(at, at + signal.t.size), phases
+                at += signal.t.size
 
     def interval(self, name: str) -> tuple[float, float]:
         """95 % interval of a common unknown, in its unit."""
@@ -220,10 +232,11 @@ class RingFit(OscillatorFit):
                 f"noise: what is left is {self.misfit:.3g} times as large as noise would leave it over a twelfth of a "
                 f"cycle, with a probability of {self.chance:.1g}"
             )
-        elif self.trend_chance < _CHANCE_OF_TREND:
+        elif self.trend[0] < _CHANCE_OF_TREND:
+            chance, law = self.trend
             words.append(
-                "what is left of the decays changes with their amplitude, as another law of damping or stiffness "
-                f"would have it; noise does so with a probability of {self.trend_chance:.1g}"
+                f"what is left of the decays looks like {law}, which noise does with a probability of {chance:.1g}: "
+                "F_k and c take what belongs to it"
             )
         loud = max(louder(r, signal.values, signal.noise) for _, signal, r in self.residuals())
         if loud > 1.0:
@@ -233,49 +246,30 @@ class RingFit(OscillatorFit):
         return tuple(words)
 
     @cached_property
-    def trend_chance(self) -> float:
-        """Probability that noise leaves a residual like a motion whose amplitude or phase changes slowly.
+    def trend(self) -> tuple[float, str]:
+        """Probability that noise leaves as much of the motion of another law, and the likeliest law, in words.
 
-        The score of a smooth alternative: the model's motion and its rate, while the mass slips, times polynomials of
-        time, less what a change of the unknowns does. Another law of damping or stiffness looks like that.
+        The score tests of other laws: the part of the residual along the first-order effect of each law, less what
+        the unknowns of the fit take of it. They are the most powerful tests of these laws, and need no fit of them.
         """
         from scipy import special  # slow to import
 
-        design = self.jacobian
-        columns = []
-        for rows, motion in self._motions():
-            rate = np.gradient(motion)
-            tau = np.linspace(-1.0, 1.0, motion.size)
-            for shape in (motion, rate):
-                for power in np.polynomial.legendre.legvander(tau, _SMOOTH).T:
-                    column = np.zeros(self.residual.size)
-                    column[rows] = shape * power
-                    columns.append(column)
-        if not columns:
-            return 1.0
-        added = np.column_stack(columns)
-        added /= np.maximum(np.linalg.norm(added, axis=0), 1e-300)
-        size = np.linalg.norm(design, axis=0)
-        design = design[:, size > 0.0] / size[size > 0.0]
-        solved = np.linalg.lstsq(design.T @ design, design.T @ added, rcond=1e-12)[0]
-        rest = added - design @ solved
-        information, vectors = np.linalg.eigh(rest.T @ rest)
-        seen = information > _SEEN
-        score = vectors[:, seen].T @ (rest.T @ self.residual)
-        variance = self.chi_square / self.freedom
-        statistic = float(np.sum(score**2 / information[seen])) / max(variance, 1e-300)
-        return float(special.chdtrc(max(1, int(seen.sum())), statistic))
-
-    def _motions(self) -> Iterator[tuple[slice, Array]]:
-        """Of each channel of each decay, the samples while the mass slips, and their motion over σ."""
-        at = 0
-        for i, signal, residual in self.residuals():
-            until = self.decays[i].start + self.sticks_from(i)
-            n = int(np.searchsorted(signal.t, until))
-            if n > 2 * _SMOOTH:
-                level = self.point[len(COMMON) + signal.offset]
-                yield slice(at, at + n), residual[:n] + (signal.values[:n] - level) / signal.noise
-            at += signal.t.size
+        columns = np.zeros((self.residual.size, len(_LAWS)))
+        par = numbers_of(self.point, self.k)
+        for i, signal, rows, phases in self._motions():
+            times = signal.t - self.decays[i].start
+            columns[rows] = law_effects(times, signal.order, phases, par) / signal.noise
+        size = np.linalg.norm(self.jacobian, axis=0)
+        design = self.jacobian[:, size > 0.0] / size[size > 0.0]
+        columns /= np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        solved = np.linalg.lstsq(design.T @ design, design.T @ columns, rcond=1e-12)[0]
+        rest = columns - design @ solved
+        left = np.linalg.norm(rest, axis=0)
+        scores = np.abs(rest.T @ self.residual) / np.maximum(left, _SEEN)
+        scores *= math.sqrt(self.freedom / max(self.chi_square, 1e-300))
+        best = int(np.argmax(scores))
+        chance = float(special.erfc(scores[best] / math.sqrt(2.0)))
+        return min(1.0, len(_LAWS) * chance), _LAWS[best]
 
 
 def fit_decays(
