@@ -58,7 +58,9 @@ _W_ERROR = 1.0  # of w, which lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
 _DOUBTFUL, _ALIKE = 0.02, 3.0
 _SEEN = 1e-3  # of the effect of a law, that the unknowns must leave
-_CHANCE_OF_TREND = 5e-3
+_CHANCE_OF_LAW = 5e-3
+# Standard errors of a law of damping, and of what it would move, from which on it is named: it has a positive sign.
+_DAMPINGS, _LEANS, _MOVES = 2, 1.0, 4.0
 _BINS = 12  # of a cycle, in which the residual is averaged
 _LAWS = (
     "damping that grows with the speed",
@@ -232,12 +234,8 @@ class RingFit(OscillatorFit):
                 f"noise: what is left is {self.misfit:.3g} times as large as noise would leave it over a twelfth of a "
                 f"cycle, with a probability of {self.chance:.1g}"
             )
-        elif self.trend[0] < _CHANCE_OF_TREND:
-            chance, law = self.trend
-            words.append(
-                f"what is left of the decays looks like {law}, which noise does with a probability of {chance:.1g}: "
-                "F_k and c take what belongs to it"
-            )
+        else:
+            words += self._other_laws()
         loud = max(louder(r, signal.values, signal.noise) for _, signal, r in self.residuals())
         if loud > 1.0:
             words.append(
@@ -246,30 +244,50 @@ class RingFit(OscillatorFit):
         return tuple(words)
 
     @cached_property
-    def trend(self) -> tuple[float, str]:
-        """Probability that noise leaves as much of the motion of another law, and the likeliest law, in words.
+    def scores(self) -> tuple[Array, Array]:
+        """Estimate of the coefficient of each law of `law_effects` in addition to this fit, over its standard error,
+        and the change of F_k and c with it, in their standard errors, (2, laws).
 
-        The score tests of other laws: the part of the residual along the first-order effect of each law, less what
-        the unknowns of the fit take of it. They are the most powerful tests of these laws, and need no fit of them.
+        Score tests, the most powerful ones: of the first-order effect of a law on the samples counts what the unknowns
+        of the fit do not take.
         """
-        from scipy import special  # slow to import
-
-        columns = np.zeros((self.residual.size, len(_LAWS)))
+        effects = np.zeros((self.residual.size, len(_LAWS)))
         par = numbers_of(self.point, self.k)
         for i, signal, rows, phases in self._motions():
             times = signal.t - self.decays[i].start
-            columns[rows] = law_effects(times, signal.order, phases, par) / signal.noise
-        size = np.linalg.norm(self.jacobian, axis=0)
-        design = self.jacobian[:, size > 0.0] / size[size > 0.0]
-        columns /= np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-        solved = np.linalg.lstsq(design.T @ design, design.T @ columns, rcond=1e-12)[0]
-        rest = columns - design @ solved
-        left = np.linalg.norm(rest, axis=0)
-        scores = np.abs(rest.T @ self.residual) / np.maximum(left, _SEEN)
-        scores *= math.sqrt(self.freedom / max(self.chi_square, 1e-300))
-        best = int(np.argmax(scores))
-        chance = float(special.erfc(scores[best] / math.sqrt(2.0)))
-        return min(1.0, len(_LAWS) * chance), _LAWS[best]
+            effects[rows] = law_effects(times, signal.order, phases, par) / signal.noise
+        effects /= np.maximum(np.linalg.norm(effects, axis=0), 1e-300)
+        taken = self.covariance @ (self.jacobian.T @ effects)
+        rest = effects - self.jacobian @ taken
+        size = np.maximum(np.linalg.norm(rest, axis=0), _SEEN)
+        estimates = -(rest.T @ self.residual) / size
+        estimates *= math.sqrt(self.freedom / max(self.chi_square, 1e-300))
+        errors = np.sqrt(np.diag(self.covariance)[:2])
+        changes = -taken[:2] * (estimates / size) / np.maximum(errors, 1e-300)[:, None]
+        return estimates, changes
+
+    def _other_laws(self) -> Iterator[str]:
+        """What is to be said of other laws: that the samples show one, or do not tell it from this one."""
+        from scipy import special  # slow to import
+
+        estimates, changes = self.scores
+        best = int(np.argmax(np.abs(estimates)))
+        chance = min(1.0, len(_LAWS) * float(special.erfc(abs(estimates[best]) / math.sqrt(2.0))))
+        if chance < _CHANCE_OF_LAW:
+            yield (
+                f"what is left of the decays looks like {_LAWS[best]}, which noise does with a probability of "
+                f"{chance:.1g}: F_k and c take what belongs to it"
+            )
+            return
+        for j in range(_DAMPINGS):
+            moved = np.abs(changes[:, j])
+            if estimates[j] > _LEANS and moved.max() > _MOVES:
+                symbol = ("F_k", "c")[int(np.argmax(moved))]
+                yield (
+                    f"the decays do not distinguish viscous damping from {_LAWS[j]}, towards which they lean by "
+                    f"{estimates[j]:.2g} of its standard errors: that would move {symbol} by {moved.max():.2g} of its own"
+                )
+                return
 
 
 def fit_decays(
