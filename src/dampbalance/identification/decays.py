@@ -253,7 +253,7 @@ def _solved(
     from scipy import special  # slow to import
 
     values, covariance, misfit, freedom = _least_squares(fit, rows)
-    fit_notes = [*known, *fit.departures]
+    fit_notes = [*known, *fit.shortcomings]
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < _CHANCE:
         notes.append(f"the half cycles do not share one F_k and c: χ² is {misfit:.3g} per row")

@@ -25,7 +25,6 @@ COMMON_UNKNOWNS, STATE_UNKNOWNS = 4, 3
 """How many of these belong to the oscillator, and to the start state."""
 
 _F_K, _C, _RHO, _M, _X, _V, _W = range(7)
-_STEPS_PER_RADIAN = 8.0  # of steps in which the force of a law is constant
 _CRITICAL_BELOW = 0.05  # of |Ω² − δ²| t²: four terms of the series in it are then exact to 1e-11
 
 
@@ -146,70 +145,4 @@ def decay_samples(times: Array, order: int, phases: Array, slopes: Array, par: P
             out[n, j + 1] = (
                 x * here[0, j] + v * here[1, j] + f * here[2, j] + d * here[3, j] + O * here[4, j]
             )
-    return out
-
-
-LAWS = 4
-"""Number of laws of `law_effects`."""
-
-
-@jit
-def _forces(side: float, since: float, x: float, v: float) -> tuple[float, float, float, float]:
-    """Force on the mass of each law of `law_effects`, with a coefficient of 1.
-
-    side : of the force of the contact.   since : time since when it is as large.
-    """
-    return -abs(v) * v, -v * v * v, -x * x * x, -side * since
-
-
-@jit
-def law_effects(times: Array, order: int, phases: Array, par: Parameters) -> Array:
-    """First-order effects (n, LAWS) of other laws on x, ẋ or ẍ (order 0, 1, 2) at ascending times of a free decay.
-
-    The forces are |ẋ|ẋ, ẋ³, x³ and t sgn ẋ. Along the motion without them, of which `phases` are the phases, the
-    change of x obeys the same linear equation within each phase, driven by the force, here constant over steps of a
-    small part of a radian; from phase to phase it is continuous, like derivatives by the unknowns.
-    """
-    out = np.empty((times.size, LAWS))
-    base, u, rate = np.zeros(LAWS), np.zeros(LAWS), np.zeros(LAWS)
-    i, stop, now = -1, -math.inf, phases[0, 0]
-    s = side = begin = x0 = v = f0 = delta = Omega2 = y = 0.0
-    n = 0
-    while n < times.size:
-        if now >= stop and times[n] >= stop:
-            i += 1
-            begin, s, x0, v, z0 = read_phase(phases, i)
-            side = s if s != 0.0 else (1.0 if z0 > 0.0 else -1.0)
-            f0, delta, Omega2 = phase_start_of(s, x0, z0, par)
-            stop = phases[i + 1, 0] if i + 1 < phases.shape[0] else math.inf
-            now, y = begin, 0.0
-            for j in range(LAWS):
-                base[j] += u[j]
-                u[j] = 0.0
-        end = min(times[n], stop)
-        radians = (end - now) * math.sqrt(Omega2)
-        steps = max(1, math.ceil(radians * _STEPS_PER_RADIAN)) if end > now else 0
-        h = (end - now) / max(steps, 1)
-        J, S, R = step_response(h, delta, Omega2)
-        half_J, half_S, half_R = step_response(0.5 * h, delta, Omega2)
-        for _ in range(steps):
-            drive = f0 - Omega2 * y
-            middle = y + v * half_S + drive * half_J
-            speed = v * half_R + drive * half_S
-            since = now + 0.5 * h if s != 0.0 else begin
-            law = _forces(side, since, x0 + middle, speed)
-            for j in range(LAWS):
-                push = (law[j] - par.k * base[j]) / par.m - Omega2 * u[j]
-                u[j], rate[j] = u[j] + rate[j] * S + push * J, rate[j] * R + push * S
-            y, v = y + v * S + drive * J, v * R + drive * S
-            now += h
-        now = end
-        if times[n] >= stop:
-            continue
-        law = _forces(side, now if s != 0.0 else begin, x0 + y, v)
-        for j in range(LAWS):
-            push = (law[j] - par.k * base[j]) / par.m - Omega2 * u[j]
-            third = push - 2.0 * delta * rate[j]
-            out[n, j] = base[j] + u[j] if order == 0 else rate[j] if order == 1 else third
-        n += 1
     return out

@@ -32,7 +32,7 @@ from ..motion.decay_climb import (
     contact_chord,
     decay_residuals,
 )
-from ..motion.decays import decay_samples, law_effects, phase_slopes
+from ..motion.decays import decay_samples, phase_slopes
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
 from ..solver import NORMAL_95
@@ -57,17 +57,7 @@ _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
 _W_ERROR = 1.0  # of w, which lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
 _DOUBTFUL, _ALIKE = 0.02, 3.0
-_SEEN = 1e-3  # of the effect of a law, that the unknowns must leave
-_CHANCE_OF_LAW = 5e-3
-# Standard errors of a law of damping, and of what it would move, from which on it is named: it has a positive sign.
-_DAMPINGS, _LEANS, _MOVES = 2, 1.0, 4.0
 _BINS = 12  # of a cycle, in which the residual is averaged
-_LAWS = (
-    "damping that grows with the speed",
-    "damping that grows with the square of the speed",
-    "a stiffness that changes with the amplitude",
-    "a friction that changes with time",
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,9 +184,12 @@ class RingFit(OscillatorFit):
     @cached_property
     def chance(self) -> float:
         """Probability that white noise leaves a residual as similar to a motion, slow or fast."""
-        residuals, widths = self._parts
-        slow = chance_of_averages(residuals, widths, self.point.size)
-        return min(1.0, 2.0 * min(slow, chance_of_lines(residuals)))
+        return min(1.0, 2.0 * min(self.slow_chance, chance_of_lines(self._parts[0])))
+
+    @cached_property
+    def slow_chance(self) -> float:
+        """Probability that averages of white noise over parts of a cycle, down to two samples, are as large."""
+        return chance_of_averages(*self._parts, self.point.size)
 
     @property
     def doubtful(self) -> bool:
@@ -224,70 +217,26 @@ class RingFit(OscillatorFit):
         return residuals, widths
 
     @cached_property
-    def departures(self) -> tuple[str, ...]:
+    def shortcomings(self) -> tuple[str, ...]:
         """In which ways the decays are not those of such an oscillator with white noise, in words; empty where they may
         be."""
         words = []
-        if not self.adequate:
+        if self.slow_chance < _CHANCE:
             words.append(
                 "the decays are not those of one mass on a spring, a damper and one friction contact within white "
                 f"noise: what is left is {self.misfit:.3g} times as large as noise would leave it over a twelfth of a "
-                f"cycle, with a probability of {self.chance:.1g}"
+                f"cycle, or over fewer samples, with a probability of {self.slow_chance:.1g}"
             )
-        else:
-            words += self._other_laws()
+        elif not self.adequate:
+            words.append(
+                "what is left of the decays has a spectral line, which white noise has not"
+            )
         loud = max(louder(r, signal.values, signal.noise) for _, signal, r in self.residuals())
         if loud > 1.0:
             words.append(
-                f"what is left of the decays is {loud:.3g} times the noise that the samples themselves show"
+                f"what is left of the decays is {loud:.3g} times the noise that their samples themselves show"
             )
         return tuple(words)
-
-    @cached_property
-    def scores(self) -> tuple[Array, Array]:
-        """Estimate of the coefficient of each law of `law_effects` in addition to this fit, over its standard error,
-        and the change of F_k and c with it, in their standard errors, (2, laws).
-
-        Score tests, the most powerful ones: of the first-order effect of a law on the samples counts what the unknowns
-        of the fit do not take.
-        """
-        effects = np.zeros((self.residual.size, len(_LAWS)))
-        par = numbers_of(self.point, self.k)
-        for i, signal, rows, phases in self._motions():
-            times = signal.t - self.decays[i].start
-            effects[rows] = law_effects(times, signal.order, phases, par) / signal.noise
-        effects /= np.maximum(np.linalg.norm(effects, axis=0), 1e-300)
-        taken = self.covariance @ (self.jacobian.T @ effects)
-        rest = effects - self.jacobian @ taken
-        size = np.maximum(np.linalg.norm(rest, axis=0), _SEEN)
-        estimates = -(rest.T @ self.residual) / size
-        estimates *= math.sqrt(self.freedom / max(self.chi_square, 1e-300))
-        errors = np.sqrt(np.diag(self.covariance)[:2])
-        changes = -taken[:2] * (estimates / size) / np.maximum(errors, 1e-300)[:, None]
-        return estimates, changes
-
-    def _other_laws(self) -> Iterator[str]:
-        """What is to be said of other laws: that the samples show one, or do not tell it from this one."""
-        from scipy import special  # slow to import
-
-        estimates, changes = self.scores
-        best = int(np.argmax(np.abs(estimates)))
-        chance = min(1.0, len(_LAWS) * float(special.erfc(abs(estimates[best]) / math.sqrt(2.0))))
-        if chance < _CHANCE_OF_LAW:
-            yield (
-                f"what is left of the decays looks like {_LAWS[best]}, which noise does with a probability of "
-                f"{chance:.1g}: F_k and c take what belongs to it"
-            )
-            return
-        for j in range(_DAMPINGS):
-            moved = np.abs(changes[:, j])
-            if estimates[j] > _LEANS and moved.max() > _MOVES:
-                symbol = ("F_k", "c")[int(np.argmax(moved))]
-                yield (
-                    f"the decays do not distinguish viscous damping from {_LAWS[j]}, towards which they lean by "
-                    f"{estimates[j]:.2g} of its standard errors: that would move {symbol} by {moved.max():.2g} of its own"
-                )
-                return
 
 
 def fit_decays(
