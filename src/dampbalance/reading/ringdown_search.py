@@ -41,6 +41,7 @@ _CHANCE = 1e-4  # probability of a line of the spectrum in noise
 _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
 _FEW = 16  # samples
 _GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
+_LEAST = 4 * (len(COMMON) + STATE)  # samples of a decay
 _PART = 0.1  # of the swing of a burst, that its motion has at least
 _DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
 _ALIKE = 1.5  # χ² per sample of a fit that needs no other start
@@ -104,6 +105,8 @@ def _of_burst(
     fit = refit_from_other_starts(_from_earlier(fit, whole, since))
     if not burst.last:
         fit = _until_grasped(fit)
+    if fit.residual.size < _LEAST:
+        return None
     # else the swing was not that of a free motion
     return fit if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _PART * burst.swing else None
 
@@ -190,7 +193,7 @@ def _grown(
     """The fit of a burst from its turn on."""
     end = min(burst.turn + _FIRST * burst.period, burst.end)
     part = whole.cut(burst.turn, end)
-    if part.samples < 4 * (len(COMMON) + STATE):
+    if part.samples < _LEAST:
         return None
     reached: list[RingFit | None] = []
     starts = _candidates(part, burst, lead, k)[:_CLIMBED]
