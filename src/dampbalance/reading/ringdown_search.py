@@ -41,6 +41,7 @@ _CHANCE = 1e-4  # probability of a line of the spectrum in noise
 _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
 _FEW = 16  # samples
 _GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
+_SWINGS = 0.25  # of a cycle, for which a decay goes on after its turn
 _LEAST = 4 * (len(COMMON) + STATE)  # samples of a decay
 _PART = 0.1  # of the swing of a burst, that its motion has at least
 _DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
@@ -105,7 +106,8 @@ def _of_burst(
     fit = refit_from_other_starts(_from_earlier(fit, whole, since))
     if not burst.last:
         fit = _until_grasped(fit)
-    if fit.residual.size < _LEAST:
+    # what ends right after the turn, or before it, is the rest of the burst ahead
+    if fit.residual.size < _LEAST or fit.decays[0].end < burst.turn + _SWINGS * burst.period:
         return None
     # else the swing was not that of a free motion
     return fit if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _PART * burst.swing else None
