@@ -30,6 +30,7 @@ from ..reading.fitting import fit_quickly, with_mass
 from ..reading.lines import probability
 from ..reading.mean_harmonics import Means, Reading
 from ..reading.one_thread import one_thread
+from ..reading.recorded import settled
 from ..reading.waveforms import WaveformFit
 from ..solver import solve
 from .answer import column
@@ -235,7 +236,8 @@ def compare_laws(
                 continue
             within = [e.fit for e in tests if e.fit and set(e.terms) < set(tried.terms)]
             near = sorted(within, key=lambda fit: fit.chi_square)[:1]
-            fit = fit_quickly(lines, k, tried, near)
+            fit = fit_quickly(near[0].lines if near else lines, k, tried, near)
+            fit = fit and settled(fit, lines)
             if mass is not None and fit is not None:
                 fit = with_mass(fit, mass) or fit
             tests.append(_tested(tried, readings, means, fit))

@@ -359,7 +359,7 @@ def _covariance(information: Array, errors: Array) -> Array:
     covariance = np.zeros_like(information)
     # what rounding cannot tell apart is uncertain, not certain
     inverse = np.linalg.inv(scaled + 1e-14 * np.eye(free.size))
-    covariance[np.ix_(free, free)] = inverse / np.outer(length, length)
+    covariance[np.ix_(free, free)] = 0.5 * (inverse + inverse.T) / np.outer(length, length)
     return covariance
 
 
