@@ -17,7 +17,9 @@ from .answer import Answer, answer_of_fit
 
 CONTRADICTED = "the mass given contradicts the records"
 
-NOT_CONVERGED = "the search for the best oscillator was ended before it converged: its numbers are no optimum"
+NOT_CONVERGED = (
+    "the search for the best oscillator was ended before it converged: its numbers are no optimum"
+)
 
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 

@@ -300,7 +300,7 @@ def _end(fit: RingFit, j: int, side: float) -> float:
         near = held.point
         # where χ² does not rise, the end is farther away
         factor = min(max(NORMAL_95 / math.sqrt(max(rise, 1e-3)), 0.4), 2.5)
+        distance *= factor
         if abs(factor - 1.0) < _NEAR:
             break
-        distance *= factor
     return float(fit.point[j]) + distance
