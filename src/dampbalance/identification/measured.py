@@ -147,7 +147,7 @@ def identify(
     return _of_decays(read, {"kind": "ring-down", **of_decays})
 
 
-_DECAY_OPTIONS = ("stiffness_N_per_m", "mass_kg", "mapping", "largest")
+_DECAY_OPTIONS = ("stiffness_N_per_m", "mass_kg", "laws", "mapping", "largest")
 _FORCED_DEFAULTS: dict[str, object] = {
     "frequency_hz": None,
     "skip_cycles": 0,
@@ -156,7 +156,6 @@ _FORCED_DEFAULTS: dict[str, object] = {
     "terms": list(TERMS),
     "given": {},
     "groups": {},
-    "laws": False,
 }
 """Options that free decays do not take, with their defaults."""
 
@@ -194,7 +193,7 @@ def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) 
     odd = [Remark(words, record.name) for record in records for words in record.warnings]
     measurements = [record.whole() for record in records]
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]
-    result = identify_ring_downs(measurements, k, mass=mass)
+    result = identify_ring_downs(measurements, k, mass=mass, laws=options["laws"])
     result = replace(result, warnings=(*odd, *result.warnings))
     return Identified(records, options, result)
 

@@ -113,7 +113,9 @@ def _step(
 
 
 @jit
-def _hold(y: Array, s: float, side: float, first: bool, par: Parameters, held: Array, constant: Array) -> None:
+def _hold(
+    y: Array, s: float, side: float, first: bool, par: Parameters, held: Array, constant: Array
+) -> None:
     """Begin a phase at y: its place goes to `held`, its constant accelerations to `constant`.
 
     side : force of the contact there, over F_k.   first : whether it is the first phase, whose side is that of w.
@@ -188,7 +190,11 @@ def law_decay(
                 _accelerations(there, sticks, held, par, p, work[0])
                 slope = there[0, 1]
                 if not sticks:
-                    slope = constant[0] + work[0, 0] - (par.c * there[0, 1] + par.k * there[0, 0]) / par.m
+                    slope = (
+                        constant[0]
+                        + work[0, 0]
+                        - (par.c * there[0, 1] + par.k * there[0, 0]) / par.m
+                    )
                 newton = part - error / slope if slope != 0.0 else before
                 last = part
                 part = newton if before < newton < after else 0.5 * (before + after)

@@ -1,4 +1,4 @@
-"""Free decays under other laws: what a further term would explain, and the oscillator of largest likelihood under a law.
+"""Free decays under other laws: what a further term would explain, and the oscillator of largest likelihood.
 
 The residual r of a fit with friction and viscous damping is tested against what one more coefficient p would change in
 the samples, g = ∂r/∂p: with the unknowns of the fit adjusted, p = −gᵀr/gᵀg with the variance 1/gᵀg, g taken orthogonal
@@ -24,6 +24,7 @@ TERMS = (FRICTION, "c", "c_2", "c_3")
 """Terms that free decays distinguish: base at rest and at one frequency, c_r and eta act as c does."""
 
 _F_K, _C, _RHO, _M = range(4)
+_RANK = 1e-9  # of the largest singular value
 _SHOWN = 1e-10  # of the square of a derivative, that must be orthogonal to the others
 _RIGID = 1e-8  # of k/K_z: the contact that stands for a rigid one
 _MASSES = 2.0  # of the mass over that of the fit, either way
@@ -39,20 +40,22 @@ class Departure:
     """What a further coefficient would explain of the samples.
 
     symbol : of `ADDED`.   value, error : SI.   p : probability in noise of a coefficient as large.
+    slopes : change of F_k and c with the coefficient.
     """
 
     symbol: str
     value: float
     error: float
     p: float
+    slopes: Mapping[str, float]
 
 
 @dataclass(frozen=True, eq=False)
 class LawFit:
     """The oscillator with a law whose decays fit the samples best.
 
-    terms : of its damping.   point : unknowns of the fit, then `ADDED`.   covariance : of these, zero where one is held.
-    residual : (model − sample)/σ.   free : number of unknowns.
+    terms : of its damping.   point : unknowns of the fit, then `ADDED`.   covariance : of these, zero where one is
+    held.   residual : (model − sample)/σ.   free : number of unknowns.
     """
 
     terms: tuple[str, ...]
@@ -73,7 +76,7 @@ class LawFit:
 
     def coefficient(self, symbol: str) -> tuple[float, float]:
         """Value and standard error of the coefficient of a term, SI."""
-        at = _place(symbol, self.point.size)
+        at = _place(symbol, self.point.size - len(ADDED))
         return float(self.point[at]), math.sqrt(self.covariance[at, at])
 
 
@@ -94,10 +97,11 @@ def departures(fit: RingFit) -> list[Departure]:
     columns = [*own, *range(first, first + len(ADDED) + 1)]
     triangle = np.linalg.qr(whole[:, columns] / length[columns], mode="r")
     known, added, residual = triangle[:, : own.size], triangle[:, own.size : -1], triangle[:, -1]
-    basis, sizes, _ = np.linalg.svd(known, full_matrices=False)
-    basis = basis[:, sizes > 1e-9 * sizes[0]]
+    basis, sizes, turn = np.linalg.svd(known, full_matrices=False)
+    rank = int(np.count_nonzero(sizes > _RANK * sizes[0]))
+    basis, inverse = basis[:, :rank], turn[:rank].T / sizes[:rank]
     rest = residual - basis @ (basis.T @ residual)
-    freedom = whole.shape[0] - basis.shape[1] - 1
+    freedom = whole.shape[0] - rank - 1
     found = []
     for j, symbol in enumerate(ADDED):
         g = added[:, j] - basis @ (basis.T @ added[:, j])
@@ -109,7 +113,9 @@ def departures(fit: RingFit) -> list[Departure]:
         left = float(rest @ rest) - slope**2 * square
         error = math.sqrt(max(left, 0.0) / max(freedom, 1) / square)
         p = 2.0 * float(special.stdtr(freedom, -abs(slope) / error)) if error > 0.0 else 1.0
-        found.append(Departure(symbol, slope * unit, error * unit, p))
+        moved = -inverse @ (basis.T @ added[:, j]) * length[first + j] / length[own]
+        slopes = {COMMON[at]: float(by) for at, by in zip(own, moved, strict=True) if at <= _C}
+        found.append(Departure(symbol, slope * unit, error * unit, p, slopes))
     return found
 
 
@@ -214,8 +220,8 @@ def _sizes(fit: RingFit, losses: Mapping[str, float]) -> Array:
 
 
 def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
-    """Derivatives of the residuals (model − sample)/σ by all unknowns, and these residuals, (samples, p + 1); None where
-    the contact rattles.
+    """Derivatives of the residuals (model − sample)/σ by all unknowns, and these residuals, (samples, p + 1); None
+    where the contact rattles.
 
     point : unknowns of the fit, then `ADDED`.
     """
