@@ -9,7 +9,7 @@ import numpy as np
 
 from dampbalance.records.measurement import Channel, Measurement
 
-from .other_motion import Departure, ring_down
+from .other_motion import NO_DEPARTURE, Departure, ring_down
 from .truths import ANSWERS, NOISE, SEED, Linear, log_uniform
 
 _DECAYS = 2  # so that the draws are not those of the forced sets
@@ -40,7 +40,7 @@ class Decay(Linear):
     answers: tuple[str, ...]
     noise: float
     offset: float
-    departure: Departure = Departure()
+    departure: Departure = NO_DEPARTURE
 
     @property
     def height(self) -> float:

@@ -1,8 +1,8 @@
 """Motion of oscillators that are not of the model, in fixed steps: what the fault table disturbs the mechanics with,
 and the records of other damping laws.
 
-    m x″ + c x′ + c_r (x′ − y′) + c₂ |x′| x′ + c₃ x′³ + c_a |x′| + η (k/ω) x′ + k x + k₂ x² + k₃ x³ + K_z z = k (y + y₃),
-    y = Y cos ωt,   y₃ = Y₃ cos 3ωt
+    m x″ + c x′ + c_r (x′ − y′) + c₂ |x′| x′ + c₃ x′³ + c_a |x′| + η (k/ω) x′ + k x + k₂ x² + k₃ x³ + K_z z
+    = k (y + y₃),   y = Y cos ωt,   y₃ = Y₃ cos 3ωt
 
 z′ = x′ within |z| ≤ (F_k/K_z)(1 + s e^(−|x′|/v_s)), a Jenkins contact whose friction falls with speed where s > 0;
 or z′ = x′ (1 − |z K_z/F_k|ⁿ (1 + sgn(z x′))/2), a Bouc–Wen contact. Runge–Kutta of order 4, 8192 steps a period; at the
@@ -46,7 +46,7 @@ class Departure(NamedTuple):
     sided: float = 0.0
 
 
-_NONE = Departure()
+NO_DEPARTURE = Departure()
 
 
 @njit(cache=True)
@@ -69,7 +69,13 @@ def _rate(t, x, v, z, numbers, departure):
     drive = k * Y * (math.cos(omega * t) + third * math.cos(3.0 * omega * t))
     base = -omega * Y * (math.sin(omega * t) + 3.0 * third * math.sin(3.0 * omega * t))
     damping = c + structural * k / omega + quadratic * abs(v) + third_power * v * v
-    force = damping * v + sided * abs(v) + relative * (v - base) + (k + even * x + cubic * x * x) * x + K_z * z
+    force = (
+        damping * v
+        + sided * abs(v)
+        + relative * (v - base)
+        + (k + even * x + cubic * x * x) * x
+        + K_z * z
+    )
     return v, (drive - force) / m, slope
 
 
@@ -142,7 +148,7 @@ def ring_down(
     duration: float,
     v: float = 0.0,
     z: float | None = None,
-    departure: Departure = _NONE,
+    departure: Departure = NO_DEPARTURE,
 ) -> np.ndarray:
     """(x, x′, x″) of a free motion from (x, v) on, sampled each `step` seconds, (3, n), SI; no drive.
 
