@@ -34,6 +34,10 @@ _LEFT_OUT = (
     "free decays have one frequency and a base at rest: structural damping eta and damping relative to the base c_r "
     "act as viscous damping c does, friction that differs by direction as another position of rest; they are not tried"
 )
+_CAUTION = (
+    "the samples are those of no oscillator with such a law within white noise: the contact, the spring or the "
+    "measuring chain differs, and what is left counts as noise"
+)
 _REMEDY = "give decays from higher up, or with less noise"
 
 
@@ -147,7 +151,8 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
         for terms, one in fits.items()
         if every is not None
     ]
-    return chosen_of(tests, _LEFT_OUT, remedy=_REMEDY)
+    caution = "" if every is None or _whole(fit, every).adequate else _CAUTION
+    return chosen_of(tests, _LEFT_OUT, remedy=_REMEDY, caution=caution)
 
 
 def _fitted(
@@ -159,11 +164,16 @@ def _fitted(
     return fit_law(fit, terms, [one.point for one in near], signed=signed)
 
 
+def _whole(fit: RingFit, every: LawFit) -> RingFit:
+    """The fit with what the law with all terms leaves."""
+    return replace(fit, residual=every.residual)
+
+
 def _against(fit: RingFit, law: LawFit, every: LawFit) -> Probability:
     """χ² of a law above that of all terms, in the noise that these leave, and its p-value."""
     from scipy import special  # slow to import
 
-    whole = replace(fit, residual=every.residual)
+    whole = _whole(fit, every)
     noise = every.chi_square / every.freedom * (1.0 if whole.adequate else whole.misfit)
     freedom = every.free - law.free
     above = max(law.chi_square - every.chi_square, 0.0) / noise

@@ -25,7 +25,7 @@ import numpy as np
 
 from ..balance import APPROACHES, Rows
 from ..law.law import Law
-from ..law.terms import FRICTION, KNOWN_TERMS, term
+from ..law.terms import FRICTION, KNOWN_TERMS, in_order, term
 from ..project.wording import listed
 from ..reading.fitting import fit_quickly, with_mass
 from ..reading.lines import probability
@@ -117,7 +117,7 @@ class LawComparison:
     by_balance : whether the waveforms reject every law, so that the balance alone decides.
     alike : other laws as small that are not rejected.
     left_out : terms that these records cannot distinguish from others, and why.
-    remedy : what tells laws that are alike apart.
+    remedy : what tells laws that are alike apart.   caution : what the tests take for granted, and does not hold.
     """
 
     tests: tuple[LawTest, ...]
@@ -126,15 +126,21 @@ class LawComparison:
     alike: tuple[tuple[str, ...], ...]
     left_out: str
     remedy: str = "add records at other amplitudes or another frequency"
+    caution: str = ""
 
     @property
     def by(self) -> str:
         """The tests that decide: "balance and waveforms", or one of the two."""
-        return "balance" if self.by_balance else " and ".join(self.tests[0].by)
+        return "balance" if self.by_balance else " and ".join(self.names)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The tests that any law was given."""
+        return max((test.by for test in self.tests), key=len)
 
     def words(self) -> list[str]:
         """What follows from the tests, in sentences."""
-        sentences = [self.left_out] if self.left_out else []
+        sentences = [words for words in (self.left_out, self.caution) if words]
         if self.chosen is None:
             return [*sentences, self._nothing_fits()]
         law = words_of(self.chosen)
@@ -151,7 +157,7 @@ class LawComparison:
         return sentences
 
     def _nothing_fits(self) -> str:
-        if "balance" not in self.tests[0].by:
+        if "balance" not in self.names:
             best = max(self.tests, key=lambda e: e.p)
             return (
                 f"no law of {MOST_TERMS} terms or fewer fits: the samples reject the nearest, {words_of(best.terms)}, "
@@ -189,6 +195,7 @@ def words_of(terms: Sequence[str]) -> str:
 
 
 _NO_FORCE = 1e-9  # of k times the smallest base motion: a friction force that stands for none
+_SURE = 1e-9  # probability of a balance below which the waveforms are not asked
 _REPEATS = 4  # of generalised least squares, since its covariance depends on the solution
 _ALIKE = 1.001  # of frequencies: closer ones count as one
 
@@ -230,32 +237,41 @@ def compare_laws(
     none = {FRICTION: _NO_FORCE * k * min(one.Y for one in lines)}
     tests: list[LawTest] = []
     fits: dict[tuple[str, ...], WaveformFit] = {}
-    sizes = range(MOST_TERMS + 1)
-    count = sum(math.comb(len(terms), size) * (1 + (without and size > 0)) for size in sizes)
-    for size, friction in itertools.product(sizes, (True, False)):
-        if not friction and not (without and size):
-            continue
-        enough = [set(e.terms) for e in tests if e.p > ALPHA / count]
-        for some in itertools.combinations(terms, size):
-            tried = Law(
-                (FRICTION, *asked.given, *some),
-                asked.given if friction else {**asked.given, **none},
-                {s: of for s, of in asked.groups.items() if s in (FRICTION, *some)[not friction :]},
-            )
-            kept = tried.terms if friction else tuple(s for s in tried.terms if s != FRICTION)
+    laws = [
+        (*friction, *asked.given, *some)
+        for friction in ((FRICTION,), ())
+        if friction or without
+        for size in range(MOST_TERMS + 1)
+        for some in itertools.combinations(terms, size)
+        if friction or asked.given or some
+    ]
+    for _, alike in itertools.groupby(sorted(map(in_order, laws), key=len), len):
+        enough = [set(e.terms) for e in tests if e.p > ALPHA / len(laws)]
+        for kept in alike:
             # a smaller law may be the one: only what more terms would add to it is of interest
             if enough and not any(smaller < set(kept) for smaller in enough):
                 continue
+            given = asked.given if FRICTION in kept else {**asked.given, **none}
+            groups = {s: of for s, of in asked.groups.items() if s in kept}
+            tried = Law((FRICTION, *kept), given, groups)
             if len(tried.unknowns) > len(readings):
                 continue
+            if FRICTION not in kept:
+                # no onset of slip is needed, and where there is friction, the balance shows it at once
+                plain = _tested(kept, tried, readings, means, JointFit(None, True, None))
+                if plain.balance is not None and plain.balance.p < _SURE:
+                    tests.append(plain)
+                    continue
             within = [fit for smaller, fit in fits.items() if set(smaller) < set(kept)]
             near = sorted(within, key=lambda fit: fit.chi_square)[:1]
             fit = fit_quickly(lines, k, tried, near)
             if mass is not None and fit is not None:
                 fit = with_mass(fit, mass) or fit
-            if fit is not None:
-                fits[kept] = fit
-            tests.append(_tested(kept, tried, readings, means, fit))
+            if fit is None:
+                tests.append(LawTest(kept))
+                continue
+            fits[kept] = fit
+            tests.append(_tested(kept, tried, readings, means, JointFit(fit, False, None)))
     return chosen_of(tests, left_out)
 
 
@@ -269,7 +285,7 @@ def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawCompar
         replace(e, rejected=one, rejected_by_balance=other)
         for e, one, other in zip(tests, both, alone, strict=True)
     ]
-    both_count = "balance" in tests[0].by
+    both_count = any("balance" in e.by for e in tests)
     by_balance = both_count and all(e.rejected for e in tests)
     kept = [e for e in tests if not (e.rejected_by_balance if by_balance else e.rejected)]
     if both_count:
@@ -286,18 +302,21 @@ def _tested(
     law: Law,
     readings: Sequence[Reading],
     means: Sequence[Means],
-    fit: WaveformFit | None,
+    joint: JointFit,
 ) -> LawTest:
-    """The tests of one law.   terms : of it; `law` may have a friction force that stands for none.   fit : the
-    oscillator that has it."""
-    if fit is None:
-        return LawTest(terms)
-    mine = joined(readings, JointFit(fit, False, None), law)
-    rows_of = LawRows(APPROACHES[DIRECT], law, fit.k, "reversal", linear=False)
+    """The tests of one law; without an oscillator, by the balance alone.
+
+    terms : of it; `law` may have a friction force that stands for none.   joint : with the oscillator that has it.
+    """
+    fit, k = joint.fit, readings[0].steady.k
+    mine = joined(readings, joint, law)
+    rows_of = LawRows(APPROACHES[DIRECT], law, k, "reversal", linear=fit is None)
     rows = rows_of(sample_of(mine, [reading.mean for reading in mine]).features)[:, 0]
     drawn = rows_of(sample_of(mine, means).features)
     cycles = min(len(reading.steady.weights) for reading in readings)
     balance, coefficients = _generalised(rows, drawn, cycles)
+    if fit is None:
+        return LawTest(terms, coefficients, balance, by=("balance",))
     of_waveforms = probability(fit.chi_square, fit.freedom, fit.lines)
     waveforms = Probability(fit.chi_square, fit.freedom, of_waveforms)
     return LawTest(terms, coefficients, balance, waveforms)
