@@ -34,6 +34,7 @@ _LEFT_OUT = (
     "free decays have one frequency and a base at rest: structural damping eta and damping relative to the base c_r "
     "act as viscous damping c does, friction that differs by direction as another position of rest; they are not tried"
 )
+_SURE = 900.0  # of χ²: laws that leave out so much need no fit
 _CAUTION = (
     "the samples are those of no oscillator with such a law within white noise: the contact, the spring or the "
     "measuring chain differs, and what is left counts as noise"
@@ -114,8 +115,8 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
     """Test every law of one to three terms, friction or not, with two of c, c_2 and c_3 at the most.
 
     Use it where the damping is not known to be viscous. Once a law is not rejected, of the larger laws only those that
-    contain it are tested. Where the residual of the law with all terms is not white noise, χ² is taken relative to what
-    it leaves over parts of a cycle.
+    contain it are tested; laws without what is there by 30 standard errors need no fit. Where the residual of the law
+    with all terms is not white noise, χ² is taken relative to what it leaves over parts of a cycle.
 
     fit : of the oscillator with friction and viscous damping to all decays.
     """
@@ -127,41 +128,49 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
         for some in itertools.combinations(damping, size)
         if friction or some
     ]
-    every = _fitted(fit, TERMS, (), signed=True)
+    every = fit_law(fit, TERMS, signed=True)
+    if every is None:
+        raise ValueError("no law can be tested: the motion of the decays cannot be followed")
     fits: dict[tuple[str, ...], LawFit] = {}
+    hopeless: dict[tuple[str, ...], float] = {}
     for _, alike in itertools.groupby(sorted(laws, key=len), len):
-        tests = {terms: _against(fit, one, every) for terms, one in fits.items() if every}
+        tests = {terms: _against(fit, every, one.chi_square, terms) for terms, one in fits.items()}
         enough = [set(terms) for terms, test in tests.items() if test.p > ALPHA / len(laws)]
         for terms in alike:
             if enough and not any(smaller < set(terms) for smaller in enough):
                 continue
-            found = _fitted(fit, terms, fits.values())
+            rise = every.without([s for s in TERMS if s not in terms])
+            if rise > _SURE * _noise(fit, every):
+                hopeless[terms] = rise
+                continue
+            within = [one for smaller, one in fits.items() if set(smaller) < set(terms)]
+            near = sorted(within, key=lambda one: one.chi_square)[:1]
+            found = fit_law(fit, terms, [one.point for one in near])
             if found is None:
                 continue
             fits[terms] = found
-            if every is None or found.chi_square < every.chi_square:
-                every = _fitted(fit, TERMS, [found], signed=True) or every
+            if found.chi_square < every.chi_square:
+                every = fit_law(fit, TERMS, [found.point], signed=True) or every
+    rejected = [
+        LawTest(
+            terms,
+            waveforms=_against(fit, every, every.chi_square + rise, terms),
+            by=("waveforms",),
+        )
+        for terms, rise in hopeless.items()
+    ]
     tests = [
         LawTest(
             terms,
             {s: one.coefficient(s) for s in terms},
-            waveforms=_against(fit, one, every),
+            waveforms=_against(fit, every, one.chi_square, terms),
             by=("waveforms",),
         )
         for terms, one in fits.items()
-        if every is not None
     ]
-    caution = "" if every is None or _whole(fit, every).adequate else _CAUTION
-    return chosen_of(tests, _LEFT_OUT, remedy=_REMEDY, caution=caution)
-
-
-def _fitted(
-    fit: RingFit, terms: Sequence[str], others: Iterable[LawFit], *, signed: bool = False
-) -> LawFit | None:
-    """The fit of a law, also from the nearest of other laws that it contains."""
-    within = [one for one in others if set(one.terms) < set(terms)]
-    near = sorted(within, key=lambda one: one.chi_square)[:1]
-    return fit_law(fit, terms, [one.point for one in near], signed=signed)
+    caution = "" if _whole(fit, every).adequate else _CAUTION
+    in_order = sorted([*rejected, *tests], key=lambda test: len(test.terms))
+    return chosen_of(in_order, _LEFT_OUT, remedy=_REMEDY, caution=caution)
 
 
 def _whole(fit: RingFit, every: LawFit) -> RingFit:
@@ -169,14 +178,17 @@ def _whole(fit: RingFit, every: LawFit) -> RingFit:
     return replace(fit, residual=every.residual)
 
 
-def _against(fit: RingFit, law: LawFit, every: LawFit) -> Probability:
+def _noise(fit: RingFit, every: LawFit) -> float:
+    """What the law with all terms leaves per degree of freedom; over parts of a cycle, where that is not white."""
+    whole = _whole(fit, every)
+    return every.chi_square / every.freedom * (1.0 if whole.adequate else whole.misfit)
+
+
+def _against(fit: RingFit, every: LawFit, chi_square: float, terms: tuple[str, ...]) -> Probability:
     """χ² of a law above that of all terms, in the noise that these leave, and its p-value."""
     from scipy import special  # slow to import
 
-    whole = _whole(fit, every)
-    noise = every.chi_square / every.freedom * (1.0 if whole.adequate else whole.misfit)
-    freedom = every.free - law.free
-    above = max(law.chi_square - every.chi_square, 0.0) / noise
-    return Probability(
-        above, freedom, float(special.fdtrc(freedom, every.freedom, above / freedom))
-    )
+    freedom = len(TERMS) - len(terms)
+    above = max(chi_square - every.chi_square, 0.0) / _noise(fit, every)
+    p = float(special.fdtrc(freedom, every.freedom, above / freedom))
+    return Probability(above, freedom, p)

@@ -28,7 +28,7 @@ _RANK = 1e-9  # of the largest singular value
 _SHOWN = 1e-10  # of the square of a derivative, that must be orthogonal to the others
 _RIGID = 1e-8  # of k/K_z: the contact that stands for a rigid one
 _MASSES = 2.0  # of the mass over that of the fit, either way
-_MOST = 40  # evaluations of a climb
+_MOST, _GAIN = 40, 1e-4  # of a climb: evaluations, and what the last step would gain in half of χ²
 # Of what a law leaves out, and of a climb on the way: the end in half of χ², and evaluations.
 _PARTS, _COARSE, _FEW = (0.25, 0.5, 0.75, 1.0), 1e-2, 10
 _SMALL = 1e-3  # of the damping of the fit: a coefficient below that counts as zero
@@ -73,6 +73,14 @@ class LawFit:
     def freedom(self) -> int:
         """Degrees of freedom."""
         return self.residual.size - self.free
+
+    def without(self, symbols: Sequence[str]) -> float:
+        """What χ² rises by without the coefficients of some terms, to first order: pᵀ C⁻¹ p (Wald's test)."""
+        places = [_place(symbol, self.point.size - len(ADDED)) for symbol in symbols]
+        covariance = self.covariance[np.ix_(places, places)]
+        errors = np.sqrt(np.diag(covariance))
+        z = self.point[places] / errors
+        return float(z @ np.linalg.lstsq(covariance / np.outer(errors, errors), z)[0])
 
     def coefficient(self, symbol: str) -> tuple[float, float]:
         """Value and standard error of the coefficient of a term, SI."""
@@ -169,7 +177,7 @@ def fit_law(
 
     ends = []
     for start in (np.append(fit.point, np.zeros(len(ADDED))), *starts):
-        reached = climb(triangle, towards(start), at, lower, sizes, upper, most=_MOST)
+        reached = climb(triangle, towards(start), at, lower, sizes, upper, gain=_GAIN, most=_MOST)
         ends += [] if reached is None else [reached]
     best = min(ends, key=lambda end: end.evaluation.value, default=None)
     whole = None if best is None else _columns(fit.decays, fit.k, best.point)
