@@ -128,7 +128,7 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
         for some in itertools.combinations(damping, size)
         if friction or some
     ]
-    every = fit_law(fit, TERMS, signed=True)
+    every = fit_law(fit, TERMS)
     if every is None:
         raise ValueError("no law can be tested: the motion of the decays cannot be followed")
     fits: dict[tuple[str, ...], LawFit] = {}
@@ -150,7 +150,7 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
                 continue
             fits[terms] = found
             if found.chi_square < every.chi_square:
-                every = fit_law(fit, TERMS, [found.point], signed=True) or every
+                every = fit_law(fit, TERMS, [found.point]) or every
     rejected = [
         LawTest(
             terms,

@@ -70,7 +70,7 @@ def identify(
     terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.
     given : symbol → known coefficient, SI units.
     groups : symbol → a label for each record, where each group of records has its own coefficient.
-    laws : whether to compare all laws of one or two terms in addition to friction, too.
+    laws : whether to compare all laws of one or two terms, with and without friction, too.
     approaches : names of `APPROACHES`; default, all. Use "direct", which assumes no shape of x(t); the others show
     what the approximations of the paper cost.
     phase : that the harmonic approaches X_s, t_s and V_s take.
@@ -78,8 +78,9 @@ def identify(
     replicates, seed : of the bootstrap.
     largest : numbers (samples × channels) that may be read of a record.
 
-    Free decays determine F_k, c and K_z only, and take stiffness, mass, mapping and largest. Names and labels in order
-    (terms, approaches, those of groups) may be a text with commas between them, as on the command line: terms="F_k,c".
+    Free decays determine F_k, c and K_z only, and take stiffness, mass, laws, mapping and largest. Names and labels in
+    order (terms, approaches, those of groups) may be a text with commas between them, as on the command line:
+    terms="F_k,c".
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range or of another kind, a record that cannot be used, records of both kinds, fewer of them

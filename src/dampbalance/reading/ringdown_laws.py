@@ -127,15 +127,12 @@ def departures(fit: RingFit) -> list[Departure]:
     return found
 
 
-def fit_law(
-    fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = (), *, signed: bool = False
-) -> LawFit | None:
-    """The oscillator with a law to the decays of a fit; None where no climb leads to one.
+def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) -> LawFit | None:
+    """The oscillator with a law, no coefficient negative, to the decays of a fit; None where no climb leads to one.
 
     What the law leaves out is taken from the fit in steps, each of which the other terms make up for.
 
     terms : of `TERMS`.   starts : points of other laws, to climb from as well.
-    signed : whether coefficients other than friction may be negative, as for the law that others are tested against.
     """
     size = fit.point.size
     places = {symbol: _place(symbol, size) for symbol in TERMS}
@@ -148,7 +145,7 @@ def fit_law(
     sizes = _sizes(fit, losses)
     lower, upper = np.full(sizes.size, -math.inf), np.full(sizes.size, math.inf)
     lower[_RHO], lower[_M], upper[_M] = math.sqrt(_RIGID / fit.k), fit.m / _MASSES, fit.m * _MASSES
-    lower[[place for s, place in places.items() if s == FRICTION or not signed]] = 0.0
+    lower[list(places.values())] = 0.0
     for i in range(len(fit.decays)):
         place = fit.places(i).start + 2
         lower[place], upper[place] = 0.0, 2.0
