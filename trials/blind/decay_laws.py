@@ -98,11 +98,9 @@ def table(rows: pd.DataFrame) -> str:
             (flags["condition"] & known["usable"]).sum(),
         ]
         cells += [wrong.sum(), silent.sum()]
-        cells += (
-            [chosen.sum(), (known["chosen"] == "").sum()]
-            if term[0] != "k" and term != "c_a"
-            else ["", ""]
-        )
+        fewer = (known["chosen"] != "") & ~chosen
+        counts = [chosen.sum(), fewer.sum(), (known["chosen"] == "").sum()]
+        cells += counts if term in ("none", "c_2", "c_3") else ["", "", ""]
         lines.append([str(term), *map(str, cells)])
     heads = [
         "further term",
@@ -116,7 +114,7 @@ def table(rows: pd.DataFrame) -> str:
         "usable with the condition stated",
         f"usable and more than {_FAR:g} standard errors off",
     ]
-    heads += ["of these without a word", "law chosen: the true one", "none"]
+    heads += ["of these without a word", "law chosen: the true one", "another one", "none"]
     return (
         f"{markdown_table(heads, lines)}\n\nProcessor time of the comparison of laws: "
         f"{rows['seconds_laws'].median():.1f} s (median), {rows['seconds_laws'].max():.1f} s at the most; of the rest "

@@ -134,8 +134,8 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
     fits: dict[tuple[str, ...], LawFit] = {}
     hopeless: dict[tuple[str, ...], float] = {}
     for _, alike in itertools.groupby(sorted(laws, key=len), len):
-        tests = {terms: _against(fit, every, one.chi_square, terms) for terms, one in fits.items()}
-        enough = [set(terms) for terms, test in tests.items() if test.p > ALPHA / len(laws)]
+        known = {terms: _against(fit, every, one.chi_square, terms) for terms, one in fits.items()}
+        enough = [set(terms) for terms, test in known.items() if test.p > ALPHA / len(laws)]
         for terms in alike:
             if enough and not any(smaller < set(terms) for smaller in enough):
                 continue
@@ -169,8 +169,8 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
         for terms, one in fits.items()
     ]
     caution = "" if _whole(fit, every).adequate else _CAUTION
-    in_order = sorted([*rejected, *tests], key=lambda test: len(test.terms))
-    return chosen_of(in_order, _LEFT_OUT, remedy=_REMEDY, caution=caution)
+    tests = sorted([*rejected, *tests], key=lambda test: len(test.terms))
+    return chosen_of(tests, _LEFT_OUT, remedy=_REMEDY, caution=caution)
 
 
 def _whole(fit: RingFit, every: LawFit) -> RingFit:

@@ -103,7 +103,7 @@ def departures(fit: RingFit) -> list[Departure]:
     length = np.linalg.norm(whole, axis=0)
     length[length == 0.0] = 1.0
     columns = [*own, *range(first, first + len(ADDED) + 1)]
-    triangle = np.linalg.qr(whole[:, columns] / length[columns], mode="r")
+    triangle = _triangle(whole[:, columns] / length[columns])
     known, added, residual = triangle[:, : own.size], triangle[:, own.size : -1], triangle[:, -1]
     basis, sizes, turn = np.linalg.svd(known, full_matrices=False)
     rank = int(np.count_nonzero(sizes > _RANK * sizes[0]))
@@ -154,7 +154,7 @@ def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) ->
         whole = _columns(fit.decays, fit.k, point)
         if whole is None:
             return None
-        small = np.linalg.qr(whole, mode="r")
+        small = _triangle(whole)
         return Evaluation(small[:, -1], small[:, :-1])
 
     def towards(start: Array) -> Array:
@@ -183,7 +183,7 @@ def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) ->
     covariance = np.zeros((sizes.size, sizes.size))
     length = np.linalg.norm(whole[:, at], axis=0)
     length[length == 0.0] = 1.0
-    solution = np.linalg.pinv(np.linalg.qr(whole[:, at] / length, mode="r"), rcond=1e-9)
+    solution = np.linalg.pinv(_triangle(whole[:, at] / length), rcond=1e-9)
     covariance[np.ix_(at, at)] = solution @ solution.T / np.outer(length, length)
     return LawFit(tuple(terms), best.point, covariance, whole[:, -1], at.size)
 
@@ -224,6 +224,11 @@ def _sizes(fit: RingFit, losses: Mapping[str, float]) -> Array:
     return sizes
 
 
+def _triangle(columns: Array) -> Array:
+    """The triangle of a QR factorisation: the same sums of products in as many rows as there are columns."""
+    return np.asarray(np.linalg.qr(columns, mode="r"))
+
+
 def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
     """Derivatives of the residuals (model − sample)/σ by all unknowns, and these residuals, (samples, p + 1); None
     where the contact rattles.
@@ -234,9 +239,11 @@ def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
     par, p = numbers_of(point[:first], k), point[first:]
     blocks = []
     for i, one in enumerate(decays):
-        own = slice(first - STATE * (len(decays) - i), first - STATE * (len(decays) - i) + STATE)
+        begin = first - STATE * (len(decays) - i)
+        own = slice(begin, begin + STATE)
+        x, v, w = point[own].tolist()
         for signal in one.signals:
-            part = law_decay(signal.t - one.start, signal.order, *point[own].tolist(), par, p)
+            part = law_decay(signal.t - one.start, signal.order, x, v, w, par, p)
             block, offset = np.zeros((signal.t.size, point.size + 1)), len(COMMON) + signal.offset
             block[:, : len(COMMON)] = part[:, 1 : len(COMMON) + 1]
             block[:, own] = part[:, len(COMMON) + 1 : len(COMMON) + 1 + STATE]
