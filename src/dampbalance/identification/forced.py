@@ -32,6 +32,7 @@ from ..law.law import Law
 from ..law.terms import FRICTION, parted
 from ..reading.mean_harmonics import Reading
 from ..reading.one_thread import one_thread
+from ..reading.unfolding import unfolded
 from ..solver import Estimate, least_squares, solve
 from .answer import (
     CONFIDENCE,
@@ -48,7 +49,7 @@ from .loading import Loaded
 from .microstick import Microstick, Sample, Samples, microstick, read_samples
 from .oscillator import JointFit, joined, joint_fit
 from .outcome import Outcome, Picture
-from .remarks import DIRECT, agreement, limits, with_notes
+from .remarks import DIRECT, agreement, doubts, limits, with_notes
 from .screen import implied, with_error
 from .sensitivities import FAULTS, sensitivities
 
@@ -190,7 +191,8 @@ def identify_readings(
     _require(readings, k, law, approaches, replicates)
     if mass is not None:
         number("mass", mass)
-    joint = joint_fit([reading.lines for reading in readings], k, mass, law)
+    readings, near = unfolded(readings, k, law)
+    joint = joint_fit([reading.lines for reading in readings], k, mass, law, near)
     readings = joined(readings, joint, law)
     samples = read_samples(readings, replicates, np.random.default_rng(seed))
     line = microstick(samples)
@@ -203,11 +205,12 @@ def identify_readings(
     estimates = with_notes(estimates, readings, joint)
     of_records = [Remark(words, r.steady.source) for r in readings for words in r.warnings]
     of_all = map(Remark, agreement(readings, line, joint, estimates))
+    reference = joint.answer
     return ForcedOutcome(
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
         estimates=estimates,
-        reference=joint.answer,
+        reference=reference and replace(reference, notes=(*doubts(readings), *reference.notes)),
         warnings=(*of_records, *of_all),
         head=_head(readings, replicates),
         rig=_rig(joint),

@@ -31,6 +31,7 @@ from ..reading.fitting import fit_quickly, with_mass
 from ..reading.lines import probability
 from ..reading.mean_harmonics import Means, Reading
 from ..reading.one_thread import one_thread
+from ..reading.recorded import settled
 from ..reading.waveforms import WaveformFit
 from ..solver import solve
 from .answer import column
@@ -264,7 +265,8 @@ def compare_laws(
                     continue
             within = [fit for smaller, fit in fits.items() if set(smaller) < set(kept)]
             near = sorted(within, key=lambda fit: fit.chi_square)[:1]
-            fit = fit_quickly(lines, k, tried, near)
+            fit = fit_quickly(near[0].lines if near else lines, k, tried, near)
+            fit = fit and settled(fit, lines)
             if mass is not None and fit is not None:
                 fit = with_mass(fit, mass) or fit
             if fit is None:

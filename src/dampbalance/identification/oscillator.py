@@ -8,13 +8,18 @@ from dataclasses import dataclass, replace
 
 from ..law.law import Law
 from ..law.terms import FRICTION
-from ..reading.fitting import fit_oscillator, with_delay, with_mass
+from ..reading.fitting import with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
 from ..reading.mean_harmonics import Reading
+from ..reading.recorded import fit_records
 from ..reading.waveforms import WaveformFit
 from .answer import Answer, answer_of_fit
 
 CONTRADICTED = "the mass given contradicts the records"
+
+NOT_CONVERGED = (
+    "the search for the best oscillator was ended before it converged: its numbers are no optimum"
+)
 
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 
@@ -53,7 +58,8 @@ class JointFit:
         of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
         at_zero = [f"the best {key} {of_zero}" for key in fit.undamped]
         heavy = () if self.mass_fits else (CONTRADICTED,)
-        return (*heavy, *(() if fit.adequate else (far,)), *at_zero)
+        search = () if fit.converged else (NOT_CONVERGED,)
+        return (*heavy, *(() if fit.adequate else (far,)), *search, *at_zero)
 
     @property
     def answer(self) -> Answer | None:
@@ -76,6 +82,7 @@ def joint_fit(
     k: float,
     m: float | None = None,
     law: Law | None = None,
+    near: WaveformFit | None = None,
 ) -> JointFit:
     """The oscillator behind the records.
 
@@ -83,11 +90,12 @@ def joint_fit(
     left out.
 
     k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.
+    near : a fit to these harmonics that has been found already.
     """
     law = law or Law()
     chi_square, freedom = linear_misfit(lines, k, law.terms)
     slips = improbable(chi_square, freedom, lines)
-    fit = fit_oscillator(lines, k, law, thorough=slips)
+    fit = near if near is not None else fit_records(lines, k, law, thorough=slips)
     explained = 0.0 if fit is None else chi_square - fit.chi_square
     linear = explained < _SHOWS and not slips
     if fit is None or linear:

@@ -44,7 +44,18 @@ def with_notes(
     }
 
 
+def doubts(readings: Sequence[Reading]) -> tuple[str, ...]:
+    """Faults of records that leave no number to be trusted, each once, without the record's name."""
+    return tuple(
+        limit.words
+        for limit in _gathered(
+            "", ((r.steady.source, words) for r in readings for words in r.doubts)
+        )
+    )
+
+
 def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[str]:
+    yield from doubts(readings)
     clipped = [
         f"{quantity} of {reading.steady.source}"
         for reading in readings
@@ -126,13 +137,23 @@ def agreement(
             "the records together do not resolve the onset of slip: K_z has a lower limit only; sample faster, measure "
             "acceleration, or reduce the noise"
         )
-    folded = [str(i + 1) for i, r in enumerate(readings) if r.lines.aliased > _FOLDED]
-    if folded and not joint.linear:
-        yield (
-            f"the sampling rate of record {', '.join(folded)} folds back harmonics that are larger than the noise: K_z "
-            "may be off by more than its interval shows; sample faster, or through an anti-alias filter that the "
-            "mapping names"
-        )
+    remedies = (
+        "K_z may be off by more than its interval shows; sample faster, or through an anti-alias filter that the "
+        "mapping names",
+        "those of the oscillator identified are taken off, as if there were no anti-alias filter but that which the "
+        "mapping names; sample faster, or name it",
+    )
+    for unfolded, remedy in enumerate(remedies):
+        folded = [
+            str(i + 1)
+            for i, r in enumerate(readings)
+            if r.lines.aliased > _FOLDED and r.steady.unfolded == bool(unfolded)
+        ]
+        if folded and not joint.linear:
+            yield (
+                f"the sampling rate of record {', '.join(folded)} folds back harmonics that are larger than the noise: "
+                + remedy
+            )
     fit = joint.fit
     if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
         yield (

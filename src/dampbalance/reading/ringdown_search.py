@@ -44,6 +44,7 @@ _GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
 _PART = 0.1  # of the swing of a burst, that its motion has at least
 _DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
 _ALIKE = 1.5  # χ² per sample of a fit that needs no other start
+_SPARE = 3  # bursts that may be left out instead of those that slip least
 _MOST_TURNS = 4  # half cycles that slip, of a burst that may be the work of a hand
 
 
@@ -59,18 +60,25 @@ def separate_fits(
     lead = max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)
     bursts = bursts_of(lead)
     fits: dict[Burst, RingFit] = {}
-    since = bursts[0].earliest
+
+    def since(burst: Burst) -> float:
+        """The time before which a burst cannot have begun: the one before it lasts until then."""
+        ends = (
+            fit.decays[0].end for b, fit in fits.items() if b.turn < burst.turn and fit.adequate
+        )
+        return max(burst.earliest, *ends, -math.inf)
+
     for burst in bursts:
         whole = Decay(source, burst.turn, burst.end, tuple(signals), burst.period)
-        fit = _of_burst(whole, burst, max(since, burst.earliest), lead, k)
+        fit = _of_burst(whole, burst, since(burst), lead, k)
         if fit is not None:
-            fits[burst], since = fit, fit.decays[0].start
+            fits[burst] = fit
     slipping = [fit for fit in fits.values() if fit.adequate and _turns(fit)]
     surest = max(slipping, key=lambda fit: fit.decays[0].samples, default=None)
     for burst in bursts if surest is not None else ():
         if burst not in fits or not fits[burst].adequate:  # from the oscillator of the surest
             whole = Decay(source, burst.turn, burst.end, tuple(signals), burst.period)
-            fit = _of_burst(whole, burst, burst.earliest, lead, k, surest)
+            fit = _of_burst(whole, burst, since(burst), lead, k, surest)
             if fit is not None and fit.adequate:
                 fits[burst] = fit
     kept = {burst: fit for burst, fit in fits.items() if fit.adequate} or fits
@@ -121,7 +129,7 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
     for count in range(1, len(fits)):
         if turns[order[count - 1]] > _MOST_TURNS:
             break
-        for some in itertools.combinations(order[: count + 1], count):
+        for some in itertools.combinations(order[: count + _SPARE], count):
             if any(turns[i] > _MOST_TURNS for i in some):
                 continue
             fit = _joined([fit for i, fit in enumerate(fits) if i not in some], offsets)
