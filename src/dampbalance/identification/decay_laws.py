@@ -71,14 +71,17 @@ def doubt_of(fit: RingFit, found: Sequence[Departure]) -> str:
             f"{begin}the damping grows less with the speed than viscous damping does, or the friction falls with it; "
             "F_k and c are not those of the rig"
         )
-    law = fit_law(fit, (FRICTION, "c", likely.symbol))
-    with_it = ""
+    # their powers of the velocity are so close that only the motions under them tell which it is
+    further = [one.symbol for one in found if one.symbol in TERMS and one.value > 0.0]
+    fits = [law for s in further if (law := fit_law(fit, (FRICTION, "c", s))) is not None]
+    law = min(fits, key=lambda one: one.chi_square, default=None)
     if law is not None:
-        values = [(s, *law.coefficient(s)) for s in law.terms]
-        with_it = " (" + ", ".join(f"{s} = {x:.4g} ± {error:.2g}" for s, x, error in values) + ")"
+        known = KNOWN_TERMS[law.terms[-1]]
+    values = [] if law is None else [(s, *law.coefficient(s)) for s in law.terms]
+    with_it = ", ".join(f"{s} = {x:.4g} ± {error:.2g}" for s, x, error in values)
     return (
-        f"{begin}{known.words} in addition would explain most of it{with_it}; compare the laws (--laws, laws=True) "
-        "before using F_k and c"
+        f"{begin}{known.words} in addition would explain most of it{with_it and f' ({with_it})'}; compare the laws "
+        "(--laws, laws=True) before using F_k and c"
     )
 
 
