@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -31,6 +31,9 @@ _FEWER = 12  # evaluations at each softening, to see whether a climb comes near 
 _SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
 _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
+_REACH = math.log(5.0)  # of ln K_z to either side, where others are tried
+_MOST_STEPS = 64
+_SCANS = 3  # along K_z, each from the best end of the one before
 _DEAR = 200.0  # swings of the stuck mass, which cost as much as the rest of an evaluation
 _MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
 
@@ -43,7 +46,9 @@ def fit_oscillator(
     lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
     thorough : whether more and more starts are tried until one leads to an oscillator that the records may be of, or so
     many evaluations were made that there hardly is one. Of those that end far from the records the three nearest are
-    refined, for which of them is the best shows only then, and the best of these climbs on to its optimum.
+    refined, for which of them is the best shows only then. The ringing of the stuck mass makes χ² oscillate along K_z:
+    from the best, K_z is varied in steps that miss no minimum, again and again as long as that leads to a better one,
+    which climbs on to its optimum.
     """
     unknowns = Unknowns(law or Law(), tuple(lines), k)
     shares = _shares_of(unknowns)
@@ -61,11 +66,15 @@ def fit_oscillator(
             for end in (ends[0], *different)[:_REFINED]
         ]
         ends += filter(None, refined)
-        nearest = min(ends, key=lambda end: end.chi_square)
+        for _ in wide * _SCANS:
+            nearest = min(ends, key=lambda end: end.chi_square)
+            beside = _ends(unknowns, _other_stiffnesses(nearest), _FEWER)
+            ends += beside
+            if not beside or beside[0].chi_square > nearest.chi_square * (1.0 - _SAME):
+                break
+    nearest = min(ends, key=lambda end: end.chi_square, default=None)
+    if nearest is not None and not (nearest.adequate and nearest.converged):
         last = _climbed(unknowns, nearest.point, softenings=(0.0,), last=_TO_THE_END)
-        ends += filter(None, [last])
-    elif ends and not ends[0].converged:
-        last = _climbed(unknowns, ends[0].point, softenings=(0.0,), last=_TO_THE_END)
         ends += filter(None, [last])
     return _nearest(ends)
 
@@ -105,6 +114,21 @@ def _ends(unknowns: Unknowns, points: Iterable[Array], most: int) -> list[Wavefo
             if left[0] <= 0.0 or (ends and ends[-1].adequate):
                 break
     return sorted(ends, key=lambda end: end.chi_square)
+
+
+def _other_stiffnesses(end: WaveformFit) -> Iterator[Array]:
+    """Points beside the end of a climb, with K_z from a fifth to five times as large, the nearest first.
+
+    A contact that sticks for N swings rings in step with the records at every K_z that changes N by one,
+    Δ ln K_z = 2/N: four steps lead from one of them to the next.
+    """
+    swings = max(_swings(response.orbit) for response in end.responses)
+    step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STEPS)
+    for i in range(1, 1 + int(_REACH / step)):
+        for side in (1.0, -1.0):
+            point = end.point.copy()
+            point[end.names.index("rho")] *= math.exp(0.5 * side * i * step)
+            yield point
 
 
 def _nearest(ends: Sequence[WaveformFit]) -> WaveformFit | None:

@@ -318,6 +318,24 @@ def test_limits_are_reached_and_said():
         assert abs(fit.F_k - PAPER.F_k) < 4.0 * fit.error("F_k")
 
 
+@pytest.mark.parametrize("apart", [0.6, 1.5])
+def test_from_a_side_minimum_along_the_stiffness_the_search_goes_on(apart, monkeypatch):
+    """The stuck mass rings several times: a K_z with which it rings once more, or less, is a minimum of χ², too."""
+    osc, rng = replace(WEAK, F_k=2.5), np.random.default_rng(11)
+    motions = [BaseMotion(Y, osc.omega_n / 5.0) for Y in (0.0012, 0.002)]
+    orbits = [steady_orbit(osc, motion) for motion in motions]
+    assert max(map(_swings, orbits)) > 3.0
+    lines = [lines_of(orbit, 1e-3 * orbit.X, rng) for orbit in orbits]
+    # all starts have a wrong K_z
+    wrong = np.array([[osc.F_k, osc.c, apart * osc.K_z, osc.m]])
+    monkeypatch.setattr(fitting, "starts", lambda *_, **options: wrong)
+    fit = fit_oscillator(lines, osc.k)
+    assert fit.adequate
+    assert np.abs(off(fit, osc)).max() < 4.0
+    monkeypatch.setattr(fitting, "_other_stiffnesses", lambda end: ())
+    assert not fit_oscillator(lines, osc.k).adequate
+
+
 def test_a_search_for_a_stiff_contact_with_many_slips_ends():
     """Light damping at a superharmonic resonance, much noise: K_z may run away, and each orbit takes longer."""
     osc, rng = replace(WEAK, c=0.9, F_k=0.6), np.random.default_rng(7)
@@ -361,6 +379,7 @@ def test_of_climbs_that_end_far_away_the_three_nearest_are_refined(monkeypatch):
         return chi and End(chi, chi)
 
     monkeypatch.setattr(fitting, "_climbed", climbed)
+    monkeypatch.setattr(fitting, "_other_stiffnesses", lambda end: ())
     fit = fit_oscillator([lines_of(orbits_at(3.5, (0.004,))[0], 1e-6)], PAPER.k)
     assert fit.chi_square == 0.9 * 300.0
     assert fit.evaluations == 10 * (len(ends) + 3 + 1)
@@ -378,7 +397,8 @@ def test_a_search_that_leads_nowhere_ends_and_keeps_the_nearest(monkeypatch):
     monkeypatch.setattr(fitting, "climb", counted)
     fit = fit_oscillator(turned, PAPER.k)
     assert not fit.adequate
-    assert len(made) < 1300  # 600, the climb under way, three that are refined, one to its optimum
+    # twice 600 and the climb under way, three that are refined, one to its optimum
+    assert len(made) < 2000
     assert fit.evaluations == pytest.approx(len(made), rel=0.1)
     assert np.argmax(fit.misfits) == 1
     made.clear()
