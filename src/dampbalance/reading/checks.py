@@ -28,7 +28,8 @@ _PHASE_MATTERS = 2e-5  # rad
 _GAIN_MATTERS = 1e-4
 _DRIFT_MATTERS, _DRIFT_WRONG = 2e-5, 0.1  # of the amplitude, over the record
 _DRIFT_CHANCE = 1e-6
-_CLOCKS_DIFFER = 4.0  # standard errors: by chance once in sixteen thousand records
+# Two clocks that nothing ties together hardly agree better than that; harmonics that fold back turn by less.
+_CLOCKS_DIFFER = 5e-7
 _HARMONIC_MATTERS = 1e-3  # of the fundamental
 _BASE_COUNTS = 1e-6  # of the fundamental: what the file or the rounding of a time may leave
 _CLIPPED_CYCLES = 0.5
@@ -261,8 +262,11 @@ def clock(
     left = _change(straight, weights, 2.0)
     mean = float(weights.mean())
     error = math.sqrt(left.noise / (square / mean)) / abs(weighted_mean(straight, weights))
-    turn = abs(rate) * float(np.ptp(times)) / 2.0
-    if abs(rate) < _CLOCKS_DIFFER * error or turn < _DRIFT_MATTERS or left.shows:
+    from scipy import special  # slow to import, as scipy.stats with the same functions is
+
+    # as rare as SIGNIFICANT standard errors are when these are known well
+    factor = -float(special.stdtrit(size - 2, special.ndtr(-SIGNIFICANT)))
+    if abs(rate) < max(factor * error, _CLOCKS_DIFFER * omega) or left.shows:
         return None
     return -rate / omega, error / omega
 
