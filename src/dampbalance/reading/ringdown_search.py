@@ -80,8 +80,10 @@ def separate_fits(
     surest = max(slipping, key=lambda fit: fit.decays[0].samples, default=None)
     for burst in bursts if surest is not None else ():
         if burst not in fits or not fits[burst].adequate:  # from the oscillator of the surest
-            whole = Decay(source, burst.turn, burst.end, tuple(signals), burst.period)
-            fit = _of_burst(whole, burst, since(burst), lead, k, surest)
+            starts = (fit.decays[0].start for b, fit in fits.items() if b.turn > burst.turn)
+            end = min(burst.end, *starts, math.inf)
+            whole = Decay(source, burst.turn, end, tuple(signals), burst.period)
+            fit = _of_burst(whole, replace(burst, end=end), since(burst), lead, k, surest)
             if fit is not None and fit.adequate:
                 fits[burst] = fit
     kept = {burst: fit for burst, fit in fits.items() if fit.adequate} or fits
