@@ -261,12 +261,7 @@ def _solved(
     from scipy import special  # slow to import
 
     values, covariance, misfit, freedom = _least_squares(fit, rows)
-    fit_notes = [*known]
-    if not fit.adequate:
-        fit_notes.append(
-            f"the decays are not those of one mass on a spring, a damper and one friction contact within white noise: "
-            f"what is left is {fit.misfit:.3g} times as large as noise would leave it over a twelfth of a cycle"
-        )
+    fit_notes = [*known, *fit.shortcomings]
     further = departures(fit)
     if doubt := doubt_of(fit, further):
         fit_notes.append(doubt)

@@ -16,7 +16,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -221,6 +221,7 @@ def _condition(
     if faster:
         by_one = {q: _by_clock(of, faster.get(q, (0.0,))[0]) for q, of in channels.items()}
         of_record = gathered(by_one, [*itertools.starmap(checks.two_clocks, faster.items())])
+        of_record = replace(of_record, clocks=faster)
         settled = _Settled.of(of_record)
     return _steady(settled)
 
@@ -232,6 +233,8 @@ class Gathered:
     source, k : as for `SteadyRecord`.   channels : harmonics of each channel, as they were recorded.   sampling : time
     of the first sample and sampling interval, s, and step of the converter, by quantity.   corrections : of the
     harmonics.   warnings, doubts : on the samples.
+    clocks : by how much the clock of a channel was faster than that of the excitation, as a part of it, and the
+    standard error, by quantity, where that was corrected.
     """
 
     source: str
@@ -241,6 +244,7 @@ class Gathered:
     corrections: Mapping[str, Correction | None]
     warnings: tuple[str, ...]
     doubts: tuple[str, ...]
+    clocks: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,6 +23,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -61,6 +62,11 @@ class Means:
     even: Complexes
     base: Complexes
     bias: float = 1.0
+
+    def __getitem__(self, kept: Any) -> Means:
+        """Those of some drawings, by a list or a mask."""
+        parts = {name: getattr(self, name)[kept] for name in ("Y", "x", "even", "base")}
+        return replace(self, **parts)
 
     def changed(self, drive: Array, response: Array, turn: Array) -> Means:
         """One mean as r: base and response grown by the factors 1 + drive and 1 + response, the response turned by
@@ -181,10 +187,12 @@ class Reading:
             noise = rng.standard_normal((2, *x.shape)) * error
             return x + noise[0] + 1j * noise[1]
 
+        Y = means.Y + steady.Y_rounding[1] * rng.standard_normal(means.Y.shape)
+
         even = np.arange(2, steady.even_bandwidth + 1, 2)
         return replace(
             means,
-            Y=shaken(means.Y, steady.Y_rounding[1]).real,
+            Y=Y,
             x=shaken(means.x, steady.X_rounding[self.lines.n]),
             even=shaken(means.even, steady.X_rounding[even]),
             base=shaken(means.base, steady.Y_rounding[2 : means.base.shape[1] + 2]),

@@ -2,13 +2,17 @@
 
 Intervals by the bootstrap take the cycles of a record to be alike: where the force drifts, they hold for its mean over
 the record, and neither for the force at its beginning nor for that at its end.
+
+A delay between base and response that grows, as between two clocks, looks like such a drift. It turns harmonic n of the
+response by n times as much, leaves the amplitudes alone, and grows alike in all records of a rig. The conditioning of
+records corrects it (`reading.checks.clock`); `as_recorded` puts it back.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,6 +46,19 @@ class Drift:
     def over_record(self) -> float:
         """By how much the line rises from the first force to the last, N."""
         return self.slope * (self.steps - 1)
+
+
+def as_recorded(reading: Reading, since: float) -> Reading:
+    """The reading without the correction for two clocks, which started together at the time `since`, s."""
+    steady = reading.steady
+    faster = [part for part, _ in steady.gathered.clocks.values()]
+    if not faster:
+        return reading
+    rows, orders = steady.X.shape
+    period = 2.0 * math.pi / steady.omega
+    at = steady.start - since + (np.arange(rows) + 0.5) * steady.cycles_per_row * period
+    turn = steady.omega * float(np.mean(faster)) * np.outer(at, np.arange(orders))
+    return replace(reading, steady=replace(steady, X=steady.X * np.exp(-1j * turn)))
 
 
 def friction_of_rows(reading: Reading, others: Mapping[str, float]) -> Array:

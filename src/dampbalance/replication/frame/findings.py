@@ -3,8 +3,9 @@
 The interval of the identification holds for the mean over the cycles of a record and for one definition of the travel.
 `robust_interval_N` widens it by what else moves F_k:
 
-    drift       F_k,i = (W_i − Σ p_j g_j,i)/a_i of the cycles i follows a straight line whose slope differs from zero
-                (Student's t, Bonferroni's correction for the number of records): both ends of the line count
+    drift       F_k,i = (W_i − Σ p_j g_j,i)/a_i of the cycles i as recorded follows a straight line whose slope differs
+                from zero (Student's t, Bonferroni's correction for the number of records): both ends count
+    clocks      what the identification reads as a growing delay of the response, and corrects, is part of that drift
     convention  a = 4X with X from the levels of the rests, or from the extremes of the Fourier series, which ring there
 """
 
@@ -29,10 +30,10 @@ from ...reading.mean_harmonics import Reading, read_features
 from ...reading.turning import turning_points
 from ...records.measured import read_records
 from ...records.measurement import Channel, Measurement
-from .drift import drift, friction_of_rows
+from .drift import as_recorded, drift, friction_of_rows
 from .measured_loop import AT_REST, Loop, friction_loop, shape
 from .prediction import Mass, predicted
-from .speed_laws import SPEED_LAWS, SpeedLaw
+from .speed_laws import SPEED_LAWS, SpeedLaw, linear
 
 _GRAVITY = 9.80665  # the standard one, m/s²
 _CONFIDENCE = 0.95
@@ -85,12 +86,12 @@ def findings(
     further = tuple(symbol for symbol in law.terms if symbol not in TERMS)
     readings = [Reading(one.reading.steady, joint=True, terms=further) for one in records]
     forces = [
-        _force(identified, law, i) | _robust(identified, law, i, reading, len(files))
+        _force(identified, law, i) | _robust(identified, law, i, reading, records)
         for i, reading in enumerate(readings)
     ]
     loops = [friction_loop(reading, m, law.given) for reading in readings]
     first = _first_cycles(records, k, law, frame["cycles_identified"])
-    fitted = [_speed_laws(part, m, F_k, law) for part, F_k in first]
+    fitted = [speed_laws_of(part, m, F_k, law) for part, F_k in first]
     predictions = [
         _prediction(one, part, m, law.given, laws)
         for one, (part, _), laws in zip(records, first, fitted, strict=True)
@@ -123,6 +124,7 @@ def findings(
         "files": _digests(identified),
         "line": line,
         "line_by_series": by_series,
+        "clock": common_clock([row["clocks"] for row in rows]),
         "mass_kg": m,
         "loads": rows,
         "speed_laws": {
@@ -190,23 +192,25 @@ def _force(identified: Mapping[str, Any], law: Law, i: int) -> dict[str, Any]:
 
 
 def _robust(
-    identified: Mapping[str, Any], law: Law, i: int, reading: Reading, records: int
+    identified: Mapping[str, Any], law: Law, i: int, reading: Reading, records: Sequence[Loaded]
 ) -> dict[str, Any]:
-    """How F_k of record i, of so many, depends on the time in the record and on the convention of the travel."""
+    """How F_k of record i depends on the time in the record, on its clocks and on the convention of the travel."""
     estimates, rows = identified["approaches"][DIRECT], identified["approaches"][DIRECT]["rows"]
     force = estimates[named_with_unit(law.key(FRICTION, i), "N")]
     low, high = estimates[named_with_unit(f"{law.key(FRICTION, i)}_interval", "N")]
     others = {s: _coefficient(identified, law, s, i) for s in law.terms if s != FRICTION}
-    line = drift(friction_of_rows(reading, others), _CONFIDENCE, records)
+    began = float(records[i].record.whole().excitation.t[0])
+    of_rows = [friction_of_rows(r, others) for r in (as_recorded(reading, began), reading)]
+    line, left = (drift(forces, _CONFIDENCE, len(records)) for forces in of_rows)
     a = rows[term(law.key(FRICTION, i)).integral_column][i]
     at_rests, of_series = (
         float(turning_points(*reading.series(reading.mean), rests=rests)[1][0])
         for rests in (True, False)
     )
     by_series = force * a / (a + 4.0 * (of_series - at_rests))
-    both, reach, moved = sorted((force, by_series)), (force - low, high - force), 0.0
-    if line.significant:
-        reach, moved = (line.reach, line.reach), 0.5 * abs(line.over_record)
+    reach = line.reach + (0.5 * abs(line.over_record) if line.significant else 0.0)
+    recorded = force + float(of_rows[0].mean() - of_rows[1].mean())
+    clocks = reading.steady.gathered.clocks.values()
     per_cycle = line.steps / reading.steady.cycles
     return {
         "drift": {
@@ -216,8 +220,40 @@ def _robust(
             "significant": line.significant,
             "over_record": line.over_record / force,
         },
+        "clocks": {
+            "faster_ppm": [1e6 * part for part, _ in clocks],
+            "standard_error_ppm": [1e6 * error for _, error in clocks],
+            "F_k_as_recorded_N": recorded,
+            "drift_left_p": left.p,
+            "drift_left_significant": left.significant,
+        },
         "F_k_by_series_N": by_series,
-        "robust_interval_N": [both[0] - moved - reach[0], both[1] + moved + reach[1]],
+        "robust_interval_N": [
+            min(low, by_series - force + low, recorded - reach),
+            max(high, by_series - force + high, recorded + reach),
+        ],
+    }
+
+
+def common_clock(clocks: Sequence[Mapping[str, Any]]) -> dict[str, float] | None:
+    """The difference of two clocks that the records have in common, ppm, its standard error, and the probability that
+    the records differ as much or more if it is the same in all (χ²); None unless each record shows one.
+
+    clocks : `faster_ppm` and `standard_error_ppm` of each record.
+    """
+    from scipy import special  # slow to import
+
+    pairs = [(of["faster_ppm"], of["standard_error_ppm"]) for of in clocks]
+    if not all(len(parts) == 1 for parts, _ in pairs):
+        return None
+    parts, errors = np.array(pairs)[:, :, 0].T
+    weights = errors**-2.0
+    mean = float(weights @ parts / weights.sum())
+    square = float(weights @ (parts - mean) ** 2)
+    return {
+        "faster_ppm": mean,
+        "standard_error_ppm": float(weights.sum() ** -0.5),
+        "p": float(special.chdtrc(parts.size - 1, square)),
     }
 
 
@@ -229,10 +265,24 @@ def _coefficient(identified: Mapping[str, Any], law: Law, symbol: str, i: int) -
     return float(identified["approaches"][DIRECT][named_with_unit(key, term(key).unit)])
 
 
-def _speed_laws(part: Reading, m: float, F_k: float, law: Law) -> dict[str, SpeedLaw]:
-    """The laws of friction and speed of a record's first cycles, by name."""
+def speed_laws_of(part: Reading, m: float, F_k: float, law: Law) -> dict[str, SpeedLaw]:
+    """The laws of friction and speed that the cycles of a reading show, by name.
+
+    m : kg.   F_k : friction force that does their work, N.   law : whose given terms are taken off the force.
+
+    F_1 has its standard error by the jackknife, which leaves out one cycle after the other. The choice of the harmonics
+    that stand out of the noise, which it holds, moves F_1 by about as much again.
+    """
     loop = friction_loop(part, m, law.given)
-    return {name: fitted(loop, F_k) for name, fitted in SPEED_LAWS.items()}
+    laws = {name: fitted(loop, F_k) for name, fitted in SPEED_LAWS.items()}
+    left, key = part.left_out(), "F_1_N_s_per_m"
+    slopes = [
+        linear(friction_loop(part, m, law.given, left[[i]]), F_k).coefficients[key]
+        for i in range(left.Y.size)
+    ]
+    error = math.sqrt((len(slopes) - 1) * float(np.var(slopes)))
+    known = {**laws["linear"].coefficients, "F_1_standard_error_N_s_per_m": error}
+    return laws | {"linear": replace(laws["linear"], coefficients=known)}
 
 
 def _share(identified: Mapping[str, Any], law: Law, i: int) -> float:

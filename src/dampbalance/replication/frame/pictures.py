@@ -121,7 +121,7 @@ def load(findings: Findings) -> Figure:
     bars: dict[str, Any] = {"fmt": "none", "color": SLIP, "capsize": 2.0}
     widths = {
         "interval_N": (2.0, "95 % interval"),
-        "robust_interval_N": (0.8, "with drift and travel"),
+        "robust_interval_N": (0.8, "with drift, clocks, travel"),
     }
     expected = on_line(load_kg)
     for name, (width, label) in widths.items():
