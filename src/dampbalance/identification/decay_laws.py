@@ -98,7 +98,7 @@ def condition_of(fit: RingFit, found: Iterable[Departure]) -> str:
         most = max(one.value, 0.0) + NORMAL_95 * one.error
         by_c = one.slopes.get("c", 0.0)
         if by_c < 0.0:
-            most = min(most, -fit.c / by_c)
+            most = min(most, -(fit.c + NORMAL_95 * fit.error("c")) / by_c)
         moved = {s: most * by for s, by in one.slopes.items() if fit.error(s) > 0.0}
         size = max((abs(by) / fit.error(s) for s, by in moved.items()), default=0.0)
         parts = {s: by / fit.value(s) for s, by in moved.items() if fit.value(s) > 0.0}
