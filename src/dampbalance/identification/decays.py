@@ -17,7 +17,7 @@ import numpy as np
 from ..arguments import number
 from ..arrays import Array
 from ..balance import TERMS, Rows
-from ..project.wording import times, visible
+from ..project.wording import Remark, times, visible
 from ..reading.conditioning import evenly_sampled
 from ..reading.cycles import clipped
 from ..reading.frequency import stands_still
@@ -36,7 +36,6 @@ from .answer import (
     Balance,
     Interval,
     ParameterEstimate,
-    Remark,
     answer_of_fit,
     covariance_of,
     normal,
@@ -148,10 +147,10 @@ def identify_ring_downs(
                 f"{record.source}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
                 "and free decays are not identified together"
             )
-        odd: list[str] = []
+        odd: list[Remark] = []
         channels = enumerate(record.responses, offsets)
         signals = [_signal(record, channel, number, odd) for number, channel in channels]
-        warnings += [Remark(words, record.source) for words in odd]
+        warnings += [words.about(record.source) for words in odd]
         try:
             separate, bursts = separate_fits(record.source, signals, k)
         except NoDecay as error:
@@ -163,8 +162,9 @@ def identify_ring_downs(
             )
         warnings += [
             Remark(
-                f"what moves about {burst.turn:.4g} s is no free decay that slips, and is left out",
-                record.source,
+                "what moves about {:.4g} s is no free decay that slips, and is left out",
+                burst.turn,
+                source=record.source,
             )
             for burst in bursts
         ]
@@ -185,7 +185,7 @@ def identify_ring_downs(
     fit = with_mass or with_intervals(ends)
     notes = []
     if mass is not None and with_mass is None:
-        notes.append("the mass given contradicts the decays")
+        notes.append(Remark("the mass given contradicts the decays"))
         warnings.append(
             Remark(
                 f"the mass given, {mass:g} kg, is not that of these decays, {fit.m:.6g} ± {fit.error('m'):.2g} kg, and "
@@ -212,7 +212,7 @@ def _unclear(record: Measurement) -> str:
     )
 
 
-def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[str]) -> Signal:
+def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[Remark]) -> Signal:
     """A channel of the mass, evenly sampled and with its known gain and delay taken off.   offset : its number."""
     correction = channel.correction
     channel = evenly_sampled(channel, record.source, warnings)
@@ -246,7 +246,7 @@ def _solved(
     fit: RingFit,
     rows: RingRows,
     sources: tuple[str, ...],
-    known: Sequence[str],
+    known: Sequence[Remark],
     warnings: Sequence[Remark],
 ) -> DecayOutcome:
     """The rows solved, with warnings and with notes, those that are known before and others."""
@@ -256,29 +256,38 @@ def _solved(
     fit_notes = [*known]
     if not fit.adequate:
         fit_notes.append(
-            f"the decays are not those of one mass on a spring, a damper and one friction contact within white noise: "
-            f"what is left is {fit.misfit:.3g} times as large as noise would leave it over a twelfth of a cycle"
+            Remark(
+                "the decays are not those of one mass on a spring, a damper and one friction contact within white "
+                "noise: what is left is {:.3g} times as large as noise would leave it over a twelfth of a cycle",
+                fit.misfit,
+            )
         )
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < _CHANCE:
-        notes.append(f"the half cycles do not share one F_k and c: χ² is {misfit:.3g} per row")
+        notes.append(
+            Remark("the half cycles do not share one F_k and c: χ² is {:.3g} per row", misfit)
+        )
     if not values:
         notes.append(
-            f"{_slipping(rows.halves)} do not distinguish F_k from c: start the decay higher, or give more of them"
+            Remark(
+                f"{_slipping(rows.halves)} do not distinguish F_k from c: start the decay higher, or give more of them"
+            )
         )
     if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
         fit_notes.append(
-            "no friction shows in addition to the damping: if the contact sticks all the time, c belongs to the "
-            "stiffness k + K_z, and is 1 + K_z/k times as large"
+            Remark(
+                "no friction shows in addition to the damping: if the contact sticks all the time, c belongs to the "
+                "stiffness k + K_z, and is 1 + K_z/k times as large"
+            )
         )
         notes.append(fit_notes[-1])
     errors = np.sqrt(np.diag(covariance)).tolist()
     estimates = {s: normal(p, error) for (s, p), error in zip(values.items(), errors, strict=True)}
     clipped_signals = {
         f"{signal.quantity} of {one.source}": Remark(
-            f"{signal.quantity} is clipped: several samples hold its extreme value; swings are too small; raise the "
-            "measuring range",
-            one.source,
+            "{} is clipped: several samples hold its extreme value; swings are too small; raise the measuring range",
+            signal.quantity,
+            source=one.source,
         )
         for one in fit.decays
         for signal in one.signals

@@ -30,6 +30,7 @@ from ..balance import APPROACHES, Approach, Rows
 from ..features import COLUMNS, Features, Phase, stack
 from ..law.law import Law
 from ..law.terms import FRICTION, parted
+from ..project.wording import Remark
 from ..reading.mean_harmonics import Reading
 from ..reading.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
@@ -40,7 +41,6 @@ from .answer import (
     Balance,
     Interval,
     ParameterEstimate,
-    Remark,
     covariance_of,
 )
 from .law_rows import LawRows
@@ -201,7 +201,7 @@ def identify_readings(
         for name, way in approaches.items()
     }
     estimates = with_notes(estimates, readings, joint)
-    of_records = [Remark(words, r.steady.source) for r in readings for words in r.warnings]
+    of_records = [words.about(r.steady.source) for r in readings for words in r.warnings]
     of_all = map(Remark, agreement(readings, line, joint, estimates))
     return ForcedOutcome(
         k=k,
@@ -311,7 +311,7 @@ def _answer(
             name,
             parameters,
             covariance_of(parameters, {}),
-            (_NO_FORM if unshaped else _NO_ONSET if unresolved else str(error),),
+            (Remark(_NO_FORM if unshaped else _NO_ONSET if unresolved else str(error)),),
             Balance(point, np.full(len(point.W), math.nan), sources),
             equal=nothing,
             merit={"residual": math.nan, "misfit": math.nan},

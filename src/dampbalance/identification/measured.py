@@ -17,7 +17,6 @@ from ..project.wording import visible
 from ..records.limits import LARGEST
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, read_records
-from .answer import Remark
 from .decays import identify_ring_downs
 from .forced import REPLICATES, SEED, identify_readings
 from .identified import QUICK, Identified
@@ -191,7 +190,7 @@ def _of_steady(
 
 @interpreted(False)  # a motion of thousands of samples, hundreds of times
 def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> Identified:
-    odd = [Remark(words, record.name) for record in records for words in record.warnings]
+    odd = [words.about(record.name) for record in records for words in record.warnings]
     measurements = [record.whole() for record in records]
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]
     result = identify_ring_downs(measurements, k, mass=mass)

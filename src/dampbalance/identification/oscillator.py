@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 
 from ..law.law import Law
 from ..law.terms import FRICTION
+from ..project.wording import Remark
 from ..reading.fitting import fit_oscillator, with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
 from ..reading.mean_harmonics import Reading
 from ..reading.waveforms import WaveformFit
 from .answer import Answer, answer_of_fit
 
-CONTRADICTED = "the mass given contradicts the records"
+CONTRADICTED = Remark("the mass given contradicts the records")
 
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 
@@ -42,16 +43,16 @@ class JointFit:
         return self.fit is not None and self.fit.adequate and not self.linear
 
     @property
-    def notes(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[Remark, ...]:
         """What a reader must know before using the numbers of the fit."""
         fit = self.fit
         if fit is None or self.linear:
             return ()
-        far = (
+        far = Remark(
             "the records are not those of such an oscillator: it is only the one that comes nearest"
         )
         of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
-        at_zero = [f"the best {key} {of_zero}" for key in fit.undamped]
+        at_zero = [Remark(f"the best {key} {of_zero}") for key in fit.undamped]
         heavy = () if self.mass_fits else (CONTRADICTED,)
         return (*heavy, *(() if fit.adequate else (far,)), *at_zero)
 

@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from .answer import REFERENCE, Answer, Remark
+from ..project.wording import Remark
+from .answer import REFERENCE, Answer
 from .law_comparison import LawComparison
 
 if TYPE_CHECKING:

@@ -7,19 +7,19 @@ A sentence on the oscillator is given only where the fit of one oscillator to al
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
+from typing import Any
 
 import numpy as np
 
 from ..balance import Rows
 from ..law.terms import term
-from ..project.wording import listed, times
+from ..project.wording import Remark, factor, listed, merged, times
 from ..reading.checks import is_clipped
 from ..reading.mean_harmonics import Reading
-from .answer import Answer, ParameterEstimate, Remark
+from .answer import Answer, ParameterEstimate
 from .microstick import Microstick
 from .oscillator import CONTRADICTED, JointFit
 
@@ -44,7 +44,7 @@ def with_notes(
     }
 
 
-def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[str]:
+def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
     clipped = [
         f"{quantity} of {reading.steady.source}"
         for reading in readings
@@ -57,25 +57,27 @@ def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iter
     if not joint.mass_fits:
         yield CONTRADICTED
     if joint.linear:
-        yield "F_k and K_z leave no trace in the records: c comes from W = b c"
+        yield Remark("F_k and K_z leave no trace in the records: c comes from W = b c")
     elif not joint.waveforms_hold and not answer.notes:
-        yield (
+        yield Remark(
             "the onset of slip is not known: what sticking takes from 4X is that of the oscillator that comes nearest"
             if joint.fit is not None
             else "the onset of slip is not known: the contact is taken as rigid, and F_k is too small"
         )
         if answer.misfit > _FAR**2:
-            yield (
-                f"its rows lie {times(math.sqrt(answer.misfit))} farther from the balance than noise explains, and "
-                "the intervals do not show it"
+            yield Remark(
+                "its rows lie {} times farther from the balance than noise explains, and the intervals do not show it",
+                factor(math.sqrt(answer.misfit)),
             )
     if joint.late:
-        yield "the response is out of time with the drive (see below): F_k and c carry that error"
+        yield Remark(
+            "the response is out of time with the drive (see below): F_k and c carry that error"
+        )
 
 
 def forbidden(
     coefficients: Mapping[str, ParameterEstimate], clipped: Sequence[str], suspects: str
-) -> list[str]:
+) -> list[Remark]:
     """A sentence on each coefficient whose whole interval is negative, with the likely cause.
 
     clipped : names of clipped signals.   suspects : what else may be wrong, "a gain or the stiffness".
@@ -84,26 +86,31 @@ def forbidden(
     if clipped:
         cause = f"clipping is the likely cause ({listed(clipped)}); raise the measuring range"
     return [
-        f"{symbol} = {p.value:.3g} {term(symbol).unit} is negative, which physics forbids: {cause}"
+        Remark(
+            "{} = {:.3g} {} is negative, which physics forbids: {}",
+            *(symbol, p.value, term(symbol).unit, cause),
+        )
         for symbol, p in coefficients.items()
         if p.interval.high < 0.0
     ]
 
 
-def _shape(answer: Answer) -> Iterator[str]:
+def _shape(answer: Answer) -> Iterator[Remark]:
     """A sentence where the shape of x(t) that an approach assumes costs more than its interval shows."""
-    parts = []
+    parts: list[str] = []
+    sizes: list[Any] = []
     for symbol, bias in answer.shape_bias.items():
         own = answer.coefficients[symbol]
         least = max(_SHAPE_SHOWS * own.standard_error, _SHAPE_LEAST * abs(own.value))
         if not abs(bias * own.value) <= least:  # nor is NaN
-            sense = "small" if bias < 0.0 else "large"
-            size = f"{100.0 * abs(bias):.2g} % too {sense}"
-            parts.append(f"{symbol} {size if math.isfinite(bias) else 'impossible to find'}")
+            size = f"{{:.2g}} % too {'small' if bias < 0.0 else 'large'}"
+            parts.append(f"{{}} {size if math.isfinite(bias) else 'impossible to find'}")
+            sizes += [symbol, 100.0 * abs(bias)][: 1 + math.isfinite(bias)]
     if parts:
-        yield (
+        yield Remark(
             f"the shape of x(t) that this approach assumes makes {listed(parts)} for the oscillator identified, and "
-            "its intervals do not show it"
+            "its intervals do not show it",
+            *sizes,
         )
 
 
@@ -219,7 +226,6 @@ def _sine(rows: Rows) -> float:
 # --- both as a list without repetitions -----------------------------------------------------------
 
 _MOST_NAMES = 6  # of records in a sentence
-_NUMBER = re.compile(r"(?:more than )?(?<![\w.])[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -240,8 +246,8 @@ def limits(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> list[Li
 
     Sentences that differ only in their numbers become one, with the range of each number.
     """
-    notes = [(name, note) for name, answer in answers.items() for note in answer.notes]
-    of_records = [(remark.source, remark.words) for remark in warnings if remark.source]
+    notes = [note.about(name) for name, answer in answers.items() for note in answer.notes]
+    of_records = [remark for remark in warnings if remark.source]
     of_all = [Limit("all", (), remark.words) for remark in warnings if not remark.source]
     return [*_gathered("approaches", notes), *_gathered("records", of_records), *of_all]
 
@@ -264,29 +270,12 @@ def _named(limit: Limit, sources: Sequence[str]) -> str:
     return f"{len(own)} of {len(sources)} records ({', '.join(own[: _MOST_NAMES - 1])} …)"
 
 
-def _gathered(kind: str, remarks: Iterable[tuple[str, str]]) -> list[Limit]:
-    """Sentences on each, (name, words), with those that differ in nothing but numbers put together."""
-    alike: dict[str, list[tuple[str, str]]] = {}
-    for name, words in remarks:
-        alike.setdefault(_NUMBER.sub("#", words), []).append((name, words))
+def _gathered(kind: str, remarks: Sequence[Remark]) -> list[Limit]:
+    """Remarks on approaches or records, with those of one kind put together."""
+    alike: dict[tuple[str, ...], list[Remark]] = {}
+    for remark in remarks:
+        alike.setdefault(remark.kind, []).append(remark)
     return [
-        Limit(kind, tuple(dict.fromkeys(name for name, _ in group)), _merged([w for _, w in group]))
+        Limit(kind, tuple(dict.fromkeys(one.source for one in group)), merged(group))
         for group in alike.values()
     ]
-
-
-def _merged(variants: Sequence[str]) -> str:
-    """Sentences that differ in nothing but numbers as one, each number that differs as its range."""
-    numbers = zip(*(_NUMBER.findall(words) for words in variants), strict=True)
-    ranges = iter([_range(of_all) for of_all in numbers])
-    return _NUMBER.sub(lambda _: next(ranges), variants[0])
-
-
-def _range(numbers: Sequence[str]) -> str:
-    """The least and the greatest of numbers in words, "2 to 7"; one where all are equal."""
-    low, high = (pick(numbers, key=_value) for pick in (min, max))
-    return low if _value(low) == _value(high) else f"{low} to {high}"
-
-
-def _value(number: str) -> float:
-    return float(number.removeprefix("more than ").replace("−", "-"))

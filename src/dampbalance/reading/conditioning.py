@@ -21,7 +21,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..arrays import Array, Complexes, Mask
-from ..project.wording import visible
+from ..project.wording import Remark, visible
 from ..records.errors import RecordError
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Correction, Measurement
 from . import checks
@@ -80,7 +80,7 @@ class SteadyRecord:
     channels: Mapping[str, CycleHarmonics]
     noise_rms: Mapping[str, float]
     skew: Mapping[str, float]
-    warnings: tuple[str, ...]
+    warnings: tuple[Remark, ...]
 
     @property
     def frequency_hz(self) -> float:
@@ -107,7 +107,7 @@ def condition(
     Raises ValueError naming the source when the record cannot be used: a constant channel, too few cycles, another
     frequency, signals that contradict each other.
     """
-    warnings: list[str] = []
+    warnings: list[Remark] = []
     blocks: dict[str, SampleBlocks] = {}
     for quantity in measurement:
         channel = evenly_sampled(measurement[quantity], measurement.source, warnings)
@@ -123,7 +123,7 @@ def condition(
     return replace(steady, warnings=(*warnings, *steady.warnings))
 
 
-def evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Channel:
+def evenly_sampled(channel: Channel, source: str, warnings: list[Remark]) -> Channel:
     """The channel itself, or resampled by a cubic spline when its samples are unevenly spaced (gaps apart)."""
     steps = np.diff(channel.t)
     dt = float(np.median(steps))
@@ -146,8 +146,11 @@ def evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Channe
     coarse = CubicSpline(channel.t[::2], channel.values[::2])(channel.t[1:-1:2])
     error = float(np.sqrt(np.mean((coarse - channel.values[1:-1:2]) ** 2))) / 16.0
     warnings.append(
-        f"{name}: unevenly sampled (steps of {steps.min():.3g} to {gap:.3g} s), resampled every {dt:.3g} s by "
-        f"a cubic spline; error about {error:.2g} {channel.unit} in addition to the noise"
+        Remark(
+            "{}: unevenly sampled (steps of {:.3g} to {:.3g} s), resampled every {:.3g} s by a cubic spline; error "
+            "about {:.2g} {} in addition to the noise",
+            *(name, steps.min(), gap, dt, error, channel.unit),
+        )
     )
     return Channel(channel.quantity, t, spline(t), channel.name)
 
@@ -239,7 +242,7 @@ def _condition(
 
 def _harmonics(
     channels: Mapping[str, SampleBlocks], driving: str, frequency_hz: float | None, skip_cycles: int
-) -> tuple[dict[str, CycleHarmonics], list[str]]:
+) -> tuple[dict[str, CycleHarmonics], list[Remark]]:
     """The harmonics of every channel at the drive frequency of the leading part; warnings about that frequency."""
     leading = {
         q: _leading_samples(blocks(), _LEADING if q == driving else _COMPARED)
@@ -326,7 +329,7 @@ def _common_weights(harmonics: Mapping[str, CycleHarmonics]) -> Array:
 
 def _checked_cycles(
     harmonics: Mapping[str, CycleHarmonics], weights: Array, omega: float
-) -> list[str]:
+) -> list[Remark]:
     """Warnings about missing cycles, and about the signals in the remaining ones."""
     warnings = [w for q, h in harmonics.items() for w in checks.bad_cycles(q, h.bad_cycles)]
     cycles = int(weights.sum())

@@ -29,6 +29,7 @@ import numpy as np
 from ..arrays import Array, Complexes, Integers
 from ..features import COLUMNS, Features, of_numbers, wrapped
 from ..law.integrals import of_harmonics
+from ..project.wording import Remark
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
 from .fitting import fit_oscillator
@@ -134,7 +135,7 @@ class Reading:
         return alone.features_of(means, np.zeros((self._unknowns, 1)))
 
     @property
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[Remark, ...]:
         """Faults of the record, one sentence each."""
         return self.steady.warnings
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import pickle
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,7 +18,6 @@ from dampbalance.identification.answer import (
     Balance,
     Interval,
     ParameterEstimate,
-    Remark,
 )
 from dampbalance.identification.microstick import Microstick
 from dampbalance.identification.oscillator import JointFit
@@ -29,7 +30,7 @@ from dampbalance.identification.remarks import (
     with_notes,
 )
 from dampbalance.identification.screen import in_one, with_interval
-from dampbalance.project.wording import listed, times
+from dampbalance.project.wording import Remark, factor, listed, times
 
 
 def parameter(value, half):
@@ -59,7 +60,7 @@ def test_sound_numbers_are_usable_without_a_reason():
 
 
 def test_a_note_makes_every_number_of_its_approach_doubtful():
-    noted = replace(SOUND, notes=("off by 16 %",)).verdicts
+    noted = replace(SOUND, notes=(Remark("off by 16 %"),)).verdicts
     assert {(v.verdict, v.reason) for v in noted.values()} == {("doubtful", "off by 16 %")}
     assert in_one(noted) == "doubtful"
 
@@ -69,7 +70,7 @@ def test_a_number_that_is_not_there_has_the_reason():
     assert in_one(without) == "usable: F_k, c; none: K_z"
     assert "do not determine K_z" in without["K_z"].reason
     nothing = dict.fromkeys(SOUND.parameters, UNKNOWN)
-    unsolved = replace(SOUND, parameters=nothing, notes=("needs two levels",))
+    unsolved = replace(SOUND, parameters=nothing, notes=(Remark("needs two levels"),))
     assert {tuple(v) for v in unsolved.verdicts.values()} == {("none", "needs two levels")}
 
 
@@ -90,48 +91,57 @@ SOURCES = ["data/a.csv", "data/b.csv", "data/c.csv"]
 
 
 def sentences(warnings, sources=SOURCES):
-    """Warnings, of all records or (words, record), as a reader sees them."""
-    remarks = [Remark(*([one] if isinstance(one, str) else one)) for one in warnings]
-    return [in_a_sentence(limit, sources) for limit in limits({}, remarks)]
+    return [in_a_sentence(limit, sources) for limit in limits({}, warnings)]
 
 
 def test_the_same_warning_on_several_records_is_one_sentence_with_its_range():
-    drift = "drifts by {} % in {} s: let it warm up".format
-    said = [(drift(3.5, 20), SOURCES[0]), (drift("1e-05", 20), SOURCES[1])]
+    drift = partial(Remark, "drifts by {:g} % in {} s: let it warm up")
+    said = [drift(3.5, 20, source=SOURCES[0]), drift(1e-5, 20, source=SOURCES[1])]
+    assert said[0] == "data/a.csv: drifts by 3.5 % in 20 s: let it warm up"
     assert sentences(said) == ["a.csv and b.csv: drifts by 1e-05 to 3.5 % in 20 s: let it warm up"]
-    said.append((drift(-2, 20), SOURCES[2]))
+    said.append(drift(-2.0, 20, source=SOURCES[2]))
     assert sentences(said) == ["all 3 records: drifts by -2 to 3.5 % in 20 s: let it warm up"]
 
 
-def test_different_warnings_stay_apart_and_names_keep_their_numbers():
-    said = [("acc1 is clipped", SOURCES[0]), ("acc2 is clipped", SOURCES[0]), "too alike"]
-    assert sentences(said) == ["a.csv: acc1 is clipped", "a.csv: acc2 is clipped", "too alike"]
+def test_different_warnings_stay_apart_whatever_they_share():
+    clips = partial(Remark, "{} is clipped", source=SOURCES[0])
+    said = [clips("acc1"), clips("acc{2}"), Remark("100 % {alike}")]
+    assert sentences(said) == [
+        "a.csv: acc1 is clipped",
+        "a.csv: acc{2} is clipped",
+        "100 % {alike}",
+    ]
+
+
+def test_a_remark_survives_a_process_boundary():
+    one = Remark("{} {:.1f} %", "off {by}", 2.0, source="a")
+    other = pickle.loads(pickle.dumps(one))
+    assert (other, other.kind, other.of) == ("a: off {by} 2.0 %", one.kind, one.of)
 
 
 def test_factors_beyond_a_thousand_go_into_the_range():
-    said = [
-        (f"{times(x)} worse", s) for s, x in zip(SOURCES, (450.2, 3883747.0, 12.4), strict=True)
-    ]
+    sizes = zip(SOURCES, (450.2, 3883747.0, 12.4), strict=True)
+    said = [Remark("{} times worse", factor(x), source=s) for s, x in sizes]
     assert sentences(said) == ["all 3 records: 12 to more than 1000 times worse"]
 
 
 def test_records_of_one_name_are_told_apart_by_their_folders():
     sources = ["one/a.csv", "two/a.csv", "three/b.csv"]
-    said = [("clipped", source) for source in sources[:2]]
+    said = [Remark("clipped", source=source) for source in sources[:2]]
     assert sentences(said, sources=sources) == ["one/a.csv and two/a.csv: clipped"]
 
 
 def test_many_records_are_counted():
     sources = [f"{i}.csv" for i in range(20)]
-    said = [("clipped", source) for source in sources[:9]]
+    said = [Remark("clipped", source=source) for source in sources[:9]]
     assert sentences(said, sources=sources) == [
         "9 of 20 records (0.csv, 1.csv, 2.csv, 3.csv, 4.csv …): clipped"
     ]
 
 
 def test_notes_of_approaches_go_together():
-    notes = {"X_s": "F_k by -16 %", "t_s": "F_k by -17 %"}
-    answers = {name: replace(SOUND, notes=(note,)) for name, note in notes.items()}
+    off = {"X_s": -16.0, "t_s": -17.0}
+    answers = {s: replace(SOUND, notes=(Remark("F_k by {:g} %", x),)) for s, x in off.items()}
     assert limits(answers, []) == [Limit("approaches", ("X_s", "t_s"), "F_k by -17 to -16 %")]
 
 
