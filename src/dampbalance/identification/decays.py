@@ -288,6 +288,7 @@ def _solved(
             "{} is clipped: several samples hold its extreme value; swings are too small; raise the measuring range",
             signal.quantity,
             source=one.source,
+            doubts={"": math.inf},
         )
         for one in fit.decays
         for signal in one.signals

@@ -153,7 +153,7 @@ class ForcedOutcome(Outcome):
             ),
             "balance": Picture(
                 f"rows of the energy balance {line}, and the residual of each row by approach",
-                (self.estimates, two),
+                (self.answers, two),
             ),
         }
 
@@ -202,7 +202,7 @@ def identify_readings(
     }
     estimates = with_notes(estimates, readings, joint)
     of_records = [words.about(r.steady.source) for r in readings for words in r.warnings]
-    of_all = map(Remark, agreement(readings, line, joint, estimates))
+    of_all = agreement(readings, line, joint, estimates)
     return ForcedOutcome(
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
@@ -230,8 +230,8 @@ def _head(readings: Sequence[Reading], replicates: int) -> str:
     """How many records, at which frequencies."""
     hz = sorted({round(r.steady.frequency_hz, 4) for r in readings})
     return (
-        f"{len(readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; values with 95 % intervals from "
-        f"{replicates} bootstrap replicates"
+        f"{len(readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; the answer first, with 95 % intervals, "
+        f"those of the balance from {replicates} bootstrap replicates"
     )
 
 

@@ -16,6 +16,9 @@ from ..reading.waveforms import WaveformFit
 from .answer import Answer, answer_of_fit
 
 CONTRADICTED = Remark("the mass given contradicts the records")
+OUT_OF_TIME = Remark(
+    "the response is out of time with the drive (see below): F_k and c carry that error"
+)
 
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 
@@ -54,7 +57,8 @@ class JointFit:
         of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
         at_zero = [Remark(f"the best {key} {of_zero}") for key in fit.undamped]
         heavy = () if self.mass_fits else (CONTRADICTED,)
-        return (*heavy, *(() if fit.adequate else (far,)), *at_zero)
+        late = (OUT_OF_TIME,) if self.late else ()
+        return (*heavy, *(() if fit.adequate else (far,)), *late, *at_zero)
 
     @property
     def answer(self) -> Answer | None:

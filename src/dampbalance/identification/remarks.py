@@ -19,9 +19,9 @@ from ..law.terms import term
 from ..project.wording import Remark, factor, listed, merged, times
 from ..reading.checks import is_clipped
 from ..reading.mean_harmonics import Reading
-from .answer import Answer, ParameterEstimate
+from .answer import REFERENCE, Answer, ParameterEstimate
 from .microstick import Microstick
-from .oscillator import CONTRADICTED, JointFit
+from .oscillator import CONTRADICTED, OUT_OF_TIME, JointFit
 
 DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
@@ -70,9 +70,7 @@ def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iter
                 factor(math.sqrt(answer.misfit)),
             )
     if joint.late:
-        yield Remark(
-            "the response is out of time with the drive (see below): F_k and c carry that error"
-        )
+        yield OUT_OF_TIME
 
 
 def forbidden(
@@ -119,66 +117,72 @@ def agreement(
     microstick: Microstick,
     joint: JointFit,
     answers: Mapping[str, Answer],
-) -> Iterator[str]:
+) -> Iterator[Remark]:
     """Warnings on all records together: what the joint fit shows, which levels fail, where answers contradict."""
     yield from _on_the_oscillator(readings, joint)
     still = [str(i + 1) for i, reading in enumerate(readings) if reading.slips is False]
     if still:
-        yield (
+        yield Remark(
             f"the contact only sticks in record {', '.join(still)}: it takes no energy there, and the record stays out "
             "of the balance"
         )
     if joint.waveforms_hold and not microstick.resolved:
-        yield (
+        yield Remark(
             "the records together do not resolve the onset of slip: K_z has a lower limit only; sample faster, measure "
-            "acceleration, or reduce the noise"
+            "acceleration, or reduce the noise",
+            doubts={"K_z": math.inf},
         )
     folded = [str(i + 1) for i, r in enumerate(readings) if r.lines.aliased > _FOLDED]
     if folded and not joint.linear:
-        yield (
+        yield Remark(
             f"the sampling rate of record {', '.join(folded)} folds back harmonics that are larger than the noise: K_z "
             "may be off by more than its interval shows; sample faster, or through an anti-alias filter that the "
-            "mapping names"
+            "mapping names",
+            doubts={"K_z": math.inf},
         )
     fit = joint.fit
     if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
-        yield (
+        yield Remark(
             f"c and c_r together cannot be distinguished from a skew of the channels: if the response lags by 1 µs, "
-            f"c_r is {1e-6 * fit.k:.2g} N s/m too small and c as much too large"
+            f"c_r is {1e-6 * fit.k:.2g} N s/m too small and c as much too large",
+            doubts={"c": math.inf, "c_r": math.inf},
         )
     yield from _apart(answers.get(DIRECT), joint)
     solved = [(a, a.balance.rows) for a in answers.values() if a.balance is not None]
     first = next(((a, rows) for a, rows in solved if rows.usable.sum() >= 2), None)
     if first is not None and _sine(first[1]) < _ALIKE:
-        yield (
-            f"the levels are so alike that {listed(list(first[0].coefficients))} can hardly be distinguished: add "
-            "a record at a much higher or lower amplitude"
+        coefficients = list(first[0].coefficients)
+        yield Remark(
+            f"the levels are so alike that {listed(coefficients)} can hardly be distinguished by the balance: add "
+            "a record at a much higher or lower amplitude",
+            doubts=dict.fromkeys([*coefficients, "K_z"], math.inf),
+            spares=(REFERENCE,),
         )
 
 
-def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator[str]:
+def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
     """Warnings from the joint fit."""
     if joint.linear:
-        yield (
+        yield Remark(
             "the records are those of a linear oscillator within their noise: the contact only sticks, or there is no "
             "friction, and F_k and K_z cannot be determined; raise the excitation"
         )
         return
     if joint.fit is None:
-        yield (
+        yield Remark(
             "no oscillator with this stiffness and a friction contact slips and responds like the records: check the "
             "stiffness, the signs, the units and the order of the channels"
         )
         return
     fit, delayed = joint.fit, joint.delayed
     if not joint.mass_fits:
-        yield (
+        yield Remark(
             f"the mass given, {joint.mass:.6g} kg, is not that of the records, {fit.m:.6g} ± {fit.error('m'):.2g} kg: "
             "nothing here uses it; check the mass, the stiffness, the gains and the units"
         )
     if not fit.adequate:
         worst = int(np.argmax(fit.misfits))
-        yield (
+        yield Remark(
             "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
             f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in "
             f"{readings[worst].steady.source}; K_z and the onset of slip cannot be determined; a channel may be skewed,"
@@ -187,29 +191,30 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
         )
     if joint.late and delayed is not None:
         without = [f"{key} = {delayed.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]
-        yield (
+        yield Remark(
             f"the harmonics say that the response lags the drive by {1e6 * delayed.delay:.4g} ± "
             f"{1e6 * delayed.error('delay'):.2g} µs more than the motion explains; without that, {listed(without)}: "
             "give the delay in the mapping, or sample all channels at once"
         )
 
 
-def _apart(answer: Answer | None, joint: JointFit) -> Iterator[str]:
+def _apart(answer: Answer | None, joint: JointFit) -> Iterator[Remark]:
     """A sentence where the balance contradicts the joint fit by more than their errors allow."""
     if answer is None or joint.fit is None or not joint.waveforms_hold:
         return
-    parts = []
+    parts = {}
     for symbol, own in answer.coefficients.items():
         of_fit = joint.fit.value(symbol)
         # the fit uses all that the balance uses: the variance of their difference is that of their variances
         error = math.sqrt(max(own.standard_error**2 - joint.fit.error(symbol) ** 2, 0.0))
         error = max(error, 0.5 * own.standard_error, 1e-7 * abs(of_fit))
         if abs(own.value - of_fit) > _APART * error and of_fit:
-            parts.append(f"{symbol} by {100.0 * (own.value / of_fit - 1.0):+.2g} %")
+            parts[symbol] = f"{symbol} by {100.0 * (own.value / of_fit - 1.0):+.2g} %"
     if parts:
-        yield (
-            f"the energy balance and the fit of one oscillator to all records differ, {' and '.join(parts)}, by more "
-            "than their errors allow: trust neither interval"
+        yield Remark(
+            "the energy balance and the fit of one oscillator to all records differ, "
+            f"{' and '.join(parts.values())}, by more than their errors allow: trust neither interval",
+            doubts=dict.fromkeys(parts, math.inf),
         )
 
 
@@ -221,6 +226,35 @@ def _sine(rows: Rows) -> float:
         if symbol not in rows.given
     ]
     return float(np.min(np.abs(np.diag(np.linalg.qr(np.column_stack(columns))[1]))))
+
+
+def doubted(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> dict[str, Answer]:
+    """The answers, each number doubtful that a warning casts doubt on: what is warned of is never usable.
+
+    A warning whose effect on a number is known makes it doubtful if that is more than its interval shows.
+    """
+    kinds: dict[tuple[str, ...], list[Remark]] = {}
+    for remark in warnings:
+        if remark.doubts:
+            kinds.setdefault(remark.kind, []).append(remark)
+
+    def reasons(name: str, symbol: str, p: ParameterEstimate) -> Iterator[str]:
+        for group in kinds.values():
+            parts = [r.doubts.get(symbol, r.doubts.get("", 0.0)) for r in group]
+            effect = max(parts) * abs(p.value) if any(parts) else 0.0
+            shows = effect and not effect <= _SHAPE_SHOWS * p.standard_error  # nor is NaN
+            if shows and name not in group[0].spares:
+                yield merged(group)
+
+    def judged(name: str, symbol: str, p: ParameterEstimate) -> ParameterEstimate:
+        return replace(p, doubt="; ".join(filter(None, [p.doubt, *reasons(name, symbol, p)])))
+
+    return {
+        name: replace(
+            answer, parameters={s: judged(name, s, p) for s, p in answer.parameters.items()}
+        )
+        for name, answer in answers.items()
+    }
 
 
 # --- both as a list without repetitions -----------------------------------------------------------

@@ -107,23 +107,37 @@ class Remark(str):
     template : the sentence with a place for each number and each word, "{} drifts by {:.2g} %"; without numbers and
     words, the sentence itself.   of : numbers and words.   source : name of the record; empty where the sentence is
     about no single one.   words : the sentence without that name.
+    doubts : symbol → by which part of itself what is said may change that number, infinite where that is not known; the
+    symbol "" stands for every number.   spares : names of the answers that it does not concern.
     """
 
     template: str
     of: tuple[Any, ...]
     source: str
     words: str
+    doubts: Mapping[str, float]
+    spares: Sequence[str]
 
-    def __new__(cls, template: str, *of: Any, source: str = "") -> Remark:
+    def __new__(
+        cls,
+        template: str,
+        *of: Any,
+        source: str = "",
+        doubts: Mapping[str, float] | None = None,
+        spares: Sequence[str] = (),
+    ) -> Remark:
         """The sentence, after the name of the record where it is about one."""
         words = template.format(*of) if of else template
         remark = super().__new__(cls, f"{source}: {words}" if source else words)
         remark.template, remark.of, remark.source, remark.words = template, of, source, words
+        remark.doubts, remark.spares = doubts or {}, spares
         return remark
 
     def about(self, source: str) -> Remark:
         """The same sentence about a record."""
-        return Remark(self.template, *self.of, source=source)
+        return Remark(
+            self.template, *self.of, source=source, doubts=self.doubts, spares=self.spares
+        )
 
     @property
     def kind(self) -> tuple[str, ...]:

@@ -36,6 +36,9 @@ _LARGEST_AMPLITUDE = 0.5  # m
 _LARGEST_ACCELERATION = 1000.0  # m/s²: a hundred times gravity
 _LARGEST_GAIN = 100.0
 
+_EVERYTHING = {"": math.inf}  # is in doubt, by how much is not known
+_BY_HARMONICS = ("direct",)  # the answer that counts harmonics which the others leave out
+
 _EQUAL = 1e-9  # of the largest value: what rounding leaves between two copies of a signal
 
 _UNCONNECTED = "the transducer was not connected, or the wrong column was read"
@@ -90,6 +93,7 @@ def few_cycles(cycles: int) -> Iterator[Remark]:
         yield Remark(
             "only {} cycles: standard errors and intervals are rough; record {} or more",
             *(cycles, FEW_CYCLES),
+            doubts=_EVERYTHING,
         )
 
 
@@ -128,6 +132,7 @@ def frequency(
             f"{words} ({unit}): it was rounded, or the clock of the generator or the recorder is off; the frequency "
             "found is used",
             *(at, spread, given, size),
+            doubts={"": abs(off)},
         )
 
 
@@ -148,6 +153,7 @@ def clipping(quantity: str, harmonics: CycleHarmonics) -> Iterator[Remark]:
             "{} is clipped: in {:.0f} % of the cycles several samples hold the extreme value; amplitude and harmonics "
             "are too small; raise the measuring range",
             *(quantity, 100.0 * harmonics.clipped),
+            doubts=_EVERYTHING,
         )
 
 
@@ -187,6 +193,7 @@ def consistency(
                     "{} lags {} by {:.1f} ± {:.1g} µs: shifted to agree; whether the excitation is in time with "
                     "either, a record cannot tell",
                     *(name, names[0], -1e6 * phase / omega, 1e6 * error / omega),
+                    doubts={"": abs(phase)},
                 )
             )
         else:
@@ -196,6 +203,7 @@ def consistency(
                 Remark(
                     "{} stands for {:.5f} times the motion of {}: scaled to agree; check the calibration",
                     *(name, gain, names[0]),
+                    doubts={"": abs(gain - 1.0)},
                 )
             )
         else:
@@ -256,9 +264,9 @@ def steadiness(
             )
         if 0 < settled < size // 2:
             late = "; it settles after about {} cycles: leave those out"
-            yield Remark(words + late, *sizes, cycles)
+            yield Remark(words + late, *sizes, cycles, doubts=_EVERYTHING)
         else:
-            yield Remark(words, *sizes)
+            yield Remark(words, *sizes, doubts=_EVERYTHING)
 
 
 def _settled_after(rows: Complexes, noise: float, parts: float) -> int:
@@ -281,11 +289,13 @@ def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Rema
             yield Remark(
                 "{} moves by {:.3g} m, with {:.3g} m/s²: is a unit wrong (mm taken for m)?",
                 *(what, amplitude, omega**2 * amplitude),
+                doubts=_EVERYTHING,
             )
     if not 1.0 / _LARGEST_GAIN < X / Y < _LARGEST_GAIN:
         yield Remark(
             "the mass moves {:.3g} times as far as {}: is the unit of one channel wrong (mm taken for m)?",
             *(X / Y, base),
+            doubts=_EVERYTHING,
         )
 
 
@@ -297,6 +307,8 @@ def harmonic_base(mean: Complexes, error: Array) -> Iterator[Remark]:
             "the base motion is not harmonic: {:.2g} % distortion, most of it harmonic {} ({:.2g} %); direct "
             "integration counts the work of all its harmonics, everything else the fundamental only",
             *(100.0 * math.hypot(*relative), int(np.argmax(relative)) + 2, 100.0 * relative.max()),
+            doubts=_EVERYTHING,
+            spares=_BY_HARMONICS,
         )
 
 
@@ -317,6 +329,8 @@ def symmetry(mean: Complexes, error: Array) -> Iterator[Remark]:
             "the response is not symmetric: harmonic {} is {:.2g} % of the fundamental; direct integration counts the "
             "even harmonics, everything else is read off the symmetric part",
             *(2 * int(np.argmax(even)) + 2, 100.0 * even.max()),
+            doubts=_EVERYTHING,
+            spares=_BY_HARMONICS,
         )
 
 
@@ -336,6 +350,7 @@ def work(Y: complex, X: complex, Y_error: float, X_error: float) -> Iterator[Rem
             "the response leads the excitation (sin φ₁ = {:.4f}), so that no work is put in: is a sign turned, or are "
             "two channels exchanged?",
             sine,
+            doubts=_EVERYTHING,
         )
 
 

@@ -196,9 +196,10 @@ def _told(name: str) -> Iterator[list[Remark]]:
 
 def _nameless(name: str, message: str) -> Remark:
     """A message of a reader without the name of the record that it begins with."""
-    template, *of = (message.template, *message.of) if isinstance(message, Remark) else (message,)
-    parts = [p.removeprefix(f"{name}: ") if isinstance(p, str) else p for p in (template, *of)]
-    return Remark(*parts)
+    said = message if isinstance(message, Remark) else Remark(message)
+    parts = (said.template, *said.of)
+    nameless = [p.removeprefix(f"{name}: ") if isinstance(p, str) else p for p in parts]
+    return Remark(*nameless, doubts=said.doubts, spares=said.spares)
 
 
 def _digests(path: Path, mapping: MappingLike, rules: RecordMapping) -> dict[str, Any]:

@@ -13,6 +13,7 @@ import pytest
 
 from dampbalance.balance import Rows
 from dampbalance.identification.answer import (
+    REFERENCE,
     UNKNOWN,
     Answer,
     Balance,
@@ -21,9 +22,11 @@ from dampbalance.identification.answer import (
 )
 from dampbalance.identification.microstick import Microstick
 from dampbalance.identification.oscillator import JointFit
+from dampbalance.identification.outcome import Outcome
 from dampbalance.identification.remarks import (
     Limit,
     agreement,
+    doubted,
     forbidden,
     in_a_sentence,
     limits,
@@ -143,6 +146,62 @@ def test_notes_of_approaches_go_together():
     off = {"X_s": -16.0, "t_s": -17.0}
     answers = {s: replace(SOUND, notes=(Remark("F_k by {:g} %", x),)) for s, x in off.items()}
     assert limits(answers, []) == [Limit("approaches", ("X_s", "t_s"), "F_k by -17 to -16 %")]
+
+
+NEAR = replace(SOUND, name=REFERENCE, balance=None)
+
+
+@pytest.mark.parametrize(
+    ("doubts", "doubtful"),
+    [
+        ({}, ""),
+        ({"": math.inf}, "F_k c K_z"),
+        ({"K_z": math.inf}, "K_z"),
+        # half a standard error of F_k is 0.2 % of it, of c 0.03 %, of K_z 0.24 %
+        ({"": 0.0005}, "c"),
+        ({"": 0.003}, "F_k c K_z"),
+        ({"c": 0.0002, "K_z": 0.01}, "K_z"),
+    ],
+)
+def test_what_is_warned_of_is_usable_only_within_its_interval(doubts, doubtful):
+    warning = Remark("late by {} s", 2, source="a", doubts=doubts, spares=("direct",))
+    answers = doubted({"direct": SOUND, REFERENCE: NEAR}, [warning])
+    assert in_one(answers["direct"].verdicts) == "usable"
+    judged = answers[REFERENCE].verdicts
+    assert [s for s, v in judged.items() if v.verdict == "doubtful"] == doubtful.split()
+    assert all(judged[symbol].reason == "late by 2 s" for symbol in doubtful.split())
+
+
+class Both(Outcome):
+    """The answers of a balance and a fit, and nothing else."""
+
+    findings = features_table = pictures = None
+
+
+NOTED = Remark("another oscillator")
+NOTHING = replace(SOUND, parameters=dict.fromkeys(SOUND.parameters, UNKNOWN), notes=(NOTED,))
+
+
+@pytest.mark.parametrize(
+    ("balance", "fit", "warnings", "first"),
+    [
+        (SOUND, NEAR, (), REFERENCE),
+        (SOUND, None, (), "direct"),
+        (SOUND, replace(NEAR, notes=(NOTED,)), (), "direct"),
+        (replace(SOUND, notes=(NOTED,)), replace(NEAR, notes=(NOTED,)), (), "direct"),
+        (replace(SOUND, notes=(NOTED,)), NEAR, (), REFERENCE),
+        (NOTHING, replace(NEAR, notes=(NOTED,)), (), REFERENCE),
+        # the warning concerns the fit only, or both
+        (SOUND, NEAR, (Remark("asymmetric", doubts={"": 1.0}, spares=("direct",)),), "direct"),
+        (SOUND, NEAR, (Remark("clipped", doubts={"": 1.0}),), REFERENCE),
+    ],
+)
+def test_the_first_answer_is_the_one_to_use(balance, fit, warnings, first):
+    kinds = {"head": "", "rig": (), "settings": {}, "k": 1.0, "sources": ()}
+    Both.__abstractmethods__ = frozenset()
+    outcome = Both(estimates={"direct": balance}, reference=fit, warnings=warnings, **kinds)
+    assert next(iter(outcome.answers)) == first
+    assert set(outcome.answers) == {"direct", REFERENCE} - ({REFERENCE} if fit is None else set())
 
 
 def test_words_in_a_row():

@@ -115,6 +115,7 @@ def in_equal_steps(t: Array, where: str) -> Array:
         "{} is rounded to {:.3g} s, its samples are {:.3g} s apart: {:.9g} samples a second are taken, from the line "
         "through it, off by {:.3g} ppm at the most; give sample_rate_hz if known",
         *(where, q, step, 1.0 / step, 1e6 * bound),
+        doubts={"": bound},
     )
     warnings.warn(RecordWarning(rounded), stacklevel=2)
     return line
