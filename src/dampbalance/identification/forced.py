@@ -1,8 +1,9 @@
 """F_k, c and K_z from measured responses at several levels, by every approach, with standard errors and intervals.
 
-Each response gives one row a F_k + b c = W of the energy balance (6); rows of different frequencies go together, since
-neither F_k nor c depends on the frequency. Rows are weighted by the inverse variance of their misfit; the result of
-Eq. (9) as published, where all rows are weighted alike, is given next to it.
+The answer is the fit of one oscillator to all records (`oscillator.py`) where it holds; the balance checks it, and
+serves where it does not. Each response gives one row a F_k + b c = W of the energy balance (6); rows of different
+frequencies go together, since neither F_k nor c depends on the frequency. Rows are weighted by the inverse variance of
+their misfit; the result of Eq. (9) as published, where all rows are weighted alike, is given next to it.
 
 What a row needs of the onset of slip comes from the waveforms of one oscillator fitted to all records. Where the
 records are not those of such an oscillator, the onset is unknown and K_z is not identified: direct integration then

@@ -55,8 +55,9 @@ def identify(
     """The coefficients of a damping law and the contact stiffness K_z from measured records, each with an interval.
 
     Each steady response, and each half cycle of a free decay, gives a row a F_k + b c = W of the energy balance (Eq. 6
-    of the paper). Rows are weighted by inverse variance; a maximum-likelihood fit of one oscillator to all records is
-    the cross-check.
+    of the paper), weighted by inverse variance. The answer is the maximum-likelihood fit of one oscillator to all
+    records, with the balance as its check, and the balance itself where the records are not those of such an
+    oscillator.
 
     records : as `read_records` returns or takes them: files, tables of pandas, arrays. Forced records: one for each
     level of excitation, at least as many as there are coefficients; more levels, far apart, sharpen all of them. Free
@@ -70,8 +71,8 @@ def identify(
     given : symbol → known coefficient, SI units.
     groups : symbol → a label for each record, where each group of records has its own coefficient.
     laws : whether to compare all laws of one or two terms in addition to friction, too.
-    approaches : names of `APPROACHES`; default, all. Use "direct", which assumes no shape of x(t); the others show
-    what the approximations of the paper cost.
+    approaches : names of `APPROACHES` to the balance; default, all. Use "direct", which assumes no shape of x(t); the
+    others show what the approximations of the paper cost.
     phase : that the harmonic approaches X_s, t_s and V_s take.
     skip_cycles : left out at the start of each record, where the motion has not settled.
     replicates, seed : of the bootstrap.

@@ -1,4 +1,4 @@
-"""One oscillator fitted to all records by maximum likelihood: the cross-check of the balance."""
+"""One oscillator fitted to all records by maximum likelihood: the answer where it holds, which the balance checks."""
 
 from __future__ import annotations
 
