@@ -8,7 +8,7 @@ solved.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -43,6 +43,7 @@ from .answer import (
 from .outcome import Outcome, Picture
 from .remarks import forbidden
 from .screen import implied
+from .sensitivities import Fault
 
 BALANCE = "balance"
 """Name of the one approach to free decays."""
@@ -50,6 +51,7 @@ BALANCE = "balance"
 _ORDERS = {quantity: order for order, quantity in enumerate(RESPONSES)}
 _CHANCE = 1e-4  # probability of a misfit in noise, below which there is another reason
 _MASS_OFF = 4.0  # standard errors
+_LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
 # half cycles, and K_z/k, below which a motion that does not fit shows no contact
 _FEWEST, _LOOSE = 2, 1e-2
 
@@ -108,6 +110,30 @@ class DecayOutcome(Outcome):
             for (t, x), error in zip(turns, errors, strict=True)
         ]
 
+    def shifts(
+        self, faults: Mapping[str, Fault], names: Collection[str]
+    ) -> dict[str, dict[str, dict[str, float]]]:
+        """What faults of all records do to the answers: m, c, k, K_z and F_k times a number are an oscillator of the
+        same motion, and F_k is in proportion to the motion. When a decay began is not known: a delay does nothing."""
+        fit = self.fit
+        lighter = dict.fromkeys(("F_k", "c", "K_z"), 0.0)
+        if fit.error("m") == 0.0 and any(fault.stiffness for fault in faults.values()):
+            at, start = fit.names.index("m"), fit.point.copy()
+            start[at] *= 1.0 - _LIGHTER
+            other = fit_decays(fit.decays, fit.k, start, given={at})
+            if other is not None:
+                pairs = {"F_k": (other.F_k, fit.F_k), "c": (other.c, fit.c)}
+                pairs["K_z"] = other.K_z, fit.K_z
+                lighter = {s: (a / b - 1.0) / _LIGHTER for s, (a, b) in pairs.items() if b}
+        of_all = {
+            name: {s: fault.stiffness * (1.0 + by) for s, by in lighter.items()}
+            | {"m": fault.stiffness * (fit.error("m") > 0.0)}
+            for name, fault in faults.items()
+        }
+        for name, fault in faults.items():
+            of_all[name]["F_k"] += fault.response
+        return dict.fromkeys([name for name in self.answers if name in names], of_all)
+
     @property
     def pictures(self) -> dict[str, Picture]:
         """decays : each with the motion fitted to it."""
@@ -126,11 +152,16 @@ def _slipping(halves: int) -> str:
 
 @one_thread
 def identify_ring_downs(
-    records: Sequence[Measurement], k: float, *, mass: float | None = None
+    records: Sequence[Measurement],
+    k: float,
+    *,
+    mass: float | None = None,
+    uncertainty: float = 0.0,
 ) -> DecayOutcome:
     """F_k, c and K_z from records of free decays, one or more.
 
-    k : stiffness, N/m.   mass : kg, if it is known; the fit takes it unless the decays contradict it.
+    k : stiffness, N/m.   mass : kg, if it is known; the fit takes it unless the decays contradict it.   uncertainty :
+    standard uncertainty of k, as a part of it.
 
     Raises ValueError for a stiffness or a mass that is not positive, a record whose excitation channel moves, one
     without a decay that slips, and a channel with a filter.
@@ -184,7 +215,8 @@ def identify_ring_downs(
     with_mass = None if mass is None else _with_mass(ends, mass)
     fit = with_mass or with_intervals(ends)
     notes = []
-    if mass is not None and with_mass is None:
+    off = math.hypot(fit.error("m"), uncertainty * fit.m)
+    if mass is not None and with_mass is None and not abs(fit.m - mass) < _MASS_OFF * off:
         notes.append(Remark("the mass given contradicts the decays"))
         warnings.append(
             Remark(

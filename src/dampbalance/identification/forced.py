@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from operator import itemgetter
 from typing import Any
@@ -37,6 +37,7 @@ from ..reading.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
 from .answer import (
     CONFIDENCE,
+    REFERENCE,
     UNKNOWN,
     Answer,
     Balance,
@@ -51,7 +52,7 @@ from .oscillator import JointFit, joined, joint_fit
 from .outcome import Outcome, Picture
 from .remarks import DIRECT, agreement, limits, with_notes
 from .screen import implied, with_error
-from .sensitivities import FAULTS, sensitivities
+from .sensitivities import FAULTS, Fault, sensitivities, shifts_of_fit
 
 REPLICATES = 1000
 SEED = 2010
@@ -102,11 +103,22 @@ class ForcedOutcome(Outcome):
 
     def sensitivities(self) -> dict[str, dict[str, float]]:
         """What each of `FAULTS` does to direct integration; nothing where that was not asked for."""
-        if DIRECT not in self.estimates:
-            return {}
-        way = APPROACHES[DIRECT]
-        rows_of = LawRows(way, self.law, self.k, self.phase, self.joint.linear)
-        return sensitivities(self.readings, rows_of, self.estimates[DIRECT])
+        return self.shifts(FAULTS, [DIRECT]).get(DIRECT, {})
+
+    def shifts(
+        self, faults: Mapping[str, Fault], names: Collection[str]
+    ) -> dict[str, dict[str, dict[str, float]]]:
+        """What faults of all records do to answers."""
+        changes = {}
+        for name, answer in self.estimates.items():
+            way = APPROACHES.get(name) if name in names else None
+            if way is not None:
+                rows_of = LawRows(way, self.law, self.k, self.phase, self.joint.linear)
+                changes[name] = sensitivities(self.readings, rows_of, answer, faults)
+        fit = self.joint.fit if REFERENCE in names else None
+        if fit is not None and self.joint.waveforms_hold:
+            changes[REFERENCE] = shifts_of_fit(self.readings, fit, faults)
+        return changes
 
     def _record(self, i: int) -> dict[str, Any]:
         reading, steady = self.readings[i], self.readings[i].steady
@@ -168,6 +180,7 @@ def identify_readings(
     approaches: Mapping[str, Approach] = APPROACHES,
     phase: Phase = "reversal",
     mass: float | None = None,
+    uncertainty: float = 0.0,
     replicates: int = REPLICATES,
     seed: int = SEED,
 ) -> ForcedOutcome:
@@ -181,6 +194,7 @@ def identify_readings(
     approaches : by name.
     phase : that the harmonic approaches take.
     mass : kg, if it is known.
+    uncertainty : standard uncertainty of k, as a part of it, for the test of the mass.
     replicates, seed : of the bootstrap; 1000 replicates know a standard error to 2 %.
 
     Raises ValueError for fewer readings than unknowns, terms that act alike in all of them, two of the same signals, a
@@ -191,7 +205,8 @@ def identify_readings(
     _require(readings, k, law, approaches, replicates)
     if mass is not None:
         number("mass", mass)
-    joint = joint_fit([reading.lines for reading in readings], k, mass, law)
+    lines = [reading.lines for reading in readings]
+    joint = joint_fit(lines, k, mass, law, uncertainty=uncertainty)
     readings = joined(readings, joint, law)
     samples = read_samples(readings, replicates, np.random.default_rng(seed))
     line = microstick(samples)

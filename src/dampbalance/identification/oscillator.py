@@ -81,13 +81,16 @@ def joint_fit(
     k: float,
     m: float | None = None,
     law: Law | None = None,
+    *,
+    uncertainty: float = 0.0,
 ) -> JointFit:
     """The oscillator behind the records.
 
     The records determine the mass by themselves, nearly as well as scales would: a given mass that contradicts them is
     left out.
 
-    k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.
+    k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.   uncertainty : standard uncertainty
+    of k, as a part of it: a mass that differs by no more contradicts nothing.
     """
     law = law or Law()
     chi_square, freedom = linear_misfit(lines, k, law.terms)
@@ -99,11 +102,13 @@ def joint_fit(
         return JointFit(fit, linear, None, mass=m)
     given = None if m is None else with_mass(fit, m)
     fits = given is not None and given.chi_square - fit.chi_square < _SHOWS
+    off = math.hypot(fit.error("m"), uncertainty * fit.m)
+    near = m is None or fits or abs(fit.m - m) < math.sqrt(_SHOWS) * off
     fit = given if given is not None and fits else fit
     # a damper to the base and one to the ground together make up for any delay
     delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
     late = delayed is not None and delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS
-    return JointFit(fit, linear, delayed, late, m, m is None or fits)
+    return JointFit(fit, linear, delayed, late, m, near)
 
 
 def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None) -> list[Reading]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
@@ -16,6 +16,8 @@ from .remarks import doubted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from .sensitivities import Fault
 
 
 class Picture(NamedTuple):
@@ -82,6 +84,13 @@ class Outcome(ABC):
     @abstractmethod
     def pictures(self) -> dict[str, Picture]:
         """The pictures by name, the most telling first."""
+
+    @abstractmethod
+    def shifts(
+        self, faults: Mapping[str, Fault], names: Collection[str]
+    ) -> dict[str, dict[str, dict[str, float]]]:
+        """By which part of themselves faults change the numbers of answers of these names, to first order: name of the
+        answer → fault → symbol, "m" for the mass."""
 
     def draw(self, name: str) -> Figure:
         """One of the pictures."""
