@@ -103,7 +103,7 @@ def with_error(name: str, value: object) -> tuple[float, float]:
         with suppress(ValueError):
             pair = [float(part) for part in re.split(r"±|\+/?-", value)]
     if not isinstance(pair, list | tuple) or len(pair) != 2:
-        return number(name, pair[0] if isinstance(pair, list) and len(pair) == 1 else pair), 0.0
+        return number(name, value), 0.0
     plain, error = number(name, pair[0]), pair[1]
     if isinstance(error, bool) or not (isinstance(error, Real) and 0.0 <= float(error) < plain):
         wanted = f"{NUMBERS[name]}, with an uncertainty below it, (2310, 10) or 2310±10"

@@ -188,7 +188,8 @@ def identify_readings(
 
     Use `identify` for records; this function is for readings that are at hand, as in studies.
 
-    readings : of `read_features`, one per level; levels that differ, at least as many as there are unknowns.
+    readings : of `read_features`, one per level; levels that differ, at least as many as there are unknowns for a
+    balance. The fit may do with fewer.
     k : stiffness of the readings, N/m.
     law : default, F_k and c.
     approaches : by name.
@@ -197,9 +198,10 @@ def identify_readings(
     uncertainty : standard uncertainty of k, as a part of it, for the test of the mass.
     replicates, seed : of the bootstrap; 1000 replicates know a standard error to 2 %.
 
-    Raises ValueError for fewer readings than unknowns, terms that act alike in all of them, two of the same signals, a
-    stiffness or a mass that is not positive, a stiffness that is not that of the readings, and too few or too many
-    replicates. An approach whose rows cannot be solved stays in the result with NaN and the reason.
+    Raises ValueError for fewer readings than unknowns where no fit distinguishes these, terms that act alike in all of
+    them, two of the same signals, a stiffness or a mass that is not positive, a stiffness that is not that of the
+    readings, and too few or too many replicates. An approach whose rows cannot be solved stays in the result with NaN
+    and the reason.
     """
     law = law or Law()
     _require(readings, k, law, approaches, replicates)
@@ -207,6 +209,9 @@ def identify_readings(
         number("mass", mass)
     lines = [reading.lines for reading in readings]
     joint = joint_fit(lines, k, mass, law, uncertainty=uncertainty)
+    few = len(readings) < len(law.unknowns)
+    if few and not (joint.waveforms_hold and joint.fit is not None and joint.fit.freedom > 0):
+        law.require([reading.steady.frequency_hz for reading in readings])
     readings = joined(readings, joint, law)
     samples = read_samples(readings, replicates, np.random.default_rng(seed))
     line = microstick(samples)
@@ -217,13 +222,16 @@ def identify_readings(
         for name, way in approaches.items()
     }
     estimates = with_notes(estimates, readings, joint)
+    reference = joint.answer
+    if few and reference is not None:
+        reference = replace(reference, notes=(*reference.notes, _UNCHECKED))
     of_records = [words.about(r.steady.source) for r in readings for words in r.warnings]
     of_all = agreement(readings, line, joint, estimates)
     return ForcedOutcome(
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
         estimates=estimates,
-        reference=joint.answer,
+        reference=reference,
         warnings=(*of_records, *of_all),
         head=_head(readings, replicates),
         rig=_rig(joint),
@@ -244,10 +252,10 @@ def identify_readings(
 
 def _head(readings: Sequence[Reading], replicates: int) -> str:
     """How many records, at which frequencies."""
-    hz = sorted({round(r.steady.frequency_hz, 4) for r in readings})
+    hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
     return (
-        f"{len(readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; the answer first, with 95 % intervals, "
-        f"those of the balance from {replicates} bootstrap replicates"
+        f"{len(readings)} record{'s' * (len(readings) > 1)} at {hz} Hz; the answer first, with 95 % intervals, those "
+        f"of the balance from {replicates} bootstrap replicates"
     )
 
 
@@ -272,7 +280,7 @@ def _require(
 ) -> None:
     number("stiffness", k)
     whole("replicates", replicates)
-    law.require([reading.steady.frequency_hz for reading in readings])
+    law.require([r.steady.frequency_hz for r in readings], by_balance=False)
     for reading in readings:
         if reading.steady.k != k:
             raise ValueError(
@@ -296,6 +304,11 @@ def _same(one: Reading, other: Reading) -> bool:
     return bool(np.abs(rows - others).max() < bound)
 
 
+_UNCHECKED = Remark(
+    "there are fewer levels than coefficients: only the shape of the waveforms distinguishes them, and no balance "
+    "checks it; add records at other amplitudes"
+)
+_TOO_FEW = "a balance needs a level for each coefficient: add records at other amplitudes"
 _NO_FORM = "this approach has no form of a term of the law"
 _NO_ONSET = "this approach needs the onset of slip, which these records do not determine"
 
@@ -322,12 +335,15 @@ def _answer(
             np.isnan(g).all() and parted(key)[0] not in rows_of.approach.terms
             for key, g in point.terms.items()
         )
+        few = len(readings) < len(rows_of.law.unknowns)
+        reason = _TOO_FEW if few else str(error)
+        reason = _NO_FORM if unshaped else _NO_ONSET if unresolved else reason
         parameters = {**nothing, "K_z": UNKNOWN}
         return Answer(
             name,
             parameters,
             covariance_of(parameters, {}),
-            (Remark(_NO_FORM if unshaped else _NO_ONSET if unresolved else str(error)),),
+            (Remark(reason),),
             Balance(point, np.full(len(point.W), math.nan), sources),
             equal=nothing,
             merit={"residual": math.nan, "misfit": math.nan},

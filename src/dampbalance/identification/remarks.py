@@ -19,7 +19,7 @@ from ..law.terms import term
 from ..project.wording import Remark, factor, listed, merged, times
 from ..reading.checks import is_clipped
 from ..reading.mean_harmonics import Reading
-from .answer import REFERENCE, Answer, ParameterEstimate
+from .answer import Answer, ParameterEstimate
 from .microstick import Microstick
 from .oscillator import CONTRADICTED, OUT_OF_TIME, JointFit
 
@@ -156,7 +156,6 @@ def agreement(
             f"the levels are so alike that {listed(coefficients)} can hardly be distinguished by the balance: add "
             "a record at a much higher or lower amplitude",
             doubts=dict.fromkeys([*coefficients, "K_z"], math.inf),
-            spares=(REFERENCE,),
         )
 
 

@@ -253,7 +253,6 @@ def test_the_mapping_and_the_options_reach_the_records(tmp_path):
     ("records", "options", "message"),
     [
         ([], {}, "no records are given"),
-        (FILES[:1], {}, "need responses at two levels or more, got 1"),
         ([FILES[0], FILES[0]], {}, "is named twice"),
         (TWO, {"stiffness": -1.0}, "stiffness"),
         (TWO, {"stiffness": "2310"}, "stiffness must be a positive number of N/m, .*, got '2310'"),
