@@ -20,6 +20,7 @@ from ..project.wording import Remark, factor, listed, merged, times
 from ..reading.checks import is_clipped
 from ..reading.mean_harmonics import Reading
 from .answer import Answer, ParameterEstimate
+from .causes import likeliest
 from .microstick import Microstick
 from .oscillator import CONTRADICTED, OUT_OF_TIME, JointFit
 
@@ -179,14 +180,28 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
             f"the mass given, {joint.mass:.6g} kg, is not that of the records, {fit.m:.6g} ± {fit.error('m'):.2g} kg: "
             "nothing here uses it; check the mass, the stiffness, the gains and the units"
         )
+    cause = None if joint.late else likeliest(fit)
+    if fit.adequate and cause is not None:
+        yield Remark(
+            f"the records show {cause.words}: that explains {cause.explained:.0f} of χ², and chance hardly ever "
+            "more than 25; the model has none",
+            doubts=cause.changes,
+        )
     if not fit.adequate:
+        likely = (
+            ""
+            if cause is None
+            else f"the likeliest of the causes tested is {cause.words}, which explains "
+            f"{100.0 * min(1.0, cause.explained / (fit.chi_square - fit.freedom)):.0f} % of that; else "
+        )
         worst = int(np.argmax(fit.misfits))
         yield Remark(
             "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
             f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in "
-            f"{readings[worst].steady.source}; K_z and the onset of slip cannot be determined; a channel may be skewed,"
-            " coupled (AC) or filtered, a gain or a sign may be wrong, the levels may differ in more than their "
-            "amplitude, the damping may follow another law (compare the laws), or the oscillator is of another kind"
+            f"{readings[worst].steady.source}; K_z and the onset of slip cannot be determined; {likely}a channel may "
+            "be skewed, coupled (AC) or filtered, a gain or a sign may be wrong, the levels may differ in more than "
+            "their amplitude, the damping may follow another law (compare the laws), or the oscillator be of another "
+            "kind"
         )
     if joint.late and delayed is not None:
         without = [f"{key} = {delayed.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]
