@@ -15,7 +15,7 @@ VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 # What `make archive` packs; of another case it is dampbalance-<version>-<case>.tar.gz.
 ARCHIVE ?= results/archive/dampbalance-$(VERSION).tar.gz
 SNAKEMAKE := PATH="$$HERE/$(VENV)/bin:$$PATH" exec python workflow/run.py --cores $(CORES) $${CONFIG:+"--configfile=$$CONFIG"}
-PIP_INSTALL := $(RUN) pip install --disable-pip-version-check --no-compile
+PIP_INSTALL := $(RUN) pip install --quiet --disable-pip-version-check --no-compile
 
 # Paths may hold blanks and any other character: recipes take them from the environment, as neither make nor the shell expands
 # what stands there. A colon ends a folder of PATH, and what pip installs takes the others for the shell's own.
@@ -38,10 +38,12 @@ unexport XDG_CACHE_HOME
 $(shell mkdir -p .snakemake/home)
 endif
 
-# Two marks: the locked packages are in; the package itself is in. A virtual environment holds absolute
-# paths, so the first mark says where it was made: a copied or moved one is set up again.
+# Three marks: what the rebuild needs is in; the package itself is in; what tests, linters and the site need in addition is in.
+# A virtual environment holds absolute paths, so the first mark says where it was made: a copied or moved one is set up again.
 LOCKED := $(VENV)/locked
 READY := $(VENV)/ready
+TOOLS := $(VENV)/tools
+LOCKS := requirements-build.lock requirements.lock requirements-dev.lock
 BENCH := .venv-bench
 BENCH_RUN := PYTHONPATH="$$HERE/trials:$$HERE/tests" PATH="$$HERE/$(BENCH)/bin:$$PATH" python -m
 ifneq ($(shell test -x $(VENV)/bin/python && cat $(LOCKED) 2>/dev/null),$(CURDIR))
@@ -59,11 +61,11 @@ export PYTHONNOUSERSITE = 1
 .NOTPARALLEL:
 .PHONY: all setup test lint unit check docs archive wheels verify compare bench peers processors mutants blind format lock clean distclean help stale
 
-all: setup ## Set up the environment, then rebuild tables, figures and claims (the default)
+all: $(READY) ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
 	@echo "Everything is up to date. Start with results/README.md."
 
-setup: $(READY) ## Create or refresh the environment in .venv from the hash-pinned lock
+setup: $(READY) $(TOOLS) ## Create or refresh the environment in .venv from the hash-pinned locks, with the tools of `make test` and `make docs`
 
 test: lint check unit ## Run every check: lint, types, the rebuild with its claims, all tests
 
@@ -76,30 +78,30 @@ lint: setup ## Check style, formatting and types
 unit: setup ## Run the tests: unit, analytic, paper, workflow (choose with PYTEST_ARGS="-k …")
 	@$(RUN) pytest --numprocesses auto --dist loadscope --no-loadscope-reorder $(PYTEST_ARGS)
 
-check: setup ## Rebuild what is out of date and compare each verdict with the recorded one
+check: $(READY) ## Rebuild what is out of date and compare each verdict with the recorded one
 	@$(SNAKEMAKE) check
 
 docs: setup ## Build the site of documentation, with all studies, into results/site/
 	@$(SNAKEMAKE) results/site
 	@echo "The site is built. Open results/site/index.html."
 
-archive: setup ## Pack sources, results and digests for keeping, into results/archive/
+archive: $(READY) ## Pack sources, results and digests for keeping, into results/archive/
 	@$(SNAKEMAKE) archive
 
-wheels: setup ## Fetch the locked packages for this Python and system, to be kept beside the archive
+wheels: $(READY) ## Fetch the locked packages for this Python and system, to be kept beside the archive
 	@$(RUN) pip download --disable-pip-version-check --no-build-isolation --no-deps --require-hashes \
-	    --requirement requirements-build.lock --requirement requirements.lock --dest results/archive/wheels
+	    $(foreach lock,$(LOCKS),--requirement $(lock)) --dest results/archive/wheels
 
 # With the packages of `make wheels` it needs no network: PIP_NO_INDEX=1 PIP_FIND_LINKS=$PWD/results/archive/wheels make verify
 verify: archive ## Unpack the archive elsewhere, build everything anew there from it alone, and compare (choose with ARCHIVE=…)
 	@top=$$(mktemp -d) && trap 'rm -rf "$$top"' EXIT && $(RUN) dampbalance.publishing.provenance.archive "$$ARCHIVE" "$$top" \
 	    && cd "$$top"/dampbalance-* \
-	    && make --no-print-directory setup clean all \
+	    && make --no-print-directory clean all \
 	    && { sha256sum --check --quiet SHA256SUMS >"$$top/different" 2>/dev/null || true; } \
 	    && ! grep -v '/manifest.json: FAILED$$' "$$top/different" \
 	    && echo "$$(wc -l <SHA256SUMS) files of the archive, and its results rebuilt: the same bytes, except the manifest."
 
-compare: setup ## List what differs between the results here and those of another build (say which: WITH=../other/results)
+compare: $(READY) ## List what differs between the results here and those of another build (say which: WITH=../other/results)
 	@test -n "$$WITH" || { echo "error: Name the other folder: make compare WITH=../other/results" >&2; exit 1; }
 	@$(TRIAL) same_results results "$$WITH"
 
@@ -123,16 +125,27 @@ format: setup ## Format the sources
 	@$(RUN) ruff format .
 	@$(RUN) snakefmt Snakefile workflow
 
-LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade --fork-strategy fewest \
-	--no-header --no-emit-index-url --no-emit-find-links
-NEW_LOCKS := requirements.lock.new requirements-build.lock.new
+LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --fork-strategy fewest \
+	--no-header --no-annotate --no-emit-index-url --no-emit-find-links
+REBUILD := --extra workflow --extra article --extra records
+DEVELOP := --group dev --group docs
 
-# Into a new file: of a lock that is there uv keeps which versions are for which Python, even when told to upgrade all.
-lock: setup ## Pin the newest versions that pyproject.toml allows, with hashes
-	@trap 'rm -f $(NEW_LOCKS)' EXIT \
-	    && $(RUN) $(LOCK) --extra workflow --extra article --extra records --group dev --group docs --output-file requirements.lock.new pyproject.toml \
-	    && $(RUN) $(LOCK) --constraint requirements.lock.new --group build --output-file requirements-build.lock.new \
-	    && for file in $(NEW_LOCKS); do sed -e 's/requirements\.lock\.new/requirements.lock/' "$$file" > "$${file%.new}"; done
+# All together first, so that the locks agree; then what the rebuild needs, and what only tests, linters and the site need.
+lock: $(READY) ## Pin the newest versions that pyproject.toml allows, with hashes
+	@new=$$(mktemp -d) && trap 'rm -rf "$$new"' EXIT \
+	    && $(RUN) $(LOCK) $(REBUILD) $(DEVELOP) --group build --output-file "$$new/all" pyproject.toml \
+	    && $(RUN) $(LOCK) $(REBUILD) --constraint "$$new/all" --output-file "$$new/requirements.lock" pyproject.toml \
+	    && $(RUN) $(LOCK) --group build --constraint "$$new/all" --output-file "$$new/requirements-build.lock" \
+	    && $(RUN) $(LOCK) $(DEVELOP) --constraint "$$new/all" --output-file "$$new/requirements-dev.lock" pyproject.toml \
+	        $$(sed -n 's/^\([^ =]*\)==.*/--no-emit-package \1/p' "$$new/requirements.lock") \
+	    && cp $(foreach lock,$(LOCKS),"$$new/$(lock)") . \
+	    && $(MAKE) --no-print-directory workflow/envs/dampbalance.yaml
+
+# For Snakemake's --software-deployment-method conda: the packages of the rebuild, as pip installs them.
+workflow/envs/dampbalance.yaml: requirements.lock
+	@{ printf '%s\n' "# Made from requirements.lock by make lock." "channels: [conda-forge]" "dependencies:" \
+	    "  - python >=3.11,<3.14" "  - pip" "  - pip:"; \
+	    sed -n 's/^\([A-Za-z0-9._-]*==.*[^ ]\) *\\$$/      - "\1"/p' requirements.lock; } > $@
 
 clean: ## Remove results and caches; the environment stays
 	find results -mindepth 1 -maxdepth 1 ! -name README.md -exec rm -rf {} +
@@ -148,7 +161,7 @@ help: ## Show the targets
 # Each mark is set by the last line of its recipe: an interrupted set-up starts afresh.
 $(READY): $(LOCKED) pyproject.toml
 	@rm -f $(READY)
-	@$(PIP_INSTALL) --quiet --no-build-isolation --no-deps --editable .
+	@$(PIP_INSTALL) --no-build-isolation --no-deps --editable .
 	@touch $(READY)
 
 $(LOCKED): requirements.lock requirements-build.lock $(STALE)
@@ -158,12 +171,26 @@ $(LOCKED): requirements.lock requirements-build.lock $(STALE)
 	@"$$PYTHON" -c 'import ensurepip, venv' 2>/dev/null || { \
 	    echo "error: $$PYTHON lacks the venv module."; \
 	    echo "       On Debian or Ubuntu install the package python3-venv, then run make again."; exit 1; } >&2
-	@echo "Setting up $(VENV) from requirements.lock; this takes about a minute."
-	@rm -f $(LOCKED)
+	@echo "Setting up $(VENV): $$(grep -c == requirements.lock) packages from requirements.lock."
+	@rm -f $(LOCKED) $(TOOLS)
 	@"$$PYTHON" -m venv --clear $(VENV)
-	@$(PIP_INSTALL) --quiet --require-hashes --requirement requirements-build.lock
-	@$(PIP_INSTALL) --no-build-isolation --require-hashes --requirement requirements.lock
+	@$(PIP_INSTALL) --require-hashes --requirement requirements-build.lock
+	@$(call INSTALL,requirements.lock)
 	@printf '%s' "$$HERE" > $(LOCKED)
+
+$(TOOLS): requirements-dev.lock $(LOCKED)
+	@rm -f $(TOOLS)
+	@echo "Adding the tools of tests, linters and documentation: $$(grep -c == requirements-dev.lock) packages from requirements-dev.lock."
+	@$(call INSTALL,requirements-dev.lock)
+	@touch $(TOOLS)
+
+# uv takes a third of pip's time. It does not read pip's settings: where those name another index they are handed on, and where it
+# cannot install, pip does.
+INSTALL = { UV_DEFAULT_INDEX="$${UV_DEFAULT_INDEX:-$${PIP_INDEX_URL:-$$($(RUN) pip config get global.index-url 2>/dev/null)}}" \
+	UV_NO_INDEX="$${UV_NO_INDEX:-$${PIP_NO_INDEX:-0}}" UV_FIND_LINKS="$${UV_FIND_LINKS:-$$PIP_FIND_LINKS}" \
+	    $(RUN) uv pip install --quiet --no-deps --no-build-isolation --require-hashes --requirement $(1) \
+	|| { echo "uv cannot install $(1) here: pip does."; \
+	    $(PIP_INSTALL) --no-deps --no-build-isolation --require-hashes --requirement $(1); }; }
 
 # The peers are not in the lock: an environment of their own, which sees the packages of the first one.
 SITE := import sysconfig; site = sysconfig.get_path("purelib")

@@ -39,7 +39,8 @@ class Tree(HTMLParser):
         self.open.pop()
 
     def handle_data(self, data):
-        for element in self.open:
+        code = [e for e in self.open if e["tag"] in ("script", "style")]
+        for element in code or self.open:  # code is no text of what it stands in
             element["text"] += data
 
     def named(self, *tags):

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import shutil
-from dataclasses import dataclass, field
 from functools import cache
-from html.parser import HTMLParser
 from pathlib import Path
+from typing import NamedTuple
 from urllib.parse import unquote, urlsplit
 
 from dampbalance.commands.main import parser
 from dampbalance.publishing.provenance.sources import PROJECT, files_of
 from dampbalance.publishing.site.build import build
 from folders import ROOT
+from paper.html import Tree
 
 FIGURE = (
     '<svg xmlns="http://www.w3.org/2000/svg" width="90" height="60"><path d="M9 50 L80 9"/></svg>\n'
@@ -50,40 +50,29 @@ def built(folder: Path) -> Path:
     return folder / "site"
 
 
-@dataclass
-class Page:
-    """What a page holds: names of its places, links of its text, and what it loads."""
+class Page(NamedTuple):
+    """What a page holds: names of its places, links of its text, what it loads, and its text."""
 
-    ids: set[str] = field(default_factory=set)
-    links: list[str] = field(default_factory=list)
-    loaded: list[str] = field(default_factory=list)
-    text: str = ""
-
-
-class _Reader(HTMLParser):
-    def __init__(self) -> None:
-        super().__init__()
-        self.page, self.inside = Page(), ""
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        found = dict(attrs)
-        self.inside = tag
-        self.page.ids |= {found[name] or "" for name in ("id", "name") if name in found}
-        if tag in ("a", "link") and (href := found.get("href")):
-            (self.page.links if tag == "a" else self.page.loaded).append(href)
-        self.page.loaded += [found[name] or "" for name in ("src", "srcset") if name in found]
-
-    def handle_data(self, data: str) -> None:
-        if self.inside not in ("script", "style"):
-            self.page.text += data
+    ids: set[str]
+    links: list[str]
+    loaded: list[str]
+    text: str
 
 
 @cache
 def read_page(path: Path) -> Page:
     """A page of a site as it lies there."""
-    reader = _Reader()
-    reader.feed(path.read_text(encoding="utf-8"))
-    return reader.page
+    tree = Tree(path.read_text(encoding="utf-8"))
+    ids = {element[name] for element in tree.all for name in ("id", "name") if name in element}
+    links, linked = (
+        [element["href"] for element in tree.named(tag) if element.get("href")]
+        for tag in ("a", "link")
+    )
+    loaded = [
+        element[name] for element in tree.all for name in ("src", "srcset") if name in element
+    ]
+    text = "".join(element["text"] for element in tree.all if not element["within"])
+    return Page(ids, links, linked + loaded, text)
 
 
 def local(page: Path, target: str) -> tuple[Path, str] | None:

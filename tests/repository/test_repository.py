@@ -19,7 +19,7 @@ import dampbalance
 from folders import ROOT
 from processes import run
 
-LOCKS = ("requirements.lock", "requirements-build.lock")
+LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-build.lock")
 MODULES = sorted((ROOT / "src").rglob("*.py"))
 LONGEST_MODULE = 600  # lines; a file is a concept that an expert names
 
@@ -78,8 +78,13 @@ def locked_requirements() -> list[tuple[str, str]]:
     wanted = [("requirements.lock", text) for text in project["dependencies"]]
     for name in ("workflow", "article", "records"):
         wanted += [("requirements.lock", text) for text in extras[name]]
-    wanted += [("requirements.lock", text) for text in settings["dependency-groups"]["dev"]]
-    wanted += [("requirements-build.lock", text) for text in settings["dependency-groups"]["build"]]
+    of_group = {
+        "dev": "requirements-dev.lock",
+        "docs": "requirements-dev.lock",
+        "build": "requirements-build.lock",
+    }
+    for group, lock in of_group.items():
+        wanted += [(lock, text) for text in settings["dependency-groups"][group]]
     wanted += [("requirements-build.lock", text) for text in settings["build-system"]["requires"]]
     return wanted
 
@@ -92,9 +97,19 @@ def test_lock_holds_what_pyproject_asks_for(lock, text):
     assert all(requirement.specifier.contains(version) for version in versions)
 
 
-def test_both_locks_agree():
-    main, build = (pins(lock) for lock in LOCKS)
-    assert [name for name in build.keys() & main.keys() if build[name] != main[name]] == []
+def test_the_locks_agree():
+    rebuild, tools, build = (pins(lock) for lock in LOCKS)
+    assert [name for name in build.keys() & rebuild.keys() if build[name] != rebuild[name]] == []
+    assert [name for name in build.keys() & tools.keys() if build[name] != tools[name]] == []
+    assert rebuild.keys() & tools.keys() == set()  # the tools come in addition
+
+
+def test_the_environment_of_conda_holds_what_the_rebuild_is_locked_to():
+    text = (ROOT / "workflow/envs/dampbalance.yaml").read_text(encoding="utf-8")
+    *_, packages = yaml.safe_load(text)["dependencies"]
+    lock = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+    entries = re.findall(r"^(\w\S*==.*?) *\\$", lock, re.MULTILINE)
+    assert packages["pip"] == entries, "run `make workflow/envs/dampbalance.yaml`"
 
 
 # --- nothing of one machine ----------------------------------------------------------------------

@@ -104,6 +104,16 @@ def test_a_case_without_printed_numbers_is_told_so(paper, override, expected):
     assert not (paper.folder / "results/mine").exists()
 
 
+def test_an_override_that_would_replace_the_results_of_the_paper_is_refused(paper):
+    (paper.folder / "mine.yaml").write_text("oscillator: {F_k_N: 1.5}\n", encoding="utf-8")
+    summary = paper.folder / "results/paper/summary.txt"
+    before = summary.read_bytes()
+    said = paper.refused("--configfile", "mine.yaml")
+    assert "mine.yaml: case: is missing" in said
+    assert "Traceback" not in said
+    assert summary.read_bytes() == before
+
+
 # --- what a codechecker compares -----------------------------------------------------------------
 
 

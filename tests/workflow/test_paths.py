@@ -12,6 +12,7 @@ from dampbalance import __version__
 from folders import ROOT
 from processes import output_of, run
 
+LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-build.lock")
 ODD = "ä b'c & (e) [f] #h %i"
 STUB = """#!/bin/sh
 printf '%s\\n' "HOME=$HOME" "$@" end >>"$HERE/calls"
@@ -24,12 +25,13 @@ def odd(tmp_path):
     folder = tmp_path / ODD
     python = folder / ".venv/bin/python"
     python.parent.mkdir(parents=True)
-    for name in ("pyproject.toml", "requirements.lock", "requirements-build.lock", "Makefile"):
+    for name in ("pyproject.toml", "Makefile", *LOCKS):
         shutil.copy(ROOT / name, folder)
     python.write_text(STUB, encoding="utf-8")
     python.chmod(0o755)
     (folder / ".venv/locked").write_text(str(folder), encoding="utf-8")
     (folder / ".venv/ready").touch()
+    (folder / ".venv/tools").touch()
     return folder
 
 

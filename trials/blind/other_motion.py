@@ -1,8 +1,8 @@
 """Motion of oscillators that are not of the model, in fixed steps: what the fault table disturbs the mechanics with,
 and the records of other damping laws.
 
-    m x″ + c x′ + c_r (x′ − y′) + c₂ |x′| x′ + c₃ x′³ + η (k/ω) x′ + k x + k₂ x² + k₃ x³ + K_z z = k (y + y₃),
-    y = Y cos ωt,   y₃ = Y₃ cos 3ωt
+    m x″ + c x′ + c_r (x′ − y′) + c₂ |x′| x′ + c₃ x′³ + c_a |x′| + η (k/ω) x′ + k x + k₂ x² + k₃ x³ + K_z z
+    = k (y + y₃),   y = Y cos ωt,   y₃ = Y₂ cos 2ωt + Y₃ cos 3ωt
 
 z′ = x′ within |z| ≤ (F_k/K_z)(1 + s e^(−|x′|/v_s)), a Jenkins contact whose friction falls with speed where s > 0;
 or z′ = x′ (1 − |z K_z/F_k|ⁿ (1 + sgn(z x′))/2), a Bouc–Wen contact. Runge–Kutta of order 4, 8192 steps a period; at the
@@ -28,9 +28,9 @@ _REPEATS = 1e-9  # of the displacement
 class Departure(NamedTuple):
     """What differs from the model.
 
-    quadratic : c₂, N s²/m².   even, cubic : k₂, N/m², k₃, N/m³.   third : Y₃/Y.
+    quadratic : c₂, N s²/m².   even, cubic : k₂, N/m², k₃, N/m³.   third, second : Y₃/Y, Y₂/Y.
     falling, speed : s and v_s, m/s.   bouc_wen : n, 0 for a Jenkins contact.
-    relative : c_r, N s/m.   third_power : c₃, N s³/m³.   structural : η.
+    relative : c_r, N s/m.   third_power : c₃, N s³/m³.   structural : η.   sided : c_a, N s/m.
     """
 
     quadratic: float = 0.0
@@ -43,6 +43,11 @@ class Departure(NamedTuple):
     relative: float = 0.0
     third_power: float = 0.0
     structural: float = 0.0
+    second: float = 0.0
+    sided: float = 0.0
+
+
+NO_DEPARTURE = Departure()
 
 
 @njit(cache=True)
@@ -54,7 +59,9 @@ def _limit(v, numbers, departure):
 @njit(cache=True)
 def _rate(t, x, v, z, numbers, departure):
     m, c, k, K_z, F_k, Y, omega = numbers
-    quadratic, even, cubic, third, _, _, n, relative, third_power, structural = departure
+    quadratic, even, cubic, third, _, _, n, relative, third_power, structural, second, sided = (
+        departure
+    )
     slope = v
     if n > 0.0:
         if z * v > 0.0:
@@ -62,10 +69,13 @@ def _rate(t, x, v, z, numbers, departure):
     else:
         limit = _limit(v, numbers, departure)
         z = min(max(z, -limit), limit)
-    drive = k * Y * (math.cos(omega * t) + third * math.cos(3.0 * omega * t))
-    base = -omega * Y * (math.sin(omega * t) + 3.0 * third * math.sin(3.0 * omega * t))
+    drive = math.cos(omega * t) + second * math.cos(2.0 * omega * t)
+    drive = k * Y * (drive + third * math.cos(3.0 * omega * t))
+    base = math.sin(omega * t) + 2.0 * second * math.sin(2.0 * omega * t)
+    base = -omega * Y * (base + 3.0 * third * math.sin(3.0 * omega * t))
     damping = c + structural * k / omega + quadratic * abs(v) + third_power * v * v
-    force = damping * v + relative * (v - base) + (k + even * x + cubic * x * x) * x + K_z * z
+    force = (damping * v + sided * abs(v) + relative * (v - base)) + K_z * z
+    force += (k + even * x + cubic * x * x) * x
     return v, (drive - force) / m, slope
 
 
@@ -132,7 +142,13 @@ def from_rest(truth: Truth, level: int, periods: int) -> CubicSpline:
 
 
 def ring_down(
-    truth: Truth, x: float, step: float, duration: float, v: float = 0.0, z: float | None = None
+    truth: Truth,
+    x: float,
+    step: float,
+    duration: float,
+    v: float = 0.0,
+    z: float | None = None,
+    departure: Departure = NO_DEPARTURE,
 ) -> np.ndarray:
     """(x, x′, x″) of a free motion from (x, v) on, sampled each `step` seconds, (3, n), SI; no drive.
 
@@ -145,5 +161,5 @@ def ring_down(
     omega = 2.0 * math.pi * finer / (STEPS * step)
     numbers = (truth.m, truth.c, truth.k, truth.K_z, truth.F_k, 0.0, omega)
     state = (x, v, min(x, truth.F_k / truth.K_z) if z is None else z)
-    _run(numbers, Departure(), state, out.shape[1] // STEPS, out)
+    _run(numbers, departure, state, out.shape[1] // STEPS, out)
     return out[:, :count:finer]

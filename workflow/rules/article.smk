@@ -30,6 +30,10 @@ if config["published"]:
         output:
             csv=f"{ARTICLE}/schemes.csv",
             cycles=f"{ARTICLE}/cycles.csv",
+        log:
+            log_file("article_schemes"),
+        conda:
+            ENVIRONMENT
         params:
             case=excerpt(config, "oscillator", "levels_m", "numerics", frequency=FREQUENCIES[0]),
             frequency=FREQUENCIES[0],
@@ -49,9 +53,13 @@ if config["published"]:
             modules=script_modules("article/article_evidence.py"),
         output:
             json=f"{ARTICLE}/evidence.json",
+        log:
+            log_file("article_evidence"),
+        conda:
+            ENVIRONMENT
         params:
             case=of_case("oscillator", "frequencies_hz", "pairs", "numerics"),
-            folder=placed(RESULTS),
+            folder=lambda wildcards: placed(RESULTS),
         message:
             "Article: numbers to argue with"
         script:
@@ -64,6 +72,10 @@ if config["published"]:
             modules=script_modules("article/article_studies.py"),
         output:
             json=f"{ARTICLE}/studies.json",
+        log:
+            log_file("article_studies"),
+        conda:
+            ENVIRONMENT
         params:
             **STUDY_DEFAULTS,
             studies=ARTICLE_STUDIES,
@@ -79,6 +91,10 @@ if config["published"]:
             modules=script_modules("article/article_environment.py"),
         output:
             json=f"{ARTICLE}/environment.json",
+        log:
+            log_file("article_environment"),
+        conda:
+            ENVIRONMENT
         params:
             packages=ARTICLE_PACKAGES,
         message:
@@ -101,6 +117,10 @@ if config["published"]:
                 f"glance_{kind}": file
                 for kind, file in figure_files("glance", "The findings at a glance").items()
             },
+        log:
+            log_file("article_figure"),
+        conda:
+            ENVIRONMENT
         params:
             case=of_case("oscillator", "frequencies_hz", "numerics"),
         message:
@@ -141,12 +161,18 @@ if config["published"]:
                 category="Reading",
                 labels={"result": "The article"},
             ),
+        log:
+            log_file("article"),
+        benchmark:
+            log_file("article", "tsv")
+        conda:
+            ENVIRONMENT
         params:
-            folder=project_file("paper/article"),
-            results=placed("results"),
+            folder=lambda wildcards: project_file("paper/article"),
+            results=lambda wildcards: placed("results"),
             inputs={
-                "results": f"/{RESULTS}",
-                "studies": f"/{STUDY_RESULTS}",
+                "results": RESULTS,
+                "studies": STUDY_RESULTS,
                 "sources": ARTICLE_SOURCES,
             },
         message:

@@ -1,45 +1,7 @@
 # A verdict on every printed number, and the comparison with the verdicts on record.
-import time
-
-from dampbalance.replication.claims import WORSE
-
-PUBLISHED = named_file(config["published"]) if config["published"] else None
-
-if PUBLISHED and workflow.is_main_process:
-    from dampbalance.replication.claims import (
-        PRINTED_FREQUENCIES,
-        PRINTED_LEVELS,
-        check_printed,
-        read_published,
-        read_record,
-    )
-
-    where = f"{CONFIG_FILES[-1]}: published: {config['published']}"
-    other = "use null for a case of your own, with nothing printed to compare with"
-    if not Path(PUBLISHED, "verdicts.csv").is_file():
-        raise WorkflowError(
-            f"{where} is not a folder with printed numbers and verdicts.csv; {other}."
-        )
-    of_the_paper = tuple(FREQUENCIES[: len(PRINTED_FREQUENCIES)]) == PRINTED_FREQUENCIES
-    if not of_the_paper or len(CASE.levels_m) != PRINTED_LEVELS:
-        raise WorkflowError(
-            f"{where} has numbers for {PRINTED_LEVELS} levels at {', '.join(PRINTED_FREQUENCIES)}, in this order; {other}."
-        )
-    if CASE.numerics.tabulated.get("t_s_unit_s") is None:
-        raise WorkflowError(
-            f"{where} is compared with t_s as it was cut: as_published.tabulated.t_s_unit_s is needed; {other}."
-        )
-    try:
-        check_printed(read_published(Path(PUBLISHED)))
-        read_record(Path(PUBLISHED, "verdicts.csv"))
-    except ValueError as error:
-        raise WorkflowError(f"{where}/{error}.") from None
 
 
-def published_files(wildcards):
-    """The printed numbers, without the verdicts on record, which only the check compares with."""
-    files = sorted(Path(PUBLISHED).glob("*.csv"))
-    return [unmoved(file) for file in files if file.name != "verdicts.csv"]
+include: "../functions/claims.smk"
 
 
 rule claims:
@@ -57,31 +19,19 @@ rule claims:
             labels={"result": "Every printed number, its verdict and the reason"},
         ),
         md=f"{RESULTS}/claims.md",
+    log:
+        log_file("claims"),
+    priority: FIRST
+    conda:
+        ENVIRONMENT
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
-        folder=placed(RESULTS),
+        folder=lambda wildcards: placed(RESULTS),
         published=PUBLISHED,
     message:
         "Verdicts on the printed numbers"
     script:
         "../scripts/claims/claims.py"
-
-
-SUMMARY = Path(placed(RESULTS), "summary.txt")
-
-
-def compared_at():
-    """When the verdicts were compared last, ns; None if they never were."""
-    return SUMMARY.stat().st_mtime_ns if SUMMARY.is_file() else None
-
-
-COMPARED_BEFORE = compared_at()
-
-
-def unless_held(wildcards):
-    """Nothing where the summary on file finds no verdict worse; else something new each time, so that it is made again."""
-    worse = SUMMARY.is_file() and WORSE in SUMMARY.read_text(encoding="utf-8")
-    return time.time_ns() if worse else None
 
 
 # Never fails, so that everything else is built: the run fails at its end (onsuccess in the Snakefile).
@@ -97,6 +47,11 @@ rule check:
             category="Verdicts",
             labels={"result": "How many numbers earn which verdict"},
         ),
+    log:
+        log_file("check"),
+    priority: FIRST
+    conda:
+        ENVIRONMENT
     params:
         again=unless_held,
     message:

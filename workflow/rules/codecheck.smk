@@ -33,6 +33,10 @@ if CODECHECKED:
                 category="Verdicts",
                 labels={"result": "What a codechecker compares"},
             ),
+        log:
+            log_file("codecheck"),
+        conda:
+            ENVIRONMENT
         params:
             top=PREFIX or ".",
         message:

@@ -14,7 +14,7 @@ from snakemake.utils import update_config
 
 try:
     from dampbalance.balance import APPROACHES
-    from dampbalance.project.case import Case, check, excerpt
+    from dampbalance.project.case import Case, check, excerpt, require_own_case
     from dampbalance.project.documents import ConfigurationError
     from dampbalance.project.dependencies import package_modules
     from dampbalance.project.files import ROUTES, remove_unfinished
@@ -36,7 +36,7 @@ PREFIX = str(workflow.modifier.modify_path(""))
 
 
 def unmoved(path):
-    """A file that no rule makes, as an input of one: a module's `prefix` is not put before it."""
+    """An input that the workflow does not make, before which a module's `prefix` is not put."""
     return local(str(path)) if IS_MODULE else str(path)
 
 
@@ -79,14 +79,23 @@ if workflow.is_main_process:
             CONFIG_FILES,
             APPROACHES,
         )
+        if not IS_MODULE and config["case"] == load_configfile(BASE_CONFIG)["case"]:
+            require_own_case(workflow.overwrite_configfiles)
         for notice in check_feasible(Case.from_config(config), CONFIG_FILES):
             logger.warning(notice)
     except ConfigurationError as error:
         raise WorkflowError(str(error)) from None
 
+# Where jobs run in environments of conda, the package is that of the project's folder.
+if any(str(method) == "conda" for method in workflow.deployment_settings.deployment_method):
+    os.environ.update(PYTHONPATH=str(ROOT / "src"))
+
 CASE = Case.from_config(config)
 FREQUENCIES = list(CASE.frequencies_hz)
 RESULTS = f"results/{CASE.name}"
+LOGS = f"results/logs/{CASE.name}"
+FIRST = 10  # priority of what leads to the paper's tables and verdicts: they are seen before the studies are computed
+ENVIRONMENT = "../envs/dampbalance.yaml"
 STUDY_DEFAULTS = {  # what a script needs to read the file of a study
     "schema": project_file("workflow/schemas/study.schema.yaml"),
     "base": BASE_CONFIG,
@@ -101,6 +110,16 @@ def of_case(*fields):
 def at_frequency(*fields):
     """The same with the drive frequency that the rule's wildcard names, and no other."""
     return lambda wildcards: excerpt(config, *fields, frequency=wildcards.frequency)
+
+
+def log_file(job, extension="log"):
+    """What a job says, or how long it took (tsv)."""
+    return f"{LOGS}/{job}.{extension}"
+
+
+def study_log(job, extension="log"):
+    """The same of a job of a study."""
+    return f"results/logs/studies/{{study}}/{job}.{extension}"
 
 
 def of_routes(kind):

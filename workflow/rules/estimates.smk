@@ -7,6 +7,11 @@ rule estimate_exact:
         modules=script_modules("estimates/estimate_exact.py"),
     output:
         estimates=expand(f"{RESULTS}/estimates/exact/{{frequency}}.csv", frequency=FREQUENCIES),
+    log:
+        log_file("estimate_exact"),
+    priority: FIRST
+    conda:
+        ENVIRONMENT
     params:
         case=of_case("oscillator", "pairs"),
     message:
@@ -24,6 +29,11 @@ rule estimate_as_published:
         estimates=expand(
             f"{RESULTS}/estimates/as_published/{{frequency}}.csv", frequency=FREQUENCIES
         ),
+    log:
+        log_file("estimate_as_published"),
+    priority: FIRST
+    conda:
+        ENVIRONMENT
     params:
         case=of_case("oscillator", "pairs"),
     message:

@@ -8,6 +8,11 @@ rule features_exact:
         modules=script_modules("features/features_exact.py"),
     output:
         features=expand(f"{RESULTS}/features/exact/{{frequency}}.csv", frequency=FREQUENCIES),
+    log:
+        log_file("features_exact"),
+    priority: FIRST
+    conda:
+        ENVIRONMENT
     params:
         case=of_case("phase"),
     message:
@@ -29,6 +34,11 @@ rule features_as_published:
                 "unrounded": "as_published/unrounded",
             }.items()
         },
+    log:
+        log_file("features_as_published"),
+    priority: FIRST
+    conda:
+        ENVIRONMENT
     params:
         case=of_case("oscillator", "frequencies_hz", "phase", "numerics"),
     message:

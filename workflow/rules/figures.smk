@@ -1,17 +1,7 @@
 # Figures 1–3 of the paper, and the error of every estimate against the level of excitation.
 
 
-def figure_files(name, title):
-    """The SVG and the PNG of a figure. title : what the report calls it."""
-    return {
-        "svg": report(
-            f"{RESULTS}/figures/{name}.svg",
-            caption=f"../report/{name}.rst",
-            category="Figures",
-            labels={"result": title},
-        ),
-        "png": f"{RESULTS}/figures/{name}.png",
-    }
+include: "../functions/figures.smk"
 
 
 rule figure1:
@@ -19,6 +9,10 @@ rule figure1:
         modules=script_modules("figures/figure1.py"),
     output:
         **figure_files("figure1", "Figure 1: the oscillator and its contact"),
+    log:
+        log_file("figure1"),
+    conda:
+        ENVIRONMENT
     message:
         "Figure 1: the oscillator and its contact"
     script:
@@ -31,6 +25,10 @@ rule figure2:
         modules=script_modules("figures/figure2.py"),
     output:
         **figure_files("figure2", "Figure 2: friction force against velocity"),
+    log:
+        log_file("figure2"),
+    conda:
+        ENVIRONMENT
     message:
         "Figure 2: friction force against velocity"
     script:
@@ -43,6 +41,10 @@ rule figure3:
         modules=script_modules("figures/figure3.py"),
     output:
         **figure_files("figure3", "Figure 3: acceleration against displacement and velocity"),
+    log:
+        log_file("figure3"),
+    conda:
+        ENVIRONMENT
     message:
         "Figure 3: acceleration against displacement and velocity"
     script:
@@ -55,9 +57,13 @@ rule estimation_error:
         modules=script_modules("figures/estimation_error.py"),
     output:
         **figure_files("estimation_error", "Error of each approach at each frequency"),
+    log:
+        log_file("estimation_error"),
+    conda:
+        ENVIRONMENT
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m"),
-        folder=placed(RESULTS),
+        folder=lambda wildcards: placed(RESULTS),
     message:
         "Estimation error of each approach"
     script:

@@ -49,6 +49,10 @@ if config.get("frame"):
                     labels={"result": "What the records of a real rig say"},
                 )
             },
+        log:
+            log_file("frame"),
+        conda:
+            ENVIRONMENT
         params:
             measured=MEASURED[FRAME["set"]],
             frame=FRAME,

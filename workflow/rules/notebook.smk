@@ -18,6 +18,12 @@ rule notebook:
             category="Reading",
             labels={"result": "The guided tour"},
         ),
+    log:
+        log_file("notebook"),
+    benchmark:
+        log_file("notebook", "tsv")
+    conda:
+        ENVIRONMENT
     message:
         "Notebook: the guided tour"
     script:

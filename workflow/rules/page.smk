@@ -46,11 +46,17 @@ rule page:
             category="Reading",
             labels={"result": "The page of the case"},
         ),
+    log:
+        log_file("page"),
+    benchmark:
+        log_file("page", "tsv")
+    conda:
+        ENVIRONMENT
     params:
         **STUDY_DEFAULTS,
         config=config,
-        folder=placed(RESULTS),
-        page=f"{RESULTS}/report.html",
+        folder=lambda wildcards: placed(RESULTS),
+        page=lambda wildcards: f"{RESULTS}/report.html",
     message:
         "The page of the case"
     script:
@@ -68,6 +74,10 @@ rule match:
             category="Verdicts",
             labels={"result": "The match at a glance"},
         ),
+    log:
+        log_file("match"),
+    conda:
+        ENVIRONMENT
     message:
         "The picture of the match"
     script:

@@ -6,6 +6,11 @@ rule simulate_exact:
         modules=script_modules("simulate/simulate_exact.py"),
     output:
         orbits=f"{RESULTS}/orbits/{{frequency}}.json",
+    log:
+        log_file("simulate_exact_{frequency}"),
+    priority: FIRST
+    conda:
+        ENVIRONMENT
     params:
         case=at_frequency("oscillator", "levels_m"),
     message:
@@ -19,6 +24,13 @@ rule simulate_as_published:
         modules=script_modules("simulate/simulate_as_published.py"),
     output:
         records=f"{RESULTS}/records/as_published/{{frequency}}.parquet",
+    log:
+        log_file("simulate_as_published_{frequency}"),
+    benchmark:
+        log_file("simulate_as_published_{frequency}", "tsv")
+    priority: FIRST
+    conda:
+        ENVIRONMENT
     params:
         case=at_frequency("oscillator", "levels_m", "numerics"),
     message:

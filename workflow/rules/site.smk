@@ -29,6 +29,12 @@ if Path.cwd() == ROOT and not IS_MODULE:
             ),
         output:
             site=directory("results/site"),
+        log:
+            log_file("site"),
+        benchmark:
+            log_file("site", "tsv")
+        conda:
+            ENVIRONMENT
         message:
             "The site of documentation"
         script:

@@ -1,29 +1,8 @@
 # The paper's tables: printed, as published and exact side by side; the other frequencies get tables of their own. And one that
 # the paper lacks: the error of every approach at every frequency.
 
-TABLES = ["table1", "table2", "table3", "statistics"]
 
-
-def table_files(extension):
-    """results/<case>/tables/table1.csv … for the first frequency, table1_<frequency>.csv … for the others; approaches.csv."""
-    names = [f"{name}{CASE.suffix(hz)}" for hz in FREQUENCIES for name in TABLES]
-    return [f"{RESULTS}/tables/{name}.{extension}" for name in [*names, "approaches"]]
-
-
-def reported_table(file):
-    """A table with what the report calls it."""
-
-    def title(wildcards):
-        # Needed for a report only.
-        from dampbalance.project.wording import plain
-        from dampbalance.replication.printed_tables import TITLES
-
-        name, _, frequency = Path(file).stem.partition("_")
-        hz = CASE.frequencies_hz[frequency or FREQUENCIES[0]]
-        where = "" if name == "approaches" else f", at {hz:g} Hz"
-        return {"result": plain(TITLES[name]) + where}
-
-    return report(file, caption="../report/table.rst", category="Tables", labels=title)
+include: "../functions/tables.smk"
 
 
 rule tables:
@@ -35,8 +14,13 @@ rule tables:
     output:
         csv=[reported_table(file) for file in table_files("csv")],
         md=table_files("md"),
+    log:
+        log_file("tables"),
+    priority: FIRST
+    conda:
+        ENVIRONMENT
     params:
-        folder=placed(RESULTS),
+        folder=lambda wildcards: placed(RESULTS),
         case=of_case("oscillator", "frequencies_hz", "pairs"),
     message:
         "Tables"

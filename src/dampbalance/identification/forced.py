@@ -34,6 +34,7 @@ from ..law.terms import FRICTION, parted
 from ..project.wording import Remark
 from ..reading.mean_harmonics import Reading
 from ..reading.one_thread import one_thread
+from ..reading.unfolding import unfolded
 from ..solver import Estimate, least_squares, solve
 from .answer import (
     CONFIDENCE,
@@ -207,8 +208,9 @@ def identify_readings(
     _require(readings, k, law, approaches, replicates)
     if mass is not None:
         number("mass", mass)
+    readings, near = unfolded(readings, k, law)
     lines = [reading.lines for reading in readings]
-    joint = joint_fit(lines, k, mass, law, uncertainty=uncertainty)
+    joint = joint_fit(lines, k, mass, law, near, uncertainty=uncertainty)
     few = len(readings) < len(law.unknowns)
     if few and not (joint.waveforms_hold and joint.fit is not None and joint.fit.freedom > 0):
         law.require([reading.steady.frequency_hz for reading in readings])

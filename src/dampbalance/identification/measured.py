@@ -73,7 +73,7 @@ def identify(
     terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.
     given : symbol → known coefficient, SI units.
     groups : symbol → a label for each record, where each group of records has its own coefficient.
-    laws : whether to compare all laws of one or two terms in addition to friction, too.
+    laws : whether to compare all laws of one or two terms, with and without friction, too.
     approaches : names of `APPROACHES` to the balance; default, all. Use "direct", which assumes no shape of x(t); the
     others show what the approximations of the paper cost.
     phase : that the harmonic approaches X_s, t_s and V_s take.
@@ -81,8 +81,9 @@ def identify(
     replicates, seed : of the bootstrap.
     largest : numbers (samples × channels) that may be read of a record.
 
-    Free decays determine F_k, c and K_z only, and take stiffness, mass, mapping and largest. Names and labels in order
-    (terms, approaches, those of groups) may be a text with commas between them, as on the command line: terms="F_k,c".
+    Free decays determine F_k, c and K_z only, and take stiffness, mass, laws, mapping and largest. Names and labels in
+    order (terms, approaches, those of groups) may be a text with commas between them, as on the command line:
+    terms="F_k,c".
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range or of another kind, a record that cannot be used, records of both kinds, fewer of them
@@ -152,7 +153,7 @@ def identify(
 
 
 _OF_K_AND_M = ("stiffness_N_per_m", "mass_kg", "stiffness_standard_error_N_per_m")
-_DECAY_OPTIONS = (*_OF_K_AND_M, "mapping", "largest")
+_DECAY_OPTIONS = (*_OF_K_AND_M, "laws", "mapping", "largest")
 _FORCED_DEFAULTS: dict[str, object] = {
     "frequency_hz": None,
     "skip_cycles": 0,
@@ -161,7 +162,6 @@ _FORCED_DEFAULTS: dict[str, object] = {
     "terms": list(TERMS),
     "given": {},
     "groups": {},
-    "laws": False,
 }
 """Options that free decays do not take, with their defaults."""
 
@@ -210,7 +210,8 @@ def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) 
     odd = [words.about(record.name) for record in records for words in record.warnings]
     measurements = [record.whole() for record in records]
     k, mass, error = (options[name] for name in _OF_K_AND_M)
-    result = identify_ring_downs(measurements, k, mass=mass, uncertainty=error / k)
+    laws = options["laws"]
+    result = identify_ring_downs(measurements, k, mass=mass, uncertainty=error / k, laws=laws)
     result = replace(result, warnings=(*odd, *result.warnings))
     stated = stated_in(records, error / k)
     return Identified(records, options, carried(result, stated, mass=mass is not None))

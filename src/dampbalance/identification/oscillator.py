@@ -9,15 +9,20 @@ from dataclasses import dataclass, replace
 from ..law.law import Law
 from ..law.terms import FRICTION
 from ..project.wording import Remark
-from ..reading.fitting import fit_oscillator, with_delay, with_mass
+from ..reading.coupling import Coupling, ac_coupling
+from ..reading.fitting import with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
 from ..reading.mean_harmonics import Reading
+from ..reading.recorded import fit_records
 from ..reading.waveforms import WaveformFit
 from .answer import Answer, answer_of_fit
 
 CONTRADICTED = Remark("the mass given contradicts the records")
-OUT_OF_TIME = Remark(
-    "the response is out of time with the drive (see below): F_k and c carry that error"
+LATE = Remark("the response is out of time with the drive (see below): F_k and c carry that error")
+COUPLED = Remark("the response is coupled (AC, see below): F_k and c carry that error")
+
+NOT_CONVERGED = Remark(
+    "the search for the best oscillator was ended before it converged: its numbers are no optimum"
 )
 
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
@@ -30,6 +35,7 @@ class JointFit:
     fit : the oscillator that responds most like them; None where no oscillator that slips does.
     linear : whether a linear oscillator explains them within their noise: nothing slips, or slip does not show.
     delayed : the fit with a delay between base and response.   late : whether the delay explains what noise does not.
+    coupling : AC coupling of the response that explains what noise does not, better than a delay; None for none.
     mass : kg, as given, or None.   mass_fits : whether the records agree with it; if not, the fit has its own mass.
     """
 
@@ -39,6 +45,7 @@ class JointFit:
     late: bool = False
     mass: float | None = None
     mass_fits: bool = True
+    coupling: Coupling | None = None
 
     @property
     def waveforms_hold(self) -> bool:
@@ -57,8 +64,9 @@ class JointFit:
         of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
         at_zero = [Remark(f"the best {key} {of_zero}") for key in fit.undamped]
         heavy = () if self.mass_fits else (CONTRADICTED,)
-        late = (OUT_OF_TIME,) if self.late else ()
-        return (*heavy, *(() if fit.adequate else (far,)), *late, *at_zero)
+        channel = [note for note, holds in ((COUPLED, self.coupling), (LATE, self.late)) if holds]
+        search = () if fit.converged else (NOT_CONVERGED,)
+        return (*heavy, *channel, *(() if fit.adequate else (far,)), *search, *at_zero)
 
     @property
     def answer(self) -> Answer | None:
@@ -81,6 +89,7 @@ def joint_fit(
     k: float,
     m: float | None = None,
     law: Law | None = None,
+    near: WaveformFit | None = None,
     *,
     uncertainty: float = 0.0,
 ) -> JointFit:
@@ -89,13 +98,14 @@ def joint_fit(
     The records determine the mass by themselves, nearly as well as scales would: a given mass that contradicts them is
     left out.
 
-    k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.   uncertainty : standard uncertainty
-    of k, as a part of it: a mass that differs by no more contradicts nothing.
+    k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.   near : a fit to these harmonics
+    that has been found already.   uncertainty : standard uncertainty of k, as a part of it: a mass that differs by no
+    more contradicts nothing.
     """
     law = law or Law()
     chi_square, freedom = linear_misfit(lines, k, law.terms)
     slips = improbable(chi_square, freedom, lines)
-    fit = fit_oscillator(lines, k, law, thorough=slips)
+    fit = near if near is not None else fit_records(lines, k, law, thorough=slips)
     explained = 0.0 if fit is None else chi_square - fit.chi_square
     linear = explained < _SHOWS and not slips
     if fit is None or linear:
@@ -103,12 +113,18 @@ def joint_fit(
     given = None if m is None else with_mass(fit, m)
     fits = given is not None and given.chi_square - fit.chi_square < _SHOWS
     off = math.hypot(fit.error("m"), uncertainty * fit.m)
-    near = m is None or fits or abs(fit.m - m) < math.sqrt(_SHOWS) * off
+    agrees = m is None or fits or abs(fit.m - m) < math.sqrt(_SHOWS) * off
     fit = given if given is not None and fits else fit
     # a damper to the base and one to the ground together make up for any delay
     delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
     late = delayed is not None and delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS
-    return JointFit(fit, linear, delayed, late, m, near)
+    coupling = ac_coupling(fit, _SHOWS)
+    if coupling is not None and not coupling.fit.adequate:
+        coupling = None
+    if coupling is not None and late and delayed is not None:  # the likelier of the two
+        late = delayed.chi_square < coupling.fit.chi_square
+        coupling = None if late else coupling
+    return JointFit(fit, linear, delayed, late, m, agrees, coupling)
 
 
 def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None) -> list[Reading]:

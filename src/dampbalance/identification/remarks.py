@@ -22,7 +22,7 @@ from ..reading.mean_harmonics import Reading
 from .answer import Answer, ParameterEstimate
 from .causes import likeliest
 from .microstick import Microstick
-from .oscillator import CONTRADICTED, OUT_OF_TIME, JointFit
+from .oscillator import CONTRADICTED, COUPLED, LATE, JointFit
 
 DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
@@ -70,8 +70,10 @@ def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iter
                 "its rows lie {} times farther from the balance than noise explains, and the intervals do not show it",
                 factor(math.sqrt(answer.misfit)),
             )
+    if joint.coupling is not None:
+        yield COUPLED
     if joint.late:
-        yield OUT_OF_TIME
+        yield LATE
 
 
 def forbidden(
@@ -133,14 +135,24 @@ def agreement(
             "acceleration, or reduce the noise",
             doubts={"K_z": math.inf},
         )
-    folded = [str(i + 1) for i, r in enumerate(readings) if r.lines.aliased > _FOLDED]
-    if folded and not joint.linear:
-        yield Remark(
-            f"the sampling rate of record {', '.join(folded)} folds back harmonics that are larger than the noise: K_z "
-            "may be off by more than its interval shows; sample faster, or through an anti-alias filter that the "
-            "mapping names",
-            doubts={"K_z": math.inf},
-        )
+    remedies = (
+        "K_z may be off by more than its interval shows; sample faster, or through an anti-alias filter that the "
+        "mapping names",
+        "those of the oscillator identified are taken off, as if there were no anti-alias filter but that which the "
+        "mapping names; sample faster, or name it",
+    )
+    for unfolded, remedy in enumerate(remedies):
+        folded = [
+            str(i + 1)
+            for i, r in enumerate(readings)
+            if r.lines.aliased > _FOLDED and r.steady.unfolded == bool(unfolded)
+        ]
+        if folded and not joint.linear:
+            yield Remark(
+                f"the sampling rate of record {', '.join(folded)} folds back harmonics that are larger than the noise: "
+                + remedy,
+                doubts={} if unfolded else {"K_z": math.inf},
+            )
     fit = joint.fit
     if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
         yield Remark(
@@ -180,7 +192,7 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
             f"the mass given, {joint.mass:.6g} kg, is not that of the records, {fit.m:.6g} ± {fit.error('m'):.2g} kg: "
             "nothing here uses it; check the mass, the stiffness, the gains and the units"
         )
-    cause = None if joint.late else likeliest(fit)
+    cause = None if joint.late or joint.coupling else likeliest(fit)
     if fit.adequate and cause is not None:
         yield Remark(
             f"the records show {cause.words}: that explains {cause.explained:.0f} of χ², and chance hardly ever "
@@ -198,10 +210,24 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
         yield Remark(
             "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
             f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in "
-            f"{readings[worst].steady.source}; K_z and the onset of slip cannot be determined; {likely}a channel may "
-            "be skewed, coupled (AC) or filtered, a gain or a sign may be wrong, the levels may differ in more than "
-            "their amplitude, the damping may follow another law (compare the laws), or the oscillator be of another "
-            "kind"
+            f"{readings[worst].steady.source}; K_z and the onset of slip cannot be determined; "
+            + (
+                "the likeliest cause, which explains all of that, is named next"
+                if joint.late or joint.coupling
+                else f"{likely}a channel may be skewed, coupled (AC) or filtered, a gain or a sign may be wrong, the "
+                "levels may differ in more than their amplitude, the damping may follow another law (compare the "
+                "laws), or the oscillator is of another kind"
+            )
+        )
+    coupling = joint.coupling
+    if coupling is not None:
+        own = coupling.fit
+        without = [f"{key} = {own.value(key):.4g} {term(key).unit}" for key in own.law.unknowns]
+        yield Remark(
+            "the harmonics are those of a response that is coupled through a capacitor (AC), a high-pass filter with a "
+            f"corner of {coupling.hz:.4g} ± {coupling.error_hz:.2g} Hz, which explains what the oscillator alone does "
+            f"not; without that, {listed([*without, f'K_z = {own.K_z:.4g} N/m'])}: couple it directly (DC), or give "
+            "the corner in the mapping"
         )
     if joint.late and delayed is not None:
         without = [f"{key} = {delayed.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]

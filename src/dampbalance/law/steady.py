@@ -26,10 +26,12 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Complexes
 from ..model import BaseMotion, Oscillator
+from ..motion.events import MOST_RADIANS
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
+from ..motion.steady_slopes import harmonics_with_slopes, onset_slopes
 from .balancing import HARMONICS, System, motion_at, tables
-from .terms import KNOWN_TERMS
+from .terms import FRICTION, KNOWN_TERMS
 
 _MOST, _CHORDS = 30, 3  # steps, and how many of them with the matrix of another response
 _REACHED = 1e-13  # of the amplitude
@@ -97,17 +99,65 @@ class Response:
             x = x + _first(count, self.change)
         return x * np.exp(1j * n * self.advance)
 
-    def slopes(self, count: int, symbols: Sequence[str]) -> dict[str, Complexes] | None:
-        """∂x_n by the coefficients of these terms, K_z and m, (count,), n as in `harmonics`: from the equations of δ,
-        for nothing of the motion is computed again. None where there are no such equations."""
+    def with_slopes(
+        self, count: int, symbols: Sequence[str]
+    ) -> tuple[Complexes, dict[str, Complexes] | None]:
+        """`harmonics` and their derivatives by the coefficients of these terms, rho = K_z^{−1/2} and m, (count,).
+
+        Exact where the terms are linear. Of a response with nonlinear terms they follow from the equations of δ, for
+        nothing of the motion is computed again, and are accurate to 1e-3 or so: choose that during a search, and
+        differences of neighbouring responses for standard errors. None where there are no such equations.
+        """
+        n = np.arange(1, 2 * count, 2)
+        if self.change is None and all(s == FRICTION or KNOWN_TERMS[s].linear for s in symbols):
+            x, by = harmonics_with_slopes(self.orbit, count)
+            changes = self._linear(symbols)
+            by_base = x - self.orbit.oscillator.F_k * by[0]
+            turn = np.exp(1j * n * self.advance) if self.advance else 1.0
+            slopes = {FRICTION: by[0] * turn, "rho": by[2] * turn, "m": by[3] * turn}
+            for symbol, (damping, growth, advance) in changes.items():
+                slopes[symbol] = damping * by[1] * turn
+                if growth or advance:
+                    slopes[symbol] += (growth * by_base + 1j * n * advance * x) * turn
+            return x * turn, slopes
+        x = self.harmonics(count)
         if self.system is None or self.change is None or self.matrix is None:
-            return None
-        n, x = np.arange(1, 2 * count, 2), self.harmonics(count)
+            return x, None
         moved = self.system.slopes(self.change, -self.advance, self.Y, self.matrix, symbols)
         turn = np.exp(1j * n * self.advance)
-        return {
+        slopes = {
             name: _first(count, by) * turn - 1j * n * lag * x for name, (by, lag) in moved.items()
         }
+        slopes["rho"] = -2.0 * self.orbit.oscillator.K_z**1.5 * slopes.pop("K_z")
+        return x, slopes
+
+    def onset_slopes(self, symbols: Sequence[str]) -> dict[str, Array] | None:
+        """Derivatives of (V_s, t_s, λ), SI, as `with_slopes` of the harmonics, (3,); None where those are not exact."""
+        if self.change is not None or not all(
+            s == FRICTION or KNOWN_TERMS[s].linear for s in symbols
+        ):
+            return None
+        by = onset_slopes(self.orbit)
+        # of degree 1, 0, 1 in (Y, F_k)
+        onset = np.array([self.V_s, 0.0, self.taken])
+        by_base = onset - self.orbit.oscillator.F_k * by[:, 0]
+        slopes = {FRICTION: by[:, 0], "rho": by[:, 2], "m": by[:, 3]}
+        for symbol, (damping, growth, _) in self._linear(symbols).items():
+            slopes[symbol] = damping * by[:, 1] + growth * by_base
+        return slopes
+
+    def _linear(self, symbols: Sequence[str]) -> dict[str, tuple[float, float, float]]:
+        """Derivatives of c, of ln Y and of the advance of the orbit by the coefficients of linear terms."""
+        omega, k = self.orbit.motion.omega, self.orbit.oscillator.k
+        to_base = math.tan(self.advance)  # of ω/k
+        changes = {}
+        for symbol in symbols:
+            force = KNOWN_TERMS[symbol].force
+            if force is not None:
+                of_base = -float(force(0.0, 1.0, k, omega)) * omega / k
+                turned = of_base / (1.0 + to_base**2)
+                changes[symbol] = float(force(1.0, 0.0, k, omega)), to_base * turned, turned
+        return changes
 
     def _at(self, theta: float) -> tuple[float, float]:
         """x and ẋ at a phase of the orbit, m and m/s."""
@@ -126,17 +176,20 @@ def steady_response(
     motion: BaseMotion,
     law: Mapping[str, float],
     near: Response | None = None,
+    *,
+    most_radians: float = MOST_RADIANS,
 ) -> Response:
     """The steady response of an oscillator under a law.
 
     law : symbol → coefficient of the terms besides friction and c, which are the oscillator's, SI.
     near : a response from which to start.
+    most_radians : as for `steady_orbit`, of a law with linear terms only.
 
     Raises NoSteadyOrbit where there is none, or none with one onset of slip per half cycle under quadratic or cubic
     damping.
     """
     if not law:
-        return Response(steady_orbit(oscillator, motion), 0.0)
+        return Response(steady_orbit(oscillator, motion, most_radians=most_radians), 0.0)
     omega, k = motion.omega, oscillator.k
     linear, to_base, others = oscillator.c, 0.0, {}
     for symbol, p in law.items():
@@ -149,7 +202,8 @@ def steady_response(
     base = BaseMotion(motion.Y * math.hypot(1.0, omega * to_base / k), omega)
     advance = math.atan2(omega * to_base, k)
     if not others:
-        return Response(steady_orbit(replace(oscillator, c=linear), base), advance)
+        own = replace(oscillator, c=linear)
+        return Response(steady_orbit(own, base, most_radians=most_radians), advance)
     if near is not None and near.change is not None:
         extra = near.orbit.oscillator.c - linear
         orbit = steady_orbit(replace(oscillator, c=linear + max(extra, 0.0)), base)

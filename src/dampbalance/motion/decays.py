@@ -21,12 +21,15 @@ from .jit import jit
 UNKNOWNS = ("F_k", "c", "rho", "m", "x", "v", "w")
 """What derivatives are taken by: the oscillator, with ρ = K_z^{−1/2}, and the start state, z = (w − 1) F_k/K_z."""
 
+COMMON_UNKNOWNS, STATE_UNKNOWNS = 4, 3
+"""How many of these belong to the oscillator, and to the start state."""
+
 _F_K, _C, _RHO, _M, _X, _V, _W = range(7)
 _CRITICAL_BELOW = 0.05  # of |Ω² − δ²| t²: four terms of the series in it are then exact to 1e-11
 
 
 @jit
-def _responses(t: float, delta: float, Omega2: float) -> tuple[float, ...]:
+def responses(t: float, delta: float, Omega2: float) -> tuple[float, ...]:
     """J, S, R and their derivatives by δ, then by Ω², at time t ≥ 0."""
     J, S, R = step_response(t, delta, Omega2)
     q = Omega2 - delta * delta
@@ -50,7 +53,7 @@ def _weights(
     t: float, order: int, v0: float, f0: float, delta: float, Omega2: float
 ) -> tuple[float, float, float, float, float, float]:
     """At time t of a phase, u, ẋ or ẍ (order 0, 1, 2), and its derivatives by x(0), ẋ(0), f₀, δ and Ω²."""
-    J, S, R, J_d, S_d, R_d, J_O, S_O, R_O = _responses(t, delta, Omega2)
+    J, S, R, J_d, S_d, R_d, J_O, S_O, R_O = responses(t, delta, Omega2)
     u, u_d, u_O = v0 * S + f0 * J, v0 * S_d + f0 * J_d, v0 * S_O + f0 * J_O
     if order == 0:
         return u, 1.0, S, J, u_d, u_O
@@ -68,7 +71,7 @@ def _weights(
 
 
 @jit
-def _start(s: float, x0: float, z0: float, par: Parameters) -> tuple[float, float, float]:
+def phase_start_of(s: float, x0: float, z0: float, par: Parameters) -> tuple[float, float, float]:
     """f₀, δ and Ω² of a phase that starts at x0 with the contact spring at z0."""
     contact = par.K_z * z0 if s == 0.0 else s * par.F_k
     stiff = par.k + (par.K_z if s == 0.0 else 0.0)
@@ -89,8 +92,9 @@ def phase_slopes(phases: Array, w: float, par: Parameters) -> Array:
     side, by_w = w - 1.0, par.F_k / K_z  # z = side F_k/K_z
     for i in range(phases.shape[0]):
         here = slopes[i]
-        f0, delta, Omega2 = _start(s, x0, z0, par)
-        here[2] = -par.k / m * here[0]
+        f0, delta, Omega2 = phase_start_of(s, x0, z0, par)
+        for j in range(7):
+            here[2, j] = -par.k / m * here[0, j]
         here[3, _C], here[3, _M] = 0.5 / m, -delta / m
         here[4, _M] = -Omega2 / m
         here[2, _M] -= f0 / m
@@ -105,9 +109,14 @@ def phase_slopes(phases: Array, w: float, par: Parameters) -> Array:
         t = phases[i + 1, 0] - phases[i, 0]
         for order in range(2):
             _, x, v, f, d, O = _weights(t, order, v0, f0, delta, Omega2)
-            slopes[i + 1, order] = (
-                x * here[0] + v * here[1] + f * here[2] + d * here[3] + O * here[4]
-            )
+            for j in range(7):
+                slopes[i + 1, order, j] = (
+                    x * here[0, j]
+                    + v * here[1, j]
+                    + f * here[2, j]
+                    + d * here[3, j]
+                    + O * here[4, j]
+                )
         _, s, x0, v0, z0 = read_phase(phases, i + 1)
         side, by_w = 1.0 if z0 > 0.0 else -1.0, 0.0
     return slopes
@@ -127,7 +136,7 @@ def decay_samples(times: Array, order: int, phases: Array, slopes: Array, par: P
         while times[n] >= stop:
             i += 1
             start, s, x0, v0, z0 = read_phase(phases, i)
-            f0, delta, Omega2 = _start(s, x0, z0, par)
+            f0, delta, Omega2 = phase_start_of(s, x0, z0, par)
             stop = phases[i + 1, 0] if i + 1 < phases.shape[0] else math.inf
         value, x, v, f, d, O = _weights(times[n] - start, order, v0, f0, delta, Omega2)
         out[n, 0] = x0 + value if order == 0 else value

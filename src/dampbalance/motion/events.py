@@ -3,7 +3,7 @@
 A state is (x, ẋ, z) with |z| ≤ Z_m. In slip, the phase ends where the velocity changes sign; in stick, where the
 deflection z of the contact spring reaches ±Z_m. Events are bracketed by steps short beside every time scale of the
 phase, divided at the extrema inside them so that a touch and go is not stepped over, and located by Newton's method
-kept inside the bracket.
+kept inside the bracket. A free motion, the base at rest, has closed forms of its turns.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ MOST_RADIANS = 2e7
 
 _STEPS_PER_RADIAN = 2.5
 _HALVINGS = 60
+_UNDER = 0.999  # of the critical damping: a free motion below it has closed forms of its turns
 
 _Motion = tuple[float, float, float, float, float]  # u, u̇, ü and the next two derivatives
 
@@ -113,11 +114,64 @@ def _just_inside(which: int, lower: float, upper: float, before: float, phase: P
 
 
 @jit
-def _stays(u: float, v: float, lower: float, upper: float, phase: Phase) -> bool:
-    """Whether a free motion at u, m, with velocity v, m/s, has too little energy to leave [lower, upper]."""
+def _first_turn(v0: float, f0: float, delta: float, w: float) -> tuple[float, float]:
+    """(time, ±1): when a free motion first turns, and which way it goes until then.
+
+    u̇ = e^{−δt} (v₀ cos wt + (f₀ − δv₀)/w sin wt) with w² = Ω² − δ² > 0.
+    """
+    side = math.copysign(1.0, v0 if v0 != 0.0 else f0)
+    return math.atan2(abs(v0), side * (delta * v0 - f0) / w) / w, side
+
+
+@jit
+def _crossing(level: float, low: float, high: float, phase: Phase) -> float:
+    """Time at which u of a free motion, monotone between two times, the second one a turn, crosses `level`."""
+    u_low, u_high = move(low, phase)[0], move(high, phase)[0]
+    rises = u_high > u_low
+    # as if it were not damped and turned at `high`
     rest = phase.f0 / phase.Omega2
-    reach = math.sqrt((u - rest) ** 2 + v * v / phase.Omega2)
-    return lower <= rest - reach and rest + reach <= upper
+    cosine = (level - rest) / (u_high - rest) if u_high != rest else 0.0
+    t = high - math.acos(min(max(cosine, -1.0), 1.0)) / math.sqrt(phase.Omega2)
+    if not low < t < high:
+        t = 0.5 * (low + high)
+    for _ in range(100):
+        u, v = move(t, phase)
+        if u == level:
+            break
+        if (u > level) == rises:
+            high = t
+        else:
+            low = t
+        newton = t - (u - level) / v if v != 0.0 else low
+        before = t
+        t = newton if low < newton < high else 0.5 * (low + high)
+        if abs(t - before) <= 2.3e-16 * high or high - low <= 2.3e-16 * high:
+            break
+    return t
+
+
+@jit
+def _free_end(s: float, lower: float, upper: float, phase: Phase) -> tuple[float, float]:
+    """(duration, level) of a phase of a free under-damped motion; infinite where it lasts.
+
+    Its velocity has its zeros half a period apart, and each swing about the rest position is smaller than the one
+    before: a contact that sticks slips in one of the first two swings, or never again.
+    """
+    v0, f0, _, delta, Omega2, _ = phase
+    if v0 == 0.0 and f0 == 0.0:
+        return math.inf, 0.0
+    w = math.sqrt(Omega2 - delta * delta)
+    turn, side = _first_turn(v0, f0, delta, w)
+    if s != 0.0:
+        return turn, 0.0
+    low = 0.0
+    for _ in range(2):
+        u = move(turn, phase)[0]
+        level = upper if side > 0.0 else lower
+        if side * (u - level) > 0.0:
+            return _crossing(level, low, turn, phase), level
+        low, turn, side = turn, turn + math.pi / w, -side
+    return math.inf, 0.0
 
 
 @jit
@@ -139,9 +193,15 @@ def phase_end(
     else:
         which, lower, upper = 1, -math.inf, 0.0
 
-    if par.Y == 0.0 and s == 0.0 and _stays(0.0, v, lower, upper, phase):
-        u, rate = move(limit, phase)
-        return limit, x + u, rate, z + u
+    if par.Y == 0.0 and phase.delta < _UNDER * math.sqrt(phase.Omega2):
+        t, level = _free_end(s, lower, upper, phase)
+        if t >= limit:
+            u, rate = move(limit, phase)
+            return limit, x + u, rate, (z + u if s == 0.0 else s * Z_m)
+        u, rate = move(t, phase)
+        if s == 0.0:
+            return t, x + level, rate, (Z_m if level == upper else -Z_m)
+        return t, x + u, 0.0, s * Z_m
 
     fastest = max(phase.omega, math.sqrt(phase.Omega2), phase.delta)
     n = max(1, math.ceil(_STEPS_PER_RADIAN * limit * fastest))
@@ -167,9 +227,6 @@ def phase_end(
                 return t, x + level, _motion(t, phase)[1], (Z_m if level == upper else -Z_m)
             return t, x + _motion(t, phase)[0], 0.0, s * Z_m
         low, at_low = high, at_high
-        if par.Y == 0.0 and s == 0.0 and _stays(at_low[0], at_low[1], lower, upper, phase):
-            at_low = _motion(limit, phase)
-            break
     return limit, x + at_low[0], at_low[1], (z + at_low[0] if s == 0.0 else s * Z_m)
 
 

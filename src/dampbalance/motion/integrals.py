@@ -25,10 +25,11 @@ from .jit import jit
 
 _UNDAMPED_BELOW = 1e-3  # of 2δt
 _CANCELLED_BELOW = 1e-2  # of ∫ ẋ² beside the same integral of the forced motion
-_PANEL = 8.0  # rad of the fastest oscillation of an integrand: 12 Gauss points are then exact to rounding
-_GAUSS_NODES, _GAUSS_WEIGHTS = (
-    np.ascontiguousarray(a) for a in np.polynomial.legendre.leggauss(12)
-)
+PANEL = 8.0
+"""Radians of the fastest oscillation of an integrand: 12 Gauss points are then exact to rounding."""
+
+GAUSS_NODES, GAUSS_WEIGHTS = (np.ascontiguousarray(a) for a in np.polynomial.legendre.leggauss(12))
+"""Of the rule on [−1, 1]."""
 
 
 class Measures(NamedTuple):
@@ -132,20 +133,26 @@ def harmonics(phases: Array, theta: float, par: Parameters, count: int) -> Compl
 
 
 @jit
+def fastest_of_integrand(par: Parameters, count: int) -> float:
+    """Twice the frequency of the stuck mass and that of the highest of so many harmonics, rad/s."""
+    return 2.0 * math.sqrt((par.k + par.K_z) / par.m) + 2.0 * count * par.omega
+
+
+@jit
 def _in_stick(phases: Array, theta: float, par: Parameters, count: int) -> tuple[Array, Complexes]:
     """(ẋ times weight, e^{−iψ}) at the points of Gauss's rule in the stick phases, for integrals of that many
     harmonics."""
     omega = par.omega
-    fastest = 2.0 * math.sqrt((par.k + par.K_z) / par.m) + 2.0 * count * omega
+    fastest = fastest_of_integrand(par, count)
     panels = np.zeros(len(phases), dtype=np.int64)
     for i in range(len(phases)):
         t, s, _, _, _ = read_phase(phases, i)
         if s == 0.0:
             end = phases[i + 1, PHASE_T] if i + 1 < len(phases) else math.pi / omega
-            panels[i] = 1 + int((end - t) * fastest / _PANEL)
+            panels[i] = 1 + int((end - t) * fastest / PANEL)
     points = 0
     for i in range(len(phases)):
-        points += panels[i] * len(_GAUSS_NODES)
+        points += panels[i] * len(GAUSS_NODES)
     values, turns = np.empty(points), np.empty(points, dtype=np.complex128)
     at = 0
     for i in range(len(phases)):
@@ -157,7 +164,7 @@ def _in_stick(phases: Array, theta: float, par: Parameters, count: int) -> tuple
         phase = phase_start(s, x, v, z, start.conjugate(), par)
         h = (end - t) / panels[i]
         for panel in range(panels[i]):
-            for node, weight in zip(_GAUSS_NODES, _GAUSS_WEIGHTS):  # noqa: B905 (compiled)
+            for node, weight in zip(GAUSS_NODES, GAUSS_WEIGHTS):  # noqa: B905 (compiled)
                 since = h * (panel + 0.5 + 0.5 * node)
                 turns[at] = start * unit(-omega * since)
                 values[at] = 0.5 * h * weight * move(since, phase)[1]
@@ -267,12 +274,12 @@ def _by_gauss(
     start : e^{iψ} at the start.
     """
     omega = phase.omega
-    panels = 1 + int(duration * (2.0 * math.sqrt(phase.Omega2) + 6.0 * omega) / _PANEL)
+    panels = 1 + int(duration * (2.0 * math.sqrt(phase.Omega2) + 6.0 * omega) / PANEL)
     h = duration / panels
     square = 0.0
     one = three = five = 0j
     for i in range(panels):
-        for node, weight in zip(_GAUSS_NODES, _GAUSS_WEIGHTS):  # noqa: B905 (no strict= in compiled code)
+        for node, weight in zip(GAUSS_NODES, GAUSS_WEIGHTS):  # noqa: B905 (no strict= in compiled code)
             t = h * (i + 0.5 + 0.5 * node)
             _, v = move(t, phase)
             turn = start * unit(omega * t)

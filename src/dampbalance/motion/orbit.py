@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from ..arguments import instance, numbers, whole
 from ..arrays import Array, Complexes
 from ..model import BaseMotion, Oscillator, Parameters, parameters
+from .events import MOST_RADIANS
 from .integrals import Measures, harmonics, measure
 from .regime import Regime
 from .states import State, states_in_phases
@@ -49,12 +50,13 @@ class Orbit:
         self.phases.flags.writeable = False
 
     @cached_property
-    def _parameters(self) -> Parameters:
+    def parameters(self) -> Parameters:
+        """The oscillator and the motion as the plain numbers that kernels take."""
         return parameters(self.oscillator, self.motion)
 
     @cached_property
     def _measures(self) -> Measures:
-        return measure(self.phases, len(self.phases), self.theta, self._parameters)
+        return measure(self.phases, len(self.phases), self.theta, self.parameters)
 
     @property
     def X(self) -> float:
@@ -120,7 +122,7 @@ class Orbit:
     def harmonics(self, count: int) -> Complexes:
         """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); x_n = X_n e^{−iφ_n}."""
         series: Complexes = harmonics(
-            self.phases, self.theta, self._parameters, whole("count", count)
+            self.phases, self.theta, self.parameters, whole("count", count)
         )
         return series
 
@@ -131,7 +133,7 @@ class Orbit:
         since = np.mod(times.ravel() - self.theta / self.motion.omega, period)
         mirrored = since >= 0.5 * period
         since[mirrored] -= 0.5 * period
-        rows = states_in_phases(since, self.phases, self.theta, self._parameters)
+        rows = states_in_phases(since, self.phases, self.theta, self.parameters)
         np.negative(rows, out=rows, where=mirrored)
         return State(*(row.reshape(times.shape) for row in rows))
 
@@ -162,8 +164,13 @@ def read_orbits(path: str | Path) -> list[Orbit]:
     return [Orbit.from_dict(data) for data in json.loads(Path(path).read_text(encoding="utf-8"))]
 
 
-def steady_orbit(oscillator: Oscillator, motion: BaseMotion) -> Orbit:
+def steady_orbit(
+    oscillator: Oscillator, motion: BaseMotion, *, most_radians: float = MOST_RADIANS
+) -> Orbit:
     """The exact steady response to harmonic base motion, in any regime.
+
+    most_radians : of the fastest motion of the oscillator, that are followed in search of an orbit with several slips
+    per half cycle; the default takes seconds. Choose fewer where an orbit that takes long is not worth the wait.
 
     Raises NoSteadyOrbit where there is none (an undamped oscillator driven at resonance, with F_k < πkY/4) or none was
     found, ValueError for what is no oscillator and no motion.
@@ -181,7 +188,7 @@ def steady_orbit(oscillator: Oscillator, motion: BaseMotion) -> Orbit:
     """
     phases = np.empty((MAX_PHASES, 5))
     par = parameters(oscillator, instance("motion", motion, BaseMotion))
-    code, count, theta = solve_steady(par, phases)
+    code, count, theta = solve_steady(par, phases, most_radians)
     regime = Regime(code)
     if regime is Regime.NOT_FOUND:
         raise NoSteadyOrbit(f"no steady orbit found for {oscillator} under {motion}")

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ..arguments import numbers, whole
 from ..arrays import Array, Codes
 from ..model import Parameters
+from .events import MOST_RADIANS
 from .integrals import Measures, measure
 from .jit import jit
 from .steady import MAX_PHASES, NO_CLOSED_FORM, solve_closed, solve_otherwise
@@ -135,7 +136,7 @@ def _solve_others(inputs: tuple[Array, ...], out: Array, regime: Codes) -> None:
     for i, of_case in enumerate(zip(*inputs)):  # noqa: B905 (no strict= in compiled code)
         if regime[i] == NO_CLOSED_FORM:
             par = Parameters(*of_case)
-            code, count, theta = solve_otherwise(par, phases)
+            code, count, theta = solve_otherwise(par, phases, MOST_RADIANS)
             regime[i] = code
             _write_measures(out, i, phases, count, theta, par)
 

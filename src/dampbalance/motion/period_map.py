@@ -85,16 +85,22 @@ def _energy_norm(x: float, v: float, z: float, par: Parameters) -> float:
 
 @jit
 def solve_period_map(
-    x: float, v: float, z: float, theta: float, par: Parameters, phases: Array
+    x: float,
+    v: float,
+    z: float,
+    theta: float,
+    par: Parameters,
+    phases: Array,
+    most_radians: float = MOST_RADIANS,
 ) -> tuple[bool, float, float, float]:
     """(found, x, ẋ, z): the state at base phase θ of the steady orbit, by Newton from the given state.
 
-    phases : scratch rows for `events.run`; their number bounds the events in half a period. Not found, too, where the
-    fastest motion has so many radians in half a period that to follow it takes too long.
+    phases : scratch rows for `events.run`; their number bounds the events in half a period.
+    most_radians : of the fastest motion of the oscillator, that are followed in search of the state.
     """
     Z_m = par.F_k / par.K_z
     fastest = max(math.sqrt((par.k + par.K_z) / par.m), par.c / par.m, par.omega)
-    most = min(float(_MAX_MAPS), MOST_RADIANS * par.omega / (math.pi * fastest))
+    most = min(float(_MAX_MAPS), most_radians * par.omega / (math.pi * fastest))
     if most < 1.0:
         return False, x, v, z
     jacobian, trial_jacobian = np.empty((3, 3)), np.empty((3, 3))
@@ -128,13 +134,14 @@ def solve_period_map(
 
 
 @jit
-def solve_general(par: Parameters, phases: Array) -> tuple[bool, int, float]:
+def solve_general(par: Parameters, phases: Array, most_radians: float) -> tuple[bool, int, float]:
     """(found, number of phases, θ) of the steady orbit from its reversal at −X; `phases` receives half a cycle.
 
     θ : phase of the base at that reversal, rad. `found` is False, too, for an orbit that never slips.
+    most_radians : as for `solve_period_map`.
     """
     half, Z_m = math.pi / par.omega, par.F_k / par.K_z
-    found, x, v, z = solve_period_map(0.0, 0.0, 0.0, 0.0, par, phases)
+    found, x, v, z = solve_period_map(0.0, 0.0, 0.0, 0.0, par, phases, most_radians)
     if not found:
         return False, 0, 0.0
     # the extreme of x is where a slip phase ends; over a whole period both extremes occur
@@ -145,6 +152,6 @@ def solve_general(par: Parameters, phases: Array) -> tuple[bool, int, float]:
             peak, theta = phases[i, PHASE_X], par.omega * phases[i, PHASE_T]
     if peak == 0.0:
         return False, 0, 0.0
-    found, x, _, _ = solve_period_map(peak, 0.0, -Z_m, theta, par, phases)
+    found, x, _, _ = solve_period_map(peak, 0.0, -Z_m, theta, par, phases, most_radians)
     count = run(x, 0.0, -Z_m, 0.0, half, theta, par, phases)[0]
     return found, count, theta

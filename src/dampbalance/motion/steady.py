@@ -11,7 +11,7 @@ import math
 
 from ..arrays import Array
 from ..model import Parameters
-from .events import PHASE_T, write_phase
+from .events import MOST_RADIANS, PHASE_T, write_phase
 from .jit import interpreted, jit
 from .one_slip import solve_one_slip
 from .period_map import solve_general
@@ -26,16 +26,19 @@ _NOT_FOUND, _ONE_SLIP, _SEVERAL_SLIPS, _NO_SLIP, _NO_FRICTION = map(int, Regime)
 _SHORTEST = 1e-12
 
 
-def solve_steady(par: Parameters, phases: Array) -> tuple[int, int, float]:
+def solve_steady(
+    par: Parameters, phases: Array, most_radians: float = MOST_RADIANS
+) -> tuple[int, int, float]:
     """(regime, number of phases, θ) of the steady orbit; `phases` (MAX_PHASES, 5) receives its half cycle from the
     reversal at −X.
 
     θ : phase of the base at that reversal, rad. Rows of `phases`: (t, s, x, ẋ, z), see `dampbalance.motion.events.run`.
+    most_radians : of the fastest motion, that are followed in search of an orbit without a closed form.
     """
     code, count, theta = solve_closed(par, phases)
     if code == NO_CLOSED_FORM:
         with interpreted(False):  # it may take thousands of steps
-            code, count, theta = solve_otherwise(par, phases)
+            code, count, theta = solve_otherwise(par, phases, most_radians)
     return code, count, theta
 
 
@@ -60,9 +63,9 @@ def solve_closed(par: Parameters, phases: Array) -> tuple[int, int, float]:
 
 
 @jit
-def solve_otherwise(par: Parameters, phases: Array) -> tuple[int, int, float]:
+def solve_otherwise(par: Parameters, phases: Array, most_radians: float) -> tuple[int, int, float]:
     """As `solve_steady`, of an orbit that slips, by its events."""
-    found, count, theta = solve_general(par, phases)
+    found, count, theta = solve_general(par, phases, most_radians)
     if not found:
         return _NOT_FOUND, 0, 0.0
     half = math.pi / par.omega

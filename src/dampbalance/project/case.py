@@ -141,6 +141,19 @@ def check(
         raise ConfigurationError(in_lines(problems, documents))
 
 
+def require_own_case(overriding: Iterable[str | Path]) -> None:
+    """Refuse configurations that override the paper's case and leave it its name: its results would be replaced.
+
+    overriding : the YAML files, at least one of which has to name a case.
+    """
+    files = [str(file) for file in overriding]
+    if files and not any("case" in read_yaml(file) for file in files):
+        raise ConfigurationError(
+            f"{files[-1]}: case: is missing, and the results would replace those of the paper; name the case "
+            f"(case: {Path(files[-1]).stem}), and add published: null if there are no printed numbers to compare with"
+        )
+
+
 def _contradictions(config: Mapping[str, Any]) -> Iterable[Problem]:
     """What no schema can say: keys that do not fit each other."""
     levels = config["excitation"]["levels_m"]

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import errno
+import io
+import os
 import sys
+from collections.abc import Sequence
 from types import TracebackType
+from typing import TextIO
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 _CLOSED = (errno.EROFS, errno.EACCES, errno.EPERM)
@@ -23,12 +27,43 @@ def trouble(error: BaseException) -> str | None:
     return None
 
 
-def brief_troubles() -> None:
-    """Let a script tell such a trouble in its one sentence, and an interruption not at all; other errors as ever."""
-    sys.excepthook = _tell
+def brief_troubles(log: Sequence[str] = ()) -> None:
+    """Let a script report such a trouble in its one sentence, and an interruption not at all; other errors as ever.
+
+    log : file that takes what the script, and what it starts, writes to its output and its errors, as a sequence of
+    one; nothing where there is none. The script's own errors are shown where they were before, too.
+    """
+    sys.excepthook = _report
+    for file in log:
+        shown = os.fdopen(os.dup(sys.stderr.fileno()), "w", encoding="utf-8", errors="replace")
+        taken = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+            os.dup2(taken, stream.fileno())
+        os.close(taken)
+        sys.stderr = _Both(sys.stderr, shown)
 
 
-def _tell(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+class _Both(io.TextIOBase):
+    """What is written goes to two streams."""
+
+    def __init__(self, *streams: TextIO) -> None:
+        self._streams = streams
+
+    def write(self, text: str) -> int:
+        for stream in self._streams:
+            stream.write(text)
+            stream.flush()
+        return len(text)
+
+    def fileno(self) -> int:
+        return self._streams[0].fileno()
+
+    def isatty(self) -> bool:
+        return self._streams[1].isatty()
+
+
+def _report(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
     if sentence := trouble(error):
         print(f"error: {sentence}", file=sys.stderr)
     elif not issubclass(kind, KeyboardInterrupt):

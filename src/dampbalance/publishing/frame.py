@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ..identification.answer import USABLE
 from ..project.wording import in_words, listed, minus, number, percent
 from .markdown import templates
 
@@ -23,12 +24,16 @@ def frame_page(
         "number": number,
         "in_words": in_words,
         "signed": signed,
+        "minus": minus,
+        "listed": listed,
         "shares": shares,
         "interval": lambda ends, digits: " to ".join(number(end, digits) for end in ends),
         "span": lambda values: minus(" to ".join(f"{f(values):.0f}" for f in (min, max))),
     }
     rows = document["loads"]
     given = measured.get("given") or {}
+    laws = list(document["speed_laws"])
+    best = min(laws, key=document["speed_laws"].__getitem__)
     return environment.get_template("frame.md.j2").render(
         document=document,
         rows=rows,
@@ -38,6 +43,18 @@ def frame_page(
         ripples_mN=[1e3 * row["loop"]["ripple"] * row["F_k_N"] for row in rows],
         lower_um=[1e6 * row["loop"]["given_way_m"][0] for row in rows],
         upper_um=[1e6 * row["loop"]["given_way_m"][1] for row in rows],
+        doubtful=[row for row in rows if row["verdict"] != USABLE],
+        drifting=[row for row in rows if row["drift"]["significant"]],
+        left=[row for row in rows if row["clocks"]["drift_left_significant"]],
+        delayed=[row["clocks"]["F_k_as_recorded_N"] / row["F_k_N"] - 1.0 for row in rows],
+        conventions=[1.0 - row["F_k_by_series_N"] / row["F_k_N"] for row in rows],
+        laws=laws,
+        best=best,
+        better=[
+            row["record"]
+            for row in rows
+            if row["speed_laws"][best]["rms"] < row["speed_laws"]["constant"]["rms"]
+        ],
         limits=limits,
     )
 

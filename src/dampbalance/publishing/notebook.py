@@ -18,16 +18,24 @@ import re
 import sys
 import tempfile
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
+import jinja2
 import jupytext  # type: ignore[import-untyped]
 import nbformat
-import pypandoc  # type: ignore[import-untyped]
+from latex2mathml.converter import convert as in_mathml
+from markdown_it import MarkdownIt
+from mdit_py_plugins.anchors import anchors_plugin
+from mdit_py_plugins.dollarmath import dollarmath_plugin
 from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError
 from nbformat import NotebookNode
+from pygments import highlight
+from pygments.formatters import HtmlFormatter
+from pygments.lexers import PythonLexer
 
 from ..project.wording import minus
 from .page import words
@@ -37,12 +45,12 @@ c.HistoryManager.enabled = False
 c.InlineBackend.figure_formats = {"svg"}
 c.InlineBackend.print_figure_kwargs = {"bbox_inches": "tight", "metadata": {"Date": None, "Creator": None}}
 """
-_MATH_AND_STOP = re.compile(
-    r'(<math display="inline"(?:(?!</math>).)*</math>)([,.;:)]+)', re.DOTALL
-)
+_MATH_AND_STOP = re.compile(r'<span class="math inline">((?:(?!</span>).)*)</span>([,.;:)]+)')
+_FUNCTION = re.compile(
+    r"<mi>(?:cos|sin)</mi>(?!<mo[^>]*>&#x00028;)"
+)  # of an argument without brackets
 # Parts that scroll sideways on a narrow screen must be reachable by keyboard.
-_DISPLAYED = re.compile(r'<math display="block".*?</math>', re.DOTALL)
-_EQUATION = r'<span class="equation" role="group" tabindex="0" aria-label="Equation">\g<0></span>'
+_EQUATION = '<div class="equation" role="group" tabindex="0" aria-label="Equation">{}</div>'
 _REMOTE = re.compile(
     r"""<[^>]*\s(?:src|srcset|data|poster)\s*=\s*["']?(?:https?:)?//[^>]*"""
     r"""|<link\s[^>]*href\s*=\s*["']?(?:https?:)?//[^>]*"""
@@ -100,23 +108,22 @@ def write(notebook: NotebookNode) -> str:
 def page(notebook: NotebookNode, style: str, template: str | Path) -> str:
     """The notebook as one self-contained HTML page: formulas as MathML, pictures as data, and the style sheet.
 
-    style : CSS.   template : a template of pandoc with the variables title, style, toc and body.
+    style : CSS.   template : a template of Jinja with the variables title, style, contents and body.
 
     Raises NotebookError for a missing title, a picture without `alt`, and anything that would be loaded from elsewhere.
     """
     title = re.match(r"#\s+(.+)", notebook.cells[0].source)
     if title is None:
         raise NotebookError("the first cell of a notebook must begin with its title, '# …'")
-    content = markdown(notebook)
-    _refuse_remote(content)  # before pandoc tries to fetch it
-    options = ["--standalone", "--mathml", "--embed-resources", "--toc", "--toc-depth=2"]
-    options += [f"--template={template}", "--variable=lang:en"]
-    options += [f"--metadata=pagetitle:{title[1]}", f"--variable=style:{style}"]
-    text = str(pypandoc.convert_text(content, "html5", format="markdown", extra_args=options))
-    _refuse_remote(text)
+    shown = body(notebook)
+    heads = re.findall(r'<h2 id="([^"]*)">(.*?)</h2>', shown)
+    page = jinja2.Template(Path(template).read_text(encoding="utf-8"), keep_trailing_newline=True)
+    text = page.render(title=title[1], style=style, contents=heads, body=shown)
+    remote = _REMOTE.search(text)
+    if remote:
+        raise NotebookError(f"the page would load from elsewhere: {remote[0][:100]}; embed it")
     # A browser may break the line between a formula and the comma after it.
-    text = _MATH_AND_STOP.sub(r'<span class="together">\1\2</span>', text)
-    return _numbered(_DISPLAYED.sub(_EQUATION, text))
+    return _numbered(_MATH_AND_STOP.sub(r'<span class="together">\1\2</span>', text))
 
 
 def _numbered(text: str) -> str:
@@ -126,8 +133,8 @@ def _numbered(text: str) -> str:
     return re.sub(label, lambda match: f"{match[1]} {next(numbers[match[1]])}", text)
 
 
-def markdown(notebook: NotebookNode) -> str:
-    """The notebook in pandoc's Markdown: text unchanged, code and outputs as blocks, solutions folded."""
+def body(notebook: NotebookNode) -> str:
+    """The cells of the notebook in HTML: text, code and outputs, with the solutions of exercises folded."""
     parts: list[str] = []
     for folded, cells in itertools.groupby(
         notebook.cells, key=lambda cell: "outcome" in cell.metadata.get("tags", [])
@@ -136,28 +143,31 @@ def markdown(notebook: NotebookNode) -> str:
         if folded:
             blocks = ["<details>\n<summary>Outcome</summary>", *blocks, "</details>"]
         parts += blocks
-    return "\n\n".join(parts) + "\n"
+    return "\n".join(parts)
 
 
-def _refuse_remote(text: str) -> None:
-    remote = _REMOTE.search(text)
-    if remote:
-        raise NotebookError(f"the page would load from elsewhere: {remote[0][:100]}; embed it")
+@cache
+def _markdown() -> MarkdownIt:
+    def formula(latex: str, options: dict[str, bool]) -> str:
+        shown = in_mathml(latex, display="block" if options["display_mode"] else "inline")
+        shown = _FUNCTION.sub(r'\g<0><mspace width="0.167em" />', shown)
+        return _EQUATION.format(shown) if options["display_mode"] else shown
+
+    markdown = MarkdownIt("commonmark").use(anchors_plugin, max_level=2)
+    return markdown.use(dollarmath_plugin, renderer=formula)
 
 
 def _blocks(cell: NotebookNode) -> Iterator[str]:
     if cell.cell_type == "markdown":
-        yield cell.source
+        yield _markdown().render(cell.source)
         return
-    yield f"```python\n{cell.source}\n```"
+    yield highlight(cell.source, PythonLexer(), HtmlFormatter(cssclass="code", linespans=cell.id))
     yield from (_shown(output, cell) for output in cell.outputs)
 
 
 def _shown(output: NotebookNode, cell: NotebookNode) -> str:
     """One output of a cell, as a picture, a table or text."""
-    if output.output_type == "stream":
-        return f"```{{.output}}\n{output.text.rstrip()}\n```"
-    data = output.data
+    data = output.data if output.output_type != "stream" else {"text/plain": output.text}
     if "image/svg+xml" in data:
         alt = cell.metadata.get("alt")
         if not alt:
@@ -167,9 +177,8 @@ def _shown(output: NotebookNode, cell: NotebookNode) -> str:
         image = f'<img alt="{html.escape(alt)}" src="{source}">'
         return f'<figure tabindex="0" aria-label="Picture">{image}</figure>'
     if "text/html" in data:
-        # as it is: pandoc would read Markdown into the cells of a table
-        return f"```{{=html}}\n{_of_html(data['text/html'], cell.id)}\n```"
-    return f"```{{.output}}\n{data['text/plain'].rstrip()}\n```"
+        return _of_html(data["text/html"], cell.id)
+    return f'<pre class="output"><code>{html.escape(data["text/plain"].rstrip())}</code></pre>'
 
 
 def _of_html(shown: str, cell: str) -> str:

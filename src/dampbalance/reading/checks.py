@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,7 @@ _PHASE_MATTERS = 2e-5  # rad
 _GAIN_MATTERS = 1e-4
 _DRIFT_MATTERS, _DRIFT_WRONG = 2e-5, 0.1  # of the amplitude, over the record
 _DRIFT_CHANCE = 1e-6
+_CLOCKS_DIFFER = 4.0  # standard errors: by chance once in sixteen thousand records
 _HARMONIC_MATTERS = 1e-3  # of the fundamental
 _BASE_COUNTS = 1e-6  # of the fundamental: what the file or the rounding of a time may leave
 _CLIPPED_CYCLES = 0.5
@@ -213,52 +214,120 @@ def consistency(
     return skew, warnings
 
 
-def steadiness(
-    Y: Complexes, X: Complexes, times: Array, weights: Array, period: float
-) -> Iterator[Remark]:
-    """Whether the fundamentals of base and response stay as they are, against the scatter from cycle to cycle.
+class _Change(NamedTuple):
+    """A slow change of the fundamental during a record.
 
-    The change is sought along a line, a parabola and the difference between the first eighth and the rest: under
-    white noise, the sum of squares of the real and imaginary parts along these three, over the variance, has an F
+    chance : probability of one as large in noise.   size : of the amplitude, relative to the mean.   turn : of the
+    phasor, likewise.   noise : variance of the real and of the imaginary part of a row.
+    """
+
+    chance: float
+    size: float
+    turn: float
+    noise: float
+
+    @property
+    def shows(self) -> bool:
+        """Whether it is significant, and large enough to matter."""
+        return self.chance <= _DRIFT_CHANCE and max(self.size, self.turn) >= _DRIFT_MATTERS
+
+
+def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
+    """The change of the rows along a line, a parabola and the difference between the first eighth and the rest.
+
+    Under white noise, the sum of squares of the real and imaginary parts along these three, over the variance, has an F
     distribution. The variance is that of successive differences, which a slow change does not raise, in the quieter
-    half of the record: a transient is loud at its start.
-
-    ValueError when the amplitude changes by more than a tenth.
+    half of the record: a transient is loud at its start.   parts : 2 of complex rows, 1 of real ones.
     """
     from scipy import special  # slow to import, as scipy.stats with the same functions is
 
+    size = len(rows)
+    s, first = np.linspace(-1.0, 1.0, size), np.arange(size) < max(1, size // 8)
+    basis, _ = np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))
+    mean = weighted_mean(rows, weights)
+    along = basis[:, 1:].T @ rows
+    halves = rows[: size // 2], rows[size // 2 :]
+    noise = min(float(np.mean(np.abs(np.diff(half)) ** 2)) for half in halves) / (2.0 * parts)
+    statistic = float(np.sum(np.abs(along) ** 2)) / max(noise, 1e-300)
+    # successive differences know the variance as well as two thirds as many independent rows; of two halves, twice
+    # the chance
+    freedom = parts * max(1.0, 2.0 * (size // 2 - 1) / 3.0)
+    return _Change(
+        2.0 * float(special.fdtrc(3.0 * parts, freedom, statistic / (3.0 * parts))),
+        float(np.ptp(np.abs(basis[:, 1:] @ along + mean))) / abs(mean),
+        float(np.abs(basis[:, 1:] @ along).max()) / abs(mean),
+        noise,
+    )
+
+
+def clock(
+    Y: Complexes, X: Complexes, times: Array, weights: Array, omega: float
+) -> tuple[float, float] | None:
+    """How much faster the clock of the response ran than that of the excitation, as a part of it, and the standard
+    error; None where the record shows no such difference.
+
+    A motion that is steady keeps its phase against the drive. Where two clocks sample them, the phase grows in
+    proportion to time, by −ε of a turn per cycle if the clock of the response is faster by ε, and nothing else changes:
+    what is left without that growth must pass the test of `steadiness`.
+
+    Y, X : fundamentals of base and response, (rows,).   times, weights : of the rows.   omega : rad/s.
+    """
+    size = len(Y)
+    if size < FEW_CYCLES:
+        return None
+    rows = X / (Y / np.abs(Y))
+    phase, at = np.unwrap(np.angle(rows)), times - weighted_mean(times, weights)
+    square = float(weights @ at**2)
+    rate = float((weights * at) @ phase) / square
+    straight = rows * np.exp(-1j * rate * at)
+    left = _change(straight, weights, 2.0)
+    mean = float(weights.mean())
+    error = math.sqrt(left.noise / (square / mean)) / abs(weighted_mean(straight, weights))
+    turn = abs(rate) * float(np.ptp(times)) / 2.0
+    if abs(rate) < _CLOCKS_DIFFER * error or turn < _DRIFT_MATTERS or left.shows:
+        return None
+    return -rate / omega, error / omega
+
+
+def two_clocks(quantity: str, faster: tuple[float, float]) -> Remark:
+    """A warning that another clock sampled a channel.   faster : of `clock`."""
+    part, error = faster
+    return Remark(
+        "{} was sampled by another clock than the excitation, {:.4g} ± {:.1g} ppm {}: its times are corrected as if "
+        "both clocks had started together, which the record cannot tell; sample all channels by one clock",
+        *(quantity, 1e6 * abs(part), 1e6 * error, "fast" if part > 0.0 else "slow"),
+        doubts=_EVERYTHING,
+    )
+
+
+def steadiness(
+    Y: Complexes, X: Complexes, times: Array, weights: Array, period: float
+) -> Iterator[Remark]:
+    """Whether the fundamentals of base and response stay as they are, against the scatter from cycle to cycle
+    (`_change`).
+
+    ValueError when the amplitude changes by more than a tenth.
+    """
     size = len(Y)
     if size < 4:
         return
-    s, first = np.linspace(-1.0, 1.0, size), np.arange(size) < max(1, size // 8)
-    basis, _ = np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))
     # of the excitation, whose phase is that of the record, only the amplitude varies
     amplitude = np.abs(Y)
     for name, rows, parts in (
         ("the excitation", amplitude + 0j, 1.0),
         ("the response", X / (Y / amplitude), 2.0),
     ):
-        mean = weighted_mean(rows, weights)
-        along = basis[:, 1:].T @ rows
-        halves = rows[: size // 2], rows[size // 2 :]
-        noise = min(float(np.mean(np.abs(np.diff(half)) ** 2)) for half in halves) / (2.0 * parts)
-        statistic = float(np.sum(np.abs(along) ** 2)) / max(noise, 1e-300)
-        # successive differences know the variance as well as two thirds as many independent rows; of two halves, twice
-        # the chance
-        freedom = parts * max(1.0, 2.0 * (size // 2 - 1) / 3.0)
-        chance = 2.0 * float(special.fdtrc(3.0 * parts, freedom, statistic / (3.0 * parts)))
-        change = float(np.ptp(np.abs(basis[:, 1:] @ along + mean))) / abs(mean)
-        turn = float(np.abs(basis[:, 1:] @ along).max()) / abs(mean)
-        if chance > _DRIFT_CHANCE or max(change, turn) < _DRIFT_MATTERS:
+        found = _change(rows, weights, parts)
+        if not found.shows:
             continue
-        settled = _settled_after(rows, noise, parts)
+        settled = _settled_after(rows, found.noise, parts)
         cycles = round(settled * (times[-1] - times[0]) / max(1, size - 1) / period)
         words = (
             "{} is not steady: its amplitude changes by {:.2g} %, its phasor by up to {:.2g} % during the record "
             "(chance of that in noise: {:.0e})"
         )
-        sizes = (name, 100.0 * change, 100.0 * turn, min(1.0, chance))
-        if change > _DRIFT_WRONG:
+        sizes = (name, 100.0 * found.size, 100.0 * found.turn, min(1.0, found.chance))
+        if found.size > _DRIFT_WRONG:
             raise ValueError(
                 f"{words.format(*sizes)}; record again after the motion has settled, or cut its start"
             )
@@ -305,10 +374,10 @@ def harmonic_base(mean: Complexes, error: Array) -> Iterator[Remark]:
     if relative.any():
         yield Remark(
             "the base motion is not harmonic: {:.2g} % distortion, most of it harmonic {} ({:.2g} %); direct "
-            "integration counts the work of all its harmonics, everything else the fundamental only",
+            "integration and the fit of one oscillator count all its harmonics, everything else the fundamental only",
             *(100.0 * math.hypot(*relative), int(np.argmax(relative)) + 2, 100.0 * relative.max()),
             doubts=_EVERYTHING,
-            spares=_BY_HARMONICS,
+            spares=(*_BY_HARMONICS, "maximum likelihood"),
         )
 
 
@@ -354,6 +423,6 @@ def work(Y: complex, X: complex, Y_error: float, X_error: float) -> Iterator[Rem
         )
 
 
-def weighted_mean(rows: Complexes, weights: Array) -> Any:
+def weighted_mean(rows: Complexes | Array, weights: Array) -> Any:
     """Mean of the rows, each with its weight: a number of rows (n,), an array (h,) of rows (n, h)."""
     return weights @ rows / weights.sum()

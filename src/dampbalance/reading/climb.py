@@ -67,11 +67,15 @@ class Evaluation:
 
 @dataclass(frozen=True, eq=False)
 class Climb:
-    """The point where a climb ended, (p,), the evaluation there, and the number of evaluations."""
+    """The point where a climb ended, (p,), the evaluation there, and the number of evaluations.
+
+    promise : what a full step from there would gain in −log L, were the residuals linear: little at an optimum.
+    """
 
     point: Array
     evaluation: Evaluation
     iterations: int
+    promise: float
 
 
 def climb(
@@ -111,12 +115,12 @@ def climb(
     signed = np.isneginf(lower)
     damping = 1e-3
     for count in range(1, most + 1):
-        reached = Climb(moved(point), whole, count)
         active = (point <= lower) & (here.gradient <= 0.0)
         active |= (point >= upper) & (here.gradient >= 0.0)
         full = _step(here, active, 0.0)
         size = float(np.max(np.abs(full) / np.maximum(np.abs(point), scale)))
-        if full @ here.gradient < 2.0 * gain or size < _RELATIVE:
+        reached = Climb(moved(point), whole, count, 0.5 * float(full @ here.gradient))
+        if reached.promise < gain or size < _RELATIVE:
             break
         least = np.where(signed | (lower == 0.0), lower, np.maximum(lower, _SHRINK * point))
         trial = np.clip(point + _step(here, active, damping), least, upper)

@@ -13,9 +13,10 @@ several response channels are averaged, each weighted by its inverse variance.
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -29,6 +30,7 @@ from .checks import weighted_mean
 from .cycles import CycleHarmonics, Samples, accumulate
 from .frequency import FEWEST_CYCLES, drive_frequency, frequency_offset
 from .one_thread import one_thread
+from .rounding import converter_step, rounding_error
 
 SampleBlocks = Callable[[], Iterable[Samples]]
 
@@ -54,12 +56,14 @@ class SteadyRecord:
     Each signal is Re Σ s_n e^{inω(t − start)}.
     weights : usable cycles in each row.   X_error, Y_error : standard deviation of the real and of the imaginary part
     of the mean of each harmonic, m; infinite where no channel reaches.
+    X_rounding, Y_rounding : part of these that the steps of a converter leave, which no scatter between cycles shows.
     bandwidth : N, the highest odd harmonic that stands out of the noise.   even_bandwidth : the highest even one, 0
     where the response is symmetric.   base_bandwidth : the highest harmonic of the base, 1 where it is harmonic.
     channels : harmonics of each channel, corrected, by quantity.
     noise_rms : of the samples, by quantity, in the unit of the channel.
     skew : by how much each response lags the first, s, as corrected (only where it is significant).
-    warnings : what is wrong with the record, one sentence each.
+    warnings : what is wrong with the record, one sentence each, which says what it leaves in doubt.
+    gathered : what all this comes from.   unfolded : whether harmonics beyond those that are fitted have been removed.
     """
 
     source: str
@@ -74,6 +78,8 @@ class SteadyRecord:
     weights: Array
     X_error: Array
     Y_error: Array
+    X_rounding: Array
+    Y_rounding: Array
     bandwidth: int
     even_bandwidth: int
     base_bandwidth: int
@@ -81,6 +87,18 @@ class SteadyRecord:
     noise_rms: Mapping[str, float]
     skew: Mapping[str, float]
     warnings: tuple[Remark, ...]
+    gathered: Gathered
+    unfolded: bool = False
+
+    def without(self, beyond: Mapping[str, Complexes]) -> SteadyRecord:
+        """The record freed of what harmonics beyond those that were fitted add to these: to the harmonics of a channel
+        as it was recorded, by quantity, rows × (0 … N), in the unit of the channel."""
+        channels = {
+            q: replace(h, coefficients=h.coefficients - beyond[q]) if q in beyond else h
+            for q, h in self.gathered.channels.items()
+        }
+        freed = _steady(_Settled.of(replace(self.gathered, channels=channels)))
+        return replace(freed, gathered=self.gathered, unfolded=True)
 
     @property
     def frequency_hz(self) -> float:
@@ -188,25 +206,118 @@ def _condition(
 ) -> SteadyRecord:
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"the stiffness k must be positive, got {k} N/m")
-    driving = next(q for q in EXCITATIONS if q in channels)
-    uncorrected, warnings = _harmonics(channels, driving, frequency_hz, skip_cycles)
-    harmonics = {q: _corrected(q, h, corrections.get(q)) for q, h in uncorrected.items()}
-    base = harmonics[driving]
-    weights = _common_weights(harmonics)
-    warnings += _checked_cycles(harmonics, weights, base.omega)
 
-    # a longer look corrects the frequency of the leading part
-    offset, omega_error = frequency_offset(base)
-    usable = weights > 0.0
-    times, weights = base.times[: len(weights)][usable] - base.start, weights[usable]
-    settled = {q: _settled(h, usable, times, weights, offset) for q, h in harmonics.items()}
-    omega = base.omega + offset
-    Y = _displacement(driving, settled[driving], omega, k)
-    Y_error = _error(Y, weights)
-    moved = {q: _displacement(q, settled[q], omega, k) for q in RESPONSES if q in channels}
+    def gathered(
+        channels: Mapping[str, SampleBlocks], of_clocks: Sequence[Remark] = ()
+    ) -> Gathered:
+        uncorrected, sampling, warnings = _harmonics(channels, frequency_hz, skip_cycles)
+        return Gathered(source, k, uncorrected, sampling, corrections, (*of_clocks, *warnings))
+
+    of_record = gathered(channels)
+    settled = _Settled.of(of_record)
+    apart = {
+        q: checks.clock(settled.Y[:, 1], x[:, 1], settled.times, settled.weights, settled.omega)
+        for q, x in settled.moved.items()
+    }
+    faster = {q: ratio for q, ratio in apart.items() if ratio is not None}
+    if faster:
+        by_one = {q: _by_clock(of, faster.get(q, (0.0,))[0]) for q, of in channels.items()}
+        of_record = gathered(by_one, [*itertools.starmap(checks.two_clocks, faster.items())])
+        of_record = replace(of_record, clocks=faster)
+        settled = _Settled.of(of_record)
+    return _steady(settled)
+
+
+@dataclass(frozen=True, eq=False)
+class Gathered:
+    """What one pass through the samples of a record leaves of them.
+
+    source, k : as for `SteadyRecord`.   channels : harmonics of each channel, as they were recorded.   sampling : time
+    of the first sample and sampling interval, s, and step of the converter, by quantity.   corrections : of the
+    harmonics.   warnings : on the samples.
+    clocks : by how much the clock of a channel was faster than that of the excitation, as a part of it, and the
+    standard error, by quantity, where that was corrected.
+    """
+
+    source: str
+    k: float
+    channels: Mapping[str, CycleHarmonics]
+    sampling: Mapping[str, tuple[float, float, float]]
+    corrections: Mapping[str, Correction | None]
+    warnings: tuple[Remark, ...]
+    clocks: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class _Settled:
+    """The harmonics of base and responses as those of displacements, in the usable rows, m.
+
+    gathered : that they come from.   corrected : harmonics of each channel.   usable : rows in which every channel is.
+    times, weights : of these rows, from the start, s.   omega, offset, omega_error : of the drive, rad/s; offset from
+    that of the leading part.   warnings : on the cycles.
+    """
+
+    gathered: Gathered
+    corrected: Mapping[str, CycleHarmonics]
+    usable: Mask
+    times: Array
+    weights: Array
+    omega: float
+    offset: float
+    omega_error: float
+    Y: Complexes
+    moved: dict[str, Complexes]
+    warnings: list[Remark]
+
+    @classmethod
+    def of(cls, gathered: Gathered) -> _Settled:
+        """The channels, corrected."""
+        corrected = {
+            q: _corrected(q, h, gathered.corrections.get(q)) for q, h in gathered.channels.items()
+        }
+        driving = next(q for q in EXCITATIONS if q in corrected)
+        base, weights = corrected[driving], _common_weights(corrected)
+        warnings = _checked_cycles(corrected, weights, base.omega)
+        # a longer look corrects the frequency of the leading part
+        offset, omega_error = frequency_offset(base)
+        usable, omega = weights > 0.0, base.omega + offset
+        times, weights = base.times[: len(weights)][usable] - base.start, weights[usable]
+        rows = {
+            q: _displacement(q, _settled(h, usable, times, weights, offset), omega, gathered.k)
+            for q, h in corrected.items()
+        }
+        return cls(
+            gathered,
+            corrected,
+            usable,
+            times,
+            weights,
+            omega,
+            offset,
+            omega_error,
+            rows[driving],
+            {q: rows[q] for q in RESPONSES if q in rows},
+            warnings,
+        )
+
+
+def _steady(settled: _Settled) -> SteadyRecord:
+    """The steady record that these harmonics are."""
+    gathered, Y, weights, omega = settled.gathered, settled.Y, settled.weights, settled.omega
+    driving = next(q for q in EXCITATIONS if q in settled.corrected)
+    base, times = settled.corrected[driving], settled.times
+    noise_rms = {
+        q: _noise_rms(_settled(h, settled.usable, times, weights, settled.offset), weights, h)
+        for q, h in gathered.channels.items()
+    }
+    rounding = {q: _rounding(gathered, q, noise_rms[q]) for q in gathered.channels}
+    Y_rounding = rounding[driving][: Y.shape[1]]
+    Y_error = np.hypot(_error(Y, weights), Y_rounding)
+    moved = dict(settled.moved)
+    warnings = [*gathered.warnings, *settled.warnings]
     skew, inconsistencies = checks.consistency(moved, weights, omega)
     warnings += inconsistencies
-    X, X_error = _combined(moved, weights)
+    X, X_error, X_rounding = _combined(moved, rounding, weights)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
     warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
     warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, 2.0 * math.pi / base.omega)
@@ -215,10 +326,10 @@ def _condition(
     warnings += asymmetry
     warnings += checks.work(mean_Y[1], mean_X[1], Y_error[1], X_error[1])
     return SteadyRecord(
-        source=source,
-        k=k,
+        source=gathered.source,
+        k=gathered.k,
         omega=omega,
-        omega_standard_error=omega_error,
+        omega_standard_error=settled.omega_error,
         start=base.start,
         cycles=int(weights.sum()),
         cycles_per_row=base.cycles_per_row,
@@ -227,23 +338,25 @@ def _condition(
         weights=weights,
         X_error=X_error,
         Y_error=Y_error,
+        X_rounding=X_rounding,
+        Y_rounding=Y_rounding,
         bandwidth=_bandwidth(mean_X, X_error),
         even_bandwidth=_bandwidth(mean_X, X_error, lowest=2) if asymmetry else 0,
         base_bandwidth=checks.highest_of_base(mean_Y, Y_error),
-        channels=harmonics,
-        noise_rms={
-            q: _noise_rms(_settled(h, usable, times, weights, offset), weights, h)
-            for q, h in uncorrected.items()
-        },
+        channels=settled.corrected,
+        noise_rms=noise_rms,
         skew=skew,
         warnings=tuple(warnings),
+        gathered=gathered,
     )
 
 
 def _harmonics(
-    channels: Mapping[str, SampleBlocks], driving: str, frequency_hz: float | None, skip_cycles: int
-) -> tuple[dict[str, CycleHarmonics], list[Remark]]:
-    """The harmonics of every channel at the drive frequency of the leading part; warnings about that frequency."""
+    channels: Mapping[str, SampleBlocks], frequency_hz: float | None, skip_cycles: int
+) -> tuple[dict[str, CycleHarmonics], dict[str, tuple[float, float, float]], list[Remark]]:
+    """The harmonics of every channel at the drive frequency of the leading part, `Gathered.sampling`, and warnings
+    about that frequency."""
+    driving = next(q for q in EXCITATIONS if q in channels)
     leading = {
         q: _leading_samples(blocks(), _LEADING if q == driving else _COMPARED)
         for q, blocks in channels.items()
@@ -258,10 +371,29 @@ def _harmonics(
     warnings = list(checks.frequency(omega, error, cycles, frequency_hz))
     start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
     counts = {q: _harmonics_of(q, period / dt) for q, dt in steps.items()}
-    return {
-        q: accumulate(blocks(), omega, start=start, dt=steps[q], harmonics=counts[q])
-        for q, blocks in channels.items()
-    }, warnings
+    return (
+        {
+            q: accumulate(blocks(), omega, start=start, dt=steps[q], harmonics=counts[q])
+            for q, blocks in channels.items()
+        },
+        {
+            q: (float(t[0]), _step_of(t, q), converter_step(values[:_COMPARED]))
+            for q, (t, values) in leading.items()
+        },
+        warnings,
+    )
+
+
+def _by_clock(blocks: SampleBlocks, faster: float) -> SampleBlocks:
+    """The blocks of a channel in the time of a clock that is slower by that part, and started with its own."""
+
+    def blocks_in_time() -> Iterator[Samples]:
+        start: float | None = None
+        for t, values in blocks():
+            start = float(t[0]) if start is None and len(t) else start
+            yield (t if start is None else start + (t - start) * (1.0 - faster)), values
+
+    return blocks_in_time if faster else blocks
 
 
 def _leading_samples(blocks: Iterable[Samples], count: int) -> Samples:
@@ -412,18 +544,32 @@ def _noise_rms(rows: Complexes, weights: Array, of: CycleHarmonics) -> float:
     return math.sqrt(float(np.median(_scatter(rows, weights)[1:])) * 0.5 * period / of.dt)
 
 
-def _combined(moved: Mapping[str, Complexes], weights: Array) -> tuple[Complexes, Array]:
-    """The mean of the harmonics of all responses, weighted by inverse variance, and its standard deviations."""
+def _rounding(gathered: Gathered, quantity: str, noise_rms: float) -> Array:
+    """Standard deviations that the steps of a converter leave in the harmonics of a channel, m."""
+    of, (_, dt, step) = gathered.channels[quantity], gathered.sampling[quantity]
+    cycles = round(float(of.weights.sum()))
+    error = rounding_error(step, of.span, 2.0 * math.pi / (of.omega * dt), cycles, noise_rms)
+    ones = replace(of, coefficients=np.full((1, of.coefficients.shape[1]), error + 0j))
+    corrected = _corrected(quantity, ones, gathered.corrections.get(quantity))
+    return np.abs(_displacement(quantity, corrected.coefficients, of.omega, gathered.k))[0]
+
+
+def _combined(
+    moved: Mapping[str, Complexes], rounding: Mapping[str, Array], weights: Array
+) -> tuple[Complexes, Array, Array]:
+    """The mean of the harmonics of all responses, weighted by inverse variance, its standard deviations, and what
+    rounding contributes to them."""
     count = max(rows.shape[1] for rows in moved.values())
     total = np.zeros((len(weights), count), dtype=np.complex128)
-    precision = np.zeros(count)
-    for rows in moved.values():
+    precision, rounded = np.zeros(count), np.zeros(count)
+    for q, rows in moved.items():
         size = rows.shape[1]
-        weight = 1.0 / _error(rows, weights) ** 2
+        weight = 1.0 / (_error(rows, weights) ** 2 + rounding[q][:size] ** 2)
         total[:, :size] += weight * rows
         precision[:size] += weight
+        rounded[:size] += (weight * rounding[q][:size]) ** 2
     total /= precision
-    return total, 1.0 / np.sqrt(precision)
+    return total, 1.0 / np.sqrt(precision), np.sqrt(rounded) / precision
 
 
 def _bandwidth(mean: Complexes, error: Array, lowest: int = 1) -> int:

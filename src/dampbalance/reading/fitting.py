@@ -18,13 +18,15 @@ from ..motion.jit import interpreted
 from ..motion.orbit import NoSteadyOrbit, Orbit
 from .climb import MOST, Evaluation, climb
 from .lines import Lines, Shares, starts
-from .waveforms import Unknowns, WaveformFit, equivalent_coefficient
+from .waveforms import MOST_RADIANS, Unknowns, WaveformFit, equivalent_coefficient
 
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
 _HOPELESS = 4.0  # χ² per datum, softened
 _EFFORT = 600.0  # evaluations after which no other start is tried: to end where the records are takes about 40
-_STIFFEST = 1e12  # of K_z/k: the contact that stands for a rigid one
+# Of K_z/k: the contact that stands for a rigid one. It sticks for 10⁻⁵ rad of the cycle or so, by which friction comes
+# late: to tell that from nothing takes noise below 10⁻⁶ of the motion.
+_STIFFEST = 1e10
 _FEWER = 12  # evaluations at each softening, to see whether a climb comes near the records
 _SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
@@ -62,7 +64,17 @@ def fit_oscillator(
         nearest = min(ends, key=lambda end: end.chi_square)
         last = _climbed(unknowns, nearest.point, softenings=(0.0,), last=_TO_THE_END)
         ends += filter(None, [last])
+    elif ends and not ends[0].converged:
+        last = _climbed(unknowns, ends[0].point, softenings=(0.0,), last=_TO_THE_END)
+        ends += filter(None, [last])
     return _nearest(ends)
+
+
+def climb_on(fit: WaveformFit, lines: Sequence[Lines]) -> WaveformFit | None:
+    """The fit to other harmonics of the same records, from there on; what was given keeps its value."""
+    given = {name for name in ("m", "delay") if not fit.error(name)}
+    reached = _climbed(replace(fit.unknowns, lines=tuple(lines)), fit.point, given, (0.0,))
+    return reached and replace(reached, evaluations=fit.evaluations + reached.evaluations)
 
 
 def fit_quickly(
@@ -168,7 +180,7 @@ def _climbed(
     free = np.array([i for i in range(point.size) if not fixed & set(names[i : i + 1])])
     sizes = [2 + 2 * one.n.size for one in lines]
     here: Evaluation | None = None
-    evaluations = 0
+    evaluations, promise = 0, math.inf
     if left is None:
         left = np.array([float(most * (len(softenings) - 1) + last)])
     for softening in softenings:
@@ -178,7 +190,7 @@ def _climbed(
         if reached is None:
             break
         here, residuals, point = reached.evaluation, softened, reached.point
-        evaluations += reached.iterations
+        evaluations, promise = evaluations + reached.iterations, reached.promise
         if 2.0 * here.value > hopeless * sum(sizes):
             break
     # the errors as they are, and derivatives that hold to 1e-6
@@ -202,6 +214,7 @@ def _climbed(
         response=response,
         places=tuple(slice(end - n, end) for end, n in zip(ends, sizes, strict=True)),
         freedom=here.residual.size - free.size,
+        promise=promise,
         undamped=tuple(key for key in law.unknowns if point[names.index(key)] <= 0.0),
         evaluations=evaluations,
     )
@@ -213,8 +226,10 @@ def _unlimited() -> Array:
 
 def _swings(orbit: Orbit) -> float:
     """How often the mass swings on contact and spring in half a cycle, while it sticks."""
-    t, s = orbit.phases[:, 0], orbit.phases[:, 1]
-    stuck = float(np.diff(t, append=0.5 * orbit.motion.period)[s == 0.0].sum())
+    rows, stuck = orbit.phases.tolist(), 0.0
+    for i, (t, s, *_) in enumerate(rows):
+        if s == 0.0:
+            stuck += (rows[i + 1][0] if i + 1 < len(rows) else 0.5 * orbit.motion.period) - t
     osc = orbit.oscillator
     return stuck * math.sqrt((osc.k + osc.K_z) / osc.m) / (2.0 * math.pi)
 
@@ -247,6 +262,12 @@ class HarmonicResiduals:
         for i, one in enumerate(unknowns.lines):
             try:
                 response = unknowns.response(point, i, self.near.get(i))
+            except NoSteadyOrbit:  # perhaps after a long search
+                self.left[0] -= MOST_RADIANS / (2.0 * math.pi * _DEAR) / len(unknowns.lines)
+                return None
+            except ValueError:
+                return None
+            try:
                 if len(response.orbit.phases) > _MOST_PHASES:
                     return None
                 self.left[0] -= (1.0 + _swings(response.orbit) / _DEAR) / len(unknowns.lines)

@@ -20,7 +20,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +32,7 @@ from ..motion.jit import interpreted
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
 from ..records.measurement import RESPONSES
+from .checks import SIGNIFICANT
 from .conditioning import SteadyRecord
 
 CLEAR = 4.0
@@ -72,7 +74,8 @@ class Lines:
     omega : rad/s.   Y : amplitude of the base, m.   n : odd orders, (h,).   x : x_n, m, (h,).
     Y_error, x_error : standard deviations of the real and of the imaginary part of each, m.
     rows : independent rows that the standard deviations come from.   aliased : what harmonics beyond half the sampling
-    rate add, as a part of the noise, at its largest; it is counted in x_error.
+    rate add, as a part of the noise, at its largest; it is counted in x_error unless it has been removed.
+    base : y_n, n = 2, 3 …, m, likewise, zero where they do not stand out of the noise; empty for a harmonic base.
     """
 
     omega: float
@@ -83,29 +86,39 @@ class Lines:
     x_error: Array
     rows: int
     aliased: float = 0.0
+    base: Complexes = field(default_factory=lambda: np.empty(0, dtype=np.complex128))
 
     @property
     def clear(self) -> Mask:
         """Which harmonics stand out of the noise; the fundamental always."""
         return (np.abs(self.x) > CLEAR * self.x_error) | (self.n == 1)
 
+    def up_to(self, highest: int) -> Lines:
+        """The harmonics up to an order."""
+        low = self.n <= highest
+        return replace(self, n=self.n[low], x=self.x[low], x_error=self.x_error[low])
+
     @classmethod
     def of(cls, steady: SteadyRecord) -> Lines:
         """The harmonics of a record up to a little beyond its bandwidth."""
         highest = min(steady.bandwidth + 2 * _EXTRA, len(steady.X_error) - 1)
         n = np.arange(1, highest + 1, 2)
-        base = steady.mean(steady.Y[:, 1:2])[0]
+        y = steady.mean(steady.Y[:, : steady.base_bandwidth + 1])
+        base, higher = y[1], np.arange(2, y.size)
+        clear = np.abs(y[higher]) > SIGNIFICANT * steady.Y_error[higher]
         x = steady.mean(steady.X)[n] * np.exp(-1j * n * np.angle(base))
-        noise, aliased = steady.X_error[n], _aliased(steady, n)
+        noise = steady.X_error[n]
+        aliased = _aliased(steady, n)
         return cls(
             omega=steady.omega,
             Y=float(abs(base)),
             Y_error=float(steady.Y_error[1]),
             n=n,
             x=x,
-            x_error=np.hypot(noise, aliased),
+            x_error=noise if steady.unfolded else np.hypot(noise, aliased),
             rows=len(steady.weights),
             aliased=float(np.max(aliased / np.maximum(noise, _ROUNDING * abs(x[0])))),
+            base=np.where(clear, y[higher] * np.exp(-1j * higher * np.angle(base)), 0.0),
         )
 
 
@@ -190,9 +203,14 @@ def _responses_to_contact(
         Z_m = rubbed * F_k / K_z
         wave = (np.exp(1j * np.outer(theta, one.n)) @ np.where(one.clear, one.x, 0.0)).real
         z = np.zeros((theta.size, m.size))
-        for i, step in enumerate(np.diff(wave), start=1):
-            z[i] = np.clip(z[i - 1] + step, -Z_m, Z_m)
-        force = (2.0 / _POINTS) * K_z * (turn @ z[_POINTS:].astype(np.complex128))  # (3, n)
+        forward = np.diff(wave) >= 0.0
+        turns = [0, *(1 + np.flatnonzero(forward[1:] != forward[:-1])), theta.size - 1]
+        for begin, end in pairwise(
+            turns
+        ):  # between two turns the deflection is that of the travel, within ±Z_m
+            travel = wave[begin : end + 1, None] - wave[begin]
+            z[begin : end + 1] = np.clip(z[begin] + travel, -Z_m, Z_m)
+        force = (2.0 / _POINTS) * K_z * (turn.real @ z[_POINTS:] + 1j * (turn.imag @ z[_POINTS:]))
         drive = np.where(n == 1, k * one.Y, 0.0)
         impedance = k - np.outer((n * one.omega) ** 2, m) + 1j * np.outer(n * one.omega, damped * c)
         harmonics.append(((drive[:, None] - force) / impedance).T)
@@ -205,26 +223,36 @@ def linear_misfit(
 ) -> tuple[float, int]:
     """χ² of the records about a linear oscillator, and its degrees of freedom.
 
-    It has (k + K − mω² + iωΣ p_j h_j) x_1 = kY, K ≥ 0 the stiffness of a contact that only sticks, and no other
-    harmonics.   terms : of its damping, of which those that are linear count.
+    It has (k + K − mω² + iωΣ p_j h_j) x_1 = kY, K ≥ 0 the stiffness of a contact that only sticks, and likewise at nω
+    where the base has a harmonic y_n; no other harmonics.
+
+    terms : of its damping, of which those that are linear count.
     """
-    x_1 = np.array([one.x[0] for one in lines])
-    omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
-    z = k * Y / x_1 - k
-    relative = [math.hypot(one.x_error[0] / abs(one.x[0]), one.Y_error / one.Y) for one in lines]
-    error = np.abs(k * Y / x_1) * relative
-    columns = [np.ones(omega.size), (omega / omega.max()) ** 2]
+    rows, chi_square = [], 0.0
+    for one in lines:
+        y = np.zeros(2 * one.n.size, dtype=np.complex128)
+        y[1], y[2 : one.base.size + 2] = one.Y, one.base[: y.size - 2]
+        y = y[one.n]
+        driven = one.clear & (y != 0.0)
+        chi_square += float(np.sum(np.abs(one.x / one.x_error)[~driven] ** 2))
+        y, x = y[driven], one.x[driven]
+        relative = one.x_error[driven] / np.abs(x)
+        relative[0] = math.hypot(relative[0], one.Y_error / one.Y)
+        rows.append(np.column_stack([y / x, relative, one.n[driven] * one.omega]))
+    ratio, relative, rate = np.concatenate(rows).T
+    rate, omega = rate.real, np.repeat([one.omega for one in lines], [len(part) for part in rows])
+    z, error = k * (ratio - 1.0), k * np.abs(ratio) * relative.real
+    columns = [np.ones(rate.size), rate**2]
     for symbol in terms:
         force = KNOWN_TERMS[symbol].force
         if force is not None and KNOWN_TERMS[symbol].linear:
-            columns.append(1j * omega * force(1.0, Y / x_1, k, omega))
+            columns.append(1j * rate * force(1.0, ratio, k, omega))
     matrix = np.column_stack(columns) / error[:, None]
     matrix = np.vstack([matrix.real, matrix.imag])
     matrix /= np.linalg.norm(matrix, axis=0)
     right = np.concatenate([z.real / error, z.imag / error])
     solution, _, rank, _ = np.linalg.lstsq(matrix, right, rcond=1e-6)
-    chi_square = float(np.sum((matrix @ solution - right) ** 2))
-    chi_square += math.fsum(float(np.sum(np.abs(one.x / one.x_error)[1:] ** 2)) for one in lines)
+    chi_square += float(np.sum((matrix @ solution - right) ** 2))
     return chi_square, 2 * sum(one.n.size for one in lines) - int(rank)
 
 
@@ -256,39 +284,39 @@ def _candidates(lines: Sequence[Lines], k: float, shares: Shares, wide: bool) ->
     known = W > 0.0  # noise may hide the work of a low level
     if not known.any():
         return np.empty((0, 4))
+    # axes: contact stiffness, share of friction in the work (of the first, that which fits the levels best), record
+    K_z = k * (_STIFFNESSES[:_SOFTEST] if wide else _STIFFNESSES)[:, None, None]
+    rubbed, work = shares.friction[known], W[known]
+    F_k = np.zeros((K_z.size, 1 + len(_SHARES), 1))
+    for _ in range(8):  # the travel a depends on F_k through Z_m
+        slid = np.maximum(X[known] - F_k * rubbed / K_z, 0.0)
+        slid = np.where(slid.any(axis=-1, keepdims=True), slid, 0.05 * X[known])
+        a = 4.0 * rubbed * slid
+        F_k = work.sum() / a.sum(axis=-1, keepdims=True) * [[1.0], *([part] for part in _SHARES)]
+        F_k[:, 0], of_c = _not_negative(a[:, 0] / work, b[known] / work)
+    c = np.tile(work.sum() / b[known].sum() * (1.0 - np.array([1.0, *_SHARES])), (K_z.size, 1))
+    c[:, 0] = of_c[:, 0]
+    theta = np.arccos(np.clip(1.0 - 2.0 * F_k * shares.friction / (K_z * X), -1.0, 1.0))
+    contact = K_z / math.pi * (theta - np.sin(theta) * np.cos(theta))
     apparent = k - (k * Y / fundamental).real
-    rows = []
-    for K_z in k * (_STIFFNESSES[:_SOFTEST] if wide else _STIFFNESSES):
-        for share in (None, *_SHARES):
-            F_k = c = 0.0
-            for _ in range(8):  # the travel a depends on F_k through Z_m
-                slid = np.maximum(X - F_k * shares.friction / K_z, 0.0)
-                if not slid[known].any():
-                    slid = np.maximum(slid, 0.05 * X)
-                a = 4.0 * shares.friction * slid
-                if share is None:
-                    columns = np.column_stack([a, b])[known] / W[known, None]
-                    F_k, c = _not_negative(columns)
-                else:
-                    F_k = share * float(np.sum(W[known]) / np.sum(a[known]))
-                    c = (1.0 - share) * float(np.sum(W[known]) / np.sum(b[known]))
-            theta = np.arccos(np.clip(1.0 - 2.0 * F_k * shares.friction / (K_z * X), -1.0, 1.0))
-            contact = K_z / math.pi * (theta - np.sin(theta) * np.cos(theta))
-            m = float(np.sum((apparent + contact) / omega**2 * X**2) / np.sum(X**2))
-            masses = [m, *(k / (float(omega.max()) * _RATIOS) ** 2)] if wide else [m]
-            rows += [(F_k, max(c, 0.0), K_z, m) for m in masses if F_k > 0.0 and m > 0.0]
-    return np.array(rows).reshape(-1, 4)
+    m = np.sum((apparent + contact) / omega**2 * X**2, axis=-1, keepdims=True) / np.sum(X**2)
+    if wide:
+        others = np.broadcast_to(k / (float(omega.max()) * _RATIOS) ** 2, (*c.shape, _RATIOS.size))
+        m = np.concatenate([m, others], axis=-1)
+    candidates = np.stack(np.broadcast_arrays(F_k, c[..., None], K_z, m), axis=-1).reshape(-1, 4)
+    rows: Array = candidates[(candidates[:, 0] > 0.0) & (candidates[:, 3] > 0.0)]
+    return rows
 
 
-def _not_negative(columns: Array) -> tuple[float, float]:
-    """The two non-negative numbers whose combination of the columns is closest to ones."""
-    ones = np.ones(len(columns))
-    p, q = np.linalg.lstsq(columns, ones)[0]
-    if p >= 0.0 and q >= 0.0:
-        return float(p), float(q)
-    alone = np.sum(columns, axis=0) / np.sum(columns**2, axis=0)  # each without the other
-    left = np.linalg.norm(columns * alone - ones[:, None], axis=0)
-    return (float(alone[0]), 0.0) if left[0] <= left[1] else (0.0, float(alone[1]))
+def _not_negative(a: Array, b: Array) -> tuple[Array, Array]:
+    """The two non-negative numbers with which each row of a, and b, (…, L), together are closest to ones; (…, 1)."""
+    columns = np.stack(np.broadcast_arrays(a, b), axis=-1)
+    solved = np.linalg.pinv(columns, rcond=max(a.shape[-1], 2) * np.finfo(float).eps).sum(axis=-1)
+    alone = np.sum(columns, axis=-2) / np.sum(columns**2, axis=-2)  # each without the other
+    left = np.linalg.norm(columns * alone[..., None, :] - 1.0, axis=-2)
+    only = np.where(left[..., :1] <= left[..., 1:], [1.0, 0.0], [0.0, 1.0]) * alone
+    found = np.where((solved >= 0.0).all(axis=-1, keepdims=True), solved, only)
+    return found[..., :1], found[..., 1:]
 
 
 def _peak_and_viscous(one: Lines) -> tuple[float, float]:

@@ -23,6 +23,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -32,9 +33,9 @@ from ..law.integrals import of_harmonics
 from ..project.wording import Remark
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
-from .fitting import fit_oscillator
 from .lines import Lines
 from .one_thread import one_thread
+from .recorded import added, fit_records
 from .turning import Series, turning_points, upward_zero
 from .waveforms import Waveform
 
@@ -62,6 +63,11 @@ class Means:
     even: Complexes
     base: Complexes
     bias: float = 1.0
+
+    def __getitem__(self, kept: Any) -> Means:
+        """Those of some drawings, by a list or a mask."""
+        parts = {name: getattr(self, name)[kept] for name in ("Y", "x", "even", "base")}
+        return replace(self, **parts)
 
     def changed(self, drive: Array, response: Array, turn: Array) -> Means:
         """One mean as r: base and response grown by the factors 1 + drive and 1 + response, the response turned by
@@ -99,13 +105,19 @@ class Reading:
         """The harmonics that waveforms are fitted to."""
         return Lines.of(self.steady)
 
+    def x_of(self, n: Integers) -> Complexes:
+        """Harmonics x_n of the record as in `lines`, of any orders, m, (h,)."""
+        steady = self.steady
+        base = steady.mean(steady.Y[:, 1:2])[0]
+        return steady.mean(steady.X)[n] * np.exp(-1j * n * np.angle(base))
+
     @cached_property
     @one_thread
     def waveform(self) -> Waveform | None:
         """The exact waveform that fits; None where there is none."""
         if self.joint:
             return self.shared
-        fit = fit_oscillator([self.lines], self.steady.k)
+        fit = fit_records([self.lines], self.steady.k)
         return fit.waveforms[0] if fit is not None and fit.adequate else None
 
     @property
@@ -159,9 +171,28 @@ class Reading:
 
     @one_thread
     def resampled(self, count: int, rng: np.random.Generator) -> Means:
-        """`count` bootstrap replicates of the means: of rows drawn with replacement."""
-        drawn, stretch = bootstrap(len(self.steady.weights), count, rng)
-        return self._drawn(drawn * self.steady.weights, stretch, 2.0)
+        """`count` bootstrap replicates of the means: of rows drawn with replacement, with random errors of the size
+        that a converter leaves in all of them alike."""
+        steady = self.steady
+        drawn, stretch = bootstrap(len(steady.weights), count, rng)
+        means = self._drawn(drawn * steady.weights, stretch, 2.0)
+        if not (steady.X_rounding.any() or steady.Y_rounding.any()):
+            return means
+
+        def shaken(x: Complexes, error: Array) -> Complexes:
+            noise = rng.standard_normal((2, *x.shape)) * error
+            return x + noise[0] + 1j * noise[1]
+
+        Y = means.Y + steady.Y_rounding[1] * rng.standard_normal(means.Y.shape)
+
+        even = np.arange(2, steady.even_bandwidth + 1, 2)
+        return replace(
+            means,
+            Y=Y,
+            x=shaken(means.x, steady.X_rounding[self.lines.n]),
+            even=shaken(means.even, steady.X_rounding[even]),
+            base=shaken(means.base, steady.Y_rounding[2 : means.base.shape[1] + 2]),
+        )
 
     @one_thread
     def left_out(self) -> Means:
@@ -251,6 +282,12 @@ class Reading:
     def _unknowns(self) -> int:
         return 0 if self.waveform is None else self.waveform.fit.point.size
 
+    @cached_property
+    def _of_base(self) -> Complexes:
+        """What the harmonics of the base add to those of the waveform, m, as many as its tail has."""
+        assert self.waveform is not None
+        return added(self.lines.base, self.waveform.response, self.waveform.tail.size)
+
     def series(self, means: Means, moved: Array | None = None) -> tuple[Series, Series]:
         """The odd and the even harmonics of r means of the response: the record's own, odd ones beyond them those of
         the waveform.   moved : as for `features_of`."""
@@ -264,6 +301,8 @@ class Reading:
             own = lines.n <= min(max(self.steady.bandwidth, 1), _READ)
             beyond = slice(np.count_nonzero(own), None)
             tail = waveform.tail[beyond] + (waveform.tail_slope[beyond] @ moved).T
+            if means.base.any():
+                tail = tail + self._of_base[beyond]
         x = np.hstack([means.x[:, own], tail])
         variance = np.append(means.bias * 2.0 * lines.x_error[own] ** 2, np.zeros(tail.shape[1]))
         n = 2.0 * np.arange(1.0, means.even.shape[1] + 1.0)

@@ -16,17 +16,29 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Mask
 from ..model import Parameters
+from ..motion.decay_climb import (
+    MOST_PHASES,
+    NOISE,
+    OFFSET,
+    Bounds,
+    climb_decays,
+    climb_from_all,
+    contact_chord,
+    decay_residuals,
+)
 from ..motion.decays import decay_samples, phase_slopes
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
 from ..solver import NORMAL_95
-from .climb import GAIN, MOST, Evaluation, OscillatorFit, climb
+from .climb import GAIN, MOST, OscillatorFit
 from .ringdown_bursts import Signal, rounding
+from .whiteness import averages, chance_of_averages, chance_of_lines, louder
 
 COMMON = ("F_k", "c", "rho", "m")
 """Unknowns common to all decays; the offsets and the start states follow."""
@@ -37,16 +49,14 @@ STATE = 3
 STEP = 1e-6
 """Relative step of finite differences: motions are exact to 1e-12."""
 
-_CHORD = 3e-2  # of ρ√k: K_z = 1100 k
-_MOST_PHASES = 4096  # of a decay: a motion that slips more often than that is none
-_STIFFEST = 1e8  # of K_z/k: the contact that stands for a rigid one
+_RHO = COMMON.index("rho")
+_LOOSEST, _STIFFEST = 1e-4, 1e8  # of K_z/k: contacts that stand for none and for a rigid one
 # Bounds for a motion that oscillates: c over √(km), and the mass over that of the start, either way.
-_DAMPED, _MASSES = 4.0, 10.0
+_DAMPED, _MASSES = 2.0, 10.0
 _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
 _W_ERROR = 1.0  # of w, which lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
 _DOUBTFUL, _ALIKE = 0.02, 3.0
-_ROUNDING = 0.1  # of the variance of the noise
 _BINS = 12  # of a cycle, in which the residual is averaged
 
 
@@ -82,15 +92,43 @@ class RingFit(OscillatorFit):
     The unknowns are COMMON, the offsets, and x, ẋ, w of each decay; the residuals run decay by decay, channel by
     channel.
 
-    jacobian : derivatives of the residual by the unknowns, (samples, p); zero where one was given.
+    free : which unknowns were not given, (p,).
     ranges : 95 % intervals of common unknowns that a search has profiled, by name.
     minima : number of minima of χ² that lie within such intervals.
     """
 
     decays: tuple[Decay, ...]
-    jacobian: Array
+    free: Mask
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     minima: int = 1
+
+    @cached_property
+    def jacobian(self) -> Array:
+        """Derivatives of the residual by the unknowns, (samples, p); zero where one was given."""
+        whole = np.zeros((self.residual.size, self.point.size))
+        par = numbers_of(self.point, self.k)
+        stretch = 1.0 + 0.5 * contact_chord(float(self.point[_RHO]), self.k) / self.point[_RHO]
+        for i, signal, rows, phases in self._motions():
+            slopes = phase_slopes(phases, float(self.point[self.places(i)][2]), par)
+            times = signal.t - self.decays[i].start
+            part = decay_samples(times, signal.order, phases, slopes, par)
+            block = whole[rows]
+            block[:, : len(COMMON)] = part[:, 1 : len(COMMON) + 1]
+            block[:, _RHO] *= stretch
+            block[:, self.places(i)] = part[:, len(COMMON) + 1 :]
+            block[:, len(COMMON) + signal.offset] = 1.0
+            block /= signal.noise
+        whole[:, ~self.free] = 0.0
+        return whole
+
+    def _motions(self) -> Iterator[tuple[int, Signal, slice, Array]]:
+        """Number of the decay, channel, places of its samples in the residual and phases, of each channel."""
+        at = 0
+        for i, one in enumerate(self.decays):
+            phases = _phases_to_last(self.point, self.point[self.places(i)], self.k, one)
+            for signal in one.signals:
+                yield i, signal, slice(at, at + signal.t.size), phases
+                at += signal.t.size
 
     def interval(self, name: str) -> tuple[float, float]:
         """95 % interval of a common unknown, in its unit."""
@@ -141,15 +179,17 @@ class RingFit(OscillatorFit):
     @property
     def misfit(self) -> float:
         """Mean square of the residual averaged over parts of a cycle, relative to white noise, which gives 1."""
-        return self._likeness[0]
+        return averages(*self._parts, self.point.size)[0]
 
-    @property
+    @cached_property
     def chance(self) -> float:
-        """Probability that white noise leaves a residual as similar to a motion."""
-        from scipy import special  # slow to import
+        """Probability that white noise leaves a residual as similar to a motion, slow or fast."""
+        return min(1.0, 2.0 * min(self.slow_chance, chance_of_lines(self._parts[0])))
 
-        ratio, bins, rest = self._likeness
-        return float(special.fdtrc(bins, rest, ratio))
+    @cached_property
+    def slow_chance(self) -> float:
+        """Probability that averages of white noise over parts of a cycle, down to two samples, are as large."""
+        return chance_of_averages(*self._parts, self.point.size)
 
     @property
     def doubtful(self) -> bool:
@@ -167,22 +207,36 @@ class RingFit(OscillatorFit):
         """Whether the residual is white, so that such an oscillator may have made the records."""
         return self.chance >= _CHANCE
 
-    @cached_property
-    def _likeness(self) -> tuple[float, int, int]:
-        """F ratio of the averages to the scatter about them, and its two numbers of degrees of freedom."""
-        between = within = 0.0
-        bins = count = 0
+    @property
+    def _parts(self) -> tuple[list[Array], list[int]]:
+        """The residual of each channel of each decay, and the samples in a part of a cycle there."""
+        residuals, widths = [], []
         for i, signal, residual in self.residuals():
-            per_bin = max(2, round(self.decays[i].period / (_BINS * signal.dt)))
-            n = residual.size // per_bin
-            parts = residual[: n * per_bin].reshape(n, per_bin)
-            means = parts.mean(axis=1)
-            between += per_bin * float(means @ means)
-            within += float(np.sum((parts - means[:, None]) ** 2))
-            bins, count = bins + n, count + n * per_bin
-        first, rest = max(1, bins - self.point.size), max(1, count - bins)
-        # a record without noise leaves rounding, far below the least noise that is assumed
-        return (between / first) / max(within / rest, _ROUNDING), first, rest
+            residuals.append(residual)
+            widths.append(max(2, round(self.decays[i].period / (_BINS * signal.dt))))
+        return residuals, widths
+
+    @cached_property
+    def shortcomings(self) -> tuple[str, ...]:
+        """In which ways the decays are not those of such an oscillator with white noise, in words; empty where they may
+        be."""
+        words = []
+        if self.slow_chance < _CHANCE:
+            words.append(
+                "the decays are not those of one mass on a spring, a damper and one friction contact within white "
+                f"noise: what is left is {self.misfit:.3g} times as large as noise would leave it over a twelfth of a "
+                f"cycle, or over fewer samples, with a probability of {self.slow_chance:.1g}"
+            )
+        elif not self.adequate:
+            words.append(
+                "what is left of the decays has a spectral line, which white noise has not"
+            )
+        loud = max(louder(r, signal.values, signal.noise) for _, signal, r in self.residuals())
+        if loud > 1.0:
+            words.append(
+                f"what is left of the decays is {loud:.3g} times the noise that their samples themselves show"
+            )
+        return tuple(words)
 
 
 def fit_decays(
@@ -199,46 +253,114 @@ def fit_decays(
     given : numbers of the unknowns that keep their values.   gain : of half of χ², where the climb ends.
     most : evaluations.
     """
-    free = np.array([i for i in range(start.size) if i not in given])
+    samples = Samples.of(decays, start.size)
+    bounds, rigid = _bounds(decays, samples, k, start, given)
+    point, information, count = climb_decays(
+        np.array(start, dtype=float), k, *samples, bounds, gain, most
+    )
+    if not count:
+        return None
+    information = information[:-1, :-1] * np.outer(bounds.free, bounds.free)
+    return RingFit(
+        k=k,
+        point=point,
+        covariance=_covariance(information, w_errors(start.size, len(COMMON) + samples.offsets)),
+        residual=decay_residuals(point, k, *samples),
+        rigid=bool(point[_RHO] <= rigid),
+        decays=tuple(decays),
+        free=bounds.free,
+    )
+
+
+def rough_ends(
+    decays: Sequence[Decay],
+    k: float,
+    starts: Array,
+    *,
+    given: Collection[int] = (),
+    gain: float,
+    most: int,
+    following: bool = False,
+) -> Array:
+    """Where climbs from many starts (n, p) end and χ² there, (n, p + 1), the lowest first; those that the model has no
+    motion at are left out.
+
+    following : whether each start takes the unknowns that are not given from the end before; the order then stays.
+    """
+    if not len(starts):
+        return np.empty((0, 0))
+    starts = np.asarray(starts, dtype=float)
+    samples = Samples.of(decays, starts.shape[1])
+    bounds, _ = _bounds(decays, samples, k, starts[0], given)
+    ends = climb_from_all(starts, k, *samples, bounds, gain, most, following)
+    if following:
+        return ends
+    ends = ends[np.isfinite(ends[:, -1])]
+    return ends[np.argsort(ends[:, -1], kind="stable")]
+
+
+class Samples(NamedTuple):
+    """The samples of decays as kernels take them: number of offsets, table of channels, values of all of them."""
+
+    offsets: int
+    channels: Array
+    values: Array
+
+    @classmethod
+    def of(cls, decays: Sequence[Decay], unknowns: int) -> Samples:
+        """Pack the samples of decays for a fit with so many unknowns."""
+        rows, end = [], 0
+        for i, one in enumerate(decays):
+            for signal in one.signals:
+                begin, end = end, end + signal.t.size
+                first = float(signal.t[0]) - one.start if signal.t.size else 0.0
+                step = signal.dt if signal.t.size > 1 else 1.0
+                rows.append((i, signal.order, signal.offset, first, step, signal.noise, begin, end))
+        values = np.concatenate([signal.values for one in decays for signal in one.signals])
+        offsets = unknowns - len(COMMON) - STATE * len(decays)
+        return cls(offsets, np.array(rows, dtype=float), values)
+
+
+def _bounds(
+    decays: Sequence[Decay], samples: Samples, k: float, start: Array, given: Collection[int]
+) -> tuple[Bounds, float]:
+    """The bounds of a climb from a start, and the ρ that stands for a rigid contact."""
+    free = np.ones(start.size, dtype=np.bool_)
+    free[[*given]] = False
     rigid = 1.0 / math.sqrt(_STIFFEST * k)
-    first_state = start.size - STATE * len(decays)
-    m = float(start[3])
+    first_state = len(COMMON) + samples.offsets
+    F_k, _, rho, m = start[: len(COMMON)].tolist()
     omega = math.sqrt(k / m)
     lower = np.full(start.size, -math.inf)
     upper = np.full(start.size, math.inf)
     scale = np.ones(start.size)
-    lower[:4] = 1e-9 * start[0], 0.0, rigid, m / _MASSES
-    upper[1], upper[3] = _DAMPED * math.sqrt(k * m), m * _MASSES
-    scale[:4] = start[0], 1e-3 * math.sqrt(k * m), 1e-3 * start[2], m
-    for signal in (signal for one in decays for signal in one.signals):
-        scale[len(COMMON) + signal.offset] = max(float(np.ptp(signal.values)), signal.noise)
-    for i in range(first_state, start.size, STATE):
-        size = max(abs(start[i]), abs(start[i + 1]) / omega, 1e-300)
-        scale[i : i + STATE] = size, size * omega, 1.0
-        lower[i + 2], upper[i + 2] = 0.0, 2.0
+    # with no contact at all, a mass this light is critically damped
+    light = k * (min(one.period for one in decays) / (4.0 * math.pi)) ** 2
+    lower[:4] = 1e-9 * F_k, 0.0, rigid, max(m / _MASSES, min(light, m))
+    upper[1:4] = _DAMPED * math.sqrt(k * m), 1.0 / math.sqrt(_LOOSEST * k), m * _MASSES
+    scale[:4] = F_k, 1e-3 * math.sqrt(k * m), 1e-3 * rho, m
+    states = start[first_state:].reshape(-1, STATE)
+    size = np.maximum(np.maximum(np.abs(states[:, 0]), np.abs(states[:, 1]) / omega), 1e-300)
+    scale[first_state::STATE], scale[first_state + 1 :: STATE] = size, size * omega
+    lower[first_state + 2 :: STATE], upper[first_state + 2 :: STATE] = 0.0, 2.0
+    for offset, noise in samples.channels[:, (OFFSET, NOISE)].tolist():
+        scale[len(COMMON) + int(offset)] = noise
+    return Bounds(free, lower, upper, scale), rigid
 
-    def triangle(point: Array) -> Evaluation | None:
-        # as many residuals as unknowns, and one, which have the χ² and the steps of all samples
-        whole = _columns(decays, k, point)
-        return None if whole is None else _split(_triangle(whole))
 
-    climbed = climb(triangle, start, free, lower, scale, upper, gain=gain, most=most)
-    whole = None if climbed is None else _columns(decays, k, climbed.point)
-    if climbed is None or whole is None:
-        return None
-    here, point = _split(whole), climbed.point
-    jacobian = np.zeros_like(here.jacobian)
-    jacobian[:, free] = here.jacobian[:, free]
-    solution = linear_solution(_triangle(jacobian), w_errors(point.size, first_state))
-    return RingFit(
-        k=k,
-        point=point,
-        covariance=solution @ solution.T,
-        residual=here.residual,
-        rigid=bool(point[2] <= rigid),
-        decays=tuple(decays),
-        jacobian=jacobian,
-    )
+def _covariance(information: Array, errors: Array) -> Array:
+    """The covariance of unknowns with this information, (p, p), and prior standard errors, (p,); zero for an unknown on
+    which nothing depends."""
+    sizes = np.diag(information)
+    free = np.flatnonzero(sizes > 0.0)
+    some = information[np.ix_(free, free)] + np.diag(errors[free] ** -2)
+    length = np.sqrt(np.diag(some))
+    scaled = some / np.outer(length, length)
+    covariance = np.zeros_like(information)
+    # what rounding cannot tell apart is uncertain, not certain
+    inverse = np.linalg.inv(scaled + 1e-14 * np.eye(free.size))
+    covariance[np.ix_(free, free)] = 0.5 * (inverse + inverse.T) / np.outer(length, length)
+    return covariance
 
 
 def w_errors(size: int, first_state: int) -> Array:
@@ -285,8 +407,8 @@ def numbers_of(point: Array, k: float) -> Parameters:
 
 def contact_step(point: Array, k: float) -> float:
     """Step of a difference by ρ: close to a rigid contact the motion depends on ρ², and a chord replaces the slope."""
-    rho, chord = float(point[COMMON.index("rho")]), _CHORD / math.sqrt(k)
-    return chord if rho < 0.3 * chord else STEP * rho
+    rho = float(point[_RHO])
+    return contact_chord(rho, k) or STEP * rho
 
 
 def phases_of(point: Array, state: Array, k: float, until: float) -> Array:
@@ -296,7 +418,7 @@ def phases_of(point: Array, state: Array, k: float, until: float) -> Array:
     """
     par = numbers_of(point, k)
     x, v, w = state.tolist()
-    rows = np.empty((_MOST_PHASES, 5))
+    rows = np.empty((MOST_PHASES, 5))
     Z_m = par.F_k / par.K_z
     z = min(max((w - 1.0) * Z_m, -Z_m), Z_m)
     count, t, *_ = run(x, v, z, 0.0, until, 0.0, par, rows)
@@ -316,56 +438,3 @@ def _phases_to_last(point: Array, state: Array, k: float, one: Decay) -> Array:
     """The phases of a motion up to the last sample of a decay."""
     longest = max(float(s.t[-1]) for s in one.signals if s.t.size)
     return phases_of(point, state, k, max(longest - one.start, 1e-9 * one.period))
-
-
-def _with_slopes(point: Array, state: Array, k: float, one: Decay) -> list[Array]:
-    """Samples of each channel without noise and offset, and their derivatives by COMMON and the start state, (n, 8).
-
-    Close to a rigid contact the motion depends on ρ², and a chord replaces the derivative by ρ.
-    """
-    phases, par = _phases_to_last(point, state, k, one), numbers_of(point, k)
-    slopes = phase_slopes(phases, float(state[2]), par)
-    parts = [decay_samples(s.t - one.start, s.order, phases, slopes, par) for s in one.signals]
-    rho = COMMON.index("rho")
-    step = contact_step(point, k)
-    if step > point[rho]:
-        moved = point.copy()
-        moved[rho] += step
-        there = np.split(samples_of(moved, state, k, one), np.cumsum([len(p) for p in parts])[:-1])
-        for part, other in zip(parts, there, strict=True):
-            part[:, rho + 1] = (other - part[:, 0]) / step
-    return parts
-
-
-def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
-    """Derivatives of the residuals (model − sample)/σ by all unknowns, and these residuals, (samples, p + 1).
-
-    None where the contact rattles.
-    """
-    whole = np.zeros((sum(one.samples for one in decays), point.size + 1))
-    first, at = point.size - STATE * len(decays), 0
-    for i, one in enumerate(decays):
-        own = slice(first + STATE * i, first + STATE * (i + 1))
-        try:
-            parts = _with_slopes(point, point[own], k, one)
-        except (ValueError, ArithmeticError):
-            return None
-        for signal, part in zip(one.signals, parts, strict=True):
-            block, offset = whole[at : at + signal.t.size], len(COMMON) + signal.offset
-            block[:, : len(COMMON)] = part[:, 1 : len(COMMON) + 1]
-            block[:, own] = part[:, len(COMMON) + 1 :]
-            block[:, offset] = 1.0
-            block[:, -1] = part[:, 0] + point[offset] - signal.values
-            block /= signal.noise
-            at += signal.t.size
-    return whole if np.isfinite(whole).all() else None
-
-
-def _triangle(columns: Array) -> Array:
-    """The triangle of a QR factorisation: the same sums of products in as many rows as there are columns."""
-    return np.asarray(np.linalg.qr(columns, mode="r"))
-
-
-def _split(columns: Array) -> Evaluation:
-    """Residuals and derivatives, from `_columns` or their triangle."""
-    return Evaluation(columns[:, -1], columns[:, :-1])

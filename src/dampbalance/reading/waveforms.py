@@ -37,6 +37,10 @@ from .lines import Lines, improbable
 _OTHERS = ("rho", "m", "delay")  # common unknowns in addition to the coefficients of the law
 _STEP = 1e-6  # of the finite differences: orbits are exact to 1e-13
 _LEAST = 2e-2  # of √(km): damping that sets the step where that of the point is smaller
+MOST_RADIANS = 5e5
+"""Of the fastest motion that are followed in search of one orbit: a quarter of a second."""
+
+_CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
 _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
 
 
@@ -91,34 +95,35 @@ class Unknowns:
         )
         law = {s: value[at[s]] for s in self.law.terms if s not in (FRICTION, "c")}
         motion = BaseMotion(value[at["Y"]], self.lines[record].omega)
-        return steady_response(oscillator, motion, law, near)
+        return steady_response(oscillator, motion, law, near, most_radians=MOST_RADIANS)
 
     def harmonics(
         self, point: Array, record: int, response: Response, count: int, *, quickly: bool
     ) -> tuple[Complexes, Complexes]:
         """Harmonics n = 1, 3 … of a record, turned by ψ, m, (count,), and their derivatives, (count, unknowns).
 
-        By the common unknowns from neighbouring motions. By Y because x is homogeneous: of degree one in Y and in
-        p_j^{1/(1 − d_j)}, d_j the order of the term, so that Y ∂x/∂Y = x − Σ (1 − d_j) p_j ∂x/∂p_j.
+        By Y because x is homogeneous: of degree one in Y and in p_j^{1/(1 − d_j)}, d_j the order of the term, so that
+        Y ∂x/∂Y = x − Σ (1 − d_j) p_j ∂x/∂p_j.
 
-        quickly : from the equations of a nonlinear law where there are some, accurate to 1e-3 or so. Choose that during
-        a search, and differences for standard errors.
+        quickly : whether derivatives under a nonlinear law may come from its equations (`Response.with_slopes`).
         """
-        at = self.at[record]
-        n = np.arange(1, 2 * count, 2)
-        turn = np.exp(1j * n * point[at["psi"]])
-        x = response.harmonics(count)
-        known = response.slopes(count, self.law.terms) if quickly else None
+        at, n = self.at[record], np.arange(1, 2 * count, 2)
+        if quickly or response.change is None:
+            x, known = response.with_slopes(count, self.law.terms)
+        else:
+            x, known = response.harmonics(count), None
         if known is None:
             slope = self._slopes(point, record, response, lambda motion: motion.harmonics(count))
         else:
             slope = np.zeros((count, point.size), dtype=np.complex128)
-            known["rho"] = -2.0 * point[at["rho"]] ** -3 * known.pop("K_z")
             for name, by in known.items():
                 slope[:, at[name]] = by
         slope[:, at["Y"]] = self._by_base(point, record, x, slope)
         slope[:, at["psi"]] = 1j * n * x
-        return x * turn, slope * turn[:, None]
+        if psi := float(point[at["psi"]]):
+            turn = np.exp(1j * n * psi)
+            return x * turn, slope * turn[:, None]
+        return x, slope
 
     def onset(self, point: Array, record: int, response: Response) -> tuple[Array, Array]:
         """(V_s, t_s, λ), SI, λ = 4X − a, and their derivatives, (3, unknowns)."""
@@ -126,9 +131,16 @@ class Unknowns:
         def read(motion: Response) -> Array:
             return np.array([motion.V_s, motion.t_s, motion.taken])
 
-        onset, slope = read(response), self._slopes(point, record, response, read)
+        onset, at = read(response), self.at[record]
+        known = response.onset_slopes(self.law.terms)
+        if known is None:
+            slope = self._slopes(point, record, response, read)
+        else:
+            slope = np.zeros((3, point.size))
+            for name, by in known.items():
+                slope[:, at[name]] = by
         degree = np.array([1.0, 0.0, 1.0])
-        slope[:, self.at[record]["Y"]] = self._by_base(point, record, degree * onset, slope)
+        slope[:, at["Y"]] = self._by_base(point, record, degree * onset, slope)
         return onset, slope
 
     def _slopes(
@@ -233,6 +245,7 @@ class WaveformFit(OscillatorFit):
     places : places of each record's data.
     freedom : degrees of freedom.
     undamped : keys of the coefficients that are at zero.
+    promise : what another step of the climb would gain in −log L, were the residuals linear.
     evaluations : evaluations that the search took.
     """
 
@@ -241,6 +254,7 @@ class WaveformFit(OscillatorFit):
     places: tuple[slice, ...]
     freedom: int
     undamped: tuple[str, ...]
+    promise: float
     evaluations: int = 0
 
     @property
@@ -277,6 +291,11 @@ class WaveformFit(OscillatorFit):
     def adequate(self) -> bool:
         """Whether such an oscillator explains the records within their noise."""
         return not improbable(self.chi_square, self.freedom, self.lines)
+
+    @property
+    def converged(self) -> bool:
+        """Whether the climb ended in an optimum: a step would move no unknown by a tenth of its standard error."""
+        return self.promise < _CONVERGED
 
     @property
     def misfits(self) -> Array:

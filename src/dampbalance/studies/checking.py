@@ -172,8 +172,7 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
     yield from _wrong_route(document, study)
     if {"X_s_mark_m", "X_s_decimals"} <= study.parameters:
         yield ("read_out",), "X_s_mark_m and X_s_decimals both round X_s; keep one"
-    if study.route.chooses_law:
-        yield from _wrong_laws(study)
+    yield from _wrong_laws(study)
     yield from _wrong_terms(estimation, study)
     for i, fit in enumerate(estimation.get("fits", [])):
         if fit != "least_squares" and max(fit) > len(study.levels):
@@ -211,12 +210,16 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
 
 
 def _wrong_laws(study: Study) -> Iterator[Problem]:
-    """What does not fit a route that draws oscillators, and asks which law their records support."""
-    if not study.levels_relative:
-        yield ("levels_of_Y",), "missing; the levels of the route laws, in parts of the highest"
-    for name in study.axis_names:
-        if name not in study.route.parameters:
-            yield ("axes",), f"{name} means nothing to the route laws, which draws oscillators"
+    """What does not fit oscillators that are drawn, each with a law."""
+    if "base" in study.route.refuses:
+        kind = study.route.kind
+        if not study.levels_relative:
+            yield (
+                ("levels_of_Y",),
+                f"missing; the levels of the route {kind}, in parts of the highest",
+            )
+        for name in filter(MECHANICAL.__contains__, study.axis_names):
+            yield ("axes",), f"{name} means nothing to the route {kind}, which draws oscillators"
     for law in study.values_of("law"):
         try:
             terms_named(str(law))
@@ -330,12 +333,13 @@ def _wrong_text(study: Study) -> Iterator[Problem]:
 
 def _wrong_figure(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
     kind, x, y = figure["kind"], figure["x"], figure.get("y")
-    if study.route.chooses_law:
-        if (kind, x) != ("confusion", "law"):
-            yield ("figure",), "a study of laws has the figure {kind: confusion, x: law}"
+    if kind not in study.route.figures:
+        text = f"{kind} shows nothing of the route {study.route.kind}; take"
+        yield ("figure", "kind"), f"{text} {listed(study.route.figures, 'or')}"
         return
     if kind == "confusion":
-        yield ("figure", "kind"), "shows laws, which only the route laws compares"
+        if x != "law":
+            yield ("figure", "x"), f"{shortened(x)} is not what a confusion shows; take law"
         return
     if kind == "map" and y is None:
         yield ("figure", "y"), "missing; a map has two axes, x and y"
@@ -409,13 +413,13 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
     take, of, fits = spec["take"], spec["of"], study.fits_of(spec)
     wrong = list(_wrong_selection(study, key, spec))
     yield from wrong
-    about_laws = of == "law", take in CHOICES
-    if study.route.chooses_law:
-        if not all(about_laws):
-            yield key, f"a study of laws has facts of: law, take: {listed(CHOICES, 'or')}"
+    if of not in study.route.answers:
+        text = f"the route {study.route.kind} does not answer {of}; take"
+        yield (*key, "of"), f"{text} {listed(study.route.answers, 'or')}"
         return
-    if any(about_laws):
-        yield key, "is about laws, which only the route laws compares"
+    if of == "law" or take in CHOICES:
+        if of != "law" or take not in CHOICES:
+            yield (*key, "take"), f"of: law, and nothing else, takes {listed(CHOICES, 'or')}"
         return
     if not fits:
         yield key, "selects no fit of this study: see estimation"

@@ -11,7 +11,7 @@ import pandas as pd
 
 from ..arrays import Array, Integers, Words
 from ..balance import APPROACHES, TERMS, Rows, direct
-from ..features import Features
+from ..features import Features, of_numbers
 from ..law.terms import KNOWN_TERMS
 from ..motion.regime import Regime
 from ..replication.readout import ReadOut
@@ -59,17 +59,13 @@ def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[
     values = case_parameters(study, start, stop)
     table: dict[str, Any] = {"case": np.arange(start, stop)}
     table |= {name: values[name] for name in study.axis_names}
-    if study.route.chooses_law:
-        from .law_selection import chosen_laws  # slow to import
-
-        regime = np.full(stop - start, REGIME_NAMES[str(Regime.ONE_SLIP)], dtype=object)
-        return table | {"regime": regime, "chosen": chosen_laws(study, values)}
     si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
     cases = Cases(study, table["case"], values, si, study.amplitudes(si["Y"]))
     responses, rules = _responses(cases, threads), _read_out_rules(values)
     named = {name: si[key] for key, (name, _, _) in SI_COLUMNS.items()}
     named |= {name: si[key] for name, key in OF_LAW.items() if key in si}
     table = named | table | {"regime": _regime_names(responses.features.regime)}
+    table["chosen"] = responses.chosen
     cached: dict[Fit, Rows] = {}
     for fit in study.fits:
         residual = np.full(stop - start, np.nan)
@@ -147,6 +143,11 @@ def _responses(cases: Cases, threads: int | None) -> Responses:
         from .experiments import measured_responses
 
         return measured_responses(cases)
+    if study.route.kind == "laws":
+        from .law_selection import chosen_laws
+
+        slipping = of_numbers(cases.si["omega"], str(Regime.ONE_SLIP), Y=cases.Y)
+        return Responses(slipping, chosen=chosen_laws(study, cases.values))
     if study.route.kind != "exact":
         from .one_by_one import record_responses
 

@@ -32,6 +32,7 @@ class Responses(NamedTuple):
     """The responses of n cases at L levels.
 
     features : (L, n). The rest is for noisy records only.
+    chosen : names of the laws that the records support, (n,), where a study asks for them instead of coefficients.
     drawn : bootstrap replicates of the features, (L, n, r).
     simpson : features and replicates with a, b and W by `reading.simpson`, where a fit asks for them.
     likelihood : values and standard errors of the maximum-likelihood oscillator by symbol, SI units, (n,) each.
@@ -41,6 +42,7 @@ class Responses(NamedTuple):
     drawn: Features | None = None
     simpson: tuple[Features, ...] = ()
     likelihood: tuple[Mapping[str, Array], Mapping[str, Array]] = ({}, {})
+    chosen: Words | None = None
 
 
 NOT_READ = "not_read"

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ..law.terms import FRICTION, in_order
+from ..balance import APPROACHES
+from ..law.terms import FRICTION, KNOWN_TERMS, in_order
 
 NONE = "none"
 """The name where no law is chosen."""
@@ -21,6 +22,9 @@ class Route:
     settings : other keys of the section `route` that it takes.
     refuses : sections of the file that mean nothing to it, and why.
     any_law : whether the oscillator may have further damping terms, and the balance too.
+    answers : what a case ends in, which facts are about: coefficients by symbol, or the law that its records support.
+    approaches : to the balance, if the file does not say; none where a case ends in a law.
+    figures : kinds of figures.
     columns : kinds of columns in the table of cases, if the file does not say.
     cycles, chunk_cases : if the file does not say; a chunk is a few seconds of work.
     """
@@ -31,6 +35,9 @@ class Route:
     settings: tuple[str, ...] = ()
     refuses: tuple[str, ...] = ()
     any_law: bool = False
+    answers: tuple[str, ...] = tuple(KNOWN_TERMS)
+    approaches: tuple[str, ...] = tuple(APPROACHES)
+    figures: tuple[str, ...] = ("curves", "map", "steps", "scatter")
     columns: tuple[str, ...] = ("parameters", "errors")
     cycles: int = 4
     chunk_cases: int = 512
@@ -49,11 +56,6 @@ class Route:
     def has_intervals(self) -> bool:
         """Whether coefficients have standard errors, by which their rows can be weighted."""
         return "replicates" in self.settings
-
-    @property
-    def chooses_law(self) -> bool:
-        """Whether a case ends in the law that its records support, instead of coefficients."""
-        return "chosen" in self.columns
 
 
 ROUTES = {
@@ -83,6 +85,9 @@ ROUTES = {
             settings=("cycles", "seed"),
             refuses=("base", "estimation", "columns", "summary_by"),
             any_law=True,
+            answers=("law",),
+            approaches=(),
+            figures=("confusion",),
             columns=("chosen",),
             cycles=100,
             chunk_cases=2,

@@ -212,7 +212,7 @@ class Study:
             fixed=fixed,
             levels=tuple(levels),
             levels_relative="levels_of_Y" in document,
-            fits=() if way.chooses_law else tuple(_fits(estimation, way.has_intervals)),
+            fits=tuple(_fits(estimation, way)),
             route=way,
             cycles=route.get("cycles", way.cycles),
             reading=route["reading"],
@@ -245,7 +245,7 @@ def _block(item: Mapping[str, Any]) -> Block:
     return Listed({name: spec.get("values") or spread(spec) for name, spec in item.items()})
 
 
-def _fits(estimation: Mapping[str, Any], noisy: bool) -> Iterator[Fit]:
+def _fits(estimation: Mapping[str, Any], way: Route) -> Iterator[Fit]:
     kinds = estimation.get("fits", ["least_squares"])
     levels = [None if kind == "least_squares" else (kind[0] - 1, kind[1] - 1) for kind in kinds]
     phases, sharings = (
@@ -253,9 +253,9 @@ def _fits(estimation: Mapping[str, Any], noisy: bool) -> Iterator[Fit]:
         estimation.get("sharing", ["individual"]),
     )
     contacts = estimation.get("contact", [COMPLIANT])
-    weights = estimation.get("weights", [WEIGHTED]) if noisy else [""]
+    weights = estimation.get("weights", [WEIGHTED]) if way.has_intervals else [""]
     terms = list(dict.fromkeys(map(in_order, estimation.get("terms", [()]))))
-    for approach in estimation.get("approaches", APPROACHES):
+    for approach in estimation.get("approaches", way.approaches):
         choices = (phases, sharings) if takes_phase(approach) else ([""], [""])
         for choice in product(*choices, contacts, weights, levels, terms):
             yield Fit(approach, *choice)

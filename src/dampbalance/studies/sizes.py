@@ -65,7 +65,7 @@ def columns_of(study: Study) -> list[Column]:
     kinds = ", ".join(REGIME_NAMES.values())
     regimes = f"kind of response at each level, one word if all are alike: {kinds}"
     columns.append(Column("regime", "", regimes, words=True))
-    if study.route.chooses_law:
+    if "chosen" in study.columns:
         columns.append(Column("chosen", "", "law that the records support, or none", words=True))
     true = {*SI_COLUMNS, *(OF_LAW[name] for name in OF_LAW if name in study.parameters)}
     for fit in study.fits:

@@ -101,8 +101,9 @@ def test_from_a_response_beside_it_the_way_leads_to_the_same():
 
 def test_slopes_from_the_equations_are_those_of_responses_beside():
     osc, law, count, h = replace(BARE, c=20.0, K_z=2e3), LAWS["c_2"], 8, 1e-4
-    slopes = steady_response(osc, MOTION, law).slopes(count, ("F_k", "c", "c_2"))
-    assert set(slopes) == {"F_k", "c", "c_2", "K_z", "m"}
+    slopes = steady_response(osc, MOTION, law).with_slopes(count, ("F_k", "c", "c_2"))[1]
+    assert set(slopes) == {"F_k", "c", "c_2", "rho", "m"}
+    slopes["K_z"] = -0.5 * osc.K_z**-1.5 * slopes.pop("rho")
     for name, slope in slopes.items():
         value = law.get(name) or getattr(osc, name)
 
@@ -114,6 +115,40 @@ def test_slopes_from_the_equations_are_those_of_responses_beside():
         expected = (moved(h * value) - moved(-h * value)) / (2.0 * h * value)
         # the equations leave out the harmonics of the change beyond the 63rd
         assert slope == pytest.approx(expected, abs=1e-4 * np.abs(expected).max()), name
+
+
+@pytest.mark.parametrize("c_r", [0.0, 40.0])
+def test_slopes_by_linear_terms_are_exact(c_r):
+    osc, law, symbols, h = BARE, {"c_r": c_r, "eta": 0.01}, ("F_k", "c", "c_r", "eta"), 1e-4
+    osc = replace(osc, c=20.0)
+    found = steady_response(osc, MOTION, law)
+    x, slopes = found.with_slopes(8, symbols)
+    assert x == pytest.approx(found.harmonics(8))
+    of_onset = found.onset_slopes(symbols)
+    assert set(slopes) == set(of_onset) == {*symbols, "rho", "m"}
+    for name, size in (("F_k", osc.F_k), ("c", 20.0), ("c_r", 20.0), ("eta", 0.01), ("m", osc.m)):
+
+        def moved(by, name=name):
+            beside = {} if name in law else {name: getattr(osc, name) + by}
+            changed = law | {name: law[name] + by} if name in law else law
+            return steady_response(replace(osc, **beside), MOTION, changed)
+
+        # orbits are exact to 1e-13, and curvature leaves h²; a coefficient at zero grows to one side
+        ahead, behind = (
+            (moved(h * size), moved(-h * size))
+            if law.get(name, 1.0)
+            else (
+                moved(h * size),
+                moved(0.0),
+            )
+        )
+        step = h * size * (2.0 if law.get(name, 1.0) else 1.0)
+        exact = 1e-6 if law.get(name, 1.0) else 1e-3
+        expected = (ahead.harmonics(8) - behind.harmonics(8)) / step
+        assert slopes[name] == pytest.approx(expected, abs=exact * np.abs(expected).max()), name
+        for i, read in enumerate(("V_s", "t_s")):
+            expected = (getattr(ahead, read) - getattr(behind, read)) / step
+            assert of_onset[name][i] == pytest.approx(expected, rel=max(exact, 1e-5)), (name, read)
 
 
 def test_onset_and_velocity_are_those_of_the_motion():

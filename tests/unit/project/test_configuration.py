@@ -11,7 +11,7 @@ import yaml
 
 from dampbalance.balance import APPROACHES
 from dampbalance.model import Oscillator
-from dampbalance.project.case import NOT_GIVEN, Case, check, excerpt
+from dampbalance.project.case import NOT_GIVEN, Case, check, excerpt, require_own_case
 from dampbalance.project.documents import ConfigurationError
 from folders import ROOT
 from schemas import values
@@ -200,3 +200,15 @@ def test_an_excerpt_at_a_frequency_holds_no_other(config):
     case = Case.from_config(part)
     assert case.frequencies_hz == {"omega2": 3.5}
     assert case.oscillator is NOT_GIVEN
+
+
+def test_an_override_without_a_case_of_its_own_is_refused(tmp_path):
+    one, other = tmp_path / "friction.yaml", tmp_path / "named.yaml"
+    one.write_text("oscillator: {F_k_N: 1.5}\n", encoding="utf-8")
+    other.write_text("case: mine\n", encoding="utf-8")
+    require_own_case([])
+    require_own_case([other, one])
+    with pytest.raises(
+        ConfigurationError, match=r"friction\.yaml: case: is missing.*case: friction"
+    ):
+        require_own_case([one])

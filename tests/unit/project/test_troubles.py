@@ -44,3 +44,12 @@ def test_a_script_keeps_the_traceback_of_any_other_error():
 
 def test_an_interrupted_script_says_nothing():
     assert script("raise KeyboardInterrupt") == ""
+
+
+def test_a_log_takes_what_a_script_and_its_children_say_and_errors_are_seen(tmp_path):
+    log = tmp_path / "job.log"
+    begin = "import subprocess, sys; from dampbalance.project.troubles import brief_troubles;"
+    body = "print('one', flush=True); subprocess.run(['echo', 'two']); sys.exit('error: three')"
+    done = run(sys.executable, "-c", f"{begin} brief_troubles([{str(log)!r}]); {body}")
+    assert (done.stdout, done.stderr) == ("", "error: three\n")
+    assert log.read_text(encoding="utf-8") == "one\ntwo\nerror: three\n"

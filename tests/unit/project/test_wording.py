@@ -6,8 +6,8 @@ import html
 import re
 from xml.etree import ElementTree
 
-import pypandoc
 import pytest
+from markdown_it import MarkdownIt
 from matplotlib.figure import Figure
 
 from dampbalance.figures.style import save
@@ -36,7 +36,7 @@ TEXTS = [
 
 
 def in_html(text):
-    return pypandoc.convert_text(text, "html", format="gfm", extra_args=["--wrap=none"])
+    return MarkdownIt("commonmark").enable(["table", "strikethrough"]).render(text)
 
 
 @pytest.mark.parametrize("text", TEXTS)

@@ -115,3 +115,11 @@ def test_places_where_the_model_does_not_apply_are_stepped_back_from():
     end = climb(evaluate, np.array([-9.0, 3.0]), BOTH, FREE, ONES)
     assert end.point == pytest.approx([3.0, -2.0], abs=1e-4)
     assert climb(evaluate, np.array([4.0, 0.0]), BOTH, FREE, ONES) is None
+
+
+def test_it_says_what_a_further_step_promises():
+    best, start = np.array([3.0, -2.0]), np.zeros(2)
+    one = climb(parabola(best), start, BOTH, FREE, ONES, most=1)
+    # of a parabola a full step gains all that there is
+    assert one.promise == pytest.approx(0.5 * best @ H @ best)
+    assert climb(parabola(best), start, BOTH, FREE, ONES).promise < 5e-8

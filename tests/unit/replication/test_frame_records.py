@@ -21,7 +21,15 @@ RECORDED = yaml.safe_load((ROOT / "config/records/frame/results.yaml").read_text
 FOLDER = (ROOT / PATTERN).parent
 FILES = sorted(FOLDER.glob(Path(PATTERN).name))
 
-RESIDUAL = {"intercept_N", "intercept_interval_N", "scatter", "off_line", "loop"}
+RESIDUAL = {
+    "intercept_N",
+    "intercept_interval_N",
+    "scatter",
+    "off_line",
+    "loop",
+    "drift",
+    "speed_laws",
+}
 """Keys of differences of large numbers."""
 
 there = pytest.mark.skipif(
@@ -77,8 +85,10 @@ def test_the_numbers_are_those_that_were_recorded():
 def test_the_cycles_foretold_follow_those_identified_from():
     for one in found().predictions:
         assert one.t.size == pytest.approx(5 * 250, abs=3)
-        assert one.measured.shape == one.predicted.shape == one.repeated.shape == one.t.shape
-        assert one.predicted[0] == one.measured[0]
+        for x in (one.measured, one.repeated, *one.predicted.values()):
+            assert x.shape == one.t.shape
+        for x in one.predicted.values():
+            assert x[0] == one.measured[0]
 
 
 def test_the_recorded_numbers_agree_with_each_other():
@@ -89,8 +99,16 @@ def test_the_recorded_numbers_agree_with_each_other():
         low, high = row["interval_N"]
         assert low < row["F_k_N"] < high
         assert row["lost_to_damper"] < 0.01
-        # nothing foretells cycles better than cycles repeat
-        assert row["foretold"]["rms"] > row["foretold"]["rms_of_mean_cycle"] > 0.0
+        wide = row["robust_interval_N"]
+        assert wide[0] < row["F_k_by_series_N"] <= row["F_k_N"] < wide[1]
+        assert row["drift"]["significant"] == (row["drift"]["p"] < 0.05 / len(loads))
+        # no law predicts cycles better than cycles repeat
+        for law in row["speed_laws"].values():
+            assert law["rms"] > row["foretold"]["rms_of_mean_cycle"] > 0.0
+        assert row["speed_laws"]["constant"]["rms"] == row["foretold"]["rms"]
+    for name, rms in RECORDED["speed_laws"].items():
+        squares = [row["speed_laws"][name]["rms"] ** 2 for row in loads]
+        assert rms == pytest.approx((sum(squares) / len(squares)) ** 0.5, rel=1e-3)
 
 
 def test_the_page_takes_its_numbers_from_the_findings():
@@ -103,6 +121,14 @@ def test_the_page_takes_its_numbers_from_the_findings():
     assert "- the records say so\n" in page
     for name, digest in RECORDED["files"].items():
         assert f"| {name} | `{digest}` |" in page
+    assert "All four friction forces are doubtful by the identification's own verdict" in page
+    assert (
+        "The linear law predicts best over all loads, and at 250 g, 450 g and 550 g better" in page
+    )
+    usable = [row | {"verdict": "usable"} for row in RECORDED["loads"]]
+    assert "doubtful" not in frame_page(RECORDED | {"loads": usable}, MEASURED, [])
+    still = [row | {"drift": row["drift"] | {"significant": False}} for row in RECORDED["loads"]]
+    assert "None of the four records has a" in frame_page(RECORDED | {"loads": still}, MEASURED, [])
     through = RECORDED["line"] | {"intercept_interval_N": [-0.1, 0.1]}
     assert "not proportional" in page
     assert "not proportional" not in frame_page(RECORDED | {"line": through}, MEASURED, [])

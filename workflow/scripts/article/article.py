@@ -7,10 +7,11 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.article.compiling import ArticleError, article
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     p = snakemake.params
     try:
-        document = article(p.folder, p.results, p.inputs)
+        folders = {name: f"/{p.inputs[name]}" for name in ("results", "studies")}
+        document = article(p.folder, p.results, p.inputs | folders)
     except ArticleError as error:
         sys.exit(str(error))
     with replacing(snakemake.output.pdf) as temporary:

@@ -14,7 +14,7 @@ from dampbalance.publishing.article import compiling
 from dampbalance.publishing.article.software import software
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     packages = {name: version(name) for name in snakemake.params.packages}
     citation = yaml.safe_load(Path(snakemake.input.citation).read_text(encoding="utf-8"))
     environment = {

@@ -6,7 +6,7 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.article.derived_numbers import derived_numbers
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     i, folder = snakemake.input, snakemake.params.folder
     case = Case.from_config(snakemake.params.case)
     numbers = derived_numbers(

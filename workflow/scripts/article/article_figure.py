@@ -11,7 +11,7 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.article.derived_numbers import at_a_glance
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     i, case = snakemake.input, Case.from_config(snakemake.params.case)
     evidence = Evidence(
         claims=read_csv(i.claims, dtype=str),

@@ -6,7 +6,7 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication.schemes import cycle_table, scheme_table
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     case = Case.from_config(snakemake.params.case)
     frequency = snakemake.params.frequency
     write_csv(snakemake.output.csv, scheme_table(case, frequency))

@@ -17,7 +17,7 @@ def main(file, cases, params):
 
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     i = snakemake.input
     studies = {
         name: main(file, cases, snakemake.params)

@@ -1,5 +1,6 @@
 """Compare the verdicts with those on record: a summary, which ends with those that are worse."""
 
+import sys
 from pathlib import Path
 
 from dampbalance.project.files import write_text
@@ -7,7 +8,11 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication.claims import check, read_claims, read_record, summary
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     claims = read_claims(Path(snakemake.input.claims))
     offences = check(claims, read_record(Path(snakemake.input.recorded)))
-    write_text(snakemake.output.summary, summary(claims, offences))
+    text = summary(claims, offences)
+    print(
+        text.split("\n\nNeither", maxsplit=1)[0], "\n", file=sys.stderr
+    )  # long before the run ends
+    write_text(snakemake.output.summary, text)

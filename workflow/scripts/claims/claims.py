@@ -13,7 +13,7 @@ from dampbalance.replication.claims import (
 )
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     p = snakemake.params
     case = Case.from_config(p.case)
     features, estimates = (

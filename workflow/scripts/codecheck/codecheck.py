@@ -6,7 +6,7 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.codecheck import read, report
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     paths, output = snakemake.input, snakemake.output.report
     configuration = read(paths.configuration, paths.schema)
     claims = read_csv(paths.claims, dtype=str)

@@ -7,7 +7,7 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication import as_published
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     case, files = Case.from_config(snakemake.params.case), snakemake.input
     for *read, output in zip(
         files.tabulated, files.two_point, snakemake.output.estimates, strict=True

@@ -9,7 +9,7 @@ from dampbalance.record import Record
 from dampbalance.replication import as_published
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     case, output = Case.from_config(snakemake.params.case), snakemake.output
     for i, (frequency, file) in enumerate(
         zip(case.frequencies_hz, snakemake.input.records, strict=True)

@@ -6,7 +6,7 @@ from dampbalance.project.files import read_routes
 from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     case = Case.from_config(snakemake.params.case)
     hertz = case.frequencies_hz
     estimates = read_routes(snakemake.params.folder, "estimates", hertz, ["exact"])["exact"]

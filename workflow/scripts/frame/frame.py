@@ -12,7 +12,7 @@ from dampbalance.replication.frame import pictures
 from dampbalance.replication.frame.findings import findings
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     files, measured = snakemake.input, snakemake.params.measured
     identified = json.loads(Path(files.identification).read_text(encoding="utf-8"))
     try:

@@ -6,7 +6,7 @@ from dampbalance.identification.measured import configured, identify
 from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     p = snakemake.params
     try:
         found = identify(list(snakemake.input.records), kind="forced", **configured(p.settings))

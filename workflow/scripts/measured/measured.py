@@ -6,7 +6,7 @@ from dampbalance.project.files import read_csv, write_csv
 from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     parts = []
     for name, file in zip(snakemake.params.names, snakemake.input.sets, strict=True):
         part = read_csv(file)

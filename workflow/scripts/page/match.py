@@ -6,6 +6,6 @@ from dampbalance.publishing.page.match import match_picture
 from dampbalance.replication.claim_verdicts import counts
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     claims = read_csv(snakemake.input.claims, dtype=str)
     write_text(snakemake.output.picture, match_picture(counts(claims)))

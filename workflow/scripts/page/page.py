@@ -56,6 +56,6 @@ def main(params, inputs):
 
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     results = main(snakemake.params, snakemake.input)
     write_text(snakemake.output.page, report_page(results, snakemake.params.page))

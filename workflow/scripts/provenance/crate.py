@@ -10,7 +10,7 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.provenance.crate import CrateFolder, crate
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     manifest = json.loads(Path(snakemake.input.manifest).read_text(encoding="utf-8"))
     citation = yaml.safe_load(Path(snakemake.input.citation).read_text(encoding="utf-8"))
     p = snakemake.params

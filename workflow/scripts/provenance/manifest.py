@@ -5,7 +5,7 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.provenance.manifest import manifest
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     p = snakemake.params
     made = manifest(
         p.case, p.configuration, p.configuration_files, p.sources, p.jobs, p.code, p.lock, p.top

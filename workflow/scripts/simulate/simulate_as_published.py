@@ -8,7 +8,7 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication import as_published
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     case = Case.from_config(snakemake.params.case)
     records = as_published.simulate_levels(case, snakemake.wildcards.frequency)
     frames = [record.to_frame().assign(level=i) for i, record in enumerate(records, start=1)]

@@ -5,5 +5,5 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.site.build import build
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     build(".", snakemake.output.site, parser())

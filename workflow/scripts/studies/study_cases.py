@@ -5,7 +5,7 @@ from dampbalance.project.troubles import brief_troubles
 from dampbalance.studies import checking, outputs
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     study = checking.read_study(
         snakemake.params.file, snakemake.params.schema, snakemake.params.base
     )

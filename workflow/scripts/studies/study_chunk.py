@@ -18,7 +18,7 @@ def main(path, params, chunk, threads):
 
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     path = Path(snakemake.output.chunk)
     study = main(path, snakemake.params, int(snakemake.wildcards.chunk), snakemake.threads)
     print(

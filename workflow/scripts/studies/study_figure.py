@@ -6,7 +6,7 @@ from dampbalance.studies import checking
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     study = checking.read_study(
         snakemake.input.file, snakemake.params.schema, snakemake.params.base
     )

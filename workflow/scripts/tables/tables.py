@@ -9,7 +9,7 @@ from dampbalance.replication.printed_tables import TITLES, markdown, paper_table
 from dampbalance.replication.route_tables import RouteTables
 
 if __name__ == "__main__":
-    brief_troubles()
+    brief_troubles(snakemake.log)
     claims, folder = snakemake.input.claims, snakemake.params.folder
     case = Case.from_config(snakemake.params.case)
     features, estimates = (

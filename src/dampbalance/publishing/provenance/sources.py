@@ -39,6 +39,7 @@ PROJECT = (
     "README.md",
     "REUSE.toml",
     "requirements-build.lock",
+    "requirements-dev.lock",
     "results/README.md",
     "tests",
     "trials",

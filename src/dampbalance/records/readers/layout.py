@@ -86,6 +86,8 @@ def layout_of(path: Path, mapping: RecordMapping) -> Layout:
         for delimiter in ([mapping.delimiter] if mapping.delimiter else _DELIMITERS)
         for decimal in (mapping.decimal or ".,")
         if decimal != delimiter
+        # without the mark there is one cell to a line: nothing to look at closely
+        if least == 1 or delimiter == WHITESPACE or any(delimiter in line for line in lines)
         if (fit := _first_row(lines, delimiter, decimal, comment, mapping.header_lines, least))
     ]
     if not fits:

@@ -1,4 +1,13 @@
-"""The friction force of the frame at each load, the loops of its records, and predictions of held-out cycles."""
+"""The friction force of the frame at each load, the loops of its records, and predictions of held-out cycles.
+
+The interval of the identification holds for the mean over the cycles of a record and for one definition of the travel.
+`robust_interval_N` widens it by what else moves F_k:
+
+    drift       F_k,i = (W_i − Σ p_j g_j,i)/a_i of the cycles i as recorded follows a straight line whose slope differs
+                from zero (Student's t, Bonferroni's correction for the number of records): both ends count
+    clocks      what the identification reads as a growing delay of the response, and corrects, is part of that drift
+    convention  a = 4X with X from the levels of the rests, or from the extremes of the Fourier series, which ring there
+"""
 
 from __future__ import annotations
 
@@ -11,17 +20,20 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array
-from ...balance import APPROACHES
+from ...balance import APPROACHES, TERMS
 from ...identification.forced import identify_readings
 from ...identification.loading import Loaded, load
 from ...identification.remarks import DIRECT
 from ...law.law import Law, law_of
 from ...law.terms import FRICTION, named_with_unit, term
 from ...reading.mean_harmonics import Reading, read_features
+from ...reading.turning import turning_points
 from ...records.measured import read_records
 from ...records.measurement import Channel, Measurement
+from .drift import as_recorded, drift, friction_of_rows
 from .measured_loop import AT_REST, Loop, friction_loop, shape
 from .prediction import Mass, predicted
+from .speed_laws import SPEED_LAWS, SpeedLaw, linear
 
 _GRAVITY = 9.80665  # the standard one, m/s²
 _CONFIDENCE = 0.95
@@ -32,12 +44,13 @@ _REPLICATES = 2  # of an identification whose intervals nobody asks for
 class Prediction:
     """Held-out cycles: times, s, and displacements, m, each of shape (n,).
 
+    predicted : by each law of `SPEED_LAWS`, by its name.
     repeated : the mean of the cycles that the law was identified from, continued.
     """
 
     t: Array
     measured: Array
-    predicted: Array
+    predicted: Mapping[str, Array]
     repeated: Array
 
 
@@ -70,16 +83,22 @@ def findings(
     k, m, loads = measured["stiffness_N_per_m"], measured["mass_kg"], frame["loads_kg"]
     law = law_of(measured.get("terms"), measured.get("given"), measured.get("groups"))
     records = [load(one, k) for one in read_records(files, mapping=measured.get("mapping"))]
-    readings = [Reading(one.reading.steady, joint=True) for one in records]
-    forces = [_force(identified, law, i) for i in range(len(files))]
+    further = tuple(symbol for symbol in law.terms if symbol not in TERMS)
+    readings = [Reading(one.reading.steady, joint=True, terms=further) for one in records]
+    forces = [
+        _force(identified, law, i) | _robust(identified, law, i, reading, records)
+        for i, reading in enumerate(readings)
+    ]
     loops = [friction_loop(reading, m, law.given) for reading in readings]
     first = _first_cycles(records, k, law, frame["cycles_identified"])
+    fitted = [speed_laws_of(part, m, F_k, law) for part, F_k in first]
     predictions = [
-        _prediction(one, part, Mass(m, k, F_k, law.given))
-        for one, (part, F_k) in zip(records, first, strict=True)
+        _prediction(one, part, m, law.given, laws)
+        for one, (part, _), laws in zip(records, first, fitted, strict=True)
     ]
     errors = [force["standard_error_N"] for force in forces]
     line, off = load_line(loads, [force["F_k_N"] for force in forces], errors)
+    by_series, _ = load_line(loads, [force["F_k_by_series_N"] for force in forces], errors)
     rows = [
         {
             "record": one.record.label,
@@ -89,15 +108,29 @@ def findings(
             "lost_to_damper": _share(identified, law, i),
             "X_m": loops[i].X,
             "loop": shape(loops[i], forces[i]["F_k_N"]),
-            "foretold": _errors(predictions[i], loops[i].X) | {"F_k_N": first[i][1]},
+            "foretold": _errors(predictions[i], "constant", loops[i].X)
+            | {
+                "rms_of_mean_cycle": _rms(predictions[i], predictions[i].repeated, loops[i].X),
+                "F_k_N": first[i][1],
+            },
+            "speed_laws": {
+                name: {**fit.coefficients, **_errors(predictions[i], name, loops[i].X)}
+                for name, fit in fitted[i].items()
+            },
         }
         for i, one in enumerate(records)
     ]
     document = {
         "files": _digests(identified),
         "line": line,
+        "line_by_series": by_series,
+        "clock": common_clock([row["clocks"] for row in rows]),
         "mass_kg": m,
         "loads": rows,
+        "speed_laws": {
+            name: math.sqrt(np.mean([row["speed_laws"][name]["rms"] ** 2 for row in rows]))
+            for name in SPEED_LAWS
+        },
         "cycles_identified": frame["cycles_identified"],
     }
     return Findings(document, tuple(loops), tuple(predictions))
@@ -151,10 +184,105 @@ def load_line(
 
 
 def _force(identified: Mapping[str, Any], law: Law, i: int) -> dict[str, Any]:
-    """F_k of record i with its standard error and interval, N, by direct integration."""
+    """F_k of record i with its standard error, interval, N, and verdict, by direct integration."""
     estimates, key = identified["approaches"][DIRECT], law.key(FRICTION, i)
     ends = {"F_k_N": "", "standard_error_N": "_standard_error", "interval_N": "_interval"}
-    return {name: estimates[named_with_unit(f"{key}{end}", "N")] for name, end in ends.items()}
+    numbers = {name: estimates[named_with_unit(f"{key}{end}", "N")] for name, end in ends.items()}
+    return numbers | estimates["verdicts"][key]
+
+
+def _robust(
+    identified: Mapping[str, Any], law: Law, i: int, reading: Reading, records: Sequence[Loaded]
+) -> dict[str, Any]:
+    """How F_k of record i depends on the time in the record, on its clocks and on the convention of the travel."""
+    estimates, rows = identified["approaches"][DIRECT], identified["approaches"][DIRECT]["rows"]
+    force = estimates[named_with_unit(law.key(FRICTION, i), "N")]
+    low, high = estimates[named_with_unit(f"{law.key(FRICTION, i)}_interval", "N")]
+    others = {s: _coefficient(identified, law, s, i) for s in law.terms if s != FRICTION}
+    began = float(records[i].record.whole().excitation.t[0])
+    of_rows = [friction_of_rows(r, others) for r in (as_recorded(reading, began), reading)]
+    line, left = (drift(forces, _CONFIDENCE, len(records)) for forces in of_rows)
+    a = rows[term(law.key(FRICTION, i)).integral_column][i]
+    at_rests, of_series = (
+        float(turning_points(*reading.series(reading.mean), rests=rests)[1][0])
+        for rests in (True, False)
+    )
+    by_series = force * a / (a + 4.0 * (of_series - at_rests))
+    reach = line.reach + (0.5 * abs(line.over_record) if line.significant else 0.0)
+    recorded = force + float(of_rows[0].mean() - of_rows[1].mean())
+    clocks = reading.steady.gathered.clocks.values()
+    per_cycle = line.steps / reading.steady.cycles
+    return {
+        "drift": {
+            "slope_N_per_cycle": line.slope * per_cycle,
+            "standard_error_N_per_cycle": line.error * per_cycle,
+            "p": line.p,
+            "significant": line.significant,
+            "over_record": line.over_record / force,
+        },
+        "clocks": {
+            "faster_ppm": [1e6 * part for part, _ in clocks],
+            "standard_error_ppm": [1e6 * error for _, error in clocks],
+            "F_k_as_recorded_N": recorded,
+            "drift_left_p": left.p,
+            "drift_left_significant": left.significant,
+        },
+        "F_k_by_series_N": by_series,
+        "robust_interval_N": [
+            min(low, by_series - force + low, recorded - reach),
+            max(high, by_series - force + high, recorded + reach),
+        ],
+    }
+
+
+def common_clock(clocks: Sequence[Mapping[str, Any]]) -> dict[str, float] | None:
+    """The difference of two clocks that the records have in common, ppm, its standard error, and the probability that
+    the records differ as much or more if it is the same in all (χ²); None unless each record shows one.
+
+    clocks : `faster_ppm` and `standard_error_ppm` of each record.
+    """
+    from scipy import special  # slow to import
+
+    pairs = [(of["faster_ppm"], of["standard_error_ppm"]) for of in clocks]
+    if not all(len(parts) == 1 for parts, _ in pairs):
+        return None
+    parts, errors = np.array(pairs)[:, :, 0].T
+    weights = errors**-2.0
+    mean = float(weights @ parts / weights.sum())
+    square = float(weights @ (parts - mean) ** 2)
+    return {
+        "faster_ppm": mean,
+        "standard_error_ppm": float(weights.sum() ** -0.5),
+        "p": float(special.chdtrc(parts.size - 1, square)),
+    }
+
+
+def _coefficient(identified: Mapping[str, Any], law: Law, symbol: str, i: int) -> float:
+    """The coefficient of a term for record i, given or identified."""
+    key = law.key(symbol, i)
+    if key in law.given:
+        return law.given[key]
+    return float(identified["approaches"][DIRECT][named_with_unit(key, term(key).unit)])
+
+
+def speed_laws_of(part: Reading, m: float, F_k: float, law: Law) -> dict[str, SpeedLaw]:
+    """The laws of friction and speed that the cycles of a reading show, by name.
+
+    m : kg.   F_k : friction force that does their work, N.   law : whose given terms are taken off the force.
+
+    F_1 has its standard error by the jackknife, which leaves out one cycle after the other. The choice of the harmonics
+    that stand out of the noise, which it holds, moves F_1 by about as much again.
+    """
+    loop = friction_loop(part, m, law.given)
+    laws = {name: fitted(loop, F_k) for name, fitted in SPEED_LAWS.items()}
+    left, key = part.left_out(), "F_1_N_s_per_m"
+    slopes = [
+        linear(friction_loop(part, m, law.given, left[[i]]), F_k).coefficients[key]
+        for i in range(left.Y.size)
+    ]
+    error = math.sqrt((len(slopes) - 1) * float(np.var(slopes)))
+    known = {**laws["linear"].coefficients, "F_1_standard_error_N_s_per_m": error}
+    return laws | {"linear": replace(laws["linear"], coefficients=known)}
 
 
 def _share(identified: Mapping[str, Any], law: Law, i: int) -> float:
@@ -189,8 +317,17 @@ def _first_cycles(
     ]
 
 
-def _prediction(one: Loaded, first: Reading, mass: Mass) -> Prediction:
-    """Predict the cycles that follow the identified ones, from the displacement and velocity at their beginning."""
+def _prediction(
+    one: Loaded,
+    first: Reading,
+    m: float,
+    damping: Mapping[str, float],
+    laws: Mapping[str, SpeedLaw],
+) -> Prediction:
+    """Predict the cycles that follow the identified ones, from the displacement and velocity at their beginning.
+
+    damping : coefficients of the terms other than friction.   laws : of friction, by name.
+    """
     record = one.record.whole()
     steady = first.steady
     base, response = record.excitation, record["displacement"]
@@ -198,28 +335,34 @@ def _prediction(one: Loaded, first: Reading, mass: Mass) -> Prediction:
     begin = steady.start + steady.cycles * period
     kept = (response.t >= begin) & (response.t < begin + steady.cycles * period)
     t, x = response.t[kept], response.values[kept]
-    loop = friction_loop(first, mass.m, mass.damping)
+    loop = friction_loop(first, m, damping)
     X_0, Y_0 = (float(steady.mean(rows)[0].real) for rows in (steady.X, steady.Y))
-    zero = X_0 - Y_0 - loop.level / mass.k
+    zero = X_0 - Y_0 - loop.level / steady.k
     speed = float(np.gradient(response.values, response.t)[kept][0])
     speed = speed if abs(speed) > AT_REST * np.abs(loop.v).max() else 0.0
     y = np.interp(t, base.t, base.values)
-    displacement = predicted(replace(mass, zero=zero), t, y, float(x[0]), speed, steady.omega)
+    displacements = {
+        name: predicted(
+            Mass(m, steady.k, law.force, damping, zero), t, y, float(x[0]), speed, steady.omega
+        )
+        for name, law in laws.items()
+    }
     phase = steady.omega * (t - steady.start) + float(np.angle(steady.mean(steady.Y)[1]))
     angles = np.linspace(0.0, 2.0 * math.pi, loop.x.size, endpoint=False)
     again = np.interp(phase, angles, loop.x, period=2.0 * math.pi) + X_0
-    return Prediction(t, x, displacement, again)
+    return Prediction(t, x, displacements, again)
 
 
-def _errors(prediction: Prediction, X: float) -> dict[str, float]:
-    """Root mean squares over X: of the prediction's error, and of what the mean of the other cycles is off by."""
-    off = prediction.predicted - prediction.measured
-    again = prediction.repeated - prediction.measured
-    return {
-        "rms": float(np.sqrt(np.mean(off**2))) / X,
-        "rms_of_mean_cycle": float(np.sqrt(np.mean(again**2))) / X,
-        "range": float(np.ptp(prediction.predicted) / np.ptp(prediction.measured)) - 1.0,
-    }
+def _errors(prediction: Prediction, law: str, X: float) -> dict[str, float]:
+    """The error of a prediction, rms over X, and by how much its range is too large."""
+    x = prediction.predicted[law]
+    ratio = float(np.ptp(x) / np.ptp(prediction.measured))
+    return {"rms": _rms(prediction, x, X), "range": ratio - 1.0}
+
+
+def _rms(prediction: Prediction, x: Array, X: float) -> float:
+    """Root mean square over X of what a displacement is off the measured one."""
+    return float(np.sqrt(np.mean((x - prediction.measured) ** 2))) / X
 
 
 def _digests(identified: Mapping[str, Any]) -> dict[str, str]:

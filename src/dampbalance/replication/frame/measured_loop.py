@@ -16,7 +16,7 @@ import numpy as np
 
 from ...arrays import Array, Mask
 from ...law.terms import KNOWN_TERMS
-from ...reading.mean_harmonics import Reading
+from ...reading.mean_harmonics import Means, Reading
 
 _POINTS = 4096  # of a cycle
 AT_REST = 0.02
@@ -56,13 +56,18 @@ class Loop:
         return np.abs(self.v) > _SLIDING * np.abs(self.v).max()
 
 
-def friction_loop(reading: Reading, m: float, damping: Mapping[str, float]) -> Loop:
-    """The loop of the mean cycle of a record.   m : kg.   damping : coefficients of terms other than friction, SI."""
-    steady = reading.steady
-    odd, even = reading.series(reading.mean)
+def friction_loop(
+    reading: Reading, m: float, damping: Mapping[str, float], mean: Means | None = None
+) -> Loop:
+    """The loop of the mean cycle of a record.
+
+    m : kg.   damping : coefficients of terms other than friction, SI.   mean : of some cycles; default, of all.
+    """
+    steady, mean = reading.steady, reading.mean if mean is None else mean
+    odd, even = reading.series(mean)
     n = np.concatenate([odd.n, even.n])
     x_n = np.concatenate([odd.x[0], even.x[0]])
-    y_n = np.concatenate([reading.mean.Y, reading.mean.base[0]])
+    y_n = np.concatenate([mean.Y, mean.base[0]])
     theta = np.linspace(0.0, 2.0 * math.pi, _POINTS, endpoint=False)
     x, v, acceleration = (_series(theta, n, x_n, steady.omega, order) for order in range(3))
     y, w = (_series(theta, np.arange(1.0, y_n.size + 1.0), y_n, steady.omega, i) for i in range(2))

@@ -1,7 +1,9 @@
-"""The figures of the frame: the loops with the cycles predicted below them, and the friction force against the load."""
+"""The figures of the frame: the loops with the cycles predicted below them, and the friction force against the load
+with what is left of the straight line."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from string import ascii_lowercase
 from typing import Any
 
@@ -9,15 +11,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ...arrays import Array
 from ...figures.style import (
     DASHED,
     DOUBLE_COLUMN,
     FAINT,
-    INK,
     SINGLE_COLUMN,
     SLIP,
     STICK,
-    note,
     page,
     panel_letter,
     place,
@@ -27,12 +28,14 @@ from .findings import Findings, Prediction
 from .measured_loop import Loop
 
 _WIDE, _HIGH, _LEFT, _STEP = 33.5, 34.0, 13.5, 43.5  # mm
+OTHER = "#009E73"  # apart from SLIP and STICK for colour-blind readers, too
 _LEGEND, _UPPER, _LOWER, _BLOCK, _PER_ROW = 8.0, 54.0, 6.0, 96.0, 4  # mm; loads in a row
 
 ALTERNATIVE_TEXTS = {
     "loops": "friction force against displacement at each load, with the rectangle of the identified friction force, "
-    "and below it the displacement of the held-out cycles, as measured and as predicted",
-    "load": "friction force against load, with intervals, and the straight line through them",
+    "and below it the displacement of the held-out cycles, as measured and as two laws of friction predict it",
+    "load": "friction force against load with the straight line through it, and below it what the forces are off that "
+    "line, with their intervals, for two conventions of the travel",
 }
 
 
@@ -41,10 +44,12 @@ def loops(findings: Findings) -> Figure:
     """Friction force against displacement, measured and by the identified law, a panel for each load, four in a row.
 
     The law is drawn with a rigid contact, because the records do not determine K_z. Below each panel: the held-out
-    cycles, measured and predicted.
+    cycles, measured and predicted by a constant friction force and by the law that predicts best.
     """
     rows = findings.document["loads"]
     below = (len(rows) - 1) // _PER_ROW
+    errors = findings.document["speed_laws"]
+    shown = dict.fromkeys(["constant", min(errors, key=errors.__getitem__)])
     figure = page(DOUBLE_COLUMN, _LEGEND + _BLOCK * (below + 1))
     for i, (row, loop, prediction) in enumerate(
         zip(rows, findings.loops, findings.predictions, strict=True)
@@ -58,12 +63,12 @@ def loops(findings: Findings) -> Figure:
             panel_letter(axes, ascii_lowercase[number])
         upper.set_title(row["record"], pad=3.0)
         _loop(upper, loop, row["F_k_N"])
-        _cycles(lower, prediction)
+        _cycles(lower, prediction, list(shown))
         if not column:
             upper.set_ylabel("friction force (N)", labelpad=1.0)
             lower.set_ylabel("$x$ (mm)", labelpad=1.0)
     handles, labels = lower.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncols=2, borderaxespad=0.2)
+    figure.legend(handles, labels, loc="lower center", ncols=3, borderaxespad=0.2)
     return figure
 
 
@@ -78,31 +83,65 @@ def _loop(axes: Axes, loop: Loop, F_k: float) -> None:
     axes.set_ylim(-1.5 * F_k, 1.5 * F_k)
 
 
-def _cycles(axes: Axes, prediction: Prediction) -> None:
-    """Displacement of the held-out cycles, measured and predicted, from the first of them."""
+def _cycles(axes: Axes, prediction: Prediction, laws: Sequence[str]) -> None:
+    """Displacement of the held-out cycles, measured and predicted by laws, from the first of them."""
     t = prediction.t - prediction.t[0]
-    axes.plot(t, 1e3 * prediction.measured, color=SLIP, label="measured")
-    axes.plot(t, 1e3 * prediction.predicted, color=STICK, ls=DASHED, label="predicted")
+    axes.plot(t, 1e3 * prediction.measured, color=SLIP, zorder=3, label="measured")
+    looks: list[dict[str, Any]] = [{"color": STICK, "ls": DASHED}, {"color": OTHER}]
+    for law, look in zip(laws, looks, strict=False):
+        axes.plot(t, 1e3 * prediction.predicted[law], label=f"predicted, {law} friction", **look)
     axes.set_xlabel("time (s)")
     axes.set_xlim(0.0, float(t[-1]))
 
 
 @styled()
 def load(findings: Findings) -> Figure:
-    """F_k against the load, with 95 % intervals and the line; each point has its relative distance from the line."""
-    figure = page(SINGLE_COLUMN, 66.0)
-    axes = place(figure, 13.0, 12.0, 72.0, 50.0)
+    """F_k against the load and the line; below, what each is off the line, %: thick, with the interval of the
+    identification, thin, with that for drift and travel; open, with the travel from the Fourier series."""
+    figure = page(SINGLE_COLUMN, 100.0)
+    upper, lower = (
+        place(figure, 13.0, bottom, 72.0, high) for bottom, high in ((58.0, 39.0), (19.0, 33.0))
+    )
     line, rows = findings.document["line"], findings.document["loads"]
-    load_kg, F_k = (np.array([row[name] for row in rows]) for name in ("load_kg", "F_k_N"))
-    reach = np.abs(np.array([row["interval_N"] for row in rows]).T - F_k)
+    load_kg, F_k, by_series = (
+        np.array([row[name] for row in rows]) for name in ("load_kg", "F_k_N", "F_k_by_series_N")
+    )
     ends = np.array([0.0, 1.1 * load_kg.max()])
-    axes.plot(ends, line["intercept_N"] + line["slope_N_per_kg"] * ends, color=FAINT)
-    axes.errorbar(load_kg, F_k, yerr=reach, fmt="o", color=SLIP, markersize=3.0, elinewidth=0.8)
-    for x, y, row in zip(load_kg, F_k, rows, strict=True):
-        off = f"{100.0 * row['off_line']:+.1f} %".replace("-", "−")
-        note(axes, off, (x, y), (-3.0, 4.0), ha="right", color=INK)
-    axes.axhline(0.0, color=FAINT, lw=0.4, zorder=0)
-    axes.set_xlim(*ends)
-    axes.set_xlabel("load (kg)")
-    axes.set_ylabel("$F_k$ (N)", labelpad=1.0)
+
+    def on_line(load: Array) -> Array:
+        return np.asarray(line["intercept_N"] + line["slope_N_per_kg"] * load)
+
+    upper.plot(ends, on_line(ends), color=FAINT)
+    upper.axhline(0.0, color=FAINT, lw=0.4, zorder=0)
+    upper.set_ylabel("$F_k$ (N)", labelpad=1.0)
+    upper.tick_params(labelbottom=False)
+    lower.axhline(0.0, color=FAINT)
+    lower.set_ylabel("off the line (%)", labelpad=1.0)
+    lower.set_xlabel("load (kg)")
+    bars: dict[str, Any] = {"fmt": "none", "color": SLIP, "capsize": 2.0}
+    widths = {
+        "interval_N": (2.0, "95 % interval"),
+        "robust_interval_N": (0.8, "with drift, clocks, travel"),
+    }
+    expected = on_line(load_kg)
+    for name, (width, label) in widths.items():
+        reach = np.abs(np.array([row[name] for row in rows]).T - F_k)
+        upper.errorbar(load_kg, F_k, yerr=reach, elinewidth=width, **bars)
+        off = 100.0 * (F_k / expected - 1.0)
+        lower.errorbar(
+            load_kg, off, yerr=100.0 * reach / expected, elinewidth=width, label=label, **bars
+        )
+    look: dict[str, Any] = {"ls": "none", "marker": "o", "ms": 3.5, "mec": SLIP, "mew": 0.8}
+    for forces, fill, label in (
+        (F_k, SLIP, "travel from rests"),
+        (by_series, "white", "travel from series"),
+    ):
+        upper.plot(load_kg, forces, mfc=fill, zorder=3, **look)
+        lower.plot(
+            load_kg, 100.0 * (forces / expected - 1.0), mfc=fill, zorder=3, label=label, **look
+        )
+    for axes in (upper, lower):
+        axes.set_xlim(*ends)
+    handles, labels = lower.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncols=2, borderaxespad=0.2)
     return figure

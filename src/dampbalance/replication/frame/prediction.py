@@ -1,8 +1,9 @@
 """The displacement that an identified law predicts under a measured base motion, for cycles held out of the fit.
 
-The contact is rigid, the limit of a stiff one: the mass slides against ∓F_k, and where it comes to rest it stays until
+The contact is rigid, the limit of a stiff one: the mass slides against ∓F(|ẋ|), and where it comes to rest it stays
+until
 
-    |k(y − x + d) − Σ p_j h_j(0, ẏ)| > F_k,
+    |k(y − x + d) − Σ p_j h_j(0, ẏ)| > F(0),
 
 d the difference of the zeros of the two transducers. The ends of slip are events of scipy's DOP853, those of rest are
 roots of the push; the base between samples is a cubic spline through them.
@@ -29,14 +30,14 @@ _RTOL, _ATOL = 1e-9, 1e-13
 class Mass:
     """The mass with its spring and damping, in SI.
 
-    F_k : friction force, N.
+    friction : friction force F, N, at a speed, m/s.
     damping : coefficients of the other terms, by symbol.
     zero : the difference d of the transducers' zeros, m.
     """
 
     m: float
     k: float
-    F_k: float
+    friction: Callable[[Array], Array]
     damping: Mapping[str, float]
     zero: float = 0.0
 
@@ -50,6 +51,7 @@ def predicted(mass: Mass, t: Array, y: Array, x: float, v: float, omega: float) 
     speed = base.derivative()
     out = np.full(t.size, np.nan)
     now, end = float(t[0]), float(t[-1])
+    at_rest = float(mass.friction(np.asarray(0.0)))
 
     def push(at: float, x: float, v: float) -> float:
         of_terms = viscous(mass.damping, np.asarray(v), speed(at), mass.k, omega)
@@ -58,14 +60,15 @@ def predicted(mass: Mass, t: Array, y: Array, x: float, v: float, omega: float) 
     sign = float(np.sign(v))
     while now < end:
         if sign == 0.0:
-            last = _released(mass.F_k, partial(push, x=x, v=0.0), t[t > now], now)
+            last = _released(at_rest, partial(push, x=x, v=0.0), t[t > now], now)
             out[(t >= now) & (t <= last)] = x
             sign, now = float(np.sign(push(last, x, 0.0))), last
             continue
 
         def rate(at: float, state: Array, sign: float = sign) -> list[float]:
-            force = push(at, float(state[0]), float(state[1])) - sign * mass.F_k
-            return [float(state[1]), force / mass.m]
+            x, v = state.tolist()
+            force = push(at, x, v) - sign * float(mass.friction(np.asarray(abs(v))))
+            return [v, force / mass.m]
 
         def still(at: float, state: Array, sign: float = sign) -> float:
             return sign * float(state[1])
@@ -89,11 +92,11 @@ def predicted(mass: Mass, t: Array, y: Array, x: float, v: float, omega: float) 
     return out
 
 
-def _released(F_k: float, push: Callable[[float], float], times: Array, now: float) -> float:
-    """When a rest that began `now` ends: where the push first exceeds F_k, at the last time at the latest."""
+def _released(F: float, push: Callable[[float], float], times: Array, now: float) -> float:
+    """When a rest that began `now` ends: where the push first exceeds F, at the last time at the latest."""
     before = now
     for at in [now, *times.tolist()]:
-        if abs(push(at)) > F_k:
-            return before if at == now else float(brentq(lambda t: abs(push(t)) - F_k, before, at))
+        if abs(push(at)) > F:
+            return before if at == now else float(brentq(lambda t: abs(push(t)) - F, before, at))
         before = at
     return before

@@ -25,7 +25,7 @@ Row = Mapping[Any, Any]
 
 def summary_of(cases: str | Path, study: Study) -> pd.DataFrame:
     """The table that the study asks for: of errors, by the values of some axes or over all cases, or of laws."""
-    if study.route.chooses_law:
+    if "chosen" in study.columns:
         return confusion(cases)
     return grouped_summary(cases, study) if study.summary_by else overall_summary(cases, study)
 
@@ -102,7 +102,7 @@ def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure
     lines += [f"{study.cases:,} cases; varied: {', '.join(study.axis_names)}.", ""]
     lines += [in_markdown(paragraph), ""] if paragraph else []
     lines += [f"![{title}]({figure})", ""] if figure else []
-    if study.route.chooses_law:
+    if "chosen" in study.columns:
         lines += confusion_markdown(summary)
     elif study.summary_by:
         lines += _grouped_markdown(study, summary)

@@ -1,0 +1,216 @@
+"""The exact steady motion under a base that moves at several harmonics, y = Re Σ y_n e^{inωt}, n = 1, 2, 3 …
+
+Use it where the motion of a shaker is distorted and the distortion is measured. Within a phase the oscillator is
+linear, so that the motion is the sum of the free motion and of the responses of `flow.py` to each harmonic. Even
+harmonics break the symmetry of the half cycles: the steady motion is the fixed point of the flow over a whole period,
+found by Newton's method from the motion under the fundamental alone. Events are bracketed by steps short beside every
+time scale of the phase, and located by bisection; an excursion that begins and ends within one step is missed.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..arrays import Array, Complexes
+from ..model import Parameters, parameters
+from .events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z, read_phase, write_phase
+from .flow import harmonic_response, step_response, unit
+from .jit import jit
+from .orbit import NoSteadyOrbit, Orbit
+from .regime import Regime
+
+_STEPS_PER_RADIAN = 4.0
+_MOST_STEPS = 100_000  # of a phase: a contact so stiff stands for a rigid one
+_MOST_PHASES = 512
+_BISECTIONS = 60
+_NEWTON = 40
+_CONVERGED = 1e-11  # of the displacement, velocity over ω and deflection over a period
+_PANEL = 8.0  # rad of the fastest oscillation of an integrand
+_NODES, _WEIGHTS = (np.ascontiguousarray(a) for a in np.polynomial.legendre.leggauss(12))
+
+
+@jit
+def _motion(
+    t: float, start: tuple[float, float], of_phase: tuple[float, float, float], drive: Complexes
+) -> tuple[float, float]:
+    """Displacement gained, m, and velocity, m/s, a time t after the start of a phase.
+
+    start : ẋ, m/s, and constant force per mass, m/s², at the start.   of_phase : δ, Ω², ω.   drive : harmonic force per
+    mass at the start, n = 1, 2, 3 …, m/s².
+    """
+    (v0, f0), (delta, Omega2, omega) = start, of_phase
+    J, S, R = step_response(t, delta, Omega2)
+    u, v = v0 * S + f0 * J, v0 * R + f0 * S
+    for i in range(drive.size):
+        A = drive[i]
+        if A != 0j:
+            P, rate = harmonic_response(t, (i + 1) * omega, delta, Omega2, J, S)
+            u += A.real * P.real - A.imag * P.imag
+            v += A.real * rate.real - A.imag * rate.imag
+    return u, v
+
+
+@jit
+def _turned(y: Complexes, turn: complex, scale: float) -> Complexes:
+    """scale · y_n turnⁿ, n = 1, 2, 3 …"""
+    turned, power = np.empty_like(y), turn
+    for i in range(y.size):
+        turned[i] = scale * y[i] * power
+        power *= turn
+    return turned
+
+
+@jit
+def _period(
+    x: float,
+    v: float,
+    z: float,
+    theta: float,
+    y: Complexes,
+    par: Parameters,
+    phases: Array,
+    jacobian: Array,
+) -> tuple[int, float, float, float]:
+    """(number of phases, x, ẋ, z) after a period from base phase θ on; `jacobian` (3, 3) receives the derivative.
+
+    Rows of `phases` receive (t, s, x, ẋ, z). The number is 0 where there are more phases, or steps in one, than can be
+    followed. Perturbations pass events as in `period_map.half_period_map`.
+    """
+    end, Z_m = 2.0 * math.pi / par.omega, par.F_k / par.K_z
+    delta, count, t = par.c / (2.0 * par.m), 0, 0.0
+    for i in range(3):
+        for j in range(3):
+            jacobian[i, j] = 1.0 if i == j else 0.0
+    while t < end:
+        if count == len(phases):
+            return 0, x, v, z
+        drive = _turned(y, unit(theta + par.omega * t), par.k / par.m)
+        s = 0.0
+        if abs(z) >= Z_m:
+            side = 1.0 if z > 0.0 else -1.0
+            pushed = side * (par.m * drive.sum().real - par.k * x) > par.F_k
+            s = side if side * v > 0.0 or (v == 0.0 and pushed) else 0.0
+        write_phase(phases, count, t, s, x, v, z)
+        count += 1
+        sticks = s == 0.0
+        contact, kappa = (par.K_z * z, par.k + par.K_z) if sticks else (s * par.F_k, par.k)
+        start, of_phase = (v, -(par.k * x + contact) / par.m), (delta, kappa / par.m, par.omega)
+        fastest = max(math.sqrt(kappa / par.m), delta, y.size * par.omega)
+        steps = max(8, math.ceil(_STEPS_PER_RADIAN * fastest * (end - t)))
+        if steps > _MOST_STEPS and not sticks:
+            return 0, x, v, z
+        low, high, event = 0.0, end - t, False
+        step = (end - t) / steps
+        for i in range(1, steps + 1):
+            if i > _MOST_STEPS:
+                return 0, x, v, z
+            gained, rate = _motion(i * step, start, of_phase, drive)
+            if abs(z + gained) > Z_m if sticks else s * rate < 0.0:
+                low, high, event = (i - 1) * step, i * step, True
+                break
+        if event:
+            for _ in range(_BISECTIONS):
+                middle = 0.5 * (low + high)
+                gained, rate = _motion(middle, start, of_phase, drive)
+                if abs(z + gained) > Z_m if sticks else s * rate < 0.0:
+                    high = middle
+                else:
+                    low = middle
+        gained, rate = _motion(high, start, of_phase, drive)
+        J, S, R = step_response(high, delta, kappa / par.m)
+        for j in range(3):
+            dx, dv, dz = jacobian[0, j], jacobian[1, j], jacobian[2, j]
+            offset = dz - dx if sticks else 0.0  # of the contact point: constant in stick
+            pull = par.K_z / par.m * offset
+            jacobian[0, j] = (1.0 - kappa / par.m * J) * dx + S * dv - J * pull
+            jacobian[1, j] = -kappa / par.m * S * dx + R * dv - S * pull
+            jacobian[2, j] = jacobian[0, j] + offset if sticks else 0.0
+        x += gained
+        if sticks:
+            v, z = rate, (math.copysign(Z_m, z + gained) if event else z + gained)
+        else:
+            v, z = (0.0 if event else rate), s * Z_m
+        t = t + high if event else end
+    return count, x, v, z
+
+
+@jit
+def _steady(
+    state: tuple[float, float, float], theta: float, y: Complexes, par: Parameters, phases: Array
+) -> int:
+    """Number of phases of the steady period from base phase θ on, written to `phases`; 0 where it was not found."""
+    x, v, z = state
+    Z_m, jacobian = par.F_k / par.K_z, np.empty((3, 3))
+    size = abs(x)
+    for _ in range(_NEWTON):
+        count, x1, v1, z1 = _period(x, v, z, theta, y, par, phases, jacobian)
+        if count == 0:
+            return 0
+        off = np.array([x1 - x, v1 - v, z1 - z])
+        if abs(off[0]) + abs(off[1]) / par.omega + abs(off[2]) < _CONVERGED * size:
+            return count
+        step = np.linalg.solve(np.eye(3) - jacobian, off)
+        if not abs(step[0]) + abs(step[1]) / par.omega < size:  # nor is NaN
+            step = off
+        x, v, z = x + step[0], v + step[1], min(max(z + step[2], -Z_m), Z_m)
+    return 0
+
+
+@jit
+def _in_stick(
+    phases: Array, theta: float, y: Complexes, par: Parameters, count: int
+) -> tuple[Array, Complexes]:
+    """As `integrals._in_stick`, of a whole period under all harmonics of the base."""
+    fastest = 2.0 * math.sqrt((par.k + par.K_z) / par.m) + 2.0 * (count + y.size) * par.omega
+    ends, panels = np.empty(len(phases)), np.zeros(len(phases), dtype=np.int64)
+    for i in range(len(phases)):
+        last = i + 1 == len(phases)
+        ends[i] = 2.0 * math.pi / par.omega if last else phases[i + 1, PHASE_T]
+        if phases[i, PHASE_S] == 0.0:
+            panels[i] = 1 + int((ends[i] - phases[i, PHASE_T]) * fastest / _PANEL)
+    points = panels.sum() * len(_NODES)
+    values, turns, at = np.empty(points), np.empty(points, dtype=np.complex128), 0
+    for i in range(len(phases)):
+        if panels[i] == 0:
+            continue
+        t, _, x, v, z = read_phase(phases, i)
+        turn = unit(theta + par.omega * t)
+        start = v, -(par.k * x + par.K_z * z) / par.m
+        of_phase = par.c / (2.0 * par.m), (par.k + par.K_z) / par.m, par.omega
+        drive = _turned(y, turn, par.k / par.m)
+        h = (ends[i] - t) / panels[i]
+        for panel in range(panels[i]):
+            for node, weight in zip(_NODES, _WEIGHTS):  # noqa: B905 (compiled)
+                since = h * (panel + 0.5 + 0.5 * node)
+                turns[at] = turn.conjugate() * unit(-par.omega * since)
+                values[at] = 0.5 * h * weight * _motion(since, start, of_phase, drive)[1]
+                at += 1
+    return values, turns
+
+
+def distorted_harmonics(orbit: Orbit, base: Complexes, count: int) -> Complexes:
+    """x_n, n = 1, 2 … count, m, of the steady motion of an orbit's oscillator under a base of several harmonics.
+
+    orbit : the motion under Re base[0] e^{iωt} alone, from which the search starts.   base : y_n, n = 1, 2 …, m; y_1 is
+    real.   count : number of harmonics, even ones among them.
+
+    Raises NoSteadyOrbit where the motion was not found.
+    """
+    par, first = parameters(orbit.oscillator, orbit.motion), orbit.phases[0]
+    n, y = np.arange(1.0, count + 1.0), np.zeros(count, dtype=np.complex128)
+    y[: base.size] = base[:count]
+    impedance = par.k - (n * par.omega) ** 2 * par.m + 1j * n * par.omega * par.c
+    if orbit.regime not in (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS):
+        # a contact that only sticks is a spring, one without friction is nothing
+        return par.k * y / (impedance + (par.K_z if par.F_k > 0.0 else 0.0))
+    phases = np.empty((_MOST_PHASES, 5))
+    state = float(first[PHASE_X]), float(first[PHASE_V]), float(first[PHASE_Z])
+    found = _steady(state, orbit.theta, base, par, phases)
+    if not found:
+        raise NoSteadyOrbit(f"no steady motion found under {base.size} harmonics of the base")
+    values, turns = _in_stick(phases[:found], orbit.theta, base, par, count)
+    integrals = np.array([np.sum(values * turns**order) for order in n])
+    harmonics: Complexes = (par.k * y + 1j * par.K_z / (math.pi * n) * integrals) / impedance
+    return harmonics

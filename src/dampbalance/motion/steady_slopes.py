@@ -1,0 +1,265 @@
+"""Exact derivatives of a steady orbit by its oscillator: of its harmonics and of its first onset of slip.
+
+At a fixed phase of the base, changes δx and δẋ pass every event unchanged, since the force of the contact is
+continuous; where the mass turns, that force becomes s F_k + K_z(x − x_r), x_r the place of the turn, which moves by δx.
+Within a phase the motion obeys a linear equation and its derivatives the same equation, differentiated: both are
+followed by Taylor's series, a few radians of the fastest motion at a time, which is exact to rounding at resonance, in
+the shortest stick and whatever the damping. Half a period later
+
+    δs(T/2) = A δs(0) + B δp        s = (x, ẋ) at the reversal at −X, p = (F_k, c, ρ, m), ρ = K_z^{−1/2}
+
+and, as the orbit is its own mirror image, δs(T/2) = −δs(0), so that by the implicit function theorem
+
+    δs(0) = −(1 + A)⁻¹ B δp
+
+with any number of slips in the half cycle. The derivative by the amplitude Y of the base follows from homogeneity,
+x(αY, αF_k) = α x(Y, F_k).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..arrays import Array, Complexes
+from ..model import Parameters
+from .events import PHASE_S, PHASE_T, PHASE_Z, read_phase
+from .flow import unit
+from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL, fastest_of_integrand
+from .jit import jit
+from .orbit import Orbit
+from .regime import Regime
+
+UNKNOWNS = ("F_k", "c", "rho", "m")
+"""What derivatives are taken by, ρ = K_z^{−1/2}; SI units."""
+
+# Columns of all that is followed: the motion itself, its derivatives by UNKNOWNS, and by x and ẋ at the start.
+_F_K, _C, _RHO, _M, _X, _V = range(1, 7)
+_COLUMNS = 7
+_AT_X, _AT_V, _GAIN = range(3)  # rows of a phase: x and ẋ at its start, and what x gains in it
+
+_RADIANS = 4.0  # of the fastest of Ω, 2δ and ω: a series so long loses two digits at most
+_TERMS = 36
+_PLACES = 0.5 * (1.0 + GAUSS_NODES)
+# of a series of the gain over a panel: the velocity there, times the weight of Gauss's rule, (places, terms − 1)
+_RATES = np.arange(1.0, _TERMS) * _PLACES[:, None] ** np.arange(_TERMS - 1.0)
+_RATES *= 0.5 * GAUSS_WEIGHTS[:, None]
+
+
+def harmonics_with_slopes(orbit: Orbit, count: int) -> tuple[Complexes, Complexes]:
+    """x_n of `Orbit.harmonics`, m, (count,), and their derivatives by `UNKNOWNS`, (4, count).
+
+    Use it where both are needed, as in a fit: together they take little more time than the harmonics alone.
+    """
+    par, n = orbit.parameters, np.arange(1.0, 2.0 * count, 2.0)
+    impedance = par.k - (n * par.omega) ** 2 * par.m + 1j * n * par.omega * par.c
+    force = np.zeros((5, count), dtype=np.complex128)  # −f_n and its derivatives
+    if orbit.regime not in _LINEAR:
+        force = _contact_harmonics(orbit, count)
+    elif orbit.regime is Regime.NO_SLIP:
+        impedance[:1] += par.K_z
+        force[_RHO, :1] = 2.0 * par.K_z**1.5 * par.k * par.Y / impedance[:1]
+    force[0, :1] += par.k * par.Y
+    force /= impedance
+    x, by = force[0], force[1:]
+    by[_C - 1] -= 1j * n * par.omega / impedance * x
+    by[_M - 1] += (n * par.omega) ** 2 / impedance * x
+    return x, by
+
+
+_LINEAR = (Regime.NO_SLIP, Regime.NO_FRICTION)
+
+
+def onset_slopes(orbit: Orbit) -> Array:
+    """Derivatives by `UNKNOWNS` of V_s and t_s at the first onset of slip after the reversal at −X, and of λ = 4X − a,
+    the travel that sticking takes; (3, 4), zero where nothing slips."""
+    slopes = np.zeros((3, 4))
+    if orbit.regime in _LINEAR:
+        return slopes
+    states, _, _, shifts, start = _follow(orbit.phases, orbit.theta, orbit.parameters, 1)
+    at = states[..., _F_K:_X] + states[..., _X:] @ start
+    shifted = iter(shifts[:, _F_K:_X] + shifts[:, _X:] @ start)
+    # the force is continuous: the acceleration at the start of each phase
+    acceleration = orbit.state((orbit.theta / orbit.motion.omega) + orbit.phases[:, PHASE_T])[2]
+    before, first = 1.0, True
+    for i, (_, s, _, v, _) in enumerate(orbit.phases.tolist()):
+        if s != 0.0:
+            gained = at[i, _GAIN]
+            if before == 0.0:  # the onset moves
+                shift = next(shifted)
+                gained = gained - shift
+                if s > 0.0 and first:
+                    first = False
+                    slopes[0] = at[i, _AT_V] + acceleration[i] * shift / v
+                    slopes[1] = shift / v + at[0, _AT_V] / acceleration[0]
+            slopes[2] -= 2.0 * s * gained
+        before = s
+    slopes[2] -= 4.0 * at[0, _AT_X]
+    return slopes
+
+
+def _contact_harmonics(orbit: Orbit, count: int) -> Complexes:
+    """−f_n of `integrals.harmonics` and its derivatives by UNKNOWNS, (5, count)."""
+    par = orbit.parameters
+    _, series, places, shifts, start = _follow(orbit.phases, orbit.theta, par, count)
+    rates = _RATES @ series[:, 1:]  # (panels, places, 7)
+    places = places[:, :1] + places[:, 1:] * _PLACES
+    values = np.concatenate((rates.reshape(-1, _COLUMNS), shifts))
+    values[rates.size // _COLUMNS :, 0] = 0.0  # an onset that moves adds to the derivatives alone
+    terms = np.empty((len(values), count), dtype=np.complex128)
+    np.exp(-1j * np.concatenate((places.ravel(), shifts[:, 0])), out=terms[:, 0])
+    terms[:, 1:] = terms[:, :1] * terms[:, :1]
+    np.multiply.accumulate(terms, axis=1, out=terms)
+    derivatives = values[:, :_X]
+    derivatives[:, _F_K:] += values[:, _X:] @ start
+    force: Complexes = derivatives.T @ terms
+    force[_RHO] -= 2.0 * math.sqrt(par.K_z) * force[0]
+    force *= 2j * par.K_z / (math.pi * np.arange(1.0, 2.0 * count, 2.0))
+    return force
+
+
+@jit
+def _follow(
+    phases: Array, theta: float, par: Parameters, count: int
+) -> tuple[Array, Array, Array, Array, Array]:
+    """The motion of half a cycle and its derivatives at fixed phases of the base.
+
+    Returns, of each phase, the rows x, ẋ at its start and the gain of x, (phases, 3, 7); the Taylor series in stick,
+    panel by panel, (panels, terms, 7), of the gain over the part of the panel that has passed; the phase ψ of the base
+    at the start of each panel and its advance, (panels, 2); for each onset of slip, ψ and the shifts ẋ δt,
+    (onsets, 7); and δs(0) by UNKNOWNS, (2, 4).
+    """
+    half = math.pi / par.omega
+    number, onsets, longest = 0, 0, len(phases)
+    panels = np.ones(longest, dtype=np.int64)
+    for i in range(longest):
+        t, s, _, _, _ = read_phase(phases, i)
+        duration = (phases[i + 1, PHASE_T] if i + 1 < longest else half) - t
+        stiff = par.k + par.K_z if s == 0.0 else par.k
+        radians = duration * max(math.sqrt(stiff / par.m), par.c / par.m, par.omega)
+        panels[i] += int(radians / _RADIANS)
+        if s == 0.0:
+            panels[i] = max(panels[i], 1 + int(duration * fastest_of_integrand(par, count) / PANEL))
+            number += panels[i]
+            if i + 1 < longest and phases[i + 1, PHASE_S] != 0.0:
+                onsets += 1
+    states = np.zeros((longest, 3, _COLUMNS))
+    series, places = np.zeros((number, _TERMS, _COLUMNS)), np.empty((number, 2))
+    shifts, scratch = np.zeros((onsets, _COLUMNS)), np.zeros((_TERMS, _COLUMNS))
+    ends = np.zeros((2, _COLUMNS))
+    ends[0, _X] = ends[1, _V] = 1.0
+    at = onset = 0
+    for i in range(longest):
+        t, s, x, v, z = read_phase(phases, i)
+        last = i + 1 == longest
+        h = ((half if last else phases[i + 1, PHASE_T]) - t) / panels[i]
+        states[i, :2] = ends
+        states[i, _AT_X, 0], states[i, _AT_V, 0] = x, v
+        phase = _equation(s, z, states[i], par)
+        gained = np.zeros((2, _COLUMNS))
+        gained[1] = states[i, _AT_V]
+        for panel in range(panels[i]):
+            psi = theta + par.omega * (t + panel * h)
+            into = series[at] if s == 0.0 else scratch
+            _taylor(h, psi, phase, gained, par, into)
+            if s == 0.0:
+                places[at, 0], places[at, 1] = psi, par.omega * h
+                at += 1
+        states[i, _GAIN] = gained[0]
+        for j in range(1, _COLUMNS):
+            ends[0, j], ends[1, j] = states[i, _AT_X, j] + gained[0, j], gained[1, j]
+        if s == 0.0 and not last and phases[i + 1, PHASE_S] != 0.0:
+            shifts[onset] = _shift(i, phases, gained[0], par)
+            shifts[onset, 0] = theta + par.omega * phases[i + 1, PHASE_T]
+            onset += 1
+    # (1 + A) δs(0) = −B
+    start = np.empty((2, 4))
+    a, b, c, d = 1.0 + ends[0, _X], ends[0, _V], ends[1, _X], 1.0 + ends[1, _V]
+    det = a * d - b * c
+    for j in range(4):
+        start[0, j] = -(d * ends[0, j + 1] - b * ends[1, j + 1]) / det
+        start[1, j] = -(a * ends[1, j + 1] - c * ends[0, j + 1]) / det
+    return states, series, places, shifts, start
+
+
+@jit
+def _equation(s: float, z: float, state: Array, par: Parameters) -> Array:
+    """The equation of a phase, ü = f + Re[A e^{iψ}] − 2δu̇ − Ω²u of the gain u, and its derivatives: rows f, |A|, 2δ,
+    Ω², (4, 7)."""
+    sticks = s == 0.0
+    m, x = par.m, state[_AT_X, 0]
+    contact, stiff = (par.K_z * z, par.k + par.K_z) if sticks else (s * par.F_k, par.k)
+    rows = np.zeros((4, _COLUMNS))
+    rows[0, 0], rows[1, 0] = -(par.k * x + contact) / m, par.k * par.Y / m
+    rows[2, 0], rows[3, 0] = par.c / m, stiff / m
+    for j in range(1, _COLUMNS):
+        rows[0, j] = -par.k / m * state[_AT_X, j]
+    for row in range(4):
+        rows[row, _M] -= rows[row, 0] / m
+    # where it sticks, the force at the start is that of the turn before
+    rows[0, _F_K] -= _side(s, z) / m
+    rows[2, _C] = 1.0 / m
+    if sticks:
+        rows[3, _RHO] = -2.0 * par.K_z * math.sqrt(par.K_z) / m
+    return rows
+
+
+@jit
+def _side(s: float, z: float) -> float:
+    """The way, ±1, of the slip that this one is, or that was before this stick."""
+    if s != 0.0:
+        return s
+    return 1.0 if z > 0.0 else -1.0
+
+
+@jit
+def _taylor(
+    h: float, psi: float, phase: Array, gained: Array, par: Parameters, series: Array
+) -> None:
+    """Carry gain and velocity, `gained` (2, 7), over a time h from the base phase ψ on.   phase : of `_equation`.
+
+    series : (terms, 7), receives the coefficients of the gain over the part of h that has passed,
+
+        n(n−1) uₙ = h² fₙ₋₂ − 2δh (n−1) uₙ₋₁ − Ω²h² uₙ₋₂,   differentiated
+    """
+    damping, square = phase[2, 0] * h, phase[3, 0] * h * h
+    radians = max(damping, math.sqrt(square), par.omega * h)
+    terms = min(_TERMS, 12 + int(6.0 * radians))
+    for j in range(_COLUMNS):
+        series[0, j], series[1, j] = gained[0, j], h * gained[1, j]
+        gained[0, j], gained[1, j] = series[0, j] + series[1, j], series[1, j]
+    turn, advance = unit(psi), par.omega * h
+    force = h * h
+    constant = force
+    for n in range(2, terms):
+        driven, over = force * turn.real, 1.0 / (n * (n - 1))
+        before, last = h * h * series[n - 2, 0], h * (n - 1) * series[n - 1, 0]
+        of_rate = damping * (n - 1)
+        for j in range(_COLUMNS):
+            u = driven * phase[1, j] - of_rate * series[n - 1, j] - square * series[n - 2, j]
+            if j > 0:
+                u -= phase[2, j] * last + phase[3, j] * before
+            if n == 2:
+                u += constant * phase[0, j]
+            u *= over
+            series[n, j] = u
+            gained[0, j] += u
+            gained[1, j] += n * u
+        force *= advance / (n - 1)
+        turn = complex(-turn.imag, turn.real)
+    for j in range(_COLUMNS):
+        gained[1, j] /= h
+
+
+@jit
+def _shift(i: int, phases: Array, gained: Array, par: Parameters) -> Array:
+    """ẋ δt at the onset of slip that ends the stick phase i, (7,).   gained : δx − δx_r there.
+
+    z = ±Z_m there: δx + ẋ δt = δx_r + (s − side) δZ_m, side Z_m the deflection at the turn x_r where the phase began.
+    """
+    swing = phases[i + 1, PHASE_S] - _side(0.0, phases[i, PHASE_Z])
+    shift = -gained
+    shift[_F_K] += swing / par.K_z
+    shift[_RHO] += swing * 2.0 * par.F_k / math.sqrt(par.K_z)
+    return shift

@@ -1,0 +1,83 @@
+# Sets of measured records: their files, and what is wrong with them before anything is read.
+import glob
+
+from dampbalance.project.documents import refuse
+from dampbalance.records.errors import RecordError
+from dampbalance.records.mapping import mapping_file, mapping_for, parts_of
+from dampbalance.identification.outputs import OUTPUTS
+from dampbalance.law.law import law_of
+
+MEASURED = {one["name"]: {**one} for one in config.get("measured") or []}
+for one in MEASURED.values():
+    if one.get("mapping"):
+        one["mapping"] = named_file(one["mapping"])
+MEASURED_FILES = f"{RESULTS}/measured"
+FROM = "from the folder of the run or of the project on"
+
+
+def refuse_of(name, *key, text):
+    """Refuse a key of a set."""
+    refuse(("measured", list(MEASURED).index(name), *key), text, CONFIG_FILES)
+
+
+def matching(pattern):
+    """The files that a pattern finds from the folder of the run on, or else from that of the project."""
+    if Path(pattern).is_file():  # whatever brackets its name has
+        return [pattern]
+    return glob.glob(pattern) or [*map(project_file, glob.glob(pattern, root_dir=ROOT))]
+
+
+def record_files(name):
+    """The records of a set, sorted; each pattern must find some."""
+    found = []
+    for i, pattern in enumerate(MEASURED[name]["records"]):
+        files = sorted(file for file in matching(pattern) if not file.endswith((".yaml", ".md")))
+        for folder in filter(os.path.isdir, files):
+            refuse_of(name, "records", i, text=f"{folder} is a folder: name its files, {folder}/*")
+        if not files:
+            text = f"no file {pattern}: name files, or a pattern, {FROM}"
+            refuse_of(name, "records", i, text=text)
+        found.extend(file for file in files if file not in found)
+    return found
+
+
+def mapping_files(name):
+    """The files that name the channels of a set, and those of its records that they name beside these."""
+    records, given = record_files(name), MEASURED[name].get("mapping")
+    found = {mapping_file(file, given) for file in records} - {None}
+    parts = {part for file in records for part in parts_of(file, mapping_for(file, given))}
+    return sorted(str(file) for file in found | (parts - {Path(file) for file in records}))
+
+
+def require_files(name):
+    """Refuse a set that names a file which is not there: Snakemake misses none as long as the results are there."""
+    given = MEASURED[name].get("mapping")
+    if given and not Path(given).exists():
+        refuse_of(name, "mapping", text=f"no file or folder {given}: name one, {FROM}")
+    for file in map(Path, record_files(name)):
+        if given and mapping_file(file, given) is None:
+            text = f"the folder {given} has no mapping of {file.name}: add {file.stem}.yaml"
+            refuse_of(name, "mapping", text=text)
+        rules = mapping_for(file, given)
+        for quantity, channel in rules.channels.items():
+            part = channel.file
+            if part is not None and not (file.parent / part).is_file():
+                text = f"no file {file.parent / part}: name one, from the record's folder on"
+                refuse(("channels", quantity, "file"), text, [rules.source])
+
+
+if MEASURED and workflow.is_main_process:
+    try:
+        if len({name.casefold() for name in MEASURED}) < len(config["measured"]):
+            text = "two sets have the same name, capital or small; rename one"
+            refuse(("measured",), text, CONFIG_FILES)
+        for name, one in MEASURED.items():
+            require_files(name)
+            try:
+                law_of(one.get("terms"), one.get("given"), one.get("groups")).require_labels(
+                    len(record_files(name))
+                )
+            except ValueError as error:
+                refuse_of(name, text=str(error))
+    except (ConfigurationError, RecordError) as error:
+        raise WorkflowError(str(error)) from None

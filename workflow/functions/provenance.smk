@@ -1,0 +1,74 @@
+# Jobs and sources behind the results, found from the rules as Snakemake finds them.
+import functools
+import os
+
+from dampbalance import __version__ as VERSION
+from dampbalance.publishing.provenance.sources import COMPUTING, PROJECT, code_version, files_of
+from snakemake.io import is_flagged
+
+# A configuration that another workflow hands over stands in no file of its own; as merged it is in the manifest.
+GIVEN_FILES = [os.path.relpath(file) for file in ([BASE_CONFIG] if IS_MODULE else CONFIG_FILES)]
+PROVENANCE_RULES = ("manifest", "crate", "archive")
+ARCHIVE_NAME = f"dampbalance-{VERSION}" + ("" if CASE.name == "paper" else f"-{CASE.name}")
+
+
+def own_rules():
+    """The rules of this workflow by the names that they have here; one that uses it as a module may call them otherwise."""
+    return {name: proxy.rule for name, proxy in rules._rules.items()}
+
+
+def own_name(file):
+    """A file as the manifest names it: a result without a module's prefix, a file of the project from there on."""
+    if file.startswith(placed("results/")):
+        return file.removeprefix(PREFIX)
+    path = Path(os.path.abspath(file))
+    return path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else file
+
+
+@functools.cache
+def jobs_behind_everything():
+    """The jobs behind `rule all`, each {rule, script, inputs, outputs}, found from the rules as Snakemake finds them.
+
+    Inputs leave out the package's modules (they are sources), outputs what is temporary.
+    """
+    names = {rule: name for name, rule in own_rules().items()}
+    producers = [rule for rule, name in names.items() if name not in PROVENANCE_RULES]
+    waiting = list(rules.all.rule.expand_input({})[0])
+    seen, jobs = set(), {}
+    while waiting:
+        file = str(waiting.pop())
+        if file in seen:
+            continue
+        seen.add(file)
+        made_by = [r for r in producers if r.is_producer(file)]
+        if not made_by:
+            continue
+        producer = made_by[0]
+        wildcards = producer.get_wildcards(file)
+        job = jobs.setdefault((names[producer], *sorted(wildcards.items())), {})
+        if job:
+            continue
+        needed = [str(f) for f in producer.expand_input(wildcards)[0]]
+        inputs = {own_name(file) for file in needed}
+        outputs = [f.apply_wildcards(wildcards) for f in producer.output]
+        job |= {
+            "rule": names[producer],
+            "script": os.path.normpath(Path("workflow/rules") / producer.script),
+            "inputs": sorted(file for file in inputs if not file.startswith("src/")),
+            "outputs": sorted(own_name(str(f)) for f in outputs if not is_flagged(f, "temp")),
+        }
+        waiting.extend(needed)
+        waiting.extend(str(f) for f in outputs)
+    return sorted((job for job in jobs.values() if job["outputs"]), key=lambda job: job["outputs"])
+
+
+def everything_built(wildcards):
+    """All results of this case, and of the studies that it draws on."""
+    return [file for job in jobs_behind_everything() for file in job["outputs"]]
+
+
+def sources_of(names):
+    """Files of the project below `names`, and configurations given on the command line: name → path."""
+    own = {name: project_file(name) for name in files_of(ROOT, names)}
+    given = {own_name(file): file for file in GIVEN_FILES}
+    return own | {name: path for name, path in given.items() if not name.startswith("..")}

@@ -1,0 +1,102 @@
+# Studies: their files, sizes and chunks, checked before anything is computed.
+import functools
+import os
+import re
+import sys
+import time
+
+STUDY_FOLDER = Path("config/studies")
+STUDY_RESULTS = "results/studies"
+# Those of the folder in which the workflow runs, and those of the project.
+STUDIES = sorted(
+    {path.stem for top in (Path(), ROOT) for path in (top / STUDY_FOLDER).glob("*.yaml")}
+)
+
+
+def study_file(name):
+    """The file of a study."""
+    return named_file(str(STUDY_FOLDER / f"{name}.yaml"))
+
+
+def study_files(names):
+    """Files of studies as inputs of a rule."""
+    return [unmoved(study_file(name)) for name in names]
+
+
+@functools.cache
+def study_plan(name):
+    """(study, its size), checked against the schema and the free disk; one clear error for a file that is wrong."""
+    from dampbalance.studies.sizes import check_size, size_of
+    from dampbalance.studies.checking import read_study
+
+    file = Path(study_file(name))
+    if not re.fullmatch(r"(?!.*(.{1,3})\1{19}$)[A-Za-z0-9][A-Za-z0-9_-]{0,59}", name):
+        raise WorkflowError(
+            f"{file}: the name of a study is letters, digits, '-' and '_', 60 at most, with nothing 20 times in a row at its "
+            "end; rename the file"
+        )
+    if not file.exists():
+        known = ", ".join(STUDIES)
+        raise WorkflowError(f"{file}: there is no such study; known are {known}")
+    try:
+        study = read_study(file, STUDY_DEFAULTS["schema"], STUDY_DEFAULTS["base"])
+        size = size_of(study)
+        results = placed(STUDY_RESULTS)
+        if workflow.is_main_process and not Path(f"{results}/{name}/cases.parquet").exists():
+            check_size(study, size, results, file)
+    except ConfigurationError as error:
+        raise WorkflowError(str(error)) from None
+    return study, size
+
+
+def requested_studies():
+    """The studies that the command line names; the targets are not known otherwise at this point."""
+    if workflow.modifier.modify_rulename("studies") in sys.argv:
+        return STUDIES
+    prefix = f"{placed(STUDY_RESULTS)}/"
+    named = {arg.removeprefix(prefix).split("/")[0] for arg in sys.argv if arg.startswith(prefix)}
+    return sorted(named)
+
+
+if workflow.is_main_process:
+    # from which chunks estimate the remaining time
+    os.environ.update(DAMPBALANCE_STARTED=str(time.time()))
+    for name in requested_studies():
+        logger.info(f"Study {name}: {study_plan(name)[1]}")
+
+
+def study_settings(wildcards):
+    """What the numbers of a study follow from: a change of them, and of nothing else, computes it again."""
+    study, _ = study_plan(wildcards.study)
+    return {"settings": study.settings, "fixed": study.fixed, "levels": study.levels}
+
+
+def study_chunks(wildcards):
+    """The chunks of a study, in their order; none of a study that one job computes as a whole."""
+    _, size = study_plan(wildcards.study)
+    if size.chunks == 1:
+        return []
+    return [
+        f"{STUDY_RESULTS}/{wildcards.study}/chunks/{chunk:05d}.parquet"
+        for chunk in range(size.chunks)
+    ]
+
+
+def chunk_memory_mb(wildcards, attempt):
+    """0.5 GB for the script, whatever the size of the chunk, 0.6 GB for the Snakemakes that start it on a cluster, half
+    as much again to be safe; more at a retry. Measured: config/studies/CLUSTER.md."""
+    return 1650 * attempt
+
+
+def study_title(wildcards):
+    """What the report calls a study."""
+    from dampbalance.project.wording import plain  # needed for a report only
+
+    return {"result": plain(study_plan(wildcards.study)[0].title)}
+
+
+def study_figure_files(wildcards):
+    """The figure of a study, if its file asks for one."""
+    study, _ = study_plan(wildcards.study)
+    folder = f"{STUDY_RESULTS}/{wildcards.study}"
+    return [f"{folder}/figure.svg", f"{folder}/figure.png"] if study.figure else []

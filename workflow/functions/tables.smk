@@ -1,0 +1,24 @@
+# Files of the tables, and what the report calls them.
+TABLES = ["table1", "table2", "table3", "statistics"]
+
+
+def table_files(extension):
+    """results/<case>/tables/table1.csv … for the first frequency, table1_<frequency>.csv … for the others; approaches.csv."""
+    names = [f"{name}{CASE.suffix(hz)}" for hz in FREQUENCIES for name in TABLES]
+    return [f"{RESULTS}/tables/{name}.{extension}" for name in [*names, "approaches"]]
+
+
+def reported_table(file):
+    """A table with what the report calls it."""
+
+    def title(wildcards):
+        # Needed for a report only.
+        from dampbalance.project.wording import plain
+        from dampbalance.replication.printed_tables import TITLES
+
+        name, _, frequency = Path(file).stem.partition("_")
+        hz = CASE.frequencies_hz[frequency or FREQUENCIES[0]]
+        where = "" if name == "approaches" else f", at {hz:g} Hz"
+        return {"result": plain(TITLES[name]) + where}
+
+    return report(file, caption="../report/table.rst", category="Tables", labels=title)
