@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import reprlib
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from decimal import Decimal
 from numbers import Real
 from pathlib import Path
@@ -92,6 +94,21 @@ def number(name: str, value: object, label: str = "") -> float:
     if not bounds.low <= plain <= bounds.high:
         _refuse(label or name, bounds, value)
     return plain
+
+
+def with_error(name: str, value: object) -> tuple[float, float]:
+    """A number of the table and its standard uncertainty: 2310.0, (2310.0, 10.0), "2310±10" or "2310+-10"."""
+    pair: Any = value
+    if isinstance(value, str):
+        with suppress(ValueError):
+            pair = [float(part) for part in re.split(r"±|\+/?-", value)]
+    if not isinstance(pair, list | tuple) or len(pair) != 2:
+        return number(name, value), 0.0
+    plain, error = number(name, pair[0]), pair[1]
+    if isinstance(error, bool) or not (isinstance(error, Real) and 0.0 <= float(error) < plain):
+        wanted = f"{NUMBERS[name]}, with an uncertainty below it, (2310, 10) or 2310±10"
+        _refuse(name, wanted, value)
+    return plain, float(error)
 
 
 def whole(name: str, value: object) -> int:

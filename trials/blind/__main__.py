@@ -106,7 +106,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--seed", type=int, default=SEED, help="of the sets of decays")
     parser.add_argument("--drawings", type=int, default=200, help="of each truth or law")
     parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--approach", default="direct", help="whose errors faults shows")
+    parser.add_argument("--approach", default=score.FIRST, help="whose errors faults shows")
     parser.add_argument("--output", type=Path, default=Path("results/blind"))
     options = parser.parse_args(arguments)
     options.output.mkdir(parents=True, exist_ok=True)

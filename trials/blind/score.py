@@ -19,8 +19,9 @@ from dampbalance.reading.mean_harmonics import read_features
 from .records import levels, records
 from .truths import Truth, draw
 
-# approaches that are held against the aims: the balance of energy, and the fit to all records
-HELD = ("direct", REFERENCE)
+FIRST = "first answer"
+# answers that are held against the aims: the first, the balance of energy, and the fit to all records
+HELD = (FIRST, "direct", REFERENCE)
 PUBLISHED = "Eq. (9)"  # name of an approach with all rows weighing alike: "direct, Eq. (9)"
 # words for records that the waveform of no oscillator meets, and for those in which nothing is seen to slip
 MISSED = "the records are not those of one mass"
@@ -69,7 +70,9 @@ def outcome(index: int) -> list[dict[str, object]]:
 
 def numbers(result: ForcedOutcome, truth: Truth) -> Iterator[dict[str, object]]:
     """Approach, symbol, truth, value, its error and interval, and the words: the one place that knows a result."""
-    found = [(name, e.parameters, e.notes) for name, e in result.estimates.items()]
+    first = next(iter(result.answers.values()))
+    found = [(FIRST, first.parameters, first.notes)]
+    found += [(name, e.parameters, e.notes) for name, e in result.estimates.items()]
     found += [(f"{name}, {PUBLISHED}", e.equal, e.notes) for name, e in result.estimates.items()]
     found.append((REFERENCE, _of_fit(result), result.joint.notes))
     for name, parameters, notes in found:
@@ -183,7 +186,7 @@ def faults(rows: pd.DataFrame) -> dict[str, tuple[list[int], int]]:
     harmonic = rows[of_onset & ~rows["starred"] & slips]
     silent = rows[~rows["remarked"] & (rows["sizes"] > 5.0) & slips]
     nothing = rows[~slips & (rows["symbol"] == "F_k") & np.isfinite(rows["value"])]
-    without = F_k[(F_k["approach"] == HELD[0]) & ~np.isfinite(F_k["value"])]
+    without = F_k[(F_k["approach"] == FIRST) & ~np.isfinite(F_k["value"])]
     slipping = int((sets["kind"] != "nothing slips").sum())
     found = {
         "refused": (sets.index[sets["approach"] == "refused"], len(sets)),

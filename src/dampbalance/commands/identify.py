@@ -17,7 +17,7 @@ from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, write_json
 from ..project.wording import shortened
 from ..records.limits import LARGEST
-from .options import coefficients, count, number, whole
+from .options import coefficients, count, number, whole, with_error
 
 EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
@@ -36,7 +36,7 @@ A record whose driving channel is missing or constant is one of free decays, one
 _HELP = f"""\
 records         a file, one per level; as many as there are coefficients, or more; of a free decay one is enough
 --kind          forced records or free decays (default: as the first record is recognised)
---stiffness     stiffness k, N/m; it scales F_k and c; only the mass that the records imply shows whether it is right
+--stiffness     stiffness k, N/m, or with its standard uncertainty, 2310±10; it scales F_k and c; --mass tests it
 --frequency     known drive frequency, Hz; compared with the one found in each record
 --terms         of the damping law, such as F_k,c,c_2 (default: F_k,c); known: {", ".join(KNOWN_TERMS)}
 --given         a coefficient that is known, such as c=0.669, SI; may be repeated
@@ -44,7 +44,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 --laws          compare laws of one or two terms, with and without friction, and name the one that the records support
 --approach      an approach; may be repeated (default: all)
 --phase         phase φ that the approaches X_s, t_s and V_s take (default: reversal)
---mass          mass, kg, if it is known: the fit takes it, unless the records contradict it
+--mass          mass, kg, if it is known: the fit takes it, unless the records contradict it; tests stiffness and gains
 --mapping       file or folder that names the channels of the records (default: the file next to each)
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
 --replicates    of the bootstrap (default: %(default)s)
@@ -127,7 +127,7 @@ _SEVERAL: dict[str, Any] = {"action": "append", "default": []}
 _OPTIONS: dict[str, dict[str, Any]] = {
     "records": {"nargs": "+", "type": Path, "metavar": "RECORD"},
     "--kind": {"choices": ("forced", "ring-down"), "default": "recognised"},
-    "--stiffness": {"type": number(), "required": True, "metavar": "K"},
+    "--stiffness": {"type": with_error, "required": True, "metavar": "K"},
     "--frequency": {"type": number(1e-9, 1e9), "metavar": "HZ"},
     "--terms": {"metavar": "TERMS"},
     "--given": {"type": coefficients, **_SEVERAL, "metavar": "TERM=VALUE"},

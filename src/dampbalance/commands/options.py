@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -16,6 +17,18 @@ SMALLEST, LARGEST = 1e-15, 1e15
 def number(low: float = SMALLEST, high: float = LARGEST) -> Callable[[str], float]:
     """A type of argument: a number within bounds."""
     return _within(float, low, high, f"a {'positive ' * (low > 0)}number, {low:g} to {high:g}")
+
+
+def with_error(text: str) -> tuple[float, float]:
+    """A type of argument: a positive number, alone or with its standard uncertainty, 2310±10 or 2310+-10."""
+    value, *error = re.split(r"±|\+/?-", text, maxsplit=1)
+    one = number()(value)
+    uncertainty = number(0.0)(error[0]) if error else 0.0
+    if not uncertainty < one:
+        raise argparse.ArgumentTypeError(
+            f"must have an uncertainty below the number itself, got {shortened(text)}"
+        )
+    return one, uncertainty
 
 
 def whole(low: int = 0, high: int = 2**63 - 1) -> Callable[[str], int]:

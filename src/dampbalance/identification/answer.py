@@ -17,6 +17,7 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Rows
 from ..law.terms import named_with_unit, term
+from ..project.wording import Remark
 from ..reading.climb import OscillatorFit
 from ..solver import NORMAL_95
 
@@ -62,22 +63,6 @@ class Verdict(NamedTuple):
     reason: str = ""
 
 
-class Remark(str):
-    """A sentence on records, as a reader sees it, that knows which record it is about.
-
-    source : name of the record; empty where the sentence is about all of them.   words : the sentence without the name.
-    """
-
-    source: str
-    words: str
-
-    def __new__(cls, words: str, source: str = "") -> Remark:
-        """The sentence, after the name of the record where it is about one."""
-        remark = super().__new__(cls, f"{source}: {words}" if source else words)
-        remark.source, remark.words = source, words
-        return remark
-
-
 @dataclass(frozen=True, eq=False)
 class Balance:
     """Rows of the energy balance, as an answer solved them.
@@ -112,7 +97,7 @@ class Answer:
     name: str
     parameters: Mapping[str, ParameterEstimate]
     covariance: Array
-    notes: tuple[str, ...] = ()
+    notes: tuple[Remark, ...] = ()
     balance: Balance | None = None
     correlations: Mapping[tuple[str, str], float] = field(default_factory=dict)
     equal: Mapping[str, ParameterEstimate] = field(default_factory=dict)
@@ -181,7 +166,7 @@ class Answer:
 def answer_of_fit(
     fit: OscillatorFit,
     coefficients: Iterable[str],
-    notes: Iterable[str],
+    notes: Iterable[Remark],
     *,
     doubt: str = "",
     **merit: Any,

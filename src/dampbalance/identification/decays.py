@@ -8,7 +8,7 @@ solved.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
@@ -17,7 +17,7 @@ import numpy as np
 from ..arguments import number
 from ..arrays import Array
 from ..balance import TERMS, Rows
-from ..project.wording import times, visible
+from ..project.wording import Remark, times, visible
 from ..reading.conditioning import evenly_sampled
 from ..reading.cycles import clipped
 from ..reading.frequency import stands_still
@@ -37,7 +37,6 @@ from .answer import (
     Balance,
     Interval,
     ParameterEstimate,
-    Remark,
     answer_of_fit,
     covariance_of,
     normal,
@@ -46,6 +45,7 @@ from .decay_laws import compare_decay_laws, condition_of, doubt_of
 from .outcome import Outcome, Picture
 from .remarks import forbidden
 from .screen import implied
+from .sensitivities import Fault
 
 BALANCE = "balance"
 """Name of the one approach to free decays."""
@@ -53,6 +53,7 @@ BALANCE = "balance"
 _ORDERS = {quantity: order for order, quantity in enumerate(RESPONSES)}
 _CHANCE = 1e-4  # probability of a misfit in noise, below which there is another reason
 _MASS_OFF = 4.0  # standard errors
+_LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
 # half cycles, and K_z/k, below which a motion that does not fit shows no contact
 _FEWEST, _LOOSE = 2, 1e-2
 
@@ -115,6 +116,30 @@ class DecayOutcome(Outcome):
             for (t, x), error in zip(turns, errors, strict=True)
         ]
 
+    def shifts(
+        self, faults: Mapping[str, Fault], names: Collection[str]
+    ) -> dict[str, dict[str, dict[str, float]]]:
+        """What faults of all records do to the answers: m, c, k, K_z and F_k times a number are an oscillator of the
+        same motion, and F_k is in proportion to the motion. When a decay began is not known: a delay does nothing."""
+        fit = self.fit
+        lighter = dict.fromkeys(("F_k", "c", "K_z"), 0.0)
+        if fit.error("m") == 0.0 and any(fault.stiffness for fault in faults.values()):
+            at, start = fit.names.index("m"), fit.point.copy()
+            start[at] *= 1.0 - _LIGHTER
+            other = fit_decays(fit.decays, fit.k, start, given={at})
+            if other is not None:
+                pairs = {"F_k": (other.F_k, fit.F_k), "c": (other.c, fit.c)}
+                pairs["K_z"] = other.K_z, fit.K_z
+                lighter = {s: (a / b - 1.0) / _LIGHTER for s, (a, b) in pairs.items() if b}
+        of_all = {
+            name: {s: fault.stiffness * (1.0 + by) for s, by in lighter.items()}
+            | {"m": fault.stiffness * (fit.error("m") > 0.0)}
+            for name, fault in faults.items()
+        }
+        for name, fault in faults.items():
+            of_all[name]["F_k"] += fault.response
+        return dict.fromkeys([name for name in self.answers if name in names], of_all)
+
     @property
     def pictures(self) -> dict[str, Picture]:
         """decays : each with the motion fitted to it."""
@@ -133,12 +158,17 @@ def _slipping(halves: int) -> str:
 
 @one_thread
 def identify_ring_downs(
-    records: Sequence[Measurement], k: float, *, mass: float | None = None, laws: bool = False
+    records: Sequence[Measurement],
+    k: float,
+    *,
+    mass: float | None = None,
+    uncertainty: float = 0.0,
+    laws: bool = False,
 ) -> DecayOutcome:
     """F_k, c and K_z from records of free decays, one or more.
 
-    k : stiffness, N/m.   mass : kg, if it is known; the fit takes it unless the decays contradict it.   laws : whether
-    to compare the laws that the decays may have.
+    k : stiffness, N/m.   mass : kg, if it is known; the fit takes it unless the decays contradict it.   uncertainty :
+    standard uncertainty of k, as a part of it.   laws : whether to compare the laws that the decays may have.
 
     Raises ValueError for a stiffness or a mass that is not positive, a record whose excitation channel moves, one
     without a decay that slips, and a channel with a filter.
@@ -155,10 +185,10 @@ def identify_ring_downs(
                 f"{record.source}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
                 "and free decays are not identified together"
             )
-        odd: list[str] = []
+        odd: list[Remark] = []
         channels = enumerate(record.responses, offsets)
         signals = [_signal(record, channel, number, odd) for number, channel in channels]
-        warnings += [Remark(words, record.source) for words in odd]
+        warnings += [words.about(record.source) for words in odd]
         try:
             separate, bursts = separate_fits(record.source, signals, k)
         except NoDecay as error:
@@ -170,8 +200,9 @@ def identify_ring_downs(
             )
         warnings += [
             Remark(
-                f"what moves about {burst.turn:.4g} s is no free decay that slips, and is left out",
-                record.source,
+                "what moves about {:.4g} s is no free decay that slips, and is left out",
+                burst.turn,
+                source=record.source,
             )
             for burst in bursts
         ]
@@ -191,8 +222,9 @@ def identify_ring_downs(
     with_mass = None if mass is None else _with_mass(ends, mass)
     fit = with_mass or with_intervals(ends)
     notes = []
-    if mass is not None and with_mass is None:
-        notes.append("the mass given contradicts the decays")
+    off = math.hypot(fit.error("m"), uncertainty * fit.m)
+    if mass is not None and with_mass is None and not abs(fit.m - mass) < _MASS_OFF * off:
+        notes.append(Remark("the mass given contradicts the decays"))
         warnings.append(
             Remark(
                 f"the mass given, {mass:g} kg, is not that of these decays, {fit.m:.6g} ± {fit.error('m'):.2g} kg, and "
@@ -220,7 +252,7 @@ def _unclear(record: Measurement) -> str:
     )
 
 
-def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[str]) -> Signal:
+def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[Remark]) -> Signal:
     """A channel of the mass, evenly sampled and with its known gain and delay taken off.   offset : its number."""
     correction = channel.correction
     channel = evenly_sampled(channel, record.source, warnings)
@@ -254,37 +286,44 @@ def _solved(
     fit: RingFit,
     rows: RingRows,
     sources: tuple[str, ...],
-    known: Sequence[str],
+    known: Sequence[Remark],
     warnings: Sequence[Remark],
 ) -> DecayOutcome:
     """The rows solved, with warnings and with notes, those that are known before and others."""
     from scipy import special  # slow to import
 
     values, covariance, misfit, freedom = _least_squares(fit, rows)
-    fit_notes = [*known, *fit.shortcomings]
+    fit_notes = [*known, *map(Remark, fit.shortcomings)]
     further = departures(fit)
     if doubt := doubt_of(fit, further):
-        fit_notes.append(doubt)
+        fit_notes.append(Remark(doubt))
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < _CHANCE:
-        notes.append(f"the half cycles do not share one F_k and c: χ² is {misfit:.3g} per row")
+        notes.append(
+            Remark("the half cycles do not share one F_k and c: χ² is {:.3g} per row", misfit)
+        )
     if not values:
         notes.append(
-            f"{_slipping(rows.halves)} do not distinguish F_k from c: start the decay higher, or give more of them"
+            Remark(
+                f"{_slipping(rows.halves)} do not distinguish F_k from c: start the decay higher, or give more of them"
+            )
         )
     if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
         fit_notes.append(
-            "no friction shows in addition to the damping: if the contact sticks all the time, c belongs to the "
-            "stiffness k + K_z, and is 1 + K_z/k times as large"
+            Remark(
+                "no friction shows in addition to the damping: if the contact sticks all the time, c belongs to the "
+                "stiffness k + K_z, and is 1 + K_z/k times as large"
+            )
         )
         notes.append(fit_notes[-1])
     errors = np.sqrt(np.diag(covariance)).tolist()
     estimates = {s: normal(p, error) for (s, p), error in zip(values.items(), errors, strict=True)}
     clipped_signals = {
         f"{signal.quantity} of {one.source}": Remark(
-            f"{signal.quantity} is clipped: several samples hold its extreme value; swings are too small; raise the "
-            "measuring range",
-            one.source,
+            "{} is clipped: several samples hold its extreme value; swings are too small; raise the measuring range",
+            signal.quantity,
+            source=one.source,
+            doubts={"": math.inf},
         )
         for one in fit.decays
         for signal in one.signals

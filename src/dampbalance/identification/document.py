@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .answer import Answer, ParameterEstimate, column
+from .answer import REFERENCE, Answer, ParameterEstimate, column
 from .outcome import Outcome
 
 _IN_TABLE = ("residual", "misfit")  # of the merit of an answer
@@ -25,7 +25,7 @@ def document(
 
     options : as given.   files : what is known of the file of each record, in their order.
     """
-    reference, findings = outcome.reference, outcome.findings()
+    answers, findings = {n: _entries(a) for n, a in outcome.answers.items()}, outcome.findings()
     for record, file in zip(findings["records"], files, strict=bool(files)):
         record |= file
     everything = {
@@ -34,8 +34,9 @@ def document(
         "options": dict(options or {}),
         "k_N_per_m": outcome.k,
         **outcome.settings,
-        "approaches": {name: _entries(answer) for name, answer in outcome.estimates.items()},
-        "maximum_likelihood": None if reference is None else _entries(reference),
+        "answer": next(iter(answers)),
+        "approaches": {name: answers[name] for name in outcome.estimates},
+        "maximum_likelihood": answers.get(REFERENCE),
         **findings,
         "warnings": list(outcome.warnings),
     }
@@ -43,10 +44,10 @@ def document(
 
 
 def estimates_table(outcome: Outcome) -> list[dict[str, Any]]:
-    """A row for each approach: value, standard errors and interval of each parameter, in columns named with units, and
-    the verdict on each."""
+    """A row for each answer, the one to use first: value, standard errors and interval of each parameter, in columns
+    named with units, and the verdict on each."""
     rows = []
-    for name, answer in outcome.estimates.items():
+    for name, answer in outcome.answers.items():
         row: dict[str, Any] = {"approach": name}
         for symbol, parameter in answer.parameters.items():
             ends = {f"_{end}": number for end, number in parameter.interval._asdict().items()}

@@ -1,8 +1,9 @@
 """F_k, c and K_z from measured responses at several levels, by every approach, with standard errors and intervals.
 
-Each response gives one row a F_k + b c = W of the energy balance (6); rows of different frequencies go together, since
-neither F_k nor c depends on the frequency. Rows are weighted by the inverse variance of their misfit; the result of
-Eq. (9) as published, where all rows are weighted alike, is given next to it.
+The answer is the fit of one oscillator to all records (`oscillator.py`) where it holds; the balance checks it, and
+serves where it does not. Each response gives one row a F_k + b c = W of the energy balance (6); rows of different
+frequencies go together, since neither F_k nor c depends on the frequency. Rows are weighted by the inverse variance of
+their misfit; the result of Eq. (9) as published, where all rows are weighted alike, is given next to it.
 
 What a row needs of the onset of slip comes from the waveforms of one oscillator fitted to all records. Where the
 records are not those of such an oscillator, the onset is unknown and K_z is not identified: direct integration then
@@ -17,7 +18,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from operator import itemgetter
 from typing import Any
@@ -30,18 +31,19 @@ from ..balance import APPROACHES, Approach, Rows
 from ..features import COLUMNS, Features, Phase, stack
 from ..law.law import Law
 from ..law.terms import FRICTION, parted
+from ..project.wording import Remark
 from ..reading.mean_harmonics import Reading
 from ..reading.one_thread import one_thread
 from ..reading.unfolding import unfolded
 from ..solver import Estimate, least_squares, solve
 from .answer import (
     CONFIDENCE,
+    REFERENCE,
     UNKNOWN,
     Answer,
     Balance,
     Interval,
     ParameterEstimate,
-    Remark,
     covariance_of,
 )
 from .law_rows import LawRows
@@ -49,9 +51,9 @@ from .loading import Loaded
 from .microstick import Microstick, Sample, Samples, microstick, read_samples
 from .oscillator import JointFit, joined, joint_fit
 from .outcome import Outcome, Picture
-from .remarks import DIRECT, agreement, doubts, limits, with_notes
+from .remarks import DIRECT, agreement, limits, with_notes
 from .screen import implied, with_error
-from .sensitivities import FAULTS, sensitivities
+from .sensitivities import FAULTS, Fault, sensitivities, shifts_of_fit
 
 REPLICATES = 1000
 SEED = 2010
@@ -102,11 +104,22 @@ class ForcedOutcome(Outcome):
 
     def sensitivities(self) -> dict[str, dict[str, float]]:
         """What each of `FAULTS` does to direct integration; nothing where that was not asked for."""
-        if DIRECT not in self.estimates:
-            return {}
-        way = APPROACHES[DIRECT]
-        rows_of = LawRows(way, self.law, self.k, self.phase, self.joint.linear)
-        return sensitivities(self.readings, rows_of, self.estimates[DIRECT])
+        return self.shifts(FAULTS, [DIRECT]).get(DIRECT, {})
+
+    def shifts(
+        self, faults: Mapping[str, Fault], names: Collection[str]
+    ) -> dict[str, dict[str, dict[str, float]]]:
+        """What faults of all records do to answers."""
+        changes = {}
+        for name, answer in self.estimates.items():
+            way = APPROACHES.get(name) if name in names else None
+            if way is not None:
+                rows_of = LawRows(way, self.law, self.k, self.phase, self.joint.linear)
+                changes[name] = sensitivities(self.readings, rows_of, answer, faults)
+        fit = self.joint.fit if REFERENCE in names else None
+        if fit is not None and self.joint.waveforms_hold:
+            changes[REFERENCE] = shifts_of_fit(self.readings, fit, faults)
+        return changes
 
     def _record(self, i: int) -> dict[str, Any]:
         reading, steady = self.readings[i], self.readings[i].steady
@@ -154,7 +167,7 @@ class ForcedOutcome(Outcome):
             ),
             "balance": Picture(
                 f"rows of the energy balance {line}, and the residual of each row by approach",
-                (self.estimates, two),
+                (self.answers, two),
             ),
         }
 
@@ -168,6 +181,7 @@ def identify_readings(
     approaches: Mapping[str, Approach] = APPROACHES,
     phase: Phase = "reversal",
     mass: float | None = None,
+    uncertainty: float = 0.0,
     replicates: int = REPLICATES,
     seed: int = SEED,
 ) -> ForcedOutcome:
@@ -175,24 +189,31 @@ def identify_readings(
 
     Use `identify` for records; this function is for readings that are at hand, as in studies.
 
-    readings : of `read_features`, one per level; levels that differ, at least as many as there are unknowns.
+    readings : of `read_features`, one per level; levels that differ, at least as many as there are unknowns for a
+    balance. The fit may do with fewer.
     k : stiffness of the readings, N/m.
     law : default, F_k and c.
     approaches : by name.
     phase : that the harmonic approaches take.
     mass : kg, if it is known.
+    uncertainty : standard uncertainty of k, as a part of it, for the test of the mass.
     replicates, seed : of the bootstrap; 1000 replicates know a standard error to 2 %.
 
-    Raises ValueError for fewer readings than unknowns, terms that act alike in all of them, two of the same signals, a
-    stiffness or a mass that is not positive, a stiffness that is not that of the readings, and too few or too many
-    replicates. An approach whose rows cannot be solved stays in the result with NaN and the reason.
+    Raises ValueError for fewer readings than unknowns where no fit distinguishes these, terms that act alike in all of
+    them, two of the same signals, a stiffness or a mass that is not positive, a stiffness that is not that of the
+    readings, and too few or too many replicates. An approach whose rows cannot be solved stays in the result with NaN
+    and the reason.
     """
     law = law or Law()
     _require(readings, k, law, approaches, replicates)
     if mass is not None:
         number("mass", mass)
     readings, near = unfolded(readings, k, law)
-    joint = joint_fit([reading.lines for reading in readings], k, mass, law, near)
+    lines = [reading.lines for reading in readings]
+    joint = joint_fit(lines, k, mass, law, near, uncertainty=uncertainty)
+    few = len(readings) < len(law.unknowns)
+    if few and not (joint.waveforms_hold and joint.fit is not None and joint.fit.freedom > 0):
+        law.require([reading.steady.frequency_hz for reading in readings])
     readings = joined(readings, joint, law)
     samples = read_samples(readings, replicates, np.random.default_rng(seed))
     line = microstick(samples)
@@ -203,14 +224,16 @@ def identify_readings(
         for name, way in approaches.items()
     }
     estimates = with_notes(estimates, readings, joint)
-    of_records = [Remark(words, r.steady.source) for r in readings for words in r.warnings]
-    of_all = map(Remark, agreement(readings, line, joint, estimates))
     reference = joint.answer
+    if few and reference is not None:
+        reference = replace(reference, notes=(*reference.notes, _UNCHECKED))
+    of_records = [words.about(r.steady.source) for r in readings for words in r.warnings]
+    of_all = agreement(readings, line, joint, estimates)
     return ForcedOutcome(
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
         estimates=estimates,
-        reference=reference and replace(reference, notes=(*doubts(readings), *reference.notes)),
+        reference=reference,
         warnings=(*of_records, *of_all),
         head=_head(readings, replicates),
         rig=_rig(joint),
@@ -231,10 +254,10 @@ def identify_readings(
 
 def _head(readings: Sequence[Reading], replicates: int) -> str:
     """How many records, at which frequencies."""
-    hz = sorted({round(r.steady.frequency_hz, 4) for r in readings})
+    hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
     return (
-        f"{len(readings)} records at {', '.join(f'{f:g}' for f in hz)} Hz; values with 95 % intervals from "
-        f"{replicates} bootstrap replicates"
+        f"{len(readings)} record{'s' * (len(readings) > 1)} at {hz} Hz; the answer first, with 95 % intervals, those "
+        f"of the balance from {replicates} bootstrap replicates"
     )
 
 
@@ -259,7 +282,7 @@ def _require(
 ) -> None:
     number("stiffness", k)
     whole("replicates", replicates)
-    law.require([reading.steady.frequency_hz for reading in readings])
+    law.require([r.steady.frequency_hz for r in readings], by_balance=False)
     for reading in readings:
         if reading.steady.k != k:
             raise ValueError(
@@ -283,6 +306,11 @@ def _same(one: Reading, other: Reading) -> bool:
     return bool(np.abs(rows - others).max() < bound)
 
 
+_UNCHECKED = Remark(
+    "there are fewer levels than coefficients: only the shape of the waveforms distinguishes them, and no balance "
+    "checks it; add records at other amplitudes"
+)
+_TOO_FEW = "a balance needs a level for each coefficient: add records at other amplitudes"
 _NO_FORM = "this approach has no form of a term of the law"
 _NO_ONSET = "this approach needs the onset of slip, which these records do not determine"
 
@@ -309,12 +337,15 @@ def _answer(
             np.isnan(g).all() and parted(key)[0] not in rows_of.approach.terms
             for key, g in point.terms.items()
         )
+        few = len(readings) < len(rows_of.law.unknowns)
+        reason = _TOO_FEW if few else str(error)
+        reason = _NO_FORM if unshaped else _NO_ONSET if unresolved else reason
         parameters = {**nothing, "K_z": UNKNOWN}
         return Answer(
             name,
             parameters,
             covariance_of(parameters, {}),
-            (_NO_FORM if unshaped else _NO_ONSET if unresolved else str(error),),
+            (Remark(reason),),
             Balance(point, np.full(len(point.W), math.nan), sources),
             equal=nothing,
             merit={"residual": math.nan, "misfit": math.nan},

@@ -36,10 +36,11 @@ class Identified:
     records : that they come from.   options : as given, by the keys of a configuration.   result : the answers, and
     what else a report says of them.
 
-    `values`, `intervals`, `covariance`, `rows` and the like are those of one approach, the first of `approaches`:
-    direct integration, unless others were chosen; for free decays, their balance. Those of any other are in
-    `approaches[name]`. SI units throughout; a number that is not known is NaN. In a terminal and in a notebook it shows
-    itself as the table that `dampbalance identify` prints.
+    `values`, `intervals`, `covariance` and the like are those of the first of `approaches`. That is the fit of maximum
+    likelihood where the records are those of an oscillator with one friction contact, and the balance of energy
+    otherwise: direct integration, unless other approaches were chosen. Those of any other are in `approaches[name]`. SI
+    units throughout; a number that is not known is NaN. In a terminal and in a notebook it shows itself as the table
+    that `dampbalance identify` prints.
     """
 
     records: tuple[MeasuredRecord, ...]
@@ -49,7 +50,7 @@ class Identified:
     @cached_property
     def approaches(self) -> dict[str, Answer]:
         """The answer of each approach, by its name, and of the fit of one oscillator to all records, "maximum
-        likelihood"."""
+        likelihood"; the one to use first."""
         return self.result.answers
 
     @property
@@ -100,10 +101,11 @@ class Identified:
     @property
     def rows(self) -> pd.DataFrame:
         """The rows of the energy balance Σ g_j p_j = W: the integrals g_j (a_m, b_m2_per_s, …), the input work W_J, its
-        standard error, and what the values leave of it, misfit_J."""
+        standard error, and what the values of the balance leave of it, misfit_J; of the first approach that has
+        rows."""
         import pandas as pd  # slow to import
 
-        answer = self.answer
+        answer = next(a for a in self.approaches.values() if a.balance is not None)
         return pd.DataFrame(dict(answer.rows), index=pd.Index(answer.row_names, name="row"))
 
     def to_frame(self) -> pd.DataFrame:

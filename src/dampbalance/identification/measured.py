@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
-from ..arguments import flag, names, number, one_of, whole
+from ..arguments import flag, names, number, one_of, whole, with_error
 from ..balance import APPROACHES, TERMS
 from ..features import Phase
 from ..law.law import Law, law_of
@@ -17,12 +17,12 @@ from ..project.wording import visible
 from ..records.limits import LARGEST
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, read_records
-from .answer import Remark
 from .decays import identify_ring_downs
 from .forced import REPLICATES, SEED, identify_readings
 from .identified import QUICK, Identified
 from .law_comparison import compare_laws
 from .loading import Loaded, NotDriven, load
+from .stated import carried, stated_in
 
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
@@ -36,7 +36,7 @@ _MOST_SWINGS = 1000.0
 
 def identify(
     records: RecordLike | Sequence[RecordLike],
-    stiffness: float,
+    stiffness: float | tuple[float, float] | str,
     *,
     mapping: MappingLike = None,
     kind: Kind = "recognised",
@@ -56,23 +56,26 @@ def identify(
     """The coefficients of a damping law and the contact stiffness K_z from measured records, each with an interval.
 
     Each steady response, and each half cycle of a free decay, gives a row a F_k + b c = W of the energy balance (Eq. 6
-    of the paper). Rows are weighted by inverse variance; a maximum-likelihood fit of one oscillator to all records is
-    the cross-check.
+    of the paper), weighted by inverse variance. The answer is the maximum-likelihood fit of one oscillator to all
+    records, with the balance as its check, and the balance itself where the records are not those of such an
+    oscillator.
 
     records : as `read_records` returns or takes them: files, tables of pandas, arrays. Forced records: one for each
     level of excitation, at least as many as there are coefficients; more levels, far apart, sharpen all of them. Free
     decays: one is enough.
-    stiffness : k of the spring, N/m; it scales F_k and c.
+    stiffness : k of the spring, N/m; it scales F_k and c. With its standard uncertainty, (2310.0, 10.0) or "2310±10",
+    which the intervals then hold, as they do those of gains and delays that a mapping states. Without, they are
+    conditional on k.
     mapping : what the records do not say of their channels, where they are read here.
     kind : "forced" or "ring-down", where it is not to be recognised.
     frequency : of the drive as known, Hz; compared with that found in each record.
-    mass : kg, if it is known: it sharpens K_z.
+    mass : kg, if it is known: it sharpens K_z, and tests the stiffness and the gains.
     terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.
     given : symbol → known coefficient, SI units.
     groups : symbol → a label for each record, where each group of records has its own coefficient.
     laws : whether to compare all laws of one or two terms, with and without friction, too.
-    approaches : names of `APPROACHES`; default, all. Use "direct", which assumes no shape of x(t); the others show
-    what the approximations of the paper cost.
+    approaches : names of `APPROACHES` to the balance; default, all. Use "direct", which assumes no shape of x(t); the
+    others show what the approximations of the paper cost.
     phase : that the harmonic approaches X_s, t_s and V_s take.
     skip_cycles : left out at the start of each record, where the motion has not settled.
     replicates, seed : of the bootstrap.
@@ -105,7 +108,7 @@ def identify(
     """
     one_of("kind", kind, get_args(Kind))
     one_of("phase", phase, get_args(Phase))
-    stiffness, laws = number("stiffness", stiffness), flag("laws", laws)
+    (k, error), laws = with_error("stiffness", stiffness), flag("laws", laws)
     frequency = None if frequency is None else number("frequency", frequency)
     mass = None if mass is None else number("mass", mass)
     skip_cycles, replicates = whole("skip_cycles", skip_cycles), whole("replicates", replicates)
@@ -116,7 +119,8 @@ def identify(
     _require_different(read)
     stated = str(mapping) if isinstance(mapping, str | Path) else None
     options: dict[str, Any] = {
-        "stiffness_N_per_m": stiffness,
+        "stiffness_N_per_m": k,
+        "stiffness_standard_error_N_per_m": error,
         "frequency_hz": frequency,
         "mass_kg": mass,
         "terms": list(law.terms),
@@ -148,7 +152,8 @@ def identify(
     return _of_decays(read, {"kind": "ring-down", **of_decays})
 
 
-_DECAY_OPTIONS = ("stiffness_N_per_m", "mass_kg", "laws", "mapping", "largest")
+_OF_K_AND_M = ("stiffness_N_per_m", "mass_kg", "stiffness_standard_error_N_per_m")
+_DECAY_OPTIONS = (*_OF_K_AND_M, "laws", "mapping", "largest")
 _FORCED_DEFAULTS: dict[str, object] = {
     "frequency_hz": None,
     "skip_cycles": 0,
@@ -166,37 +171,50 @@ _OF_THE_WORKFLOW = ("name", "records")
 
 def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of `identify` that a set of records in a configuration states, except the records."""
-    return {
+    arguments = {
         _CONFIGURED.get(key, key): value
         for key, value in settings.items()
         if value is not None and key not in _OF_THE_WORKFLOW
     }
+    error = arguments.pop("stiffness_standard_error_N_per_m", 0.0)
+    return arguments | {"stiffness": (arguments["stiffness"], error)}
 
 
 @interpreted(calls=QUICK)  # whatever was compiled before: the last bits may differ
 def _of_steady(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
 ) -> Identified:
-    k, mass = options["stiffness_N_per_m"], options["mass_kg"]
+    k, mass, error = (options[name] for name in _OF_K_AND_M)
     of_drive = {name: options[name] for name in ("frequency_hz", "skip_cycles")}
     loaded = tuple(load(record, k, **of_drive) for record in records)
     _require_possible(loaded, mass, k)
     readings = [one.reading for one in loaded]
     common = {name: options[name] for name in ("replicates", "seed")} | {"law": law, "mass": mass}
     chosen = {name: APPROACHES[name] for name in options["approaches"]}
-    result = identify_readings(readings, k, approaches=chosen, phase=options["phase"], **common)
+    result = identify_readings(
+        readings,
+        k,
+        approaches=chosen,
+        phase=options["phase"],
+        uncertainty=error / k,
+        **common,
+    )
     laws = compare_laws(readings, k, **common) if options["laws"] else None
-    return Identified(records, options, replace(result, laws=laws, loaded=loaded))
+    result = replace(result, laws=laws, loaded=loaded)
+    stated = stated_in(records, error / k)
+    return Identified(records, options, carried(result, stated, mass=mass is not None))
 
 
 @interpreted(False)  # a motion of thousands of samples, hundreds of times
 def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> Identified:
-    odd = [Remark(words, record.name) for record in records for words in record.warnings]
+    odd = [words.about(record.name) for record in records for words in record.warnings]
     measurements = [record.whole() for record in records]
-    k, mass = options["stiffness_N_per_m"], options["mass_kg"]
-    result = identify_ring_downs(measurements, k, mass=mass, laws=options["laws"])
+    k, mass, error = (options[name] for name in _OF_K_AND_M)
+    laws = options["laws"]
+    result = identify_ring_downs(measurements, k, mass=mass, uncertainty=error / k, laws=laws)
     result = replace(result, warnings=(*odd, *result.warnings))
-    return Identified(records, options, result)
+    stated = stated_in(records, error / k)
+    return Identified(records, options, carried(result, stated, mass=mass is not None))
 
 
 def _require_different(records: Sequence[MeasuredRecord]) -> None:

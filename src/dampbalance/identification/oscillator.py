@@ -1,4 +1,4 @@
-"""One oscillator fitted to all records by maximum likelihood: the cross-check of the balance."""
+"""One oscillator fitted to all records by maximum likelihood: the answer where it holds, which the balance checks."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from ..law.law import Law
 from ..law.terms import FRICTION
+from ..project.wording import Remark
 from ..reading.coupling import Coupling, ac_coupling
 from ..reading.fitting import with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
@@ -16,11 +17,11 @@ from ..reading.recorded import fit_records
 from ..reading.waveforms import WaveformFit
 from .answer import Answer, answer_of_fit
 
-CONTRADICTED = "the mass given contradicts the records"
-LATE = "the response is out of time with the drive (see below): F_k and c carry that error"
-COUPLED = "the response is coupled (AC, see below): F_k and c carry that error"
+CONTRADICTED = Remark("the mass given contradicts the records")
+LATE = Remark("the response is out of time with the drive (see below): F_k and c carry that error")
+COUPLED = Remark("the response is coupled (AC, see below): F_k and c carry that error")
 
-NOT_CONVERGED = (
+NOT_CONVERGED = Remark(
     "the search for the best oscillator was ended before it converged: its numbers are no optimum"
 )
 
@@ -52,16 +53,16 @@ class JointFit:
         return self.fit is not None and self.fit.adequate and not self.linear
 
     @property
-    def notes(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[Remark, ...]:
         """What a reader must know before using the numbers of the fit."""
         fit = self.fit
         if fit is None or self.linear:
             return ()
-        far = (
+        far = Remark(
             "the records are not those of such an oscillator: it is only the one that comes nearest"
         )
         of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
-        at_zero = [f"the best {key} {of_zero}" for key in fit.undamped]
+        at_zero = [Remark(f"the best {key} {of_zero}") for key in fit.undamped]
         heavy = () if self.mass_fits else (CONTRADICTED,)
         channel = [note for note, holds in ((COUPLED, self.coupling), (LATE, self.late)) if holds]
         search = () if fit.converged else (NOT_CONVERGED,)
@@ -89,14 +90,17 @@ def joint_fit(
     m: float | None = None,
     law: Law | None = None,
     near: WaveformFit | None = None,
+    *,
+    uncertainty: float = 0.0,
 ) -> JointFit:
     """The oscillator behind the records.
 
     The records determine the mass by themselves, nearly as well as scales would: a given mass that contradicts them is
     left out.
 
-    k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.
-    near : a fit to these harmonics that has been found already.
+    k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.   near : a fit to these harmonics
+    that has been found already.   uncertainty : standard uncertainty of k, as a part of it: a mass that differs by no
+    more contradicts nothing.
     """
     law = law or Law()
     chi_square, freedom = linear_misfit(lines, k, law.terms)
@@ -108,6 +112,8 @@ def joint_fit(
         return JointFit(fit, linear, None, mass=m)
     given = None if m is None else with_mass(fit, m)
     fits = given is not None and given.chi_square - fit.chi_square < _SHOWS
+    off = math.hypot(fit.error("m"), uncertainty * fit.m)
+    agrees = m is None or fits or abs(fit.m - m) < math.sqrt(_SHOWS) * off
     fit = given if given is not None and fits else fit
     # a damper to the base and one to the ground together make up for any delay
     delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
@@ -118,7 +124,7 @@ def joint_fit(
     if coupling is not None and late and delayed is not None:  # the likelier of the two
         late = delayed.chi_square < coupling.fit.chi_square
         coupling = None if late else coupling
-    return JointFit(fit, linear, delayed, late, m, m is None or fits, coupling)
+    return JointFit(fit, linear, delayed, late, m, agrees, coupling)
 
 
 def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None) -> list[Reading]:

@@ -96,7 +96,7 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
     """The rows of the balance, and their residuals.
 
     (a) W/b against a/b: a F_k + b c = W is a straight line of slope F_k that meets the axis at c. The line is that of
-    the direct balance. Of another law, what its terms take, Σ g_j p_j, against W; the line is where they are equal.
+    the first answer. Of another law, what its terms take, Σ g_j p_j, against W; the line is where they are equal.
     (b) what each row leaves, over its standard deviation, for every approach.
 
     two : whether the law has F_k and c, and nothing else.
@@ -105,14 +105,14 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
     left, right = place(figure, 17.0, 20.0, 68.0, 50.0), place(figure, 107.0, 20.0, 70.0, 50.0)
     for axes in (left, right):
         axes.set_title("", y=1.0)
-    for index, (name, answer) in enumerate(answers.items()):
-        if answer.balance is None:
-            continue
+    checks = {name: answer for name, answer in answers.items() if answer.balance is not None}
+    (best, first), check = next(iter(answers.items())), next(iter(checks.values()))
+    for index, (name, answer) in enumerate(checks.items()):
+        assert answer.balance is not None
         rows, usable, off = answer.balance.rows, answer.balance.rows.usable, answer.row_misfit
         look = look_of(name)
         marks: dict[str, Any] = {"color": look.colour, "fillstyle": "none"}
         marks["label"] = in_maths(label_of(name))
-        values = {**rows.given, **answer.values}
         with np.errstate(divide="ignore", invalid="ignore"):
             along, height = (
                 (rows.terms["F_k"] / rows.terms["c"], rows.W / rows.terms["c"])
@@ -121,11 +121,13 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
             )
             scaled = off / answer.balance.errors
         left.plot(along[usable], height[usable], look.marker, **marks)
-        if index == 0 and all(math.isfinite(values[symbol]) for symbol in rows.terms):
+        values = {**rows.given, **first.values}
+        if answer is check and all(math.isfinite(values[symbol]) for symbol in rows.terms):
             ends = np.array([0.0, 1.06 * float(np.max(along[usable]))])
             line = values["F_k"] * ends + values["c"] if two else ends
-            left.plot(ends, line, color=FAINT, zorder=0)
-        places = np.arange(len(scaled)) + 1 + 0.12 * (index - 0.5 * (len(answers) - 1))
+            words = f"line: {in_maths(label_of(best))}" if two else None
+            left.plot(ends, line, color=FAINT, zorder=0, label=words)
+        places = np.arange(len(scaled)) + 1 + 0.12 * (index - 0.5 * (len(checks) - 1))
         bars: dict[str, Any] = {"yerr": 1.0, "fmt": look.marker, "elinewidth": 0.6, **marks}
         right.errorbar(places[usable], scaled[usable], **bars)
     left.set_xlim(left=0.0)

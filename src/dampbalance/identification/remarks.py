@@ -7,19 +7,20 @@ A sentence on the oscillator is given only where the fit of one oscillator to al
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
+from typing import Any
 
 import numpy as np
 
 from ..balance import Rows
 from ..law.terms import term
-from ..project.wording import listed, times
+from ..project.wording import Remark, factor, listed, merged, times
 from ..reading.checks import is_clipped
 from ..reading.mean_harmonics import Reading
-from .answer import Answer, ParameterEstimate, Remark
+from .answer import Answer, ParameterEstimate
+from .causes import likeliest
 from .microstick import Microstick
 from .oscillator import CONTRADICTED, COUPLED, LATE, JointFit
 
@@ -44,18 +45,7 @@ def with_notes(
     }
 
 
-def doubts(readings: Sequence[Reading]) -> tuple[str, ...]:
-    """Faults of records that leave no number to be trusted, each once, without the record's name."""
-    return tuple(
-        limit.words
-        for limit in _gathered(
-            "", ((r.steady.source, words) for r in readings for words in r.doubts)
-        )
-    )
-
-
-def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[str]:
-    yield from doubts(readings)
+def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
     clipped = [
         f"{quantity} of {reading.steady.source}"
         for reading in readings
@@ -68,17 +58,17 @@ def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iter
     if not joint.mass_fits:
         yield CONTRADICTED
     if joint.linear:
-        yield "F_k and K_z leave no trace in the records: c comes from W = b c"
+        yield Remark("F_k and K_z leave no trace in the records: c comes from W = b c")
     elif not joint.waveforms_hold and not answer.notes:
-        yield (
+        yield Remark(
             "the onset of slip is not known: what sticking takes from 4X is that of the oscillator that comes nearest"
             if joint.fit is not None
             else "the onset of slip is not known: the contact is taken as rigid, and F_k is too small"
         )
         if answer.misfit > _FAR**2:
-            yield (
-                f"its rows lie {times(math.sqrt(answer.misfit))} farther from the balance than noise explains, and "
-                "the intervals do not show it"
+            yield Remark(
+                "its rows lie {} times farther from the balance than noise explains, and the intervals do not show it",
+                factor(math.sqrt(answer.misfit)),
             )
     if joint.coupling is not None:
         yield COUPLED
@@ -88,7 +78,7 @@ def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iter
 
 def forbidden(
     coefficients: Mapping[str, ParameterEstimate], clipped: Sequence[str], suspects: str
-) -> list[str]:
+) -> list[Remark]:
     """A sentence on each coefficient whose whole interval is negative, with the likely cause.
 
     clipped : names of clipped signals.   suspects : what else may be wrong, "a gain or the stiffness".
@@ -97,26 +87,31 @@ def forbidden(
     if clipped:
         cause = f"clipping is the likely cause ({listed(clipped)}); raise the measuring range"
     return [
-        f"{symbol} = {p.value:.3g} {term(symbol).unit} is negative, which physics forbids: {cause}"
+        Remark(
+            "{} = {:.3g} {} is negative, which physics forbids: {}",
+            *(symbol, p.value, term(symbol).unit, cause),
+        )
         for symbol, p in coefficients.items()
         if p.interval.high < 0.0
     ]
 
 
-def _shape(answer: Answer) -> Iterator[str]:
+def _shape(answer: Answer) -> Iterator[Remark]:
     """A sentence where the shape of x(t) that an approach assumes costs more than its interval shows."""
-    parts = []
+    parts: list[str] = []
+    sizes: list[Any] = []
     for symbol, bias in answer.shape_bias.items():
         own = answer.coefficients[symbol]
         least = max(_SHAPE_SHOWS * own.standard_error, _SHAPE_LEAST * abs(own.value))
         if not abs(bias * own.value) <= least:  # nor is NaN
-            sense = "small" if bias < 0.0 else "large"
-            size = f"{100.0 * abs(bias):.2g} % too {sense}"
-            parts.append(f"{symbol} {size if math.isfinite(bias) else 'impossible to find'}")
+            size = f"{{:.2g}} % too {'small' if bias < 0.0 else 'large'}"
+            parts.append(f"{{}} {size if math.isfinite(bias) else 'impossible to find'}")
+            sizes += [symbol, 100.0 * abs(bias)][: 1 + math.isfinite(bias)]
     if parts:
-        yield (
+        yield Remark(
             f"the shape of x(t) that this approach assumes makes {listed(parts)} for the oscillator identified, and "
-            "its intervals do not show it"
+            "its intervals do not show it",
+            *sizes,
         )
 
 
@@ -125,19 +120,20 @@ def agreement(
     microstick: Microstick,
     joint: JointFit,
     answers: Mapping[str, Answer],
-) -> Iterator[str]:
+) -> Iterator[Remark]:
     """Warnings on all records together: what the joint fit shows, which levels fail, where answers contradict."""
     yield from _on_the_oscillator(readings, joint)
     still = [str(i + 1) for i, reading in enumerate(readings) if reading.slips is False]
     if still:
-        yield (
+        yield Remark(
             f"the contact only sticks in record {', '.join(still)}: it takes no energy there, and the record stays out "
             "of the balance"
         )
     if joint.waveforms_hold and not microstick.resolved:
-        yield (
+        yield Remark(
             "the records together do not resolve the onset of slip: K_z has a lower limit only; sample faster, measure "
-            "acceleration, or reduce the noise"
+            "acceleration, or reduce the noise",
+            doubts={"K_z": math.inf},
         )
     remedies = (
         "K_z may be off by more than its interval shows; sample faster, or through an anti-alias filter that the "
@@ -152,65 +148,82 @@ def agreement(
             if r.lines.aliased > _FOLDED and r.steady.unfolded == bool(unfolded)
         ]
         if folded and not joint.linear:
-            yield (
+            yield Remark(
                 f"the sampling rate of record {', '.join(folded)} folds back harmonics that are larger than the noise: "
-                + remedy
+                + remedy,
+                doubts={} if unfolded else {"K_z": math.inf},
             )
     fit = joint.fit
     if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
-        yield (
+        yield Remark(
             f"c and c_r together cannot be distinguished from a skew of the channels: if the response lags by 1 µs, "
-            f"c_r is {1e-6 * fit.k:.2g} N s/m too small and c as much too large"
+            f"c_r is {1e-6 * fit.k:.2g} N s/m too small and c as much too large",
+            doubts={"c": math.inf, "c_r": math.inf},
         )
     yield from _apart(answers.get(DIRECT), joint)
     solved = [(a, a.balance.rows) for a in answers.values() if a.balance is not None]
     first = next(((a, rows) for a, rows in solved if rows.usable.sum() >= 2), None)
     if first is not None and _sine(first[1]) < _ALIKE:
-        yield (
-            f"the levels are so alike that {listed(list(first[0].coefficients))} can hardly be distinguished: add "
-            "a record at a much higher or lower amplitude"
+        coefficients = list(first[0].coefficients)
+        yield Remark(
+            f"the levels are so alike that {listed(coefficients)} can hardly be distinguished by the balance: add "
+            "a record at a much higher or lower amplitude",
+            doubts=dict.fromkeys([*coefficients, "K_z"], math.inf),
         )
 
 
-def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator[str]:
+def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
     """Warnings from the joint fit."""
     if joint.linear:
-        yield (
+        yield Remark(
             "the records are those of a linear oscillator within their noise: the contact only sticks, or there is no "
             "friction, and F_k and K_z cannot be determined; raise the excitation"
         )
         return
     if joint.fit is None:
-        yield (
+        yield Remark(
             "no oscillator with this stiffness and a friction contact slips and responds like the records: check the "
             "stiffness, the signs, the units and the order of the channels"
         )
         return
     fit, delayed = joint.fit, joint.delayed
     if not joint.mass_fits:
-        yield (
+        yield Remark(
             f"the mass given, {joint.mass:.6g} kg, is not that of the records, {fit.m:.6g} ± {fit.error('m'):.2g} kg: "
             "nothing here uses it; check the mass, the stiffness, the gains and the units"
         )
+    cause = None if joint.late or joint.coupling else likeliest(fit)
+    if fit.adequate and cause is not None:
+        yield Remark(
+            f"the records show {cause.words}: that explains {cause.explained:.0f} of χ², and chance hardly ever "
+            "more than 25; the model has none",
+            doubts=cause.changes,
+        )
     if not fit.adequate:
+        likely = (
+            ""
+            if cause is None
+            else f"the likeliest of the causes tested is {cause.words}, which explains "
+            f"{100.0 * min(1.0, cause.explained / (fit.chi_square - fit.freedom)):.0f} % of that; else "
+        )
         worst = int(np.argmax(fit.misfits))
-        yield (
+        yield Remark(
             "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
             f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in "
             f"{readings[worst].steady.source}; K_z and the onset of slip cannot be determined; "
             + (
                 "the likeliest cause, which explains all of that, is named next"
                 if joint.late or joint.coupling
-                else "a channel may be skewed, coupled (AC) or filtered, a gain or a sign may be wrong, the levels may "
-                "differ in more than their amplitude, the damping may follow another law (compare the laws), or the "
-                "oscillator is of another kind"
+                else f"{likely}a channel may be skewed, coupled (AC) or filtered, a gain or a sign may be wrong, the "
+                "levels may differ in more than their amplitude, the damping may follow another law (compare the "
+                "laws), or the oscillator is of another kind"
             )
         )
     coupling = joint.coupling
     if coupling is not None:
         own = coupling.fit
         without = [f"{key} = {own.value(key):.4g} {term(key).unit}" for key in own.law.unknowns]
-        yield (
+        yield Remark(
             "the harmonics are those of a response that is coupled through a capacitor (AC), a high-pass filter with a "
             f"corner of {coupling.hz:.4g} ± {coupling.error_hz:.2g} Hz, which explains what the oscillator alone does "
             f"not; without that, {listed([*without, f'K_z = {own.K_z:.4g} N/m'])}: couple it directly (DC), or give "
@@ -218,29 +231,30 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
         )
     if joint.late and delayed is not None:
         without = [f"{key} = {delayed.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]
-        yield (
+        yield Remark(
             f"the harmonics say that the response lags the drive by {1e6 * delayed.delay:.4g} ± "
             f"{1e6 * delayed.error('delay'):.2g} µs more than the motion explains; without that, {listed(without)}: "
             "give the delay in the mapping, or sample all channels at once"
         )
 
 
-def _apart(answer: Answer | None, joint: JointFit) -> Iterator[str]:
+def _apart(answer: Answer | None, joint: JointFit) -> Iterator[Remark]:
     """A sentence where the balance contradicts the joint fit by more than their errors allow."""
     if answer is None or joint.fit is None or not joint.waveforms_hold:
         return
-    parts = []
+    parts = {}
     for symbol, own in answer.coefficients.items():
         of_fit = joint.fit.value(symbol)
         # the fit uses all that the balance uses: the variance of their difference is that of their variances
         error = math.sqrt(max(own.standard_error**2 - joint.fit.error(symbol) ** 2, 0.0))
         error = max(error, 0.5 * own.standard_error, 1e-7 * abs(of_fit))
         if abs(own.value - of_fit) > _APART * error and of_fit:
-            parts.append(f"{symbol} by {100.0 * (own.value / of_fit - 1.0):+.2g} %")
+            parts[symbol] = f"{symbol} by {100.0 * (own.value / of_fit - 1.0):+.2g} %"
     if parts:
-        yield (
-            f"the energy balance and the fit of one oscillator to all records differ, {' and '.join(parts)}, by more "
-            "than their errors allow: trust neither interval"
+        yield Remark(
+            "the energy balance and the fit of one oscillator to all records differ, "
+            f"{' and '.join(parts.values())}, by more than their errors allow: trust neither interval",
+            doubts=dict.fromkeys(parts, math.inf),
         )
 
 
@@ -254,10 +268,38 @@ def _sine(rows: Rows) -> float:
     return float(np.min(np.abs(np.diag(np.linalg.qr(np.column_stack(columns))[1]))))
 
 
+def doubted(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> dict[str, Answer]:
+    """The answers, each number doubtful that a warning casts doubt on: what is warned of is never usable.
+
+    A warning whose effect on a number is known makes it doubtful if that is more than its interval shows.
+    """
+    kinds: dict[tuple[str, ...], list[Remark]] = {}
+    for remark in warnings:
+        if remark.doubts:
+            kinds.setdefault(remark.kind, []).append(remark)
+
+    def reasons(name: str, symbol: str, p: ParameterEstimate) -> Iterator[str]:
+        for group in kinds.values():
+            parts = [r.doubts.get(symbol, r.doubts.get("", 0.0)) for r in group]
+            effect = max(parts) * abs(p.value) if any(parts) else 0.0
+            shows = effect and not effect <= _SHAPE_SHOWS * p.standard_error  # nor is NaN
+            if shows and name not in group[0].spares:
+                yield merged(group)
+
+    def judged(name: str, symbol: str, p: ParameterEstimate) -> ParameterEstimate:
+        return replace(p, doubt="; ".join(filter(None, [p.doubt, *reasons(name, symbol, p)])))
+
+    return {
+        name: replace(
+            answer, parameters={s: judged(name, s, p) for s, p in answer.parameters.items()}
+        )
+        for name, answer in answers.items()
+    }
+
+
 # --- both as a list without repetitions -----------------------------------------------------------
 
 _MOST_NAMES = 6  # of records in a sentence
-_NUMBER = re.compile(r"(?:more than )?(?<![\w.])[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -278,8 +320,8 @@ def limits(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> list[Li
 
     Sentences that differ only in their numbers become one, with the range of each number.
     """
-    notes = [(name, note) for name, answer in answers.items() for note in answer.notes]
-    of_records = [(remark.source, remark.words) for remark in warnings if remark.source]
+    notes = [note.about(name) for name, answer in answers.items() for note in answer.notes]
+    of_records = [remark for remark in warnings if remark.source]
     of_all = [Limit("all", (), remark.words) for remark in warnings if not remark.source]
     return [*_gathered("approaches", notes), *_gathered("records", of_records), *of_all]
 
@@ -302,29 +344,12 @@ def _named(limit: Limit, sources: Sequence[str]) -> str:
     return f"{len(own)} of {len(sources)} records ({', '.join(own[: _MOST_NAMES - 1])} …)"
 
 
-def _gathered(kind: str, remarks: Iterable[tuple[str, str]]) -> list[Limit]:
-    """Sentences on each, (name, words), with those that differ in nothing but numbers put together."""
-    alike: dict[str, list[tuple[str, str]]] = {}
-    for name, words in remarks:
-        alike.setdefault(_NUMBER.sub("#", words), []).append((name, words))
+def _gathered(kind: str, remarks: Sequence[Remark]) -> list[Limit]:
+    """Remarks on approaches or records, with those of one kind put together."""
+    alike: dict[tuple[str, ...], list[Remark]] = {}
+    for remark in remarks:
+        alike.setdefault(remark.kind, []).append(remark)
     return [
-        Limit(kind, tuple(dict.fromkeys(name for name, _ in group)), _merged([w for _, w in group]))
+        Limit(kind, tuple(dict.fromkeys(one.source for one in group)), merged(group))
         for group in alike.values()
     ]
-
-
-def _merged(variants: Sequence[str]) -> str:
-    """Sentences that differ in nothing but numbers as one, each number that differs as its range."""
-    numbers = zip(*(_NUMBER.findall(words) for words in variants), strict=True)
-    ranges = iter([_range(of_all) for of_all in numbers])
-    return _NUMBER.sub(lambda _: next(ranges), variants[0])
-
-
-def _range(numbers: Sequence[str]) -> str:
-    """The least and the greatest of numbers in words, "2 to 7"; one where all are equal."""
-    low, high = (pick(numbers, key=_value) for pick in (min, max))
-    return low if _value(low) == _value(high) else f"{low} to {high}"
-
-
-def _value(number: str) -> float:
-    return float(number.removeprefix("more than ").replace("−", "-"))

@@ -14,9 +14,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..law.terms import FRICTION
+from ..arrays import Array
+from ..law.terms import FRICTION, parted
+from ..reading.fitting import with_mass
 from ..reading.mean_harmonics import Means, Reading
 from ..reading.one_thread import one_thread
+from ..reading.waveforms import WaveformFit
 from ..solver import solve
 from .answer import Answer
 from .law_rows import LawRows
@@ -52,20 +55,23 @@ FAULTS: Mapping[str, Fault] = {
 
 @one_thread
 def sensitivities(
-    readings: Sequence[Reading], rows_of: LawRows, answer: Answer
+    readings: Sequence[Reading],
+    rows_of: LawRows,
+    answer: Answer,
+    faults: Mapping[str, Fault] = FAULTS,
 ) -> dict[str, dict[str, float]]:
-    """By how much each of `FAULTS` changes what direct integration identifies, relative to it: fault → symbol → number.
+    """By how much each fault changes what a balance identifies, relative to it: fault → symbol → number.
 
     NaN where rows or waveforms do not determine it.
 
-    readings : of the records.   rows_of : the balance of direct integration.   answer : of direct integration.
+    readings : of the records.   rows_of : the balance.   answer : what it identifies.
     """
     assert answer.balance is not None
-    faults = list(FAULTS.values())
-    sample = sample_of(readings, [_faulty(reading, faults) for reading in readings])
-    stiffer = 1.0 + _STEP * np.array([0.0, *(fault.stiffness for fault in faults)])
-    features = sample.features.replaced(W=sample.features.W * stiffer)
-    rows, errors = rows_of(features), answer.balance.errors
+    each = list(faults.values())
+    sample = sample_of(readings, [_faulty(reading, each) for reading in readings])
+    stiffer = 1.0 + _STEP * np.array([0.0, *(fault.stiffness for fault in each)])
+    rows, errors = rows_of(sample.features), answer.balance.errors
+    rows = replace(rows, W=rows.W * stiffer)
     weights = np.where(errors > 0.0, errors, 1.0) ** -2.0
     solved = solve(replace(rows, weights=np.broadcast_to(weights[:, None], rows.W.shape)))
     values = {symbol: solved[symbol] for symbol in answer.coefficients if symbol in solved.values}
@@ -77,14 +83,50 @@ def sensitivities(
         changes = {symbol: (of[1:] / of[0] - 1.0) / _STEP for symbol, of in values.items()}
     return {
         name: {symbol: float(change[i]) for symbol, change in changes.items()}
-        for i, name in enumerate(FAULTS)
+        for i, name in enumerate(faults)
+    }
+
+
+@one_thread
+def shifts_of_fit(
+    readings: Sequence[Reading], fit: WaveformFit, faults: Mapping[str, Fault]
+) -> dict[str, dict[str, float]]:
+    """By how much each fault changes what the fit to all records identifies, relative to it: fault → symbol → number,
+    "m" for the mass.
+
+    m, c, k, K_z and F_k times a number are an oscillator of the same motion: with the mass left free all of them follow
+    an error of k, and with the mass given that of an error of the mass the other way.
+    """
+    each = list(faults.values())
+    moved = np.sum([r.moved(_faulty(r, each)) for r in readings], axis=0)[:, 1:] / _STEP
+    changes = dict(zip(fit.names, moved, strict=False))
+    stiffness = np.array([fault.stiffness for fault in each])
+    heavy = fit.error("m") == 0.0
+    lighter = with_mass(fit, fit.m * (1.0 - _STEP)) if heavy and stiffness.any() else None
+    shifts: dict[str, Array] = {}
+    for key in (*fit.law.unknowns, "rho", "m"):
+        value, follows = fit.value(key), 1.0 if key == "rho" or parted(key)[0] != "eta" else 0.0
+        scaled = stiffness * (-0.5 if key == "rho" else follows)
+        if heavy and key != "m":
+            by_mass = 0.0 if lighter is None else (lighter.value(key) / value - 1.0) / _STEP
+            scaled = scaled + stiffness * by_mass
+        with np.errstate(divide="ignore", invalid="ignore"):
+            shifts[key] = changes[key] / value + scaled * (not (heavy and key == "m"))
+    shifts["K_z"] = -2.0 * shifts.pop("rho")  # K_z = ρ^{−2}
+    return {
+        name: {symbol: float(of[i]) for symbol, of in shifts.items()}
+        for i, name in enumerate(faults)
     }
 
 
 def _faulty(reading: Reading, faults: list[Fault]) -> Means:
-    """The means of a record as read, and with each of the faults, a thousandth of each."""
-    drive, response, late, angle = (
+    """The means of a record as read, and with each of the faults, a thousandth of each.
+
+    A force f moves the mass like the base motion f/k: an error of k is one of that motion.
+    """
+    drive, response, late, angle, stiffness = (
         _STEP * np.array([0.0, *(getattr(fault, what) for fault in faults)])
-        for what in ("drive", "response", "late", "angle")
+        for what in ("drive", "response", "late", "angle", "stiffness")
     )
+    drive = drive - stiffness * ("force" in reading.steady.channels)
     return reading.mean.changed(drive, response, late * reading.steady.omega + angle)

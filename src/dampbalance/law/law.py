@@ -101,8 +101,11 @@ class Law:
                     f"the groups of {symbol} name {len(labels)} records, and there are {records}: one label for each"
                 )
 
-    def require(self, frequencies_hz: Sequence[float]) -> None:
-        """ValueError where records at these frequencies cannot tell the terms apart, whatever they hold."""
+    def require(self, frequencies_hz: Sequence[float], *, by_balance: bool = True) -> None:
+        """ValueError where records at these frequencies cannot tell the terms apart, whatever they hold.
+
+        by_balance : whether a balance is to do so, which needs a row for each; else the waveforms may.
+        """
         count = len(frequencies_hz)
         self.require_labels(count)
         alike = [s for s in ("c", "eta") if s in self.terms and s not in self.given]
@@ -113,7 +116,7 @@ class Law:
             )
         if not self.unknowns:
             raise ValueError("every coefficient is given: there is nothing to identify")
-        if count < len(self.unknowns):
+        if by_balance and count < len(self.unknowns):
             needed = {1: "one level", 2: "two levels"}.get(
                 len(self.unknowns), f"{len(self.unknowns)} levels"
             )

@@ -71,11 +71,94 @@ def in_words(count: int) -> str:
     return _SMALL[count] if 0 <= count < len(_SMALL) else str(count)
 
 
-def times(factor: float) -> str:
+class Shown(float):
+    """A number that a sentence shows in a form of its own, whatever its template says."""
+
+    text: str
+
+    def __new__(cls, value: float, text: str = "") -> Shown:
+        """The number, and the text that stands for it."""
+        shown = super().__new__(cls, value)
+        shown.text = text
+        return shown
+
+    def __format__(self, spec: str) -> str:
+        """The text."""
+        return self.text
+
+
+def factor(value: float) -> Shown:
+    """A factor for a sentence: 3.2, 450, more than 1000."""
+    if value > _MANY_TIMES:
+        return Shown(value, f"more than {_MANY_TIMES}")
+    return Shown(value, f"{value:.2g}" if value < 99.5 else f"{value:.0f}")
+
+
+def times(value: float) -> str:
     """How many times as large, for a sentence: 3.2 times, 450 times, more than 1000 times."""
-    if factor > _MANY_TIMES:
-        return f"more than {_MANY_TIMES} times"
-    return f"{factor:.2g} times" if factor < 99.5 else f"{factor:.0f} times"
+    return f"{factor(value)} times"
+
+
+class Remark(str):
+    """A sentence that knows its numbers, and the record that it is about.
+
+    Sentences of one template with the same words in it differ in numbers only: `merged` makes one of them.
+
+    template : the sentence with a place for each number and each word, "{} drifts by {:.2g} %"; without numbers and
+    words, the sentence itself.   of : numbers and words.   source : name of the record; empty where the sentence is
+    about no single one.   words : the sentence without that name.
+    doubts : symbol → by which part of itself what is said may change that number, infinite where that is not known; the
+    symbol "" stands for every number.   spares : names of the answers that it does not concern.
+    """
+
+    template: str
+    of: tuple[Any, ...]
+    source: str
+    words: str
+    doubts: Mapping[str, float]
+    spares: Sequence[str]
+
+    def __new__(
+        cls,
+        template: str,
+        *of: Any,
+        source: str = "",
+        doubts: Mapping[str, float] | None = None,
+        spares: Sequence[str] = (),
+    ) -> Remark:
+        """The sentence, after the name of the record where it is about one."""
+        words = template.format(*of) if of else template
+        remark = super().__new__(cls, f"{source}: {words}" if source else words)
+        remark.template, remark.of, remark.source, remark.words = template, of, source, words
+        remark.doubts, remark.spares = doubts or {}, spares
+        return remark
+
+    def about(self, source: str) -> Remark:
+        """The same sentence about a record."""
+        return Remark(
+            self.template, *self.of, source=source, doubts=self.doubts, spares=self.spares
+        )
+
+    @property
+    def kind(self) -> tuple[str, ...]:
+        """What it says, whatever the numbers and the record are."""
+        return self.template, *(one for one in self.of if isinstance(one, str))
+
+
+def merged(remarks: Sequence[Remark]) -> str:
+    """The words of remarks of one kind, each number that differs among them as its range, "2 to 7"."""
+    ranges = map(_Range, zip(*(one.of for one in remarks), strict=True))
+    return Remark(remarks[0].template, *ranges).words
+
+
+class _Range(tuple[Any, ...]):
+    """The least and the greatest of numbers in a sentence; one where all are shown alike."""
+
+    __slots__ = ()
+
+    def __format__(self, spec: str) -> str:
+        low, high = format(min(self), spec), format(max(self), spec)
+        return low if low == high else f"{low} to {high}"
 
 
 def listed(words: Sequence[str], last: str = "and") -> str:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array, Complexes
+from ..project.wording import Remark, Shown
 from .cycles import CycleHarmonics
 
 FEW_CYCLES = 10
@@ -36,6 +37,9 @@ _CLIPPED_CYCLES = 0.5
 _LARGEST_AMPLITUDE = 0.5  # m
 _LARGEST_ACCELERATION = 1000.0  # m/s²: a hundred times gravity
 _LARGEST_GAIN = 100.0
+
+_EVERYTHING = {"": math.inf}  # is in doubt, by how much is not known
+_BY_HARMONICS = ("direct",)  # the answer that counts harmonics which the others leave out
 
 _EQUAL = 1e-9  # of the largest value: what rounding leaves between two copies of a signal
 
@@ -85,13 +89,19 @@ def require_cycles(cycles: int, rows: int, omega: float, fewest: int) -> None:
         )
 
 
-def few_cycles(cycles: int) -> Iterator[str]:
+def few_cycles(cycles: int) -> Iterator[Remark]:
     """A warning when there are so few cycles that their scatter says little."""
     if cycles < FEW_CYCLES:
-        yield f"only {cycles} cycles: standard errors and intervals are rough; record {FEW_CYCLES} or more"
+        yield Remark(
+            "only {} cycles: standard errors and intervals are rough; record {} or more",
+            *(cycles, FEW_CYCLES),
+            doubts=_EVERYTHING,
+        )
 
 
-def frequency(omega: float, error: float, cycles: int, frequency_hz: float | None) -> Iterator[str]:
+def frequency(
+    omega: float, error: float, cycles: int, frequency_hz: float | None
+) -> Iterator[Remark]:
     """Compare the frequency of the excitation with the one given; ValueError when it is another, by over 5 %.
 
     Every difference that the record resolves is reported, from 20 ppm on: the quartz clocks of two sound devices differ
@@ -110,38 +120,42 @@ def frequency(omega: float, error: float, cycles: int, frequency_hz: float | Non
     hertz, spread = omega / (2.0 * math.pi), error / (2.0 * math.pi)
     off = hertz / frequency_hz - 1.0
     digits = max(6, 2 - math.floor(math.log10(max(abs(off), 1e-12))))  # that show the difference
-    words = (
-        f"the excitation oscillates at {hertz:.{digits}g} ± {spread:.1g} Hz, not at the {frequency_hz:.{digits}g} Hz "
-        "given"
-    )
+    words = "the excitation oscillates at {} ± {:.1g} Hz, not at the {} Hz given"
+    at, given = (Shown(value, f"{value:.{digits}g}") for value in (hertz, frequency_hz))
     if abs(off) > _FREQUENCY_WRONG:
-        raise ValueError(f"{words}: wrong frequency, wrong column, or a wrong sampling rate")
+        raise ValueError(
+            f"{words.format(at, spread, given)}: wrong frequency, wrong column, or a wrong sampling rate"
+        )
     # as rare as SIGNIFICANT standard errors are when these are known well
     factor = -float(special.stdtrit(max(1, cycles - 2), special.ndtr(-SIGNIFICANT)))
     if abs(off) > max(_FREQUENCY_DIFFERS, factor * spread / hertz):
-        size = f"{1e6 * off:+.0f} ppm" if abs(off) < 1e-3 else f"{100.0 * off:+.2f} %"
-        yield (
-            f"{words} ({size}): it was rounded, or the clock of the generator or the recorder is off; the frequency "
-            "found is used"
+        size, unit = (1e6 * off, "{:+.0f} ppm") if abs(off) < 1e-3 else (100.0 * off, "{:+.2f} %")
+        yield Remark(
+            f"{words} ({unit}): it was rounded, or the clock of the generator or the recorder is off; the frequency "
+            "found is used",
+            *(at, spread, given, size),
+            doubts={"": abs(off)},
         )
 
 
-def bad_cycles(quantity: str, bad: Sequence[tuple[int, float, str]]) -> Iterator[str]:
+def bad_cycles(quantity: str, bad: Sequence[tuple[int, float, Remark]]) -> Iterator[Remark]:
     """A warning when cycles of a channel were left out."""
     if bad:
         number, time, reason = bad[0]
-        yield (
-            f"{quantity}: {len(bad)} cycle{'s' * (len(bad) > 1)} left out; first cycle {number + 1} "
-            f"(at {time:.6g} s): {reason}"
+        yield Remark(
+            f"{{}}: {{}} cycle{{}} left out; first cycle {{}} (at {{:.6g}} s): {reason.template}",
+            *(quantity, len(bad), "s" * (len(bad) > 1), number + 1, time, *reason.of),
         )
 
 
-def clipping(quantity: str, harmonics: CycleHarmonics) -> Iterator[str]:
+def clipping(quantity: str, harmonics: CycleHarmonics) -> Iterator[Remark]:
     """A warning when the signal is cut off at a level."""
     if is_clipped(harmonics):
-        yield (
-            f"{quantity} is clipped: in {100.0 * harmonics.clipped:.0f} % of the cycles several samples hold the "
-            "extreme value; amplitude and harmonics are too small; raise the measuring range"
+        yield Remark(
+            "{} is clipped: in {:.0f} % of the cycles several samples hold the extreme value; amplitude and harmonics "
+            "are too small; raise the measuring range",
+            *(quantity, 100.0 * harmonics.clipped),
+            doubts=_EVERYTHING,
         )
 
 
@@ -152,14 +166,14 @@ def is_clipped(harmonics: CycleHarmonics) -> bool:
 
 def consistency(
     moved: dict[str, Complexes], weights: Array, omega: float
-) -> tuple[dict[str, float], list[str]]:
+) -> tuple[dict[str, float], list[Remark]]:
     """Whether displacement, velocity and acceleration are those of one motion: (skew of each in s, warnings).
 
     moved : harmonics of each response as displacements, rows × harmonics. A channel that is significantly off in time
     or gain is corrected in place to agree with the first; ValueError when it is too far off to be a matter of either.
     """
     skew: dict[str, float] = {}
-    warnings = []
+    warnings: list[Remark] = []
     names = list(moved)
     reference = moved[names[0]][:, 1]
     mean = weighted_mean(reference, weights)
@@ -177,14 +191,22 @@ def consistency(
         if abs(phase) > max(SIGNIFICANT * error, _PHASE_MATTERS):
             skew[name] = -phase / omega
             warnings.append(
-                f"{name} lags {names[0]} by {-1e6 * phase / omega:.1f} ± {1e6 * error / omega:.1g} µs: shifted to "
-                "agree; whether the excitation is in time with either, a record cannot tell"
+                Remark(
+                    "{} lags {} by {:.1f} ± {:.1g} µs: shifted to agree; whether the excitation is in time with "
+                    "either, a record cannot tell",
+                    *(name, names[0], -1e6 * phase / omega, 1e6 * error / omega),
+                    doubts={"": abs(phase)},
+                )
             )
         else:
             phase = 0.0
         if abs(gain - 1.0) > max(SIGNIFICANT * error, _GAIN_MATTERS):
             warnings.append(
-                f"{name} stands for {gain:.5f} times the motion of {names[0]}: scaled to agree; check the calibration"
+                Remark(
+                    "{} stands for {:.5f} times the motion of {}: scaled to agree; check the calibration",
+                    *(name, gain, names[0]),
+                    doubts={"": abs(gain - 1.0)},
+                )
             )
         else:
             gain = 1.0
@@ -271,19 +293,20 @@ def clock(
     return -rate / omega, error / omega
 
 
-def two_clocks(quantity: str, faster: tuple[float, float]) -> str:
+def two_clocks(quantity: str, faster: tuple[float, float]) -> Remark:
     """A warning that another clock sampled a channel.   faster : of `clock`."""
     part, error = faster
-    return (
-        f"{quantity} was sampled by another clock than the excitation, {1e6 * abs(part):.4g} ± {1e6 * error:.1g} ppm "
-        f"{'fast' if part > 0.0 else 'slow'}: its times are corrected as if both clocks had started together, which "
-        "the record cannot tell; sample all channels by one clock"
+    return Remark(
+        "{} was sampled by another clock than the excitation, {:.4g} ± {:.1g} ppm {}: its times are corrected as if "
+        "both clocks had started together, which the record cannot tell; sample all channels by one clock",
+        *(quantity, 1e6 * abs(part), 1e6 * error, "fast" if part > 0.0 else "slow"),
+        doubts=_EVERYTHING,
     )
 
 
 def steadiness(
     Y: Complexes, X: Complexes, times: Array, weights: Array, period: float
-) -> Iterator[str]:
+) -> Iterator[Remark]:
     """Whether the fundamentals of base and response stay as they are, against the scatter from cycle to cycle
     (`_change`).
 
@@ -304,16 +327,19 @@ def steadiness(
         settled = _settled_after(rows, found.noise, parts)
         cycles = round(settled * (times[-1] - times[0]) / max(1, size - 1) / period)
         words = (
-            f"{name} is not steady: its amplitude changes by {100.0 * found.size:.2g} %, its phasor by up to "
-            f"{100.0 * found.turn:.2g} % during the record (chance of that in noise: {min(1.0, found.chance):.0e})"
+            "{} is not steady: its amplitude changes by {:.2g} %, its phasor by up to {:.2g} % during the record "
+            "(chance of that in noise: {:.0e})"
         )
+        sizes = (name, 100.0 * found.size, 100.0 * found.turn, min(1.0, found.chance))
         if found.size > _DRIFT_WRONG:
             raise ValueError(
-                f"{words}; record again after the motion has settled, or cut its start"
+                f"{words.format(*sizes)}; record again after the motion has settled, or cut its start"
             )
         if 0 < settled < size // 2:
-            words += f"; it settles after about {cycles} cycles: leave those out"
-        yield words
+            late = "; it settles after about {} cycles: leave those out"
+            yield Remark(words + late, *sizes, cycles, doubts=_EVERYTHING)
+        else:
+            yield Remark(words, *sizes, doubts=_EVERYTHING)
 
 
 def _settled_after(rows: Complexes, noise: float, parts: float) -> int:
@@ -325,7 +351,7 @@ def _settled_after(rows: Complexes, noise: float, parts: float) -> int:
     return int(outside[-1]) + 1 if outside.size else 0
 
 
-def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[str]:
+def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Remark]:
     """Warnings where amplitudes Y, X (m) are not those of a test bench: a unit may be wrong.
 
     A wrong unit of all channels alike scales F_k, and nothing else: only the size can betray it.
@@ -333,22 +359,29 @@ def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[str]
     base = "the force over the stiffness" if driven_by == "force" else "the base"
     for what, amplitude in ((base, Y), ("the mass", X)):
         if amplitude > _LARGEST_AMPLITUDE or omega**2 * amplitude > _LARGEST_ACCELERATION:
-            yield (
-                f"{what} moves by {amplitude:.3g} m, with {omega**2 * amplitude:.3g} m/s²: is a unit wrong (mm taken "
-                "for m)?"
+            yield Remark(
+                "{} moves by {:.3g} m, with {:.3g} m/s²: is a unit wrong (mm taken for m)?",
+                *(what, amplitude, omega**2 * amplitude),
+                doubts=_EVERYTHING,
             )
     if not 1.0 / _LARGEST_GAIN < X / Y < _LARGEST_GAIN:
-        yield f"the mass moves {X / Y:.3g} times as far as {base}: is the unit of one channel wrong (mm taken for m)?"
+        yield Remark(
+            "the mass moves {:.3g} times as far as {}: is the unit of one channel wrong (mm taken for m)?",
+            *(X / Y, base),
+            doubts=_EVERYTHING,
+        )
 
 
-def harmonic_base(mean: Complexes, error: Array) -> Iterator[str]:
+def harmonic_base(mean: Complexes, error: Array) -> Iterator[Remark]:
     """A warning when the base moves at more than one frequency: not all that is read counts its harmonics."""
     relative = _significant(mean, error)[2:]
     if relative.any():
-        yield (
-            f"the base motion is not harmonic: {100.0 * math.hypot(*relative):.2g} % distortion, most of it harmonic "
-            f"{np.argmax(relative) + 2} ({100.0 * relative.max():.2g} %); direct integration and the fit of "
-            "one oscillator count all its harmonics, everything else the fundamental only"
+        yield Remark(
+            "the base motion is not harmonic: {:.2g} % distortion, most of it harmonic {} ({:.2g} %); direct "
+            "integration and the fit of one oscillator count all its harmonics, everything else the fundamental only",
+            *(100.0 * math.hypot(*relative), int(np.argmax(relative)) + 2, 100.0 * relative.max()),
+            doubts=_EVERYTHING,
+            spares=(*_BY_HARMONICS, "maximum likelihood"),
         )
 
 
@@ -361,13 +394,16 @@ def highest_of_base(mean: Complexes, error: Array) -> int:
     return max(1, int(np.flatnonzero(clear)[-1]))
 
 
-def symmetry(mean: Complexes, error: Array) -> Iterator[str]:
+def symmetry(mean: Complexes, error: Array) -> Iterator[Remark]:
     """A warning when the response has even harmonics: friction or stiffness then differ between the two directions."""
     even = _significant(mean, error)[2::2]
     if even.any():
-        yield (
-            f"the response is not symmetric: harmonic {2 * np.argmax(even) + 2} is {100.0 * even.max():.2g} % of the "
-            "fundamental; direct integration counts the even harmonics, everything else is read off the symmetric part"
+        yield Remark(
+            "the response is not symmetric: harmonic {} is {:.2g} % of the fundamental; direct integration counts the "
+            "even harmonics, everything else is read off the symmetric part",
+            *(2 * int(np.argmax(even)) + 2, 100.0 * even.max()),
+            doubts=_EVERYTHING,
+            spares=_BY_HARMONICS,
         )
 
 
@@ -378,14 +414,16 @@ def _significant(mean: Complexes, error: Array) -> Array:
     return np.where(real, relative, 0.0)
 
 
-def work(Y: complex, X: complex, Y_error: float, X_error: float) -> Iterator[str]:
+def work(Y: complex, X: complex, Y_error: float, X_error: float) -> Iterator[Remark]:
     """A warning when the base does not put work into the mass."""
     sine = -math.sin(math.atan2((X / Y).imag, (X / Y).real))
     error = math.hypot(X_error / abs(X), Y_error / abs(Y))
     if sine <= -SIGNIFICANT * error:
-        yield (
-            f"the response leads the excitation (sin φ₁ = {sine:.4f}), so that no work is put in: is a sign turned, or "
-            "are two channels exchanged?"
+        yield Remark(
+            "the response leads the excitation (sin φ₁ = {:.4f}), so that no work is put in: is a sign turned, or are "
+            "two channels exchanged?",
+            sine,
+            doubts=_EVERYTHING,
         )
 
 

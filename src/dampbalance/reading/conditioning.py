@@ -22,7 +22,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..arrays import Array, Complexes, Mask
-from ..project.wording import visible
+from ..project.wording import Remark, visible
 from ..records.errors import RecordError
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Correction, Measurement
 from . import checks
@@ -62,8 +62,7 @@ class SteadyRecord:
     channels : harmonics of each channel, corrected, by quantity.
     noise_rms : of the samples, by quantity, in the unit of the channel.
     skew : by how much each response lags the first, s, as corrected (only where it is significant).
-    warnings : what is wrong with the record, one sentence each.   doubts : why no number that it gives is to be
-    trusted, likewise.
+    warnings : what is wrong with the record, one sentence each, which says what it leaves in doubt.
     gathered : what all this comes from.   unfolded : whether harmonics beyond those that are fitted have been removed.
     """
 
@@ -87,8 +86,7 @@ class SteadyRecord:
     channels: Mapping[str, CycleHarmonics]
     noise_rms: Mapping[str, float]
     skew: Mapping[str, float]
-    warnings: tuple[str, ...]
-    doubts: tuple[str, ...]
+    warnings: tuple[Remark, ...]
     gathered: Gathered
     unfolded: bool = False
 
@@ -127,7 +125,7 @@ def condition(
     Raises ValueError naming the source when the record cannot be used: a constant channel, too few cycles, another
     frequency, signals that contradict each other.
     """
-    warnings: list[str] = []
+    warnings: list[Remark] = []
     blocks: dict[str, SampleBlocks] = {}
     for quantity in measurement:
         channel = evenly_sampled(measurement[quantity], measurement.source, warnings)
@@ -143,7 +141,7 @@ def condition(
     return replace(steady, warnings=(*warnings, *steady.warnings))
 
 
-def evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Channel:
+def evenly_sampled(channel: Channel, source: str, warnings: list[Remark]) -> Channel:
     """The channel itself, or resampled by a cubic spline when its samples are unevenly spaced (gaps apart)."""
     steps = np.diff(channel.t)
     dt = float(np.median(steps))
@@ -166,8 +164,11 @@ def evenly_sampled(channel: Channel, source: str, warnings: list[str]) -> Channe
     coarse = CubicSpline(channel.t[::2], channel.values[::2])(channel.t[1:-1:2])
     error = float(np.sqrt(np.mean((coarse - channel.values[1:-1:2]) ** 2))) / 16.0
     warnings.append(
-        f"{name}: unevenly sampled (steps of {steps.min():.3g} to {gap:.3g} s), resampled every {dt:.3g} s by "
-        f"a cubic spline; error about {error:.2g} {channel.unit} in addition to the noise"
+        Remark(
+            "{}: unevenly sampled (steps of {:.3g} to {:.3g} s), resampled every {:.3g} s by a cubic spline; error "
+            "about {:.2g} {} in addition to the noise",
+            *(name, steps.min(), gap, dt, error, channel.unit),
+        )
     )
     return Channel(channel.quantity, t, spline(t), channel.name)
 
@@ -206,10 +207,11 @@ def _condition(
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"the stiffness k must be positive, got {k} N/m")
 
-    def gathered(channels: Mapping[str, SampleBlocks], doubts: Sequence[str] = ()) -> Gathered:
+    def gathered(
+        channels: Mapping[str, SampleBlocks], of_clocks: Sequence[Remark] = ()
+    ) -> Gathered:
         uncorrected, sampling, warnings = _harmonics(channels, frequency_hz, skip_cycles)
-        words = (*doubts, *warnings)
-        return Gathered(source, k, uncorrected, sampling, corrections, words, tuple(doubts))
+        return Gathered(source, k, uncorrected, sampling, corrections, (*of_clocks, *warnings))
 
     of_record = gathered(channels)
     settled = _Settled.of(of_record)
@@ -232,7 +234,7 @@ class Gathered:
 
     source, k : as for `SteadyRecord`.   channels : harmonics of each channel, as they were recorded.   sampling : time
     of the first sample and sampling interval, s, and step of the converter, by quantity.   corrections : of the
-    harmonics.   warnings, doubts : on the samples.
+    harmonics.   warnings : on the samples.
     clocks : by how much the clock of a channel was faster than that of the excitation, as a part of it, and the
     standard error, by quantity, where that was corrected.
     """
@@ -242,8 +244,7 @@ class Gathered:
     channels: Mapping[str, CycleHarmonics]
     sampling: Mapping[str, tuple[float, float, float]]
     corrections: Mapping[str, Correction | None]
-    warnings: tuple[str, ...]
-    doubts: tuple[str, ...]
+    warnings: tuple[Remark, ...]
     clocks: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
@@ -266,7 +267,7 @@ class _Settled:
     omega_error: float
     Y: Complexes
     moved: dict[str, Complexes]
-    warnings: list[str]
+    warnings: list[Remark]
 
     @classmethod
     def of(cls, gathered: Gathered) -> _Settled:
@@ -319,10 +320,7 @@ def _steady(settled: _Settled) -> SteadyRecord:
     X, X_error, X_rounding = _combined(moved, rounding, weights)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
     warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
-    unsteady = tuple(
-        checks.steadiness(Y[:, 1], X[:, 1], times, weights, 2.0 * math.pi / base.omega)
-    )
-    warnings += unsteady
+    warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, 2.0 * math.pi / base.omega)
     warnings += checks.harmonic_base(mean_Y, Y_error)
     asymmetry = list(checks.symmetry(mean_X, X_error))
     warnings += asymmetry
@@ -349,14 +347,13 @@ def _steady(settled: _Settled) -> SteadyRecord:
         noise_rms=noise_rms,
         skew=skew,
         warnings=tuple(warnings),
-        doubts=(*gathered.doubts, *unsteady),
         gathered=gathered,
     )
 
 
 def _harmonics(
     channels: Mapping[str, SampleBlocks], frequency_hz: float | None, skip_cycles: int
-) -> tuple[dict[str, CycleHarmonics], dict[str, tuple[float, float, float]], list[str]]:
+) -> tuple[dict[str, CycleHarmonics], dict[str, tuple[float, float, float]], list[Remark]]:
     """The harmonics of every channel at the drive frequency of the leading part, `Gathered.sampling`, and warnings
     about that frequency."""
     driving = next(q for q in EXCITATIONS if q in channels)
@@ -464,7 +461,7 @@ def _common_weights(harmonics: Mapping[str, CycleHarmonics]) -> Array:
 
 def _checked_cycles(
     harmonics: Mapping[str, CycleHarmonics], weights: Array, omega: float
-) -> list[str]:
+) -> list[Remark]:
     """Warnings about missing cycles, and about the signals in the remaining ones."""
     warnings = [w for q, h in harmonics.items() for w in checks.bad_cycles(q, h.bad_cycles)]
     cycles = int(weights.sum())

@@ -17,11 +17,13 @@ import math
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, Complexes, Mask
+from ..project.wording import Remark
 
 Samples = tuple[Array, Array]  # times, values
 
@@ -63,7 +65,7 @@ class CycleHarmonics:
     cycles_per_row: int
     weights: Array
     drift: Complexes
-    bad_cycles: tuple[tuple[int, float, str], ...]
+    bad_cycles: tuple[tuple[int, float, Remark], ...]
     span: float
     clipped: float
 
@@ -121,7 +123,7 @@ class _Accumulator:
         self.cycles_per_row = 1
         self.drift = np.zeros((2, self.count), dtype=np.complex128)
         self.drift_cycles = 0
-        self.bad: list[tuple[int, float, str]] = []
+        self.bad: list[tuple[int, float, Remark]] = []
         self.held_at_extreme = 0
         self.highest, self.lowest = -math.inf, math.inf
         self.usable = 0
@@ -206,8 +208,9 @@ class _Accumulator:
         square = np.maximum(np.einsum("jr,jr->j", s, s) - fitted, 0.0)
         square /= np.maximum(length - 2 * self.count + 1, 1)
 
-        expected = f"samples where there should be {self.period / self.dt:.1f}"
-        faults = {int(j): f"a gap: {length[j]} {expected}" for j in np.flatnonzero(~whole)}
+        due = self.period / self.dt
+        gap = partial(Remark, "a gap: {} samples where there should be {:.1f}")
+        faults = {int(j): gap(int(length[j]), due) for j in np.flatnonzero(~whole)}
         faults |= self._faults(s, inside, local, square, whole)
         for j, reason in faults.items():
             when = float(self.start + number[j] * self.period)
@@ -219,7 +222,7 @@ class _Accumulator:
 
     def _faults(
         self, s: Array, inside: Mask, local: Complexes, square: Array, whole: Mask
-    ) -> dict[int, str]:
+    ) -> dict[int, Remark]:
         """Which cycles hold samples that stand still while the signal moves on, or that lie far off it."""
         if not whole.any():
             return {}
@@ -241,7 +244,9 @@ class _Accumulator:
             around = around[np.argsort(np.abs(around - j), kind="stable")[:_AROUND]]
             reason = _held(s[j, :size], s[around] if around.size > 2 else model[j : j + 1], rms)
             if not reason and outlying[j] and off[j, worst] > limit:
-                reason = f"a spike: {s[j, worst]:.6g} where {model[j, worst]:.6g} is expected"
+                reason = Remark(
+                    "a spike: {:.6g} where {:.6g} is expected", s[j, worst], model[j, worst]
+                )
             if reason:
                 faults[j] = reason
         return faults
@@ -330,7 +335,7 @@ def _joined(rows: Complexes, count: int) -> Complexes:
     return rows.reshape(-1, count, rows.shape[1]).sum(axis=1)
 
 
-def _held(s: Array, others: Array, rms: float) -> str:
+def _held(s: Array, others: Array, rms: float) -> Remark:
     """Whether samples of a cycle hold one value while the signal moves on; nothing if not.
 
     A converter repeats a value while the signal stays within one of its steps, in every cycle at the same place. A
@@ -357,10 +362,11 @@ def _held(s: Array, others: Array, rms: float) -> str:
         near = pace[max(starts[i] - length, 0) : stops[i] + length]
         held[i] = jump > _JUMPS * near.max() + 5.0 * rms
     if not held.any():
-        return ""
+        return Remark("")
     longest = int(np.argmax(np.where(held, stops - starts, 0)))
     value = s[starts[longest]]
-    return f"a drop-out: {stops[longest] - starts[longest]} samples hold the value {value:.6g}"
+    size = int(stops[longest] - starts[longest])
+    return Remark("a drop-out: {} samples hold the value {:.6g}", size, value)
 
 
 def _comes_to_rest(s: Array, step: float) -> bool:

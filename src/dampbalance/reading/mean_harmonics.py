@@ -30,6 +30,7 @@ import numpy as np
 from ..arrays import Array, Complexes, Integers
 from ..features import COLUMNS, Features, of_numbers, wrapped
 from ..law.integrals import of_harmonics
+from ..project.wording import Remark
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
 from .lines import Lines
@@ -146,14 +147,9 @@ class Reading:
         return alone.features_of(means, np.zeros((self._unknowns, 1)))
 
     @property
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[Remark, ...]:
         """Faults of the record, one sentence each."""
         return self.steady.warnings
-
-    @property
-    def doubts(self) -> tuple[str, ...]:
-        """Faults of the record that leave no number to be trusted, one sentence each; they are among the warnings."""
-        return self.steady.doubts
 
     @cached_property
     def standard_errors(self) -> Mapping[str, float]:

@@ -29,7 +29,8 @@ SCHEMA = Path(__file__).with_name("mapping.schema.yaml")
 FOLDER_FILE = "channels.yaml"
 
 _FILTERS = ("low_pass", "high_pass")
-_CORRECTED = ("delay", "gain", *_FILTERS)
+_UNCERTAIN = ("gain_uncertainty", "delay_uncertainty")
+_CORRECTED = ("delay", "gain", *_FILTERS, *_UNCERTAIN)
 
 Which = str | int
 """A channel by its name, or by its number counted from 1."""
@@ -163,7 +164,8 @@ def _rule(stated: Mapping[str, Any]) -> ChannelRule:
         return ChannelRule(**plain)
     low, high = (tuple(_poles(stated.get(key, {}))) for key in _FILTERS)
     gain, delay = float(stated.get("gain", 1.0)), _seconds(stated.get("delay", 0.0))
-    return ChannelRule(**plain, correction=Correction(gain, delay, low, high))
+    errors = (_seconds(stated.get(key, 0.0)) for key in _UNCERTAIN)
+    return ChannelRule(**plain, correction=Correction(gain, delay, low, high, *errors))
 
 
 def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | int, ...], str]]:
@@ -175,7 +177,9 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
         for key in [*timed, ("time",)] if "time" in document else timed:
             yield key, "not together with sample_rate_hz; keep one"
     for key, rule in {**rules, ("time",): document.get("time", {})}.items():
-        for part, read in ("unit", partial(unit_for, quantity=str(key[-1]))), ("delay", _seconds):
+        unit = partial(unit_for, quantity=str(key[-1]))
+        readers = ("unit", unit), ("delay", _seconds), ("delay_uncertainty", _seconds)
+        for part, read in readers:
             if part in rule:
                 try:
                     read(rule[part])

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -14,7 +15,7 @@ import numpy as np
 
 from ..arguments import items, path, whole
 from ..project.files import sha256
-from ..project.wording import listed, visible
+from ..project.wording import Remark, listed, visible
 from .errors import RecordError, RecordWarning
 from .limits import LARGEST
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
@@ -51,7 +52,7 @@ class MeasuredRecord:
     quantities: tuple[str, ...]
     measurement: Measurement | None
     rules: RecordMapping
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Remark, ...] = ()
     files: Mapping[str, Any] | None = None
     largest: int = LARGEST
 
@@ -183,14 +184,22 @@ def _of_file(path: Path, mapping: MappingLike, largest: int) -> MeasuredRecord:
 
 
 @contextmanager
-def _told(name: str) -> Iterator[list[str]]:
+def _told(name: str) -> Iterator[list[Remark]]:
     """What readers find odd about a record, once each, without its name; filled when the block ends."""
-    said: list[str] = []
+    said: list[Remark] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
         yield said
-    messages = (str(w.message) for w in caught if issubclass(w.category, RecordWarning))
-    said += dict.fromkeys(message.removeprefix(f"{name}: ") for message in messages)
+    odd = (w.message.args[0] for w in caught if isinstance(w.message, RecordWarning))
+    said += dict.fromkeys(map(partial(_nameless, name), odd))
+
+
+def _nameless(name: str, message: str) -> Remark:
+    """A message of a reader without the name of the record that it begins with."""
+    said = message if isinstance(message, Remark) else Remark(message)
+    parts = (said.template, *said.of)
+    nameless = [p.removeprefix(f"{name}: ") if isinstance(p, str) else p for p in parts]
+    return Remark(*nameless, doubts=said.doubts, spares=said.spares)
 
 
 def _digests(path: Path, mapping: MappingLike, rules: RecordMapping) -> dict[str, Any]:

@@ -37,12 +37,15 @@ class Correction:
     with the poles p of its low-pass filter and q of its high-pass filter. A Butterworth filter of order n has its poles
     on the circle of its corner, 2πf e^{iπ(2j + n + 1)/(2n)}, j = 0 … n − 1. Harmonics divided by H are those of the
     signal.   gain : G.   delay : d, s.   low_pass, high_pass : p and q, rad/s, each with its conjugate.
+    gain_error, delay_error : their standard uncertainties, which intervals hold.
     """
 
     gain: float = 1.0
     delay: float = 0.0
     low_pass: tuple[complex, ...] = ()
     high_pass: tuple[complex, ...] = ()
+    gain_error: float = 0.0
+    delay_error: float = 0.0
 
     def response(self, omega: ArrayLike) -> Complexes:
         """H(iω) at any ω, rad/s; where a high-pass filter lets nothing through (ω = 0), without it."""

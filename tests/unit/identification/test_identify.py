@@ -12,6 +12,7 @@ from scipy import stats
 from scipy.integrate import solve_ivp
 
 from dampbalance.balance import APPROACHES
+from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.document import document, estimates_table
 from dampbalance.identification.forced import _parameter, identify_readings
 from dampbalance.identification.microstick import Samples
@@ -188,9 +189,11 @@ def test_equal_seeds_give_equal_numbers_whatever_is_asked_beside():
 def test_tables_and_documents_hold_the_same_numbers():
     found = identify_readings(readings(noise=0.01), PAPER.k, replicates=50)
     table, told = estimates_table(found), document(found, version="0")
-    assert [row["approach"] for row in table] == list(told["approaches"]) == list(APPROACHES)
+    assert list(told["approaches"]) == list(APPROACHES)
+    answers = {told["answer"]: told["maximum_likelihood"], **told["approaches"]}
+    assert [row["approach"] for row in table] == list(answers)
     for row in table:
-        numbers = told["approaches"][row["approach"]]
+        numbers = answers[row["approach"]]
         for key in ("F_k_N", "c_standard_error_N_s_per_m", "K_z_N_per_m", "misfit"):
             assert row[key] == numbers[key]
         assert [row["F_k_low_N"], row["F_k_high_N"]] == numbers["F_k_interval_N"]
@@ -199,14 +202,13 @@ def test_tables_and_documents_hold_the_same_numbers():
     assert all(row["X_standard_error_m"] > 0.0 for row in features)
     assert all(row["W_standard_error_J"] > 0.0 for row in features)
     direct = found.estimates["direct"].coefficients["F_k"]
-    line = text(found).splitlines()[3]
+    line = text(found).splitlines()[4]
     assert f"{direct.value:.4f} [{direct.interval.low:.4f}, {direct.interval.high:.4f}]" in line
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"count": 1}, "two levels or more, got 1: add records"),
         ({"k": 0.0}, "stiffness must be a positive number"),
         ({"k": math.nan}, "stiffness must be a positive number"),
         ({"k": 2400.0}, "level 1 was read with k = 2310 N/m, not with 2400"),
@@ -215,10 +217,35 @@ def test_tables_and_documents_hold_the_same_numbers():
     ],
 )
 def test_what_makes_no_sense_is_refused(change, message):
-    levels = readings(noise=0.01, levels=LEVELS[:2], cycles=12.0)[: change.pop("count", 2)]
+    levels = readings(noise=0.01, levels=LEVELS[:2], cycles=12.0)
     k = change.pop("k", PAPER.k)
     with pytest.raises(ValueError, match=message):
         identify_readings(levels, k, **change)
+
+
+def test_one_level_is_identified_by_its_waveform_alone():
+    found = identify_readings(readings(noise=0.01, levels=LEVELS[1:2]), PAPER.k, replicates=20)
+    (first, answer), *others = found.answers.items()
+    assert first == REFERENCE
+    for symbol, (low, high) in answer.intervals.items():
+        assert low < getattr(PAPER, symbol) < high
+        verdict = answer.verdicts[symbol]
+        assert verdict.verdict == "doubtful"
+        assert "no balance checks it" in verdict.reason
+    assert {v.verdict for _, a in others for v in a.verdicts.values()} == {"none"}
+    # nothing slips: the fundamental alone tells nothing apart
+    with pytest.raises(ValueError, match="two levels or more, got 1: add records"):
+        identify_readings(readings(noise=0.01, levels=(2e-4,)), PAPER.k)
+
+
+def test_no_number_of_the_same_level_twice_is_usable():
+    twice = [readings(noise=0.01, levels=LEVELS[1:2], seed=i)[0] for i in (1, 2)]
+    found = identify_readings(twice, PAPER.k, replicates=20)
+    for answer in found.answers.values():
+        for symbol in ("F_k", "c"):
+            verdict = answer.verdicts[symbol]
+            assert verdict.verdict == "doubtful"
+            assert "the levels are so alike" in verdict.reason
 
 
 @pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())

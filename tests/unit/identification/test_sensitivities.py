@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.document import document
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.sensitivities import FAULTS
@@ -45,13 +46,12 @@ def test_records_with_the_fault_change_as_is_said(name, found):
     fault, part = FAULTS[name], 0.01
     faulty = [with_fault(reading, fault, part) for reading in readings]
     again = identify_readings(faulty, PAPER.k * (1.0 + part * fault.stiffness), replicates=20)
-    told = result.sensitivities()[name]
-    for symbol in SYMBOLS:
-        before, after = (
-            each.estimates["direct"].parameters[symbol].value for each in (result, again)
-        )
-        # to first order; the weights of the rows move a little, too, and what noise leaves of the waveforms bends them
-        assert told[symbol] == pytest.approx((after / before - 1.0) / part, rel=0.1, abs=1e-4)
+    for answer, told in result.shifts(FAULTS, ["direct", REFERENCE]).items():
+        for symbol in SYMBOLS:
+            before, after = (each.answers[answer].values[symbol] for each in (result, again))
+            # to first order; weights of rows move a little, too, and what noise leaves of the waveforms bends them
+            change = (after / before - 1.0) / part
+            assert told[name][symbol] == pytest.approx(change, rel=0.1, abs=1e-4), (answer, symbol)
 
 
 def test_gains_and_stiffness_scale_the_equations(found):

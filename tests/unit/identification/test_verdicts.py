@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import pickle
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,25 +13,27 @@ import pytest
 
 from dampbalance.balance import Rows
 from dampbalance.identification.answer import (
+    REFERENCE,
     UNKNOWN,
     Answer,
     Balance,
     Interval,
     ParameterEstimate,
-    Remark,
 )
 from dampbalance.identification.microstick import Microstick
 from dampbalance.identification.oscillator import JointFit
+from dampbalance.identification.outcome import Outcome
 from dampbalance.identification.remarks import (
     Limit,
     agreement,
+    doubted,
     forbidden,
     in_a_sentence,
     limits,
     with_notes,
 )
 from dampbalance.identification.screen import in_one, with_interval
-from dampbalance.project.wording import listed, times
+from dampbalance.project.wording import Remark, factor, listed, times
 
 
 def parameter(value, half):
@@ -59,7 +63,7 @@ def test_sound_numbers_are_usable_without_a_reason():
 
 
 def test_a_note_makes_every_number_of_its_approach_doubtful():
-    noted = replace(SOUND, notes=("off by 16 %",)).verdicts
+    noted = replace(SOUND, notes=(Remark("off by 16 %"),)).verdicts
     assert {(v.verdict, v.reason) for v in noted.values()} == {("doubtful", "off by 16 %")}
     assert in_one(noted) == "doubtful"
 
@@ -69,7 +73,7 @@ def test_a_number_that_is_not_there_has_the_reason():
     assert in_one(without) == "usable: F_k, c; none: K_z"
     assert "do not determine K_z" in without["K_z"].reason
     nothing = dict.fromkeys(SOUND.parameters, UNKNOWN)
-    unsolved = replace(SOUND, parameters=nothing, notes=("needs two levels",))
+    unsolved = replace(SOUND, parameters=nothing, notes=(Remark("needs two levels"),))
     assert {tuple(v) for v in unsolved.verdicts.values()} == {("none", "needs two levels")}
 
 
@@ -90,49 +94,114 @@ SOURCES = ["data/a.csv", "data/b.csv", "data/c.csv"]
 
 
 def sentences(warnings, sources=SOURCES):
-    """Warnings, of all records or (words, record), as a reader sees them."""
-    remarks = [Remark(*([one] if isinstance(one, str) else one)) for one in warnings]
-    return [in_a_sentence(limit, sources) for limit in limits({}, remarks)]
+    return [in_a_sentence(limit, sources) for limit in limits({}, warnings)]
 
 
 def test_the_same_warning_on_several_records_is_one_sentence_with_its_range():
-    drift = "drifts by {} % in {} s: let it warm up".format
-    said = [(drift(3.5, 20), SOURCES[0]), (drift("1e-05", 20), SOURCES[1])]
+    drift = partial(Remark, "drifts by {:g} % in {} s: let it warm up")
+    said = [drift(3.5, 20, source=SOURCES[0]), drift(1e-5, 20, source=SOURCES[1])]
+    assert said[0] == "data/a.csv: drifts by 3.5 % in 20 s: let it warm up"
     assert sentences(said) == ["a.csv and b.csv: drifts by 1e-05 to 3.5 % in 20 s: let it warm up"]
-    said.append((drift(-2, 20), SOURCES[2]))
+    said.append(drift(-2.0, 20, source=SOURCES[2]))
     assert sentences(said) == ["all 3 records: drifts by -2 to 3.5 % in 20 s: let it warm up"]
 
 
-def test_different_warnings_stay_apart_and_names_keep_their_numbers():
-    said = [("acc1 is clipped", SOURCES[0]), ("acc2 is clipped", SOURCES[0]), "too alike"]
-    assert sentences(said) == ["a.csv: acc1 is clipped", "a.csv: acc2 is clipped", "too alike"]
+def test_different_warnings_stay_apart_whatever_they_share():
+    clips = partial(Remark, "{} is clipped", source=SOURCES[0])
+    said = [clips("acc1"), clips("acc{2}"), Remark("100 % {alike}")]
+    assert sentences(said) == [
+        "a.csv: acc1 is clipped",
+        "a.csv: acc{2} is clipped",
+        "100 % {alike}",
+    ]
+
+
+def test_a_remark_survives_a_process_boundary():
+    one = Remark("{} {:.1f} %", "off {by}", 2.0, source="a")
+    other = pickle.loads(pickle.dumps(one))
+    assert (other, other.kind, other.of) == ("a: off {by} 2.0 %", one.kind, one.of)
 
 
 def test_factors_beyond_a_thousand_go_into_the_range():
-    said = [
-        (f"{times(x)} worse", s) for s, x in zip(SOURCES, (450.2, 3883747.0, 12.4), strict=True)
-    ]
+    sizes = zip(SOURCES, (450.2, 3883747.0, 12.4), strict=True)
+    said = [Remark("{} times worse", factor(x), source=s) for s, x in sizes]
     assert sentences(said) == ["all 3 records: 12 to more than 1000 times worse"]
 
 
 def test_records_of_one_name_are_told_apart_by_their_folders():
     sources = ["one/a.csv", "two/a.csv", "three/b.csv"]
-    said = [("clipped", source) for source in sources[:2]]
+    said = [Remark("clipped", source=source) for source in sources[:2]]
     assert sentences(said, sources=sources) == ["one/a.csv and two/a.csv: clipped"]
 
 
 def test_many_records_are_counted():
     sources = [f"{i}.csv" for i in range(20)]
-    said = [("clipped", source) for source in sources[:9]]
+    said = [Remark("clipped", source=source) for source in sources[:9]]
     assert sentences(said, sources=sources) == [
         "9 of 20 records (0.csv, 1.csv, 2.csv, 3.csv, 4.csv …): clipped"
     ]
 
 
 def test_notes_of_approaches_go_together():
-    notes = {"X_s": "F_k by -16 %", "t_s": "F_k by -17 %"}
-    answers = {name: replace(SOUND, notes=(note,)) for name, note in notes.items()}
+    off = {"X_s": -16.0, "t_s": -17.0}
+    answers = {s: replace(SOUND, notes=(Remark("F_k by {:g} %", x),)) for s, x in off.items()}
     assert limits(answers, []) == [Limit("approaches", ("X_s", "t_s"), "F_k by -17 to -16 %")]
+
+
+NEAR = replace(SOUND, name=REFERENCE, balance=None)
+
+
+@pytest.mark.parametrize(
+    ("doubts", "doubtful"),
+    [
+        ({}, ""),
+        ({"": math.inf}, "F_k c K_z"),
+        ({"K_z": math.inf}, "K_z"),
+        # half a standard error of F_k is 0.2 % of it, of c 0.03 %, of K_z 0.24 %
+        ({"": 0.0005}, "c"),
+        ({"": 0.003}, "F_k c K_z"),
+        ({"c": 0.0002, "K_z": 0.01}, "K_z"),
+    ],
+)
+def test_what_is_warned_of_is_usable_only_within_its_interval(doubts, doubtful):
+    warning = Remark("late by {} s", 2, source="a", doubts=doubts, spares=("direct",))
+    answers = doubted({"direct": SOUND, REFERENCE: NEAR}, [warning])
+    assert in_one(answers["direct"].verdicts) == "usable"
+    judged = answers[REFERENCE].verdicts
+    assert [s for s, v in judged.items() if v.verdict == "doubtful"] == doubtful.split()
+    assert all(judged[symbol].reason == "late by 2 s" for symbol in doubtful.split())
+
+
+class Both(Outcome):
+    """The answers of a balance and a fit, and nothing else."""
+
+    findings = features_table = pictures = None
+
+
+NOTED = Remark("another oscillator")
+NOTHING = replace(SOUND, parameters=dict.fromkeys(SOUND.parameters, UNKNOWN), notes=(NOTED,))
+
+
+@pytest.mark.parametrize(
+    ("balance", "fit", "warnings", "first"),
+    [
+        (SOUND, NEAR, (), REFERENCE),
+        (SOUND, None, (), "direct"),
+        (SOUND, replace(NEAR, notes=(NOTED,)), (), "direct"),
+        (replace(SOUND, notes=(NOTED,)), replace(NEAR, notes=(NOTED,)), (), "direct"),
+        (replace(SOUND, notes=(NOTED,)), NEAR, (), REFERENCE),
+        (NOTHING, replace(NEAR, notes=(NOTED,)), (), REFERENCE),
+        # the warning concerns the fit only, or both
+        (SOUND, NEAR, (Remark("asymmetric", doubts={"": 1.0}, spares=("direct",)),), "direct"),
+        (SOUND, NEAR, (Remark("clipped", doubts={"": 1.0}),), REFERENCE),
+    ],
+)
+def test_the_first_answer_is_the_one_to_use(balance, fit, warnings, first):
+    kinds = {"head": "", "rig": (), "settings": {}, "k": 1.0, "sources": ()}
+    Both.__abstractmethods__ = frozenset()
+    outcome = Both(estimates={"direct": balance}, reference=fit, warnings=warnings, **kinds)
+    assert next(iter(outcome.answers)) == first
+    assert set(outcome.answers) == {"direct", REFERENCE} - ({REFERENCE} if fit is None else set())
 
 
 def test_words_in_a_row():
@@ -188,7 +257,10 @@ def test_a_number_of_any_size_fits_its_cell(value, half, expected):
 
 
 @pytest.mark.parametrize(("sizes", "apart"), [(3.9, False), (4.1, True)])
-def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference_on(sizes, apart):
+def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference_on(
+    sizes, apart, monkeypatch
+):
+    monkeypatch.setattr("dampbalance.identification.remarks.likeliest", lambda fit: None)
     # the variance of the difference is that of the balance, 0.5², less that of the fit, 0.3²
     fit = SimpleNamespace(
         adequate=True,

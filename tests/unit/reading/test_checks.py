@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from dampbalance.project.wording import Remark
 from dampbalance.reading import checks
 from dampbalance.reading.cycles import CycleHarmonics
 
@@ -80,10 +81,10 @@ def test_another_frequency_is_refused():
 
 def test_cycles_left_out_are_counted():
     assert list(checks.bad_cycles("x", [])) == []
-    assert list(checks.bad_cycles("x", [(4, 0.8, "a gap")])) == [
+    assert list(checks.bad_cycles("x", [(4, 0.8, Remark("a gap"))])) == [
         "x: 1 cycle left out; first cycle 5 (at 0.8 s): a gap"
     ]
-    assert "2 cycles left out" in next(checks.bad_cycles("x", [(4, 0.8, "a gap")] * 2))
+    assert "2 cycles left out" in next(checks.bad_cycles("x", [(4, 0.8, Remark("a gap"))] * 2))
 
 
 @pytest.mark.parametrize(("part", "warned"), [(0.49, False), (0.5, True), (1.0, True)])

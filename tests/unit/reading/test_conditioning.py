@@ -374,7 +374,7 @@ def test_two_clocks_are_recognised_and_their_times_corrected(part):
     (words,) = steady.warnings
     assert "sampled by another clock" in words
     assert ("fast" if part > 0.0 else "slow") in words
-    assert steady.doubts == steady.warnings
+    assert words.doubts
     found, error = map(float, re.findall(r"([\d.e-]+) ± ([\d.e-]+) ppm", words)[0])
     # the error is printed with one digit
     assert abs(found - 1e6 * abs(part)) < 5.0 * error
@@ -397,5 +397,5 @@ def test_a_start_from_rest_is_not_taken_for_a_clock():
         Channel("displacement", t[late], x[late]),
     ]
     steady = condition(Measurement.of("start", channels), slow.k)
-    assert any("not steady" in words for words in steady.doubts)
+    assert any("not steady" in words for words in steady.warnings if words.doubts)
     assert not any("another clock" in words for words in steady.warnings)

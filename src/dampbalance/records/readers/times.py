@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...arrays import Array
+from ...project.wording import Remark
 from ...record import GRID_TOLERANCE
 from ..errors import RecordWarning
 
@@ -110,12 +111,13 @@ def in_equal_steps(t: Array, where: str) -> Array:
     bound = 1.5 * q / (step * t.size)
     if np.ptp(t - line) > _WITHIN * q or bound > _ACCURATE:
         return t
-    warnings.warn(
-        f"{where} is rounded to {q:.3g} s, its samples are {step:.3g} s apart: {1.0 / step:.9g} samples a second are "
-        f"taken, from the line through it, off by {1e6 * bound:.3g} ppm at the most; give sample_rate_hz if known",
-        RecordWarning,
-        stacklevel=2,
+    rounded = Remark(
+        "{} is rounded to {:.3g} s, its samples are {:.3g} s apart: {:.9g} samples a second are taken, from the line "
+        "through it, off by {:.3g} ppm at the most; give sample_rate_hz if known",
+        *(where, q, step, 1.0 / step, 1e6 * bound),
+        doubts={"": bound},
     )
+    warnings.warn(RecordWarning(rounded), stacklevel=2)
     return line
 
 

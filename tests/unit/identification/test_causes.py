@@ -1,0 +1,83 @@
+"""Causes of a misfit: the one that is in the records is named, and none where there is none."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dampbalance import BaseMotion
+from dampbalance.identification.causes import likeliest
+from dampbalance.identification.forced import identify_readings
+from dampbalance.identification.oscillator import joint_fit
+from dampbalance.law.law import Law
+from dampbalance.law.response import law_orbit
+from dampbalance.reading.mean_harmonics import Reading
+from paper_case import LEVELS, PAPER, orbits_at
+from unit.identification.levels import THREE, read
+
+
+def readings(osc=PAPER, levels=LEVELS, hz=3.5, **options):
+    return read(orbits_at(hz, levels, osc), **{"channels": THREE[:2], **options})
+
+
+def of_unequal_friction():
+    """Levels whose friction forces rise by 4 % from one to the next."""
+    forces = (1.18, 1.23, 1.28, 1.33, 1.38)
+    pairs = [(replace(PAPER, F_k=F_k), Y) for F_k, Y in zip(forces, LEVELS, strict=True)]
+    return [readings(osc, (Y,), seed=i)[0] for i, (osc, Y) in enumerate(pairs)]
+
+
+def behind(response, seed=1):
+    """Readings of a response channel that multiplies harmonics by a function of their frequencies, rad/s."""
+    found = []
+    for one in readings(noise=0.001, seed=seed):
+        steady = one.steady
+        n = np.arange(steady.X.shape[1])
+        found.append(Reading(replace(steady, X=steady.X * response(steady.omega * n))))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("made", "cause"),
+    [
+        (of_unequal_friction, "a friction force that changes with the level"),
+        (lambda: behind(lambda w: np.exp(-2e-3j * w)), "a delay between the channels"),
+        # a single pole at 0.1 rad/s
+        (lambda: behind(lambda w: w / (w - 0.1j * (w > 0) - 1e-9j)), "an AC coupling"),
+    ],
+)
+def test_the_cause_in_the_records_is_the_likeliest(made, cause):
+    fit = joint_fit([one.lines for one in made()], PAPER.k).fit
+    found = likeliest(fit)
+    assert found.words.startswith(cause)
+    # it explains most of what noise does not
+    assert found.explained > 0.3 * (fit.chi_square - fit.freedom)
+
+
+def test_a_term_that_the_law_lacks_is_named_as_damping():
+    """Quadratic damping, fitted by a linear damper; with the right law nothing is left to explain."""
+    bare, motions = replace(PAPER, c=15.0), [BaseMotion(Y, 2.0 * math.pi * 3.5) for Y in LEVELS]
+    lines = [one.lines for one in read([law_orbit(bare, y, {"c_2": 150.0}) for y in motions])]
+    assert likeliest(joint_fit(lines, PAPER.k).fit).words.startswith("damping that grows")
+    assert likeliest(joint_fit(lines, PAPER.k, law=Law(("F_k", "c", "c_2"))).fit) is None
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_records_of_the_oscillator_show_no_cause(seed):
+    """By chance one in 200,000 sets shows one."""
+    fit = joint_fit([one.lines for one in readings(seed=seed)], PAPER.k).fit
+    assert fit.adequate
+    assert likeliest(fit) is None
+
+
+def test_the_report_names_it_first_and_what_it_changes_is_doubtful():
+    found = identify_readings(of_unequal_friction(), PAPER.k, replicates=20)
+    warning = next(w for w in found.warnings if "a friction force that changes with the level" in w)
+    assert warning.index("the likeliest of the causes") < warning.index("a channel may be skewed")
+    assert {v.verdict for a in found.answers.values() for v in a.verdicts.values()} <= {
+        "doubtful",
+        "none",
+    }
