@@ -67,10 +67,10 @@ def fit_oscillator(
         ]
         ends += filter(None, refined)
         for _ in wide * _SCANS:
-            nearest = min(ends, key=lambda end: end.chi_square)
-            beside = _ends(unknowns, _other_stiffnesses(nearest), _FEWER)
-            ends += beside
-            if not beside or beside[0].chi_square > nearest.chi_square * (1.0 - _SAME):
+            best = min(ends, key=lambda end: end.chi_square)
+            others = _ends(unknowns, _other_stiffnesses(best), _FEWER)
+            ends += others
+            if not others or others[0].chi_square > best.chi_square * (1.0 - _SAME):
                 break
     nearest = min(ends, key=lambda end: end.chi_square, default=None)
     if nearest is not None and not (nearest.adequate and nearest.converged):
