@@ -72,9 +72,9 @@ def fit_oscillator(
             ends += others
             if not others or others[0].chi_square > best.chi_square * (1.0 - _SAME):
                 break
-    nearest = min(ends, key=lambda end: end.chi_square, default=None)
-    if nearest is not None and not (nearest.adequate and nearest.converged):
-        last = _climbed(unknowns, nearest.point, softenings=(0.0,), last=_TO_THE_END)
+    best = min(ends, key=lambda end: end.chi_square, default=None)
+    if best is not None and not (best.adequate and best.converged):
+        last = _climbed(unknowns, best.point, softenings=(0.0,), last=_TO_THE_END)
         ends += filter(None, [last])
     return _nearest(ends)
 
