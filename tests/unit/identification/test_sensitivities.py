@@ -45,7 +45,8 @@ def with_fault(reading, fault, part):
 def test_records_with_the_fault_change_as_is_said(name, found, monkeypatch):
     # the harmonics are changed, and not the samples, from which they would be taken again
     monkeypatch.setattr(forced, "unfolded", lambda readings, k, law: (readings, None))
-    readings, result = found
+    readings, _ = found
+    result = identify_readings(readings, PAPER.k, replicates=20)
     fault, part = FAULTS[name], 0.01
     faulty = [with_fault(reading, fault, part) for reading in readings]
     again = identify_readings(faulty, PAPER.k * (1.0 + part * fault.stiffness), replicates=20)
