@@ -297,8 +297,8 @@ def two_clocks(quantity: str, faster: tuple[float, float]) -> Remark:
     """A warning that another clock sampled a channel.   faster : of `clock`."""
     part, error = faster
     return Remark(
-        "{} seems to be sampled by another clock than the excitation, {:.4g} ± {:.1g} ppm {}: its times are corrected as "
-        "if both clocks had started together, which the record cannot tell; if one clock samples all channels, the "
+        "{} seems to be sampled by another clock than the excitation, {:.4g} ± {:.1g} ppm {}: its times are corrected "
+        "as if both clocks had started together, which the record cannot tell; if one clock samples all channels, the "
         "motion itself drifts, as where friction grows, and the correction is wrong",
         *(quantity, 1e6 * abs(part), 1e6 * error, "fast" if part > 0.0 else "slow"),
         doubts=_EVERYTHING,

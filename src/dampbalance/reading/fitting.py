@@ -34,7 +34,8 @@ _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other
 _REACH = math.log(5.0)  # of ln K_z to either side, where others are tried
 _MOST_STEPS = 64
 _SCANS = 3  # along K_z, each from the best end of the one before
-_DEAR = 200.0  # swings of the stuck mass, which cost as much as the rest of an evaluation
+_DEAR = 200.0  # turns of the fastest motion, which cost as much as the rest of an evaluation
+_MOST_TURNS = 2e4  # of an orbit whose derivatives are computed: 0.1 s
 _MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
 
 
@@ -258,6 +259,13 @@ def _swings(orbit: Orbit) -> float:
     return stuck * math.sqrt((osc.k + osc.K_z) / osc.m) / (2.0 * math.pi)
 
 
+def _turns(orbit: Orbit) -> float:
+    """How many turns of its fastest motion half a cycle takes to follow: swings in stick, or the decay of a velocity by
+    e^{2π} where a light mass creeps in a strong damper."""
+    osc = orbit.oscillator
+    return max(_swings(orbit), 0.5 * orbit.motion.period * osc.c / osc.m / (2.0 * math.pi))
+
+
 @dataclass(frozen=True, eq=False)
 class HarmonicResiduals:
     """Residuals (model − data)/σ of the harmonics of all records as functions of the unknowns.
@@ -292,9 +300,10 @@ class HarmonicResiduals:
             except ValueError:
                 return None
             try:
-                if len(response.orbit.phases) > _MOST_PHASES:
+                turns = _turns(response.orbit)
+                if len(response.orbit.phases) > _MOST_PHASES or turns > _MOST_TURNS:
                     return None
-                self.left[0] -= (1.0 + _swings(response.orbit) / _DEAR) / len(unknowns.lines)
+                self.left[0] -= (1.0 + turns / _DEAR) / len(unknowns.lines)
                 self.near[i] = replace(response, matrix=None)
                 x, by = unknowns.harmonics(point, i, response, one.n.size, quickly=self.quickly)
             except (NoSteadyOrbit, ValueError):
