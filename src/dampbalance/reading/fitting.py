@@ -68,10 +68,10 @@ def fit_oscillator(
         ]
         ends += filter(None, refined)
         for _ in wide * _SCANS:
-            best = min(ends, key=lambda end: end.chi_square)
-            others = _ends(unknowns, _other_stiffnesses(best), _FEWER)
+            so_far = min(ends, key=lambda end: end.chi_square)
+            others = _ends(unknowns, _other_stiffnesses(so_far), _FEWER)
             ends += others
-            if not others or others[0].chi_square > best.chi_square * (1.0 - _SAME):
+            if not others or others[0].chi_square > so_far.chi_square * (1.0 - _SAME):
                 break
     best = min(ends, key=lambda end: end.chi_square, default=None)
     if best is not None and not (best.adequate and best.converged):
