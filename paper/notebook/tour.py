@@ -197,8 +197,9 @@ pd.DataFrame(
 # Over a cycle the spring, the mass and the contact spring return all that they store. What the base puts in is lost
 # to the slider and to the damper:
 #
-# $$ \underbrace{a}_{\text{distance slid}} F_k \; + \; \underbrace{b}_{\oint \dot x^2\,\text{d}t} c
-# \; = \; \underbrace{W}_{\oint k y \dot x\,\text{d}t}. $$
+# $$ a F_k + b c = W, \qquad b = \oint \dot x^2\,\mathrm{d}t, \qquad W = \oint k y \dot x\,\mathrm{d}t, $$
+#
+# where $a$ is the distance slid.
 #
 # Two unknowns, and one such equation for each level. In the plane of $F_k$ and $c$ each level is a straight line;
 # where the lines meet is the answer. Each *approach* of the paper is a way to get $a$, $b$ and $W$. **Direct

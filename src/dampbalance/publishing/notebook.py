@@ -26,7 +26,7 @@ from xml.etree.ElementTree import Element
 import jinja2
 import jupytext  # type: ignore[import-untyped]
 import nbformat
-from latex2mathml.converter import convert as in_mathml
+from docutils.utils.math.latex2mathml import tex2mathml
 from markdown_it import MarkdownIt
 from mdit_py_plugins.anchors import anchors_plugin
 from mdit_py_plugins.dollarmath import dollarmath_plugin
@@ -46,9 +46,8 @@ c.InlineBackend.figure_formats = {"svg"}
 c.InlineBackend.print_figure_kwargs = {"bbox_inches": "tight", "metadata": {"Date": None, "Creator": None}}
 """
 _MATH_AND_STOP = re.compile(r'<span class="math inline">((?:(?!</span>).)*)</span>([,.;:)]+)')
-_FUNCTION = re.compile(
-    r"<mi>(?:cos|sin)</mi>(?!<mo[^>]*>&#x00028;)"
-)  # of an argument without brackets
+# A function of an argument without brackets.
+_FUNCTION = re.compile(r"(<mo>&ApplyFunction;</mo>)(?!<mo[^>]*>\()")
 # Parts that scroll sideways on a narrow screen must be reachable by keyboard.
 _EQUATION = '<div class="equation" role="group" tabindex="0" aria-label="Equation">{}</div>'
 _REMOTE = re.compile(
@@ -149,8 +148,8 @@ def body(notebook: NotebookNode) -> str:
 @cache
 def _markdown() -> MarkdownIt:
     def formula(latex: str, options: dict[str, bool]) -> str:
-        shown = in_mathml(latex, display="block" if options["display_mode"] else "inline")
-        shown = _FUNCTION.sub(r'\g<0><mspace width="0.167em" />', shown)
+        lines = tex2mathml(latex, as_block=options["display_mode"]).splitlines()
+        shown = _FUNCTION.sub(r'\1<mspace width="0.167em" />', "".join(map(str.strip, lines)))
         return _EQUATION.format(shown) if options["display_mode"] else shown
 
     markdown = MarkdownIt("commonmark").use(anchors_plugin, max_level=2)
