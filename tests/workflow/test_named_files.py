@@ -28,7 +28,10 @@ NAMES_NONE = {
     *(f"study: figure.{key}" for key in ("x", "y", "panels", "at.*")),
     *(f"study: facts.*.{key}" for key in ("along", "at.*")),
     "study: axes[].law.values[]",
-    *(f"mapping: channels.*.{key}" for key in ("channel", "unit", "time", "delay")),
+    *(
+        f"mapping: channels.*.{key}"
+        for key in ("channel", "unit", "time", "delay", "delay_uncertainty")
+    ),
     *(f"mapping: {key}" for key in ("time.channel", "time.unit", "level", "notes")),
     *(f"codecheck: {key}" for key in ("source", "report", "summary", "manifest[].comment")),
     *(f"codecheck: paper.{key}" for key in ("title", "reference", "authors[].name")),
@@ -162,7 +165,7 @@ def test_the_printed_numbers_are_all_read_and_none_may_be_missing(named):
     for changed in ([verdicts], others):
         for file in changed:
             os.utime(file, (now + 60.0, now + 60.0))
-        status, said = dry_run(named, {}, "results/paper/summary.txt")
+        status, said = dry_run(named, {"case": "paper"}, "results/paper/summary.txt")
         assert status == 0
         read = set(re.findall(r"paper/published/\S+\.csv", said))
         assert read == {f"paper/published/{file.name}" for file in changed}
@@ -173,6 +176,8 @@ def test_the_printed_numbers_are_all_read_and_none_may_be_missing(named):
         ("paper/printed", "published: paper/printed is not a folder with printed numbers"),
         ("paper/published", "paper/published/printed.csv: needed is a file of this name"),
     ):
-        status, said = dry_run(named, {"published": folder}, "results/paper/summary.txt")
+        status, said = dry_run(
+            named, {"case": "paper", "published": folder}, "results/paper/summary.txt"
+        )
         assert expected in said
         assert (status, "Traceback" in said) == (1, False)
