@@ -20,6 +20,7 @@ REFERENCE = re.compile(
 ALLOWED = (
     "src/dampbalance/replication/claims/",
     "workflow/rules/claims.smk",
+    "workflow/functions/claims.smk",
     "workflow/scripts/claims/claims.py",
     "workflow/scripts/claims/check.py",
     "config/config.yaml",

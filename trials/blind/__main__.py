@@ -14,7 +14,7 @@ from typing import Any
 
 import pandas as pd
 
-from . import decrements, efficiency, faults, laws, others, score
+from . import decay_laws, decrements, efficiency, faults, laws, others, score
 from .truths import SEED
 
 
@@ -84,8 +84,17 @@ def decays(options: argparse.Namespace) -> str:
     return decrements.table(done)
 
 
+def departing_decays(options: argparse.Namespace) -> str:
+    """Identify free decays with a further term; what is said of it, and which law is chosen."""
+    wanted = range(options.first, options.first + options.sets)
+    runs = [(term, index, options.seed) for index in wanted for term in decay_laws.TERMS]
+    rows = _rows(decay_laws.outcome, runs, options.processes)
+    rows.to_csv(options.output / "decay_laws.csv", index=False)
+    return decay_laws.table(rows)
+
+
 PARTS = {"decays": decays, "blind": blind, "efficiency": efficient, "faults": faulty}
-PARTS |= {"others": other, "laws": confused}
+PARTS |= {"others": other, "laws": confused, "decay_laws": departing_decays}
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dampbalance.records.measurement import Channel, Measurement
 
-from .other_motion import ring_down
+from .other_motion import NO_DEPARTURE, Departure, ring_down
 from .truths import ANSWERS, NOISE, SEED, Linear, log_uniform
 
 _DECAYS = 2  # so that the draws are not those of the forced sets
@@ -23,6 +23,7 @@ class Decay(Linear):
     starts : of each, ("pluck", x) for a release from x or ("blow", v) for a velocity added at rest.   lead : time that
     the mass is held, or rests, before each, s.   lasts : of each, s.   pull : time that a hand takes to pull it, s.
     answers : channels.   noise : as a part of the largest value.   offset : of a channel, of its largest value.
+    departure : what its motion has in addition to friction and viscous damping.
     """
 
     index: int
@@ -39,6 +40,7 @@ class Decay(Linear):
     answers: tuple[str, ...]
     noise: float
     offset: float
+    departure: Departure = NO_DEPARTURE
 
     @property
     def height(self) -> float:
@@ -87,6 +89,22 @@ def draw(index: int, seed: int = SEED) -> Decay:
     )
 
 
+def departing(decay: Decay, field: str, order: int, share: float) -> Decay:
+    """The decay with a further term, which would take a share of the loss of the motion without it.
+
+    field : of `Departure`.   order : power of the velocity, or of the displacement in a spring, that its force grows
+    with; the share of a spring is that of its force in the force at the start.
+    """
+    signals, _ = clean(decay)
+    x, v = np.abs(signals[:2])
+    if field in ("even", "cubic"):
+        size = share * decay.k * float(x.max()) ** (1 - order)
+    else:
+        loss = float(np.sum(decay.F_k * v + decay.c * v**2))
+        size = share / (1.0 - share) * loss / float(np.sum(v ** (order + 1)))
+    return replace(decay, departure=Departure(**{field: size}))
+
+
 def clean(decay: Decay) -> tuple[np.ndarray, list[float]]:
     """(x, x′, x″) of the record, (3, n), and the times at which the mass comes free, s."""
     step, Z_m = 1.0 / decay.rate_hz, decay.F_k / decay.K_z
@@ -102,7 +120,7 @@ def clean(decay: Decay) -> tuple[np.ndarray, list[float]]:
         parts.append(_held(x, round(decay.lead[i] / step)))
         count = sum(part.shape[1] for part in parts)
         free.append(count * step)
-        moved = ring_down(decay, x, step, decay.lasts[i], v=v, z=z)
+        moved = ring_down(decay, x, step, decay.lasts[i], v, z, decay.departure)
         parts.append(moved)
         # a hand grasps it, or holds it while it is struck
         x = float(moved[0, -1])

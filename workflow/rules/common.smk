@@ -86,6 +86,10 @@ if workflow.is_main_process:
     except ConfigurationError as error:
         raise WorkflowError(str(error)) from None
 
+# Where jobs run in environments of conda, the package is that of the project's folder.
+if any(str(method) == "conda" for method in workflow.deployment_settings.deployment_method):
+    os.environ.update(PYTHONPATH=str(ROOT / "src"))
+
 CASE = Case.from_config(config)
 FREQUENCIES = list(CASE.frequencies_hz)
 RESULTS = f"results/{CASE.name}"

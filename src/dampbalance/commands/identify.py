@@ -41,7 +41,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 --terms         of the damping law, such as F_k,c,c_2 (default: F_k,c); known: {", ".join(KNOWN_TERMS)}
 --given         a coefficient that is known, such as c=0.669, SI; may be repeated
 --groups        a coefficient for each group of records: F_k=A,A,B, a label per record; may be repeated
---laws          compare the laws of one or two terms in addition to friction, and name the one that the records support
+--laws          compare laws of one or two terms, with and without friction, and name the one that the records support
 --approach      an approach; may be repeated (default: all)
 --phase         phase φ that the approaches X_s, t_s and V_s take (default: reversal)
 --mass          mass, kg, if it is known: the fit takes it, unless the records contradict it

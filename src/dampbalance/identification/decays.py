@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -24,6 +24,7 @@ from ..reading.frequency import stands_still
 from ..reading.one_thread import one_thread
 from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
 from ..reading.ringdown_fit import COMMON, RingFit, fit_decays, with_noise_of
+from ..reading.ringdown_laws import Departure, departures
 from ..reading.ringdown_minima import minima_of, with_intervals
 from ..reading.ringdown_rows import RingRows, W, at_rest, rows_of
 from ..reading.ringdown_search import fit_all, separate_fits
@@ -41,6 +42,7 @@ from .answer import (
     covariance_of,
     normal,
 )
+from .decay_laws import compare_decay_laws, condition_of, doubt_of
 from .outcome import Outcome, Picture
 from .remarks import forbidden
 from .screen import implied
@@ -60,21 +62,25 @@ class DecayOutcome(Outcome):
     """The answers to records of free decays, and all that they come from.
 
     fit : of one oscillator to all samples; the balance has its K_z.   half_cycles : rows of the balance.
+    departures : what each further coefficient would explain.
     """
 
     fit: RingFit
     half_cycles: RingRows
+    departures: Sequence[Departure] = ()
 
     kind: ClassVar[Mapping[str, str]] = {"kind": "ring-down"}
 
     def findings(self) -> dict[str, Any]:
-        """The decays of each record."""
+        """Comparison of laws, what each further coefficient would explain, the decays of each record."""
         decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.decays)]
         return {
+            **({} if self.laws is None else {"laws": self.laws.document()}),
+            "departures": [asdict(one) for one in self.departures],
             "records": [
                 {"record": name, "decays": [decay for source, decay in decays if source == name]}
                 for name in self.sources
-            ]
+            ],
         }
 
     def _decay(self, i: int) -> dict[str, Any]:
@@ -127,11 +133,12 @@ def _slipping(halves: int) -> str:
 
 @one_thread
 def identify_ring_downs(
-    records: Sequence[Measurement], k: float, *, mass: float | None = None
+    records: Sequence[Measurement], k: float, *, mass: float | None = None, laws: bool = False
 ) -> DecayOutcome:
     """F_k, c and K_z from records of free decays, one or more.
 
-    k : stiffness, N/m.   mass : kg, if it is known; the fit takes it unless the decays contradict it.
+    k : stiffness, N/m.   mass : kg, if it is known; the fit takes it unless the decays contradict it.   laws : whether
+    to compare the laws that the decays may have.
 
     Raises ValueError for a stiffness or a mass that is not positive, a record whose excitation channel moves, one
     without a decay that slips, and a channel with a filter.
@@ -200,7 +207,8 @@ def identify_ring_downs(
             f"{_slipping(rows.halves)} and leaves {times(math.sqrt(fit.misfit))} the noise; is the mass still driven, "
             "or is its frequency or its gain not constant? Give the record from the release or the blow on"
         )
-    return _solved(fit, rows, tuple(record.source for record in records), notes, warnings)
+    found = _solved(fit, rows, tuple(record.source for record in records), notes, warnings)
+    return replace(found, laws=compare_decay_laws(fit)) if laws else found
 
 
 def _unclear(record: Measurement) -> str:
@@ -253,12 +261,10 @@ def _solved(
     from scipy import special  # slow to import
 
     values, covariance, misfit, freedom = _least_squares(fit, rows)
-    fit_notes = [*known]
-    if not fit.adequate:
-        fit_notes.append(
-            f"the decays are not those of one mass on a spring, a damper and one friction contact within white noise: "
-            f"what is left is {fit.misfit:.3g} times as large as noise would leave it over a twelfth of a cycle"
-        )
+    fit_notes = [*known, *fit.shortcomings]
+    further = departures(fit)
+    if doubt := doubt_of(fit, further):
+        fit_notes.append(doubt)
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < _CHANCE:
         notes.append(f"the half cycles do not share one F_k and c: χ² is {misfit:.3g} per row")
@@ -317,10 +323,11 @@ def _solved(
         warnings=(*warnings, *clipped_signals.values()),
         head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.decays), 'free decay')}, "
         f"{_slipping(rows.halves)}; values with 95 % intervals",
-        rig=implied(fit),
+        rig=[*implied(fit), *filter(None, ["" if doubt else condition_of(fit, further)])],
         settings={"confidence": CONFIDENCE},
         fit=fit,
         half_cycles=rows,
+        departures=further,
     )
 
 

@@ -7,9 +7,10 @@ A law is tested in two ways, both with the onset of slip of the oscillator that 
     waveforms    χ² of the harmonics of all records about the steady responses of the oscillator
 
 each against the F distribution with its degrees of freedom. The p-value of a law is the smaller of the two, times two.
-Laws are rejected by Holm's procedure, which keeps the probability of rejecting any true law, superfluous terms or not,
-below `ALPHA`. The smallest law that is not rejected is the answer; it has a superfluous term with a probability below
-`ALPHA`. Where the waveforms reject every law, the balance alone decides.
+A law without friction is tested with a friction force too small to show. Laws are rejected by Holm's procedure, which
+keeps the probability of rejecting any true law, superfluous terms or not, below `ALPHA`. The smallest law that is not
+rejected is the answer; it has a superfluous term with a probability below `ALPHA`. Where the waveforms reject every
+law, the balance alone decides.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ import numpy as np
 
 from ..balance import APPROACHES, Rows
 from ..law.law import Law
-from ..law.terms import FRICTION, KNOWN_TERMS, term
+from ..law.terms import FRICTION, KNOWN_TERMS, in_order, term
 from ..project.wording import listed
 from ..reading.fitting import fit_quickly, with_mass
 from ..reading.lines import probability
@@ -59,37 +60,31 @@ class Probability:
 class LawTest:
     """The tests of one law.
 
-    fit : the oscillator with this law; None where there is none.   coefficients : by key, (value, standard error), SI
-    units, of the balance.   balance : its test.   rejected, rejected_by_balance : by both tests, by the balance alone.
+    terms : of the law.   coefficients : by key, (value, standard error), SI units.   balance, waveforms : its tests;
+    None where there is no such motion.   by : names of the tests that count.   rejected, rejected_by_balance : by all
+    of these, by the balance alone.
     """
 
-    law: Law
-    fit: WaveformFit | None
+    terms: tuple[str, ...]
     coefficients: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     balance: Probability | None = None
+    waveforms: Probability | None = None
+    by: tuple[str, ...] = ("balance", "waveforms")
     rejected: bool = True
     rejected_by_balance: bool = True
 
-    @property
-    def terms(self) -> tuple[str, ...]:
-        """Its terms."""
-        return self.law.terms
-
-    @property
-    def waveforms(self) -> Probability | None:
-        """The test of the waveforms."""
-        if self.fit is None:
-            return None
-        chi_square, freedom = self.fit.chi_square, self.fit.freedom
-        return Probability(chi_square, freedom, probability(chi_square, freedom, self.fit.lines))
+    def of(self, name: str) -> Probability | None:
+        """The test by the balance or by the waveforms."""
+        return self.balance if name == "balance" else self.waveforms
 
     @property
     def p(self) -> float:
-        """The p-value of both tests together: the smaller one, times two."""
-        if self.balance is None or self.waveforms is None:
+        """The p-value of all tests together: the smallest one, times their number; 0 where one cannot be made."""
+        tests = [self.of(name) for name in self.by]
+        known = [t.p for t in tests if t is not None and not math.isnan(t.p)]
+        if None in tests:
             return 0.0
-        both = [t.p for t in (self.balance, self.waveforms) if not math.isnan(t.p)]
-        return min(1.0, len(both) * min(both)) if both else 1.0
+        return min(1.0, len(known) * min(known)) if known else 1.0
 
     @property
     def p_of_balance(self) -> float:
@@ -123,6 +118,7 @@ class LawComparison:
     by_balance : whether the waveforms reject every law, so that the balance alone decides.
     alike : other laws as small that are not rejected.
     left_out : terms that these records cannot distinguish from others, and why.
+    remedy : what tells laws that are alike apart.   caution : what the tests take for granted, and does not hold.
     """
 
     tests: tuple[LawTest, ...]
@@ -130,13 +126,25 @@ class LawComparison:
     by_balance: bool
     alike: tuple[tuple[str, ...], ...]
     left_out: str
+    remedy: str = "add records at other amplitudes or another frequency"
+    caution: str = ""
+
+    @property
+    def by(self) -> str:
+        """The tests that decide: "balance and waveforms", or one of the two."""
+        return "balance" if self.by_balance else " and ".join(self.names)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The tests that any law was given."""
+        return max((test.by for test in self.tests), key=len)
 
     def words(self) -> list[str]:
         """What follows from the tests, in sentences."""
-        sentences = [self.left_out] if self.left_out else []
+        sentences = [words for words in (self.left_out, self.caution) if words]
         if self.chosen is None:
             return [*sentences, self._nothing_fits()]
-        law = _words(self.chosen)
+        law = words_of(self.chosen)
         if self.by_balance:
             sentences.append(
                 f"the records support {law}, by the balance alone: their waveforms are those of no oscillator with "
@@ -145,13 +153,17 @@ class LawComparison:
         else:
             sentences.append(f"the records support {law}: the smallest law that they do not reject")
         if self.alike:
-            others = " or ".join(_words(terms) for terms in self.alike)
-            sentences.append(
-                f"they do not distinguish it from {others}: add records at other amplitudes or another frequency"
-            )
+            others = " or ".join(words_of(terms) for terms in self.alike)
+            sentences.append(f"they do not distinguish it from {others}: {self.remedy}")
         return sentences
 
     def _nothing_fits(self) -> str:
+        if "balance" not in self.names:
+            best = max(self.tests, key=lambda e: e.p)
+            return (
+                f"no law of {MOST_TERMS} terms or fewer fits: the samples reject the nearest, {words_of(best.terms)}, "
+                f"with p = {best.p:.2g}; {self.remedy}, or look for another cause"
+            )
         tested = [e for e in self.tests if e.balance is not None and not math.isnan(e.balance.p)]
         if not tested:
             return "no law can be tested: there are no more records than coefficients; add records at other amplitudes"
@@ -160,16 +172,16 @@ class LawComparison:
         times = math.sqrt(best.balance.chi_square / best.balance.degrees_of_freedom)
         return (
             f"no law of {MOST_TERMS} terms or fewer in addition to friction fits: the rows lie {times:.2g} times as far"
-            f" from the balance of the nearest, {_words(best.terms)}, as noise explains; the levels may differ in more "
-            "than their amplitude (a coefficient for each group of records may help), a gain may be wrong, or another "
-            "term is missing"
+            f" from the balance of the nearest, {words_of(best.terms)}, as noise explains; the levels may differ in "
+            "more than their amplitude (a coefficient for each group of records may help), a gain may be wrong, or "
+            "another term is missing"
         )
 
     def document(self) -> dict[str, Any]:
         """The comparison for JSON."""
         return {
             "chosen": self.chosen,
-            "by": "balance" if self.by_balance else "balance and waveforms",
+            "by": self.by,
             "not_told_apart": self.alike,
             "chance_to_reject_a_true_law": ALPHA,
             "words": self.words(),
@@ -177,12 +189,14 @@ class LawComparison:
         }
 
 
-def _words(terms: Sequence[str]) -> str:
-    """Friction with viscous damping: F_k, c"""
+def words_of(terms: Sequence[str]) -> str:
+    """A law by what its terms are: "friction force and viscous damping (F_k, c)"."""
     words = listed([term(symbol).words for symbol in terms])
     return f"{words} ({', '.join(terms)})"
 
 
+_NO_FORCE = 1e-9  # of k times the smallest base motion: a friction force that stands for none
+_SURE = 1e-9  # probability of a balance below which the waveforms are not asked
 _REPEATS = 4  # of generalised least squares, since its covariance depends on the solution
 _ALIKE = 1.001  # of frequencies: closer ones count as one
 
@@ -197,7 +211,7 @@ def compare_laws(
     replicates: int = 1000,
     seed: int = 2010,
 ) -> LawComparison:
-    """Test every law of no, one or two terms in addition to friction.
+    """Test every law of no, one or two terms in addition to friction, and of one or two without it.
 
     Once a law is not rejected, of the larger laws only those that contain it are tested. Use it where the damping is
     not known to be viscous: on records of several amplitudes, and of two frequencies or more to distinguish c from eta.
@@ -220,55 +234,94 @@ def compare_laws(
     random = np.random.default_rng(seed)
     means = [reading.resampled(replicates, random) for reading in readings]
     lines = [reading.lines for reading in readings]
+    without = FRICTION not in asked.given
+    none = {FRICTION: _NO_FORCE * k * min(one.Y for one in lines)}
     tests: list[LawTest] = []
-    count = sum(math.comb(len(terms), size) for size in range(MOST_TERMS + 1))
-    for size in range(MOST_TERMS + 1):
-        enough = [set(e.terms) for e in tests if e.p > ALPHA / count]
-        for some in itertools.combinations(terms, size):
-            if enough and not any(smaller < {FRICTION, *asked.given, *some} for smaller in enough):
-                continue  # a smaller law may be the one: only what more terms would add to it is of interest
-            tried = Law(
-                (FRICTION, *asked.given, *some),
-                asked.given,
-                {s: of for s, of in asked.groups.items() if s in (FRICTION, *some)},
-            )
+    fits: dict[tuple[str, ...], WaveformFit] = {}
+    laws = [
+        (*friction, *asked.given, *some)
+        for friction in ((FRICTION,), ())
+        if friction or without
+        for size in range(MOST_TERMS + 1)
+        for some in itertools.combinations(terms, size)
+        if friction or asked.given or some
+    ]
+    for _, alike in itertools.groupby(sorted(map(in_order, laws), key=len), len):
+        enough = [set(e.terms) for e in tests if e.p > ALPHA / len(laws)]
+        for kept in alike:
+            # a smaller law may be the one: only what more terms would add to it is of interest
+            if enough and not any(smaller < set(kept) for smaller in enough):
+                continue
+            given = asked.given if FRICTION in kept else {**asked.given, **none}
+            groups = {s: of for s, of in asked.groups.items() if s in kept}
+            tried = Law((FRICTION, *kept), given, groups)
             if len(tried.unknowns) > len(readings):
                 continue
-            within = [e.fit for e in tests if e.fit and set(e.terms) < set(tried.terms)]
+            if FRICTION not in kept:
+                # no onset of slip is needed, and where there is friction, the balance shows it at once
+                plain = _tested(kept, tried, readings, means, JointFit(None, True, None))
+                if plain.balance is not None and plain.balance.p < _SURE:
+                    tests.append(plain)
+                    continue
+            within = [fit for smaller, fit in fits.items() if set(smaller) < set(kept)]
             near = sorted(within, key=lambda fit: fit.chi_square)[:1]
             fit = fit_quickly(near[0].lines if near else lines, k, tried, near)
             fit = fit and settled(fit, lines)
             if mass is not None and fit is not None:
                 fit = with_mass(fit, mass) or fit
-            tests.append(_tested(tried, readings, means, fit))
+            if fit is None:
+                tests.append(LawTest(kept))
+                continue
+            fits[kept] = fit
+            tests.append(_tested(kept, tried, readings, means, JointFit(fit, False, None)))
+    return chosen_of(tests, left_out)
+
+
+def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawComparison:
+    """What follows from the tests of laws: Holm's procedure, and the smallest law that it does not reject.
+
+    more : other fields of the comparison.
+    """
     both, alone = _rejected([e.p for e in tests]), _rejected([e.p_of_balance for e in tests])
     tests = [
         replace(e, rejected=one, rejected_by_balance=other)
         for e, one, other in zip(tests, both, alone, strict=True)
     ]
-    by_balance = all(e.rejected for e in tests)
+    both_count = any("balance" in e.by for e in tests)
+    by_balance = both_count and all(e.rejected for e in tests)
     kept = [e for e in tests if not (e.rejected_by_balance if by_balance else e.rejected)]
-    kept = [e for e in kept if e.balance is not None and not math.isnan(e.balance.p)]
+    if both_count:
+        kept = [e for e in kept if e.balance is not None and not math.isnan(e.balance.p)]
     smallest = [e for e in kept if len(e.terms) == min(len(k.terms) for k in kept)]
     smallest.sort(key=lambda e: -(e.p_of_balance if by_balance else e.p))
     chosen = smallest[0].terms if smallest else None
     alike = tuple(e.terms for e in smallest[1:])
-    return LawComparison(tuple(tests), chosen, by_balance and bool(kept), alike, left_out)
+    return LawComparison(tuple(tests), chosen, by_balance and bool(kept), alike, left_out, **more)
 
 
 def _tested(
-    law: Law, readings: Sequence[Reading], means: Sequence[Means], fit: WaveformFit | None
+    terms: tuple[str, ...],
+    law: Law,
+    readings: Sequence[Reading],
+    means: Sequence[Means],
+    joint: JointFit,
 ) -> LawTest:
-    """The tests of one law.   fit : the oscillator that has it."""
-    if fit is None:
-        return LawTest(law, None)
-    mine = joined(readings, JointFit(fit, False, None), law)
-    rows_of = LawRows(APPROACHES[DIRECT], law, fit.k, "reversal", linear=False)
+    """The tests of one law; without an oscillator, by the balance alone.
+
+    terms : of it; `law` may have a friction force that stands for none.   joint : with the oscillator that has it.
+    """
+    fit, k = joint.fit, readings[0].steady.k
+    mine = joined(readings, joint, law)
+    rows_of = LawRows(APPROACHES[DIRECT], law, k, "reversal", linear=fit is None)
     rows = rows_of(sample_of(mine, [reading.mean for reading in mine]).features)[:, 0]
     drawn = rows_of(sample_of(mine, means).features)
     cycles = min(len(reading.steady.weights) for reading in readings)
     balance, coefficients = _generalised(rows, drawn, cycles)
-    return LawTest(law, fit, coefficients, balance)
+    if fit is None:
+        return LawTest(terms, coefficients, balance, by=("balance",))
+    of_waveforms = probability(fit.chi_square, fit.freedom, fit.lines)
+    waveforms = Probability(fit.chi_square, fit.freedom, of_waveforms)
+    return LawTest(terms, coefficients, balance, waveforms)
 
 
 def _generalised(

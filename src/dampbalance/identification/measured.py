@@ -70,7 +70,7 @@ def identify(
     terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.
     given : symbol → known coefficient, SI units.
     groups : symbol → a label for each record, where each group of records has its own coefficient.
-    laws : whether to compare all laws of one or two terms in addition to friction, too.
+    laws : whether to compare all laws of one or two terms, with and without friction, too.
     approaches : names of `APPROACHES`; default, all. Use "direct", which assumes no shape of x(t); the others show
     what the approximations of the paper cost.
     phase : that the harmonic approaches X_s, t_s and V_s take.
@@ -78,8 +78,9 @@ def identify(
     replicates, seed : of the bootstrap.
     largest : numbers (samples × channels) that may be read of a record.
 
-    Free decays determine F_k, c and K_z only, and take stiffness, mass, mapping and largest. Names and labels in order
-    (terms, approaches, those of groups) may be a text with commas between them, as on the command line: terms="F_k,c".
+    Free decays determine F_k, c and K_z only, and take stiffness, mass, laws, mapping and largest. Names and labels in
+    order (terms, approaches, those of groups) may be a text with commas between them, as on the command line:
+    terms="F_k,c".
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range or of another kind, a record that cannot be used, records of both kinds, fewer of them
@@ -147,7 +148,7 @@ def identify(
     return _of_decays(read, {"kind": "ring-down", **of_decays})
 
 
-_DECAY_OPTIONS = ("stiffness_N_per_m", "mass_kg", "mapping", "largest")
+_DECAY_OPTIONS = ("stiffness_N_per_m", "mass_kg", "laws", "mapping", "largest")
 _FORCED_DEFAULTS: dict[str, object] = {
     "frequency_hz": None,
     "skip_cycles": 0,
@@ -156,7 +157,6 @@ _FORCED_DEFAULTS: dict[str, object] = {
     "terms": list(TERMS),
     "given": {},
     "groups": {},
-    "laws": False,
 }
 """Options that free decays do not take, with their defaults."""
 
@@ -194,7 +194,7 @@ def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) 
     odd = [Remark(words, record.name) for record in records for words in record.warnings]
     measurements = [record.whole() for record in records]
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]
-    result = identify_ring_downs(measurements, k, mass=mass)
+    result = identify_ring_downs(measurements, k, mass=mass, laws=options["laws"])
     result = replace(result, warnings=(*odd, *result.warnings))
     return Identified(records, options, result)
 

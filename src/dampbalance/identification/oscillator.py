@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from ..law.law import Law
 from ..law.terms import FRICTION
+from ..reading.coupling import Coupling, ac_coupling
 from ..reading.fitting import with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
 from ..reading.mean_harmonics import Reading
@@ -16,6 +17,8 @@ from ..reading.waveforms import WaveformFit
 from .answer import Answer, answer_of_fit
 
 CONTRADICTED = "the mass given contradicts the records"
+LATE = "the response is out of time with the drive (see below): F_k and c carry that error"
+COUPLED = "the response is coupled (AC, see below): F_k and c carry that error"
 
 NOT_CONVERGED = (
     "the search for the best oscillator was ended before it converged: its numbers are no optimum"
@@ -31,6 +34,7 @@ class JointFit:
     fit : the oscillator that responds most like them; None where no oscillator that slips does.
     linear : whether a linear oscillator explains them within their noise: nothing slips, or slip does not show.
     delayed : the fit with a delay between base and response.   late : whether the delay explains what noise does not.
+    coupling : AC coupling of the response that explains what noise does not, better than a delay; None for none.
     mass : kg, as given, or None.   mass_fits : whether the records agree with it; if not, the fit has its own mass.
     """
 
@@ -40,6 +44,7 @@ class JointFit:
     late: bool = False
     mass: float | None = None
     mass_fits: bool = True
+    coupling: Coupling | None = None
 
     @property
     def waveforms_hold(self) -> bool:
@@ -58,8 +63,9 @@ class JointFit:
         of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
         at_zero = [f"the best {key} {of_zero}" for key in fit.undamped]
         heavy = () if self.mass_fits else (CONTRADICTED,)
+        channel = [note for note, holds in ((COUPLED, self.coupling), (LATE, self.late)) if holds]
         search = () if fit.converged else (NOT_CONVERGED,)
-        return (*heavy, *(() if fit.adequate else (far,)), *search, *at_zero)
+        return (*heavy, *channel, *(() if fit.adequate else (far,)), *search, *at_zero)
 
     @property
     def answer(self) -> Answer | None:
@@ -106,7 +112,13 @@ def joint_fit(
     # a damper to the base and one to the ground together make up for any delay
     delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
     late = delayed is not None and delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS
-    return JointFit(fit, linear, delayed, late, m, m is None or fits)
+    coupling = ac_coupling(fit, _SHOWS)
+    if coupling is not None and not coupling.fit.adequate:
+        coupling = None
+    if coupling is not None and late and delayed is not None:  # the likelier of the two
+        late = delayed.chi_square < coupling.fit.chi_square
+        coupling = None if late else coupling
+    return JointFit(fit, linear, delayed, late, m, m is None or fits, coupling)
 
 
 def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None) -> list[Reading]:

@@ -21,7 +21,7 @@ from ..reading.checks import is_clipped
 from ..reading.mean_harmonics import Reading
 from .answer import Answer, ParameterEstimate, Remark
 from .microstick import Microstick
-from .oscillator import CONTRADICTED, JointFit
+from .oscillator import CONTRADICTED, COUPLED, LATE, JointFit
 
 DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
@@ -80,8 +80,10 @@ def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iter
                 f"its rows lie {times(math.sqrt(answer.misfit))} farther from the balance than noise explains, and "
                 "the intervals do not show it"
             )
+    if joint.coupling is not None:
+        yield COUPLED
     if joint.late:
-        yield "the response is out of time with the drive (see below): F_k and c carry that error"
+        yield LATE
 
 
 def forbidden(
@@ -195,9 +197,24 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
         yield (
             "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
             f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in "
-            f"{readings[worst].steady.source}; K_z and the onset of slip cannot be determined; a channel may be skewed,"
-            " coupled (AC) or filtered, a gain or a sign may be wrong, the levels may differ in more than their "
-            "amplitude, the damping may follow another law (compare the laws), or the oscillator is of another kind"
+            f"{readings[worst].steady.source}; K_z and the onset of slip cannot be determined; "
+            + (
+                "the likeliest cause, which explains all of that, is named next"
+                if joint.late or joint.coupling
+                else "a channel may be skewed, coupled (AC) or filtered, a gain or a sign may be wrong, the levels may "
+                "differ in more than their amplitude, the damping may follow another law (compare the laws), or the "
+                "oscillator is of another kind"
+            )
+        )
+    coupling = joint.coupling
+    if coupling is not None:
+        own = coupling.fit
+        without = [f"{key} = {own.value(key):.4g} {term(key).unit}" for key in own.law.unknowns]
+        yield (
+            "the harmonics are those of a response that is coupled through a capacitor (AC), a high-pass filter with a "
+            f"corner of {coupling.hz:.4g} ± {coupling.error_hz:.2g} Hz, which explains what the oscillator alone does "
+            f"not; without that, {listed([*without, f'K_z = {own.K_z:.4g} N/m'])}: couple it directly (DC), or give "
+            "the corner in the mapping"
         )
     if joint.late and delayed is not None:
         without = [f"{key} = {delayed.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]

@@ -87,7 +87,7 @@ def _comparison(laws: LawComparison | None) -> list[str]:
     """What follows from a comparison of laws, then a line for each law with its tests."""
     if laws is None:
         return []
-    table = [["law", "balance", "waveforms", "", "coefficients"]]
+    table = [["law", *laws.names, "", "coefficients"]]
     for test in laws.tests:
         rejected = test.rejected_by_balance if laws.by_balance else test.rejected
         word = "chosen" if laws.chosen == test.terms else "rejected" if rejected else "possible"
@@ -95,11 +95,11 @@ def _comparison(laws: LawComparison | None) -> list[str]:
             f"{key} = {value:.5g} ± {error:.2g}"
             for key, (value, error) in test.coefficients.items()
         )
-        tests = [_in_noise(test.balance), _in_noise(test.waveforms)]
+        tests = [_in_noise(test.of(name)) for name in laws.names]
         table.append([", ".join(test.terms), *tests, word, "" if word == "rejected" else values])
     return [
         *(f"{words[0].upper()}{words[1:]}." for words in laws.words()),
-        "Probability in noise of what each law leaves, of the balance and of the waveforms:",
+        f"Probability in noise of what each law leaves, of the {' and of the '.join(laws.names)}:",
         "",
         *_aligned(table),
     ]
@@ -107,7 +107,7 @@ def _comparison(laws: LawComparison | None) -> list[str]:
 
 def _in_noise(test: Probability | None) -> str:
     if test is None:
-        return "no such motion"
+        return "–"
     if math.isnan(test.p):
         return "no degrees of freedom left"
     return "< 1e-6" if test.p < 1e-6 else f"{test.p:.2g}"

@@ -385,6 +385,6 @@ def work(Y: complex, X: complex, Y_error: float, X_error: float) -> Iterator[str
         )
 
 
-def weighted_mean(rows: Complexes, weights: Array) -> Any:
+def weighted_mean(rows: Complexes | Array, weights: Array) -> Any:
     """Mean of the rows, each with its weight: a number of rows (n,), an array (h,) of rows (n, h)."""
     return weights @ rows / weights.sum()

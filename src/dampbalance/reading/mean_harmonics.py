@@ -187,10 +187,12 @@ class Reading:
             noise = rng.standard_normal((2, *x.shape)) * error
             return x + noise[0] + 1j * noise[1]
 
+        Y = means.Y + steady.Y_rounding[1] * rng.standard_normal(means.Y.shape)
+
         even = np.arange(2, steady.even_bandwidth + 1, 2)
         return replace(
             means,
-            Y=shaken(means.Y, steady.Y_rounding[1]).real,
+            Y=Y,
             x=shaken(means.x, steady.X_rounding[self.lines.n]),
             even=shaken(means.even, steady.X_rounding[even]),
             base=shaken(means.base, steady.Y_rounding[2 : means.base.shape[1] + 2]),

@@ -22,7 +22,7 @@ _CLEAR = 8.0  # standard deviations of the smoothed signal
 _SMALLEST = 0.03  # of the largest burst
 _DECAYED = 0.85  # of its first swing: what a decay falls below
 _RISE = 0.6  # of a burst's swing: what came before is below it
-_QUIET, _QUIET_SAMPLES = 8, 200  # parts of a record, and samples of each
+_QUIET_SAMPLES = 200  # of a part, at least
 _THIRD = math.sqrt(20.0)  # of the standard deviation of the noise: that of its third differences
 
 
@@ -70,16 +70,23 @@ class Burst:
     last: bool
 
 
+QUIET_PARTS = 8
+"""Of a record, in the quietest of which its noise is looked for."""
+
+
 class NoDecay(ValueError):
     """The record holds no free decay."""
 
 
 def noise_of(values: Array) -> float:
     """Standard deviation of white noise on a smooth signal, from the third differences in the quietest part of the
-    record; at least that of rounding."""
+    record; at least that of rounding and of the steps in which it was digitised."""
+    steps = np.diff(np.unique(values))
+    digits = float(steps.min()) / math.sqrt(12.0) if steps.size else 0.0
     third = np.abs(np.diff(values, 3))
-    parts = np.array_split(third, max(1, min(_QUIET, third.size // _QUIET_SAMPLES)))
-    return max(1.4826 * min(float(np.median(part)) for part in parts) / _THIRD, rounding(values))
+    parts = np.array_split(third, max(1, min(QUIET_PARTS, third.size // _QUIET_SAMPLES)))
+    quiet = 1.4826 * min(float(np.median(part)) for part in parts) / _THIRD
+    return max(quiet, digits, rounding(values))
 
 
 def rounding(values: Array) -> float:

@@ -38,6 +38,7 @@ from ..motion.states import states_in_phases
 from ..solver import NORMAL_95
 from .climb import GAIN, MOST, OscillatorFit
 from .ringdown_bursts import Signal, rounding
+from .whiteness import averages, chance_of_averages, chance_of_lines, louder
 
 COMMON = ("F_k", "c", "rho", "m")
 """Unknowns common to all decays; the offsets and the start states follow."""
@@ -56,7 +57,6 @@ _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
 _W_ERROR = 1.0  # of w, which lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
 _DOUBTFUL, _ALIKE = 0.02, 3.0
-_ROUNDING = 0.1  # of the variance of the noise
 _BINS = 12  # of a cycle, in which the residual is averaged
 
 
@@ -106,23 +106,29 @@ class RingFit(OscillatorFit):
     def jacobian(self) -> Array:
         """Derivatives of the residual by the unknowns, (samples, p); zero where one was given."""
         whole = np.zeros((self.residual.size, self.point.size))
-        par, at = numbers_of(self.point, self.k), 0
+        par = numbers_of(self.point, self.k)
         stretch = 1.0 + 0.5 * contact_chord(float(self.point[_RHO]), self.k) / self.point[_RHO]
-        for i, one in enumerate(self.decays):
-            own, state = self.places(i), self.point[self.places(i)]
-            phases = _phases_to_last(self.point, state, self.k, one)
-            slopes = phase_slopes(phases, float(state[2]), par)
-            for signal in one.signals:
-                part = decay_samples(signal.t - one.start, signal.order, phases, slopes, par)
-                block = whole[at : at + signal.t.size]
-                at += signal.t.size
-                block[:, : len(COMMON)] = part[:, 1 : len(COMMON) + 1]
-                block[:, _RHO] *= stretch
-                block[:, own] = part[:, len(COMMON) + 1 :]
-                block[:, len(COMMON) + signal.offset] = 1.0
-                block /= signal.noise
+        for i, signal, rows, phases in self._motions():
+            slopes = phase_slopes(phases, float(self.point[self.places(i)][2]), par)
+            times = signal.t - self.decays[i].start
+            part = decay_samples(times, signal.order, phases, slopes, par)
+            block = whole[rows]
+            block[:, : len(COMMON)] = part[:, 1 : len(COMMON) + 1]
+            block[:, _RHO] *= stretch
+            block[:, self.places(i)] = part[:, len(COMMON) + 1 :]
+            block[:, len(COMMON) + signal.offset] = 1.0
+            block /= signal.noise
         whole[:, ~self.free] = 0.0
         return whole
+
+    def _motions(self) -> Iterator[tuple[int, Signal, slice, Array]]:
+        """Number of the decay, channel, places of its samples in the residual and phases, of each channel."""
+        at = 0
+        for i, one in enumerate(self.decays):
+            phases = _phases_to_last(self.point, self.point[self.places(i)], self.k, one)
+            for signal in one.signals:
+                yield i, signal, slice(at, at + signal.t.size), phases
+                at += signal.t.size
 
     def interval(self, name: str) -> tuple[float, float]:
         """95 % interval of a common unknown, in its unit."""
@@ -173,15 +179,17 @@ class RingFit(OscillatorFit):
     @property
     def misfit(self) -> float:
         """Mean square of the residual averaged over parts of a cycle, relative to white noise, which gives 1."""
-        return self._likeness[0]
+        return averages(*self._parts, self.point.size)[0]
 
-    @property
+    @cached_property
     def chance(self) -> float:
-        """Probability that white noise leaves a residual as similar to a motion."""
-        from scipy import special  # slow to import
+        """Probability that white noise leaves a residual as similar to a motion, slow or fast."""
+        return min(1.0, 2.0 * min(self.slow_chance, chance_of_lines(self._parts[0])))
 
-        ratio, bins, rest = self._likeness
-        return float(special.fdtrc(bins, rest, ratio))
+    @cached_property
+    def slow_chance(self) -> float:
+        """Probability that averages of white noise over parts of a cycle, down to two samples, are as large."""
+        return chance_of_averages(*self._parts, self.point.size)
 
     @property
     def doubtful(self) -> bool:
@@ -199,22 +207,36 @@ class RingFit(OscillatorFit):
         """Whether the residual is white, so that such an oscillator may have made the records."""
         return self.chance >= _CHANCE
 
-    @cached_property
-    def _likeness(self) -> tuple[float, int, int]:
-        """F ratio of the averages to the scatter about them, and its two numbers of degrees of freedom."""
-        between = within = 0.0
-        bins = count = 0
+    @property
+    def _parts(self) -> tuple[list[Array], list[int]]:
+        """The residual of each channel of each decay, and the samples in a part of a cycle there."""
+        residuals, widths = [], []
         for i, signal, residual in self.residuals():
-            per_bin = max(2, round(self.decays[i].period / (_BINS * signal.dt)))
-            n = residual.size // per_bin
-            parts = residual[: n * per_bin].reshape(n, per_bin)
-            means = parts.mean(axis=1)
-            between += per_bin * float(means @ means)
-            within += float(np.sum((parts - means[:, None]) ** 2))
-            bins, count = bins + n, count + n * per_bin
-        first, rest = max(1, bins - self.point.size), max(1, count - bins)
-        # a record without noise leaves rounding, far below the least noise that is assumed
-        return (between / first) / max(within / rest, _ROUNDING), first, rest
+            residuals.append(residual)
+            widths.append(max(2, round(self.decays[i].period / (_BINS * signal.dt))))
+        return residuals, widths
+
+    @cached_property
+    def shortcomings(self) -> tuple[str, ...]:
+        """In which ways the decays are not those of such an oscillator with white noise, in words; empty where they may
+        be."""
+        words = []
+        if self.slow_chance < _CHANCE:
+            words.append(
+                "the decays are not those of one mass on a spring, a damper and one friction contact within white "
+                f"noise: what is left is {self.misfit:.3g} times as large as noise would leave it over a twelfth of a "
+                f"cycle, or over fewer samples, with a probability of {self.slow_chance:.1g}"
+            )
+        elif not self.adequate:
+            words.append(
+                "what is left of the decays has a spectral line, which white noise has not"
+            )
+        loud = max(louder(r, signal.values, signal.noise) for _, signal, r in self.residuals())
+        if loud > 1.0:
+            words.append(
+                f"what is left of the decays is {loud:.3g} times the noise that their samples themselves show"
+            )
+        return tuple(words)
 
 
 def fit_decays(

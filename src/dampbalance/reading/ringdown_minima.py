@@ -27,6 +27,7 @@ _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in the loss
 _LOSSES = tuple(np.geomspace(0.75, 1.4, 12).tolist())  # relative to that of the fit
 _FINER = tuple(np.linspace(0.1, 1.0, 16).tolist())  # shares of friction next to these
 _STIFFNESSES = (3.0, 8.0, 20.0, 50.0, 120.0, 300.0, 1000.0)  # of K_z/k
+_FRICTIONS = tuple(np.geomspace(0.75, 1.33, 30).tolist())  # relative to that of the fit
 _MASSES = (0.82, 0.9, 0.95, 1.05, 1.1, 1.2)  # relative, where the fit is not adequate
 _SCANNED = tuple(np.geomspace(0.5, 1e5, 45).tolist())  # of K_z/k, the last as good as rigid
 _LOADS, _OTHER = (0.0, 0.5, 1.0, 1.5, 2.0), 0.2  # of w, and how far off another start is
@@ -43,7 +44,7 @@ _ROUNDS = 6
 _COARSE = 1e-2  # of half of χ², where a climb on the way ends
 _LEVEL = NORMAL_95**2  # of χ² above the least, at the ends of an interval
 _REST = 0.025  # of the likelihood, that minima left out may have
-_PROFILES = 4  # climbs to an end of an interval
+_PROFILES = 8  # climbs to an end of an interval
 _NEAR = 0.1  # of its distance: where an end is taken as found
 
 
@@ -86,6 +87,8 @@ def _promising(thin: Sequence[Decay], fit: RingFit, starts: Sequence[Array]) -> 
     common = set(range(len(COMMON)))
     rough = rough_ends(thin, k, np.array(starts), given=common, gain=1.0, most=3)
     tried = [*rough[:_TRIED, :-1], *_other_contacts(thin, fit)]
+    if fit.F_k > 0.0 and fit.free[_F_K]:
+        tried += _along(thin, fit, _F_K, fit.F_k * np.array(_FRICTIONS))
     ends = rough_ends(thin, k, np.array(tried), gain=_COARSE, most=12)
     near = [*_apart(ends, fit), *_aside(fit)]
     return _apart(rough_ends(fit.decays, k, np.array(near), gain=_COARSE, most=12), fit)
@@ -105,16 +108,21 @@ def _apart(ends: Array, fit: RingFit) -> list[Array]:
 
 
 def _other_contacts(thin: Sequence[Decay], fit: RingFit) -> list[Array]:
-    """The local minima of χ² along a sequence of contacts, the other unknowns following, up to 30 above the least."""
+    """The local minima of χ² along a sequence of contacts."""
     stiffnesses = np.array([*_SCANNED, *_next_cycles(fit), *_lines(fit)])
-    own = float(fit.point[_RHO])
-    rhos = np.sort(1.0 / np.sqrt(np.append(stiffnesses * fit.k, own**-2)))
-    middle = int(np.searchsorted(rhos, own))
-    given = {i for i in range(fit.point.size) if not fit.free[i]} | {_RHO}
+    return _along(thin, fit, _RHO, 1.0 / np.sqrt(stiffnesses * fit.k))
+
+
+def _along(thin: Sequence[Decay], fit: RingFit, j: int, values: Array) -> list[Array]:
+    """The local minima of χ² along values of unknown j, the others following, up to 30 above the least."""
+    own = float(fit.point[j])
+    values = np.sort(np.append(values, own))
+    middle = int(np.searchsorted(values, own))
+    given = {i for i in range(fit.point.size) if not fit.free[i]} | {j}
     parts = []
-    for some in (rhos[middle:], rhos[middle::-1]):
+    for some in (values[middle:], values[middle::-1]):
         starts = np.tile(fit.point, (some.size, 1))
-        starts[:, _RHO] = some
+        starts[:, j] = some
         parts.append(rough_ends(thin, fit.k, starts, given=given, gain=0.5, most=3, following=True))
     ends = np.concatenate([parts[1][:0:-1], parts[0]])
     level = np.concatenate([[math.inf], ends[:, -1], [math.inf]])
@@ -267,22 +275,32 @@ def _shares_above(fits: Sequence[RingFit]) -> Array:
 def _end(fit: RingFit, j: int, side: float) -> float:
     """Where χ², with unknown j held and the others free, has risen by 3.84.
 
-    The root of the rise is nearly proportional to the distance: each trial gives the next one.
+    The root of the rise is nearly proportional to the distance: each trial gives the next one. The first starts along
+    the covariance, the next ones where the others have followed before.
     """
     distance = side * NORMAL_95 * math.sqrt(fit.covariance[j, j])
     given = {i for i in range(fit.point.size) if fit.covariance[i, i] == 0.0}
+    near = fit.point + fit.covariance[:, j] * (distance / fit.covariance[j, j])
+    near[: len(COMMON)] = np.maximum(near[: len(COMMON)], 1e-3 * fit.point[: len(COMMON)])
     for _ in range(_PROFILES):
-        start = fit.point + fit.covariance[:, j] * (distance / fit.covariance[j, j])
-        start[: len(COMMON)] = np.maximum(start[: len(COMMON)], 1e-3 * fit.point[: len(COMMON)])
-        start[j] = fit.point[j] + distance
-        if start[j] <= 0.0:
+        if fit.point[j] + distance <= 0.0:
             break
-        held = fit_decays(fit.decays, fit.k, start, given={*given, j}, gain=_COARSE, most=8)
-        rise = math.nan if held is None else held.chi_square - fit.chi_square
-        if not rise > 0.0:
+        rises = []
+        for point in (near, fit.point):
+            start = point.copy()
+            start[j] = fit.point[j] + distance
+            held = fit_decays(fit.decays, fit.k, start, given={*given, j}, gain=_COARSE, most=12)
+            if held is not None:
+                rises.append((held.chi_square - fit.chi_square, held))
+                if rises[-1][0] < 2.0 * _LEVEL:
+                    break
+        if not rises:
             break
-        factor = min(max(NORMAL_95 / math.sqrt(rise), 0.4), 2.5)
+        rise, held = min(rises, key=lambda one: one[0])
+        near = held.point
+        # where χ² does not rise, the end is farther away
+        factor = min(max(NORMAL_95 / math.sqrt(max(rise, 1e-3)), 0.4), 2.5)
+        distance *= factor
         if abs(factor - 1.0) < _NEAR:
             break
-        distance *= factor
     return float(fit.point[j]) + distance

@@ -41,9 +41,12 @@ _CHANCE = 1e-4  # probability of a line of the spectrum in noise
 _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
 _FEW = 16  # samples
 _GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
+_SWINGS = 0.25  # of a cycle, for which a decay goes on after its turn
+_LEAST = 4 * (len(COMMON) + STATE)  # samples of a decay
 _PART = 0.1  # of the swing of a burst, that its motion has at least
 _DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
 _ALIKE = 1.5  # χ² per sample of a fit that needs no other start
+_ONE = 1e-3  # probability of what one oscillator for all decays adds to χ²
 _SPARE = 3  # bursts that may be left out instead of those that slip least
 _MOST_TURNS = 4  # half cycles that slip, of a burst that may be the work of a hand
 
@@ -104,6 +107,9 @@ def _of_burst(
     fit = refit_from_other_starts(_from_earlier(fit, whole, since))
     if not burst.last:
         fit = _until_grasped(fit)
+    # what ends right after the turn, or before it, is the rest of the burst ahead
+    if fit.residual.size < _LEAST or fit.decays[0].end < burst.turn + _SWINGS * burst.period:
+        return None
     # else the swing was not that of a free motion
     return fit if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _PART * burst.swing else None
 
@@ -112,17 +118,18 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
     """One oscillator for the decays with these separate fits, and what is not a decay of it.
 
     A hand that moves the mass from one place to another can look like half a cycle of another oscillator. Where no
-    oscillator fits all decays, as few as possible are left out, those that slip least first, if one then fits the rest.
+    oscillator fits all decays about as well as each has its own, as few as possible are left out, those that slip least
+    first, if one then fits the rest.
     """
     offsets = 1 + max(one.offset for fit in fits for one in fit.decays[0].signals)
     whole = _joined(fits, offsets)
     if whole is not None and not whole.adequate:
         others = [_joined(fits, offsets, fit.point[: len(COMMON)]) for fit in fits]
         whole = _nearest((whole, *others))
-    if whole is None or whole.adequate:
+    if whole is None or _of_one(whole, fits):
         return whole, []
     whole = minima_of(whole, wide=len(fits) == 1)[0]
-    if whole.adequate or len(fits) == 1:
+    if len(fits) == 1 or _of_one(whole, fits):
         return whole, []
     turns = [_turns(fit) for fit in fits]
     order = np.argsort(turns, kind="stable").tolist()
@@ -132,10 +139,22 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
         for some in itertools.combinations(order[: count + _SPARE], count):
             if any(turns[i] > _MOST_TURNS for i in some):
                 continue
-            fit = _joined([fit for i, fit in enumerate(fits) if i not in some], offsets)
-            if fit is not None and fit.adequate:
+            rest = [fit for i, fit in enumerate(fits) if i not in some]
+            fit = _joined(rest, offsets)
+            if fit is not None and _of_one(fit, rest):
                 return fit, [fits[i].decays[0] for i in sorted(some)]
-    return minima_of(whole)[0], []
+    return whole if whole.adequate else minima_of(whole)[0], []
+
+
+def _of_one(whole: RingFit, fits: Sequence[RingFit]) -> bool:
+    """Whether the decays are those of one oscillator: what χ² of one for all lies above those of one for each is within
+    what as many unknowns fewer leave, and its residual is noise."""
+    from scipy import special  # slow to import
+
+    fewer = sum(np.count_nonzero(fit.free) for fit in fits) - np.count_nonzero(whole.free)
+    excess = whole.chi_square - math.fsum(fit.chi_square for fit in fits)
+    same = fewer <= 0 or special.chdtrc(fewer, max(excess, 0.0)) > _ONE
+    return whole.adequate and bool(same)
 
 
 def _turns(fit: RingFit) -> int:
@@ -190,7 +209,7 @@ def _grown(
     """The fit of a burst from its turn on."""
     end = min(burst.turn + _FIRST * burst.period, burst.end)
     part = whole.cut(burst.turn, end)
-    if part.samples < 4 * (len(COMMON) + STATE):
+    if part.samples < _LEAST:
         return None
     reached: list[RingFit | None] = []
     starts = _candidates(part, burst, lead, k)[:_CLIMBED]

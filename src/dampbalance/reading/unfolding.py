@@ -12,15 +12,18 @@ and in the fit: the records are left as they were where they fit better so.
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Complexes
+from ..arrays import Array, Complexes
 from ..law.law import Law
 from ..law.steady import Response
+from ..motion.events import PHASE_T
+from ..motion.orbit import Orbit
 from ..records.measurement import RESPONSES, Correction
 from .conditioning import SteadyRecord
 from .cycles import accumulate
@@ -38,6 +41,7 @@ _DENSE, _FINER = (
 _LOW = 7  # a harmonic so high still shows the contact
 # Errors of a record that has been freed over those before: beyond, the motion was another.
 _WORSE = 1.02
+_SPLIT = 1e-6  # of ω_n: roots are kept apart by that, and damping above zero
 _SHOWS = 16.0  # of χ²: four standard errors
 
 
@@ -130,14 +134,13 @@ def _beyond(steady: SteadyRecord, quantity: str, response: Response) -> Complexe
     first, dt, _ = gathered.sampling[quantity]
     correction = gathered.corrections.get(quantity) or Correction()
     orbit, order = response.orbit, list(RESPONSES).index(quantity)
-    state = orbit.state(np.arange(_DENSE) * (orbit.motion.period / _DENSE))
-    spectrum = np.fft.rfft((state.x, state.v, state.acceleration)[order])
+    spectrum = np.fft.rfft(_cycle(orbit, order))
     n = np.arange(spectrum.size)
     if response.change is not None:
         odd = np.arange(1, 2 * response.change.size, 2)
         spectrum[odd] += 0.5 * _DENSE * (1j * odd * steady.omega) ** order * response.change
     base, late = np.angle(steady.mean(steady.Y[:, 1:2])[0]), steady.skew.get(quantity, 0.0)
-    phase = response.advance + float(base) - steady.omega * late
+    phase = response.advance - orbit.theta + float(base) - steady.omega * late
     spectrum *= np.exp(1j * n * phase) * correction.response(n * steady.omega)
     spectrum[: channel.coefficients.shape[1]] = 0.0
     cycle = _FINER * np.fft.irfft(spectrum, _FINER * _DENSE)
@@ -146,7 +149,7 @@ def _beyond(steady: SteadyRecord, quantity: str, response: Response) -> Complexe
         max(0, math.floor((channel.start - first) / dt) - 1),
         math.ceil((channel.start + duration - first) / dt) + 2,
     )
-    t = first + dt * number
+    t: Array = first + dt * number.astype(np.float64)
     place = np.mod(steady.omega / (2.0 * math.pi) * (t - channel.start), 1.0) * cycle.size
     before = np.floor(place).astype(np.intp)
     part = place - before
@@ -163,3 +166,31 @@ def _beyond(steady: SteadyRecord, quantity: str, response: Response) -> Complexe
     beyond = np.zeros_like(channel.coefficients)
     beyond[: len(rows)] = np.nan_to_num(rows)
     return beyond
+
+
+def _cycle(orbit: Orbit, order: int) -> Array:
+    """The derivative of x of an order at equal steps from the reversal at −X on, SI, (_DENSE,).
+
+    Each phase is Re B e^{iωt}, a rest and Σ C e^{λt}, λ = −δ ± (δ² − Ω²)^{1/2}: all points at once, to some digits less
+    than the kernels, of which a fold needs four.
+    """
+    osc, omega = orbit.oscillator, orbit.motion.omega
+    t = np.arange(_DENSE // 2) * (orbit.motion.period / _DENSE)
+    half, delta = np.empty(t.size), 0.5 * osc.c / osc.m
+    begins = np.append(orbit.phases[:, PHASE_T], math.inf)
+    for i, (begin, s, x, v, z) in enumerate(orbit.phases.tolist()):
+        within = (t >= begin) & (t < begins[i + 1])
+        since = t[within] - begin
+        kappa, force = (osc.k + osc.K_z, osc.K_z * (z - x)) if s == 0.0 else (osc.k, s * osc.F_k)
+        stiffness = kappa - omega**2 * osc.m + 1j * omega * max(osc.c, _SPLIT * osc.omega_n * osc.m)
+        B = osc.k * orbit.motion.Y * cmath.exp(1j * (orbit.theta + omega * begin)) / stiffness
+        root = cmath.sqrt(delta**2 - kappa / osc.m)
+        if abs(root) < _SPLIT * osc.omega_n:  # critical damping
+            root = _SPLIT * osc.omega_n + 0j
+        one, other = -delta + root, -delta - root
+        q, w = x + force / kappa - B.real, v - (1j * omega * B).real
+        C, D = (w - other * q) / (one - other), (one * q - w) / (one - other)
+        motion = (1j * omega) ** order * B * np.exp(1j * omega * since)
+        motion += one**order * C * np.exp(one * since) + other**order * D * np.exp(other * since)
+        half[within] = motion.real - (force / kappa if order == 0 else 0.0)
+    return np.concatenate([half, -half])

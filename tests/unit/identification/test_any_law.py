@@ -176,6 +176,17 @@ def test_the_smallest_law_that_is_not_rejected_is_the_true_one(name):
         assert abs(value - truth(osc, law)[symbol]) < 4.0 * error
 
 
+def test_a_law_without_friction_is_the_smallest_where_there_is_none():
+    # a contact that sticks all the time and is too soft to be seen
+    linear = replace(PAPER, K_z=1e-6 * PAPER.k, F_k=10.0)
+    compared = compare_laws(readings(linear, {}), linear.k, replicates=100)
+    assert compared.chosen == ("c",)
+    assert not compared.by_balance
+    (viscous,) = [e for e in compared.tests if e.terms == ("c",)]
+    value, error = viscous.coefficients["c"]
+    assert abs(value - linear.c) < 4.0 * error
+
+
 def test_structural_damping_is_not_tried_at_one_frequency():
     compared = compare_laws(readings(PAPER, {}, at=AT[:3]), PAPER.k, replicates=100)
     assert compared.chosen == ("F_k", "c")

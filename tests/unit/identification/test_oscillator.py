@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance.identification.oscillator import joined, joint_fit
+from dampbalance.identification.oscillator import NOT_CONVERGED, joined, joint_fit
 from paper_case import NEAR, PAPER, orbits_at
 from unit.identification.levels import read
 from unit.reading.harmonics import lines_of
@@ -86,3 +86,12 @@ def test_readings_share_the_waveforms_that_hold_and_have_none_where_none_do():
     without = joined(readings, replace(whole, linear=True))
     assert [reading.waveform for reading in without] == [None, None]
     assert [reading.slips for reading in without] == [None, None]
+
+
+def test_a_search_that_did_not_converge_is_said():
+    whole = joint_fit(lines(), PAPER.k)
+    assert whole.fit.converged
+    assert whole.notes == ()
+    ended = replace(whole, fit=replace(whole.fit, promise=1.0))  # 1.4 standard errors further on
+    assert ended.notes == (NOT_CONVERGED,)
+    assert ended.answer.verdicts["F_k"].verdict == "doubtful"

@@ -68,6 +68,21 @@ def plucked(**options):
     return identify_ring_downs([record(PLUCKED)[0]], PLUCKED.k, **options)
 
 
+@pytest.mark.parametrize("index", [10, 13, 99])
+def test_decays_do_not_overlap_and_none_is_that_of_a_hand(index):
+    """Strikes of another seed, a hand pulling the mass from one to the next, which moves like half a cycle."""
+    seed = 1795443154
+    decay = draw(index, seed)
+    measured, free = record(decay, seed)
+    found = identify_ring_downs([measured], decay.k)
+    period = 2.0 * math.pi / decay.omega_n
+    starts = [one.start for one in found.fit.decays]
+    np.testing.assert_allclose(starts, free, rtol=0, atol=0.1 * period)
+    ends = [one.end for one in found.fit.decays]
+    assert all(end <= start for end, start in zip(ends, starts[1:], strict=False))
+    holds(found, decay)
+
+
 @pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
 def test_a_release_tells_friction_damping_and_contact(quantity):
     decay = replace(PLUCKED, answers=(quantity,))

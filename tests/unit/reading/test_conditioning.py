@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -356,3 +357,45 @@ def test_transient_at_the_start_is_reported_and_can_be_skipped():
         found = str(error)
     assert "the response is not steady" in found
     assert condition(record, PAPER.k, skip_cycles=5).warnings == ()
+
+
+# --- two clocks -----------------------------------------------------------------------------------
+
+
+def _stretched(part: float, noise: float = 0.01, cycles: float = 60.0) -> Measurement:
+    """A record whose response was sampled by a clock that is fast by that part."""
+    measured = _measured(noise=noise, cycles=cycles)
+    return _with(measured, "displacement", t=measured["displacement"].t * (1.0 + part))
+
+
+@pytest.mark.parametrize("part", [2e-4, -5e-5])
+def test_two_clocks_are_recognised_and_their_times_corrected(part):
+    steady = condition(_stretched(part), PAPER.k)
+    (words,) = steady.warnings
+    assert "sampled by another clock" in words
+    assert ("fast" if part > 0.0 else "slow") in words
+    assert steady.doubts == steady.warnings
+    found, error = map(float, re.findall(r"([\d.e-]+) ± ([\d.e-]+) ppm", words)[0])
+    # the error is printed with one digit
+    assert abs(found - 1e6 * abs(part)) < 5.0 * error
+    true = condition(_measured(cycles=60.0), PAPER.k)
+    ratios = [s.mean(s.X)[1] / s.mean(s.Y)[1] for s in (steady, true)]
+    # the phase in the middle of the record, 30 cycles from the start of the clocks, is known as well as the clocks are
+    bound = 6.0 * (1e-6 * error * math.pi * 60.0 + steady.X_error[1] / abs(true.mean(true.X)[1]))
+    assert abs(ratios[0] / ratios[1] - 1.0) < bound
+
+
+def test_a_start_from_rest_is_not_taken_for_a_clock():
+    # at a damping of a tenth of the paper's the start fades within ten cycles or so
+    slow = replace(PAPER, c=9.0)
+    t = np.arange(0.0, 40.0 * MOTION.period, 1e-3)
+    x = transient(slow, MOTION, float(t[-1])).state(t).x
+    late = t > 12.0 * MOTION.period
+    y = MOTION.Y * np.cos(MOTION.omega * t)
+    channels = [
+        Channel("base_displacement", t[late], y[late]),
+        Channel("displacement", t[late], x[late]),
+    ]
+    steady = condition(Measurement.of("start", channels), slow.k)
+    assert any("not steady" in words for words in steady.doubts)
+    assert not any("another clock" in words for words in steady.warnings)

@@ -53,6 +53,45 @@ def test_a_fit_with_another_loss_is_left_for_the_right_one():
     assert minima_of(side)[0].chi_square < truth.chi_square + 0.1
 
 
+def test_a_fit_with_another_mass_that_rings_as_fast_is_left_for_the_right_one():
+    """Accelerations after a short slip: the ringing, which most samples show, fixes (k + K_z)/m alone."""
+    whole, point = decay(1e-2, 240.0, order=2)
+    truth = fit_decays([whole], K, point)
+    wrong = point.copy()
+    wrong[3] *= 1.12
+    wrong[2] = (1.12 * (K + point[2] ** -2) - K) ** -0.5
+    side = fit_decays([whole], K, wrong)
+    assert not side.adequate
+    assert minima_of(side)[0].chi_square < truth.chi_square + 0.1
+
+
+def test_ringing_that_noise_nearly_hides_leaves_many_contacts():
+    """At 5 % noise the contact of the truth counts, however many cycles of ringing it is off the lowest minimum."""
+    stiffness = 60.0
+    whole, point = decay(5e-2, stiffness)
+    fit = with_intervals(minima_of(fit_decays([whole], K, point)))
+    low, high = fit.K_z_interval
+    assert low < stiffness * K < high
+    assert high > 2.0 * low
+
+
+def test_an_interval_of_a_rigid_contact_reaches_as_far_as_the_samples_allow():
+    """χ² is flat from a rigid contact on: its slope there says nothing of where it rises."""
+    whole, point = decay(5e-2, 3e3)
+    held_there = point.copy()
+    held_there[2] = (1e8 * K) ** -0.5
+    rigid = fit_decays([whole], K, held_there, given={2})
+    free = replace(
+        fit_decays([whole], K, rigid.point, most=1), point=rigid.point, residual=rigid.residual
+    )
+    ranges = with_intervals([free]).ranges
+    assert ranges["rho"][0] <= 0.0
+    rigid.point[2] = ranges["rho"][1]
+    there = fit_decays([whole], K, rigid.point, given={2}).chi_square - free.chi_square
+    # found to a tenth of the distance, a fifth of the rise
+    assert there == pytest.approx(LEVEL, rel=0.25)
+
+
 def held(fit: RingFit, name: str, value: float) -> float:
     """χ² with one unknown held and the others fitted, relative to that of the fit."""
     j = COMMON.index(name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -315,6 +316,20 @@ def test_limits_are_reached_and_said():
         assert math.isinf(fit.K_z_error) == fit.rigid
         assert fit.K_z_interval[0] < 1e9 < fit.K_z_interval[1] == math.inf
         assert abs(fit.F_k - PAPER.F_k) < 4.0 * fit.error("F_k")
+
+
+def test_a_search_for_a_stiff_contact_with_many_slips_ends():
+    """Light damping at a superharmonic resonance, much noise: K_z may run away, and each orbit takes longer."""
+    osc, rng = replace(WEAK, c=0.9, F_k=0.6), np.random.default_rng(7)
+    motions = [BaseMotion(Y, osc.omega_n / 5.0) for Y in (0.0006, 0.0009)]
+    orbits = [steady_orbit(osc, motion) for motion in motions]
+    assert orbits[0].regime is Regime.SEVERAL_SLIPS
+    lines = [lines_of(orbit, 0.02 * orbit.X, rng) for orbit in orbits]
+    began = time.process_time()
+    fit = fit_oscillator(lines, osc.k)
+    assert time.process_time() - began < 60.0  # it takes a few seconds; each orbit alone could
+    assert fit.converged == (fit.promise < 5e-3)
+    assert fit.K_z_interval[0] < osc.K_z
 
 
 def test_records_of_another_kind_are_not_adequate():

@@ -1,0 +1,197 @@
+"""Which damping law free decays support: a quick test of what friction and viscous damping leave, and all laws
+compared.
+
+The quick test belongs to every identification: it asks which one further coefficient the residual speaks for
+(`reading.ringdown_laws.departures`). The comparison tests every law by the likelihood of all samples: χ² of the best
+oscillator with it, above that of the law with all terms, against the F distribution. The rows of the balance are read
+with a motion of friction and viscous damping, and so they do not test other laws.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from ..law.terms import FRICTION, KNOWN_TERMS
+from ..project.wording import listed
+from ..reading.one_thread import one_thread
+from ..reading.ringdown_fit import RingFit
+from ..reading.ringdown_laws import TERMS, Departure, LawFit, fit_law
+from ..solver import NORMAL_95
+from .law_comparison import ALPHA, MOST_TERMS, LawComparison, LawTest, Probability, chosen_of
+
+_CHANCE = 0.02  # probability of a doubt on decays with friction and viscous damping
+_MATTERS = 3.0  # standard errors by which another law may move F_k or c, unsaid
+_LEAST = 0.03  # of F_k or c
+_OTHERS = {
+    "c_a": ("damping that differs by direction", "N s/m"),
+    "k_2": ("a spring that is stiffer to one side", "N/m²"),
+    "k_3": ("a spring that stiffens or softens with its deflection", "N/m³"),
+}
+_LEFT_OUT = (
+    "free decays have one frequency and a base at rest: structural damping eta and damping relative to the base c_r "
+    "act as viscous damping c does, friction that differs by direction as another position of rest; they are not tried"
+)
+_SURE = 900.0  # of χ²: laws that leave out so much need no fit
+_CAUTION = (
+    "the samples are those of no oscillator with such a law within white noise: the contact, the spring or the "
+    "measuring chain differs, and what is left counts as noise"
+)
+_REMEDY = "give decays from higher up, or with less noise"
+
+
+def doubt_of(fit: RingFit, found: Sequence[Departure]) -> str:
+    """A sentence where friction and viscous damping do not account for the decays and one further coefficient does,
+    with the likely cause; empty where nothing speaks against them.
+
+    found : what each further coefficient explains.
+    """
+    from scipy import special  # slow to import
+
+    # residuals that are like a motion repeat themselves: fewer of them are independent
+    scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
+    shown = [(abs(one.value) / one.error / scale, one) for one in found if one.error > 0.0]
+    size, likely = max(shown, key=lambda pair: pair[0], default=(0.0, None))
+    p = len(shown) * 2.0 * float(special.ndtr(-size))
+    if likely is None or p > _CHANCE:
+        return ""
+    chance = "p < 1e-6" if p < 1e-6 else f"p = {p:.1g}"
+    begin = f"friction and viscous damping do not account for the decays ({chance}): "
+    if likely.symbol in _OTHERS:
+        words, unit = _OTHERS[likely.symbol]
+        return (
+            f"{begin}{words} would explain most of it ({likely.symbol} = {likely.value:.3g} ± {likely.error:.1g} "
+            f"{unit}); F_k and c may carry its effect"
+        )
+    known = KNOWN_TERMS[likely.symbol]
+    if likely.value < 0.0:
+        return (
+            f"{begin}the damping grows less with the speed than viscous damping does, or the friction falls with it; "
+            "F_k and c are not those of the rig"
+        )
+    # their powers of the velocity are so close that only the motions under them tell which it is
+    further = [one.symbol for one in found if one.symbol in TERMS and one.value > 0.0]
+    fits = [law for s in further if (law := fit_law(fit, (FRICTION, "c", s))) is not None]
+    law = min(fits, key=lambda one: one.chi_square, default=None)
+    if law is not None:
+        known = KNOWN_TERMS[law.terms[-1]]
+    values = [] if law is None else [(s, *law.coefficient(s)) for s in law.terms]
+    with_it = ", ".join(f"{s} = {x:.4g} ± {error:.2g}" for s, x, error in values)
+    return (
+        f"{begin}{known.words} in addition would explain most of it{with_it and f' ({with_it})'}; compare the laws "
+        "(--laws, laws=True) before using F_k and c"
+    )
+
+
+def condition_of(fit: RingFit, found: Iterable[Departure]) -> str:
+    """A sentence where F_k or c depend on the damping being viscous by more than their intervals show, and the decays
+    are too few or too noisy to tell; empty where they are not.
+
+    It is no doubt: values are those of the law that was asked for.
+    """
+    worst, sentence = _MATTERS, ""
+    for one in found:
+        if one.symbol not in TERMS:
+            continue
+        most = max(one.value, 0.0) + NORMAL_95 * one.error
+        by_c = one.slopes.get("c", 0.0)
+        if by_c < 0.0:
+            most = min(most, -fit.c / by_c)
+        moved = {s: most * by for s, by in one.slopes.items() if fit.error(s) > 0.0}
+        size = max((abs(by) / fit.error(s) for s, by in moved.items()), default=0.0)
+        parts = {s: by / fit.value(s) for s, by in moved.items() if fit.value(s) > 0.0}
+        told = {s: part for s, part in parts.items() if abs(part) > _LEAST}
+        if size > worst and told:
+            worst = size
+            words = listed([f"{s} by up to {100.0 * part:+.0f} %" for s, part in told.items()])
+            sentence = (
+                f"The values are those of friction and viscous damping. {KNOWN_TERMS[one.symbol].words.capitalize()} "
+                f"that these decays would not show changes {words}: {_REMEDY}, if the damping may not be viscous."
+            )
+    return sentence
+
+
+@one_thread
+def compare_decay_laws(fit: RingFit) -> LawComparison:
+    """Test every law of one to three terms, friction or not, with two of c, c_2 and c_3 at the most.
+
+    Use it where the damping is not known to be viscous. Once a law is not rejected, of the larger laws only those that
+    contain it are tested; laws without what is there by 30 standard errors need no fit. Where the residual of the law
+    with all terms is not white noise, χ² is taken relative to what it leaves over parts of a cycle.
+
+    fit : of the oscillator with friction and viscous damping to all decays.
+    """
+    damping = [s for s in TERMS if s != FRICTION]
+    laws = [
+        (*friction, *some)
+        for friction in ((), (FRICTION,))
+        for size in range(MOST_TERMS + 1)
+        for some in itertools.combinations(damping, size)
+        if friction or some
+    ]
+    every = fit_law(fit, TERMS)
+    if every is None:
+        raise ValueError("no law can be tested: the motion of the decays cannot be followed")
+    fits: dict[tuple[str, ...], LawFit] = {}
+    hopeless: dict[tuple[str, ...], float] = {}
+    for _, alike in itertools.groupby(sorted(laws, key=len), len):
+        known = {terms: _against(fit, every, one.chi_square, terms) for terms, one in fits.items()}
+        enough = [set(terms) for terms, test in known.items() if test.p > ALPHA / len(laws)]
+        for terms in alike:
+            if enough and not any(smaller < set(terms) for smaller in enough):
+                continue
+            rise = every.without([s for s in TERMS if s not in terms])
+            if rise > _SURE * _noise(fit, every):
+                hopeless[terms] = rise
+                continue
+            within = [one for smaller, one in fits.items() if set(smaller) < set(terms)]
+            near = sorted(within, key=lambda one: one.chi_square)[:1]
+            found = fit_law(fit, terms, [one.point for one in near])
+            if found is None:
+                continue
+            fits[terms] = found
+            if found.chi_square < every.chi_square:
+                every = fit_law(fit, TERMS, [found.point]) or every
+    rejected = [
+        LawTest(
+            terms,
+            waveforms=_against(fit, every, every.chi_square + rise, terms),
+            by=("waveforms",),
+        )
+        for terms, rise in hopeless.items()
+    ]
+    tests = [
+        LawTest(
+            terms,
+            {s: one.coefficient(s) for s in terms},
+            waveforms=_against(fit, every, one.chi_square, terms),
+            by=("waveforms",),
+        )
+        for terms, one in fits.items()
+    ]
+    caution = "" if _whole(fit, every).adequate else _CAUTION
+    tests = sorted([*rejected, *tests], key=lambda test: len(test.terms))
+    return chosen_of(tests, _LEFT_OUT, remedy=_REMEDY, caution=caution)
+
+
+def _whole(fit: RingFit, every: LawFit) -> RingFit:
+    """The fit with what the law with all terms leaves."""
+    return replace(fit, residual=every.residual)
+
+
+def _noise(fit: RingFit, every: LawFit) -> float:
+    """What the law with all terms leaves per degree of freedom; over parts of a cycle, where that is not white."""
+    whole = _whole(fit, every)
+    return every.chi_square / every.freedom * (1.0 if whole.adequate else whole.misfit)
+
+
+def _against(fit: RingFit, every: LawFit, chi_square: float, terms: tuple[str, ...]) -> Probability:
+    """χ² of a law above that of all terms, in the noise that these leave, and its p-value."""
+    from scipy import special  # slow to import
+
+    freedom = len(TERMS) - len(terms)
+    above = max(chi_square - every.chi_square, 0.0) / _noise(fit, every)
+    p = float(special.fdtrc(freedom, every.freedom, above / freedom))
+    return Probability(above, freedom, p)

@@ -1,0 +1,80 @@
+"""Tests of whether the residual of a fit is white noise, and as large as the noise of the record itself.
+
+Each gives the probability that white noise looks as unlike itself. Averages over parts of a cycle show a motion that is
+too slow for single samples, a line of the spectrum one that is too fast for averages, and the third differences of the
+record what its noise is, whatever the model.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..arrays import Array
+from .ringdown_bursts import QUIET_PARTS, noise_of
+
+_ROUNDING = 0.1  # of the variance of the noise: what a record without noise leaves is rounding
+_FEWEST = 400  # samples, from which the third differences of a record tell its noise
+_MEDIAN = 1.77  # relative error of the median of n third differences, times √n
+_SIGMAS, _SYSTEMATIC = 6.0, 0.05  # of the least of several such medians
+
+
+def averages(
+    residuals: Sequence[Array], widths: Sequence[int], lost: int
+) -> tuple[float, int, int]:
+    """F ratio of the averages of residuals, over so many samples in each, to the scatter about them, and its two
+    numbers of degrees of freedom.
+
+    lost : degrees of freedom that the fit has taken.
+    """
+    between = within = 0.0
+    bins = count = 0
+    for residual, width in zip(residuals, widths, strict=True):
+        n = residual.size // width
+        parts = residual[: n * width].reshape(n, width)
+        means = parts.mean(axis=1)
+        between += width * float(means @ means)
+        within += float(np.sum((parts - means[:, None]) ** 2))
+        bins, count = bins + n, count + n * width
+    first, rest = max(1, bins - lost), max(1, count - bins)
+    return (between / first) / max(within / rest, _ROUNDING), first, rest
+
+
+def chance_of_averages(residuals: Sequence[Array], widths: Sequence[int], lost: int) -> float:
+    """Probability that averages of white noise over these widths, or half, a quarter … of them, are as large."""
+    from scipy import special  # slow to import
+
+    chances = []
+    while True:
+        ratio, first, rest = averages(residuals, widths, lost)
+        chances.append(float(special.fdtrc(first, rest, ratio)))
+        if max(widths) <= 2:
+            return min(1.0, len(chances) * min(chances))
+        widths = [max(2, width // 2) for width in widths]
+
+
+def chance_of_lines(residuals: Sequence[Array]) -> float:
+    """Probability that a spectrum of white noise has as sharp a line (Fisher's test)."""
+    chances = [1.0]
+    for residual in residuals:
+        power = np.abs(np.fft.rfft(residual)[1:-1]) ** 2
+        # what is left of a record without noise is rounding
+        total = max(float(power.sum()), _ROUNDING * residual.size * power.size)
+        if power.size > 2:
+            share = float(power.max()) / total
+            chances.append(min(1.0, power.size * (1.0 - share) ** (power.size - 1)))
+    return min(1.0, len(residuals) * min(chances))
+
+
+def louder(residual: Array, values: Array, noise: float) -> float:
+    """How many times the noise of the samples themselves a residual is, where that is more than chance makes; else 1.
+
+    residual : in units of `noise`.   values : the samples.
+    """
+    if values.size < _FEWEST:
+        return 1.0
+    ratio = math.sqrt(float(np.mean(residual**2))) * noise / noise_of(values)
+    error = _MEDIAN / math.sqrt(values.size / QUIET_PARTS)
+    return ratio if ratio > 1.0 + _SYSTEMATIC + _SIGMAS * error else 1.0

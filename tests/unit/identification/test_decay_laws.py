@@ -1,0 +1,145 @@
+"""What identifications of free decays say of other laws, on records of an integrator of another make."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from blind.decays import departing, draw, record
+from dampbalance import identify
+from dampbalance.identification.answer import DOUBTFUL, USABLE
+from dampbalance.identification.decays import identify_ring_downs
+from dampbalance.identification.screen import text
+from dampbalance.motion.jit import interpreted
+from dampbalance.reading.ringdown_bursts import Signal
+from dampbalance.reading.ringdown_fit import Decay, fit_decays, samples_of
+from dampbalance.reading.ringdown_laws import departures, fit_law
+
+SOUND = replace(
+    draw(0),
+    m=1.0,
+    c=0.3,
+    k=400.0,
+    K_z=6000.0,
+    F_k=0.1,
+    starts=(("pluck", 0.005),),
+    lead=(0.2,),
+    lasts=(3.5,),
+    pull=(0.4,),
+    rate_hz=250.0,
+    answers=("displacement",),
+    noise=0.003,
+)
+# of an estimate: once in 16,000 of normal errors; the records are fixed
+FAR = 4.0
+
+
+@pytest.fixture(autouse=True, scope="module")
+def compiled():
+    """Thousands of samples, hundreds of times."""
+    with interpreted(False):
+        yield
+
+
+def found_in(decay, **options):
+    return identify_ring_downs([record(decay, 1)[0]], decay.k, **options)
+
+
+def chosen(laws):
+    return next(test for test in laws.tests if test.terms == laws.chosen)
+
+
+def test_sound_decays_raise_no_doubt_and_keep_friction_and_viscous_damping():
+    result = found_in(SOUND, laws=True)
+    for answer in result.answers.values():
+        assert answer.verdicts["F_k"].verdict == answer.verdicts["c"].verdict == USABLE
+    assert result.laws.chosen == ("F_k", "c")
+    for symbol, (value, error) in chosen(result.laws).coefficients.items():
+        assert value == pytest.approx(result.reference.values[symbol], abs=1e-2 * error)
+        assert error == pytest.approx(result.reference.standard_errors[symbol], rel=0.1)
+    assert "Probability in noise of what each law leaves, of the waveforms:" in text(result)
+
+
+@pytest.mark.parametrize(
+    ("symbol", "field", "order"), [("c_2", "quadratic", 2), ("c_3", "third_power", 3)]
+)
+def test_decays_under_another_law_are_doubtful_and_its_coefficients_found(symbol, field, order):
+    decay = departing(SOUND, field, order, 0.4)
+    result = found_in(decay, laws=True)
+    for answer in result.answers.values():
+        for of_law in ("F_k", "c"):
+            verdict = answer.verdicts[of_law]
+            assert verdict.verdict == DOUBTFUL
+            assert "friction and viscous damping do not account for the decays" in verdict.reason
+            assert f"{symbol} =" in verdict.reason
+    # without a comparison F_k and c are far off, for which the doubt is
+    assert abs(result.reference.values["c"] - decay.c) > FAR * result.reference.standard_errors["c"]
+    assert result.laws.chosen == ("F_k", "c", symbol)
+    truth = {"F_k": decay.F_k, "c": decay.c, symbol: getattr(decay.departure, field)}
+    for name, (value, error) in chosen(result.laws).coefficients.items():
+        assert abs(value - truth[name]) < FAR * error
+
+
+@pytest.mark.parametrize(
+    ("symbol", "field", "order", "share"),
+    [("c_a", "sided", 1, 0.3), ("k_2", "even", 2, 0.03), ("k_3", "cubic", 3, 0.03)],
+)
+def test_what_no_law_of_damping_explains_is_named(symbol, field, order, share):
+    decay = departing(SOUND, field, order, share)
+    reasons = [answer.verdicts["c"].reason for answer in found_in(decay).answers.values()]
+    assert all(f"{symbol} =" in reason for reason in reasons)
+
+
+def test_decays_without_friction_support_a_law_without():
+    decay = replace(SOUND, F_k=1e-9, K_z=1.0, lasts=(6.0,))
+    result = found_in(decay, laws=True)
+    assert "F_k" not in result.laws.chosen
+    assert chosen(result.laws).coefficients["c"][0] == pytest.approx(decay.c, rel=0.02)
+
+
+def test_what_the_decays_cannot_tell_is_said_and_raises_no_doubt():
+    decay = draw(3, 5)  # 16 half cycles in noise of 5 %
+    result = identify_ring_downs([record(decay, 5)[0]], decay.k)
+    assert result.reference.verdicts["F_k"].verdict == USABLE
+    (words,) = [words for words in result.rig if "would not show" in words]
+    assert "The values are those of friction and viscous damping." in words
+
+
+def test_laws_of_decays_can_be_asked_of_identify():
+    measured, _ = record(SOUND)
+    channel = measured.responses[0]
+    data = {"time_s": channel.t, "displacement_m": channel.values}
+    found = identify(data, stiffness=SOUND.k, laws=True)
+    assert found.options["laws"]
+    assert found.document()["laws"]["chosen"] == ["F_k", "c"]
+    assert {one["symbol"] for one in found.document()["departures"]} >= {"c_2", "c_3"}
+
+
+def test_in_noise_the_coefficients_that_are_missing_have_the_errors_that_they_state():
+    """60 drawings: the scatter of value over error is 1 within 3 of its own standard errors, 0.1."""
+    point = np.array([0.1, 0.3, 6000.0**-0.5, 1.0, 0.0, 0.005, 0.0, 2.0])
+    times = np.arange(0.0, 4.0, 0.005)
+    quiet = Signal("displacement", 0, times, np.zeros(times.size), 1e-5)
+    one = Decay("made", 0.0, 4.0, (quiet,), 2.0 * math.pi / 20.0)
+    clean = samples_of(point, point[5:], 400.0, one)
+    random = np.random.default_rng(3)
+    drawn = []
+    for _ in range(60):
+        signal = replace(quiet, values=clean + 1e-5 * random.standard_normal(times.size))
+        fit = fit_decays([replace(one, signals=(signal,))], 400.0, point)
+        assert fit is not None
+        drawn.append([other.value / other.error for other in departures(fit)[:3]])
+    scatter = np.std(drawn, axis=0)
+    assert np.all(np.abs(scatter - 1.0) < 0.3)
+
+
+def test_the_law_of_the_fit_is_the_fit():
+    measured, _ = record(SOUND)
+    fit = identify_ring_downs([measured], SOUND.k).fit
+    law = fit_law(fit, ("F_k", "c"))
+    assert law is not None
+    assert law.chi_square == pytest.approx(fit.chi_square, rel=1e-6)
+    assert law.coefficient("c")[1] == pytest.approx(fit.error("c"), rel=0.1)

@@ -1,0 +1,90 @@
+"""Free decays that are not linear: against the exact motion where they are, an independent integrator, differences."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from dampbalance.model import Parameters
+from dampbalance.motion.decays import decay_samples, phase_slopes
+from dampbalance.motion.events import run
+from dampbalance.motion.law_decays import ADDED, law_decay
+
+M, K, PERIOD = 2.0, 800.0, 2.0 * math.pi * math.sqrt(2.0 / 800.0)
+NOTHING = np.zeros(len(ADDED))
+# each takes 5 to 30 % of the loss, or of the force of the spring, of a decay from 5 mm
+COEFFICIENTS = np.array([8.0, 60.0, 0.5, 4e3, 2e6])
+
+
+def oscillator(F_k: float = 0.2, c: float = 1.0, stiffness: float = 30.0) -> Parameters:
+    return Parameters(M, c, K, stiffness * K, F_k, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.parametrize(
+    ("F_k", "c", "stiffness", "x", "v", "w"),
+    [
+        (0.2, 1.0, 30.0, 5e-3, 0.0, 1.7),
+        (0.2, 1.0, 3.0, 5e-3, 0.02, 0.4),  # sticks at the end, and rings
+        (0.2, 0.0, 300.0, -5e-3, -0.05, 1.0),
+        (0.2, 1.0, 30.0, 5e-3, 0.1, 2.0),  # slips at once
+    ],
+)
+def test_without_further_terms_the_motion_is_exact(order, F_k, c, stiffness, x, v, w):
+    """The flow of each phase is then exact; its derivatives hold to what the steps leave, 1e-5 of the largest."""
+    par = oscillator(F_k, c, stiffness)
+    times = np.linspace(0.0, 6.0 * PERIOD, 401)[1:]
+    rows = np.empty((200, 5))
+    count, *_ = run(x, v, (w - 1.0) * F_k / par.K_z, 0.0, times[-1], 0.0, par, rows)
+    expected = decay_samples(times, order, rows[:count], phase_slopes(rows[:count], w, par), par)
+    found = law_decay(times, order, x, v, w, par, NOTHING)
+    size = np.abs(expected).max(axis=0)
+    np.testing.assert_allclose(found[:, 0], expected[:, 0], rtol=0, atol=1e-11 * size[0])
+    for j in range(1, 8):
+        # a small derivative, as by ρ of a stiff contact, is a difference of larger ones
+        atol = 1e-3 * size[j] if j == 3 else 1e-5 * size[j]
+        np.testing.assert_allclose(found[:, j], expected[:, j], rtol=0, atol=atol)
+
+
+@pytest.mark.parametrize("F_k", [0.2, 0.0], ids=["friction", "no friction"])
+@pytest.mark.parametrize("j", range(len(ADDED)), ids=ADDED)
+def test_the_motion_is_that_of_an_independent_integrator(j, F_k):
+    par, p = oscillator(F_k), NOTHING.copy()
+    p[j] = COEFFICIENTS[j]
+
+    def rate(t: float, y: np.ndarray) -> list[float]:
+        x, v, f = y
+        f = min(max(f, -F_k), F_k)
+        force = par.c * v + p[0] * abs(v) * v + p[1] * v**3 + p[2] * abs(v)
+        force += par.k * x + p[3] * x**2 + p[4] * x**3 + f
+        held = F_k == 0.0 or (abs(f) >= F_k and f * v > 0.0)
+        return [v, -force / par.m, 0.0 if held else par.K_z * v]
+
+    times = np.linspace(0.0, 5.0 * PERIOD, 201)[1:]
+    # kinks of the contact lie within a thousandth of a period
+    grid = {"rtol": 1e-9, "atol": 1e-13, "max_step": 1e-3 * PERIOD, "t_eval": times}
+    expected = solve_ivp(rate, (0.0, times[-1]), [5e-3, 0.0, F_k], **grid).y[0]
+    found = law_decay(times, 0, 5e-3, 0.0, 2.0, par, p)[:, 0]
+    moved = found - law_decay(times, 0, 5e-3, 0.0, 2.0, par, NOTHING)[:, 0]
+    assert np.abs(moved).max() > 2e-5
+    np.testing.assert_allclose(found, expected, rtol=0, atol=2e-8)
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.parametrize("j", range(len(ADDED)), ids=ADDED)
+def test_derivatives_by_further_coefficients_are_those_of_differences(j, order):
+    """To 5e-4 of the largest, by differences that are large beside what another step changes; off the samples between
+    two events that a difference moves."""
+    par, times = oscillator(), np.linspace(0.0, 4.0 * PERIOD, 401)[1:]
+    sides = []
+    for sign in (1.0, -1.0):
+        p = COEFFICIENTS.copy()
+        p[j] *= 1.0 + sign * 1e-3
+        sides.append(law_decay(times, order, 5e-3, 0.0, 1.5, par, p)[:, 0])
+    expected = (sides[0] - sides[1]) / (2e-3 * COEFFICIENTS[j])
+    found = law_decay(times, order, 5e-3, 0.0, 1.5, par, COEFFICIENTS)[:, 8 + j]
+    off = np.abs(found - expected) > 5e-4 * np.abs(expected).max()
+    assert off.mean() < 0.02

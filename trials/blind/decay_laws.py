@@ -1,0 +1,122 @@
+"""Free decays that depart from friction and viscous damping: what `identify` says of them by default, and which law it
+finds.
+
+A set is one of `decays.py` with a further term, which would take 10 to 40 % of the loss of the motion without it; of a
+spring, 3 to 12 % of the force at the start. "none" are the sets as they are, for false alarms.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+import pandas as pd
+
+from dampbalance.identification.answer import REFERENCE, USABLE
+from dampbalance.identification.decay_laws import compare_decay_laws
+from dampbalance.identification.decays import identify_ring_downs
+from dampbalance.motion.jit import interpreted
+from dampbalance.project.wording import markdown_table
+
+from .decays import departing, draw, record
+
+TERMS = {
+    "none": ("", 0),
+    "c_2": ("quadratic", 2),
+    "c_3": ("third_power", 3),
+    "c_a": ("sided", 1),
+    "k_2": ("even", 2),
+    "k_3": ("cubic", 3),
+}
+"""Field of `Departure` and power of each further term."""
+
+_SHARES, _SPRING = (0.1, 0.4), 0.3  # of the loss; of that share, of the force of a spring
+_SHARE = 3  # so that the share is not drawn from the generator that drew the set
+_FAR = 5.0  # standard errors
+_DOUBT = "friction and viscous damping do not account"
+_CONDITION = "The values are those of friction and viscous damping"
+
+
+def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
+    """A row for a set: what was said, how far off its values are, which law was chosen.   run : term, number, seed."""
+    term, index, seed = run
+    decay = draw(index, seed)
+    share = float(np.random.default_rng((_SHARE, seed, index)).uniform(*_SHARES))
+    field, order = TERMS[term]
+    if field:
+        decay = departing(decay, field, order, share * (_SPRING if term.startswith("k") else 1.0))
+    row: dict[str, object] = {"term": term, "set": index, "share": share, "noise": decay.noise}
+    row |= {"zeta": decay.zeta, "height": decay.height}
+    measured, _ = record(decay, seed)
+    with interpreted(False):
+        began = time.process_time()
+        try:
+            result = identify_ring_downs([measured], decay.k)
+        except ValueError as error:
+            return [row | {"refused": str(error)}]
+        row["seconds"] = time.process_time() - began
+        began = time.process_time()
+        laws = compare_decay_laws(result.fit)
+        row["seconds_laws"] = time.process_time() - began
+    answer = result.answers[REFERENCE]
+    notes, rig = " ".join(answer.notes), " ".join(result.rig)
+    row |= {
+        "slips": result.half_cycles.halves,
+        "usable": all(answer.verdicts[s].verdict == USABLE for s in ("F_k", "c")),
+        "doubt": _DOUBT in notes,
+        "named": f"{term} =" in notes,
+        "condition": _CONDITION in rig,
+        "chosen": ", ".join(laws.chosen or ()),
+        "alike": "; ".join(", ".join(terms) for terms in laws.alike),
+    }
+    for symbol in ("F_k", "c"):
+        p, true = answer.parameters[symbol], getattr(decay, symbol)
+        row[f"{symbol}_off"] = p.value / true - 1.0
+        row[f"{symbol}_sizes"] = abs(p.value - true) / p.standard_error
+        row[f"{symbol}_usable"] = answer.verdicts[symbol].verdict == USABLE
+    true_law = ("F_k", "c", *((term,) if term in ("c_2", "c_3") else ()))
+    row["p_true"] = next((t.p for t in laws.tests if t.terms == true_law), math.nan)
+    return [row]
+
+
+def table(rows: pd.DataFrame) -> str:
+    """By term, in sets: what was said, how many are silently wrong, and which law was chosen."""
+    lines = []
+    for term, some in rows.groupby("term", sort=False):
+        known = some[some["usable"].notna()]
+        flags = {c: known[c].astype(bool) for c in ("doubt", "named", "condition")}
+        wrong = pd.Series(False, index=known.index)
+        for symbol in ("F_k", "c"):
+            wrong |= (known[f"{symbol}_sizes"] > _FAR) & known[f"{symbol}_usable"].astype(bool)
+        silent = wrong & ~flags["condition"]
+        right = ", ".join(["F_k", "c", *([str(term)] if term in ("c_2", "c_3") else [])])
+        chosen = known["chosen"] == right
+        cells = [len(some), len(some) - len(known), flags["doubt"].sum(), flags["named"].sum()]
+        cells += [
+            (~known["usable"].astype(bool)).sum(),
+            (flags["condition"] & known["usable"]).sum(),
+        ]
+        cells += [wrong.sum(), silent.sum()]
+        fewer = (known["chosen"] != "") & ~chosen
+        counts = [chosen.sum(), fewer.sum(), (known["chosen"] == "").sum()]
+        cells += counts if term in ("none", "c_2", "c_3") else ["", "", ""]
+        lines.append([str(term), *map(str, cells)])
+    heads = [
+        "further term",
+        "sets",
+        "refused",
+        "law doubted",
+        "its term named",
+        "F_k or c doubtful for any reason",
+    ]
+    heads += [
+        "usable with the condition stated",
+        f"usable and more than {_FAR:g} standard errors off",
+    ]
+    heads += ["of these without a word", "law chosen: the true one", "another one", "none"]
+    return (
+        f"{markdown_table(heads, lines)}\n\nProcessor time of the comparison of laws: "
+        f"{rows['seconds_laws'].median():.1f} s (median), {rows['seconds_laws'].max():.1f} s at the most; of the rest "
+        f"{rows['seconds'].median():.1f} s and {rows['seconds'].max():.1f} s.\n"
+    )
