@@ -178,9 +178,7 @@ def test_every_rule_has_the_environment_that_the_catalogue_is_told():
     }
     texts = [file.read_text(encoding="utf-8") for file in (ROOT / "workflow/rules").glob("*.smk")]
     scripts = sum(len(re.findall(r"^ +script:$", text, re.M)) for text in texts)
-    environments = sum(
-        len(re.findall(r"^ +conda:\n +ENVIRONMENT$", text, re.M)) for text in texts
-    )
+    environments = sum(len(re.findall(r"^ +conda:\n +ENVIRONMENT$", text, re.M)) for text in texts)
     assert environments == scripts > 30
 
 
