@@ -3,9 +3,10 @@
 Intervals by the bootstrap take the cycles of a record to be alike: where the force drifts, they hold for its mean over
 the record, and neither for the force at its beginning nor for that at its end.
 
-A delay between base and response that grows, as between two clocks, looks like such a drift. It turns harmonic n of the
-response by n times as much, leaves the amplitudes alone, and grows alike in all records of a rig. The conditioning of
-records corrects it (`reading.checks.clock`); `as_recorded` puts it back.
+A delay between base and response that grows, as between two clocks, looks like such a drift, and the other way round:
+where the mass stops at its turns, a friction force that grows delays all harmonics of the response nearly alike, and
+its amplitude hardly changes. The conditioning of records takes such a delay for two clocks and corrects it
+(`reading.checks.clock`); `as_recorded` puts it back. Two clocks differ alike in all records of a rig.
 """
 
 from __future__ import annotations
