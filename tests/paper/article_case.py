@@ -116,7 +116,8 @@ class Project:
         for file in output.values():
             (self.folder / file).parent.mkdir(parents=True, exist_ok=True)
         job = {"input": inputs, "params": params, "output": output}
-        snakemake = SimpleNamespace(**{name: SimpleNamespace(**of) for name, of in job.items()})
+        groups = {name: SimpleNamespace(**of) for name, of in job.items()}
+        snakemake = SimpleNamespace(**groups, log=())
         file = ROOT / f"workflow/scripts/article/{script}.py"
         with contextlib.chdir(self.folder):
             runpy.run_path(str(file), {"snakemake": snakemake}, "__main__")

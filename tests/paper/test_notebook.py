@@ -303,9 +303,8 @@ def test_formulas_are_mathml_and_pictures_are_described(page, executed):
 def test_what_is_said_beside_a_table_is_shown(page):
     """An identification says what it is made of and what limits it, around its table."""
     text = html.unescape(re.sub(r"<[^>]+>", "", page))
-    assert (
-        "5 records at 3.5\N{NO-BREAK SPACE}Hz; values with 95\N{NO-BREAK SPACE}% intervals" in text
-    )
+    space = "\N{NO-BREAK SPACE}"
+    assert f"5 records at 3.5{space}Hz; the answer first, with 95{space}% intervals" in text
     assert "<ul><li>* <i>X</i><sub>s</sub>, <i>t</i><sub>s</sub> and" in page
     assert "<style" not in page.split("<body", 1)[1]
 

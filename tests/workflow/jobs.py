@@ -24,7 +24,7 @@ class Named(SimpleNamespace):
 def run(script: str, **given: Any) -> None:
     """One job: `script` is a path below workflow/scripts; input, output, params and wildcards are by name."""
     groups = {name: Named(**value) for name, value in given.items()}
-    snakemake = SimpleNamespace(**{"input": Named(), "output": Named()} | groups)
+    snakemake = SimpleNamespace(**{"input": Named(), "output": Named(), "log": ()} | groups)
     hook = sys.excepthook  # which a script replaces
     try:
         path = ROOT / "workflow/scripts" / script

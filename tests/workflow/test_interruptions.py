@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
 import signal
 import subprocess
@@ -144,7 +145,7 @@ def mounting(copy):
 
 def test_a_full_disk(mounting):
     done = mounting(
-        f"mount -t tmpfs -o size=16k none results && {' '.join(SNAKEMAKE)} records; find results -type f"
+        f"mount -t tmpfs -o size=16k none results && {shlex.join(SNAKEMAKE)} records; find results -type f"
     )
     assert "as the disk is full: make room" in done.stderr
     assert "Traceback" not in done.stderr
@@ -153,7 +154,7 @@ def test_a_full_disk(mounting):
 
 def test_a_disk_that_is_too_full_to_begin(mounting, copy):
     done = mounting(
-        f"mount -t tmpfs -o size=64k none results && cd results && ln -s ../* . && {' '.join(RUN)} records"
+        f"mount -t tmpfs -o size=64k none results && cd results && ln -s ../* . && {shlex.join(RUN)} records"
     )
     assert done.stderr.startswith("error: 0 MB are free on this disk and 100 are needed")
     assert len(done.stderr.splitlines()) == 1
@@ -161,7 +162,7 @@ def test_a_disk_that_is_too_full_to_begin(mounting, copy):
 
 def test_results_that_cannot_be_written(mounting, copy):
     done = mounting(
-        f"mount --bind results results && mount -o remount,bind,ro results && {' '.join(RUN)} records"
+        f"mount --bind results results && mount -o remount,bind,ro results && {shlex.join(RUN)} records"
     )
     assert done.returncode == 1
     (line,) = done.stderr.splitlines()

@@ -45,7 +45,7 @@ def document(
 
 def estimates_table(outcome: Outcome) -> list[dict[str, Any]]:
     """A row for each answer, the one to use first: value, standard errors and interval of each parameter, in columns
-    named with units, and the verdict on each."""
+    named with units, and the verdict on each; None where an answer has no such number."""
     rows = []
     for name, answer in outcome.answers.items():
         row: dict[str, Any] = {"approach": name}
@@ -59,7 +59,8 @@ def estimates_table(outcome: Outcome) -> list[dict[str, Any]]:
         row |= {key: answer.merit[key] for key in _IN_TABLE if key in answer.merit}
         row |= {f"{symbol}_verdict": verdict for symbol, (verdict, _) in answer.verdicts.items()}
         rows.append(row | {"note": "; ".join(answer.notes)})
-    return rows
+    columns = dict.fromkeys(name for row in sorted(rows, key=len, reverse=True) for name in row)
+    return [{name: row.get(name) for name in columns} for row in rows]
 
 
 def _entries(answer: Answer) -> dict[str, Any]:
