@@ -51,6 +51,7 @@ SOURCES = {
     )
 }
 """The files that the article reads, and the rule that makes each, as the workflow has them."""
+FOLDERS = {"results": RESULTS, "studies": STUDIES}  # as the rule names them
 INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}", "sources": SOURCES}
 OF_ARTICLE = [
     *("frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"),
@@ -124,7 +125,7 @@ class Project:
 
     def typeset(self, output: str = f"{RESULTS}/article.pdf") -> None:
         """The rule `article`."""
-        params = {"folder": "paper/article", "results": "results", "inputs": INPUTS}
+        params = {"folder": "paper/article", "results": "results", "inputs": INPUTS | FOLDERS}
         self.run("article", {"pdf": output}, {}, **params)
 
 

@@ -86,8 +86,7 @@ def test_the_cycles_foretold_follow_those_identified_from():
 
 def test_the_recorded_numbers_agree_with_each_other():
     line, loads = RECORDED["line"], RECORDED["loads"]
-    # 1.3 % at 450 g, whose plate creeps by 42 µm in one of its rests, so that the travel is read 1 % longer
-    assert max(abs(row["off_line"]) for row in loads) < 0.015
+    assert max(abs(row["off_line"]) for row in loads) < 0.01
     assert line["slope_N_per_kg"] / line["coefficient"] == pytest.approx(9.80665, rel=1e-3)
     for row in loads:
         low, high = row["interval_N"]
