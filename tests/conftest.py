@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import itertools
 import os
 import sys
 from collections import Counter
@@ -58,11 +59,14 @@ def pytest_collection_modifyitems(items):
 OPTIONAL = {"slurm": "in a real SLURM", "browser": "in a real browser"}
 """Fixture → how a test with it is run. Not every machine has these programs."""
 
+LONG = 120.0  # s of all tests together
+
 CLOSING = pytest.StashKey[list[str]]()
 
 
 def pytest_terminal_summary(terminalreporter, config):
-    """Count the tests that passed with a program that not every machine has, and the skipped tests by reason."""
+    """Count the tests that passed with a program that not every machine has, and the skipped tests by reason; name the
+    slowest files of a long run."""
     passed, skipped = (terminalreporter.stats.get(name, []) for name in ("passed", "skipped"))
     needed = Counter(how for report in passed for name, how in report.user_properties)
     reasons = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in skipped)
@@ -71,6 +75,13 @@ def pytest_terminal_summary(terminalreporter, config):
         for heading, counted in (("Passed", needed), ("Skipped here, and why", reasons))
         if counted
     ]
+    times: Counter[str] = Counter()
+    for report in itertools.chain.from_iterable(terminalreporter.stats.values()):
+        if isinstance(report, pytest.TestReport):
+            times[report.nodeid.partition("::")[0]] += report.duration
+    if sum(times.values()) > LONG:
+        slowest = ", ".join(f"{file} {seconds:.0f} s" for file, seconds in times.most_common(10))
+        config.stash[CLOSING].append(f"The slowest files, with what they wait for: {slowest}")
 
 
 def pytest_unconfigure(config):
