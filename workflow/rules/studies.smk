@@ -34,10 +34,11 @@ rule study_chunk:
     params:
         **STUDY_DEFAULTS,
         file=lambda wildcards: study_file(wildcards.study),
+        number=lambda wildcards: int(wildcards.chunk) + 1,
         chunks=lambda wildcards: study_plan(wildcards.study)[1].chunks,
         computed_from=study_settings,
     message:
-        "Study {wildcards.study}: chunk {wildcards.chunk}, the last is {params.chunks} − 1"
+        "Study {wildcards.study}: chunk {params.number} of {params.chunks}"
     script:
         "../scripts/studies/study_chunk.py"
 
