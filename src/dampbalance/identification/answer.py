@@ -18,7 +18,7 @@ from ..arrays import Array
 from ..balance import Rows
 from ..law.terms import named_with_unit, term
 from ..project.wording import Remark
-from ..reading.climb import OscillatorFit
+from ..reading.oscillator_fit import OscillatorFit
 from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95

@@ -12,9 +12,9 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 
 from ..law.terms import FRICTION, KNOWN_TERMS
+from ..project.progress import followed
 from ..project.wording import listed
 from ..reading.one_thread import one_thread
 from ..reading.ringdown_fit import RingFit
@@ -136,14 +136,14 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
         raise ValueError("no law can be tested: the motion of the decays cannot be followed")
     fits: dict[tuple[str, ...], LawFit] = {}
     hopeless: dict[tuple[str, ...], float] = {}
-    for _, alike in itertools.groupby(sorted(laws, key=len), len):
-        known = {terms: _against(fit, every, one.chi_square, terms) for terms, one in fits.items()}
+    for _, alike in itertools.groupby(followed(sorted(laws, key=len), len(laws), "laws"), len):
+        known = {terms: _against(every, one.chi_square, terms) for terms, one in fits.items()}
         enough = [set(terms) for terms, test in known.items() if test.p > ALPHA / len(laws)]
         for terms in alike:
             if enough and not any(smaller < set(terms) for smaller in enough):
                 continue
             rise = every.without([s for s in TERMS if s not in terms])
-            if rise > _SURE * _noise(fit, every):
+            if rise > _SURE * _noise(every):
                 hopeless[terms] = rise
                 continue
             within = [one for smaller, one in fits.items() if set(smaller) < set(terms)]
@@ -157,7 +157,7 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
     rejected = [
         LawTest(
             terms,
-            waveforms=_against(fit, every, every.chi_square + rise, terms),
+            waveforms=_against(every, every.chi_square + rise, terms),
             by=("waveforms",),
         )
         for terms, rise in hopeless.items()
@@ -166,32 +166,27 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
         LawTest(
             terms,
             {s: one.coefficient(s) for s in terms},
-            waveforms=_against(fit, every, one.chi_square, terms),
+            waveforms=_against(every, one.chi_square, terms),
             by=("waveforms",),
         )
         for terms, one in fits.items()
     ]
-    caution = "" if _whole(fit, every).adequate else _CAUTION
+    caution = "" if every.whiteness.adequate else _CAUTION
     tests = sorted([*rejected, *tests], key=lambda test: len(test.terms))
     return chosen_of(tests, _LEFT_OUT, remedy=_REMEDY, caution=caution)
 
 
-def _whole(fit: RingFit, every: LawFit) -> RingFit:
-    """The fit with what the law with all terms leaves."""
-    return replace(fit, residual=every.residual)
-
-
-def _noise(fit: RingFit, every: LawFit) -> float:
+def _noise(every: LawFit) -> float:
     """What the law with all terms leaves per degree of freedom; over parts of a cycle, where that is not white."""
-    whole = _whole(fit, every)
-    return every.chi_square / every.freedom * (1.0 if whole.adequate else whole.misfit)
+    white = every.whiteness
+    return every.chi_square / every.freedom * (1.0 if white.adequate else white.misfit)
 
 
-def _against(fit: RingFit, every: LawFit, chi_square: float, terms: tuple[str, ...]) -> Probability:
+def _against(every: LawFit, chi_square: float, terms: tuple[str, ...]) -> Probability:
     """χ² of a law above that of all terms, in the noise that these leave, and its p-value."""
     from scipy import special  # slow to import
 
     freedom = len(TERMS) - len(terms)
-    above = max(chi_square - every.chi_square, 0.0) / _noise(fit, every)
+    above = max(chi_square - every.chi_square, 0.0) / _noise(every)
     p = float(special.fdtrc(freedom, every.freedom, above / freedom))
     return Probability(above, freedom, p)

@@ -7,6 +7,7 @@ solved.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -337,7 +338,10 @@ def _solved(
         estimates = {s: _covering(p, *fit.interval(s)) for s, p in estimates.items()}
     reference = answer_of_fit(fit, TERMS, fit_notes, doubt=split)
     parameters = {**dict.fromkeys(TERMS, UNKNOWN), **estimates, "K_z": reference.K_z}
-    correlations = {("F_k", "c"): float(covariance[0, 1]) / math.prod(errors)} if values else {}
+    correlations = {
+        (one, other): float(covariance[i, j]) / (errors[i] * errors[j])
+        for (i, one), (j, other) in itertools.combinations(enumerate(values), 2)
+    }
     numbers = [i + 1 if i >= 0 else None for i in rows.decay.tolist()]
     balance = Balance(
         Rows(rows.terms, rows.columns[:, W]),

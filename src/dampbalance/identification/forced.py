@@ -85,6 +85,7 @@ class ForcedOutcome(Outcome):
     def findings(self) -> dict[str, Any]:
         """Comparison of laws, microstick line, features of each record, effect of faults, and limits."""
         line = self.microstick
+        of, effects = self.sensitivities()
         return {
             **({} if self.laws is None else {"laws": self.laws.document()}),
             "microstick": {
@@ -94,17 +95,22 @@ class ForcedOutcome(Outcome):
                 "upper_bound_m": line.bound,
             },
             "records": [self._record(i) for i in range(len(self.readings))],
+            "sensitivities_of": of,
             "sensitivities": {
                 name: {"fault": FAULTS[name].words}
                 | {f"{symbol}_percent": 100.0 * change for symbol, change in changes.items()}
-                for name, changes in self.sensitivities().items()
+                for name, changes in effects.items()
             },
             "limits": [asdict(limit) for limit in limits(self.answers, self.warnings)],
         }
 
-    def sensitivities(self) -> dict[str, dict[str, float]]:
-        """What each of `FAULTS` does to direct integration; nothing where that was not asked for."""
-        return self.shifts(FAULTS, [DIRECT]).get(DIRECT, {})
+    def sensitivities(self) -> tuple[str | None, dict[str, dict[str, float]]]:
+        """Name of the answer to use first, and what each of `FAULTS` does to it, fault → symbol → number;
+        the next answer where that is the fit, and it does not describe the waveforms."""
+        for name in self.answers:
+            if changes := self.shifts(FAULTS, [name]).get(name):
+                return name, changes
+        return None, {}
 
     def shifts(
         self, faults: Mapping[str, Fault], names: Collection[str]

@@ -17,8 +17,7 @@ from ..project.files import write_json, write_rows, write_text
 from ..records.measured import MeasuredRecord
 from . import screen
 from .answer import Answer, Interval, Verdict, unit_of
-from .document import document, estimates_table
-from .outcome import Outcome
+from .outcome import Outcome, document, estimates_table
 from .outputs import ALL_PICTURES, TABLES, pictures_of, require_room
 
 if TYPE_CHECKING:

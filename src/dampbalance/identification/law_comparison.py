@@ -26,6 +26,7 @@ import numpy as np
 from ..balance import APPROACHES, Rows
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS, in_order, term
+from ..project.progress import followed
 from ..project.wording import listed
 from ..reading.fitting import fit_quickly, with_mass
 from ..reading.lines import probability
@@ -246,7 +247,9 @@ def compare_laws(
         for some in itertools.combinations(terms, size)
         if friction or asked.given or some
     ]
-    for _, alike in itertools.groupby(sorted(map(in_order, laws), key=len), len):
+    for _, alike in itertools.groupby(
+        followed(sorted(map(in_order, laws), key=len), len(laws), "laws"), len
+    ):
         enough = [set(e.terms) for e in tests if e.p > ALPHA / len(laws)]
         for kept in alike:
             # a smaller law may be the one: only what more terms would add to it is of interest

@@ -14,7 +14,7 @@ from ..features import Phase
 from ..law.law import Law, law_of
 from ..motion.jit import interpreted
 from ..project.wording import visible
-from ..records.limits import LARGEST
+from ..records.errors import LARGEST
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, read_records
 from .decays import identify_ring_downs
@@ -169,15 +169,24 @@ _CONFIGURED = {"stiffness_N_per_m": "stiffness", "mass_kg": "mass", "frequency_h
 _OF_THE_WORKFLOW = ("name", "records")
 
 
+def of_forced_only(settings: Mapping[str, Any]) -> list[str]:
+    """The keys of a set of records in a configuration that mean nothing for its kind, free decays."""
+    if settings.get("kind") != "ring-down":
+        return []
+    taken = (*_OF_THE_WORKFLOW, "kind", *_DECAY_OPTIONS)
+    return [key for key, value in settings.items() if value is not None and key not in taken]
+
+
 def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The arguments of `identify` that a set of records in a configuration states, except the records."""
+    """The arguments of `identify` that a set of records in a configuration states, except the records; they are forced
+    unless it states another kind."""
     arguments = {
         _CONFIGURED.get(key, key): value
         for key, value in settings.items()
         if value is not None and key not in _OF_THE_WORKFLOW
     }
     error = arguments.pop("stiffness_standard_error_N_per_m", 0.0)
-    return arguments | {"stiffness": (arguments["stiffness"], error)}
+    return {"kind": "forced"} | arguments | {"stiffness": (arguments["stiffness"], error)}
 
 
 @interpreted(calls=QUICK)  # whatever was compiled before: the last bits may differ

@@ -15,10 +15,18 @@ def pictures_of(figures: Iterable[str]) -> tuple[str, ...]:
     return tuple(f"{name}.{suffix}" for name in figures for suffix in ("svg", "png"))
 
 
-OUTPUTS = (*TABLES, *pictures_of(("cycles", "loops", "balance")))
-"""The files that an identification of forced records is written to."""
+PICTURES = {"forced": ("cycles", "loops", "balance"), "ring-down": ("decays",)}
+"""The pictures of each kind of records."""
 
-ALL_PICTURES = pictures_of(("cycles", "loops", "balance", "decays"))
+
+def outputs_of(kind: str) -> tuple[str, ...]:
+    """The files that an identification of records of a kind is written to."""
+    return (*TABLES, *pictures_of(PICTURES[kind]))
+
+
+OUTPUTS = outputs_of("forced")
+
+ALL_PICTURES = pictures_of(name for names in PICTURES.values() for name in names)
 """The files of the pictures of any kind of records."""
 
 

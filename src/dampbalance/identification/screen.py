@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from ..reading.climb import OscillatorFit
+from ..reading.oscillator_fit import OscillatorFit
 from .answer import Answer, ParameterEstimate, Verdict, unit_of
 from .law_comparison import LawComparison, Probability
 from .outcome import Outcome
@@ -22,7 +22,7 @@ _MANTISSA = 6  # decimals of a number with a power of ten
 
 def text(outcome: Outcome) -> str:
     """For a screen: the answers with their 95 % intervals and verdicts, a line each, then what limits them."""
-    lines = [outcome.head, "", *_aligned(_table(outcome.answers)), "", *outcome.rig]
+    lines = [outcome.head, "", *aligned(_table(outcome.answers)), "", *outcome.rig]
     comparison = _comparison(outcome.laws)
     lines += ["", *comparison] if comparison else []
     sentences = _limits(outcome)
@@ -53,7 +53,7 @@ def html(outcome: Outcome) -> str:
     return f"<div>{''.join(parts)}</div>"
 
 
-def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
+def aligned(table: Sequence[Sequence[str]]) -> list[str]:
     """The lines of a table with columns of equal width."""
     widths = [max(len(line[i]) for line in table) for i in range(len(table[0]))]
     return [
@@ -66,7 +66,7 @@ def _table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
     """The values with their intervals and verdicts, a line for each answer below a line of heads."""
     symbols = dict.fromkeys(s for answer in answers.values() for s in answer.parameters)
     order = sorted(symbols, key=lambda symbol: symbol == "K_z")  # the contact last
-    lines = [("", *map(_headed, order), "verdict")]
+    lines = [("", *map(headed, order), "verdict")]
     for name, answer in answers.items():
         cells = (with_interval(p) if (p := answer.parameters.get(s)) else "" for s in order)
         lines.append((name + " *" * bool(answer.notes), *cells, in_one(answer.verdicts)))
@@ -101,7 +101,7 @@ def _comparison(laws: LawComparison | None) -> list[str]:
         *(f"{words[0].upper()}{words[1:]}." for words in laws.words()),
         f"Probability in noise of what each law leaves, of the {' and of the '.join(laws.names)}:",
         "",
-        *_aligned(table),
+        *aligned(table),
     ]
 
 
@@ -150,7 +150,7 @@ def with_interval(parameter: ParameterEstimate) -> str:
     return f"{_rounded(value, half)} [{_rounded(low, half)}, {_rounded(high, half)}]"
 
 
-def _headed(symbol: str) -> str:
+def headed(symbol: str) -> str:
     """F_k (N): the head of a column of a table."""
     unit = unit_of(symbol)
     return f"{symbol} ({unit})" if unit else symbol

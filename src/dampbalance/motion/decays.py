@@ -1,9 +1,14 @@
-"""Free decays with their exact derivatives by the oscillator and the start state.
+"""Free decays with their exact derivatives by the oscillator and the start state, and the products of these.
 
 The base is at rest. Within a phase u = x − x(0) follows u = v₀ S + f₀ J with the step response J and the impulse
 response S = J̇ of `flow`, which depend on δ = c/(2m) and Ω² = κ/m; their derivatives are closed forms as well. From one
 phase to the next the derivatives of x and ẋ at a fixed time are continuous, since the force of the contact is; where
 the mass turns, that of the contact spring becomes ±∂(F_k/K_z).
+
+A fit needs JᵀJ, Jᵀr and rᵀr alone. In a phase the residual (model − sample) and its derivatives are linear in six
+functions of time: the responses to ẋ(0) and f₀, the derivatives by δ and Ω², 1, and the residual. Their products are
+summed over the samples of the phase, e^{−δt} cos and sin advanced from sample to sample by a rotation, and taken to the
+unknowns once per phase.
 """
 
 from __future__ import annotations
@@ -14,7 +19,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..model import Parameters
-from .events import read_phase
+from .events import read_phase, run
 from .flow import step_response
 from .jit import jit
 
@@ -25,49 +30,81 @@ COMMON_UNKNOWNS, STATE_UNKNOWNS = 4, 3
 """How many of these belong to the oscillator, and to the start state."""
 
 _F_K, _C, _RHO, _M, _X, _V, _W = range(7)
+_OfPhase = tuple[float, float, float, float]  # ẋ(0), f₀, δ, Ω²
 _CRITICAL_BELOW = 0.05  # of |Ω² − δ²| t²: four terms of the series in it are then exact to 1e-11
+
+MOST_PHASES = 4096
+"""Of a decay: a motion that slips more often than that is none."""
+
+DECAY, ORDER, OFFSET, FIRST, STEP, NOISE, BEGIN, END = range(8)
+"""Columns of the table of channels: number of the decay, order of the derivative, number of the offset, time of the
+first sample after the start of the decay, s, interval, s, standard deviation of the noise, and the samples' places."""
+
+# Unknowns of one decay without its offset, which follows, and the residual.
+_OWN = COMMON_UNKNOWNS + STATE_UNKNOWNS
+_UNDER = 0.999  # of the critical damping: below it the responses are advanced by a rotation
+_CHORD = 3e-2  # of ρ√k, K_z = 1100 k
+# A motion with more phases than that for its samples is none that they show.
+_FEW_PHASES, _PER_PHASE = 64, 4
 
 
 @jit
-def responses(t: float, delta: float, Omega2: float) -> tuple[float, ...]:
-    """J, S, R and their derivatives by δ, then by Ω², at time t ≥ 0."""
-    J, S, R = step_response(t, delta, Omega2)
+def contact_chord(rho: float, k: float) -> float:
+    """The step in ρ over which its derivative is taken; 0 where that is the derivative itself.
+
+    Close to a rigid contact the motion depends on K_z^{−1} = ρ², and a chord replaces the slope, which vanishes.
+    """
+    chord = _CHORD / math.sqrt(k)
+    return chord if rho < 0.3 * chord else 0.0
+
+
+@jit
+def _impulse_by_stiffness(
+    t: float, S: float, e_cosine: float, delta: float, Omega2: float
+) -> float:
+    """∂S/∂Ω² at time t of a phase.   e_cosine : e^{−δt} cos √(Ω² − δ²) t."""
     q = Omega2 - delta * delta
-    e_cosine = R + delta * S  # e^{−δt} cos √q t
     z = q * t * t
     if abs(z) < _CRITICAL_BELOW:
         series = -1.0 / 6.0 + z * (1.0 / 60.0 - z * (1.0 / 1680.0 - z / 90720.0))
-        S_O = math.exp(-delta * t) * t**3 * series
-    else:
-        S_O = (t * e_cosine - S) / (2.0 * q)
-    S_d = -t * S - 2.0 * delta * S_O
-    J_O = (0.5 * t * S - delta * S_O - J) / Omega2
-    J_d = (t * e_cosine - delta * t * S - S - delta * S_d) / Omega2
-    R_O = -2.0 * delta * S_O - J - Omega2 * J_O
-    R_d = -2.0 * S - 2.0 * delta * S_d - Omega2 * J_d
-    return J, S, R, J_d, S_d, R_d, J_O, S_O, R_O
+        return math.exp(-delta * t) * t**3 * series
+    return (t * e_cosine - S) / (2.0 * q)
 
 
 @jit
 def _weights(
-    t: float, order: int, v0: float, f0: float, delta: float, Omega2: float
-) -> tuple[float, float, float, float, float, float]:
-    """At time t of a phase, u, ẋ or ẍ (order 0, 1, 2), and its derivatives by x(0), ẋ(0), f₀, δ and Ω²."""
-    J, S, R, J_d, S_d, R_d, J_O, S_O, R_O = responses(t, delta, Omega2)
+    t: float, order: int, response: tuple[float, float, float, float], phase: _OfPhase
+) -> tuple[float, float, float, float, float]:
+    """At time t of a phase, u, ẋ or ẍ (order 0, 1, 2), and its derivatives by ẋ(0), f₀, δ and Ω².
+
+    response : J, S, R and ∂S/∂Ω².   phase : ẋ(0), f₀, δ, Ω².
+    """
+    (J, S, R, S_O), (v0, f0, delta, Omega2) = response, phase
+    S_d = -t * S - 2.0 * delta * S_O
+    J_O = (0.5 * t * S - delta * S_O - J) / Omega2
+    J_d = (t * R - S - delta * S_d) / Omega2
     u, u_d, u_O = v0 * S + f0 * J, v0 * S_d + f0 * J_d, v0 * S_O + f0 * J_O
     if order == 0:
-        return u, 1.0, S, J, u_d, u_O
+        return u, S, J, u_d, u_O
+    R_O = -2.0 * delta * S_O - J - Omega2 * J_O
+    R_d = -2.0 * (S + delta * S_d) - Omega2 * J_d
     v, v_d, v_O = v0 * R + f0 * S, v0 * R_d + f0 * S_d, v0 * R_O + f0 * S_O
     if order == 1:
-        return v, 0.0, R, S, v_d, v_O
+        return v, R, S, v_d, v_O
     return (
         f0 - 2.0 * delta * v - Omega2 * u,
-        0.0,
         -2.0 * delta * R - Omega2 * S,
         R,
         -2.0 * (v + delta * v_d) - Omega2 * u_d,
         -u - 2.0 * delta * v_O - Omega2 * u_O,
     )
+
+
+@jit
+def _response(t: float, delta: float, Omega2: float) -> tuple[float, float, float, float]:
+    """J, S, R and ∂S/∂Ω² at time t ≥ 0 of a phase."""
+    J, S, R = step_response(t, delta, Omega2)
+    return J, S, R, _impulse_by_stiffness(t, S, R + delta * S, delta, Omega2)
 
 
 @jit
@@ -108,15 +145,14 @@ def phase_slopes(phases: Array, w: float, par: Parameters) -> Array:
             break
         t = phases[i + 1, 0] - phases[i, 0]
         for order in range(2):
-            _, x, v, f, d, O = _weights(t, order, v0, f0, delta, Omega2)
+            phase = (v0, f0, delta, Omega2)
+            _, v, f, d, O = _weights(t, order, _response(t, delta, Omega2), phase)
             for j in range(7):
                 slopes[i + 1, order, j] = (
-                    x * here[0, j]
-                    + v * here[1, j]
-                    + f * here[2, j]
-                    + d * here[3, j]
-                    + O * here[4, j]
+                    v * here[1, j] + f * here[2, j] + d * here[3, j] + O * here[4, j]
                 )
+                if order == 0:
+                    slopes[i + 1, order, j] += here[0, j]
         _, s, x0, v0, z0 = read_phase(phases, i + 1)
         side, by_w = 1.0 if z0 > 0.0 else -1.0, 0.0
     return slopes
@@ -138,11 +174,174 @@ def decay_samples(times: Array, order: int, phases: Array, slopes: Array, par: P
             start, s, x0, v0, z0 = read_phase(phases, i)
             f0, delta, Omega2 = phase_start_of(s, x0, z0, par)
             stop = phases[i + 1, 0] if i + 1 < phases.shape[0] else math.inf
-        value, x, v, f, d, O = _weights(times[n] - start, order, v0, f0, delta, Omega2)
+        t = times[n] - start
+        response = _response(t, delta, Omega2)
+        value, v, f, d, O = _weights(t, order, response, (v0, f0, delta, Omega2))
         out[n, 0] = x0 + value if order == 0 else value
         here = slopes[i]
         for j in range(7):
-            out[n, j + 1] = (
-                x * here[0, j] + v * here[1, j] + f * here[2, j] + d * here[3, j] + O * here[4, j]
-            )
+            out[n, j + 1] = v * here[1, j] + f * here[2, j] + d * here[3, j] + O * here[4, j]
+            if order == 0:
+                out[n, j + 1] += here[0, j]
     return out
+
+
+@jit
+def _add_phase(
+    sums: Array,
+    values: Array,
+    times: tuple[float, float],
+    order: int,
+    rest: float,
+    phase: _OfPhase,
+) -> None:
+    """Set sums (6, 6) to the products of the six functions over the samples of a phase, lower triangle.
+
+    times : of the first sample, s from the start of the phase, and interval.   rest : what u, ẋ or ẍ lacks of a sample.
+    """
+    _, _, delta, Omega2 = phase
+    t, step = times
+    under = delta < _UNDER * math.sqrt(Omega2)
+    w = math.sqrt(Omega2 - delta * delta) if under else 1.0
+    decay = math.exp(-delta * t)
+    cosine, sine = decay * math.cos(w * t), decay * math.sin(w * t)
+    decay = math.exp(-delta * step)
+    turn_c, turn_s = decay * math.cos(w * step), decay * math.sin(w * step)
+    f = np.empty(6)
+    for i in range(6):
+        for j in range(i + 1):
+            sums[i, j] = 0.0
+    for n in range(values.size):
+        if under:
+            S = sine / w
+            J, S_O = (1.0 - cosine - delta * S) / Omega2, (t * cosine - S) / (2.0 * w * w)
+            response = (J, S, cosine - delta * S, S_O)
+            cosine, sine = cosine * turn_c - sine * turn_s, cosine * turn_s + sine * turn_c
+        else:
+            response = _response(t, delta, Omega2)
+        value, f[0], f[1], f[2], f[3] = _weights(t, order, response, phase)
+        f[4], f[5] = 1.0, value + rest - values[n]
+        t += step
+        for i in range(6):
+            for j in range(i + 1):
+                sums[i, j] += f[i] * f[j]
+
+
+@jit
+def _add_channel(
+    own: Array,
+    values: Array,
+    channel: Array,
+    level: float,
+    phases: Array,
+    slopes: Array,
+    par: Parameters,
+) -> None:
+    """Set own (9, 9) to the products over the samples of a channel, by the unknowns of its decay, its offset and the
+    residual, lower triangle."""
+    order, first, step = int(channel[ORDER]), channel[FIRST], channel[STEP]
+    weight = channel[NOISE] ** -2
+    size = _OWN + 2
+    sums, to, half = np.empty((6, 6)), np.zeros((6, size)), np.empty((6, size))
+    to[4, _OWN] = to[5, _OWN + 1] = 1.0
+    for a in range(size):
+        for b in range(a + 1):
+            own[a, b] = 0.0
+    n = 0
+    for i in range(phases.shape[0]):
+        begin, s, x0, v0, z0 = read_phase(phases, i)
+        stop = values.size
+        if i + 1 < phases.shape[0]:
+            stop = min(max(math.ceil((phases[i + 1, 0] - first) / step), n), stop)
+        if stop == n:
+            continue
+        f0, delta, Omega2 = phase_start_of(s, x0, z0, par)
+        rest = level + x0 if order == 0 else level
+        times = (first + n * step - begin, step)
+        _add_phase(sums, values[n:stop], times, order, rest, (v0, f0, delta, Omega2))
+        n = stop
+        for b in range(_OWN):
+            for a in range(4):
+                to[a, b] = slopes[i, a + 1, b]
+            if order == 0:
+                to[4, b] = slopes[i, 0, b]
+        for a in range(6):
+            for b in range(size):
+                half[a, b] = 0.0
+                for j in range(6):
+                    half[a, b] += (sums[a, j] if j <= a else sums[j, a]) * to[j, b]
+        for a in range(size):
+            for b in range(a + 1):
+                total = 0.0
+                for j in range(6):
+                    total += to[j, a] * half[j, b]
+                own[a, b] += weight * total
+
+
+@jit
+def decay_products(
+    point: Array, k: float, offsets: int, channels: Array, values: Array, rows: Array, out: Array
+) -> bool:
+    """Set out (p + 1, p + 1) to the products of the derivatives of all residuals (model − sample)/σ by unknowns and
+    of the residuals: JᵀJ, Jᵀr and, in the last corner, χ². False where the contact rattles on.
+
+    point : F_k, c, ρ, m, the offsets of the channels, and the start state x, ẋ, w of each decay.
+    offsets : number of offsets.   channels : table, decay by decay.   values : samples of all of them.
+    rows : room for phases.
+    """
+    p, decay, state, count = point.size, -1, 0, 0
+    for a in range(p + 1):
+        for b in range(p + 1):
+            out[a, b] = 0.0
+    own, places = np.empty((_OWN + 2, _OWN + 2)), np.empty(_OWN + 2, dtype=np.int64)
+    slopes = np.empty((0, 5, _OWN))
+    rho = point[_RHO]
+    par = Parameters(point[_M], point[_C], k, rho**-2, point[_F_K], 0.0, 0.0)
+    for i in range(channels.shape[0]):
+        channel = channels[i]
+        begin, end = int(channel[BEGIN]), int(channel[END])
+        if channel[DECAY] != decay:
+            decay = int(channel[DECAY])
+            state = COMMON_UNKNOWNS + offsets + STATE_UNKNOWNS * decay
+            count = _phases_of(point, state, channels, i, rows, par)
+            if count < 0:
+                return False
+            slopes = phase_slopes(rows[:count], point[state + 2], par)
+        offset = COMMON_UNKNOWNS + int(channel[OFFSET])
+        _add_channel(own, values[begin:end], channel, point[offset], rows[:count], slopes, par)
+        for a in range(_OWN):
+            places[a] = a if a < COMMON_UNKNOWNS else state + a - COMMON_UNKNOWNS
+        places[_OWN], places[_OWN + 1] = offset, p
+        for a in range(_OWN + 2):
+            for b in range(a + 1):
+                out[max(places[a], places[b]), min(places[a], places[b])] += own[a, b]
+    chord = contact_chord(rho, k)
+    total = 0.0
+    for a in range(p + 1):
+        for b in range(a + 1):
+            if chord > 0.0:
+                stretch = 1.0 + 0.5 * chord / rho
+                out[a, b] *= (stretch if a == _RHO else 1.0) * (stretch if b == _RHO else 1.0)
+            out[b, a] = out[a, b]
+            total += out[a, b]
+    return math.isfinite(total)
+
+
+@jit
+def _phases_of(
+    point: Array, state: int, channels: Array, i: int, rows: Array, par: Parameters
+) -> int:
+    """Number of phases, written to rows, up to the last sample of the decay whose first channel is i; −1 where its
+    contact rattles on.   state : place of its start state in the point."""
+    until, samples, j = channels[i, STEP], 0, i
+    while j < channels.shape[0] and channels[j, DECAY] == channels[i, DECAY]:
+        size = int(channels[j, END] - channels[j, BEGIN])
+        until = max(until, channels[j, FIRST] + (size - 1) * channels[j, STEP])
+        samples += size
+        j += 1
+    x, v, w = point[state], point[state + 1], point[state + 2]
+    Z_m = par.F_k / par.K_z
+    z = min(max((w - 1.0) * Z_m, -Z_m), Z_m)
+    most = min(rows.shape[0], _FEW_PHASES + samples // _PER_PHASE)
+    count, reached, _, _, _ = run(x, v, z, 0.0, until, 0.0, par, rows[:most])
+    return count if reached >= until else -1

@@ -57,10 +57,11 @@ def _motion(t: float, phase: Phase) -> _Motion:
 
 
 @jit
-def _locate(which: int, level: float, low: float, high: float, phase: Phase) -> float:
-    """Time at which the derivative of u of order `which`, 0 to 3, crosses `level`; it is beyond it at `high` alone."""
+def locate(which: int, level: float, low: float, high: float, start: float, phase: Phase) -> float:
+    """Time at which the derivative of u of order `which`, 0 to 3, crosses `level`, by Newton's method kept inside the
+    bracket; it is beyond the level at `high` alone.   start : a time near it; one outside stands for the middle."""
     beyond = _motion(high, phase)[which] > level
-    t = 0.5 * (low + high)
+    t = start if low < start < high else 0.5 * (low + high)
     for _ in range(100):
         values = _motion(t, phase)
         error, slope = values[which] - level, values[which + 1]
@@ -92,12 +93,12 @@ def _turns(
     if start == 0.0:  # from rest: the slope just after
         start = bend_start
     if start * end < 0.0:
-        return _locate(slope, 0.0, low, high, phase), high
+        return locate(slope, 0.0, low, high, 0.0, phase), high
     if start * bend_start < 0.0 < end * bend_end:  # the slope falls towards zero and rises again
-        between = _locate(slope + 1, 0.0, low, high, phase)
+        between = locate(slope + 1, 0.0, low, high, 0.0, phase)
         if start * _motion(between, phase)[slope] < 0.0:
-            first = _locate(slope, 0.0, low, between, phase)
-            return first, _locate(slope, 0.0, between, high, phase)
+            first = locate(slope, 0.0, low, between, 0.0, phase)
+            return first, locate(slope, 0.0, between, high, 0.0, phase)
     return high, high
 
 
@@ -124,33 +125,6 @@ def _first_turn(v0: float, f0: float, delta: float, w: float) -> tuple[float, fl
 
 
 @jit
-def _crossing(level: float, low: float, high: float, phase: Phase) -> float:
-    """Time at which u of a free motion, monotone between two times, the second one a turn, crosses `level`."""
-    u_low, u_high = move(low, phase)[0], move(high, phase)[0]
-    rises = u_high > u_low
-    # as if it were not damped and turned at `high`
-    rest = phase.f0 / phase.Omega2
-    cosine = (level - rest) / (u_high - rest) if u_high != rest else 0.0
-    t = high - math.acos(min(max(cosine, -1.0), 1.0)) / math.sqrt(phase.Omega2)
-    if not low < t < high:
-        t = 0.5 * (low + high)
-    for _ in range(100):
-        u, v = move(t, phase)
-        if u == level:
-            break
-        if (u > level) == rises:
-            high = t
-        else:
-            low = t
-        newton = t - (u - level) / v if v != 0.0 else low
-        before = t
-        t = newton if low < newton < high else 0.5 * (low + high)
-        if abs(t - before) <= 2.3e-16 * high or high - low <= 2.3e-16 * high:
-            break
-    return t
-
-
-@jit
 def _free_end(s: float, lower: float, upper: float, phase: Phase) -> tuple[float, float]:
     """(duration, level) of a phase of a free under-damped motion; infinite where it lasts.
 
@@ -169,7 +143,11 @@ def _free_end(s: float, lower: float, upper: float, phase: Phase) -> tuple[float
         u = move(turn, phase)[0]
         level = upper if side > 0.0 else lower
         if side * (u - level) > 0.0:
-            return _crossing(level, low, turn, phase), level
+            # as if it were not damped and turned there
+            rest = f0 / Omega2
+            cosine = (level - rest) / (u - rest) if u != rest else 0.0
+            near = turn - math.acos(min(max(cosine, -1.0), 1.0)) / math.sqrt(Omega2)
+            return locate(int(s), level, low, turn, near, phase), level  # s is 0
         low, turn, side = turn, turn + math.pi / w, -side
     return math.inf, 0.0
 
@@ -222,7 +200,7 @@ def phase_end(
             if inside == 0.0 and (at_low[which] == lower or at_low[which] == upper):
                 inside = _just_inside(which, lower, upper, out, phase)
             level = upper if value > upper else lower
-            t = _locate(which, level, inside, out, phase)
+            t = locate(which, level, inside, out, 0.0, phase)
             if s == 0.0:
                 return t, x + level, _motion(t, phase)[1], (Z_m if level == upper else -Z_m)
             return t, x + _motion(t, phase)[0], 0.0, s * Z_m

@@ -26,7 +26,6 @@ resonance the same d m ω² h. `tests/unit/motion/test_fixed_step.py` measures a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -37,9 +36,6 @@ from ..arrays import Array
 from ..model import BaseMotion, Oscillator, Parameters, parameters
 from ..record import Record
 from .jit import jit
-
-Step = Callable[[Array, Array, Array, float], Array]
-"""One step (u, p, A, h) → u at its end; p : force per mass at its start, middle and end, m/s², shape (3,)."""
 
 MIN_STICK_SAMPLES = 20
 """Fewest samples of a stick phase that reaches from −Z_m to +Z_m.
@@ -59,12 +55,12 @@ class StepTooCoarse(ValueError):
 class Scheme:
     """A fixed-step scheme and what it does to a smooth solution.
 
-    step : one step of it.   order : of its error at a fixed time, error ∝ h^order.
+    code : what `one_step` calls it.   order : of its error at a fixed time, error ∝ h^order.
     dissipation : d above, the damping c + d m ω² h that its steady motion has.
     velocity_lag : how many steps the velocity it returns is older than the displacement.
     """
 
-    step: Step
+    code: int
     order: int
     dissipation: float = 0.0
     velocity_lag: float = 0.0
@@ -79,48 +75,45 @@ class Scheme:
         return osc.m * h * (self.dissipation * omega**2 - lagging)
 
 
-def _explicit_euler(u: Array, p: Array, A: Array, h: float) -> Array:
-    return u + h * _rate(u, p[0], A)
-
-
-def _semi_implicit_euler(u: Array, p: Array, A: Array, h: float) -> Array:
-    v = u[1] + h * _rate(u, p[0], A)[1]
-    return np.array([u[0] + h * v, v])
-
-
-def _backward_euler(u: Array, p: Array, A: Array, h: float) -> Array:
-    return _solved(np.eye(2) - h * A, u + h * np.array([0.0, p[2]]))
-
-
-def _trapezoidal(u: Array, p: Array, A: Array, h: float) -> Array:
-    right = u + 0.5 * h * (_rate(u, p[0], A) + np.array([0.0, p[2]]))
-    return _solved(np.eye(2) - 0.5 * h * A, right)
-
-
-def _runge_kutta_4(u: Array, p: Array, A: Array, h: float) -> Array:
-    k1 = _rate(u, p[0], A)
-    k2 = _rate(u + 0.5 * h * k1, p[1], A)
-    k3 = _rate(u + 0.5 * h * k2, p[1], A)
-    k4 = _rate(u + h * k3, p[2], A)
-    return u + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-
-
-def _solved(matrix: Array, right: Array) -> Array:
-    return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
-
-
-def _rate(u: Array, p: float, A: Array) -> Array:
-    rate: Array = A @ u + np.array([0.0, p])
-    return rate
-
+_BACKWARD, _TRAPEZOIDAL, _SEMI_IMPLICIT, _RK4, _EXPLICIT = range(5)
 
 SCHEMES: dict[str, Scheme] = {
-    "backward-euler": Scheme(_backward_euler, order=1, dissipation=+1.0, velocity_lag=+0.5),
-    "trapezoidal": Scheme(_trapezoidal, order=2),
-    "semi-implicit-euler": Scheme(_semi_implicit_euler, order=1, velocity_lag=+0.5),
-    "rk4": Scheme(_runge_kutta_4, order=4),
-    "explicit-euler": Scheme(_explicit_euler, order=1, dissipation=-1.0, velocity_lag=-0.5),
+    "backward-euler": Scheme(_BACKWARD, order=1, dissipation=+1.0, velocity_lag=+0.5),
+    "trapezoidal": Scheme(_TRAPEZOIDAL, order=2),
+    "semi-implicit-euler": Scheme(_SEMI_IMPLICIT, order=1, velocity_lag=+0.5),
+    "rk4": Scheme(_RK4, order=4),
+    "explicit-euler": Scheme(_EXPLICIT, order=1, dissipation=-1.0, velocity_lag=-0.5),
 }
+
+
+@jit
+def one_step(
+    code: int, u: tuple[float, float], p: tuple[float, float, float], C: float, K: float, h: float
+) -> tuple[float, float]:
+    """u = (x, v) after a step h of the scheme with this code, from u at its start.
+
+    p : force per mass at the start, middle and end of the step, m/s².   C : 1/s.   K : 1/s².   h : s.
+    """
+    (x, v), (at_start, at_middle, at_end) = u, p
+    if code == _RK4:
+        v1, a1 = v, at_start - C * v - K * x
+        v2, a2 = v + 0.5 * h * a1, at_middle - C * (v + 0.5 * h * a1) - K * (x + 0.5 * h * v1)
+        v3, a3 = v + 0.5 * h * a2, at_middle - C * (v + 0.5 * h * a2) - K * (x + 0.5 * h * v2)
+        v4, a4 = v + h * a3, at_end - C * (v + h * a3) - K * (x + h * v3)
+        return (
+            x + h / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4),
+            v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4),
+        )
+    acceleration = at_start - C * v - K * x
+    if code == _SEMI_IMPLICIT:
+        v += h * acceleration
+        return x + h * v, v
+    # u' − g (A u' + p') = u + (h − g) (A u + p), g the implicit part of the step
+    implicit = h if code == _BACKWARD else 0.5 * h if code == _TRAPEZOIDAL else 0.0
+    x += (h - implicit) * v
+    v += (h - implicit) * acceleration
+    v = (v + implicit * (at_end - K * x)) / (1.0 + implicit * C + implicit * implicit * K)
+    return x + implicit * v, v
 
 
 def simulate(
@@ -161,7 +154,6 @@ def simulate(
     K = osc.k / osc.m if k_over_m is None else number("k_over_m", k_over_m)
     K_z, F = osc.K_z / osc.m, osc.F_k / osc.m
     unit_mass = Parameters(1.0, C, K, K_z, F, motion.Y, motion.omega)
-    laws = np.stack([_linear_map(SCHEMES[scheme].step, C, k, step) for k in (K, K + K_z)])
     per_cycle = motion.period / step
     if cycles * per_cycle > _MOST_SAMPLES:
         raise ValueError(
@@ -169,7 +161,9 @@ def simulate(
             "fewer cycles or a longer step"
         )
     first, last = math.floor((cycles - keep_cycles) * per_cycle), math.ceil(cycles * per_cycle)
-    shortest, (x, v, acceleration) = _march(laws, unit_mass, step, first, last)
+    signals = np.empty((4, last - first + 1))
+    shortest = march(SCHEMES[scheme].code, unit_mass, step, first, signals)
+    _, x, *_ = signals
     if not np.all(np.isfinite(x)) or np.max(np.abs(x)) > 1e6 * motion.Y:
         raise StepTooCoarse(
             f"{scheme} with a step of {step:g} s is unstable here: take a smaller step"
@@ -181,7 +175,7 @@ def simulate(
             f"take a step of at most {wanted:.2g} s"
         )
     t: Array = step * np.arange(first, last + 1, dtype=np.float64)
-    return Record(t, motion.y(t), x, v, acceleration)
+    return Record(t, *signals)
 
 
 def largest_growth(
@@ -191,14 +185,21 @@ def largest_growth(
 
     step : s.   c_over_m : 1/s.   k_over_m, contact_over_m : k/m and, in stick, K_z/m, 1/s².
     """
-    law = _linear_map(SCHEMES[scheme].step, c_over_m, k_over_m + contact_over_m, step)
+    law = _linear_map(SCHEMES[scheme].code, c_over_m, k_over_m + contact_over_m, step)
     return max(1.0, float(np.max(np.abs(np.linalg.eigvals(law[:, :2])))))
 
 
-def _linear_map(step: Step, C: float, K: float, h: float) -> Array:
+@jit
+def _linear_map(code: int, C: float, K: float, h: float) -> Array:
     """The (2, 5) matrix of one step, on (u, p): its columns are the steps of unit vectors."""
-    A = np.array([[0.0, 1.0], [-K, -C]])
-    return np.column_stack([step(unit[:2], unit[2:], A, h) for unit in np.eye(5)])
+    law, unit = np.empty((2, 5)), np.zeros(5)
+    for i in range(5):
+        unit[:] = 0.0
+        unit[i] = 1.0
+        law[0, i], law[1, i] = one_step(
+            code, (unit[0], unit[1]), (unit[2], unit[3], unit[4]), C, K, h
+        )
+    return law
 
 
 class _Contact(NamedTuple):
@@ -224,42 +225,43 @@ def _after(x: float, v: float, contact: _Contact, Z_m: float) -> _Contact:
 
 
 @jit
-def _march(laws: Array, par: Parameters, h: float, first: int, last: int) -> tuple[int, Array]:
-    """Step an oscillator of unit mass from rest to sample `last`: (samples of the shortest stick phase, the samples
-    of x, ẋ, ẍ from `first` on, shape (3, n)).
+def march(code: int, par: Parameters, h: float, first: int, out: Array) -> int:
+    """Step an oscillator of unit mass from rest: the number of samples of the shortest stick phase.
 
-    laws (2, 2, 5) : `_linear_map` in slip [0] and in stick [1].   h : step, s.
+    code : of the scheme.   h : step, s.   out (4, n) : receives y, x, ẋ, ẍ at the samples from `first` on.
     A stick phase counts when it begins among the kept samples and ends on the other side of the spring; without one
     that is shorter the number is MIN_STICK_SAMPLES.
     """
     Z_m, drive = par.F_k / par.K_z, par.k * par.Y
-    uses_middle = laws[0, 0, 3] != 0.0 or laws[0, 1, 3] != 0.0
-    out = np.empty((3, last - first + 1))
+    slip = _linear_map(code, par.c, par.k, h)
+    stick = _linear_map(code, par.c, par.k + par.K_z, h)
+    uses_middle = code == _RK4
     x = v = p_middle = 0.0
     p_end = drive
     contact = _Contact(par.F_k > 0.0, 0.0, 0.0, 0.0)
     began, shortest = -1, MIN_STICK_SAMPLES
     if first == 0:
-        out[0, 0], out[1, 0], out[2, 0] = x, v, drive
-    for n in range(1, last + 1):
+        out[0, 0], out[1, 0], out[2, 0], out[3, 0] = par.Y, x, v, drive
+    for n in range(1, first + out.shape[1]):
         sticks, direction, X_t, z_0 = contact
         force = -par.K_z * (z_0 - X_t) if sticks else -direction * par.F_k
-        p_start, p_end = p_end, drive * math.cos(par.omega * (n * h))
+        turn = math.cos(par.omega * (n * h))
+        p_start, p_end = p_end, drive * turn
         if uses_middle:
             p_middle = drive * math.cos(par.omega * ((n - 0.5) * h))
         q0, q1, q2 = p_start + force, p_middle + force, p_end + force
-        m = laws[1 if sticks else 0]
+        m = stick if sticks else slip
         x, v = (
             m[0, 0] * x + m[0, 1] * v + m[0, 2] * q0 + m[0, 3] * q1 + m[0, 4] * q2,
             m[1, 0] * x + m[1, 1] * v + m[1, 2] * q0 + m[1, 3] * q1 + m[1, 4] * q2,
         )
         if n >= first:
             stiffness = par.k + par.K_z if sticks else par.k
-            out[0, n - first], out[1, n - first] = x, v
-            out[2, n - first] = q2 - par.c * v - stiffness * x
+            out[0, n - first], out[1, n - first], out[2, n - first] = par.Y * turn, x, v
+            out[3, n - first] = q2 - par.c * v - stiffness * x
         contact = _after(x, v, contact, Z_m)
         if contact.sticks and not sticks:
             began = n
         elif sticks and not contact.sticks and began >= first and contact.direction == -direction:
             shortest = min(shortest, n - began)
-    return shortest, out
+    return shortest

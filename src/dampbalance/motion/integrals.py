@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, Complexes
+from ..arrays import Array
 from ..model import Parameters
-from .events import PHASE_T, PHASE_V, PHASE_X, PHASE_Z, read_phase
+from .events import PHASE_V, PHASE_X, PHASE_Z, locate, read_phase
 from .flow import Phase, inverse, move, phase_start, unit
 from .jit import jit
 
@@ -85,7 +85,7 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
         duration = t_end - t
         phase = phase_start(s, x, v, z, turn, par)
         if x < 0.0 <= x_end and math.isnan(t_zero):
-            t_zero = t + _time_of(-x, duration, phase)
+            t_zero = t + locate(0, -x, 0.0, duration, 0.0, phase)
         undamped = 2.0 * phase.delta * duration < _UNDAMPED_BELOW
         forced = square = 0.0
         one = three = five = 0j
@@ -110,92 +110,10 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
     return Measures(X, X_s, V_s, t_s, phi, crossing, a, b, W, X_1, phi_1, X_3, phi_3, X_5, phi_5)
 
 
-def harmonics(phases: Array, theta: float, par: Parameters, count: int) -> Complexes:
-    """x_n of x = Re Σ x_n e^{inωt}, y = Y cos ωt, for n = 1, 3 … 2 count − 1, m, shape (count,).
-
-    phases, theta : all phases of the half cycle, as in `measure`.   The contact force K_z z changes in stick alone,
-    where ż = ẋ, and the equation of motion does the rest:
-
-        (k − n²ω²m + inωc) x_n = kY δ_n1 − f_n,      f_n = 2K_z/(iπn) ∫ ẋ e^{−inωt} dt over stick in half a cycle
-
-    by Gauss's rule, exact to rounding whatever the damping.
-    """
-    values, turns = _in_stick(phases, theta, par, count)
-    terms = np.empty((turns.size, count), dtype=np.complex128)
-    terms[:, :1], terms[:, 1:] = (values * turns)[:, None], (turns * turns)[:, None]
-    integrals = np.multiply.accumulate(terms, axis=1).sum(axis=0)
-    n = np.arange(1.0, 2.0 * count, 2.0)
-    force = 2j * par.K_z / (math.pi * n) * integrals  # −f_n
-    force[:1] += par.k * par.Y
-    impedance = par.k - (n * par.omega) ** 2 * par.m + 1j * n * par.omega * par.c
-    found: Complexes = force / impedance
-    return found
-
-
-@jit
-def fastest_of_integrand(par: Parameters, count: int) -> float:
-    """Twice the frequency of the stuck mass and that of the highest of so many harmonics, rad/s."""
-    return 2.0 * math.sqrt((par.k + par.K_z) / par.m) + 2.0 * count * par.omega
-
-
-@jit
-def _in_stick(phases: Array, theta: float, par: Parameters, count: int) -> tuple[Array, Complexes]:
-    """(ẋ times weight, e^{−iψ}) at the points of Gauss's rule in the stick phases, for integrals of that many
-    harmonics."""
-    omega = par.omega
-    fastest = fastest_of_integrand(par, count)
-    panels = np.zeros(len(phases), dtype=np.int64)
-    for i in range(len(phases)):
-        t, s, _, _, _ = read_phase(phases, i)
-        if s == 0.0:
-            end = phases[i + 1, PHASE_T] if i + 1 < len(phases) else math.pi / omega
-            panels[i] = 1 + int((end - t) * fastest / PANEL)
-    points = 0
-    for i in range(len(phases)):
-        points += panels[i] * len(GAUSS_NODES)
-    values, turns = np.empty(points), np.empty(points, dtype=np.complex128)
-    at = 0
-    for i in range(len(phases)):
-        if panels[i] == 0:
-            continue
-        t, s, x, v, z = read_phase(phases, i)
-        end = phases[i + 1, PHASE_T] if i + 1 < len(phases) else math.pi / omega
-        start = unit(-theta - omega * t)
-        phase = phase_start(s, x, v, z, start.conjugate(), par)
-        h = (end - t) / panels[i]
-        for panel in range(panels[i]):
-            for node, weight in zip(GAUSS_NODES, GAUSS_WEIGHTS):  # noqa: B905 (compiled)
-                since = h * (panel + 0.5 + 0.5 * node)
-                turns[at] = start * unit(-omega * since)
-                values[at] = 0.5 * h * weight * move(since, phase)[1]
-                at += 1
-    return values, turns
-
-
 @jit
 def _amplitude_and_lag(harmonic: complex) -> tuple[float, float]:
     """X_n and φ_n of X_n e^{−iφ_n}."""
     return abs(harmonic), -math.atan2(harmonic.imag, harmonic.real)
-
-
-@jit
-def _time_of(level: float, end: float, phase: Phase) -> float:
-    """The time before `end` at which a phase has moved by `level`, which it has passed at `end`: by Newton's method,
-    kept inside the bracket."""
-    low, high, t = 0.0, end, 0.5 * end
-    for _ in range(100):
-        u, v = move(t, phase)
-        if u > level:
-            high = t
-        else:
-            low = t
-        step = (level - u) / v if v != 0.0 else math.inf
-        if not low <= t + step <= high:
-            step = 0.5 * (low + high) - t
-        t += step
-        if abs(step) <= 1e-9 * t:  # the next step would be its square
-            break
-    return t
 
 
 @jit

@@ -155,8 +155,8 @@ def law_decay(
     s = contact_state(x, v, side * Z_m, 0.0, par)
     if s != 0.0:
         side = s
-    _hold(y, s, side, True, par, held, constant)
     t, events = 0.0, 0
+    _hold(y, s, side, events == 0, par, held, constant)
     for n in range(times.size):
         while True:
             sticks = s == 0.0
@@ -164,45 +164,38 @@ def law_decay(
             h = min(times[n] - t, _RADIANS * math.sqrt(par.m / stiff))
             if h <= 0.0:
                 break
-            _step(y, h, sticks, held, constant, par, p, work, there)
-            # positive beyond the event that ends the phase
+            # an event is beyond `high` or `low`; it is located by Newton's method kept inside the bracket
             high = Z_m - side * Z_m if sticks else 0.0
             low = -Z_m - side * Z_m if sticks else 0.0
-            u, rate = there[0, 0], there[0, 1]
-            up = u > high if sticks else s < 0.0
-            if (sticks and low <= u <= high) or (not sticks and s * rate >= 0.0):
-                y, there = there, y
-                t += h
-                continue
-            level, place = (high if up else low), (0 if sticks else 1)
-            before, after, part = 0.0, h, 0.5 * h
-            if sticks and y[0, 1] != 0.0:
-                part = min(max((level - y[0, 0]) / y[0, 1], 0.05 * h), 0.95 * h)
-            for _ in range(_NEWTONS):
+            before, after, part, up, crosses = 0.0, h, h, s < 0.0, False
+            for attempt in range(_NEWTONS):
                 _step(y, part, sticks, held, constant, par, p, work, there)
-                error = there[0, place] - level
+                u, rate = there[0, 0], there[0, 1]
+                if attempt == 0:
+                    crosses = not low <= u <= high if sticks else s * rate < 0.0
+                    if not crosses:
+                        break
+                    up = u > high if sticks else up
+                error = (u - (high if up else low)) if sticks else rate
+                slope = rate
+                if not sticks:
+                    slope = constant[0] + work[3, 0] - (par.c * rate + par.k * u) / par.m
                 if error == 0.0:
                     break
                 if (error > 0.0) == up:
                     after = part
                 else:
                     before = part
-                _accelerations(there, sticks, held, par, p, work[0])
-                slope = there[0, 1]
-                if not sticks:
-                    slope = (
-                        constant[0]
-                        + work[0, 0]
-                        - (par.c * there[0, 1] + par.k * there[0, 0]) / par.m
-                    )
                 newton = part - error / slope if slope != 0.0 else before
-                last = part
-                part = newton if before < newton < after else 0.5 * (before + after)
-                if abs(part - last) <= _REACHED * h:
+                if not before < newton < after:
+                    newton = 0.5 * (before + after)
+                if abs(newton - part) <= _REACHED * h:
                     break
-            _step(y, part, sticks, held, constant, par, p, work, there)
+                part = newton
             y, there = there, y
             t += part
+            if not crosses:
+                continue
             events += 1
             if events > _MOST_EVENTS:
                 return out
@@ -214,7 +207,7 @@ def law_decay(
                 s = contact_state(held[0] + y[0, 0], 0.0, side * Z_m, 0.0, par)
                 if s != 0.0:
                     side = s
-            _hold(y, s, side, False, par, held, constant)
+            _hold(y, s, side, events == 0, par, held, constant)
         for i in range(rows):
             out[n, i] = y[i, order] if order < 2 else 0.0
             if order == 0:

@@ -16,10 +16,11 @@ from ..arguments import instance, numbers, whole
 from ..arrays import Array, Complexes
 from ..model import BaseMotion, Oscillator, Parameters, parameters
 from .events import MOST_RADIANS
-from .integrals import Measures, harmonics, measure
+from .integrals import Measures, measure
 from .regime import Regime
 from .states import State, states_in_phases
-from .steady import MAX_PHASES, solve_steady
+from .steady import solve_steady
+from .steady_slopes import steady_harmonics
 
 
 class NoSteadyOrbit(ArithmeticError):
@@ -121,21 +122,27 @@ class Orbit:
 
     def harmonics(self, count: int) -> Complexes:
         """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); x_n = X_n e^{−iφ_n}."""
-        series: Complexes = harmonics(
-            self.phases, self.theta, self.parameters, whole("count", count)
-        )
-        return series
+        x: Complexes = self.harmonics_with_slopes(count)[0]
+        return x
+
+    def harmonics_with_slopes(self, count: int) -> Complexes:
+        """`harmonics` and, below, their derivatives by F_k, c, ρ = K_z^{−1/2} and m, SI, shape (5, count)."""
+        n, regime = whole("count", count), int(self.regime)
+        return steady_harmonics(self.phases, self.theta, self.parameters, regime, n)
 
     def state(self, t: ArrayLike) -> State:
         """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
         times = numbers("t", t)
+        return State(*(row.reshape(times.shape) for row in self.states(times.ravel())))
+
+    def states(self, times: Array) -> Array:
+        """x, ẋ, ẍ, z at times that are known to be numbers, s (n,), as rows (4, n): for loops of many calls."""
         period = self.motion.period
-        since = np.mod(times.ravel() - self.theta / self.motion.omega, period)
+        since = np.mod(times - self.theta / self.motion.omega, period)
         mirrored = since >= 0.5 * period
         since[mirrored] -= 0.5 * period
         rows = states_in_phases(since, self.phases, self.theta, self.parameters)
-        np.negative(rows, out=rows, where=mirrored)
-        return State(*(row.reshape(times.shape) for row in rows))
+        return np.negative(rows, out=rows, where=mirrored)
 
     def to_dict(self) -> dict[str, Any]:
         """The orbit as plain numbers and lists, from which `from_dict` makes it again, bit for bit."""
@@ -186,10 +193,9 @@ def steady_orbit(
     >>> str(orbit.regime)
     'one slip onset per half cycle'
     """
-    phases = np.empty((MAX_PHASES, 5))
     par = parameters(oscillator, instance("motion", motion, BaseMotion))
-    code, count, theta = solve_steady(par, phases, most_radians)
+    code, phases, theta = solve_steady(par, most_radians)
     regime = Regime(code)
     if regime is Regime.NOT_FOUND:
         raise NoSteadyOrbit(f"no steady orbit found for {oscillator} under {motion}")
-    return Orbit(oscillator, motion, regime, theta, phases[:count].copy())
+    return Orbit(oscillator, motion, regime, theta, phases)

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ..arrays import Array
 from ..model import Parameters
 from .events import MOST_RADIANS, PHASE_T, write_phase
@@ -26,20 +28,20 @@ _NOT_FOUND, _ONE_SLIP, _SEVERAL_SLIPS, _NO_SLIP, _NO_FRICTION = map(int, Regime)
 _SHORTEST = 1e-12
 
 
-def solve_steady(
-    par: Parameters, phases: Array, most_radians: float = MOST_RADIANS
-) -> tuple[int, int, float]:
-    """(regime, number of phases, θ) of the steady orbit; `phases` (MAX_PHASES, 5) receives its half cycle from the
-    reversal at −X.
+def solve_steady(par: Parameters, most_radians: float = MOST_RADIANS) -> tuple[int, Array, float]:
+    """(regime, phases, θ) of the steady orbit, no phases where none was found.
 
-    θ : phase of the base at that reversal, rad. Rows of `phases`: (t, s, x, ẋ, z), see `dampbalance.motion.events.run`.
+    phases : of its half cycle from the reversal at −X, rows (t, s, x, ẋ, z), see `dampbalance.motion.events.run`.
+    θ : phase of the base at that reversal, rad.
     most_radians : of the fastest motion, that are followed in search of an orbit without a closed form.
     """
+    phases = np.empty((2, 5))
     code, count, theta = solve_closed(par, phases)
     if code == NO_CLOSED_FORM:
+        phases = np.empty((MAX_PHASES, 5))
         with interpreted(False):  # it may take thousands of steps
             code, count, theta = solve_otherwise(par, phases, most_radians)
-    return code, count, theta
+    return code, phases[:count].copy(), theta
 
 
 @jit

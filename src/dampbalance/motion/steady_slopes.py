@@ -22,13 +22,12 @@ import math
 
 import numpy as np
 
-from ..arrays import Array, Complexes
+from ..arrays import Array, Complexes, Integers
 from ..model import Parameters
 from .events import PHASE_S, PHASE_T, PHASE_Z, read_phase
-from .flow import unit
-from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL, fastest_of_integrand
+from .flow import inverse, unit
+from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL
 from .jit import jit
-from .orbit import Orbit
 from .regime import Regime
 
 UNKNOWNS = ("F_k", "c", "rho", "m")
@@ -42,48 +41,100 @@ _AT_X, _AT_V, _GAIN = range(3)  # rows of a phase: x and ẋ at its start, and w
 _RADIANS = 4.0  # of the fastest of Ω, 2δ and ω: a series so long loses two digits at most
 _TERMS = 36
 _PLACES = 0.5 * (1.0 + GAUSS_NODES)
-# of a series of the gain over a panel: the velocity there, times the weight of Gauss's rule, (places, terms − 1)
-_RATES = np.arange(1.0, _TERMS) * _PLACES[:, None] ** np.arange(_TERMS - 1.0)
+# Of a series of the gain over a panel: the velocity there, times the weight of Gauss's rule, (places, terms).
+_RATES = np.arange(_TERMS) * _PLACES[:, None] ** np.maximum(np.arange(_TERMS) - 1.0, 0.0)
 _RATES *= 0.5 * GAUSS_WEIGHTS[:, None]
+_ONE_SLIP, _SEVERAL_SLIPS, _NO_SLIP = map(
+    int, (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS, Regime.NO_SLIP)
+)
 
 
-def harmonics_with_slopes(orbit: Orbit, count: int) -> tuple[Complexes, Complexes]:
-    """x_n of `Orbit.harmonics`, m, (count,), and their derivatives by `UNKNOWNS`, (4, count).
+@jit
+def steady_harmonics(
+    phases: Array, theta: float, par: Parameters, regime: int, count: int
+) -> Complexes:
+    """The harmonics x_n, n = 1, 3 … 2 count − 1, m, of an orbit and their derivatives by `UNKNOWNS`, (5, count).
 
-    Use it where both are needed, as in a fit: together they take little more time than the harmonics alone.
+    phases, theta : as of an `Orbit`.   regime : code of `Regime`.   The contact force K_z z changes in stick alone,
+    where ż = ẋ, and the equation of motion does the rest:
+
+        (k − n²ω²m + inωc) x_n = kY δ_n1 − f_n,      f_n = 2K_z/(iπn) ∫ ẋ e^{−inωt} dt over stick in half a cycle
     """
-    par, n = orbit.parameters, np.arange(1.0, 2.0 * count, 2.0)
-    impedance = par.k - (n * par.omega) ** 2 * par.m + 1j * n * par.omega * par.c
-    force = np.zeros((5, count), dtype=np.complex128)  # −f_n and its derivatives
-    if orbit.regime not in _LINEAR:
-        force = _contact_harmonics(orbit, count)
-    elif orbit.regime is Regime.NO_SLIP:
-        impedance[:1] += par.K_z
-        force[_RHO, :1] = 2.0 * par.K_z**1.5 * par.k * par.Y / impedance[:1]
-    force[0, :1] += par.k * par.Y
-    force /= impedance
-    x, by = force[0], force[1:]
-    by[_C - 1] -= 1j * n * par.omega / impedance * x
-    by[_M - 1] += (n * par.omega) ** 2 / impedance * x
-    return x, by
+    out = np.zeros((5, count), dtype=np.complex128)
+    if regime in (_ONE_SLIP, _SEVERAL_SLIPS):
+        _set_contact(phases, theta, par, out)
+    for i in range(count):
+        rate, stuck = (2 * i + 1) * par.omega, i == 0 and regime == _NO_SLIP
+        stiff = par.k + (par.K_z if stuck else 0.0)
+        over = inverse(stiff - rate * rate * par.m, rate * par.c)
+        if i == 0:
+            out[0, i] += par.k * par.Y
+        if stuck:
+            out[_RHO, i] = 2.0 * par.K_z * math.sqrt(par.K_z) * out[0, i] * over
+        for j in range(5):
+            out[j, i] *= over
+        out[_C, i] -= complex(0.0, rate) * over * out[0, i]
+        out[_M, i] += rate * rate * over * out[0, i]
+    return out
 
 
-_LINEAR = (Regime.NO_SLIP, Regime.NO_FRICTION)
+@jit
+def linear_harmonics(
+    phases: Array,
+    theta: float,
+    par: Parameters,
+    regime: int,
+    turns: tuple[float, float],
+    parts: Array,
+    columns: Integers,
+    x: Complexes,
+    slopes: Complexes,
+) -> None:
+    """Set x (count,) to the harmonics of a record under terms that are linear in ẋ and ẏ, and columns of `slopes`
+    (count, unknowns) to their derivatives.
+
+    turns : phase by which the base of the orbit is before the real one, and that of the real one in the record, rad.
+    parts : ∂h/∂ẋ and −∂h/∂ẏ of each term, (terms, 2): the damper and the part of the base's velocity that drives.
+    columns : places of F_k, ρ, m, Y, the phase in the record, and the coefficients.
+
+    By Y because x is homogeneous, of degree one in (Y, F_k): Y ∂x/∂Y = x − F_k ∂x/∂F_k.
+    """
+    both, (advance, psi) = steady_harmonics(phases, theta, par, regime, x.size), turns
+    Y, growth = (
+        par.Y * math.cos(advance),
+        math.tan(advance),
+    )  # of the real base, and of ln Y with the phase
+    ahead = par.omega / par.k * math.cos(advance) ** 2  # of that phase with the damper to the base
+    for i in range(x.size):
+        n = 2 * i + 1
+        turn = unit(n * (advance + psi))
+        x[i] = both[0, i] * turn
+        by_base = x[i] - par.F_k * both[_F_K, i] * turn
+        slopes[i, columns[0]] = both[_F_K, i] * turn
+        slopes[i, columns[1]] = both[_RHO, i] * turn
+        slopes[i, columns[2]] = both[_M, i] * turn
+        slopes[i, columns[3]] = by_base / Y
+        slopes[i, columns[4]] = complex(0.0, n) * x[i]
+        for j in range(parts.shape[0]):
+            by_phase = growth * by_base + complex(0.0, n) * x[i]
+            by_c = parts[j, 0] * both[_C, i] * turn
+            slopes[i, columns[5 + j]] = by_c + parts[j, 1] * ahead * by_phase
 
 
-def onset_slopes(orbit: Orbit) -> Array:
+def onset_slopes(phases: Array, theta: float, par: Parameters) -> Array:
     """Derivatives by `UNKNOWNS` of V_s and t_s at the first onset of slip after the reversal at −X, and of λ = 4X − a,
-    the travel that sticking takes; (3, 4), zero where nothing slips."""
-    slopes = np.zeros((3, 4))
-    if orbit.regime in _LINEAR:
+    the travel that sticking takes; (3, 4), zero where nothing slips.   phases, theta : as of an `Orbit`."""
+    slopes, (t, s, x, v, z) = np.zeros((3, 4)), phases.T
+    if par.F_k == 0.0 or not s.any():
         return slopes
-    states, _, _, shifts, start = _follow(orbit.phases, orbit.theta, orbit.parameters, 1)
+    states, _, _, shifts, start = _follow(phases, theta, par, 1)
     at = states[..., _F_K:_X] + states[..., _X:] @ start
     shifted = iter(shifts[:, _F_K:_X] + shifts[:, _X:] @ start)
     # the force is continuous: the acceleration at the start of each phase
-    acceleration = orbit.state((orbit.theta / orbit.motion.omega) + orbit.phases[:, PHASE_T])[2]
+    force = par.k * (par.Y * np.cos(theta + par.omega * t) - x) - par.c * v - par.K_z * z
+    acceleration = force / par.m
     before, first = 1.0, True
-    for i, (_, s, _, v, _) in enumerate(orbit.phases.tolist()):
+    for i, (_, s, _, v, _) in enumerate(phases.tolist()):
         if s != 0.0:
             gained = at[i, _GAIN]
             if before == 0.0:  # the onset moves
@@ -99,24 +150,40 @@ def onset_slopes(orbit: Orbit) -> Array:
     return slopes
 
 
-def _contact_harmonics(orbit: Orbit, count: int) -> Complexes:
-    """−f_n of `integrals.harmonics` and its derivatives by UNKNOWNS, (5, count)."""
-    par = orbit.parameters
-    _, series, places, shifts, start = _follow(orbit.phases, orbit.theta, par, count)
-    rates = _RATES @ series[:, 1:]  # (panels, places, 7)
-    places = places[:, :1] + places[:, 1:] * _PLACES
-    values = np.concatenate((rates.reshape(-1, _COLUMNS), shifts))
-    values[rates.size // _COLUMNS :, 0] = 0.0  # an onset that moves adds to the derivatives alone
-    terms = np.empty((len(values), count), dtype=np.complex128)
-    np.exp(-1j * np.concatenate((places.ravel(), shifts[:, 0])), out=terms[:, 0])
-    terms[:, 1:] = terms[:, :1] * terms[:, :1]
-    np.multiply.accumulate(terms, axis=1, out=terms)
-    derivatives = values[:, :_X]
-    derivatives[:, _F_K:] += values[:, _X:] @ start
-    force: Complexes = derivatives.T @ terms
-    force[_RHO] -= 2.0 * math.sqrt(par.K_z) * force[0]
-    force *= 2j * par.K_z / (math.pi * np.arange(1.0, 2.0 * count, 2.0))
-    return force
+@jit
+def _set_contact(phases: Array, theta: float, par: Parameters, out: Complexes) -> None:
+    """Set out (5, count) to −f_n of `steady_harmonics` and its derivatives by UNKNOWNS."""
+    count = out.shape[1]
+    _, series, places, shifts, start = _follow(phases, theta, par, count)
+    nodes, panels = _PLACES.size, places.shape[0]
+    size = panels * nodes + shifts.shape[0]
+    values, turns = np.zeros((5, size), dtype=np.complex128), np.empty(size, dtype=np.complex128)
+    for panel in range(panels):
+        rates = np.dot(_RATES, series[panel])
+        for node in range(nodes):
+            at = panel * nodes + node
+            turns[at] = unit(-places[panel, 0] - places[panel, 1] * _PLACES[node])
+            values[0, at] = rates[node, 0]
+            for j in range(1, 5):
+                values[j, at] = _total(rates[node], start, j)
+    for onset in range(shifts.shape[0]):  # that it moves adds to the derivatives alone
+        at = panels * nodes + onset
+        turns[at] = unit(-shifts[onset, 0])
+        for j in range(1, 5):
+            values[j, at] = _total(shifts[onset], start, j)
+    squares = turns * turns
+    for i in range(count):
+        sums = np.dot(values, turns)
+        sums[_RHO] -= 2.0 * math.sqrt(par.K_z) * sums[0]
+        for j in range(5):
+            out[j, i] = complex(0.0, 2.0 * par.K_z / (math.pi * (2 * i + 1))) * sums[j]
+        turns *= squares
+
+
+@jit
+def _total(row: Array, start: Array, j: int) -> float:
+    """Derivative by unknown j of what has this row of `_follow`, with that of the start."""
+    return row[j] + row[_X] * start[0, j - 1] + row[_V] * start[1, j - 1]
 
 
 @jit
@@ -140,7 +207,8 @@ def _follow(
         radians = duration * max(math.sqrt(stiff / par.m), par.c / par.m, par.omega)
         panels[i] += int(radians / _RADIANS)
         if s == 0.0:
-            panels[i] = max(panels[i], 1 + int(duration * fastest_of_integrand(par, count) / PANEL))
+            fastest = 2.0 * math.sqrt((par.k + par.K_z) / par.m) + 2.0 * count * par.omega
+            panels[i] = max(panels[i], 1 + int(duration * fastest / PANEL))
             number += panels[i]
             if i + 1 < longest and phases[i + 1, PHASE_S] != 0.0:
                 onsets += 1
@@ -154,11 +222,13 @@ def _follow(
         t, s, x, v, z = read_phase(phases, i)
         last = i + 1 == longest
         h = ((half if last else phases[i + 1, PHASE_T]) - t) / panels[i]
-        states[i, :2] = ends
+        for j in range(1, _COLUMNS):
+            states[i, _AT_X, j], states[i, _AT_V, j] = ends[0, j], ends[1, j]
         states[i, _AT_X, 0], states[i, _AT_V, 0] = x, v
         phase = _equation(s, z, states[i], par)
         gained = np.zeros((2, _COLUMNS))
-        gained[1] = states[i, _AT_V]
+        for j in range(_COLUMNS):
+            gained[1, j] = states[i, _AT_V, j]
         for panel in range(panels[i]):
             psi = theta + par.omega * (t + panel * h)
             into = series[at] if s == 0.0 else scratch
@@ -166,11 +236,12 @@ def _follow(
             if s == 0.0:
                 places[at, 0], places[at, 1] = psi, par.omega * h
                 at += 1
-        states[i, _GAIN] = gained[0]
+        states[i, _GAIN, 0] = gained[0, 0]
         for j in range(1, _COLUMNS):
+            states[i, _GAIN, j] = gained[0, j]
             ends[0, j], ends[1, j] = states[i, _AT_X, j] + gained[0, j], gained[1, j]
         if s == 0.0 and not last and phases[i + 1, PHASE_S] != 0.0:
-            shifts[onset] = _shift(i, phases, gained[0], par)
+            _set_shift(i, phases, gained[0], par, shifts[onset])
             shifts[onset, 0] = theta + par.omega * phases[i + 1, PHASE_T]
             onset += 1
     # (1 + A) δs(0) = −B
@@ -253,13 +324,13 @@ def _taylor(
 
 
 @jit
-def _shift(i: int, phases: Array, gained: Array, par: Parameters) -> Array:
-    """ẋ δt at the onset of slip that ends the stick phase i, (7,).   gained : δx − δx_r there.
+def _set_shift(i: int, phases: Array, gained: Array, par: Parameters, shift: Array) -> None:
+    """Set `shift` (7,) to ẋ δt at the onset of slip that ends the stick phase i.   gained : δx − δx_r there.
 
     z = ±Z_m there: δx + ẋ δt = δx_r + (s − side) δZ_m, side Z_m the deflection at the turn x_r where the phase began.
     """
     swing = phases[i + 1, PHASE_S] - _side(0.0, phases[i, PHASE_Z])
-    shift = -gained
+    for j in range(_COLUMNS):
+        shift[j] = -gained[j]
     shift[_F_K] += swing / par.K_z
     shift[_RHO] += swing * 2.0 * par.F_k / math.sqrt(par.K_z)
-    return shift

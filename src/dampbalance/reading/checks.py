@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -243,8 +244,7 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
     from scipy import special  # slow to import, as scipy.stats with the same functions is
 
     size = len(rows)
-    s, first = np.linspace(-1.0, 1.0, size), np.arange(size) < max(1, size // 8)
-    basis, _ = np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))
+    basis = _slow(size)
     mean = weighted_mean(rows, weights)
     along = basis[:, 1:].T @ rows
     halves = rows[: size // 2], rows[size // 2 :]
@@ -259,6 +259,13 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
         float(np.abs(basis[:, 1:] @ along).max()) / abs(mean),
         noise,
     )
+
+
+@lru_cache(maxsize=8)
+def _slow(size: int) -> Array:
+    """An orthonormal basis of the slow changes of so many rows, with the constant first, (rows, 4)."""
+    s, first = np.linspace(-1.0, 1.0, size), np.arange(size) < max(1, size // 8)
+    return np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))[0]
 
 
 def clock(

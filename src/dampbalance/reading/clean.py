@@ -18,32 +18,37 @@ from __future__ import annotations
 
 import cmath
 import math
-from typing import Any, Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
-from numpy.polynomial import Polynomial
-from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..features import Features, of_numbers, wrapped
+from ..features import Features, of_numbers
+from ..motion.integrals import wrapped
 from ..motion.regime import Regime
+from ..motion.sampled import (
+    LATE,
+    NO_CORNER,
+    NO_CYCLE,
+    REVERSALS,
+    SHORT_STICK,
+    integral,
+    read_cycle,
+)
 from ..record import Record
 
 ReadAt = Literal["interpolated", "sample"]
 """How an event is located: between samples, or at the first sample after it."""
 
-PROMINENCE = 10.0
-"""Ratio of the largest second difference of the acceleration to its median that counts as a break of slope.
-
-A harmonic reaches √2, white noise about 6; the corner that ends a stick phase of N samples about N times the bend
-within it, which in turn exceeds the median.
-"""
-
 CYCLES_TO_READ = 3
 """Periods that a record of a steady response needs: one to wait for the reversal, one to read, one for the lock-in."""
 
-_SIDE = 4  # samples of one phase through which its acceleration is continued
-_FEWEST = 3  # stick samples below which there is no line to meet the corner
+_TROUBLES = {
+    REVERSALS: "no single slip onset: the velocity reverses {} times a cycle",
+    NO_CORNER: "no slip onset: the acceleration has no corner",
+    SHORT_STICK: "no slip onset read: {} samples of stick phase are too few",
+    LATE: "no friction travel read: {} samples after slip onset x has reversed",
+}
 
 
 def of_record(
@@ -72,75 +77,41 @@ def of_record(
     X_s … t_r and a are NaN and the regime says why. Raises ValueError for a record without v or acceleration, without a
     whole cycle from reversal to reversal, or without base motion at ω.
     """
-    s = _signals(record, omega, reading)
-    n_1 = _first_reversal(s)
-    start = _reversal(s, n_1)
-    stop = start.place + (s.per_cycle if s.between_samples else round(s.per_cycle))
-    base = _lock_in(s, s.y, 1, start.place)
+    signals, per_cycle, between = _signals(record, omega, reading)
+    t0, dt = float(record.t[0]), record.dt
+    cycle = read_cycle(signals, t0, dt, omega, k, between, slip_samples)
+    if cycle.trouble == NO_CYCLE:
+        raise ValueError(
+            "the record holds no whole cycle from one forward velocity reversal to the next; "
+            "two cycles and a few samples always do"
+        )
+
+    def lock_in(signal: Array, n: int) -> complex:
+        """X_n e^{−iφ_n} of the signal over all whole cycles from the reversal on."""
+        duration = per_cycle * math.floor((signal.size - 1 - cycle.start) / per_cycle)
+        first = math.floor(cycle.start)
+        kept = signal[first : math.ceil(cycle.start + duration) + 1]
+        turns = np.exp(-1j * n * omega * (t0 + dt * (first + np.arange(kept.size))))
+        begin = cycle.start - first
+        return complex(2.0 * integral(kept * turns, 1.0, begin, begin + duration) / duration)
+
+    base = lock_in(record.y, 1)
     if not abs(base) > 0.0:
         raise ValueError(f"the base does not move at ω = {omega:g} rad/s: y has no fundamental")
     lag = -cmath.phase(base)  # of y behind cos ωt, zero in a simulation
-    harmonics = {f"X_{n}": _lock_in(s, s.x, n, start.place) for n in (1, 3, 5)}
-    numbers: dict[str, Any] = {
-        "Y": abs(base),
-        "X": 0.5 * float(np.ptp(s.x[n_1 : n_1 + round(s.per_cycle) + 2])),
-        "phi_fundamental": wrapped(-cmath.phase(harmonics["X_1"]) - lag),
-        "phi_zero_crossing": wrapped(_phase(s, _upward_zero(s, n_1)) - 1.5 * math.pi - lag),
-        **{name: abs(amplitude) for name, amplitude in harmonics.items()},
-        "b": integral(s.v**2, s.dt, start.place, stop),
-        "W": integral(k * s.y * s.v, s.dt, start.place, stop),
-    }
-    try:
-        n_2 = _other_reversal(s, n_1)
-        turn = _reversal(s, n_2)
-        phi = wrapped(_phase(s, start.place) - math.pi - lag)
-        numbers |= {"X": 0.5 * (turn.x - start.x), "phi": phi, "phi_reversal": phi}
-        forward, reverse = _onset(s, n_1, n_2), _onset(s, n_2, n_1 + round(s.per_cycle))
-    except _NoOnset as reason:
-        return of_numbers(omega, str(reason), **numbers)
-    begin = forward.place + (0 if s.between_samples else slip_samples)
-    if begin >= turn.place:
-        late = f"no friction travel read: {slip_samples} samples after slip onset x has reversed"
-        return of_numbers(omega, late, **numbers)
-    numbers |= {
-        "X_s": forward.x,
-        "V_s": forward.v,
-        "t_s": (forward.place - start.place) * s.dt,
-        "X_r": reverse.x,
-        "V_r": reverse.v,
-        "t_r": (reverse.place - turn.place) * s.dt,
-        "a": 2.0 * integral(s.v, s.dt, begin, turn.place),
-    }
-    return of_numbers(omega, str(Regime.ONE_SLIP), **numbers)
+    harmonics = {n: lock_in(record.x, n) for n in (1, 3, 5)}
+    numbers = cycle._asdict()
+    trouble, how_many, _ = (numbers.pop(name) for name in ("trouble", "how_many", "start"))
+    phases = {"phi": cycle.phi, "phi_zero_crossing": cycle.phi_zero_crossing}
+    phases |= {"phi_reversal": cycle.phi, "phi_fundamental": -cmath.phase(harmonics[1])}
+    numbers |= {name: wrapped(phase - lag) for name, phase in phases.items()}
+    numbers |= {"Y": abs(base)} | {f"X_{n}": abs(x_n) for n, x_n in harmonics.items()}
+    regime = _TROUBLES[trouble].format(how_many) if trouble else str(Regime.ONE_SLIP)
+    return of_numbers(omega, regime, **numbers)
 
 
-class _Signals(NamedTuple):
-    """A record as reading it needs it: signals, time of sample 0 and step (s), ω, samples per cycle."""
-
-    y: Array
-    x: Array
-    v: Array
-    acceleration: Array
-    t0: float
-    dt: float
-    omega: float
-    per_cycle: float
-    between_samples: bool
-
-
-class _Instant(NamedTuple):
-    """An event: its place in the record, counted in samples (whole or not), and x, v there."""
-
-    place: float
-    x: float
-    v: float
-
-
-class _NoOnset(Exception):
-    """Why no slip onset can be read, in words for the regime."""
-
-
-def _signals(record: Record, omega: float, reading: ReadAt) -> _Signals:
+def _signals(record: Record, omega: float, reading: ReadAt) -> tuple[Array, float, bool]:
+    """y, x, v and the acceleration as rows, the samples per cycle, and whether to read between samples."""
     if reading not in ("interpolated", "sample"):
         raise ValueError(f'reading must be "interpolated" or "sample", got {reading!r}')
     if record.v is None or record.acceleration is None:
@@ -148,147 +119,5 @@ def _signals(record: Record, omega: float, reading: ReadAt) -> _Signals:
         raise ValueError(f"this reader needs v and acceleration, but the record has no {missing}")
     if not omega > 0.0:
         raise ValueError(f"omega must be positive, got {omega!r} rad/s")
-    signals = (record.y, record.x, record.v, record.acceleration)
-    t0, dt = float(record.t[0]), record.dt
-    per_cycle = 2.0 * math.pi / (omega * dt)
-    return _Signals(*signals, t0, dt, omega, per_cycle, reading == "interpolated")
-
-
-def _phase(s: _Signals, place: float) -> float:
-    """ωt at a place of the record, rad."""
-    return s.omega * (s.t0 + place * s.dt)
-
-
-def _lock_in(s: _Signals, signal: Array, n: int, start: float) -> complex:
-    """X_n e^{−iφ_n} of the signal over all whole cycles from the place `start` on."""
-    duration = s.per_cycle * math.floor((signal.size - 1 - start) / s.per_cycle)
-    first = math.floor(start)
-    kept = signal[first : math.ceil(start + duration) + 1]
-    phase = n * (_phase(s, first) + s.omega * s.dt * np.arange(kept.size))
-    whole = integral(kept * np.exp(-1j * phase), s.dt, start - first, start - first + duration)
-    return 2.0 * whole / (duration * s.dt)
-
-
-def _first_reversal(s: _Signals) -> int:
-    """The last sample before the reversal at −X in the first whole cycle."""
-    upward = np.flatnonzero((s.v[:-1] < 0.0) & (s.v[1:] >= 0.0))
-    last = s.v.size - 2 - math.ceil(s.per_cycle)
-    usable = upward[(upward >= _SIDE - 1) & (upward <= last)]
-    if usable.size == 0:
-        raise ValueError(
-            "the record holds no whole cycle from one forward velocity reversal to the next; "
-            "two cycles and a few samples always do"
-        )
-    in_one_cycle = usable[usable < usable[0] + s.per_cycle - 1.0]
-    return int(in_one_cycle[np.argmin(s.x[in_one_cycle])])
-
-
-def _other_reversal(s: _Signals, n_1: int) -> int:
-    """The last sample before the reversal at +X, the only other one of the cycle."""
-    forward = s.v[n_1 + 1 : n_1 + round(s.per_cycle)] >= 0.0
-    changes = np.flatnonzero(forward[:-1] != forward[1:])
-    if changes.size != 1:
-        raise _NoOnset(
-            f"no single slip onset: the velocity reverses {changes.size + 1} times a cycle"
-        )
-    return n_1 + 1 + int(changes[0])
-
-
-def _reversal(s: _Signals, n: int) -> _Instant:
-    """The velocity reversal between samples n and n + 1."""
-    if not s.between_samples:
-        return _Instant(n + 1.0, float(s.x[n + 1]), float(s.v[n + 1]))
-    x, v = _continued(s, n - _SIDE + 1, n)
-    tau = _root(v, near=s.v[n] / (s.v[n] - s.v[n + 1]))
-    return _Instant(n + tau, float(x(tau)), 0.0)
-
-
-def _onset(s: _Signals, n_reversal: int, n_next: int) -> _Instant:
-    """The slip onset between two reversals: where the slope of the acceleration breaks."""
-    first = n_reversal + 1
-    bend = np.abs(np.diff(s.acceleration[first : n_next + 1], 2))
-    if not np.max(bend) > PROMINENCE * np.median(bend):
-        raise _NoOnset("no slip onset: the acceleration has no corner")
-    corner = first + 1 + int(np.argmax(bend))
-    if corner - first < _FEWEST or n_next - corner < _SIDE:
-        raise _NoOnset(f"no slip onset read: {corner - first} samples of stick phase are too few")
-    if not s.between_samples:
-        return _Instant(float(corner), float(s.x[corner]), float(s.v[corner]))
-    # The corner sample may belong to either phase, and in a simulation overshoots: neither cubic uses it.
-    n = corner - 1
-    stick_first = max(first, n - _SIDE + 1)
-    stick = _through(s.acceleration, stick_first, n, origin=n)
-    slip = _through(s.acceleration, corner + 1, corner + _SIDE, origin=n)
-    tau = _root(slip - stick, near=1.0)
-    x, v = _continued(s, stick_first, n)
-    return _Instant(n + tau, float(x(tau)), float(v(tau)))
-
-
-def _upward_zero(s: _Signals, n_1: int) -> float:
-    """Place of the first upward zero of x after the reversal at −X; NaN when x keeps its sign."""
-    x = s.x[n_1 : n_1 + round(s.per_cycle) + 2]
-    upward = np.flatnonzero((x[:-1] < 0.0) & (x[1:] >= 0.0))
-    if upward.size == 0:
-        return math.nan
-    n = n_1 + int(upward[0])
-    if not s.between_samples:
-        return n + 1.0
-    return n + _root(_through(s.x, n - 1, n + 2, origin=n), near=s.x[n] / (s.x[n] - s.x[n + 1]))
-
-
-def _continued(s: _Signals, first: int, n: int) -> tuple[Polynomial, Polynomial]:
-    """x and v of the phase that samples first … n belong to, as polynomials in the steps since n.
-
-    The acceleration through those samples, integrated from x, v at n.
-    """
-    acceleration = _through(s.acceleration, first, n, origin=n)
-    v = s.dt * acceleration.integ() + float(s.v[n])
-    return s.dt * v.integ() + float(s.x[n]), v
-
-
-def _through(signal: Array, first: int, last: int, origin: int) -> Polynomial:
-    """The polynomial through samples first … last (both included), in the steps since sample `origin`."""
-    steps = np.arange(first - origin, last - origin + 1, dtype=np.float64)
-    return Polynomial(np.linalg.solve(np.vander(steps, increasing=True), signal[first : last + 1]))
-
-
-def _root(polynomial: Polynomial, near: float) -> float:
-    """The real root nearest to `near`, if there is one within two steps; else `near` itself."""
-    roots = polynomial.trim().roots()
-    real = roots.real[np.abs(roots.imag) < 1e-6]
-    if real.size == 0:
-        return near
-    nearest = float(real[np.argmin(np.abs(real - near))])
-    return nearest if abs(nearest - near) < 2.0 else near
-
-
-def integral(f: NDArray[Any], dt: float, start: float, stop: float) -> Any:
-    """∫ f dt from place `start` to place `stop`, counted in samples from 0 and not necessarily whole.
-
-    Between whole samples: Simpson's composite rule (an odd number of intervals ends with the three-point rule for
-    the last one). The parts of an interval at the two ends: the cubic through the four samples around it. Error
-    O(dt⁴) for a smooth f.
-
-    f : samples, real or complex, shape (n ≥ 4,).   dt : s.   Raises ValueError when the range leaves the samples.
-    """
-    if not 0 <= start <= stop <= f.size - 1:
-        raise ValueError(f"range {start:g} … {stop:g} leaves the samples 0 … {f.size - 1}")
-    first, last = math.ceil(start), math.floor(stop)
-    if last <= first:
-        total = dt * _cubic_part(f, start, stop)
-    else:
-        from scipy.integrate import simpson  # slow to import
-
-        total = simpson(f[first : last + 1], dx=dt)
-        total += dt * (_cubic_part(f, start, first) + _cubic_part(f, last, stop))
-    return complex(total) if np.iscomplexobj(f) else float(total)
-
-
-def _cubic_part(f: NDArray[Any], start: float, stop: float) -> Any:
-    """∫ of the cubic through the four samples around [start, stop], a range within one or two intervals."""
-    if start == stop:
-        return 0.0
-    first = min(max(math.floor(start) - 1, 0), f.size - 4)
-    coefficients = np.linalg.solve(np.vander(np.arange(4.0), increasing=True), f[first : first + 4])
-    powers = np.arange(1, 5)
-    return coefficients @ (((stop - first) ** powers - (start - first) ** powers) / powers)
+    signals = np.stack([record.y, record.x, record.v, record.acceleration])
+    return signals, 2.0 * math.pi / (omega * record.dt), reading == "interpolated"

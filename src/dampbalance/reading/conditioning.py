@@ -18,16 +18,17 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, Complexes, Mask
+from ..arrays import Array, Complexes
 from ..project.wording import Remark, visible
 from ..records.errors import RecordError
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Correction, Measurement
 from . import checks
 from .checks import weighted_mean
-from .cycles import CycleHarmonics, Samples, accumulate
+from .cycles import CycleHarmonics, Samples, accumulate, powers
 from .frequency import FEWEST_CYCLES, drive_frequency, frequency_offset
 from .one_thread import one_thread
 from .rounding import converter_step, rounding_error
@@ -43,6 +44,8 @@ _COMPARED = 1 << 12  # samples in which a copy of another channel shows
 _FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest is noise
 # Rounding as a part of the fundamental; smaller noise cannot be distinguished from it.
 _RELATIVE_FLOOR = 1e-9
+_ORDERS = {"velocity": 1, "acceleration": 2, "base_acceleration": 2}  # of a derivative by time
+_NO_NEIGHBOURS = (math.nan, math.nan)
 _JITTER = 0.05  # of a step: times closer to an even grid than that are on it
 
 
@@ -97,7 +100,8 @@ class SteadyRecord:
             q: replace(h, coefficients=h.coefficients - beyond[q]) if q in beyond else h
             for q, h in self.gathered.channels.items()
         }
-        freed = _steady(_Settled.of(replace(self.gathered, channels=channels)))
+        gathered = replace(self.gathered, channels=channels)
+        freed = _steady(gathered, _rows_of(gathered))
         return replace(freed, gathered=self.gathered, unfolded=True)
 
     @property
@@ -144,6 +148,8 @@ def condition(
 def evenly_sampled(channel: Channel, source: str, warnings: list[Remark]) -> Channel:
     """The channel itself, or resampled by a cubic spline when its samples are unevenly spaced (gaps apart)."""
     steps = np.diff(channel.t)
+    if np.ptp(steps) <= _JITTER * steps[0]:  # nearly always
+        return channel
     dt = float(np.median(steps))
     odd = np.abs(steps / dt - np.round(steps / dt)) > 2.0 * _JITTER
     if odd.mean() < 0.01:
@@ -188,44 +194,32 @@ def condition_blocks(
     channels : by quantity, a function that starts the blocks (t, values) of the channel from the beginning. It is
     called twice: for the leading 262,144 samples, and for all.   corrections : of their harmonics, by quantity.
     """
+    if not (math.isfinite(k) and k > 0.0):
+        raise ValueError(f"{source}: the stiffness k must be positive, got {k} N/m")
+
+    def gathered(channels: Mapping[str, SampleBlocks]) -> Gathered:
+        return _gathered(source, channels, k, frequency_hz, skip_cycles, corrections)
+
     try:
-        return _condition(source, channels, k, frequency_hz, skip_cycles, corrections)
+        of_record = gathered(channels)
+        rows = _rows_of(of_record)
+        faster = {
+            q: ratio
+            for q, x in rows.moved.items()
+            if (ratio := checks.clock(rows.Y[:, 1], x[:, 1], rows.times, rows.weights, rows.omega))
+        }
+        if faster:
+            by_one = {q: _by_clock(of, faster.get(q, (0.0,))[0]) for q, of in channels.items()}
+            of_record = gathered(by_one)
+            words = itertools.starmap(checks.two_clocks, faster.items())
+            warnings = (*words, *of_record.warnings)
+            of_record = replace(of_record, clocks=faster, warnings=warnings)
+            rows = _rows_of(of_record)
+        return _steady(of_record, rows)
     except RecordError:  # names the file itself
         raise
     except ValueError as error:
         raise ValueError(f"{source}: {error}") from error
-
-
-def _condition(
-    source: str,
-    channels: Mapping[str, SampleBlocks],
-    k: float,
-    frequency_hz: float | None,
-    skip_cycles: int,
-    corrections: Mapping[str, Correction | None],
-) -> SteadyRecord:
-    if not (math.isfinite(k) and k > 0.0):
-        raise ValueError(f"the stiffness k must be positive, got {k} N/m")
-
-    def gathered(
-        channels: Mapping[str, SampleBlocks], of_clocks: Sequence[Remark] = ()
-    ) -> Gathered:
-        uncorrected, sampling, warnings = _harmonics(channels, frequency_hz, skip_cycles)
-        return Gathered(source, k, uncorrected, sampling, corrections, (*of_clocks, *warnings))
-
-    of_record = gathered(channels)
-    settled = _Settled.of(of_record)
-    apart = {
-        q: checks.clock(settled.Y[:, 1], x[:, 1], settled.times, settled.weights, settled.omega)
-        for q, x in settled.moved.items()
-    }
-    faster = {q: ratio for q, ratio in apart.items() if ratio is not None}
-    if faster:
-        by_one = {q: _by_clock(of, faster.get(q, (0.0,))[0]) for q, of in channels.items()}
-        of_record = gathered(by_one, [*itertools.starmap(checks.two_clocks, faster.items())])
-        of_record = replace(of_record, clocks=faster)
-        settled = _Settled.of(of_record)
-    return _steady(settled)
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,74 +241,79 @@ class Gathered:
     warnings: tuple[Remark, ...]
     clocks: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
+    @property
+    def driving(self) -> str:
+        """The quantity that drives."""
+        return next(q for q in EXCITATIONS if q in self.channels)
 
-@dataclass(frozen=True, eq=False)
-class _Settled:
-    """The harmonics of base and responses as those of displacements, in the usable rows, m.
 
-    gathered : that they come from.   corrected : harmonics of each channel.   usable : rows in which every channel is.
-    times, weights : of these rows, from the start, s.   omega, offset, omega_error : of the drive, rad/s; offset from
-    that of the leading part.   warnings : on the cycles.
+class _Rows(NamedTuple):
+    """The harmonics in the rows that all channels have, in the time and at the frequency of the drive, without drift.
+
+    omega, omega_error : of the drive, rad/s.   times, weights : of the rows, from the start, s.   recorded : by
+    quantity, in the unit of the channel.   passed : by quantity, what gain, delay and filters make of each harmonic.
+    scales : by quantity, of the harmonics as displacements, m per unit, (N + 1,).   Y, moved : harmonics of base and,
+    by quantity, of the responses as displacements, m.   warnings : on the cycles.
     """
 
-    gathered: Gathered
-    corrected: Mapping[str, CycleHarmonics]
-    usable: Mask
+    omega: float
+    omega_error: float
     times: Array
     weights: Array
-    omega: float
-    offset: float
-    omega_error: float
+    recorded: dict[str, Complexes]
+    passed: dict[str, Complexes]
+    scales: dict[str, Complexes]
     Y: Complexes
     moved: dict[str, Complexes]
     warnings: list[Remark]
 
-    @classmethod
-    def of(cls, gathered: Gathered) -> _Settled:
-        """The channels, corrected."""
-        corrected = {
-            q: _corrected(q, h, gathered.corrections.get(q)) for q, h in gathered.channels.items()
-        }
-        driving = next(q for q in EXCITATIONS if q in corrected)
-        base, weights = corrected[driving], _common_weights(corrected)
-        warnings = _checked_cycles(corrected, weights, base.omega)
-        # a longer look corrects the frequency of the leading part
-        offset, omega_error = frequency_offset(base)
-        usable, omega = weights > 0.0, base.omega + offset
-        times, weights = base.times[: len(weights)][usable] - base.start, weights[usable]
-        rows = {
-            q: _displacement(q, _settled(h, usable, times, weights, offset), omega, gathered.k)
-            for q, h in corrected.items()
-        }
-        return cls(
-            gathered,
-            corrected,
-            usable,
-            times,
-            weights,
-            omega,
-            offset,
-            omega_error,
-            rows[driving],
-            {q: rows[q] for q in RESPONSES if q in rows},
-            warnings,
-        )
 
-
-def _steady(settled: _Settled) -> SteadyRecord:
-    """The steady record that these harmonics are."""
-    gathered, Y, weights, omega = settled.gathered, settled.Y, settled.weights, settled.omega
-    driving = next(q for q in EXCITATIONS if q in settled.corrected)
-    base, times = settled.corrected[driving], settled.times
-    noise_rms = {
-        q: _noise_rms(_settled(h, settled.usable, times, weights, settled.offset), weights, h)
-        for q, h in gathered.channels.items()
+def _rows_of(gathered: Gathered) -> _Rows:
+    channels, base = gathered.channels, gathered.channels[gathered.driving]
+    offset, omega_error = frequency_offset(base)  # a longer look corrects that of the leading part
+    omega = base.omega + offset
+    passed = {
+        q: _passed(q, correction, omega, channels[q].coefficients.shape[1])
+        for q in channels
+        if (correction := gathered.corrections.get(q)) is not None
     }
-    rounding = {q: _rounding(gathered, q, noise_rms[q]) for q in gathered.channels}
-    Y_rounding = rounding[driving][: Y.shape[1]]
+    weights = _common_weights(channels)
+    warnings = _checked_cycles(channels, weights, base.omega)
+    usable = weights > 0.0
+    times, weights = base.times[: len(weights)][usable] - base.start, weights[usable]
+    recorded = {q: h.coefficients[: len(usable)][usable] for q, h in channels.items()}
+    slopes = _drifts([rows[:, 0].real for rows in recorded.values()], times, weights)
+    turn = np.exp(1j * (base.omega * base.start - offset * times))
+    turn = powers(turn, max(rows.shape[1] for rows in recorded.values()))
+    scales = {}
+    for (q, rows), slope in zip(recorded.items(), slopes, strict=True):
+        rows[:, 1:] -= slope @ channels[q].drift[:, 1:]
+        rows *= turn[:, : rows.shape[1]]
+        response = passed.get(q, np.ones(rows.shape[1]))
+        scales[q] = _of_displacement(q, response.size, omega, gathered.k) / response
+    moved = {q: recorded[q][:, : scale.size] * scale for q, scale in scales.items()}
+    Y, responses = moved[gathered.driving], {q: moved[q] for q in RESPONSES if q in moved}
+    return _Rows(
+        omega, omega_error, times, weights, recorded, passed, scales, Y, responses, warnings
+    )
+
+
+def _steady(gathered: Gathered, rows: _Rows) -> SteadyRecord:
+    """The steady record that these harmonics are."""
+    Y, weights, omega, driving = rows.Y, rows.weights, rows.omega, gathered.driving
+    base, times = gathered.channels[driving], rows.times
+    channels = dict(gathered.channels)
+    for q, passed in rows.passed.items():
+        coefficients = channels[q].coefficients[:, : passed.size] / passed
+        channels[q] = replace(channels[q], coefficients=coefficients)
+    noise_rms = {q: _noise_rms(rows.recorded[q], weights, h) for q, h in gathered.channels.items()}
+    rounding = {
+        q: _rounding(gathered, q, noise) * np.abs(rows.scales[q]) for q, noise in noise_rms.items()
+    }
+    Y_rounding = rounding[driving]
     Y_error = np.hypot(_error(Y, weights), Y_rounding)
-    moved = dict(settled.moved)
-    warnings = [*gathered.warnings, *settled.warnings]
+    moved = dict(rows.moved)
+    warnings = [*gathered.warnings, *rows.warnings]
     skew, inconsistencies = checks.consistency(moved, weights, omega)
     warnings += inconsistencies
     X, X_error, X_rounding = _combined(moved, rounding, weights)
@@ -329,7 +328,7 @@ def _steady(settled: _Settled) -> SteadyRecord:
         source=gathered.source,
         k=gathered.k,
         omega=omega,
-        omega_standard_error=settled.omega_error,
+        omega_standard_error=rows.omega_error,
         start=base.start,
         cycles=int(weights.sum()),
         cycles_per_row=base.cycles_per_row,
@@ -343,7 +342,7 @@ def _steady(settled: _Settled) -> SteadyRecord:
         bandwidth=_bandwidth(mean_X, X_error),
         even_bandwidth=_bandwidth(mean_X, X_error, lowest=2) if asymmetry else 0,
         base_bandwidth=checks.highest_of_base(mean_Y, Y_error),
-        channels=settled.corrected,
+        channels=channels,
         noise_rms=noise_rms,
         skew=skew,
         warnings=tuple(warnings),
@@ -351,37 +350,43 @@ def _steady(settled: _Settled) -> SteadyRecord:
     )
 
 
-def _harmonics(
-    channels: Mapping[str, SampleBlocks], frequency_hz: float | None, skip_cycles: int
-) -> tuple[dict[str, CycleHarmonics], dict[str, tuple[float, float, float]], list[Remark]]:
-    """The harmonics of every channel at the drive frequency of the leading part, `Gathered.sampling`, and warnings
-    about that frequency."""
+def _gathered(
+    source: str,
+    channels: Mapping[str, SampleBlocks],
+    k: float,
+    frequency_hz: float | None,
+    skip_cycles: int,
+    corrections: Mapping[str, Correction | None],
+) -> Gathered:
+    """The harmonics of every channel at the drive frequency of the leading part."""
     driving = next(q for q in EXCITATIONS if q in channels)
     leading = {
         q: _leading_samples(blocks(), _LEADING if q == driving else _COMPARED)
         for q, blocks in channels.items()
     }
-    steps = {q: _step_of(t if q == driving else t[:64], q) for q, (t, _) in leading.items()}
-    omega, error = _drive_frequency(driving, leading[driving], steps[driving])
+    sampling = {
+        q: (float(t[0]), _step_of(t, q), converter_step(values[:_COMPARED]))
+        for q, (t, values) in leading.items()
+    }
+    drive = leading[driving]
+    checks.require_signal(driving, drive[1])
+    try:
+        omega, error = drive_frequency(*drive, sampling[driving][1])
+    except ValueError as problem:
+        raise ValueError(f"{driving}: {problem}") from problem
     for q, (_, values) in leading.items():
         if q != driving:
-            checks.require_distinct(q, values, driving, leading[driving][1])
+            checks.require_distinct(q, values, driving, drive[1])
     period = 2.0 * math.pi / omega
-    cycles = math.floor(np.ptp(leading[driving][0]) / period)
-    warnings = list(checks.frequency(omega, error, cycles, frequency_hz))
-    start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
-    counts = {q: _harmonics_of(q, period / dt) for q, dt in steps.items()}
-    return (
-        {
-            q: accumulate(blocks(), omega, start=start, dt=steps[q], harmonics=counts[q])
-            for q, blocks in channels.items()
-        },
-        {
-            q: (float(t[0]), _step_of(t, q), converter_step(values[:_COMPARED]))
-            for q, (t, values) in leading.items()
-        },
-        warnings,
-    )
+    cycles = math.floor(np.ptp(drive[0]) / period)
+    warnings = tuple(checks.frequency(omega, error, cycles, frequency_hz))
+    start = max(first for first, *_ in sampling.values()) + skip_cycles * period
+    counts = {q: _harmonics_of(q, period / dt) for q, (_, dt, _) in sampling.items()}
+    harmonics = {
+        q: accumulate(blocks(), omega, start=start, dt=sampling[q][1], harmonics=counts[q])
+        for q, blocks in channels.items()
+    }
+    return Gathered(source, k, harmonics, sampling, corrections, warnings)
 
 
 def _by_clock(blocks: SampleBlocks, faster: float) -> SampleBlocks:
@@ -398,15 +403,16 @@ def _by_clock(blocks: SampleBlocks, faster: float) -> SampleBlocks:
 
 def _leading_samples(blocks: Iterable[Samples], count: int) -> Samples:
     """The first samples of a channel, at least `count` of them if there are as many."""
-    first = np.zeros((2, 0))
-    for block in blocks:
-        room = count - first.shape[1]
-        first = np.hstack([first, [samples[:room] for samples in block]])
-        if first.shape[1] >= count:
+    parts, size = [], 0
+    for t, values in blocks:
+        parts.append((t[: count - size], values[: count - size]))
+        size += parts[-1][0].size
+        if size >= count:
             break
-    if not first.size:
+    if not size:
         raise ValueError("a channel has no samples")
-    return first[0], first[1]
+    t, values = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
+    return np.asarray(t, dtype=np.float64), np.asarray(values, dtype=np.float64)
 
 
 def _step_of(t: Array, quantity: str) -> float:
@@ -414,40 +420,31 @@ def _step_of(t: Array, quantity: str) -> float:
     if t.size < 3:
         raise ValueError(f"{quantity} has only {t.size} samples")
     steps = np.diff(t)
-    return float(np.mean(steps[np.abs(steps - np.median(steps)) < 0.5 * np.median(steps)]))
+    if np.ptp(steps) >= 0.5 * steps.min():
+        median = np.median(steps)
+        steps = steps[np.abs(steps - median) < 0.5 * median]
+    return float(np.mean(steps))
 
 
-def _corrected(
-    quantity: str, harmonics: CycleHarmonics, correction: Correction | None
-) -> CycleHarmonics:
-    """The harmonics before gain, delay and filters of the channel acted, up to the highest that the filter passes."""
-    if correction is None:
-        return harmonics
-    response = correction.response(harmonics.omega * np.arange(harmonics.coefficients.shape[1]))
+def _passed(quantity: str, correction: Correction, omega: float, count: int) -> Complexes:
+    """What gain, delay and filters of a channel make of each harmonic, up to the highest that the filters pass."""
+    response = correction.response(omega * np.arange(count))
     passed = np.abs(response) > _FILTERED_OUT * correction.gain
     if not passed[1]:
         raise ValueError(
-            f"{quantity}: its filter leaves less than {_FILTERED_OUT:g} of the {harmonics.omega / (2.0 * math.pi):.4g} "
-            "Hz of the drive: check its corner or poles in the mapping"
+            f"{quantity}: its filter leaves less than {_FILTERED_OUT:g} of the {omega / (2.0 * math.pi):.4g} Hz of the "
+            "drive: check its corner or poles in the mapping"
         )
-    count = passed.size if passed.all() else int(np.argmin(passed))
-    response = response[:count]
-    return replace(
-        harmonics,
-        coefficients=harmonics.coefficients[:, :count] / response,
-        # of an offset that drifts by one unit after the correction: the mean is divided by the gain, too
-        drift=harmonics.drift[:, :count] * (correction.gain / response),
-        span=harmonics.span / correction.gain,
-    )
+    return response if passed.all() else response[: int(np.argmin(passed))]
 
 
-def _drive_frequency(driving: str, leading: Samples, step: float) -> tuple[float, float]:
-    """ω of the excitation and its standard error, rad/s, from its leading samples."""
-    checks.require_signal(driving, leading[1])
-    try:
-        return drive_frequency(*leading, step)
-    except ValueError as error:
-        raise ValueError(f"{driving}: {error}") from error
+def _of_displacement(quantity: str, count: int, omega: float, k: float) -> Complexes:
+    """What the harmonics of a quantity are multiplied with to be those of a displacement, m per unit; the mean of a
+    rate counts as 0."""
+    if quantity == "force":
+        return np.full(count, 1.0 / k + 0j)
+    by_time = np.concatenate([[0.0], 1.0 / (1j * omega * np.arange(1, count))])
+    return by_time ** _ORDERS.get(quantity, 0)
 
 
 def _common_weights(harmonics: Mapping[str, CycleHarmonics]) -> Array:
@@ -473,16 +470,6 @@ def _checked_cycles(
     return warnings
 
 
-def _settled(
-    harmonics: CycleHarmonics, usable: Mask, times: Array, weights: Array, offset: float
-) -> Complexes:
-    """The usable rows without drift, turned to the time of their start and to a frequency faster by `offset`, rad/s."""
-    rows = harmonics.coefficients[: len(usable)][usable]
-    phase = harmonics.omega * harmonics.start - offset * times
-    turn = np.exp(1j * np.outer(phase, np.arange(rows.shape[1])))
-    return _without_drift(rows, harmonics.drift, times, weights) * turn
-
-
 def _harmonics_of(quantity: str, per_cycle: float) -> int:
     quarter = math.floor(per_cycle / 4.0)
     if quarter < 3:
@@ -492,30 +479,17 @@ def _harmonics_of(quantity: str, per_cycle: float) -> int:
     return min(MOST_HARMONICS.get(quantity, _HARMONICS_OF_BASE), quarter)
 
 
-def _displacement(quantity: str, rows: Complexes, omega: float, k: float) -> Complexes:
-    """The harmonics of a channel as those of a displacement; the mean of a rate counts as 0."""
-    if quantity == "force":
-        return rows * (1.0 / k)
-    orders = {"velocity": 1, "acceleration": 2, "base_acceleration": 2}
-    by_time = np.concatenate([[0.0], 1.0 / (1j * np.arange(1, rows.shape[1]) * omega)])
-    return rows * by_time ** orders.get(quantity, 0)
-
-
-def _without_drift(rows: Complexes, drift: Complexes, times: Array, weights: Array) -> Complexes:
-    """The harmonics freed of what a drifting offset adds to them; the drift is a parabola through the means.
-
-    drift : harmonics of τ and τ² in a cycle.   times : middle of the rows, s.
-    """
-    degree = 2 if len(rows) >= 8 else 1
+def _drifts(means: Sequence[Array], times: Array, weights: Array) -> Array:
+    """Slope and half the second derivative of a drifting offset in each row, 1/s and 1/s², (channels, rows, 2), from a
+    parabola through its means, (rows,) for each channel.   times : middle of the rows, s."""
+    degree = 2 if len(times) >= 8 else 1
     span = max(float(np.ptp(times)), 1e-300)
-    at = (times - times.mean()) / span
-    means = np.polynomial.Polynomial(
-        np.polynomial.polynomial.polyfit(at, rows[:, 0].real, degree, w=np.sqrt(weights))
-    )
-    rate, bend = means.deriv()(at) / span, 0.5 * means.deriv(2)(at) / span**2
-    correction = np.outer(rate, drift[0]) + np.outer(bend, drift[1])
-    correction[:, 0] = 0.0
-    return rows - correction
+    at, root = (times - times.mean()) / span, np.sqrt(weights)[:, None]
+    powers_of = np.vander(at, degree + 1, increasing=True)
+    fitted = np.linalg.lstsq(powers_of * root, np.transpose(means) * root, rcond=None)[0]
+    bend = fitted[2] if degree == 2 else np.zeros(len(means))
+    slope = fitted[1][:, None] + 2.0 * np.outer(bend, at)
+    return np.stack([slope / span, np.outer(bend, np.ones(at.size)) / span**2], axis=-1)
 
 
 def _error(rows: Complexes, weights: Array) -> Array:
@@ -524,7 +498,7 @@ def _error(rows: Complexes, weights: Array) -> Array:
     Smoothed over five neighbouring harmonics: of few cycles, each by itself would be a poor estimate.
     """
     smooth = _scatter(rows, weights) / weights.sum()
-    higher = np.pad(smooth[2:], 2, constant_values=np.nan)
+    higher = np.concatenate([_NO_NEIGHBOURS, smooth[2:], _NO_NEIGHBOURS])
     ordered = np.sort(np.lib.stride_tricks.sliding_window_view(higher, 5), axis=1)  # NaN last
     known, place = np.isfinite(ordered).sum(axis=1), np.arange(len(ordered))
     smooth[2:] = 0.5 * (ordered[place, (known - 1) // 2] + ordered[place, known // 2])
@@ -544,14 +518,11 @@ def _noise_rms(rows: Complexes, weights: Array, of: CycleHarmonics) -> float:
     return math.sqrt(float(np.median(_scatter(rows, weights)[1:])) * 0.5 * period / of.dt)
 
 
-def _rounding(gathered: Gathered, quantity: str, noise_rms: float) -> Array:
-    """Standard deviations that the steps of a converter leave in the harmonics of a channel, m."""
+def _rounding(gathered: Gathered, quantity: str, noise_rms: float) -> float:
+    """Standard deviation that the steps of a converter leave in the harmonics of a channel, in its unit."""
     of, (_, dt, step) = gathered.channels[quantity], gathered.sampling[quantity]
     cycles = round(float(of.weights.sum()))
-    error = rounding_error(step, of.span, 2.0 * math.pi / (of.omega * dt), cycles, noise_rms)
-    ones = replace(of, coefficients=np.full((1, of.coefficients.shape[1]), error + 0j))
-    corrected = _corrected(quantity, ones, gathered.corrections.get(quantity))
-    return np.abs(_displacement(quantity, corrected.coefficients, of.omega, gathered.k))[0]
+    return rounding_error(step, of.span, 2.0 * math.pi / (of.omega * dt), cycles, noise_rms)
 
 
 def _combined(

@@ -18,6 +18,7 @@ import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ from ..arrays import Array, Complexes, Mask
 from ..project.wording import Remark
 
 Samples = tuple[Array, Array]  # times, values
+Numbers = TypeVar("Numbers", Array, Complexes)
 
 _MOST_ROWS = 2048
 _CYCLES_AT_ONCE = 256
@@ -118,40 +120,39 @@ class _Accumulator:
         self.longest = self.shortest + 2  # rounding of times may give and take a sample
         self.next_cycle = 0
         self.carry: Samples = (np.empty(0), np.empty(0))
-        self.rows: list[Complexes] = []  # sums of harmonics, number of usable cycles
-        self.waiting = np.zeros((0, self.count + 1), dtype=np.complex128)  # cycles for the next row
+        # sums of harmonics, number of usable cycles; and cycles for the next row
+        self.waiting = np.zeros((0, self.count + 1), dtype=np.complex128)
+        self.rows: list[Complexes] = [self.waiting]
         self.cycles_per_row = 1
         self.drift = np.zeros((2, self.count), dtype=np.complex128)
-        self.drift_cycles = 0
+        self.fitted_cycles = 0
         self.bad: list[tuple[int, float, Remark]] = []
         self.held_at_extreme = 0
         self.highest, self.lowest = -math.inf, math.inf
         self.usable = 0
-        angle = omega * dt * np.outer(np.arange(self.longest), np.arange(self.count))
-        # s @ fourier = Re, Im of Σ s e^{−inωt}
-        self.fourier = np.hstack([np.cos(angle), -np.sin(angle)])
-        self.systems: dict[int, tuple[Complexes, Complexes]] = {}
+        # e^{−inωr dt} of sample r, (longest, N + 1)
+        self.fourier = powers(np.exp(-1j * omega * dt * np.arange(self.longest)), self.count)
+        self.systems: dict[int, tuple[Array, Array, Complexes, Complexes]] = {}
 
-    def _system(self, length: int) -> tuple[Complexes, Complexes]:
-        """For cycles of so many samples: the inverse normal matrix, and the harmonics of a drift."""
+    def _system(self, length: int) -> tuple[Array, Array, Complexes, Complexes]:
+        """For cycles of so many samples, in the time τ from the middle: the inverse normal matrices of the cosines and
+        of the sines, e^{−inωτ} of the first sample, and the harmonics of τ and τ²."""
         if length in self.systems:
             return self.systems[length]
-        # Σ e^{−iqωr dt} over the samples r of the cycle, q = −2N … 2N, is all that the normal matrix holds
-        q = np.arange(2 - 2 * self.count, 2 * self.count - 1)
-        half = 0.5 * self.omega * self.dt * q
-        sums = np.full(q.size, float(length), dtype=np.complex128)
-        ratio = np.sin(length * half[q != 0]) / np.sin(half[q != 0])
-        sums[q != 0] = np.exp(-1j * (length - 1) * half[q != 0]) * ratio
-        n = np.arange(1 - self.count, self.count)
-        inverse = np.linalg.inv(sums[n[:, None] - n[None, :] + 2 * self.count - 2])
-        inverse = inverse[self.count - 1 :]
-        inverse[1:] *= 2.0  # c_n is twice the coefficient of e^{inωt}, c_0 the mean
+        # Σ cos qωτ, q = 0 … 2N, is all that the normal matrices hold; cosines and sines are orthogonal
+        half = 0.5 * self.omega * self.dt * np.arange(1, 2 * self.count - 1)
+        sums = np.append(float(length), np.sin(length * half) / np.sin(half))
+        n = np.arange(self.count)
+        apart, together = sums[np.abs(n[:, None] - n)], sums[n[:, None] + n]
+        cosines, sines = 2.0 * np.linalg.inv(apart + together), np.zeros_like(apart)
+        sines[1:, 1:] = 2.0 * np.linalg.inv((apart - together)[1:, 1:])
+        lead = np.exp(0.5j * self.omega * self.dt * (length - 1) * n)
         tau = self.dt * (np.arange(length) - 0.5 * (length - 1))
-        product = np.array([tau, tau**2]) @ self.fourier[:length]
-        drift = product[:, : self.count] + 1j * product[:, self.count :]
-        drift = np.hstack([drift[:, :0:-1].conj(), drift]) @ inverse.T
-        self.systems[length] = inverse, drift
-        return inverse, drift
+        along = np.array([tau, tau**2]) @ self.fourier[:length].view(np.float64)
+        along = along.view(np.complex128) * lead
+        drift = np.array([1j * (along[0].imag @ sines), along[1].real @ cosines])
+        self.systems[length] = cosines, sines, lead, drift
+        return self.systems[length]
 
     def add(self, t: Array, values: Array) -> None:
         """Take one block."""
@@ -169,80 +170,89 @@ class _Accumulator:
         at_once = max(1, min(_CYCLES_AT_ONCE, _MOST_AT_ONCE // self.longest))
         while self.next_cycle < last:
             number = np.arange(self.next_cycle, min(last, self.next_cycle + at_once) + 1)
-            edges = np.searchsorted(
-                t, self.start + number * self.period - 1e-6 * self.dt, side="left"
-            )
-            self._cycles(t, values, number[:-1], edges)
+            edges = np.searchsorted(t, self._begin(number))
+            self._cycles(t[edges[0] : edges[-1]], values[edges[0] : edges[-1]], edges - edges[0])
             self.next_cycle = int(number[-1])
-        first = int(np.searchsorted(t, self.start + self.next_cycle * self.period - 1e-6 * self.dt))
+        first = int(np.searchsorted(t, self._begin(self.next_cycle)))
         self.carry = (t[first:].copy(), values[first:].copy())
 
-    def _cycles(
-        self, t: Array, values: Array, number: NDArray[np.int_], edges: NDArray[np.intp]
-    ) -> None:
-        """The harmonics of the cycles whose samples lie between successive edges."""
+    def _begin(self, number: Any) -> Any:
+        """Time after which cycles begin, s."""
+        return self.start + number * self.period - 1e-6 * self.dt
+
+    def _cycles(self, t: Array, values: Array, edges: NDArray[np.intp]) -> None:
+        """The harmonics of the next cycles, whose samples lie between successive edges."""
         begin, length = edges[:-1], np.diff(edges)
+        t, values = np.append(t, 0.0), np.append(values, np.zeros(self.longest))
+        lasted = t[edges[1:] - 1] - t[begin]
         whole = (length >= self.shortest) & (length <= self.longest)
-        end = np.minimum(begin + np.maximum(length, 1), t.size) - 1
-        begin = np.minimum(begin, t.size - 1)
-        whole &= np.abs(t[end] - t[begin] - (length - 1) * self.dt) < 0.5 * self.dt
-        steps = np.arange(self.longest)
-        at = np.minimum(begin[:, None] + steps, t.size - 1)
-        inside = steps < length[:, None]
-        s = np.where(inside, values[at], 0.0)
-        # the time of a cycle's first sample, from all of them: time stamps may be rounded
-        t0 = np.where(inside, t[at] - self.dt * steps, 0.0).sum(axis=1) / np.maximum(length, 1)
-
-        product = s @ self.fourier
-        sums = product[:, : self.count] + 1j * product[:, self.count :]
-        both = np.hstack([sums[:, :0:-1].conj(), sums])
-        local = np.zeros((len(number), self.count), dtype=np.complex128)
-        turn = np.exp(-1j * self.omega * np.outer(t0, np.arange(self.count)))
-        for n_samples in np.unique(length[whole]):
-            chosen = whole & (length == n_samples)
-            inverse, drift = self._system(int(n_samples))
-            local[chosen] = both[chosen] @ inverse.T
-            self.drift += drift * turn[chosen].sum(axis=0)
-        self.drift_cycles += int(whole.sum())
-        fitted = np.einsum("jn,jn->j", local.conj(), sums).real
-        square = np.maximum(np.einsum("jr,jr->j", s, s) - fitted, 0.0)
-        square /= np.maximum(length - 2 * self.count + 1, 1)
-
-        due = self.period / self.dt
+        whole &= np.abs(lasted - (length - 1) * self.dt) < 0.5 * self.dt
         gap = partial(Remark, "a gap: {} samples where there should be {:.1f}")
-        faults = {int(j): gap(int(length[j]), due) for j in np.flatnonzero(~whole)}
-        faults |= self._faults(s, inside, local, square, whole)
+        due = self.period / self.dt
+        faults = {j: gap(int(length[j]), due) for j in np.flatnonzero(~whole).tolist()}
+        rows = np.zeros((length.size, self.count + 1), dtype=np.complex128)
+        if whole.any():
+            places, size = np.flatnonzero(whole), length[whole]
+            s = np.lib.stride_tricks.sliding_window_view(values, self.longest)[begin[whole]]
+            s[np.arange(self.longest) >= size[:, None]] = 0.0
+            # the time of the middle, from all samples: time stamps may be rounded
+            middle = np.add.reduceat(t, begin)[whole] / size
+            turn = powers(np.exp(-1j * self.omega * middle), self.count)
+            local, square = self._fitted(s, size, turn)
+            rows[whole, :-1], rows[whole, -1] = local * turn, 1.0
+            held = s[:, 1 : self.shortest] == s[:, : self.shortest - 1]
+            odd = self._faults(s, size, local, square, held)
+            faults |= {int(places[j]): reason for j, reason in odd.items()}
+            if held.any():
+                good = [j for j in range(size.size) if j not in odd]
+                self._extremes(s[good], size[good])
         for j, reason in faults.items():
-            when = float(self.start + number[j] * self.period)
-            self.bad.append((int(number[j]), when, reason))
-        whole[list(faults)] = False
-        self._extremes(s, inside, whole)
-        self.usable += int(whole.sum())
-        self._gather(local * turn, whole)
+            number = self.next_cycle + j
+            self.bad.append((number, self.start + number * self.period, reason))
+        rows[list(faults)] = 0.0
+        self.usable += length.size - len(faults)
+        self._gather(rows)
+
+    def _fitted(self, s: Array, size: NDArray[np.intp], turn: Complexes) -> tuple[Complexes, Array]:
+        """The harmonics of cycles in the time from their middle, and the mean square of their samples about them.
+
+        s : samples, zero beyond `size` of them, (cycles, longest).   turn : e^{−inωt} of the middle.
+        """
+        sums = (s @ self.fourier.view(np.float64)).view(np.complex128)
+        local = np.zeros_like(sums)
+        for samples in np.unique(size).tolist():
+            chosen = size == samples
+            cosines, sines, lead, drift = self._system(samples)
+            sums[chosen] *= lead
+            local.real[chosen] = sums.real[chosen] @ cosines
+            local.imag[chosen] = sums.imag[chosen] @ sines
+            self.drift += drift * turn[chosen].sum(axis=0)
+        self.fitted_cycles += size.size
+        left = np.einsum("jr,jr->j", s, s) - np.einsum("jn,jn->j", local.conj(), sums).real
+        return local, np.maximum(left, 0.0) / np.maximum(size - (2 * self.count - 1), 1)
 
     def _faults(
-        self, s: Array, inside: Mask, local: Complexes, square: Array, whole: Mask
+        self, s: Array, size: NDArray[np.intp], local: Complexes, square: Array, held: Mask
     ) -> dict[int, Remark]:
         """Which cycles hold samples that stand still while the signal moves on, or that lie far off it."""
-        if not whole.any():
-            return {}
-        rms = math.sqrt(float(np.median(square[whole])))
-        usual = max(rms, _HARMLESS * float(np.ptp(s[inside])))
-        still = _three_in_a_row((s[:, 1:] == s[:, :-1]) & inside[:, 1:])  # four equal samples
+        rms = math.sqrt(float(np.median(square)))
+        usual = max(rms, _HARMLESS * float(np.ptp(s[:, : self.shortest])))
         outlying = square > _OUTLYING * usual**2
-        suspect = whole & (still | outlying)
+        suspect = _three_in_a_row(held) | outlying  # four equal samples
         if not suspect.any():
             return {}
-        model = np.hstack([local.real, local.imag]) @ self.fourier.T
-        off = np.where(inside, np.abs(s - model), 0.0)
-        good = np.flatnonzero(whole & ~outlying)
+        first = powers(np.exp(-0.5j * self.omega * self.dt * (size - 1)), self.count)
+        model = ((local * first) @ self.fourier.conj().T).real
+        off = np.where(np.arange(self.longest) < size[:, None], np.abs(s - model), 0.0)
+        good = np.flatnonzero(~outlying)
         limit = max(8.0 * usual, 2.0 * float(np.max(off[good[:_AROUND]], initial=0.0)))
         faults = {}
         for j in np.flatnonzero(suspect).tolist():
-            size, worst = inside[j].sum(), int(np.argmax(off[j]))
+            worst = int(np.argmax(off[j]))
             around = good[good != j]
             around = around[np.argsort(np.abs(around - j), kind="stable")[:_AROUND]]
-            reason = _held(s[j, :size], s[around] if around.size > 2 else model[j : j + 1], rms)
+            others = s[around] if around.size > 2 else model[j : j + 1]
+            reason = _held(s[j, : size[j]], others, rms)
             if not reason and outlying[j] and off[j, worst] > limit:
                 reason = Remark(
                     "a spike: {:.6g} where {:.6g} is expected", s[j, worst], model[j, worst]
@@ -251,36 +261,31 @@ class _Accumulator:
                 faults[j] = reason
         return faults
 
-    def _extremes(self, s: Array, inside: Mask, whole: Mask) -> None:
+    def _extremes(self, s: Array, size: NDArray[np.intp]) -> None:
         """Count the cycles whose highest or lowest value is held as a clipped signal holds it."""
-        if not whole.any():
-            return
-        s, inside = s[whole], inside[whole]
-        clipped = np.zeros(len(s), dtype=np.bool_)
+        clipped = np.zeros(size.size, dtype=np.bool_)
         for sign in (1.0, -1.0):
-            high = np.where(inside, sign * s, -np.inf)
+            high = np.where(np.arange(self.longest) < size[:, None], sign * s, -np.inf)
             top = high.max(axis=1)
-            highest = np.flatnonzero(top == top.max())
+            highest = np.flatnonzero(top == top.max(initial=-np.inf))
             clipped[highest] |= _cut_off(high[highest])
         self.held_at_extreme += int(clipped.sum())
 
-    def _gather(self, harmonics: Complexes, whole: Mask) -> None:
+    def _gather(self, rows: Complexes) -> None:
         """Append cycles to the rows, as many to a row as it stands for; join rows when there are many."""
-        weights = whole.astype(np.float64)
-        waiting = np.column_stack([harmonics * weights[:, None], weights])
-        waiting = np.concatenate([self.waiting, waiting])
+        waiting = np.concatenate([self.waiting, rows])
         full = len(waiting) // self.cycles_per_row * self.cycles_per_row
         self.rows.append(_joined(waiting[:full], self.cycles_per_row))
         self.waiting = waiting[full:]
-        rows = sum(map(len, self.rows))
-        while rows > _MOST_ROWS and rows % 2 == 0:
+        count = sum(map(len, self.rows))
+        while count > _MOST_ROWS and count % 2 == 0:
             self.rows = [_joined(np.concatenate(self.rows), 2)]
             self.cycles_per_row *= 2
-            rows //= 2
+            count //= 2
 
     def result(self) -> CycleHarmonics:
         """The rows; cycles that do not fill a row at the end are left out."""
-        rows = np.concatenate([self.waiting[:0], *self.rows])
+        rows = np.concatenate(self.rows)
         weights = rows[:, -1].real
         with np.errstate(invalid="ignore", divide="ignore"):
             coefficients = rows[:, :-1] / weights[:, None]
@@ -291,11 +296,16 @@ class _Accumulator:
             coefficients=coefficients,
             cycles_per_row=self.cycles_per_row,
             weights=weights,
-            drift=self.drift / max(1, self.drift_cycles),
+            drift=self.drift / max(1, self.fitted_cycles),
             bad_cycles=tuple(self.bad),
             span=max(0.0, self.highest - self.lowest),
             clipped=self.held_at_extreme / max(1, self.usable),
         )
+
+
+def powers(base: Numbers, count: int) -> Numbers:
+    """b^0 … b^{count − 1} of each b, (…, count): e^{inθ} of e^{iθ} without further exponentials."""
+    return np.vander(base, count, increasing=True)
 
 
 def _three_in_a_row(true: Mask) -> Mask:

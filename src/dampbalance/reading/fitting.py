@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -14,26 +14,28 @@ from ..arrays import Array
 from ..law.law import Law
 from ..law.steady import Response
 from ..law.terms import FRICTION, parted
+from ..model import Parameters
+from ..motion.climb import MOST, climb
 from ..motion.jit import interpreted
-from ..motion.orbit import NoSteadyOrbit, Orbit
-from .climb import MOST, Evaluation, climb
+from ..motion.orbit import NoSteadyOrbit
 from .lines import Lines, Shares, starts
-from .waveforms import MOST_RADIANS, Unknowns, WaveformFit, equivalent_coefficient
+from .waveforms import MOST_RADIANS, STIFFEST, Motion, Unknowns, WaveformFit, equivalent_coefficient
 
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
 _HOPELESS = 4.0  # χ² per datum, softened
 _EFFORT = 600.0  # evaluations after which no other start is tried: to end where the records are takes about 40
-# Of K_z/k: the contact that stands for a rigid one. It sticks for 10⁻⁵ rad of the cycle or so, by which friction comes
-# late: to tell that from nothing takes noise below 10⁻⁶ of the motion.
-_STIFFEST = 1e10
-_FEWER = 12  # evaluations at each softening, to see whether a climb comes near the records
+_FEWER = 12  # evaluations at each softening under a law that is compared with others
 _SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
 _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
 _REACH = math.log(5.0)  # of ln K_z to either side, where others are tried
 _MOST_STEPS = 64
 _SCANS = 3  # along K_z, each from the best end of the one before
+_RINGS = 1.0  # swings in a stick, from which on a fit that holds is not the only one
+_CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step: kinks of χ² lie close together
+_FOLLOWING, _TRIED = 4, 6  # evaluations at each K_z, and minima that are climbed to
+_LOWER = 0.05  # of χ²: what another minimum must be lower by to be scanned around
 _DEAR = 200.0  # turns of the fastest motion, which cost as much as the rest of an evaluation
 _MOST_TURNS = 2e4  # of an orbit whose derivatives are computed: 0.1 s
 _MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
@@ -48,12 +50,11 @@ def fit_oscillator(
     thorough : whether more and more starts are tried until one leads to an oscillator that the records may be of, or so
     many evaluations were made that there hardly is one. Of those that end far from the records the three nearest are
     refined, for which of them is the best shows only then. The ringing of the stuck mass makes χ² oscillate along K_z:
-    from the best, K_z is varied in steps that miss no minimum, again and again as long as that leads to a better one,
-    which climbs on to its optimum.
+    the best is searched for among all K_z (`of_all_stiffnesses`), and climbs on to its optimum.
     """
     unknowns = Unknowns(law or Law(), tuple(lines), k)
     shares = _shares_of(unknowns)
-    wide = (True,) if thorough and not unknowns.law.nonlinear else ()  # else each climb takes long
+    wide = (True,) if thorough and not unknowns.nonlinear else ()  # else each climb takes long
     points = (
         unknowns.start(candidate, shares.friction)
         for search in (False, *wide)
@@ -67,17 +68,29 @@ def fit_oscillator(
             for end in (ends[0], *different)[:_REFINED]
         ]
         ends += filter(None, refined)
-        for _ in wide * _SCANS:
-            so_far = min(ends, key=lambda end: end.chi_square)
-            others = _ends(unknowns, _other_stiffnesses(so_far), _FEWER)
-            ends += others
-            if not others or others[0].chi_square > so_far.chi_square * (1.0 - _SAME):
-                break
-    best = min(ends, key=lambda end: end.chi_square, default=None)
-    if best is not None and not (best.adequate and best.converged):
+    best = _best(ends)
+    if best is None:
+        return None
+    if wide:
+        best = of_all_stiffnesses(best)
+    if thorough and not (best.adequate and best.converged):
         last = _climbed(unknowns, best.point, softenings=(0.0,), last=_TO_THE_END)
-        ends += filter(None, [last])
-    return _nearest(ends)
+        best = _best([best, *filter(None, [last])])
+    return best
+
+
+def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
+    """The best fit that is found along K_z, from a fifth to five times that of a fit: in steps that miss no minimum,
+    and from a better one again; the fit itself where none is better, or the mass hardly swings while it sticks."""
+    left = np.array([_EFFORT])
+    for _ in range(_SCANS):
+        others, count = _other_stiffnesses(fit, left)
+        ends = [_climbed(fit.unknowns, at, softenings=(0.0,)) for at in others]
+        best = _best([fit, *filter(None, ends)], count) or fit
+        if best.chi_square > fit.chi_square - _LOWER * max(1.0, fit.misfit):
+            return replace(fit, evaluations=best.evaluations)
+        fit = best
+    return fit
 
 
 def climb_on(fit: WaveformFit, lines: Sequence[Lines]) -> WaveformFit | None:
@@ -97,7 +110,7 @@ def fit_quickly(
     candidates = starts(lines, k, shares)
     known = [*candidates[:1], *(_as_candidate(fit) for fit in near), *candidates[1:2]]
     points = (unknowns.start(candidate, shares.friction) for candidate in known)
-    return _nearest(_ends(unknowns, points, _FEWER))
+    return _best(_ends(unknowns, points, _FEWER))
 
 
 def _ends(unknowns: Unknowns, points: Iterable[Array], most: int) -> list[WaveformFit]:
@@ -107,7 +120,7 @@ def _ends(unknowns: Unknowns, points: Iterable[Array], most: int) -> list[Wavefo
     """
     ends: list[WaveformFit] = []
     left = np.array([_EFFORT])
-    with interpreted(False) if unknowns.law.nonlinear else nullcontext():
+    with interpreted(False) if unknowns.nonlinear else nullcontext():
         for point in points:
             reached = _climbed(unknowns, point, hopeless=_HOPELESS, most=most, left=left)
             if reached is not None:
@@ -117,25 +130,49 @@ def _ends(unknowns: Unknowns, points: Iterable[Array], most: int) -> list[Wavefo
     return sorted(ends, key=lambda end: end.chi_square)
 
 
-def _other_stiffnesses(end: WaveformFit) -> Iterator[Array]:
-    """Points beside the end of a climb, with K_z from a fifth to five times as large, the nearest first.
+def _other_stiffnesses(end: WaveformFit, left: Array) -> tuple[list[Array], int]:
+    """Where χ² has other local minima along K_z, from a fifth to five times that of a fit, while the other unknowns
+    follow; none where the mass hardly swings while it sticks; and the evaluations that it took to see.
 
     A contact that sticks for N swings rings in step with the records at every K_z that changes N by one,
     Δ ln K_z = 2/N: four steps lead from one of them to the next.
+
+    left : as for `HarmonicResiduals`.
     """
-    swings = max(_swings(response.orbit) for response in end.responses)
+    swings = max(_swings(one.orbit.phases, one.orbit.parameters) for one in end.responses)
+    if swings < _RINGS and end.adequate:
+        return [], 0
     step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STEPS)
-    for i in range(1, 1 + int(_REACH / step)):
-        for side in (1.0, -1.0):
-            point = end.point.copy()
-            point[end.names.index("rho")] *= math.exp(0.5 * side * i * step)
-            yield point
+    rho, unknowns = end.names.index("rho"), end.unknowns
+    free = np.any(end.response != 0.0, axis=1)
+    free[rho] = False
+    evaluate = HarmonicResiduals(unknowns, 0.0, left).products
+    minima, count = [], 0
+    for side in (0.5, -0.5):
+        start, levels = end.point, [(end.chi_square, end.point)]
+        for distance in (*_CLOSER, *range(1, 1 + int(_REACH / step))):
+            reached = []
+            for near in (end.point, start) if start is not end.point else (start,):
+                at = near.copy()
+                at[rho] = end.point[rho] * math.exp(side * distance * step)
+                bounds = unknowns.bounds(at, free)
+                reached.append(climb(evaluate, at, bounds, gain=0.5, most=_FOLLOWING))
+            count += sum(one.evaluations for one in reached if one is not None)
+            best = min(filter(None, reached), key=lambda one: one.chi_square, default=None)
+            if best is not None:
+                start = best.point
+                levels.append((best.chi_square, start))
+        triples = zip(levels, levels[1:], levels[2:], strict=False)
+        minima += [here for a, here, b in triples if a[0] > here[0] <= b[0]]
+        minima += levels[-1:] if len(levels) > 1 and levels[-1][0] < levels[-2][0] else []
+    minima.sort(key=lambda one: one[0])
+    return [point for _, point in minima[:_TRIED]], count
 
 
-def _nearest(ends: Sequence[WaveformFit]) -> WaveformFit | None:
-    """The fit with the smallest χ², with the evaluations of all."""
+def _best(ends: Sequence[WaveformFit], others: int = 0) -> WaveformFit | None:
+    """The fit with the smallest χ², with the evaluations of all, and others."""
     best = min(ends, key=lambda end: end.chi_square, default=None)
-    return best and replace(best, evaluations=sum(end.evaluations for end in ends))
+    return best and replace(best, evaluations=sum((end.evaluations for end in ends), others))
 
 
 def _as_candidate(fit: WaveformFit) -> Array:
@@ -145,7 +182,7 @@ def _as_candidate(fit: WaveformFit) -> Array:
         for key in fit.law.keys
         if (symbol := parted(key)[0]) != FRICTION
     )
-    rho = max(fit.rho, (_STIFFEST * fit.k) ** -0.5)
+    rho = max(fit.rho, (STIFFEST * fit.k) ** -0.5)
     return np.array([fit.F_k, damping, rho**-2, fit.m])
 
 
@@ -199,46 +236,45 @@ def _climbed(
     names, law, lines = unknowns.names, unknowns.law, unknowns.lines
     point = start.copy()
     point[len(names) :] = np.ravel([(one.Y, 0.0) for one in lines])
-    rigid = 1.0 / math.sqrt(_STIFFEST * unknowns.k)
-    lower, scale = unknowns.lower(point, rigid), unknowns.scale(point)
     fixed = {*given, *law.given}
-    free = np.array([i for i in range(point.size) if not fixed & set(names[i : i + 1])])
+    free = np.array([not fixed & set(names[i : i + 1]) for i in range(point.size)])
+    bounds = unknowns.bounds(point, free)
     sizes = [2 + 2 * one.n.size for one in lines]
-    here: Evaluation | None = None
     evaluations, promise = 0, math.inf
     if left is None:
         left = np.array([float(most * (len(softenings) - 1) + last)])
     for softening in softenings:
         softened = HarmonicResiduals(unknowns, softening, left)
-        limit = most if softening else last
-        reached = climb(softened.evaluate, point, free, lower, scale, most=limit)
+        reached = climb(softened.products, point, bounds, most=most if softening else last)
         if reached is None:
             break
-        here, residuals, point = reached.evaluation, softened, reached.point
-        evaluations, promise = evaluations + reached.iterations, reached.promise
-        if 2.0 * here.value > hopeless * sum(sizes):
+        point, promise = reached.point, reached.promise
+        evaluations += reached.evaluations
+        if reached.chi_square > hopeless * sum(sizes):
             break
+    if not evaluations:
+        return None
     # the errors as they are, and derivatives that hold to 1e-6
-    if here is not None and (residuals.softening or law.nonlinear):
-        here = replace(residuals, softening=0.0, left=_unlimited(), quickly=False).evaluate(point)
+    here = HarmonicResiduals(unknowns, 0.0, quickly=False).evaluate(point)
     if here is None:
         return None
-    solution = np.linalg.pinv(here.jacobian[:, free])
+    residual, jacobian = here
     size = point.size
-    covariance, response = np.zeros((size, size)), np.zeros((size, here.residual.size))
-    covariance[np.ix_(free, free)] = solution @ solution.T
-    response[free] = solution
+    covariance, response = np.zeros((size, size)), np.zeros((size, residual.size))
+    response[free] = np.linalg.pinv(jacobian[:, free])
+    covariance = response @ response.T
     ends = np.cumsum(sizes).tolist()
     return WaveformFit(
         k=unknowns.k,
         point=point,
         covariance=covariance,
-        residual=here.residual,
-        rigid=bool(point[names.index("rho")] <= rigid),
+        chi_square=float(residual @ residual),
+        rigid=bool(point[names.index("rho")] <= bounds.lower[names.index("rho")]),
         unknowns=unknowns,
+        residual=residual,
         response=response,
         places=tuple(slice(end - n, end) for end, n in zip(ends, sizes, strict=True)),
-        freedom=here.residual.size - free.size,
+        freedom=residual.size - int(np.count_nonzero(free)),
         promise=promise,
         undamped=tuple(key for key in law.unknowns if point[names.index(key)] <= 0.0),
         evaluations=evaluations,
@@ -249,21 +285,19 @@ def _unlimited() -> Array:
     return np.array([math.inf])
 
 
-def _swings(orbit: Orbit) -> float:
+def _swings(phases: Array, par: Parameters) -> float:
     """How often the mass swings on contact and spring in half a cycle, while it sticks."""
-    rows, stuck = orbit.phases.tolist(), 0.0
+    rows, stuck = phases.tolist(), 0.0
     for i, (t, s, *_) in enumerate(rows):
         if s == 0.0:
-            stuck += (rows[i + 1][0] if i + 1 < len(rows) else 0.5 * orbit.motion.period) - t
-    osc = orbit.oscillator
-    return stuck * math.sqrt((osc.k + osc.K_z) / osc.m) / (2.0 * math.pi)
+            stuck += (rows[i + 1][0] if i + 1 < len(rows) else math.pi / par.omega) - t
+    return stuck * math.sqrt((par.k + par.K_z) / par.m) / (2.0 * math.pi)
 
 
-def _turns(orbit: Orbit) -> float:
+def _turns(phases: Array, par: Parameters) -> float:
     """How many turns of its fastest motion half a cycle takes to follow: swings in stick, or the decay of a velocity by
     e^{2π} where a light mass creeps in a strong damper."""
-    osc = orbit.oscillator
-    return max(_swings(orbit), 0.5 * orbit.motion.period * osc.c / osc.m / (2.0 * math.pi))
+    return max(_swings(phases, par), 0.5 * par.c / par.m / par.omega)
 
 
 @dataclass(frozen=True, eq=False)
@@ -283,44 +317,65 @@ class HarmonicResiduals:
     near: dict[int, Response] = field(default_factory=dict)
     quickly: bool = True
 
-    def evaluate(self, point: Array) -> Evaluation | None:
-        """Residuals and derivatives; None where nothing slips, there is no orbit, the contact rattles, or no evaluation
-        is left."""
+    def products(self, point: Array, out: Array) -> bool:
+        """Set `out` to the products of derivatives and residuals, as `climb` takes them."""
+        whole = self._whole(point)
+        if whole is not None:
+            np.matmul(whole.T, whole, out=out)
+        return whole is not None
+
+    def evaluate(self, point: Array) -> tuple[Array, Array] | None:
+        """Residuals (n,) and their derivatives (n, p); None where nothing slips, there is no orbit, the contact
+        rattles, or no evaluation is left."""
+        whole = self._whole(point)
+        return None if whole is None else (whole[:, -1], whole[:, :-1])
+
+    def _whole(self, point: Array) -> Array | None:
+        """Derivatives and residuals, (n, p + 1), as `evaluate` has them."""
         if self.left[0] <= 0.0:
             return None
-        unknowns = self.unknowns
+        unknowns, slips, at = self.unknowns, False, 0
         delay = unknowns.names.index("delay")
-        residuals, slopes, slips = [], [], False
+        whole = np.zeros((sum(2 + 2 * one.n.size for one in unknowns.lines), point.size + 1))
         for i, one in enumerate(unknowns.lines):
             try:
-                response = unknowns.response(point, i, self.near.get(i))
-            except NoSteadyOrbit:  # perhaps after a long search
-                self.left[0] -= MOST_RADIANS / (2.0 * math.pi * _DEAR) / len(unknowns.lines)
-                return None
-            except ValueError:
-                return None
-            try:
-                turns = _turns(response.orbit)
-                if len(response.orbit.phases) > _MOST_PHASES or turns > _MOST_TURNS:
+                motion, phases, par = self._motion(point, i)
+                turns = _turns(phases, par)
+                if len(phases) > _MOST_PHASES or turns > _MOST_TURNS:
                     return None
                 self.left[0] -= (1.0 + turns / _DEAR) / len(unknowns.lines)
-                self.near[i] = replace(response, matrix=None)
-                x, by = unknowns.harmonics(point, i, response, one.n.size, quickly=self.quickly)
+                x, by = unknowns.harmonics(point, i, motion, one.n.size, quickly=self.quickly)
             except (NoSteadyOrbit, ValueError):
                 return None
-            slips |= response.slips
-            at = unknowns.at[i]
-            Y, psi = point[at["Y"]], point[at["psi"]]
+            slips |= motion.slips
+            places = unknowns.at[i]
+            Y, psi = float(point[places["Y"]]), float(point[places["psi"]])
             error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
             Y_error = math.hypot(one.Y_error, self.softening * one.Y)
-            off, slope = (x - one.x) / error, by / error[:, None]
-            lag = psi + one.omega * point[delay]
-            of_base = np.zeros((2, point.size))
-            of_base[0, at["Y"]] = 1.0 / Y_error
-            of_base[1, at["psi"]], of_base[1, delay] = one.Y / Y_error, one.omega * one.Y / Y_error
-            base = [(Y - one.Y) / Y_error, lag * one.Y / Y_error]
-            residuals += [base, off.real, off.imag]
-            slopes += [of_base, slope.real, slope.imag]
-        if not slips:
-            return None
-        return Evaluation(np.concatenate(residuals), np.vstack(slopes))
+            block = whole[at : at + 2 + 2 * one.n.size]
+            at += len(block)
+            block[0, places["Y"]], block[0, -1] = 1.0 / Y_error, (Y - one.Y) / Y_error
+            block[1, places["psi"]] = one.Y / Y_error
+            block[1, delay] = one.omega * one.Y / Y_error
+            block[1, -1] = (psi + one.omega * float(point[delay])) * one.Y / Y_error
+            by /= error[:, None]
+            off = (x - one.x) / error
+            middle = 2 + one.n.size
+            block[2:middle, :-1], block[middle:, :-1] = by.real, by.imag
+            block[2:middle, -1], block[middle:, -1] = off.real, off.imag
+        return whole if slips else None
+
+    def _motion(self, point: Array, i: int) -> tuple[Motion | Response, Array, Parameters]:
+        """The motion of a record, its phases and its oscillator.   Raises NoSteadyOrbit, perhaps after a long search,
+        and ValueError."""
+        unknowns = self.unknowns
+        try:
+            if not unknowns.nonlinear:
+                motion = unknowns.motion(point, i)
+                return motion, motion.phases, motion.par
+            response = unknowns.response(point, i, self.near.get(i))
+        except NoSteadyOrbit:
+            self.left[0] -= MOST_RADIANS / (2.0 * math.pi * _DEAR) / len(unknowns.lines)
+            raise
+        self.near[i] = replace(response, matrix=None)
+        return response, response.orbit.phases, response.orbit.parameters

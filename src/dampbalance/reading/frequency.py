@@ -11,6 +11,7 @@ with n samples of standard deviation σ about an amplitude A.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -71,13 +72,19 @@ def frequency_offset(harmonics: CycleHarmonics) -> tuple[float, float]:
     if np.count_nonzero(usable) < FEWEST_CYCLES:
         return 0.0, math.nan
     phase = np.unwrap(np.angle(harmonics.coefficients[usable, 1]))
-    time, weights = harmonics.times[usable], harmonics.weights[usable]
-    time = time - np.average(time, weights=weights)
-    spread = float(np.sum(weights * time**2))
-    slope = float(np.sum(weights * time * phase)) / spread
-    rest = phase - np.average(phase, weights=weights) - slope * time
-    variance = float(np.sum(weights * rest**2)) / (len(phase) - 2)
+    times, weights = harmonics.times[usable], harmonics.weights[usable]
+    total = weights.sum()
+    time, phase = times - weights @ times / total, phase - weights @ phase / total
+    spread = float(weights @ time**2)
+    slope = float((weights * time) @ phase) / spread
+    variance = float(weights @ (phase - slope * time) ** 2) / (len(phase) - 2)
     return slope, math.sqrt(variance / spread)
+
+
+@lru_cache(maxsize=2)  # records of a set have one length
+def _window(size: int) -> Array:
+    """Hann's window."""
+    return np.hanning(size)
 
 
 def _strongest_line(values: Array, dt: float) -> float:
@@ -85,7 +92,7 @@ def _strongest_line(values: Array, dt: float) -> float:
     size = values.size
     # a transform of any other length can take ten times as long
     padded = 1 << (size - 1).bit_length()
-    spectrum = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(size), padded))
+    spectrum = np.abs(np.fft.rfft((values - values.mean()) * _window(size), padded))
     spectrum[0] = 0.0
     line = int(np.argmax(spectrum[:-1])) if size > 4 else 0
     if line == 0 or not spectrum[line] > 0.0:

@@ -56,6 +56,7 @@ _RATIOS = np.geomspace(0.25, 8.0, 21)  # of the natural frequency to that of the
 _COMPARED = (1, 3, 5)
 _POINTS = 256  # of a cycle, for the force of a contact
 _ROUNDING = 3e-6  # of the fundamental: noise below it is no transducer's
+_MORE = 1.0 + 1e-13  # of the diagonal of normal equations: they are then not singular
 _NEAR = 0.03  # of the fundamental: what a candidate may be off by
 
 
@@ -196,26 +197,36 @@ def _responses_to_contact(
     force K_z z that the contact has in the motion as it was read."""
     F_k, c, K_z, m = candidates.T
     n = np.array(_COMPARED)
-    theta = np.arange(2 * _POINTS) * (2.0 * math.pi / _POINTS)  # the second cycle is steady
-    turn = np.exp(-1j * np.outer(n, theta[_POINTS:]))
+    turn = np.exp((-2j * math.pi / _POINTS) * np.outer(n, np.arange(_POINTS)))
     harmonics, slips = [], []
     for one, rubbed, damped in zip(lines, *shares, strict=True):
         Z_m = rubbed * F_k / K_z
-        wave = (np.exp(1j * np.outer(theta, one.n)) @ np.where(one.clear, one.x, 0.0)).real
-        z = np.zeros((theta.size, m.size))
+        cycle = _waveform(one)
+        wave = np.concatenate([cycle, cycle, cycle[:1]])  # the second cycle is steady
+        z, now = np.zeros((_POINTS + 1, m.size)), np.zeros(m.size)
         forward = np.diff(wave) >= 0.0
-        turns = [0, *(1 + np.flatnonzero(forward[1:] != forward[:-1])), theta.size - 1]
-        for begin, end in pairwise(
-            turns
-        ):  # between two turns the deflection is that of the travel, within ±Z_m
-            travel = wave[begin : end + 1, None] - wave[begin]
-            z[begin : end + 1] = np.clip(z[begin] + travel, -Z_m, Z_m)
-        force = (2.0 / _POINTS) * K_z * (turn.real @ z[_POINTS:] + 1j * (turn.imag @ z[_POINTS:]))
+        turns = [0, *(1 + np.flatnonzero(forward[1:] != forward[:-1])), wave.size - 1]
+        # between two turns the deflection is that of the travel, within ±Z_m
+        for begin, end in pairwise(turns):
+            since = max(begin, _POINTS)
+            if end >= _POINTS:
+                travel = wave[since : end + 1, None] - wave[begin]
+                z[since - _POINTS : end + 1 - _POINTS] = np.clip(now + travel, -Z_m, Z_m)
+            now = np.clip(now + (wave[end] - wave[begin]), -Z_m, Z_m)
+        force = (2.0 / _POINTS) * K_z * (turn.real @ z[:-1] + 1j * (turn.imag @ z[:-1]))
         drive = np.where(n == 1, k * one.Y, 0.0)
         impedance = k - np.outer((n * one.omega) ** 2, m) + 1j * np.outer(n * one.omega, damped * c)
         harmonics.append(((drive[:, None] - force) / impedance).T)
         slips.append(np.ptp(wave) > 2.0 * Z_m)
     return np.stack(harmonics, axis=1), np.any(slips, axis=0)
+
+
+def _waveform(one: Lines) -> Array:
+    """The displacement over a cycle from the peak of the base, by the harmonics that stand out of the noise, m."""
+    spectrum, taken = np.zeros(_POINTS // 2 + 1, dtype=np.complex128), one.clear
+    taken &= one.n < spectrum.size - 1
+    spectrum[one.n[taken]] = 0.5 * _POINTS * one.x[taken]
+    return np.fft.irfft(spectrum, _POINTS)
 
 
 def linear_misfit(
@@ -311,8 +322,12 @@ def _candidates(lines: Sequence[Lines], k: float, shares: Shares, wide: bool) ->
 def _not_negative(a: Array, b: Array) -> tuple[Array, Array]:
     """The two non-negative numbers with which each row of a, and b, (…, L), together are closest to ones; (…, 1)."""
     columns = np.stack(np.broadcast_arrays(a, b), axis=-1)
-    solved = np.linalg.pinv(columns, rcond=max(a.shape[-1], 2) * np.finfo(float).eps).sum(axis=-1)
-    alone = np.sum(columns, axis=-2) / np.sum(columns**2, axis=-2)  # each without the other
+    (aa, bb), ab = np.moveaxis(np.sum(columns**2, axis=-2), -1, 0), np.sum(a * b, axis=-1)
+    of_a, of_b = np.moveaxis(np.sum(columns, axis=-2), -1, 0)
+    aa, bb = aa * _MORE, bb * _MORE  # of levels that are alike, each takes a half
+    right = [of_a * bb - of_b * ab, of_b * aa - of_a * ab]
+    solved = np.stack(right, axis=-1) / (aa * bb - ab**2)[..., None]
+    alone = np.stack([of_a / aa, of_b / bb], axis=-1)  # each without the other
     left = np.linalg.norm(columns * alone[..., None, :] - 1.0, axis=-2)
     only = np.where(left[..., :1] <= left[..., 1:], [1.0, 0.0], [0.0, 1.0]) * alone
     found = np.where((solved >= 0.0).all(axis=-1, keepdims=True), solved, only)
@@ -322,6 +337,5 @@ def _not_negative(a: Array, b: Array) -> tuple[Array, Array]:
 def _peak_and_viscous(one: Lines) -> tuple[float, float]:
     """(X, b) of the harmonics that stand out of the noise, m and m²/s."""
     x = np.where(one.clear, one.x, 0.0)
-    turn = np.exp(1j * np.outer(np.linspace(0.0, 2.0 * math.pi, 256), one.n))
     squares = np.maximum(np.abs(x) ** 2 - 2.0 * one.x_error**2, 0.0)
-    return float(np.max((turn @ x).real)), math.pi * one.omega * float(squares @ one.n**2)
+    return float(np.max(_waveform(one))), math.pi * one.omega * float(squares @ one.n**2)

@@ -29,10 +29,11 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Integers
 from ..features import COLUMNS, Features, of_numbers, wrapped
-from ..law.integrals import of_harmonics
+from ..law.terms import of_harmonics
 from ..project.wording import Remark
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
+from .cycles import powers
 from .lines import Lines
 from .one_thread import one_thread
 from .recorded import added, fit_records
@@ -225,17 +226,17 @@ class Reading:
         """
         moved = self.moved(means) if moved is None else moved
         steady = self.steady
-        odd, even = self.series(means, moved)
-        squares = odd.squares
-        amplitudes = np.zeros(
-            (len(squares), 3)
-        )  # of the first three, as far as the sampling reaches
-        amplitudes[:, : squares.shape[1]] = np.sqrt(np.maximum(squares[:, :3], 0.0))
-        lag = -np.angle(odd.x[:, 0])
-        theta_peak, X = turning_points(odd, even, rests=self.waveform is None)
+        series = self.series(means, moved)
+        amplitudes = np.zeros((len(means.Y), 3))  # as far as the sampling reaches
+        squares = series.squares
+        first = squares[:, np.flatnonzero(series.n % 2.0)[:3]]
+        amplitudes[:, : first.shape[1]] = np.sqrt(np.maximum(first, 0.0))
+        lag = -np.angle(series.x[:, 0])
+        theta_peak, X = turning_points(series, rests=self.waveform is None)
         reversal = wrapped(theta_peak)
         regime, length, (V_s, t_s, taken) = _onset(self, means, moved)
-        harmonics, variance = _all(odd, even, means), np.append(odd.variance, even.variance)
+        base = np.hstack([means.Y[:, None], means.base])
+        harmonics = series.n, series.x, np.arange(1.0, base.shape[1] + 1.0), base
         return of_numbers(
             steady.omega,
             regime,
@@ -246,7 +247,7 @@ class Reading:
             t_s=t_s,
             phi=reversal,
             phi_reversal=reversal,
-            phi_zero_crossing=wrapped(upward_zero(odd, lag) + 0.5 * math.pi),
+            phi_zero_crossing=wrapped(upward_zero(series, lag) + 0.5 * math.pi),
             phi_fundamental=wrapped(lag),
             X_r=X - length,
             V_r=-V_s,
@@ -255,11 +256,11 @@ class Reading:
             X_3=amplitudes[:, 1],
             X_5=amplitudes[:, 2],
             a=4.0 * X - taken,
-            b=math.pi * steady.omega * (squares @ odd.n**2 + even.squares @ even.n**2),
+            b=math.pi * steady.omega * (squares @ series.n**2),
             W=math.pi * steady.k * means.Y * amplitudes[:, 0] * np.sin(lag)
-            + math.pi * steady.k * _beyond(odd, even, means),
+            + math.pi * steady.k * _beyond(series, means),
             integrals={
-                symbol: of_harmonics(symbol, *harmonics, steady.omega, steady.k, variance)
+                symbol: of_harmonics(symbol, *harmonics, steady.omega, steady.k, series.variance)
                 for symbol in self.terms
             },
         )
@@ -270,11 +271,11 @@ class Reading:
 
         phase : ωt, the peak of the base at 0, rad.   x, v, acceleration : m, m/s, m/s².
         """
-        n, x, *_ = _all(*self.series(self.mean, np.zeros((self._unknowns, 1))), self.mean)
+        series = self.series(self.mean, np.zeros((self._unknowns, 1)))
         theta = np.linspace(0.0, 2.0 * math.pi, points, endpoint=False)
-        turn, rate = np.exp(1j * np.outer(theta, n)), 1j * n * self.steady.omega
+        turn, rate = np.exp(1j * np.outer(theta, series.n)), 1j * series.n * self.steady.omega
         return {"phase": theta} | {
-            name: (turn @ (rate**order * x[0])).real
+            name: (turn @ (rate**order * series.x[0])).real
             for order, name in enumerate(("x", "v", "acceleration"))
         }
 
@@ -288,9 +289,11 @@ class Reading:
         assert self.waveform is not None
         return added(self.lines.base, self.waveform.response, self.waveform.tail.size)
 
-    def series(self, means: Means, moved: Array | None = None) -> tuple[Series, Series]:
-        """The odd and the even harmonics of r means of the response: the record's own, odd ones beyond them those of
-        the waveform.   moved : as for `features_of`."""
+    def series(self, means: Means, moved: Array | None = None) -> Series:
+        """The harmonics of r means of the response: the record's own, odd ones beyond them those of the waveform.
+
+        moved : as for `features_of`.
+        """
         moved = self.moved(means) if moved is None else moved
         waveform, lines = self.waveform, self.lines
         if waveform is None:
@@ -303,30 +306,37 @@ class Reading:
             tail = waveform.tail[beyond] + (waveform.tail_slope[beyond] @ moved).T
             if means.base.any():
                 tail = tail + self._of_base[beyond]
-        x = np.hstack([means.x[:, own], tail])
-        variance = np.append(means.bias * 2.0 * lines.x_error[own] ** 2, np.zeros(tail.shape[1]))
-        n = 2.0 * np.arange(1.0, means.even.shape[1] + 1.0)
-        of_even = means.bias * 2.0 * self.steady.X_error[n.astype(np.intp)] ** 2
-        odd = Series(np.arange(1.0, 2.0 * x.shape[1], 2.0), x, variance)
-        return odd, Series(n, means.even, of_even)
+        x = np.hstack([means.x[:, own], tail, means.even])
+        odd = x.shape[1] - means.even.shape[1]
+        n = np.append(
+            np.arange(1.0, 2.0 * odd, 2.0), np.arange(2.0, 2.0 * (x.shape[1] - odd) + 1, 2.0)
+        )
+        error = np.zeros(n.size)
+        error[: np.count_nonzero(own)] = lines.x_error[own]
+        error[odd:] = self.steady.X_error[2 : self.steady.even_bandwidth + 1 : 2]
+        return Series(n, x, means.bias * 2.0 * error**2)
 
     def _drawn(self, drawn: Array, stretch: float, bias: float) -> Means:
         """Means with the weights `drawn` of the rows, (r, rows), their deviations stretched."""
-        steady, total = self.steady, drawn.sum(axis=1)
-        Y = steady.mean(steady.Y[:, 1:2])
-        Y = Y + stretch * (drawn @ steady.Y[:, 1] / total - Y)
-        phase = np.angle(Y)
+        steady, lines = self.steady, self.lines
+        drawn = drawn / drawn.sum(axis=1, keepdims=True)
 
-        def of(rows: Complexes, n: Integers) -> Complexes:
-            mean = steady.mean(rows[:, n])[None]
-            stretched = mean + stretch * (drawn @ rows[:, n] / total[:, None] - mean)
-            return stretched * np.exp(-1j * np.outer(phase, n))
+        def stretched(rows: Complexes) -> Complexes:
+            mean = steady.mean(rows)
+            return mean + stretch * (drawn @ rows - mean)
 
+        even = np.arange(2, steady.even_bandwidth + 1, 2)
+        higher = np.arange(2, steady.base_bandwidth + 1)
+        Y = stretched(steady.Y[:, 1:2])
+        turn = powers(
+            (np.abs(Y) / Y)[:, 0],
+            1 + max(int(lines.n[-1]), steady.even_bandwidth, steady.base_bandwidth),
+        )
         return Means(
-            np.abs(Y),
-            of(steady.X, self.lines.n),
-            of(steady.X, np.arange(2, steady.even_bandwidth + 1, 2)),
-            of(steady.Y, np.arange(2, steady.base_bandwidth + 1)),
+            np.abs(Y[:, 0]),
+            stretched(steady.X[:, lines.n]) * turn[:, lines.n],
+            stretched(steady.X[:, even]) * turn[:, even],
+            stretched(steady.Y[:, higher]) * turn[:, higher],
             bias,
         )
 
@@ -354,19 +364,11 @@ def bootstrap(rows: int, count: int, rng: np.random.Generator) -> tuple[Integers
     return drawn, math.sqrt(rows / max(1, rows - 1))
 
 
-def _all(odd: Series, even: Series, means: Means) -> tuple[Array, Complexes, Array, Complexes]:
-    """Orders and harmonics of the response, and of the base: (h,), (r, h), (l,), (r, l), m."""
-    base = np.hstack([means.Y[:, None], means.base])
-    n = np.concatenate([odd.n, even.n])
-    return n, np.hstack([odd.x, even.x]), np.arange(1.0, base.shape[1] + 1.0), base
-
-
-def _beyond(odd: Series, even: Series, means: Means) -> Array:
+def _beyond(series: Series, means: Means) -> Array:
     """−Σ n Im(y_n* x_n) over the harmonics n = 2, 3 … of the base, m², (r,)."""
     x = np.zeros((len(means.Y), means.base.shape[1] + 2), dtype=np.complex128)
-    for part in (odd, even):
-        n = part.n[part.n < x.shape[1]].astype(np.intp)
-        x[:, n] = part.x[:, : n.size]
+    shared = series.n < x.shape[1]
+    x[:, series.n[shared].astype(np.intp)] = series.x[:, shared]
     return -((means.base.conj() * x[:, 2:]).imag @ np.arange(2.0, x.shape[1]))
 
 

@@ -21,12 +21,18 @@ from ..law.law import Law
 from ..law.steady import Response
 from ..motion.distorted import distorted_harmonics
 from ..motion.orbit import NoSteadyOrbit
-from .fitting import climb_on, fit_oscillator
+from .fitting import climb_on, fit_oscillator, of_all_stiffnesses
 from .lines import Lines
 from .waveforms import WaveformFit
 
-_MOST = 20  # repetitions; three or four do, but where a contact rings while it sticks
+MOST = 20
+"""Repetitions: three or four do, but where a contact rings while it sticks."""
+
+PATIENCE = 4
+"""Repetitions with the end of first climbs that is not adequate, before a search elsewhere."""
+
 _LEAST = 0.2  # of 1 − R: less, and the last step does not show it
+_SEARCHES = 4  # along K_z
 _STAYS = 0.02  # standard errors: a change that does not matter
 
 
@@ -42,20 +48,33 @@ def fit_records(
     fit = fit_oscillator(lines, k, law, thorough=thorough and plain)
     if plain or fit is None:
         return fit
-    fit = settled(fit, lines)
+    fit = settled(fit, lines, PATIENCE)
     if fit.adequate or not thorough:
         return fit
     # the first climbs may have led elsewhere, misled by the harmonics of the base
     again = fit_oscillator(fit.lines, k, law)
-    return min((fit, settled(again or fit, lines)), key=lambda one: one.chi_square)
+    fit = min((fit, settled(again or fit, lines)), key=lambda one: one.chi_square)
+    for _ in range(0 if fit.adequate else _SEARCHES):
+        # what the base adds depends on K_z, and so does which K_z is the best
+        better = of_all_stiffnesses(fit)
+        if better.chi_square >= fit.chi_square:
+            break
+        better = settled(better, lines)
+        if better.chi_square >= fit.chi_square:
+            break
+        fit = better
+    return fit
 
 
-def settled(fit: WaveformFit, lines: Sequence[Lines]) -> WaveformFit:
+def settled(fit: WaveformFit, lines: Sequence[Lines], patience: int = MOST) -> WaveformFit:
     """The fit to these harmonics without what the base of the fit's own oscillator adds to them; the fit itself where
-    the base is harmonic. Use it after a fit that took the harmonics as they are, or those of another fit."""
+    the base is harmonic. Use it after a fit that took the harmonics as they are, or those of another fit.
+
+    patience : as for `repeated`.
+    """
     if not any(one.base.any() for one in lines):
         return fit
-    return repeated(fit, lambda responses: of_harmonic_base(lines, responses)) or fit
+    return repeated(fit, lambda responses: of_harmonic_base(lines, responses), patience) or fit
 
 
 def of_harmonic_base(lines: Sequence[Lines], responses: Sequence[Response]) -> list[Lines]:
@@ -67,19 +86,22 @@ def of_harmonic_base(lines: Sequence[Lines], responses: Sequence[Response]) -> l
 
 
 def repeated(
-    fit: WaveformFit, freed: Callable[[Sequence[Response]], Sequence[Lines]]
+    fit: WaveformFit,
+    freed: Callable[[Sequence[Response]], Sequence[Lines]],
+    patience: int = MOST,
 ) -> WaveformFit | None:
     """The fit to harmonics that are freed of something which depends on the oscillator itself, again and again until it
     stays as it is; None where a climb fails.
 
     freed : the harmonics that the motions of an oscillator leave, one motion for each record.
+    patience : repetitions after which a fit that is not adequate is given up as it is.
 
     The oscillator p that frees them should be the one, G(p), that fits them then. From the second time on p is where a
     line through the last two G(p) − p comes nearest to zero (Anderson's mixing).
     """
     at = fit.point
     steps: list[tuple[Array, Array]] = []
-    for _ in range(_MOST):
+    for count in range(1, MOST + 1):
         try:
             responses = [fit.unknowns.response(at, i) for i in range(len(fit.lines))]
         except (NoSteadyOrbit, ValueError):
@@ -91,7 +113,7 @@ def repeated(
         free = np.flatnonzero(error[: len(fit.names)])
         steps.append((at[free], fit.point[free]))
         off = (fit.point - at)[free] / error[free]
-        if (np.abs(off) <= _STAYS).all():
+        if (np.abs(off) <= _STAYS).all() or (count >= patience and not fit.adequate):
             break
         at = fit.point.copy()
         if len(steps) > 1:

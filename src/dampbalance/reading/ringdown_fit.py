@@ -13,7 +13,7 @@ is the least sum of squares over all samples. The stiffness k is given.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -22,21 +22,20 @@ import numpy as np
 
 from ..arrays import Array, Mask
 from ..model import Parameters
-from ..motion.decay_climb import (
+from ..motion.climb import GAIN, MOST, Bounds, climb
+from ..motion.decays import (
     MOST_PHASES,
     NOISE,
     OFFSET,
-    Bounds,
-    climb_decays,
-    climb_from_all,
     contact_chord,
-    decay_residuals,
+    decay_products,
+    decay_samples,
+    phase_slopes,
 )
-from ..motion.decays import decay_samples, phase_slopes
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
 from ..solver import NORMAL_95
-from .climb import GAIN, MOST, OscillatorFit
+from .oscillator_fit import OscillatorFit
 from .ringdown_bursts import Signal, rounding
 from .whiteness import averages, chance_of_averages, chance_of_lines, louder
 
@@ -86,6 +85,46 @@ class Decay:
 
 
 @dataclass(frozen=True, eq=False)
+class Whiteness:
+    """How much residuals of decays are like white noise.
+
+    residuals : of each channel of each decay.   widths : samples in a part of a cycle there.   unknowns : fitted ones.
+    """
+
+    residuals: tuple[Array, ...]
+    widths: tuple[int, ...]
+    unknowns: int
+
+    @classmethod
+    def of(cls, decays: Sequence[Decay], residual: Array, unknowns: int) -> Whiteness:
+        """Split the residual of decays into those of their channels."""
+        channels = [(one, signal) for one in decays for signal in one.signals]
+        ends = np.cumsum([signal.t.size for _, signal in channels])
+        widths = (max(2, round(one.period / (_BINS * signal.dt))) for one, signal in channels)
+        return cls(tuple(np.split(residual, ends[:-1])), tuple(widths), unknowns)
+
+    @cached_property
+    def misfit(self) -> float:
+        """Mean square of the residual averaged over parts of a cycle, relative to white noise, which gives 1."""
+        return averages(self.residuals, self.widths, self.unknowns)[0]
+
+    @cached_property
+    def chance(self) -> float:
+        """Probability that white noise leaves a residual as similar to a motion, slow or fast."""
+        return min(1.0, 2.0 * min(self.slow_chance, chance_of_lines(self.residuals)))
+
+    @cached_property
+    def slow_chance(self) -> float:
+        """Probability that averages of white noise over parts of a cycle, down to two samples, are as large."""
+        return chance_of_averages(self.residuals, self.widths, self.unknowns)
+
+    @property
+    def adequate(self) -> bool:
+        """Whether the residual is white, so that such an oscillator may have made the records."""
+        return self.chance >= _CHANCE
+
+
+@dataclass(frozen=True, eq=False)
 class RingFit(OscillatorFit):
     """The oscillator whose free decays fit the samples of n decays best.
 
@@ -103,32 +142,35 @@ class RingFit(OscillatorFit):
     minima: int = 1
 
     @cached_property
-    def jacobian(self) -> Array:
-        """Derivatives of the residual by the unknowns, (samples, p); zero where one was given."""
-        whole = np.zeros((self.residual.size, self.point.size))
+    def _columns(self) -> Array:
         par = numbers_of(self.point, self.k)
-        stretch = 1.0 + 0.5 * contact_chord(float(self.point[_RHO]), self.k) / self.point[_RHO]
-        for i, signal, rows, phases in self._motions():
-            slopes = phase_slopes(phases, float(self.point[self.places(i)][2]), par)
-            times = signal.t - self.decays[i].start
-            part = decay_samples(times, signal.order, phases, slopes, par)
-            block = whole[rows]
-            block[:, : len(COMMON)] = part[:, 1 : len(COMMON) + 1]
-            block[:, _RHO] *= stretch
-            block[:, self.places(i)] = part[:, len(COMMON) + 1 :]
-            block[:, len(COMMON) + signal.offset] = 1.0
-            block /= signal.noise
-        whole[:, ~self.free] = 0.0
+        states = [self.point[self.places(i)] for i in range(len(self.decays))]
+        pairs = zip(self.decays, states, strict=True)
+        phases = [_phases_to_last(self.point, state, self.k, one) for one, state in pairs]
+
+        def samples(i: int, times: Array, order: int) -> Array:
+            slopes = phase_slopes(phases[i], float(states[i][2]), par)
+            return decay_samples(times, order, phases[i], slopes, par)
+
+        whole = columns_of(self.decays, self.point, self.point.size, samples)
+        whole[:, _RHO] *= 1.0 + 0.5 * contact_chord(par.K_z**-0.5, self.k) / self.point[_RHO]
+        whole[:, :-1] *= self.free
         return whole
 
-    def _motions(self) -> Iterator[tuple[int, Signal, slice, Array]]:
-        """Number of the decay, channel, places of its samples in the residual and phases, of each channel."""
-        at = 0
-        for i, one in enumerate(self.decays):
-            phases = _phases_to_last(self.point, self.point[self.places(i)], self.k, one)
-            for signal in one.signals:
-                yield i, signal, slice(at, at + signal.t.size), phases
-                at += signal.t.size
+    @property
+    def jacobian(self) -> Array:
+        """Derivatives of the residual by the unknowns, (samples, p); zero where one was given."""
+        return self._columns[:, :-1]
+
+    @property
+    def residual(self) -> Array:
+        """(model − sample)/σ, (samples,)."""
+        return self._columns[:, -1]
+
+    @property
+    def samples(self) -> int:
+        """Number of samples in all decays."""
+        return sum(one.samples for one in self.decays)
 
     def interval(self, name: str) -> tuple[float, float]:
         """95 % interval of a common unknown, in its unit."""
@@ -149,7 +191,7 @@ class RingFit(OscillatorFit):
     @property
     def freedom(self) -> int:
         """Degrees of freedom."""
-        return self.residual.size - self.point.size
+        return self.samples - self.point.size
 
     def places(self, i: int) -> slice:
         """Places of the start state x, ẋ, w of decay i in the point."""
@@ -170,62 +212,43 @@ class RingFit(OscillatorFit):
 
     def residuals(self) -> Iterator[tuple[int, Signal, Array]]:
         """Number of the decay, channel and residual of each channel of each decay."""
-        at = 0
-        for i, one in enumerate(self.decays):
-            for signal in one.signals:
-                yield i, signal, self.residual[at : at + signal.t.size]
-                at += signal.t.size
+        channels = ((i, signal) for i, one in enumerate(self.decays) for signal in one.signals)
+        for (i, signal), residual in zip(channels, self.whiteness.residuals, strict=True):
+            yield i, signal, residual
+
+    @cached_property
+    def whiteness(self) -> Whiteness:
+        """How much the residual is like white noise."""
+        return Whiteness.of(self.decays, self.residual, self.point.size)
 
     @property
     def misfit(self) -> float:
-        """Mean square of the residual averaged over parts of a cycle, relative to white noise, which gives 1."""
-        return averages(*self._parts, self.point.size)[0]
+        """As `Whiteness` has it."""
+        return self.whiteness.misfit
 
-    @cached_property
-    def chance(self) -> float:
-        """Probability that white noise leaves a residual as similar to a motion, slow or fast."""
-        return min(1.0, 2.0 * min(self.slow_chance, chance_of_lines(self._parts[0])))
-
-    @cached_property
-    def slow_chance(self) -> float:
-        """Probability that averages of white noise over parts of a cycle, down to two samples, are as large."""
-        return chance_of_averages(*self._parts, self.point.size)
+    @property
+    def adequate(self) -> bool:
+        """As `Whiteness` has it."""
+        return self.whiteness.adequate
 
     @property
     def doubtful(self) -> bool:
         """Whether the climb may have missed the best fit: neighbouring residuals are correlated, or their averages too
         large. Coloured noise has the same effect."""
-        products = squares = 0.0
-        for _, _, residual in self.residuals():
-            products += float(residual[1:] @ residual[:-1])
-            squares += float(residual @ residual)
-        alike = products / max(squares, 1e-300) * math.sqrt(self.residual.size)
-        return self.chance < _DOUBTFUL or alike > _ALIKE
-
-    @property
-    def adequate(self) -> bool:
-        """Whether the residual is white, so that such an oscillator may have made the records."""
-        return self.chance >= _CHANCE
-
-    @property
-    def _parts(self) -> tuple[list[Array], list[int]]:
-        """The residual of each channel of each decay, and the samples in a part of a cycle there."""
-        residuals, widths = [], []
-        for i, signal, residual in self.residuals():
-            residuals.append(residual)
-            widths.append(max(2, round(self.decays[i].period / (_BINS * signal.dt))))
-        return residuals, widths
+        products = math.fsum(float(one[1:] @ one[:-1]) for one in self.whiteness.residuals)
+        alike = products / max(self.chi_square, 1e-300) * math.sqrt(self.samples)
+        return self.whiteness.chance < _DOUBTFUL or alike > _ALIKE
 
     @cached_property
     def shortcomings(self) -> tuple[str, ...]:
         """In which ways the decays are not those of such an oscillator with white noise, in words; empty where they may
         be."""
         words = []
-        if self.slow_chance < _CHANCE:
+        if self.whiteness.slow_chance < _CHANCE:
             words.append(
                 "the decays are not those of one mass on a spring, a damper and one friction contact within white "
                 f"noise: what is left is {self.misfit:.3g} times as large as noise would leave it over a twelfth of a "
-                f"cycle, or over fewer samples, with a probability of {self.slow_chance:.1g}"
+                f"cycle, or over fewer samples, with a probability of {self.whiteness.slow_chance:.1g}"
             )
         elif not self.adequate:
             words.append(
@@ -237,6 +260,33 @@ class RingFit(OscillatorFit):
                 f"what is left of the decays is {loud:.3g} times the noise that their samples themselves show"
             )
         return tuple(words)
+
+
+def columns_of(
+    decays: Sequence[Decay], point: Array, size: int, samples: Callable[[int, Array, int], Array]
+) -> Array:
+    """Derivatives of the residuals (model − sample)/σ by the unknowns of a point, and these residuals,
+    (samples, unknowns + 1).
+
+    size : number of the unknowns of a `RingFit`; any others follow.
+    samples : (number of a decay, times after its start, order of the derivative) → samples and their derivatives by
+    COMMON, the start state, and the other unknowns, as columns.
+    """
+    blocks = []
+    for i, one in enumerate(decays):
+        begin = size - STATE * (len(decays) - i)
+        places = [*range(len(COMMON)), *range(begin, begin + STATE), *range(size, point.size)]
+        for signal in one.signals:
+            part, offset = (
+                samples(i, signal.t - one.start, signal.order),
+                len(COMMON) + signal.offset,
+            )
+            block = np.zeros((signal.t.size, point.size + 1))
+            block[:, places] = part[:, 1:]
+            block[:, offset] = 1.0
+            block[:, -1] = part[:, 0] + point[offset] - signal.values
+            blocks.append(block / signal.noise)
+    return np.vstack(blocks)
 
 
 def fit_decays(
@@ -254,18 +304,17 @@ def fit_decays(
     most : evaluations.
     """
     samples = Samples.of(decays, start.size)
-    bounds, rigid = _bounds(decays, samples, k, start, given)
-    point, information, count = climb_decays(
-        np.array(start, dtype=float), k, *samples, bounds, gain, most
-    )
-    if not count:
+    bounds, rigid = bounds_of(decays, samples, k, start, given)
+    reached = climb(samples.evaluation(k), start, bounds, gain=gain, most=most)
+    if reached is None:
         return None
-    information = information[:-1, :-1] * np.outer(bounds.free, bounds.free)
+    point, information = reached.point, reached.products[:-1, :-1]
+    information = information * np.outer(bounds.free, bounds.free)
     return RingFit(
         k=k,
         point=point,
         covariance=_covariance(information, w_errors(start.size, len(COMMON) + samples.offsets)),
-        residual=decay_residuals(point, k, *samples),
+        chi_square=reached.chi_square,
         rigid=bool(point[_RHO] <= rigid),
         decays=tuple(decays),
         free=bounds.free,
@@ -289,10 +338,17 @@ def rough_ends(
     """
     if not len(starts):
         return np.empty((0, 0))
-    starts = np.asarray(starts, dtype=float)
     samples = Samples.of(decays, starts.shape[1])
-    bounds, _ = _bounds(decays, samples, k, starts[0], given)
-    ends = climb_from_all(starts, k, *samples, bounds, gain, most, following)
+    bounds, _ = bounds_of(decays, samples, k, starts[0], given)
+    evaluate = samples.evaluation(k)
+    ends = np.full((len(starts), starts.shape[1] + 1), math.inf)
+    reached = None
+    for start, end in zip(starts, ends, strict=True):
+        if following and reached is not None:
+            start = np.where(bounds.free, reached.point, start)
+        reached = climb(evaluate, start, bounds, gain=gain, most=most)
+        if reached is not None:
+            end[:-1], end[-1] = reached.point, reached.chi_square
     if following:
         return ends
     ends = ends[np.isfinite(ends[:, -1])]
@@ -320,9 +376,18 @@ class Samples(NamedTuple):
         offsets = unknowns - len(COMMON) - STATE * len(decays)
         return cls(offsets, np.array(rows, dtype=float), values)
 
+    def evaluation(self, k: float) -> Callable[[Array, Array], bool]:
+        """What sets the products at a point, as `climb` takes it."""
+        rows = np.empty((MOST_PHASES, 5))
+        return lambda point, out: decay_products(point, k, *self, rows, out)
 
-def _bounds(
-    decays: Sequence[Decay], samples: Samples, k: float, start: Array, given: Collection[int]
+
+def bounds_of(
+    decays: Sequence[Decay],
+    samples: Samples,
+    k: float,
+    start: Array,
+    given: Collection[int] = (),
 ) -> tuple[Bounds, float]:
     """The bounds of a climb from a start, and the ρ that stands for a rigid contact."""
     free = np.ones(start.size, dtype=np.bool_)
@@ -334,8 +399,8 @@ def _bounds(
     lower = np.full(start.size, -math.inf)
     upper = np.full(start.size, math.inf)
     scale = np.ones(start.size)
-    # with no contact at all, a mass this light is critically damped
-    light = k * (min(one.period for one in decays) / (4.0 * math.pi)) ** 2
+    # with no contact at all, a mass this light is critically damped, even if the period is that of two turns
+    light = k * (min(one.period for one in decays) / (8.0 * math.pi)) ** 2
     lower[:4] = 1e-9 * F_k, 0.0, rigid, max(m / _MASSES, min(light, m))
     upper[1:4] = _DAMPED * math.sqrt(k * m), 1.0 / math.sqrt(_LOOSEST * k), m * _MASSES
     scale[:4] = F_k, 1e-3 * math.sqrt(k * m), 1e-3 * rho, m
@@ -389,7 +454,7 @@ def with_noise_of(fit: RingFit) -> RingFit:
     for _, signal, residual in fit.residuals():
         total = sums.setdefault(signal.offset, np.zeros(2))
         total += float(residual @ residual) * signal.noise**2, residual.size
-    share = fit.residual.size / max(1, fit.freedom)
+    share = fit.samples / max(1, fit.freedom)
     noise = {offset: math.sqrt(square / n * share) for offset, (square, n) in sums.items()}
 
     def with_noise(signal: Signal) -> Signal:

@@ -11,14 +11,25 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Mask
 from ..law.terms import FRICTION
+from ..motion.climb import Bounds, climb
 from ..motion.law_decays import ADDED, law_decay
-from .climb import Evaluation, climb
-from .ringdown_fit import COMMON, STATE, Decay, RingFit, numbers_of
+from .ringdown_fit import (
+    COMMON,
+    STATE,
+    Decay,
+    RingFit,
+    Samples,
+    Whiteness,
+    bounds_of,
+    columns_of,
+    numbers_of,
+)
 
 TERMS = (FRICTION, "c", "c_2", "c_3")
 """Terms that free decays distinguish: base at rest and at one frequency, c_r and eta act as c does."""
@@ -26,7 +37,6 @@ TERMS = (FRICTION, "c", "c_2", "c_3")
 _F_K, _C, _RHO, _M = range(4)
 _RANK = 1e-9  # of the largest singular value
 _SHOWN = 1e-10  # of the square of a derivative, that must be orthogonal to the others
-_RIGID = 1e-8  # of k/K_z: the contact that stands for a rigid one
 _MASSES = 2.0  # of the mass over that of the fit, either way
 _MOST, _GAIN = 40, 1e-4  # of a climb: evaluations, and what the last step would gain in half of χ²
 # Of what a law leaves out, and of a climb on the way: the end in half of χ², and evaluations.
@@ -54,9 +64,11 @@ class Departure:
 class LawFit:
     """The oscillator with a law whose decays fit the samples best.
 
-    terms : of its damping.   point : unknowns of the fit, then `ADDED`.   covariance : of these, zero where one is
-    held.   residual : (model − sample)/σ.   free : number of unknowns.
+    decays : with the samples.   terms : of its damping.   point : unknowns of the fit, then `ADDED`.
+    covariance : of these, zero where one is held.   residual : (model − sample)/σ.   free : number of unknowns.
     """
+
+    decays: tuple[Decay, ...]
 
     terms: tuple[str, ...]
     point: Array
@@ -73,6 +85,11 @@ class LawFit:
     def freedom(self) -> int:
         """Degrees of freedom."""
         return self.residual.size - self.free
+
+    @cached_property
+    def whiteness(self) -> Whiteness:
+        """How much the residual is like white noise."""
+        return Whiteness.of(self.decays, self.residual, self.point.size - len(ADDED))
 
     def without(self, symbols: Sequence[str]) -> float:
         """What χ² rises by without the coefficients of some terms, to first order: pᵀ C⁻¹ p (Wald's test)."""
@@ -136,26 +153,19 @@ def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) ->
     """
     size = fit.point.size
     places = {symbol: _place(symbol, size) for symbol in TERMS}
-    free = set(np.flatnonzero(fit.jacobian.any(axis=0)).tolist()) - set(places.values())
-    free |= {places[s] for s in terms}
-    if FRICTION not in terms:
-        free -= {_RHO, *range(size - STATE * len(fit.decays) + 2, size, STATE)}
-    at = np.array(sorted(free))
     losses, others = _losses(fit), [places[s] for s in TERMS if s not in terms]
-    sizes = _sizes(fit, losses)
-    lower, upper = np.full(sizes.size, -math.inf), np.full(sizes.size, math.inf)
-    lower[_RHO], lower[_M], upper[_M] = math.sqrt(_RIGID / fit.k), fit.m / _MASSES, fit.m * _MASSES
-    lower[list(places.values())] = 0.0
-    for i in range(len(fit.decays)):
-        place = fit.places(i).start + 2
-        lower[place], upper[place] = 0.0, 2.0
+    free = np.append(fit.free, np.zeros(len(ADDED), dtype=np.bool_))
+    free[[places[s] for s in terms]] = True
+    free[others] = False
+    if FRICTION not in terms:
+        free[[_RHO, *range(size - STATE * len(fit.decays) + 2, size, STATE)]] = False
+    bounds = _bounds(fit, free, losses)
 
-    def triangle(point: Array) -> Evaluation | None:
+    def evaluate(point: Array, out: Array) -> bool:
         whole = _columns(fit.decays, fit.k, point)
-        if whole is None:
-            return None
-        small = _triangle(whole)
-        return Evaluation(small[:, -1], small[:, :-1])
+        if whole is not None:
+            np.matmul(whole.T, whole, out=out)
+        return whole is not None
 
     def towards(start: Array) -> Array:
         """The start without what the law leaves out, which its terms make up for."""
@@ -166,26 +176,26 @@ def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) ->
             for s in terms:
                 point[places[s]] += losses[s] * lost / len(_PARTS) / len(terms)
             point[others] = (1.0 - part) * start[others]
-            reached = climb(triangle, point, at, lower, sizes, upper, gain=_COARSE, most=_FEW)
+            reached = climb(evaluate, point, bounds, gain=_COARSE, most=_FEW)
             point = point if reached is None else reached.point
         point = point.copy()
         point[others] = 0.0
         return point
 
-    ends = []
-    for start in (np.append(fit.point, np.zeros(len(ADDED))), *starts):
-        reached = climb(triangle, towards(start), at, lower, sizes, upper, gain=_GAIN, most=_MOST)
-        ends += [] if reached is None else [reached]
-    best = min(ends, key=lambda end: end.evaluation.value, default=None)
+    ends = (
+        climb(evaluate, towards(start), bounds, gain=_GAIN, most=_MOST)
+        for start in (np.append(fit.point, np.zeros(len(ADDED))), *starts)
+    )
+    best = min(filter(None, ends), key=lambda end: end.chi_square, default=None)
     whole = None if best is None else _columns(fit.decays, fit.k, best.point)
     if best is None or whole is None:
         return None
-    covariance = np.zeros((sizes.size, sizes.size))
-    length = np.linalg.norm(whole[:, at], axis=0)
+    covariance = np.zeros((free.size, free.size))
+    length = np.linalg.norm(whole[:, :-1][:, free], axis=0)
     length[length == 0.0] = 1.0
-    solution = np.linalg.pinv(_triangle(whole[:, at] / length), rcond=1e-9)
-    covariance[np.ix_(at, at)] = solution @ solution.T / np.outer(length, length)
-    return LawFit(tuple(terms), best.point, covariance, whole[:, -1], at.size)
+    solution = np.linalg.pinv(_triangle(whole[:, :-1][:, free] / length), rcond=1e-9)
+    covariance[np.ix_(free, free)] = solution @ solution.T / np.outer(length, length)
+    return LawFit(fit.decays, tuple(terms), best.point, covariance, whole[:, -1], int(free.sum()))
 
 
 def _place(symbol: str, size: int) -> int:
@@ -207,21 +217,17 @@ def _losses(fit: RingFit) -> dict[str, float]:
     return {symbol: loss / power for symbol, power in powers.items()}
 
 
-def _sizes(fit: RingFit, losses: Mapping[str, float]) -> Array:
-    """Size below which each unknown counts as zero.   losses : of `_losses`."""
-    sizes = np.ones(fit.point.size + len(ADDED))
-    sizes[_RHO], sizes[_M] = 1e-3 * fit.point[_RHO], fit.m
+def _bounds(fit: RingFit, free: Mask, losses: Mapping[str, float]) -> Bounds:
+    """The bounds of a climb: no coefficient is negative.   losses : of `_losses`."""
+    first = fit.point.size
+    of_fit, _ = bounds_of(fit.decays, Samples.of(fit.decays, first), fit.k, fit.point)
+    lower, upper, scale = np.zeros((3, free.size))
+    lower[:first], upper[:first], scale[:first] = of_fit[1:]
+    upper[first:] = math.inf
+    lower[_F_K], lower[_M], upper[_M] = 0.0, fit.m / _MASSES, fit.m * _MASSES
     for symbol, alone in losses.items():
-        sizes[_place(symbol, fit.point.size)] = _SMALL * alone
-    for one in fit.decays:
-        for signal in one.signals:
-            sizes[len(COMMON) + signal.offset] = float(np.ptp(signal.values))
-    omega = math.sqrt(fit.k / fit.m)
-    for i in range(len(fit.decays)):
-        place = fit.places(i).start
-        size = max(abs(fit.point[place]), abs(fit.point[place + 1]) / omega)
-        sizes[place : place + 2] = size, size * omega
-    return sizes
+        scale[_place(symbol, first)] = _SMALL * alone
+    return Bounds(free, lower, upper, scale)
 
 
 def _triangle(columns: Array) -> Array:
@@ -237,19 +243,11 @@ def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
     """
     first = point.size - len(ADDED)
     par, p = numbers_of(point[:first], k), point[first:]
-    blocks = []
-    for i, one in enumerate(decays):
-        begin = first - STATE * (len(decays) - i)
-        own = slice(begin, begin + STATE)
-        x, v, w = point[own].tolist()
-        for signal in one.signals:
-            part = law_decay(signal.t - one.start, signal.order, x, v, w, par, p)
-            block, offset = np.zeros((signal.t.size, point.size + 1)), len(COMMON) + signal.offset
-            block[:, : len(COMMON)] = part[:, 1 : len(COMMON) + 1]
-            block[:, own] = part[:, len(COMMON) + 1 : len(COMMON) + 1 + STATE]
-            block[:, first:-1] = part[:, len(COMMON) + 1 + STATE :]
-            block[:, offset] = 1.0
-            block[:, -1] = part[:, 0] + point[offset] - signal.values
-            blocks.append(block / signal.noise)
-    whole = np.vstack(blocks)
+    states = point[first - STATE * len(decays) : first].reshape(-1, STATE).tolist()
+
+    def samples(i: int, times: Array, order: int) -> Array:
+        x, v, w = states[i]
+        return law_decay(times, order, x, v, w, par, p)
+
+    whole = columns_of(decays, point, first, samples)
     return whole if np.isfinite(whole).all() else None

@@ -130,7 +130,7 @@ def rows_of(fit: RingFit) -> RingRows:
     places = [slice(end - node.size, end) for end, node in zip(ends, nodes, strict=True)]
     total = ends[-1]
     # estimates: the turns of all decays, then the unknowns of the fit
-    design, rest = np.zeros((fit.residual.size, total + p)), -fit.residual
+    design, rest = np.zeros((fit.samples, total + p)), -fit.residual
     errors = np.concatenate([np.full(total, math.inf), w_errors(p, first)])
     rows = []
     at = 0

@@ -110,7 +110,7 @@ def _of_burst(
     if not burst.last:
         fit = _until_grasped(fit)
     # what ends right after the turn, or before it, is the rest of the burst ahead
-    if fit.residual.size < _LEAST or fit.decays[0].end < burst.turn + _SWINGS * burst.period:
+    if fit.samples < _LEAST or fit.decays[0].end < burst.turn + _SWINGS * burst.period:
         return None
     # else the swing was not that of a free motion
     return fit if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _PART * burst.swing else None
@@ -232,7 +232,7 @@ def _grown(
         longer = _longer(fit, whole.cut(burst.turn, end))
         if longer is None:
             break
-        if not burst.last and longer.chance < _DISTURBED <= fit.chance:
+        if not burst.last and longer.whiteness.chance < _DISTURBED <= fit.whiteness.chance:
             # something else moves the mass before the next burst
             return _until_disturbed(fit, whole, end)
         fit = longer
@@ -282,7 +282,7 @@ def _until_disturbed(fit: RingFit, whole: Decay, end: float) -> RingFit:
     while end - good > 0.1 * whole.period:
         middle = 0.5 * (good + end)
         longer = _longer(fit, whole.cut(start, middle))
-        if longer is not None and longer.chance >= _DISTURBED:
+        if longer is not None and longer.whiteness.chance >= _DISTURBED:
             fit, good = longer, middle
         else:
             end = middle
@@ -431,7 +431,7 @@ def _from_earlier(fit: RingFit, whole: Decay, earliest: float) -> RingFit:
 
 def _gain(there: RingFit, here: RingFit) -> tuple[int, float]:
     """Samples of a step back, and what they add to χ²."""
-    return there.residual.size - here.residual.size, there.chi_square - here.chi_square
+    return there.samples - here.samples, there.chi_square - here.chi_square
 
 
 def _doubted(

@@ -15,19 +15,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Complexes
+from .cycles import powers
 
 _POINTS = 1024  # of a cycle, where its peak is looked for
 _NEAR_END = 0.005  # of the range: so close to an end, and four times the noise, a mass counts as resting there
 _NOISE = 4.0
 _RESTING = 2.0  # times as long as a harmonic motion is as close to its end
+_POWERS = 20  # of a distance, in a series about a phase
+_NEAR = 0.03  # rad: the distance up to which such a series is used
+_FAR = 0.5  # rad: the longest step towards a zero
+_SLOW = 8  # odd harmonics that need none
+_FACTORS = np.array([1j**k / math.factorial(k) for k in range(_POWERS)])  # of (nδ)^k in e^{inδ}
+_MOST = 8  # steps; three or four do, but where a contact is so stiff that the motion nearly stops
 _REACHED = 1e-9  # rad: the next of Newton's steps would be about its square
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """The odd or the even harmonics of r means of a motion, x = Re Σ x_n e^{inωt}.
+    """Harmonics of r means of a motion, x = Re Σ x_n e^{inωt}.
 
-    n : orders, in steps of two, (h,).   x : m, (r, h).   variance : of each x_n as a complex number, m², (h,).
+    n : orders, the odd ones first, (h,).   x : m, (r, h).   variance : of each x_n as a complex number, m², (h,).
     """
 
     n: Array
@@ -35,18 +42,23 @@ class Series:
     variance: Array
 
     @property
+    def symmetric(self) -> Series:
+        """The odd harmonics: the part with x(t + T/2) = −x(t)."""
+        odd = slice(np.count_nonzero(self.n % 2.0))
+        return Series(self.n[odd], self.x[:, odd], self.variance[odd])
+
+    @property
     def squares(self) -> Array:
         """|x_n|² freed of the bias of noise, m², (r, h): may fall below zero, cutting that off would be a bias."""
         return np.abs(self.x) ** 2 - self.variance
 
-    def motion(self, theta: Array) -> tuple[Array, Array, Array]:
-        """x, dx/dωt, d²x/dωt² at one phase for each mean, (r,)."""
-        # e^{inθ}: products cost less than exponentials
-        turn = np.empty(self.x.shape, dtype=np.complex128)
-        turn[:, :1] = np.exp(1j * np.outer(theta, self.n[:1]))
-        turn[:, 1:] = np.exp(2j * theta)[:, None]
-        turn = np.multiply.accumulate(turn, axis=1) * self.x
-        return turn.real.sum(axis=1), -(turn.imag @ self.n), -(turn.real @ self.n**2)
+    def around(self, theta: float) -> Array:
+        """Coefficients C_k of x = Σ C_k δ^k at the phase θ + δ, for each mean, (r, powers).
+
+        Harmonic n needs the more of them the larger nδ is; up to 7, the rest is a tenth of that harmonic.
+        """
+        terms = powers(self.n, _POWERS) * _FACTORS * np.exp(1j * theta * self.n)[:, None]
+        return (self.x @ terms).real
 
     def mean_between(self, begin: float, end: float) -> Array:
         """Mean of x from one phase ωt to the other, rad, for each mean, (r,)."""
@@ -54,59 +66,77 @@ class Series:
         return (self.x @ turned).real / (end - begin)
 
 
-def turning_points(odd: Series, even: Series, *, rests: bool) -> tuple[Array, Array]:
+def turning_points(series: Series, *, rests: bool) -> tuple[Array, Array]:
     """(ωt, X) of r means, (r,): X is half the way from the lowest to the highest point, and ωt, with even harmonics,
     halfway between the phase of the highest and that of the lowest, half a cycle before.
 
     rests : whether the mass may rest at its ends, and the harmonics are as they were measured.
     """
-    if not even.n.size:
-        return _end([odd], 1.0, rests)
-    high, top = _end([odd, even], 1.0, rests)
-    low, depth = _end([odd, even], -1.0, rests)
+    high, top = _end(series, 1.0, rests)
+    if np.all(series.n % 2.0):
+        return high, top
+    low, depth = _end(series, -1.0, rests)
     asymmetry = (low - high) % (2.0 * math.pi) - math.pi  # of the times from one to the other
     return high + 0.5 * asymmetry, 0.5 * (top + depth)
 
 
-def upward_zero(odd: Series, lag: Array) -> Array:
-    """ωt of the upward zero of the symmetric part, (r,).   lag : of the fundamental, rad, (r,)."""
-    at = lag - 0.5 * math.pi
-    for _ in range(5):
-        value, rate, _ = odd.motion(at)
-        step = value / np.where(rate > 0.0, rate, np.inf)
-        at = at - np.clip(step, -0.5, 0.5)
+def upward_zero(series: Series, lag: Array) -> Array:
+    """ωt of the upward zero of the symmetric part, (r,).   lag : of the fundamental, rad, (r,).
+
+    Harmonics beyond the fifteenth are those of a series about the zero of the mean.
+    """
+    odd = series.symmetric
+    mean = odd.x.mean(axis=0, keepdims=True)
+    start, nothing = -np.angle(mean[:, 0]) - 0.5 * math.pi, np.zeros((1, _POWERS))
+    centre = float(_zero(odd.n, mean, start, nothing, 0.0, _FAR)[0])
+    high = Series(odd.n[_SLOW:], odd.x[:, _SLOW:], odd.variance[_SLOW:]).around(centre)
+    return _zero(odd.n[:_SLOW], odd.x[:, :_SLOW], lag - 0.5 * math.pi, high, centre, _FAR)
+
+
+def _zero(n: Array, x: Complexes, at: Array, rest: Array, centre: float, reach: float) -> Array:
+    """Upward zero of Re Σ x_n e^{inθ} + Σ C_k (θ − centre)^k near θ = at, (r,), by Halley's method.
+
+    rest : C_k, (r, powers).   reach : of a step, rad.
+    """
+    slope = rest[:, 1:] * np.arange(1.0, rest.shape[1])
+    bend = slope[:, 1:] * np.arange(1.0, slope.shape[1])
+    for _ in range(_MOST):
+        turned = np.exp(1j * at)[:, None] * powers(np.exp(2j * at), n.size) * x
+        off = np.clip(at - centre, -_NEAR, _NEAR)
+        rate = _sum(slope, off) - turned.imag @ n
+        rate = np.where(rate > 0.0, rate, np.inf)
+        step = (_sum(rest, off) + turned.real.sum(axis=1)) / rate
+        bent = _sum(bend, off) - turned.real @ n**2
+        step = step / np.maximum(1.0 - 0.5 * step * bent / rate, 0.5)
+        at = at - np.clip(step, -reach, reach)
         if np.all(np.abs(step) < _REACHED):
             break
     return at
 
 
-def _end(parts: list[Series], sign: float, rests: bool) -> tuple[Array, Array]:
-    """(ωt, x) at the largest value of sign·x, (r,): by Newton's method on the velocity, from the largest of 1,024
-    points; where the mass rests there, the middle of the rest and its level."""
+def _end(series: Series, sign: float, rests: bool) -> tuple[Array, Array]:
+    """(ωt, x) at the largest value of sign·x, (r,): the zero of the velocity near the largest of 1,024 points;
+    where the mass rests there, the middle of the rest and its level."""
     spectrum = np.zeros(_POINTS // 2 + 1, dtype=np.complex128)
-    for part in parts:
-        spectrum[part.n.astype(np.intp)] = sign * part.x.mean(axis=0)
+    spectrum[series.n.astype(np.intp)] = sign * series.x.mean(axis=0)
     values = np.fft.irfft(spectrum) * (0.5 * _POINTS)
     highest = int(np.argmax(values))
-    noise = math.sqrt(0.5 * math.fsum(float(part.variance.sum()) for part in parts))
-    rest = _rest(values, highest, noise) if rests else None
+    rest = _rest(values, highest, math.sqrt(0.5 * series.variance.sum())) if rests else None
     if rest is not None:
         begin, end = (2.0 * math.pi / _POINTS * place for place in rest)
-        middle = np.full(len(parts[0].x), 0.5 * (begin + end))
-        return middle, sign * np.sum([part.mean_between(begin, end) for part in parts], axis=0)
-
-    def motion(at: Array) -> Array:
-        return sign * np.sum([part.motion(at) for part in parts], axis=0)
-
+        return np.full(len(series.x), 0.5 * (begin + end)), sign * series.mean_between(begin, end)
     limit = 2.0 * math.pi / _POINTS
-    at = np.full(len(parts[0].x), limit * highest)
-    for _ in range(4):
-        _, rate, bend = motion(at)
-        step = -rate / np.where(bend < 0.0, bend, -np.inf)
-        at = at + np.clip(step, -limit, limit)
-        if np.all(np.abs(step) < _REACHED):
-            break
-    return at, motion(at)[0]
+    peak = limit * highest
+    value = sign * series.around(peak)
+    slowing = -value[:, 1:] * np.arange(1.0, _POWERS)  # −dx/dωt, which rises through zero there
+    at = np.full(len(value), peak)
+    at = _zero(series.n[:0], series.x[:, :0], at, slowing, peak, limit)
+    return at, _sum(value, at - peak)
+
+
+def _sum(coefficients: Array, off: Array) -> Array:
+    """Σ C_k δ^k for each mean, (r,).   coefficients : (r, powers)."""
+    return np.einsum("rk,rk->r", coefficients, powers(off, coefficients.shape[1]))
 
 
 def _rest(values: Array, highest: int, noise: float) -> tuple[float, float] | None:

@@ -31,7 +31,7 @@ from .fitting import climb_on
 from .lines import Lines
 from .mean_harmonics import Reading
 from .one_thread import one_thread
-from .recorded import fit_records, of_harmonic_base, repeated, settled
+from .recorded import MOST, PATIENCE, fit_records, of_harmonic_base, repeated, settled
 from .waveforms import WaveformFit
 
 _DENSE, _FINER = (
@@ -60,7 +60,7 @@ def unfolded(
     first = fit_records([reading.lines for reading in readings], k, law, thorough=False)
     if first is None:
         return list(readings), None
-    freed, fit = _repeated(readings, concerned, first)
+    freed, fit = _repeated(readings, concerned, first, PATIENCE)
     if fit is not None and not fit.adequate:
         # high harmonics, which fold most beside their own size, have led elsewhere
         low = [reading.lines.up_to(_LOW) for reading in readings]
@@ -82,10 +82,10 @@ def unfolded(
 
 
 def _repeated(
-    readings: Sequence[Reading], concerned: Sequence[bool], fit: WaveformFit
+    readings: Sequence[Reading], concerned: Sequence[bool], fit: WaveformFit, patience: int = MOST
 ) -> tuple[list[Reading], WaveformFit | None]:
     """The readings freed of what the oscillator adds to them that fits them then; None in place of that fit where there
-    is none."""
+    is none.   patience : as for `recorded.repeated`."""
     freed = list(readings)
 
     def lines(responses: Sequence[Response]) -> list[Lines]:
@@ -95,7 +95,7 @@ def _repeated(
         ]
         return of_harmonic_base([reading.lines for reading in freed], responses)
 
-    return freed, repeated(fit, lines)
+    return freed, repeated(fit, lines, patience)
 
 
 def _folds(steady: SteadyRecord) -> bool:

@@ -21,18 +21,22 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array, Complexes, Mask
+from ..arrays import Array, Complexes, Integers, Mask
 from ..law.law import Law
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, KNOWN_TERMS
-from ..model import BaseMotion, Oscillator
-from .climb import OscillatorFit
-from .lines import Lines, improbable
+from ..model import BaseMotion, Oscillator, Parameters
+from ..motion.climb import Bounds
+from ..motion.orbit import NoSteadyOrbit
+from ..motion.steady import solve_steady
+from ..motion.steady_slopes import linear_harmonics
+from .lines import SLIPS, Lines, improbable
+from .oscillator_fit import OscillatorFit
 
 _OTHERS = ("rho", "m", "delay")  # common unknowns in addition to the coefficients of the law
 _STEP = 1e-6  # of the finite differences: orbits are exact to 1e-13
@@ -40,8 +44,36 @@ _LEAST = 2e-2  # of √(km): damping that sets the step where that of the point 
 MOST_RADIANS = 5e5
 """Of the fastest motion that are followed in search of one orbit: a quarter of a second."""
 
+# Of K_z/k: the contact that stands for a rigid one. It sticks for 10⁻⁵ rad of the cycle or so, by which friction comes
+# late: to tell that from nothing takes noise below 10⁻⁶ of the motion.
+STIFFEST = 1e10
 _CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
 _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
+
+
+class Motion(NamedTuple):
+    """A steady motion under linear terms, as kernels take it.
+
+    par, phases, theta, regime : the orbit.   advance : phase by which its base is before the real one, rad.
+    """
+
+    par: Parameters
+    phases: Array
+    theta: float
+    regime: int
+    advance: float
+
+    @classmethod
+    def of(cls, response: Response) -> Motion:
+        """The motion of a response."""
+        orbit = response.orbit
+        phases = orbit.phases.copy()  # may be written to: kernels are compiled once more for others
+        return cls(orbit.parameters, phases, orbit.theta, int(orbit.regime), response.advance)
+
+    @property
+    def slips(self) -> bool:
+        """Whether the contact slips."""
+        return self.regime in SLIPS
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +129,41 @@ class Unknowns:
         motion = BaseMotion(value[at["Y"]], self.lines[record].omega)
         return steady_response(oscillator, motion, law, near, most_radians=MOST_RADIANS)
 
+    @cached_property
+    def nonlinear(self) -> bool:
+        """Whether the law has terms that are not linear."""
+        return bool(self.law.nonlinear)
+
+    @cached_property
+    def linear(self) -> list[tuple[Integers, Array]]:
+        """Of each record the places that `linear_harmonics` asks for, and ∂h/∂ẋ and −∂h/∂ẏ of its linear terms."""
+        terms = [s for s in self.law.terms if KNOWN_TERMS[s].linear]
+        of_records = []
+        for at, one in zip(self.at, self.lines, strict=True):
+            names = (FRICTION, "rho", "m", "Y", "psi", *terms)
+            forces = [KNOWN_TERMS[s].force or (lambda *_: 0.0) for s in terms]
+            rows = [
+                (h(1.0, 0.0, self.k, one.omega), -h(0.0, 1.0, self.k, one.omega)) for h in forces
+            ]
+            parts = np.array(rows, dtype=float).reshape(-1, 2)  # none of a law of friction alone
+            of_records.append((np.array([at[name] for name in names]), parts))
+        return of_records
+
+    def motion(self, point: Array, record: int) -> Motion:
+        """The motion of a record under linear terms.   Raises NoSteadyOrbit."""
+        columns, parts = self.linear[record]
+        F_k, rho, m, Y, _, *coefficients = point[columns].tolist()
+        omega = self.lines[record].omega
+        c, to_base = (coefficients @ parts).tolist() if coefficients else (0.0, 0.0)
+        Y *= math.hypot(1.0, omega * to_base / self.k)
+        par = Parameters(m, c, self.k, rho**-2, F_k, Y, omega)
+        regime, phases, theta = solve_steady(par, MOST_RADIANS)
+        if not len(phases):
+            raise NoSteadyOrbit(f"no steady orbit found for {par}")
+        return Motion(par, phases, theta, regime, math.atan2(omega * to_base, self.k))
+
     def harmonics(
-        self, point: Array, record: int, response: Response, count: int, *, quickly: bool
+        self, point: Array, record: int, motion: Motion | Response, count: int, *, quickly: bool
     ) -> tuple[Complexes, Complexes]:
         """Harmonics n = 1, 3 … of a record, turned by ψ, m, (count,), and their derivatives, (count, unknowns).
 
@@ -107,23 +172,31 @@ class Unknowns:
 
         quickly : whether derivatives under a nonlinear law may come from its equations (`Response.with_slopes`).
         """
-        at, n = self.at[record], np.arange(1, 2 * count, 2)
-        if quickly or response.change is None:
-            x, known = response.with_slopes(count, self.law.terms)
-        else:
-            x, known = response.harmonics(count), None
+        at = self.at[record]
+        psi, slope = float(point[at["psi"]]), np.zeros((count, point.size), dtype=np.complex128)
+        if not self.nonlinear:
+            par, phases, theta, regime, advance = (
+                motion if isinstance(motion, Motion) else Motion.of(motion)
+            )
+            columns, parts = self.linear[record]
+            x = np.empty(count, dtype=np.complex128)
+            linear_harmonics(phases, theta, par, regime, (advance, psi), parts, columns, x, slope)
+            return x, slope
+        assert isinstance(motion, Response)
+        known = None
+        if quickly:
+            x, known = motion.with_slopes(count, self.law.terms)
         if known is None:
-            slope = self._slopes(point, record, response, lambda motion: motion.harmonics(count))
+            x = motion.harmonics(count)
+            slope = self._slopes(point, record, motion, lambda one: one.harmonics(count))
         else:
-            slope = np.zeros((count, point.size), dtype=np.complex128)
             for name, by in known.items():
                 slope[:, at[name]] = by
         slope[:, at["Y"]] = self._by_base(point, record, x, slope)
+        n = np.arange(1, 2 * count, 2)
         slope[:, at["psi"]] = 1j * n * x
-        if psi := float(point[at["psi"]]):
-            turn = np.exp(1j * n * psi)
-            return x * turn, slope * turn[:, None]
-        return x, slope
+        turn = np.exp(1j * n * psi)
+        return x * turn, slope * turn[:, None]
 
     def onset(self, point: Array, record: int, response: Response) -> tuple[Array, Array]:
         """(V_s, t_s, λ), SI, λ = 4X − a, and their derivatives, (3, unknowns)."""
@@ -199,30 +272,21 @@ class Unknowns:
             point[at["rho"]], point[at["m"]], point[at["Y"]] = K_z**-0.5, m, one.Y
         return point
 
-    def lower(self, point: Array, rigid: float) -> Array:
-        """Least values of the unknowns around a point.   rigid : least ρ."""
-        least = np.zeros(self.size)  # of the coefficients of the law
-        for i, one in enumerate(self.lines):
-            at = self.at[i]
-            least[at["psi"]] = least[at["delay"]] = -math.inf
-            least[at[FRICTION]] = 1e-9 * point[at[FRICTION]]
-            least[at["rho"]], least[at["m"]] = rigid, 1e-6 * point[at["m"]]
-            least[at["Y"]] = 1e-3 * one.Y
-        return least
-
-    def scale(self, point: Array) -> Array:
-        """Sizes below which the unknowns count as zero."""
-        scale = np.ones(self.size)
+    def bounds(self, point: Array, free: Mask) -> Bounds:
+        """The bounds of a climb from a point; the least ρ stands for a rigid contact."""
+        least, scale = np.zeros(self.size), np.ones(self.size)
         for i, one in enumerate(self.lines):
             at = self.at[i]
             small = 1e-3 * math.sqrt(self.k * point[at["m"]])
             for symbol in self.law.terms[1:]:
                 scale[at[symbol]] = small * equivalent_coefficient(symbol, one, self.k)
-            for name, size in ((FRICTION, 1.0), ("rho", 1e-3), ("m", 1.0)):
-                scale[at[name]] = size * point[at[name]]
-            scale[at["Y"]] = one.Y
+            for name, part, size in ((FRICTION, 1e-9, 1.0), ("rho", 0.0, 1e-3), ("m", 1e-6, 1.0)):
+                least[at[name]], scale[at[name]] = part * point[at[name]], size * point[at[name]]
+            least[at["rho"]] = 1.0 / math.sqrt(STIFFEST * self.k)
+            least[at["psi"]] = least[at["delay"]] = -math.inf
+            least[at["Y"]], scale[at["Y"]] = 1e-3 * one.Y, one.Y
         scale[self.names.index("delay")] = 1e-3 / max(one.omega for one in self.lines)
-        return scale
+        return Bounds(free, least, np.full(self.size, math.inf), scale)
 
 
 def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
@@ -240,6 +304,7 @@ class WaveformFit(OscillatorFit):
     """The oscillator whose waveforms fit the harmonics of n records best.
 
     unknowns : names and places of the p unknowns, and the harmonics of the records.
+    residual : (model − data)/σ, (data,).
     response : derivatives of the point by the data in units of their errors, (p, data): dp = response · d(data)/σ; the
     data of a record are |Y|, its phase, Re x_n, Im x_n.
     places : places of each record's data.
@@ -250,6 +315,7 @@ class WaveformFit(OscillatorFit):
     """
 
     unknowns: Unknowns
+    residual: Array
     response: Array
     places: tuple[slice, ...]
     freedom: int

@@ -1,4 +1,9 @@
-"""What reading and writing records may complain about."""
+"""What reading and writing records may complain about, and what a record can be: sizes, times and values beyond which
+something is wrong with the file, not with the rig.
+
+Sizes are looked at before anything is read. The bounds of values leave room for any squared number that the reading
+forms, and for any rig: a signal of 1e-15 m is a proton wide.
+"""
 
 from __future__ import annotations
 
@@ -24,3 +29,24 @@ def library(name: str, purpose: str) -> Any:
             f"{purpose} needs the package {package}, which is not installed: "
             'pip install "dampbalance[records]"'
         ) from None
+
+
+LARGEST = (
+    200_000_000  # numbers that are read of a record by default: samples × channels, with times
+)
+LARGEST_VALUE = 1e15  # SI unit of the quantity; no signal goes beyond it
+SMALLEST_RANGE = 1e-15  # SI unit of the quantity; a signal whose values lie closer together is none
+FINEST = 1e-10  # of the largest value: a range below it is rounding
+LATEST = 1e12  # s, time of a sample, either way from zero: 30,000 years
+LOWEST_RATE, HIGHEST_RATE = 1e-6, 1e12  # samples per second
+MOST_CHANNELS = 4096  # of a file
+LONGEST_NAME = 1000  # characters of a channel's name
+
+
+def require_size(path: object, numbers: int, largest: int) -> None:
+    """RecordError for a record of more numbers than may be read."""
+    if numbers > largest:
+        raise RecordError(
+            f"{path}: the channels read would be {numbers:,} numbers, more than {largest:,}; give a part of the record,"
+            f" or raise the limit (--largest {numbers})"
+        )

@@ -16,18 +16,17 @@ import numpy as np
 from ..arguments import items, path, whole
 from ..project.files import sha256
 from ..project.wording import Remark, listed, visible
-from .errors import RecordError, RecordWarning
-from .limits import LARGEST
+from .errors import LARGEST, RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .measurement import EXCITATIONS, Measurement
 from .readers import open_channels, read, read_signals, stated_numbers
-from .readers.signals import is_table
+from .readers.record_file import is_table
 from .readers.times import mean_rate
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from .readers.signals import Signals
+    from .readers.record_file import Signals
 
     RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
 

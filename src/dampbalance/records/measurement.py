@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import floats, instance, items, mapping, one_of, text
 from ..arrays import Array, Complexes, ReadOnly
-from .limits import LARGEST_VALUE, LATEST
+from .errors import LARGEST_VALUE, LATEST
 
 EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
 """What drives the oscillator, one of these, or none in a free decay; a force f stands for the base motion y = f/k."""
@@ -65,7 +65,7 @@ class Channel:
     name : what the file calls it, for messages.   correction : that its harmonics need yet; None for none.
 
     Raises ValueError naming the channel: unknown quantity, unequal lengths, a value that is not finite or beyond all
-    bounds (`limits.py`), times that do not increase.
+    bounds (`records/errors.py`), times that do not increase.
     """
 
     quantity: str

@@ -15,7 +15,7 @@ from ..arguments import instance, mapping, names, number, shown, whole
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit
 from ..motion.transient import transient
-from .limits import LARGEST
+from .errors import LARGEST
 from .measurement import QUANTITIES, RESPONSES, Channel, Measurement
 
 if TYPE_CHECKING:

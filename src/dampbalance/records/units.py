@@ -11,8 +11,9 @@ import re
 from collections import Counter
 from dataclasses import dataclass
 
+from ..law.terms import named_with_unit
 from ..project.wording import shortened
-from .limits import LONGEST_NAME
+from .errors import LONGEST_NAME
 from .measurement import QUANTITIES
 
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9, "in": 0.0254}  # m, exactly
@@ -116,14 +117,9 @@ def split_label(label: str) -> tuple[str, str | None]:
     return label, None
 
 
-def header_suffix(unit: str) -> str:
-    """The unit as it ends a column name: m/s² is m_per_s2."""
-    return unit.replace("²", "2").replace("/", "_per_").replace("µ", "u")
-
-
 def column_name(quantity: str) -> str:
     """The column of a quantity in SI units, acceleration_m_per_s2."""
-    return f"{quantity}_{header_suffix(QUANTITIES[quantity])}"
+    return named_with_unit(quantity, QUANTITIES[quantity])
 
 
 def _plain(text: str) -> str:

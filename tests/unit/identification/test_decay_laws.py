@@ -13,35 +13,12 @@ from dampbalance import identify
 from dampbalance.identification.answer import DOUBTFUL, USABLE
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.screen import text
-from dampbalance.motion.jit import interpreted
 from dampbalance.reading.ringdown_bursts import Signal
 from dampbalance.reading.ringdown_fit import Decay, fit_decays, samples_of
 from dampbalance.reading.ringdown_laws import departures, fit_law
+from unit.identification.releases import FAR, PLUCKED, compiled  # noqa: F401
 
-SOUND = replace(
-    draw(0),
-    m=1.0,
-    c=0.3,
-    k=400.0,
-    K_z=6000.0,
-    F_k=0.1,
-    starts=(("pluck", 0.005),),
-    lead=(0.2,),
-    lasts=(3.5,),
-    pull=(0.4,),
-    rate_hz=250.0,
-    answers=("displacement",),
-    noise=0.003,
-)
-# of an estimate: once in 16,000 of normal errors; the records are fixed
-FAR = 4.0
-
-
-@pytest.fixture(autouse=True, scope="module")
-def compiled():
-    """Thousands of samples, hundreds of times."""
-    with interpreted(False):
-        yield
+SOUND = replace(PLUCKED, lasts=(3.5,), rate_hz=250.0, noise=0.003)
 
 
 def found_in(decay, **options):

@@ -13,9 +13,9 @@ from scipy.integrate import solve_ivp
 
 from dampbalance.balance import APPROACHES
 from dampbalance.identification.answer import REFERENCE
-from dampbalance.identification.document import document, estimates_table
 from dampbalance.identification.forced import _parameter, identify_readings
 from dampbalance.identification.microstick import Samples
+from dampbalance.identification.outcome import document, estimates_table
 from dampbalance.identification.screen import text
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
 from dampbalance.reading.mean_harmonics import RESOLVED, read_features

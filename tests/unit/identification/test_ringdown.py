@@ -15,7 +15,6 @@ from dampbalance import BaseMotion, Oscillator, identify, steady_orbit
 from dampbalance.commands.main import main
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.forced import identify_readings
-from dampbalance.motion.jit import interpreted
 from dampbalance.reading.cycles import clipped
 from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.reading.ringdown_bursts import Signal
@@ -24,33 +23,10 @@ from dampbalance.reading.ringdown_rows import rows_of
 from dampbalance.records.measurement import Channel, Correction, Measurement
 from dampbalance.records.synthetic import measured_orbit, measured_ring_down
 from dampbalance.records.writers import write
+from unit.identification.releases import FAR, PLUCKED, compiled  # noqa: F401
 
 SYMBOLS = ("F_k", "c", "K_z")
-# of an estimate: once in 16,000 of normal errors; the records are fixed
-FAR = 4.0
-PLUCKED = replace(
-    draw(0),
-    m=1.0,
-    c=0.3,
-    k=400.0,
-    K_z=6000.0,
-    F_k=0.1,
-    starts=(("pluck", 0.005),),
-    lead=(0.2,),
-    lasts=(5.0,),
-    pull=(0.4,),
-    rate_hz=500.0,
-    answers=("displacement",),
-    noise=0.01,
-)
 OSCILLATOR = Oscillator(PLUCKED.m, PLUCKED.c, PLUCKED.k, PLUCKED.K_z, PLUCKED.F_k)
-
-
-@pytest.fixture(autouse=True)
-def compiled():
-    """Thousands of samples, hundreds of times."""
-    with interpreted(False):
-        yield
 
 
 def holds(result, decay):

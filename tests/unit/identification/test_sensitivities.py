@@ -9,8 +9,8 @@ import pytest
 
 from dampbalance.identification import forced
 from dampbalance.identification.answer import REFERENCE
-from dampbalance.identification.document import document
 from dampbalance.identification.forced import identify_readings
+from dampbalance.identification.outcome import document
 from dampbalance.identification.sensitivities import FAULTS
 from dampbalance.reading.mean_harmonics import Reading
 from paper_case import PAPER, orbits_at
@@ -59,7 +59,8 @@ def test_records_with_the_fault_change_as_is_said(name, found, monkeypatch):
 
 
 def test_gains_and_stiffness_scale_the_equations(found):
-    told = found[1].sensitivities()
+    name, told = found[1].sensitivities()
+    assert name == REFERENCE == next(iter(found[1].answers))
     # m, c, k, K_z and F_k times a number are an oscillator of the same motion
     assert [told["stiffness_1_percent"][s] for s in SYMBOLS] == pytest.approx([0.01] * 3, rel=1e-6)
     # drive and response times a number are a motion of the same oscillator with F_k times that number
@@ -70,14 +71,19 @@ def test_gains_and_stiffness_scale_the_equations(found):
 
 
 def test_the_document_has_them_in_percent(found):
-    told = document(found[1])["sensitivities"]
+    found_document = document(found[1])
+    told = found_document["sensitivities"]
+    assert found_document["sensitivities_of"] == REFERENCE
     assert list(told) == list(FAULTS)
     assert told["stiffness_1_percent"] == {
         "fault": "k is given 1 % too large",
-        **{f"{symbol}_percent": pytest.approx(1.0, rel=1e-6) for symbol in SYMBOLS},
+        **{f"{symbol}_percent": pytest.approx(1.0, rel=1e-6) for symbol in (*SYMBOLS, "m")},
     }
 
 
-def test_without_direct_integration_there_are_none(found):
+def test_they_are_of_the_answer_to_use_first(found):
     result = found[1]
-    assert replace(result, estimates={}).sensitivities() == {}
+    balance = replace(result, reference=None)
+    assert balance.sensitivities() == ("direct", result.shifts(FAULTS, ["direct"])["direct"])
+    name, last = list(result.estimates.items())[-1]
+    assert replace(balance, estimates={name: last}).sensitivities()[0] == name

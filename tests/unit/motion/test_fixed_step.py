@@ -14,6 +14,7 @@ from dampbalance.motion.fixed_step import (
     SCHEMES,
     StepTooCoarse,
     _linear_map,
+    one_step,
     simulate,
 )
 from dampbalance.motion.orbit import steady_orbit
@@ -99,13 +100,28 @@ def test_late_events_cost_an_error_of_second_order_at_most(scheme):
 
 
 @EACH_SCHEME
-def test_a_step_of_the_map_is_a_step_of_the_scheme(scheme):
-    step, rng = SCHEMES[scheme].step, np.random.default_rng(7)
-    C, K, h = 37.0, 950.0, 1e-3
-    matrix = _linear_map(step, C, K, h)
-    u, p = rng.normal(size=2), rng.normal(size=3)
-    direct = step(u, p, np.array([[0.0, 1.0], [-K, -C]]), h)
-    assert matrix @ np.append(u, p) == pytest.approx(direct, rel=1e-13)  # rounding
+def test_a_step_solves_the_equations_of_its_scheme(scheme):
+    """u' − u is h times the rates that the scheme weighs, written out from what it is called."""
+    rng, C, K, h = np.random.default_rng(7), 37.0, 950.0, 1e-3
+    A, u, p = np.array([[0.0, 1.0], [-K, -C]]), rng.normal(size=2), rng.normal(size=3)
+
+    def rate(state, force):
+        return A @ state + np.array([0.0, force])
+
+    code = SCHEMES[scheme].code
+    after = np.array(one_step(code, tuple(u), tuple(p), C, K, h))
+    first = rate(u, p[0])
+    second = rate(u + 0.5 * h * first, p[1])
+    third = rate(u + 0.5 * h * second, p[1])
+    rates = {
+        "explicit-euler": first,
+        "backward-euler": rate(after, p[2]),
+        "trapezoidal": (first + rate(after, p[2])) / 2.0,
+        "semi-implicit-euler": np.array([after[1], first[1]]),
+        "rk4": (first + 2.0 * second + 2.0 * third + rate(u + h * third, p[2])) / 6.0,
+    }
+    assert after == pytest.approx(u + h * rates[scheme], rel=1e-13)  # rounding
+    assert _linear_map(code, C, K, h) @ np.append(u, p) == pytest.approx(after, rel=1e-13)
 
 
 def test_the_march_is_backward_euler_written_out():

@@ -29,8 +29,7 @@ from dampbalance.commands.main import main
 from dampbalance.model import BaseMotion
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.records import measured
-from dampbalance.records.errors import RecordError
-from dampbalance.records.limits import LARGEST
+from dampbalance.records.errors import LARGEST, RecordError
 from dampbalance.records.mapping import read_mapping
 from dampbalance.records.measured import read_records
 from dampbalance.records.readers import channels, open_channels, read
@@ -604,7 +603,7 @@ def test_a_parser_is_not_given_a_line_without_end(tmp_path, monkeypatch):
     write(path, *signals())
     assert read(path)
     monkeypatch.setattr("dampbalance.records.readers.text._SMALL", 0)  # as a large file is read
-    monkeypatch.setattr("dampbalance.records.readers.text.LONGEST_LINE", -262_144)
+    monkeypatch.setattr("dampbalance.records.readers.text._WITHOUT_END", 0)
     refused(path, "a line has no end")
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from dampbalance.law.terms import named_with_unit
 from dampbalance.records.units import (
     DIMENSIONS,
     UNITS,
     UnitError,
     find_unit,
-    header_suffix,
     split_label,
     unit_for,
 )
@@ -71,7 +71,7 @@ def test_what_is_no_unit(text):
 def test_every_unit_is_found_by_its_name_and_its_header_suffix():
     for unit in UNITS:
         assert find_unit(unit.name) is unit
-        assert find_unit(header_suffix(unit.name)) is unit
+        assert find_unit(named_with_unit("", unit.name)[1:].replace("µ", "u")) is unit
 
 
 @pytest.mark.parametrize("quantity", DIMENSIONS)

@@ -14,23 +14,20 @@ from typing import TYPE_CHECKING
 
 from ... import arguments
 from ...arrays import Array
-from ..errors import RecordError, RecordWarning
-from ..limits import LARGEST
+from ..errors import LARGEST, RecordError, RecordWarning
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..measurement import QUANTITIES, Channel, Measurement
 from . import streams, tables
+from .array_files import hdf5_file, matlab_file
 from .assemble import in_blocks, stated_size, wanted_of, whole
 from .formats import FORMATS, checked_format
-from .hdf5 import hdf5_file
-from .matlab import matlab_file
-from .parquet import ParquetFile
 from .plan import Pick, picks_of
-from .record_file import RawChannel, RecordFile, require_nameable
-from .signals import signals_file
+from .record_file import RawChannel, RecordFile, require_nameable, signals_file
+from .tables import ParquetFile
 from .text import TextFile
 
 if TYPE_CHECKING:
-    from .signals import Signals
+    from .record_file import Signals
 
 __all__ = [
     "FORMATS",

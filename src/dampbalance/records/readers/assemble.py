@@ -10,8 +10,17 @@ import numpy as np
 
 from ...arrays import Array
 from ...record import GRID_TOLERANCE
-from .. import limits
-from ..errors import RecordError
+from ..errors import (
+    FINEST,
+    HIGHEST_RATE,
+    LARGEST,
+    LARGEST_VALUE,
+    LATEST,
+    LOWEST_RATE,
+    SMALLEST_RANGE,
+    RecordError,
+    require_size,
+)
 from ..measurement import QUANTITIES, Channel
 from .plan import Pick
 from .record_file import RecordFile
@@ -29,7 +38,7 @@ def stated_size(file: RecordFile, picks: Sequence[Pick], largest: int) -> int:
     Raises RecordError when they are more than `largest`.
     """
     numbers = sum(file.channels[i].size or 0 for i in wanted_of(picks))
-    limits.require_size(file.path, numbers, largest)
+    require_size(file.path, numbers, largest)
     return numbers
 
 
@@ -42,9 +51,9 @@ def whole(file: RecordFile, picks: Sequence[Pick], largest: int) -> list[Channel
     """
     stated_size(file, picks, largest)
     wanted = wanted_of(picks)
-    blocks = list(file.blocks(wanted, max(file.channels[i].size or limits.LARGEST for i in wanted)))
+    blocks = list(file.blocks(wanted, max(file.channels[i].size or LARGEST for i in wanted)))
     arrays = [*map(_joined, zip(*blocks, strict=True))] or [np.empty(0)] * len(wanted)
-    limits.require_size(file.path, sum(len(array) for array in arrays), largest)
+    require_size(file.path, sum(len(array) for array in arrays), largest)
     columns = dict(zip(wanted, arrays, strict=True))
     first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
     channels = []
@@ -85,7 +94,7 @@ def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int) -> Iterator
             continue
         if waiting:
             yield stretch.channel(dict(zip(wanted, waiting, strict=True)))
-            limits.require_size(file.path, stretch.count * len(wanted), largest)
+            require_size(file.path, stretch.count * len(wanted), largest)
         waiting = block
     yield stretch.channel(dict(zip(wanted, waiting or [np.empty(0)] * len(wanted), strict=True)))
     stretch.finish()
@@ -115,14 +124,14 @@ class Stretch:
                 f"{self.file.path}: channel {pick.name!r} has {self.count + values.size} samples; that is no record"
             )
         signal = self._in_si(
-            pick.index, values, pick.factor, limits.LARGEST_VALUE, QUANTITIES[pick.quantity]
+            pick.index, values, pick.factor, LARGEST_VALUE, QUANTITIES[pick.quantity]
         )
         self._require_no_overflow(values)
         if pick.time is None:
             t = times(pick.rate_hz, pick.start, self.count, values.size)
         else:
             where = f"{self.file.path}: time channel {self.file.channels[pick.time].name!r}"
-            t = self._in_si(pick.time, columns[pick.time], pick.time_factor, limits.LATEST, "s")
+            t = self._in_si(pick.time, columns[pick.time], pick.time_factor, LATEST, "s")
             if self.entire:
                 t = in_equal_steps(t, where)
             self._require_uniform(pick.time, t, where)
@@ -141,12 +150,12 @@ class Stretch:
         span, constant = self.high - self.low, f"{self.low:g} in all {self.count} samples"
         if not span:
             raise RecordError(f"{channel} is constant, {constant}; check transducer and mapping")
-        if (swing := span * abs(self.pick.factor)) < limits.SMALLEST_RANGE:
+        if (swing := span * abs(self.pick.factor)) < SMALLEST_RANGE:
             raise RecordError(
                 f"{channel} moves by {swing:.3g} {QUANTITIES[self.pick.quantity]} in all, too little to mean anything; "
                 "check its unit and scale"
             )
-        if span < limits.FINEST * max(abs(self.low), abs(self.high)):
+        if span < FINEST * max(abs(self.low), abs(self.high)):
             raise RecordError(
                 f"{channel} is constant except for rounding, {constant}; check transducer and mapping, or take off its"
                 " offset"
@@ -193,7 +202,7 @@ class Stretch:
         steps = np.diff(line)
         if self.step is None:
             self.step = float(np.median(steps))
-        if self.step > 0.0 and not limits.LOWEST_RATE <= 1.0 / self.step <= limits.HIGHEST_RATE:
+        if self.step > 0.0 and not LOWEST_RATE <= 1.0 / self.step <= HIGHEST_RATE:
             raise RecordError(
                 f"{where} has steps of {self.step:g} s, which no recorder has; check its unit, or give sample_rate_hz"
             )

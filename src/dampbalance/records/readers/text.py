@@ -1,11 +1,18 @@
-"""CSV, TSV and other delimited text, read in chunks."""
+"""CSV, TSV and other delimited text: its encoding, delimiter, decimal mark, header, names and units of its columns are
+inferred from its first lines, its rows read in chunks.
+"""
 
 from __future__ import annotations
 
+import codecs
+import csv
 import io
 import itertools
+import re
 import warnings
+from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,16 +21,246 @@ from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, RecordWarning
 from ..mapping import RecordMapping
-from .layout import LONGEST_LINE, WHITESPACE, layout_of
-from .record_file import RecordFile
+from ..units import find_unit, split_label
+from .record_file import RawChannel, RecordFile
 from .times import Clock, is_date, is_stamp
+
+WHITESPACE = "whitespace"
+# characters: room for all channels that a record may have, and no more than the module csv takes
+LONGEST_LINE = 131_072
+_WITHOUT_END = LONGEST_LINE + 262_144  # what pandas reads at once
+_SAMPLE_LINES = 400  # enough for any header and some rows
+_SAMPLE_CHARACTERS = 2_000_000
+_ROWS_TO_AGREE = 20
+_COMMENTS = "#%"
+_BRACKETS = "[](){} "
+_MISSING = {"", "na", "n/a", "null", "none"} | {
+    sign + word for sign in ("", "+", "-") for word in ("nan", "inf", "infinity")
+}
+_NUMBER = {
+    mark: re.compile(rf"[+-]?(\d+({re.escape(mark)}\d*)?|{re.escape(mark)}\d+)([eE][+-]?\d+)?")
+    for mark in ".,"
+}
+
+# Tried in this order; of two that fit as many rows the first wins. In "1,5;2,5" the semicolon must, so it comes before
+# the comma.
+_DELIMITERS = ("\t", ";", "|", ",", WHITESPACE)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How to read a text file.
+
+    header_lines : lines before the first row.   comment : character that opens a comment.   ends_in_line_end : whether
+    the last line does; otherwise it may have been cut.   rows_stated : about, from the size and the first lines.
+    """
+
+    encoding: str
+    delimiter: str
+    decimal: str
+    comment: str
+    header_lines: int
+    columns: tuple[RawChannel, ...]
+    ends_in_line_end: bool
+    rows_stated: int
+
+    def rows(self, path: Path) -> Iterator[tuple[int, list[str]]]:
+        """Line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
+        numbered = enumerate(lines_of(path, self.encoding), start=1)
+        for number, line in itertools.islice(numbered, self.header_lines, None):
+            if cells := cells_of(line, self.delimiter, self.comment):
+                yield number, cells
+
+    def is_readable(self, cell: str) -> bool:
+        """Whether a cell is a number, or NaN or an infinity, which the check for finite values names."""
+        return bool(_NUMBER[self.decimal].fullmatch(cell)) or cell.lower() in _MISSING
+
+
+def layout_of(path: Path, mapping: RecordMapping) -> Layout:
+    """The layout of a text file, from its first lines and from what the mapping says about it.
+
+    Raises RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows.
+    """
+    encoding = _encoding(path)
+    lines: list[str] = []
+    for line in itertools.islice(lines_of(path, encoding), _SAMPLE_LINES):
+        lines.append(line)
+        if sum(map(len, lines)) > _SAMPLE_CHARACTERS:
+            break
+    comment = next((line.lstrip()[0] for line in lines if line.lstrip()[:1] in [*_COMMENTS]), "#")
+    fits = [
+        (fit, delimiter, decimal)
+        for least in ([2] if mapping.sample_rate_hz is None else [2, 1])  # times may be missing
+        for delimiter in ([mapping.delimiter] if mapping.delimiter else _DELIMITERS)
+        for decimal in (mapping.decimal or ".,")
+        if decimal != delimiter
+        # without the mark there is one cell to a line: nothing to look at closely
+        if least == 1 or delimiter == WHITESPACE or any(delimiter in line for line in lines)
+        if (fit := _first_row(lines, delimiter, decimal, comment, mapping.header_lines, least))
+    ]
+    if not fits:
+        raise RecordError(_no_rows(path, lines, comment, mapping))
+    (_, header, width), delimiter, decimal = max(fits, key=lambda fit: (fit[0][2] > 1, fit[0][0]))
+    columns = columns_of(path, _header_table(lines[:header], delimiter, width), width)
+    first = next(filter(None, (cells_of(line, delimiter, comment) for line in lines[header:])), [])
+    for i, cell in enumerate(first[:width]):
+        if is_stamp(cell) or (is_date(cell) and ":" in cell):
+            columns[i] = replace(columns[i], unit="s", stamps=True)
+    length = sum(map(len, lines[header:])) / max(1, len(lines) - header)
+    rows = round(path.stat().st_size / max(1.0, length))
+    ended = _ends_in_line_end(path)
+    return Layout(encoding, delimiter, decimal, comment, header, tuple(columns), ended, rows)
+
+
+def lines_of(path: Path, encoding: str) -> Iterator[str]:
+    """The lines of a text file. Raises RecordError for one that is too long to be a row of a record."""
+    with open(path, encoding=encoding, errors="replace", newline=None) as stream:
+        every = iter(lambda: stream.readline(LONGEST_LINE + 1), "")
+        for number, line in enumerate(every, start=1):
+            if len(line) > LONGEST_LINE:
+                raise RecordError(
+                    f"{path}: line {number} has more than {LONGEST_LINE:,} characters; it is no row of a record: "
+                    "keep the channels of one record, one row a sample"
+                )
+            yield line
+
+
+def cells_of(line: str, delimiter: str, comment: str) -> list[str]:
+    """The cells of a line without its comment; none for a blank line."""
+    line = line.split(comment, 1)[0].rstrip("\r\n")
+    if not line.strip():
+        return []
+    return line.split() if delimiter == WHITESPACE else _split(line, delimiter)
+
+
+def _split(line: str, delimiter: str) -> list[str]:
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
+
+
+def _first_row(
+    lines: Sequence[str], delimiter: str, decimal: str, comment: str, header: int | None, least: int
+) -> tuple[int, int, int] | None:
+    """How many rows fit these marks, the line (counted from 0) of the first one, and its number of cells, or None.
+
+    A row has at least so many cells, a number in one and a number, a time or nothing in the others.
+    """
+    number = _NUMBER[decimal]
+
+    def row(line: str) -> tuple[int, int]:
+        """Number of cells, and of those up to the last that is not empty; (0, 0) for no row."""
+        cells = cells_of(line, delimiter, comment)
+        others = [cell for cell in cells if not number.fullmatch(cell)]
+        texts = {cell for cell in others if not is_stamp(cell) and not is_date(cell)}
+        if not least <= len(cells) > len(others) or {cell.lower() for cell in texts} - _MISSING:
+            return 0, 0
+        return len(cells), max(i for i, cell in enumerate(cells, start=1) if cell)
+
+    start = header
+    if start is None:
+        start = next((i for i, line in enumerate(lines) if row(line)[0]), len(lines))
+    sizes = [row(line) for line in lines[start:] if cells_of(line, delimiter, comment)]
+    counts = Counter(cells for cells, _ in sizes[:_ROWS_TO_AGREE] if cells)
+    if not counts:
+        return None
+    usual = max(counts, key=lambda cells: (counts[cells], cells))
+    # A delimiter at the end of every row makes no column; a shorter channel's empty cells do.
+    width = max(filled for cells, filled in sizes if cells == usual)
+    return (counts[usual], start, width) if width >= least else None
+
+
+def _header_table(lines: Sequence[str], delimiter: str, width: int) -> list[list[str]]:
+    """The cells of each line of a header; where blanks separate them, of the lines with as many as the rows."""
+    table = []
+    for line in lines:
+        bare = line.strip()
+        text = bare.lstrip(_COMMENTS).strip() if bare.startswith(tuple(_COMMENTS)) else line
+        cells = _header_cells(text, delimiter, width)
+        while len(cells) > width and not cells[-1]:
+            cells.pop()
+        table.append(cells)
+    return [cells for cells in table if cells and (delimiter != WHITESPACE or len(cells) == width)]
+
+
+def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawChannel]:
+    """Names and units from the last rows of the header that have as many cells as the rows of numbers."""
+    fitting = [cells for cells in table if len(cells) == width and any(cells)]
+    if not fitting and table and len(table[-1]) > 1:
+        raise RecordError(
+            f"{path}: its header has {len(table[-1])} names, its rows have {width} cells; if it has 0,5 for 0.5, "
+            'say decimal: "," and the delimiter in a mapping'
+        )
+    units: list[str | None] = [None] * width
+    if len(fitting) > 1 and _are_units(fitting[-1]):
+        units = [cell.strip(_BRACKETS) or None for cell in fitting.pop()]
+    columns = []
+    labels = fitting[-1] if fitting else [""] * width
+    for i, (label, unit) in enumerate(zip(labels, units, strict=True), start=1):
+        name, own = split_label(label)
+        columns.append(RawChannel(name or f"column {i}", unit or own, label=label))
+    return columns
+
+
+def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
+    if delimiter != WHITESPACE:
+        return _split(line, delimiter)
+    # "x [mm]" is one name, where the number of cells allows
+    for pattern in (r"\s{2,}|\t", r"\s+(?![\[(])", r"\s+"):
+        cells = re.split(pattern, line.strip())
+        if len(cells) == width:
+            return cells
+    return line.split()
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Whether a line gives units: each cell is one, or empty, "-" or in brackets, and at least one is known."""
+    bare = [cell.strip(_BRACKETS) for cell in cells]
+    return any(find_unit(text) for text in bare) and all(
+        text in ("", "-", "1", "V", "mV") or text != cell or find_unit(text)
+        for text, cell in zip(bare, cells, strict=True)
+    )
+
+
+def _no_rows(path: Path, lines: Sequence[str], comment: str, mapping: RecordMapping) -> str:
+    if not any(line.strip() for line in lines):
+        return f"{path}: is empty"
+    for decimal in ".,":
+        cells = [line.split(comment, 1)[0].strip() for line in lines]
+        if sum(_NUMBER[decimal].fullmatch(cell) is not None for cell in cells) > 1:
+            return f"{path}: has one column only; a record needs an excitation and a response"
+    skipped = mapping.header_lines
+    where = "" if skipped is None else f" after {skipped} header lines"
+    return (
+        f"{path}: holds no rows of at least two numbers{where}; texts are not read, nor dates but as "
+        "2026-03-01T12:00:00.5: export the times in seconds, or say delimiter, decimal and header_lines in a mapping"
+    )
+
+
+def _encoding(path: Path) -> str:
+    """By its byte order mark, else UTF-8, else the code page of Windows (µ and ² in a header)."""
+    with open(path, "rb") as stream:
+        head = stream.read(65536)
+    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(head)  # whose end may cut a character in two
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8-sig"
+
+
+def _ends_in_line_end(path: Path) -> bool:
+    with open(path, "rb") as stream:
+        stream.seek(0, io.SEEK_END)
+        stream.seek(max(0, stream.tell() - 4))
+        return stream.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
+
 
 _AT_ONCE = 4_000_000  # cells that are parsed at once, wanted or not
 _SMALL = 4_000_000  # bytes of a file that NumPy parses in less time than pandas takes to import
 
 
 class TextFile(RecordFile):
-    """A delimited text file; `layout.py` finds out its delimiter, decimal mark, header and columns."""
+    """A delimited text file; `layout_of` finds out its delimiter, decimal mark, header and columns."""
 
     def __init__(self, path: Path, mapping: RecordMapping) -> None:
         self.path, self.layout = path, layout_of(path, mapping)
@@ -132,6 +369,6 @@ class _bounded(io.TextIOWrapper):
         text = super().read(size)
         ends = max(text.rfind("\n"), text.rfind("\r"))
         self.without_end = len(text) + (self.without_end if ends < 0 else -ends)
-        if self.without_end > LONGEST_LINE + 262_144:  # what pandas reads at once
+        if self.without_end > _WITHOUT_END:
             raise ValueError("a line has no end")
         return text

@@ -1,4 +1,4 @@
-"""The compiled climb to the oscillator of free decays: its sums against those of matrices, its ends against SciPy's."""
+"""The products of decays' derivatives and residuals against those of matrices, and climbs by them against SciPy's."""
 
 from __future__ import annotations
 
@@ -9,15 +9,13 @@ import pytest
 from scipy.optimize import least_squares
 
 from dampbalance.model import Parameters
-from dampbalance.motion.decay_climb import (
-    Bounds,
-    climb_decays,
-    climb_from_all,
+from dampbalance.motion.climb import Bounds, climb
+from dampbalance.motion.decays import (
     contact_chord,
-    decay_residuals,
-    products,
+    decay_products,
+    decay_samples,
+    phase_slopes,
 )
-from dampbalance.motion.decays import decay_samples, phase_slopes
 from dampbalance.motion.events import run
 from dampbalance.motion.jit import interpreted
 
@@ -76,6 +74,12 @@ def noisy(point: np.ndarray, table: np.ndarray) -> np.ndarray:
     return exact + sigma * np.random.default_rng(3).standard_normal(count)
 
 
+def evaluation(table: np.ndarray, values: np.ndarray):
+    """The products at a point, as a climb takes them."""
+    rows = np.empty((400, 5))
+    return lambda point, out: decay_products(point, K, OFFSETS, table, values, rows, out)
+
+
 def open_bounds(size: int) -> Bounds:
     """Bounds that only keep positive what is positive, and w between 0 and 2."""
     lower, upper = np.full(size, -np.inf), np.full(size, np.inf)
@@ -93,14 +97,12 @@ def test_products_are_those_of_the_derivatives(c):
     expected = columns(point, table, values)
     expected = expected.T @ expected
     found = np.empty_like(expected)
-    assert products(point, K, OFFSETS, table, values, np.empty((400, 5)), found)
+    assert evaluation(table, values)(point, found)
     # a rotation by a few hundred samples loses a few hundred roundings
     scale = np.sqrt(np.diag(expected))
     np.testing.assert_allclose(
         found / scale / scale[:, None], expected / scale / scale[:, None], rtol=0, atol=1e-11
     )
-    left = decay_residuals(point, K, OFFSETS, table, values)
-    np.testing.assert_allclose(left @ left, expected[-1, -1], rtol=1e-11)
 
 
 def test_close_to_a_rigid_contact_the_slope_by_rho_is_a_chord():
@@ -110,7 +112,7 @@ def test_close_to_a_rigid_contact_the_slope_by_rho_is_a_chord():
     values = noisy(numbers(), table)
     exact = columns(point, table, values)
     found = np.empty((point.size + 1, point.size + 1))
-    assert products(point, K, OFFSETS, table, values, np.empty((400, 5)), found)
+    assert evaluation(table, values)(point, found)
     step = contact_chord(point[2], K)
     assert step > point[2]
     assert contact_chord((1e3 * K) ** -0.5, K) == 0.0
@@ -123,8 +125,9 @@ def test_a_climb_ends_where_that_of_scipy_does():
     values = noisy(truth, table)
     start = truth * np.array([1.01, 0.95, 0.99, 1.0005, *4 * [1.0, 1.0]])
     bounds = open_bounds(truth.size)
-    point, reached, count = climb_decays(start, K, OFFSETS, table, values, bounds, 1e-9, 60)
-    assert 3 < count < 60
+    end = climb(evaluation(table, values), start, bounds, gain=1e-9, most=60)
+    point, reached = end.point, end.products
+    assert 3 < end.evaluations < 60
     other = least_squares(
         lambda p: columns(p, table, values)[:, -1],
         point,
@@ -142,46 +145,21 @@ def test_a_climb_ends_where_that_of_scipy_does():
     assert (np.abs(point - truth) < 4.0 * errors).all()
 
 
-def test_what_is_given_stays_and_bounds_hold():
-    truth, table = numbers(), channels()
-    values = noisy(truth, table)
-    bounds = open_bounds(truth.size)
-    bounds.free[3] = False
-    bounds.upper[1] = 0.5 * truth[1]
-    start = truth.copy()
-    start[3] *= 1.001
-    point, *_ = climb_decays(start, K, OFFSETS, table, values, bounds, 1e-6, 40)
-    assert point[3] == start[3]
-    assert point[1] == bounds.upper[1]
-
-
-def test_climbs_from_many_starts_follow_one_another_where_asked_to():
-    truth, table = numbers(), channels()
-    values = noisy(truth, table)
-    bounds = open_bounds(truth.size)
-    bounds.free[2] = False
-    starts = np.tile(truth, (3, 1))
-    starts[:, 0] = 1.1 * truth[0]  # far off: three evaluations do not reach the end
-    starts[:, 2] = truth[2] * np.array([1.0, 1.01, 1.02])
-    alone, after = (
-        climb_from_all(starts, K, OFFSETS, table, values, bounds, 1e-6, 3, following)
-        for following in (False, True)
-    )
-    np.testing.assert_array_equal(alone[0], after[0])
-    np.testing.assert_array_equal(after[:, 2], starts[:, 2])
-    assert after[2, -1] < alone[2, -1]
-    starts[1, 4 + OFFSETS] = np.nan
-    ends = climb_from_all(starts, K, OFFSETS, table, values, bounds, 1e-6, 3, False)
-    assert np.isinf(ends[1, -1])
-    assert np.isfinite(ends[[0, 2], -1]).all()
-
-
-def test_interpreted_it_gives_the_same():
+def test_interpreted_they_are_the_same():
     truth, table = numbers(), channels(40)
     values = noisy(truth, table)
-    bounds = open_bounds(truth.size)
-    compiled, *_ = climb_decays(truth, K, OFFSETS, table, values, bounds, 1e-3, 3)
+    compiled, again = np.empty((2, truth.size + 1, truth.size + 1))
+    assert evaluation(table, values)(truth, compiled)
     with interpreted():
-        point, *_ = climb_decays(truth, K, OFFSETS, table, values, bounds, 1e-3, 3)
-    # the same operations; sines and fused products may round otherwise, and steps multiply that by the condition
-    np.testing.assert_allclose(point, compiled, rtol=1e-6)
+        assert evaluation(table, values)(truth, again)
+    # sines and fused products may round otherwise
+    scale = np.sqrt(np.diag(compiled))
+    scale = np.outer(scale, scale)
+    np.testing.assert_allclose(again / scale, compiled / scale, rtol=0, atol=1e-11)
+
+
+def test_a_start_that_is_no_number_has_no_products():
+    truth, table = numbers(), channels(40)
+    values, found = noisy(truth, table), np.empty((truth.size + 1, truth.size + 1))
+    truth[4 + OFFSETS] = np.nan
+    assert not evaluation(table, values)(truth, found)
