@@ -37,7 +37,7 @@ import pandas as pd
 
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.figures.looks import in_maths, label_of, look_of
-from dampbalance.figures.style import MM, SLIP, STICK, STYLE
+from dampbalance.figures.style import FAINT, MM, SLIP, STICK, STYLE
 
 plt.rcParams.update(STYLE)  # the look of this project's figures
 
@@ -47,7 +47,7 @@ plt.rcParams.update(STYLE)  # the look of this project's figures
 # The base moves by $y = Y \cos \omega t$ and pulls the mass through the spring $k$. The contact is itself a spring,
 # $K_z$, in series with a slider: it sticks and deflects by $z$ until the force $K_z z$ reaches $F_k$, then slips. So
 #
-# $$ m \ddot x + c \dot x + k x + K_z z = k Y \cos \omega t, \qquad |z| \le Z_m = F_k / K_z, $$
+# $$ m \ddot x + c \dot x + k x + K_z z = k Y \cos \omega t, \qquad \left|z\right| \le Z_m = F_k / K_z, $$
 #
 # where $z$ follows $x$ in stick and stays at $\pm Z_m$ in slip: Eqs. (1)–(3) of the paper. These are the paper's
 # values:
@@ -88,7 +88,7 @@ t = np.linspace(0.0, orbit.motion.period, 8001)
 x, v, acceleration, z = orbit.state(t)
 
 figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=(150 * MM, 88 * MM))
-above.plot(1e3 * t, 1e3 * orbit.motion.y(t), color="0.55", label="base $y$")
+above.plot(1e3 * t, 1e3 * orbit.motion.y(t), color=FAINT, label="base $y$")
 above.plot(1e3 * t, 1e3 * x, color=SLIP, lw=1.4, label="mass $x$")
 above.set_ylabel("displacement (mm)")
 above.set_ylim(-5.0, 6.6)
@@ -141,7 +141,7 @@ left_end.set_xlim(near)
 left_end.locator_params("x", nbins=4)
 left_end.set_ylim(1.0, 3.4)
 for place, name in ((-orbit.X, "$-X$"), (orbit.X_s, "$X_s$")):
-    left_end.axvline(1e3 * place, color="0.6", lw=0.5, zorder=0)
+    left_end.axvline(1e3 * place, color=FAINT, lw=0.5, zorder=0)
     left_end.annotate(
         name, (1e3 * place, 3.4), xytext=(0, 3), textcoords="offset points", ha="center"
     )
@@ -301,7 +301,7 @@ errors_by_pair(features_above)
 
 # %% alt="A line per level in the plane of F_k and c. At 4.92 Hz all cross at the truth; at 11.1 Hz X_s does not."
 F_k = np.array([0.2, 1.8])
-looks = {"direct": ("0.45", "-"), "X_s": (look_of("X_s").colour, (0, (4, 2)))}
+looks = {"direct": (FAINT, "-"), "X_s": (look_of("X_s").colour, (0, (4, 2)))}
 
 figure, panels = plt.subplots(1, 2, figsize=(180 * MM, 72 * MM), sharey=True)
 for axes, hertz in zip(panels, (RESONANCE, ABOVE), strict=True):
@@ -445,22 +445,28 @@ pd.DataFrame(
 # It is not a matter of three lucky frequencies:
 
 # %% alt="Error of F_k from 2 to 15 Hz: the paper's recipe holds only near resonance, the Fourier balance throughout."
+from dampbalance.figures.grid import signed_axis
+from dampbalance.figures.series import signed_scale
+
 hertz = np.linspace(2.0, 15.0, 131)
 by_frequency = [features_at(f) for f in hertz]
 
 figure, axes = plt.subplots(figsize=(150 * MM, 78 * MM))
 looks = {  # in the order of the recipes: colour, dashes
     "as in the paper": (STICK, "-"),
-    "(a) each, reversal": ("0.45", "-"),
-    "(b) each, zero crossing": ("0.45", (0, (4, 2))),
+    "(a) each, reversal": (FAINT, "-"),
+    "(b) each, zero crossing": (FAINT, (0, (4, 2))),
     "(c) one, fundamental": (STICK, (0, (4, 2))),
     "(d) each, fundamental": (look_of("X_s").colour, "-"),
     "(e) Fourier balance": (look_of("fourier").colour, "-"),
 }
-for (label, (colour, dashes)), mend in zip(looks.items(), MENDS.values(), strict=True):
-    errors = [100 * abs(error_of_F_k(*mend(each))) for each in by_frequency]
-    axes.semilogy(hertz, errors, color=colour, ls=dashes, label=label)
-axes.axvline(oscillator.omega_n / (2 * math.pi), color="0.7", lw=0.6, zorder=0)
+errors = [
+    np.array([100 * error_of_F_k(*mend(each)) for each in by_frequency]) for mend in MENDS.values()
+]
+for (label, (colour, dashes)), error in zip(looks.items(), errors, strict=True):
+    axes.plot(hertz, error, color=colour, ls=dashes, label=label)
+signed_axis(axes, signed_scale(errors, 0.1, 1000.0))  # linear from -0.1 % to 0.1 %
+axes.axvline(oscillator.omega_n / (2 * math.pi), color=FAINT, lw=0.4, zorder=0)
 axes.set_xlabel("frequency (Hz)")
 axes.set_ylabel("error of $F_k$ (%)")
 axes.set_xlim(hertz[[0, -1]])
@@ -468,8 +474,8 @@ axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
 figure.tight_layout()
 
 # %% [markdown]
-# The curves fall to a point wherever an error changes its sign; that is luck, not accuracy. What counts is their
-# height elsewhere.
+# Where a curve crosses zero, two errors cancel; that is luck, not accuracy. What counts is how far from zero it lies
+# elsewhere.
 
 # %% [markdown]
 # ## From records
@@ -555,12 +561,12 @@ identified(with_gentle)
 # %% [markdown]
 # **4. Two levels are enough?** Two equations give two unknowns. Are all pairs of levels equally good when every $W$
 # is off by chance, with a standard deviation of one part in a thousand? Is it best to use all five levels? (Simulate
-# 2000 such experiments.)
+# 500 such experiments.)
 
 # %% tags=["outcome"]
 random = np.random.default_rng(seed=1)
 exact = APPROACHES["direct"](features, oscillator.k)
-noise = 1 + 1e-3 * random.standard_normal((2000, len(exact.W)))
+noise = 1 + 1e-3 * random.standard_normal((500, len(exact.W)))
 experiments = [Rows(exact.terms, exact.W * factor) for factor in noise]
 choices = {"pair 1-2": (0, 1), "pair 4-5": (3, 4), "pair 1-5": (0, 4)}
 scatter = {

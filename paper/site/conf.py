@@ -33,7 +33,7 @@ suppress_warnings = [
     "misc.highlighting_failure",  # code with an ellipsis
 ]
 
-# Docstrings: their style is that of dampbalance.publishing.site.docstrings.
+# Docstrings: their style is that of dampbalance.publishing.site.reference.
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
 autodoc_class_signature = "mixed"

@@ -7,7 +7,6 @@ from importlib import import_module
 from typing import Any
 
 from docutils import nodes
-from docutils.utils.math.latex2mathml import tex2mathml
 from pygments.lexers.special import TextLexer
 from sphinx.addnodes import desc_signature
 from sphinx.application import Sphinx
@@ -15,9 +14,9 @@ from sphinx.util.nodes import make_refnode
 from sphinx.writers.html5 import HTML5Translator
 
 from dampbalance.project.wording import SYMBOL
-from dampbalance.publishing.page.words import rich
-from dampbalance.publishing.site.docstrings import markup
-from dampbalance.publishing.site.names import resolved
+from dampbalance.publishing import formulas
+from dampbalance.publishing.site.reference import markup, resolved
+from dampbalance.publishing.words import rich
 
 PACKAGE = "dampbalance"
 
@@ -76,15 +75,12 @@ def _signature(
 
 
 def _inline_formula(translator: HTML5Translator, node: nodes.math) -> None:
-    translator.body.append(tex2mathml(node.astext(), as_block=False))
+    translator.body.append(formulas.inline(node.astext()))
     raise nodes.SkipNode
 
 
 def _displayed_formula(translator: HTML5Translator, node: nodes.math_block) -> None:
-    formula = tex2mathml(node.astext(), as_block=True)
-    translator.body.append(
-        f'<div class="equation" role="group" tabindex="0" aria-label="Equation">{formula}</div>\n'
-    )
+    translator.body.append(f"{formulas.displayed(node.astext())}\n")
     raise nodes.SkipNode
 
 

@@ -14,20 +14,23 @@ import re
 import runpy
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from unittest import mock
 
 from matplotlib.figure import Figure
 
 from dampbalance import figures, steady_orbit
+from dampbalance.figures import style
 from dampbalance.project.files import write_csv
 from dampbalance.publishing.article import compiling
 from dampbalance.replication.printed_tables import paper_tables
 from dampbalance.studies import outputs
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from dampbalance.studies.shown.summary import summary_of
+from legible import faults
 from paper.routes import (
     CASE,
     CONFIG,
@@ -66,9 +69,13 @@ FIRST = next(iter(CASE.frequencies_hz))
 
 @dataclass(frozen=True)
 class Project:
-    """A folder with what the article is made of, and the article."""
+    """A folder with what the article is made of, and the article.
+
+    faults : of the legibility of each figure, by its file.
+    """
 
     folder: Path
+    faults: dict[str, list[tuple[str, ...]]] = field(default_factory=dict)
 
     @property
     def source(self) -> Path:
@@ -120,8 +127,15 @@ class Project:
         groups = {name: SimpleNamespace(**of) for name, of in job.items()}
         snakemake = SimpleNamespace(**groups, log=())
         file = ROOT / f"workflow/scripts/article/{script}.py"
-        with contextlib.chdir(self.folder):
+        with contextlib.chdir(self.folder), mock.patch.object(style, "save", self.save):
             runpy.run_path(str(file), {"snakemake": snakemake}, "__main__")
+
+    def save(self, figure: Figure, svg: str | Path, png: object, alt: str) -> None:
+        """As `style.save`, without a bitmap, which takes longer to write than all else here."""
+        file = self.folder / svg
+        self.faults[file.name if file.stem != "figure" else file.parent.name] = faults(figure)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        style.save_svg(figure, file, alt)
 
     def typeset(self, output: str = f"{RESULTS}/article.pdf") -> None:
         """The rule `article`."""
@@ -136,7 +150,7 @@ def build(folder: Path) -> Project:
     for name in ("config", "workflow", "CITATION.cff"):
         (folder / name).symlink_to(ROOT / name)
     _routes(folder)
-    cases, files = _studies(folder)
+    cases, files = _studies(project)
     _numbers(project, cases, files)
     _figures(project, cases)
     project.typeset()
@@ -161,14 +175,13 @@ def _routes(folder: Path) -> None:
         write_csv(file, frame)
 
 
-def _studies(folder: Path) -> tuple[list[str], list[str]]:
+def _studies(project: Project) -> tuple[list[str], list[str]]:
     """The cases of each study, and the file that describes it."""
-    cases, files = [], []
+    cases, files, folder = [], [], project.folder
     for name in OF_ARTICLE:
         study, table = computed(name, folder / STUDIES, COARSER.get(name, ("", "")))
-        if name in ("frequency", "noise", "rigid_contact"):
-            figure = study_figure(study, table)
-            _save(figure, table.with_name("figure.svg"), alternative_text(study))
+        figure = study_figure(study, table)
+        project.save(figure, table.with_name("figure.svg"), None, alternative_text(study))
         if name == "noise":
             write_csv(table.with_name("summary.csv"), summary_of(table, study))
             outputs.write_manifest(table.with_name("manifest.json"), table, study, "0")
@@ -182,25 +195,27 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
     article = f"{RESULTS}/article"
     schemes = {"csv": f"{article}/schemes.csv", "cycles": f"{article}/cycles.csv"}
     project.run("article_schemes", schemes, {}, case=CONFIG, frequency=FIRST)
-    tables = {
+    inputs = {
         "claims": f"{RESULTS}/claims.csv",
         "approaches": f"{RESULTS}/tables/approaches.csv",
         "schemes": schemes["csv"],
         "cycles": schemes["cycles"],
+        "study_cases": cases,
+        "study_files": files,
+        "citation": "CITATION.cff",
     }
-    output = {"json": f"{article}/evidence.json"}
-    project.run("article_evidence", output, tables, case=CONFIG, folder=RESULTS)
+    output = {name: f"{article}/{name}.json" for name in ("evidence", "studies", "environment")}
     project.run(
-        "article_studies",
-        {"json": f"{article}/studies.json"},
-        {"cases": cases, "files": files},
+        "article_numbers",
+        output,
+        inputs,
+        case=CONFIG,
+        folder=RESULTS,
         studies=OF_ARTICLE,
         schema="workflow/schemas/study.schema.yaml",
         base="config/config.yaml",
+        packages=["dampbalance", "numpy", "typst"],
     )
-    output = {"json": f"{article}/environment.json"}
-    packages = ["dampbalance", "numpy", "typst"]
-    project.run("article_environment", output, {"citation": "CITATION.cff"}, packages=packages)
 
 
 def _figures(project: Project, cases: list[str]) -> None:
@@ -214,8 +229,8 @@ def _figures(project: Project, cases: list[str]) -> None:
         "steps": cases[OF_ARTICLE.index("step_size")],
         "approaches": f"{RESULTS}/tables/approaches.csv",
     }
-    output = {kind: f"{folder}/numerics.{kind}" for kind in ("svg", "png")}
-    output |= {f"glance_{kind}": f"{folder}/glance.{kind}" for kind in ("svg", "png")}
+    names = ("numerics", "glance")
+    output = {f"{n}_{kind}": f"{folder}/{n}.{kind}" for n in names for kind in ("svg", "png")}
     project.run("article_figure", output, inputs, case=CONFIG)
     orbits = [steady_orbit(PAPER, motion) for motion in CASE.motions(FIRST)]
     others = {
@@ -227,9 +242,4 @@ def _figures(project: Project, cases: list[str]) -> None:
         ),
     }
     for name, figure in others.items():
-        _save(figure, project.folder / f"{folder}/{name}.svg", figures.ALT[name])
-
-
-def _save(figure: Figure, file: Path, alt: str) -> None:
-    """As SVG only: the article takes no other, and a bitmap takes longer to write than all else here."""
-    figure.savefig(file, format="svg", metadata={"Description": alt, "Date": None, "Creator": None})
+        project.save(figure, f"{folder}/{name}.svg", None, figures.ALT[name])

@@ -2,9 +2,33 @@
 
 from __future__ import annotations
 
+import pickle
+
 import pytest
 
+from folders import shared
 from paper.chromium import CHROMIUM, REASON
+
+
+@pytest.fixture(scope="session")
+def report(tmp_path_factory):
+    """The folder with the page of the paper's case, report.html, and what it shows."""
+
+    def make(folder):
+        from paper.page_case import page_of, results
+
+        (folder / "files").mkdir()
+        made = results(folder / "files")
+        (folder / "report.html").write_text(page_of(made), encoding="utf-8")
+        (folder / "shown.pickle").write_bytes(pickle.dumps(made))
+
+    return shared(tmp_path_factory, "report", make)
+
+
+@pytest.fixture(scope="module")
+def made(report):
+    """What the page shows."""
+    return pickle.loads((report / "shown.pickle").read_bytes())
 
 
 @pytest.fixture(scope="module")

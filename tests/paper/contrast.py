@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dampbalance.publishing.page import colours
+from dampbalance.publishing import colours
 from dampbalance.replication import claim_verdicts
 
 VERDICTS = tuple(verdict.css for verdict in claim_verdicts.VERDICTS.values())

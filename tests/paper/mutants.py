@@ -9,9 +9,9 @@ from functools import cache
 from typing import NamedTuple
 
 from dampbalance.replication.claim_verdicts import VERDICTS
+from dampbalance.replication.claims.changed_digits import judged
 from dampbalance.replication.claims.judging import Claim, verdict
-from dampbalance.replication.claims.rules import claims
-from dampbalance.replication.claims.sources import Sources
+from dampbalance.replication.claims.rules import Sources, claims
 from paper.routes import CASE, PRINT, as_published, exact, unrounded
 
 
@@ -35,24 +35,23 @@ class Mutant(NamedTuple):
         return now - was
 
 
-def judged(published, *names: str) -> list[Claim]:
-    """The claims on some numbers, by their ids."""
-    sources = Sources(published, CASE, exact(), as_published(), unrounded())
-    return claims(sources, [published.rows[name] for name in names])
+@cache
+def sources() -> Sources:
+    """What the claims on the paper's print are judged from."""
+    return Sources(PRINT, CASE, exact(), as_published(), unrounded())
 
 
 @cache
 def originals() -> list[Claim]:
     """The claims on all computed numbers, as they are."""
-    return judged(PRINT, *(name for name, row in PRINT.rows.items() if row.kind == "computed"))
+    return claims(sources(), [row for row in PRINT.rows.values() if row.kind == "computed"])
 
 
 def of_print(*steps: int) -> Iterator[Mutant]:
     """Every computed number, its last printed digit moved by each of some steps."""
     for before, step in itertools.product(originals(), steps):
         name = before.row.id
-        changed = PRINT.changed({name: PRINT[name].moved(step)})
-        yield Mutant(before, *judged(changed, name), step)
+        yield Mutant(before, judged(sources(), name, PRINT[name].moved(step))[name], step)
 
 
 def of_rebuild(*, units: float = 0.0, share: float = 0.0) -> Iterator[Mutant]:

@@ -17,10 +17,12 @@ from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import Case
 from dampbalance.replication import as_published as authors
 from dampbalance.replication.claim_verdicts import ROUTE_NAMES
-from dampbalance.replication.claims import Published, RouteTables, claims_table, read_published
 from dampbalance.replication.claims.judging import Claim
-from dampbalance.replication.claims.published import Row
+from dampbalance.replication.claims.published import Published, Row, read_published
+from dampbalance.replication.claims.rules import Sources
+from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.comparison import approaches_table
+from dampbalance.replication.printed_tables import RouteTables
 from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.checking import read_study
 from dampbalance.studies.settings import Study
@@ -54,11 +56,13 @@ def judged(
 ) -> pd.DataFrame:
     """The table of claims.   claimed : the oscillator of the configuration where it differs from the simulated one."""
     return claims_table(
-        published,
-        case_of(claimed or oscillator),
-        exact(oscillator),
-        as_published(oscillator),
-        unrounded(oscillator),
+        Sources(
+            published,
+            case_of(claimed or oscillator),
+            exact(oscillator),
+            as_published(oscillator),
+            unrounded(oscillator),
+        )
     )
 
 
@@ -85,6 +89,7 @@ def as_read(oscillator: Oscillator = PAPER) -> dict[str, authors.ReadFeatures]:
     }
 
 
+@lru_cache
 def as_published(oscillator: Oscillator = PAPER) -> RouteTables:
     """The as-published route at the three frequencies."""
     read, case = as_read(oscillator), case_of(oscillator)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from urllib.parse import unquote, urlsplit
 
 from dampbalance.commands.main import parser
-from dampbalance.publishing.provenance.sources import PROJECT, files_of
+from dampbalance.publishing.provenance.manifest import PROJECT, files_of
 from dampbalance.publishing.site.build import build
 from folders import ROOT
 from paper.html import Tree

@@ -13,7 +13,7 @@ import yaml
 
 import dampbalance
 from dampbalance.publishing.article import compiling
-from dampbalance.publishing.article.software import software
+from dampbalance.publishing.provenance.manifest import software
 from paper.routes import ROOT
 from paper.typed import not_excused, typed_numbers
 

@@ -12,8 +12,10 @@ from dataclasses import replace
 import pytest
 
 from dampbalance.replication.claim_verdicts import DIFFERS, PROPAGATED, ROUTE_NAMES, UNEXPLAINED
-from dampbalance.replication.claims import RouteTables, claims_table
 from dampbalance.replication.claims.judging import LEASH
+from dampbalance.replication.claims.rules import Sources
+from dampbalance.replication.claims.table import claims_table
+from dampbalance.replication.printed_tables import RouteTables
 from paper.mutants import of_rebuild
 from paper.routes import CASE, PRINT, as_published, exact, unrounded
 
@@ -104,7 +106,9 @@ def test_tables_of_results_that_are_wrong_throughout_differ(share):
         numbers = frame.select_dtypes("float").columns
         return frame.assign(**{column: frame[column] * (1.0 + share) for column in numbers})
 
-    table = claims_table(PRINT, CASE, wrong(exact()), wrong(as_published()), scaled(unrounded()))
+    table = claims_table(
+        Sources(PRINT, CASE, wrong(exact()), wrong(as_published()), scaled(unrounded()))
+    )
     judged = table[(table["kind"] == "computed") & table["id"].str.startswith("table")]
     assert len(judged) == 80
     assert set(judged["verdict"]) == {DIFFERS.name}
@@ -122,7 +126,7 @@ def test_pairs_of_quite_another_oscillator_differ():
         )
         return RouteTables(route.features, {**route.estimates, "omega1": frame})
 
-    table = claims_table(PRINT, CASE, other(exact()), other(as_published()), unrounded())
+    table = claims_table(Sources(PRINT, CASE, other(exact()), other(as_published()), unrounded()))
     pairs = table[table["id"].str.match(r"table2\.(F_k|c)\.")]
     assert len(pairs) == 10
     assert set(pairs["verdict"]) == {DIFFERS.name}

@@ -16,18 +16,17 @@ from dampbalance.replication.claim_verdicts import (
     ROUTE_NAMES,
     VERDICTS,
 )
-from dampbalance.replication.claims import (
-    RouteTables,
+from dampbalance.replication.claims.published import Printed, read_texts
+from dampbalance.replication.claims.rules import Sources
+from dampbalance.replication.claims.table import (
+    COLUMNS,
     check,
     claims_markdown,
     claims_table,
-    read_claims,
     read_record,
     summary,
 )
-from dampbalance.replication.claims.table import COLUMNS
-from dampbalance.replication.printed import Printed
-from dampbalance.replication.route_tables import HARMONIC
+from dampbalance.replication.printed_tables import HARMONIC, RouteTables
 from folders import PUBLISHED
 from paper.routes import (
     CASE,
@@ -266,13 +265,14 @@ def test_a_flipped_sign_in_a_row_is_found(monkeypatch, recorded, approach):
     for approaches in (balance.APPROACHES, authors.APPROACHES_OF_TABLE_3):
         if approaches[approach] is right:
             monkeypatch.setitem(approaches, approach, replace(right, rows=flipped))
+    computed = (exact, as_read, as_published)
     try:
-        exact.cache_clear()
-        as_read.cache_clear()
+        for route in computed:
+            route.cache_clear()
         found = check(judged(), recorded)
     finally:
-        exact.cache_clear()
-        as_read.cache_clear()
+        for route in computed:
+            route.cache_clear()
     short = approach.replace("_", "")
     expected = {f"text.{s}_{short}_ls" for s in ("F_k", "c", "residual")}
     # the V_s columns are made by the row with the slip of sign, which is not flipped here
@@ -291,7 +291,7 @@ def test_the_plus_sign_of_table_3_is_needed(recorded):
     correct = frame[frame["approach"] == authors.CORRECTED]
     estimates = pd.concat([frame[~slipped], correct, correct.assign(approach="V_s")])
     changed = RouteTables(route.features, route.estimates | {"omega1": estimates})
-    found = check(claims_table(PRINT, CASE, exact(), changed, unrounded()), recorded)
+    found = check(claims_table(Sources(PRINT, CASE, exact(), changed, unrounded())), recorded)
     assert found["id"].str.startswith("table3.V_s").sum() == 10
     assert len(found) == 10
 
@@ -315,13 +315,13 @@ def test_the_verdicts_on_record_are_no_offence_and_better_ones_neither(claims, r
 def test_a_claim_without_routes_is_found(recorded):
     """No result tables at all: nothing is obtained but what stands in print."""
     nothing = RouteTables({}, {})
-    found = check(claims_table(PRINT, CASE, nothing, nothing, pd.DataFrame()), recorded)
+    found = check(claims_table(Sources(PRINT, CASE, nothing, nothing, pd.DataFrame())), recorded)
     assert found["id"].str.startswith("table").sum() > 50
 
 
 def test_a_configuration_in_which_nothing_slips_is_judged_too(recorded):
     stuck = replace(PAPER, F_k=60.0)
-    table = claims_table(PRINT, case_of(stuck), exact(stuck), as_published(), unrounded())
+    table = claims_table(Sources(PRINT, case_of(stuck), exact(stuck), as_published(), unrounded()))
     assert (table.set_index("id").loc["table1.X_s.1", ["exact"]] == "").all()
     found = check(table, recorded).set_index("id")["now"]
     assert found["parameter.F_k"] == "differs"
@@ -334,7 +334,7 @@ def test_a_configuration_in_which_nothing_slips_is_judged_too(recorded):
 
 def test_claims_survive_their_file(claims, tmp_path):
     write_csv(tmp_path / "claims.csv", claims)
-    again = read_claims(tmp_path / "claims.csv")
+    again = read_texts(tmp_path / "claims.csv", COLUMNS)
     assert (again == claims).all(axis=None)
     assert summary(again, check(again, claims)) == summary(claims, check(claims, claims))
 
@@ -356,9 +356,9 @@ def test_what_cannot_be_judged_is_refused():
 def test_levels_and_frequencies_of_the_paper_are_needed():
     routes = exact(), as_published(), unrounded()
     with pytest.raises(ValueError, match="five levels"):
-        claims_table(PRINT, replace(CASE, levels_m=(0.004, 0.006)), *routes)
+        claims_table(Sources(PRINT, replace(CASE, levels_m=(0.004, 0.006)), *routes))
     with pytest.raises(ValueError, match="missing: omega1, omega3"):
-        claims_table(PRINT, replace(CASE, frequencies_hz={"omega2": 3.5}), *routes)
+        claims_table(Sources(PRINT, replace(CASE, frequencies_hz={"omega2": 3.5}), *routes))
 
 
 def test_claims_do_not_depend_on_what_was_run_before(claims):

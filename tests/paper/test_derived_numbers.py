@@ -18,7 +18,7 @@ from dampbalance.publishing.article.derived_numbers import (
     sampling_instants,
     step_from_work,
 )
-from dampbalance.replication import schemes
+from dampbalance.replication.as_published import cycle_table, features_of, simulate_levels
 from paper.routes import CASE, PAPER, approaches, as_published, exact
 
 STEP_US = 1e6 * CASE.numerics.step_s
@@ -38,10 +38,10 @@ def claims_of(name: str, values) -> pd.DataFrame:
 
 
 def test_the_last_cycle_is_the_one_that_features_are_read_from(coarse):
-    table = schemes.cycle_table(coarse, "omega1")
+    table = cycle_table(coarse, "omega1")
     last = table[table["cycle"] == table["cycle"].max()]
-    records = schemes.simulate_levels(coarse, "omega1")
-    read = schemes.features_of(records, coarse, "omega1", "sample")
+    records = simulate_levels(coarse, "omega1")
+    read = features_of(records, coarse, "omega1", "sample")
     # the same samples; their times are divided by another length of record
     np.testing.assert_allclose(last["a_m"], read.a, rtol=1e-14)
     assert table["cycle"].nunique() == 12
@@ -54,7 +54,7 @@ def test_a_period_of_whole_steps_samples_each_cycle_alike(coarse):
     whole = replace(coarse, numerics=replace(coarse.numerics, step_s=period / 4096))
 
     def moved(case):
-        table = schemes.cycle_table(case, "omega1")
+        table = cycle_table(case, "omega1")
         per_step = 2.0 * table["V_s_m_per_s"] * case.numerics.step_s
         first = table["a_m"].groupby(table["level"]).transform("first")
         return float(((table["a_m"] - first) / per_step).abs().max())

@@ -9,7 +9,7 @@ import pytest
 
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.replication.as_published import CORRECTED, SLIPPING_SAMPLE
-from dampbalance.replication.printed import Printed
+from dampbalance.replication.claims.published import Printed
 from paper.routes import CASE, PAPER, as_published, judged, unrounded
 
 ROUTES = {"exact": "exact", "as published": "as_published", "from print": "from_print"}

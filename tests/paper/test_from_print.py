@@ -8,13 +8,13 @@ from decimal import Decimal
 import pytest
 
 from dampbalance.balance import APPROACHES, slip_velocity_as_printed
-from dampbalance.replication.claims.from_print import (
+from dampbalance.replication.claims.published import (
+    Printed,
     from_print,
     printed_estimates,
     printed_features,
 )
 from dampbalance.replication.comparison import largest_errors
-from dampbalance.replication.printed import Printed
 from dampbalance.solver import least_squares
 from paper.routes import CASE, PAPER, PRINT, with_digits_of
 

@@ -7,14 +7,18 @@ import html
 import importlib
 import os
 import re
+from base64 import b64decode, b64encode
 from dataclasses import replace
+from io import BytesIO
 
 import nbformat
 import numpy as np
 import pandas as pd
 import pytest
+from fontTools.ttLib import TTFont
 
-from dampbalance.publishing import notebook
+from dampbalance.figures.dark import DARK
+from dampbalance.publishing import formulas, notebook
 from folders import ROOT
 from paper import axe
 from paper.html import Tree
@@ -278,7 +282,8 @@ def test_the_page_loads_nothing_and_its_links_lead_somewhere(page):
     assert within
     assert within - set(tree.ids) == set()
     assert tree.named("script", "link", "iframe", "object") == []
-    assert not re.search(r"@import|url\(", page)
+    assert "@import" not in page
+    assert re.findall(r"url\((.{14})", page) == ['"data:font/otf']
 
 
 @pytest.mark.slow
@@ -297,6 +302,33 @@ def test_formulas_are_mathml_and_pictures_are_described(page, executed):
     assert [e.get("alt") for e in tree.named("img")] == [cell.metadata.alt for cell in pictures]
     assert len(pictures) == 6
     assert len(tree.named("details")) == 5
+
+
+@pytest.mark.slow
+def test_the_font_has_all_characters_of_the_formulas_and_its_table_for_mathematics(page):
+    """And little else: without the one, ẍ has its dots anywhere; without the other, another font steps in."""
+    made = formulas.font_for(page)
+    assert b64encode(made).decode() in page
+    font = TTFont(BytesIO(made))
+    assert "MATH" in font
+    for latex, shown in (
+        (r"\ddot x", "\N{MATHEMATICAL ITALIC SMALL X}"),
+        ("K_z", "𝐾𝑧"),
+        ("h", "ℎ"),
+    ):
+        assert set(shown) <= formulas.characters(formulas.inline(latex))
+    assert formulas.characters(page) - set(map(chr, font.getBestCmap())) == set()
+    assert len(made) < 60_000
+
+
+@pytest.mark.slow
+def test_pictures_follow_the_screen_and_have_no_colour_that_does_not(page):
+    pictures = [b64decode(p).decode() for p in re.findall(r"svg\+xml;base64,([^\"]*)", page)]
+    palette = {colour.lower() for colour in DARK}
+    for picture in pictures:
+        assert picture.count("@media (prefers-color-scheme: dark)") == 1
+        drawn = picture.partition("</style>")[2]
+        assert set(re.findall(r"(?:fill|stroke): (#\w+)", drawn)) - palette == set()
 
 
 @pytest.mark.slow
@@ -321,6 +353,8 @@ def test_a_browser_without_network_shows_it(page, tmp_path, visit, width, dark):
             formula: document.querySelector('math[display=block]').getBoundingClientRect().height,
             pictures: [...document.images].map(i => i.complete && i.naturalWidth > 0),
             paper: getComputedStyle(document.body).backgroundColor,
+            cut: [...document.querySelectorAll('.equation')].filter(e => e.scrollWidth > e.clientWidth).length,
+            fonts: [...document.fonts].filter(f => f.status === 'loaded').length,
             pushed: [...document.querySelectorAll('pre')].filter(p => p.scrollWidth > p.clientWidth).length,
             open: [...document.querySelectorAll('details')].filter(d => d.open).length,
         })"""
@@ -332,7 +366,7 @@ def test_a_browser_without_network_shows_it(page, tmp_path, visit, width, dark):
     assert seen["formula"] > 10
     assert seen["pictures"] == [True] * 6
     assert seen["open"] == 0
-    assert seen["pushed"] == 0
+    assert (seen["pushed"], seen["cut"], seen["fonts"]) == (0, 0, 1)
     assert (seen["paper"] == "rgb(255, 255, 255)") == (not dark)
     assert skip == "skip"  # the first thing that the keyboard reaches
 

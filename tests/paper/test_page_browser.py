@@ -1,4 +1,4 @@
-"""The page in a real Chromium without a network: it loads nothing, filters, draws and prints; by keyboard, on a phone.
+"""The page in a real Chromium without a network: it loads nothing, filters, folds and prints; by keyboard, on a phone.
 
 Skipped where no Chromium is installed; paper/chromium.py says where it looks.
 """
@@ -11,21 +11,16 @@ import re
 import pypdf
 import pytest
 
-from dampbalance.publishing.page import colours
+from dampbalance.publishing import colours
 from dampbalance.replication.claim_verdicts import KINDS
 from paper import axe
 from paper.chromium import CHROMIUM, REASON
-from paper.page_case import page_of, results
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason=REASON)]
 
 MOST_PAGES = 19
-DESK, PHONE = {"width": 1280, "height": 900}, {"width": 360, "height": 740}
-
-
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    return results(tmp_path_factory.mktemp("case"))
+DESK, PHONE = {"width": 1280, "height": 900}, {"width": 390, "height": 844}
+TALLEST = 12_000  # px, of the page as a phone opens it
 
 
 @pytest.fixture(scope="module")
@@ -35,10 +30,8 @@ def computed(made):
 
 
 @pytest.fixture(scope="module")
-def file(made, tmp_path_factory):
-    path = tmp_path_factory.mktemp("page") / "report.html"
-    path.write_text(page_of(made), encoding="utf-8")
-    return path
+def file(report):
+    return report / "report.html"
 
 
 @pytest.fixture(scope="module")
@@ -65,14 +58,6 @@ def found(page, words):
     """The ids of all claims that a search leaves."""
     page.fill("#filter-text", words)
     return [name for kind in KINDS for name in shown(page, kind)]
-
-
-def drawn(page, name):
-    """A chart, brought to the screen and drawn."""
-    plot = page.locator(f"#{name}")
-    plot.scroll_into_view_if_needed()
-    page.wait_for_selector(f"#{name}.ready")
-    return plot
 
 
 def test_every_printed_number_is_there_and_filters_choose(opened, made, computed):
@@ -187,74 +172,105 @@ def test_the_keyboard_reaches_everything_and_shows_where_it_is(opened):
     assert page.evaluate("document.activeElement.id") == "main"
 
 
-def test_charts_draw_tell_values_and_zoom(opened, made):
-    page = opened()
-    plot = drawn(page, "figure3-b")
-    plot.focus()
-    page.keyboard.press("Home")
-    told = plot.locator("+ [role=status]").inner_text()
-    orbit = made.orbits[0]
-    assert f"x: −{1e3 * orbit.X:.7g} mm" in told  # the reversal at −X, seven digits
-    assert "phase: microstick" in told
-    page.keyboard.press("ArrowRight")
-    assert plot.locator("+ [role=status]").inner_text() != told
-    page.keyboard.press("Escape")
+def told(figure):
+    """What a drawing says of the mark that is chosen."""
+    return figure.locator("[role=status]").inner_text()
 
-    box = plot.locator("svg").bounding_box()
-    # On the slip curve before the reversal, near the upper edge.
-    page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.15 * box["height"])
-    tip = plot.locator(".tip")
+
+def test_drawings_tell_values_to_keyboard_and_pointer(opened, made):
+    page = opened()
+    figure = page.locator("[id='drawing-glance']")
+    box = figure.locator(".drawing")
+    box.focus()
+    page.keyboard.press("ArrowRight")
+    assert told(figure) == "c, true c, c by direct integration, all levels (N s/m) 90"
+    page.keyboard.press("End")
+    printed = made.claims.set_index("id").loc["text.c_direct_ls", "printed"]
+    assert told(figure).endswith(f"(N s/m) {float(printed):.6g}")
+    page.keyboard.press("ArrowDown")  # the errors in the panel beside
+    assert told(figure).startswith("as in the paper, 11.1 Hz, error of Fk (%) −65.8")
+    ring = figure.locator(".ring").bounding_box()
+    page.keyboard.press("Escape")
+    assert told(figure) == ""
+    assert figure.locator(".ring").count() == 0
+    page.mouse.move(ring["x"] + 0.5 * ring["width"] + 3, ring["y"] + 0.5 * ring["height"])
+    tip = figure.locator(".tip")
     tip.wait_for(state="visible")
-    assert "m/s²" in tip.inner_text()
+    assert "−65.8" in tip.inner_text()
+    assert "as in the paper" in tip.inner_text()
     page.mouse.move(0, 0)
     tip.wait_for(state="hidden")
 
-    seen = "id => [...document.querySelectorAll(`#${id} .role-axis-label text`)].map(t => t.textContent).sort().join()"
-    start = page.evaluate(seen, "figure3-b")
-    plot.focus()
-    page.keyboard.press("+")
-    changed = f"([id, was]) => ![was, ''].includes(({seen})(id))"
-    page.wait_for_function(changed, arg=["figure3-b", start])
-    page.keyboard.press("0")
-    page.wait_for_function(f"([id, was]) => ({seen})(id) === was", arg=["figure3-b", start])
+
+LINES = """figure => {
+  const key = name => figure.querySelector('.drawing').dispatchEvent(new KeyboardEvent('keydown', { key: name }));
+  const box = name => figure.querySelector(name).getBoundingClientRect();
+  const lines = new Map();
+  for (let step = 'Home'; ; step = 'ArrowDown') {
+    key(step);
+    const told = figure.querySelector('[role=status]').textContent;
+    if (lines.has(told)) return [...lines];
+    const [ring, frame] = ['.ring', 'svg'].map(box);
+    const across = ring.left > frame.left && ring.right < frame.right;
+    lines.set(told, across && ring.top > frame.top && ring.bottom < frame.bottom);
+  }
+}"""
 
 
-def test_a_study_tells_the_values_of_all_curves_at_a_place(opened, made):
+def test_every_line_of_every_drawing_can_be_chosen_and_lies_on_it(opened):
     page = opened()
-    plot = drawn(page, "study-frequency-F-k-0")
-    plot.focus()
-    page.keyboard.press("End")
-    told = plot.locator("+ [role=status]").inner_text()
-    study, _ = made.studies[0]
-    assert "ω/ωn: 2.6" in told  # the n is an index
-    approaches = {fit.approach for fit in study.fits} - {"direct"}
-    assert told.count(" %") == sum(1 if a == "fourier" else 2 for a in approaches)
-    assert "Xs, common φ, ts: " in told
+    for figure in page.locator("figure:has(.drawing)").all():
+        lines = figure.evaluate(LINES)
+        assert len(lines) > 3
+        assert [told for told, inside in lines if not inside] == []
 
 
-def test_every_chart_is_drawn_and_zooms(opened):
+def test_a_table_below_a_drawing_holds_its_values(opened):
     page = opened()
-    names = page.eval_on_selector_all(".plot", "plots => plots.map(p => p.id)")
-    assert len(names) == 23
-    for name in names:
-        plot = drawn(page, name)
-        before = plot.locator(".drawn svg").inner_html()
-        plot.press("+")
+    figure = page.locator("figure:has(.drawing)").first
+    figure.locator(".values summary").click()
+    tables = figure.locator("table")
+    assert tables.count() == 2
+    assert tables.nth(1).locator("tbody th").all_inner_texts() == ["4.92 Hz", "3.5 Hz", "11.1 Hz"]
+    figure.locator(".drawing").focus()
+    page.keyboard.press("Home")
+    assert tables.first.locator("tbody td").first.inner_text() == "90"
+    assert told(figure).endswith(" 90")
+
+
+@pytest.mark.parametrize("viewport", [PHONE, DESK], ids=["phone", "desk"])
+def test_links_lead_to_headings_below_the_bar(opened, viewport):
+    page = opened(viewport)
+    bar = page.locator("nav").bounding_box()["height"]
+    for link in page.locator("nav a").all():
+        link.click()
+        section = page.locator(link.get_attribute("href"))
+        heading = section.locator("h2")
         page.wait_for_function(
-            "([id, was]) => document.querySelector(`#${id} .drawn svg`).innerHTML !== was",
-            arg=[name, before],
+            "([id, bar]) => { const y = document.getElementById(id).getBoundingClientRect().top;"
+            " const end = innerHeight + scrollY >= document.documentElement.scrollHeight - 2;"
+            " return y >= bar - 1 && (y < bar + 80 || end); }",
+            arg=[heading.get_attribute("id"), bar],
         )
-    lines = "plots => plots.map(p => p.querySelectorAll('.drawn .mark-line path, .drawn .mark-symbol path').length)"
-    assert min(page.eval_on_selector_all(".plot", lines)) > 0
-    assert page.locator(".plot > svg").count() == 0  # no still is left beside its chart
+        assert section.locator("p, table").first.is_visible()  # unfolded
+
+
+def test_a_phone_gets_a_folded_page(opened):
+    page = opened(PHONE)
+    assert page.evaluate("document.documentElement.scrollHeight") < TALLEST
+    assert not page.locator("#claims").is_visible()
+    page.locator("#numbers h2").click()
+    assert page.locator("#claims").is_visible()
+    page.evaluate("location.hash = 'study-frequency'")  # inside a section that is folded
+    page.locator("[id='study-frequency']").wait_for(state="visible")
+    desk = opened()
+    assert desk.locator(".fold:not([open])").count() == 0
 
 
 @pytest.mark.parametrize("viewport", [PHONE, DESK], ids=["phone", "desk"])
 def test_nothing_sticks_out_sideways(opened, viewport):
     page = opened(viewport)
-    for name in ("figure3-a", "error-Fk-omega1", "study-step-size-c"):
-        drawn(page, name)
-    page.click("#reasons")
+    page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
     assert page.evaluate("document.documentElement.scrollWidth") == viewport["width"]
 
 
@@ -285,14 +301,11 @@ CONTRASTS = """() => {
 
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
-def test_all_text_can_be_read_light_and_dark_in_charts_too(opened, dark):
+def test_all_text_can_be_read_light_and_dark(opened, dark):
     page = opened(dark=dark)
-    for name in ("figure3-b", "error-c-omega3", "study-frequency-c-1"):
-        drawn(page, name)
     page.click("#reasons")
     found = page.evaluate(CONTRASTS)
     assert len(found) > 1500
-    assert sum(kind == "text" for _, _, kind, _ in found) > 100  # of charts
     assert [one for one in found if one[0] < 4.5] == []
     palette = colours.palette("dark" if dark else "light")
     paper = "rgb({}, {}, {})".format(*(int(palette["paper"][i : i + 2], 16) for i in (1, 3, 5)))
@@ -333,7 +346,7 @@ def test_axe_finds_nothing_to_mend_in_a_reason(opened):
     page = opened()
     page.locator("button.cell").first.click()
     assert page.locator(".why:popover-open").count() == 1
-    assert axe.violations(page) == []
+    assert axe.violations(page, ".why:popover-open") == []
 
 
 @pytest.mark.skipif(axe.SKIP, reason=axe.REASON)
@@ -343,14 +356,16 @@ def test_axe_would_find_what_is_wrong(opened):
     page.evaluate(
         "document.styleSheets[0].insertRule('.sources td a { min-height: 0 !important; }', 0)"
     )
-    rules = {one.partition(":")[0] for one in axe.violations(page)}
+    rules = {one.partition(":")[0] for one in axe.violations(page, contrast=False)}
     assert {"image-alt", "target-size"} <= rules
 
 
 def test_without_a_script_everything_can_be_read(opened, computed):
     page = opened(java_script_enabled=False)
     assert page.locator("#claims tbody tr >> visible=true").count() == len(computed)
-    assert page.locator(".plot > svg >> visible=true").count() == 23
+    assert page.locator(".drawing svg >> visible=true").count() == 6
+    page.locator(".values summary").first.click()
+    assert "11.1 Hz" in page.locator(".values pre >> visible=true").last.inner_text()
     assert not page.locator(".filter").is_visible()  # nothing that would not work
     page.click('[id="table1.phi.1"] summary')
     assert page.locator('[id="table1.phi.1"] details p').is_visible()

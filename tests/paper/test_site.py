@@ -12,10 +12,9 @@ import yaml
 
 import dampbalance
 from dampbalance.commands.main import parser
-from dampbalance.publishing.site import texts
 from dampbalance.publishing.site.build import build, commands_of
-from dampbalance.publishing.site.pages import SiteError
-from folders import ROOT
+from dampbalance.publishing.site.pages import SiteError, sections
+from folders import ROOT, shared
 from paper.site_case import built, local, project, read_page
 
 pytestmark = pytest.mark.slow
@@ -26,7 +25,7 @@ SPLIT = ("README.md", "CONTRIBUTING.md", "config/README.md", "config/records/REA
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    return built(tmp_path_factory.mktemp("site"))
+    return shared(tmp_path_factory, "documentation", built) / "site"
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +90,7 @@ def test_every_function_of_an_equation_is_documented(site):
         "balance.direct",
         "solver.pair",
         "reading.clean.of_record",
-        "law.integrals.of_harmonics",
+        "law.terms.of_harmonics",
     ):
         assert f"dampbalance.{name}" in known
 
@@ -132,7 +131,7 @@ def test_every_section_is_shown_somewhere(site, path):
     everything = " ".join(
         " ".join(read_page(page).text.split()) for page in site.rglob("*.html")
     ).replace("’", "'")
-    for section in texts.sections((ROOT / path).read_text(encoding="utf-8")):
+    for section in sections((ROOT / path).read_text(encoding="utf-8")):
         words = re.findall(r"^[A-Z][\w ]{25,}", section.body, re.MULTILINE)
         if words:
             assert " ".join(words[0].split()) in everything, section.title

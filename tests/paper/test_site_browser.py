@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import pytest
 
+from folders import shared
 from paper import axe
 from paper.chromium import CHROMIUM, REASON
 from paper.site_case import built
@@ -19,7 +20,7 @@ SAMPLE = ("index", "start/paper", "explain/balance", "reference/api", "studies",
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    return built(tmp_path_factory.mktemp("site"))
+    return shared(tmp_path_factory, "documentation", built) / "site"
 
 
 @pytest.mark.parametrize(

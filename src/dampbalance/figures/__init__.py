@@ -1,8 +1,8 @@
 """The figures of the paper, and one it lacks: from orbits and tables of estimates to pictures.
 
-`looks.py` says how each approach looks, `series.py` and `cycle.py` which numbers are drawn, in print as on the page.
-Each function is pure and returns a matplotlib `Figure`; `save` writes it as SVG and PNG. `ALT` says in a sentence
-what each shows in the paper's case, for readers who cannot see it.
+`looks.py` says how each approach looks, `series.py` and `cycle.py` which numbers are drawn; `values.py` keeps them in
+the SVG, from which the page takes them. Each function is pure and returns a matplotlib `Figure`; `save` writes it as
+SVG and PNG. `ALT` says in a sentence what each shows in the paper's case, for readers who cannot see it.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ ALT = {
 
 __all__ = ["ALT", "estimation_error", "figure3", "friction_velocity_loop", "save", "schematic"]
 
-# Loaded when they are asked for: the page takes looks and numbers from this room, and draws without matplotlib.
+# Loaded when they are asked for: the page takes looks and values from this room, and does without matplotlib.
 _MODULES = {
     "estimation_error": "error_levels",
     "figure3": "acceleration",

@@ -19,7 +19,6 @@ from .cycle import (
     RING,
     WIDTH,
     Branch,
-    Onset,
     arrow_along,
     branches,
     first_onset,
@@ -66,7 +65,7 @@ def figure3(orbits: Sequence[Orbit]) -> Figure:
 
     for orbit in orbits:
         cycle = branches(orbit)
-        _draw(a, c, cycle)
+        _draw(a, c, cycle, gid=f"$Y$ = {1e3 * orbit.motion.Y:g} mm")
         _name_loop(a, c, orbit, cycle, first=orbit is orbits[0])
     if onset is None:
         for axes in (b, d):
@@ -74,14 +73,26 @@ def figure3(orbits: Sequence[Orbit]) -> Figure:
             name_regime(axes, orbits[0])
         return figure
     cycle = branches(onset.orbit)
-    _draw(b, d, cycle, lw=1.4)
+    _draw(b, d, cycle, gid=f"$Y$ = {1e3 * onset.orbit.motion.Y:g} mm", lw=1.4)
     slips = [branch.state for branch in cycle if not branch.stick]
     for axes, limits, ticks in ((b, onset.x_limits, 7), (d, onset.v_limits, 5)):
         axes.set_xlim(*limits)
         axes.set_ylim(*onset.acceleration_limits)
         axes.xaxis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))
-    _microstick_line(b, onset)
-    _corner(d, onset)
+    (x_reversal, x_slip), (top, bottom), i = onset.x, onset.acceleration, onset.level + 1
+    drop = top - bottom
+    # (b): the line from −X_i to X_is and its length, which with one slip onset is 2 Z_m
+    _mark(b, x_reversal, top, f"$-X_{{{i}}}$", "-X", "right")
+    _mark(b, x_slip, bottom, f"$X_{{{i}s}}$", "X_s", "left")
+    span = bottom - 0.2 * drop
+    arrow(b, (x_reversal, span), (x_slip, span), INK, "<->,head_length=0.2,head_width=0.12")
+    length = f"$X_{{{i}}} + X_{{{i}s}}$ = {onset.length * 1e3:.4g} µm"
+    note(b, length, (x_slip, span), (4, 0), va="center")
+    x, words = x_reversal + 0.8 * onset.length, "microstick,\n" r"slope $\approx {-}(k + K_z)/m$"
+    b.text(x, bottom + 0.5 * drop, words, color=STICK, va="center", linespacing=1.3)
+    # (d): the corner where microstick gives way to slip, at V_is
+    _mark(d, onset.V_s, bottom, f"$V_{{{i}s}}$", "V_s", "left")
+    d.text(onset.V_s, bottom + 0.6 * drop, "microstick", color=STICK, va="center")
     for state, name in ((slips[-1], "backward slip"), (slips[0], "forward slip")):
         _name_and_arrow(b, state.x * 1e3, state.acceleration, name)
         _name_and_arrow(d, state.v, state.acceleration, name)
@@ -98,28 +109,6 @@ def _draw(over_x: Axes, over_v: Axes, cycle: Sequence[Branch], **style: Any) -> 
         state = branch.state
         over_x.plot(state.x * 1e3, state.acceleration, color=branch.colour, **style)
         over_v.plot(state.v, state.acceleration, color=branch.colour, **style)
-
-
-def _microstick_line(axes: Axes, onset: Onset) -> None:
-    """Marks of panel (b): the line from −X_i to X_is and its length, which with one slip onset is 2 Z_m."""
-    (x_reversal, x_slip), (top, bottom), i = onset.x, onset.acceleration, onset.level + 1
-    drop = top - bottom
-    _mark(axes, x_reversal, top, f"$-X_{{{i}}}$", "-X", "right")
-    _mark(axes, x_slip, bottom, f"$X_{{{i}s}}$", "X_s", "left")
-
-    span = bottom - 0.2 * drop
-    arrow(axes, (x_reversal, span), (x_slip, span), INK, "<->,head_length=0.2,head_width=0.12")
-    length = f"$X_{{{i}}} + X_{{{i}s}}$ = {onset.length * 1e3:.4g} µm"
-    note(axes, length, (x_slip, span), (4, 0), va="center")
-    x, words = x_reversal + 0.8 * onset.length, "microstick,\n" r"slope $\approx {-}(k + K_z)/m$"
-    axes.text(x, bottom + 0.5 * drop, words, color=STICK, va="center", linespacing=1.3)
-
-
-def _corner(axes: Axes, onset: Onset) -> None:
-    """Marks of panel (d): the corner where microstick gives way to slip, at V_is."""
-    top, bottom = onset.acceleration
-    _mark(axes, onset.V_s, bottom, f"$V_{{{onset.level + 1}s}}$", "V_s", "left")
-    axes.text(onset.V_s, bottom + 0.6 * (top - bottom), "microstick", color=STICK, va="center")
 
 
 def _mark(axes: Axes, x: float, y: float, text: str, label: str, side: str) -> None:

@@ -14,8 +14,8 @@ from matplotlib.lines import Line2D
 from ..balance import takes_phase
 from ..model import Oscillator
 from .grid import Grid, grid, signed_axis
-from .looks import in_maths, label_of, look_of
-from .series import COMMON, INDIVIDUAL, Errors, ErrorsByLevel, ErrorsOfTerm, errors_by_level
+from .looks import in_maths, label_of, look_of, named
+from .series import COMMON, INDIVIDUAL, Errors, ErrorsByLevel, errors_by_level
 from .style import DASHED, FAINT, omega_of, styled
 
 if TYPE_CHECKING:
@@ -41,34 +41,32 @@ def estimation_error(
     """
     shown = errors_by_level(estimates, oscillator, frequencies_hz, levels_m)
     panels = grid(len(shown.terms), len(frequencies_hz), left=17.0, bottom=20.0, height=HEIGHT)
+    pairs = len(shown.places) - 1
     for number, of_term in enumerate(shown.terms):
-        row = _row(panels, number, of_term, shown)
-        for axes, name in zip(row, frequencies_hz, strict=True):
+        for column, (name, errors) in enumerate(of_term.errors.items()):
+            axes = panels.panel(number, column)
+            axes.set_label(f"{of_term.term.symbol} {name}")
+            # a place for each pair and, behind a thin line, one for the least squares
+            axes.set_xlim(-0.6, pairs + 0.6)
+            lowest = number == len(shown.terms) - 1
+            axes.set_xticks(range(pairs + 1), shown.names, size=7.5)
+            axes.tick_params(axis="x", length=0, labelbottom=lowest)
+            axes.axvline(pairs - 0.5, color=FAINT, lw=0.4)
+            signed_axis(axes, of_term.scale)
+            axes.tick_params(labelleft=column == 0)
+            for key in shown.approaches:
+                _draw(axes, errors, key, shown)
+            if column == 0:
+                panels.name_row(axes, f"error of ${of_term.term.symbol}$ (%)")
             if number == 0:
-                axes.set_title(_frequency(name, frequencies_hz[name]), pad=4.0)
-            if number == len(shown.terms) - 1:
-                axes.set_xticks(range(len(shown.names)), shown.names, size=7.5)
+                omega = omega_of(name)  # ω_1/2π = 4.92 Hz
+                symbol = rf"{omega}/2\pi" if omega else "f"
+                axes.set_title(rf"${symbol}$ = {frequencies_hz[name]:g} Hz", pad=4.0)
     panels.text_below(
         "excitation levels $Y_i$–$Y_j$ of the pair (mm); all: least squares over all levels"
     )
     _legend(panels, shown)
     return panels.figure
-
-
-def _row(panels: Grid, number: int, of_term: ErrorsOfTerm, shown: ErrorsByLevel) -> list[Axes]:
-    """The panels of one term, one per frequency."""
-    row = []
-    for column, (name, errors) in enumerate(of_term.errors.items()):
-        axes = panels.panel(number, column)
-        axes.set_label(f"{of_term.term.symbol} {name}")
-        _frame(axes, len(shown.places) - 1)
-        signed_axis(axes, of_term.scale)
-        axes.tick_params(labelleft=column == 0)
-        for key in shown.approaches:
-            _draw(axes, errors, key, shown)
-        row.append(axes)
-    panels.name_row(row[0], f"error of ${of_term.term.symbol}$ (%)")
-    return row
 
 
 def _draw(axes: Axes, errors: Errors, key: str, shown: ErrorsByLevel) -> None:
@@ -85,6 +83,7 @@ def _draw(axes: Axes, errors: Errors, key: str, shown: ErrorsByLevel) -> None:
                 [places[name] for name in names],
                 [errors.get((key, phase, name), math.nan) for name in names],
                 label=f"{key} {phase}",
+                gid=named(key, phase if takes_phase(key) else ""),
                 **_drawing(key, phase, joined),
             )
 
@@ -97,14 +96,6 @@ def _drawing(key: str, phase: str, joined: bool) -> dict[str, Any]:
     marks |= {"color": look.colour, "mfc": look.colour if filled else "white"}
     line = "none" if key == "direct" or not joined else "-" if filled else DASHED
     return marks | {"lw": 0.7, "ls": line}
-
-
-def _frame(axes: Axes, pairs: int) -> None:
-    """A place for each pair and, behind a thin line, one for the least squares."""
-    axes.set_xlim(-0.6, pairs + 0.6)
-    axes.set_xticks(range(pairs + 1), [""] * (pairs + 1))
-    axes.tick_params(axis="x", length=0)
-    axes.axvline(pairs - 0.5, color=FAINT, lw=0.4)
 
 
 def _legend(panels: Grid, shown: ErrorsByLevel) -> None:
@@ -137,10 +128,3 @@ def _is_step(pair: str) -> bool:
     """Whether a pair "i-j" is one of neighbouring levels."""
     i, _, j = pair.partition("-")
     return bool(j) and abs(int(j) - int(i)) == 1
-
-
-def _frequency(name: str, hz: float) -> str:
-    """Title of a column, e.g. ω_1/2π = 4.92 Hz."""
-    omega = omega_of(name)
-    symbol = rf"{omega}/2\pi" if omega else "f"
-    return rf"${symbol}$ = {hz:g} Hz"

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from ..motion.orbit import Orbit
-from .cycle import LEFT, RIGHT, RING, WIDTH, Branch, arrow_along, branches, name_regime
+from .cycle import LEFT, RIGHT, RING, WIDTH, arrow_along, branches, name_regime
 from .style import DOUBLE_COLUMN, FAINT, SLIP, STICK, arrow, note, page, panel_letter, place, styled
 
 
@@ -31,8 +28,8 @@ def friction_velocity_loop(orbit: Orbit) -> Figure:
     for axes, letter in ((whole, "a"), (zoom, "b")):
         panel_letter(axes, letter)
         for branch in cycle:
-            f = orbit.oscillator.K_z * branch.state.z
-            axes.plot(branch.state.v, f, color=branch.colour, lw=1.4)
+            force = orbit.oscillator.K_z * branch.state.z
+            axes.plot(branch.state.v, force, color=branch.colour, lw=1.4)
         axes.axhline(0.0, color=FAINT, lw=0.4, zorder=0)
         axes.axvline(0.0, color=FAINT, lw=0.4, zorder=0)
         axes.set_xlabel(r"velocity $\dot{x}$ (m/s)")
@@ -46,47 +43,38 @@ def friction_velocity_loop(orbit: Orbit) -> Figure:
 
     reach = 2.5 * orbit.V_s
     zoom.set_xlim(-reach, reach)
-    _slip_lines(whole, v_max, f_max)
+    # each slip line is run through out and back, shown by an arrow on either side
+    for sign, text in ((1.0, "forward slip"), (-1.0, "backward slip")):
+        v, F = sign * v_max, sign * f_max
+        arrow(whole, (0.4 * v, 1.11 * F), (0.7 * v, 1.11 * F), SLIP)
+        arrow(whole, (0.7 * v, 0.89 * F), (0.4 * v, 0.89 * F), SLIP)
+        whole.text(0.55 * v, 1.3 * F, text, ha="center", va="center", color=SLIP)
     low, tall = -1.2 * f_max, 2.4 * f_max
     frame = Rectangle((-reach, low), 2 * reach, tall, fill=False, ec=FAINT, lw=0.6, ls=(0, (3, 2)))
     whole.add_patch(frame)
     note(whole, "(b)", (reach, low), (3, 0), color=FAINT)
-    _microstick_branches(zoom, orbit, cycle)
-    return figure
-
-
-def _slip_lines(axes: Axes, v_max: float, f_max: float) -> None:
-    """Names of the slip lines; each is run through out and back, shown by an arrow on either side."""
-    for sign, text in ((1.0, "forward slip"), (-1.0, "backward slip")):
-        f = sign * f_max
-        arrow(axes, (0.4 * sign * v_max, 1.11 * f), (0.7 * sign * v_max, 1.11 * f), SLIP)
-        arrow(axes, (0.7 * sign * v_max, 0.89 * f), (0.4 * sign * v_max, 0.89 * f), SLIP)
-        axes.text(0.55 * sign * v_max, 1.3 * f, text, ha="center", va="center", color=SLIP)
-
-
-def _microstick_branches(axes: Axes, orbit: Orbit, cycle: Sequence[Branch]) -> None:
-    """Points A to D, the lines ±F_k, and the two microstick branches with their sense and duration."""
+    # points A to D, the lines ±F_k, and the two microstick branches with their sense and duration
     F_k, V_s = orbit.oscillator.F_k, orbit.V_s
-    left, right = axes.get_xlim()
-    axes.plot([left, 0.0], [F_k, F_k], color=FAINT, lw=0.6, ls=(0, (1, 2)))
-    axes.plot([0.0, right], [-F_k, -F_k], color=FAINT, lw=0.6, ls=(0, (1, 2)))
-    axes.text(0.95 * left, 1.08 * F_k, "$F_k$", ha="left", va="bottom")
-    axes.text(0.95 * right, -1.08 * F_k, "$-F_k$", ha="right", va="top")
+    zoom.plot([-reach, 0.0], [F_k, F_k], color=FAINT, lw=0.6, ls=(0, (1, 2)))
+    zoom.plot([0.0, reach], [-F_k, -F_k], color=FAINT, lw=0.6, ls=(0, (1, 2)))
+    zoom.text(-0.95 * reach, 1.08 * F_k, "$F_k$", ha="left", va="bottom")
+    zoom.text(0.95 * reach, -1.08 * F_k, "$-F_k$", ha="right", va="top")
     for letter, instant, v, f, shift in (
         ("A", "t_2", 0.0, F_k, (-4, 4)),
         ("B", "t_r", -V_s, -F_k, (-4, -4)),
         ("C", "t_1", 0.0, -F_k, (4, -4)),
         ("D", "t_s", V_s, F_k, (4, 4)),
     ):
-        axes.plot(v, f, label=letter, ls="none", **RING)
+        zoom.plot(v, f, label=letter, ls="none", **RING)
         ha, va = "left" if shift[0] > 0 else "right", "bottom" if shift[1] > 0 else "top"
-        note(axes, rf"$\mathbf{{{letter}}}$, ${instant}$", (v, f), shift, ha, va)
+        note(zoom, rf"$\mathbf{{{letter}}}$, ${instant}$", (v, f), shift, ha, va)
     sticks = [branch.state for branch in cycle if branch.stick]
     for sign, state, name, side in (
         (1.0, sticks[0], "forward", "left"),
         (-1.0, sticks[len(sticks) // 2], "backward", "right"),
     ):
-        arrow_along(axes, state.v, orbit.oscillator.K_z * state.z, 0.55, STICK)
+        arrow_along(zoom, state.v, orbit.oscillator.K_z * state.z, 0.55, STICK)
         words = f"{name}\nmicrostick\n{orbit.t_s * 1e3:.3g} ms"
         x, y = 1.2 * sign * V_s, -0.55 * sign * F_k
-        axes.text(x, y, words, ha=side, va="center", color=STICK, linespacing=1.3)
+        zoom.text(x, y, words, ha=side, va="center", color=STICK, linespacing=1.3)
+    return figure

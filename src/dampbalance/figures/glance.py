@@ -10,7 +10,6 @@ from .style import DOUBLE_COLUMN, FAINT, INK, arrow, note, page, panel_letter, p
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 ALT = (
@@ -48,55 +47,50 @@ def glance(
     figure = page(DOUBLE_COLUMN, BOTTOM + HEIGHT + TOP)
     left = place(figure, 28.0, BOTTOM, 62.0, HEIGHT)
     right = place(figure, 110.0, BOTTOM, 68.0, HEIGHT)
-    _damping(left, damping)
-    _errors(right, errors, frequencies)
+    dissipative = damping.true + damping.added
+    rows = (
+        ("true $c$", damping.true, {"marker": "D", "color": INK}),
+        (r"true $c + m\omega^2h$", dissipative, {"marker": "^", "color": FAINT}),
+        ("rebuilt", damping.rebuilt, {"marker": "s", "color": REBUILT}),
+        ("printed", damping.printed, {"marker": "o", "color": PRINTED["color"]}),
+    )
+    for n, (_, c, mark) in enumerate(rows):
+        left.plot([c], [n], gid="$c$", ls="none", ms=4.5, zorder=3, **mark)
+        note(left, f"{c:.4f}", (c, n), (5.0, 0.0), "left", "center", size=8.0)
+    arrow(left, (damping.true, 1.0), (damping.true + 0.96 * damping.added, 1.0), FAINT)
+    left.axvline(damping.true, color=FAINT, lw=0.5, ls=":")
+    left.axvline(damping.printed, color=PRINTED["color"], lw=0.5, ls=":")
+    left.set_yticks(range(len(rows)), [text for text, _, _ in rows])
+    left.set_ylim(len(rows) - 0.5, -0.6)
+    left.set_xlim(damping.true - 0.25 * damping.added, damping.true + 1.6 * damping.added)
+    left.ticklabel_format(axis="x", useOffset=False)
+    left.locator_params(axis="x", nbins=4)
+    left.tick_params(axis="y", length=0)
+    left.set_xlabel("$c$ by direct integration, all levels (N s/m)")
+    # (b) on an axis that is linear about zero, so that the sign shows
+    for n, ((label, values), look) in enumerate(zip(errors.items(), LOOKS, strict=False)):
+        places = [f + 0.28 * (n - 1) for f in range(len(frequencies))]
+        right.vlines(places, 0.0, values, color=look["color"], lw=1.2)
+        right.plot(places, values, ls="none", ms=4.5, label=label, gid=label, **look)
+        for x, error in zip(places, values, strict=True):
+            text = f"{error:+#.2g}".rstrip(".").replace("-", "−")
+            if n == len(LOOKS) - 1:  # beside the last mark, clear of the stems of the others
+                note(right, text, (x, error), (2.0, 3.0), "left", size=7.0)
+                continue
+            up = (0.0, 4.0, "bottom") if error > 0.0 else (0.0, -4.0, "top")
+            note(right, text, (x, error), up[:2], "center", up[2], size=7.0)
+    right.axhline(0.0, color=INK, lw=0.6)
+    right.set_yscale("asinh", linear_width=0.05)
+    right.set_ylim(-1500.0, 4000.0)
+    right.set_yticks(
+        [-100, -10, -1, 0, 1, 10, 100], ["−100", "−10", "−1", "0", "+1", "+10", "+100"]
+    )
+    right.minorticks_off()
+    right.set_xlim(-0.5, len(frequencies) - 0.25)
+    right.set_xticks(range(len(frequencies)), [f"{hz:g} Hz" for hz in frequencies])
+    right.tick_params(axis="x", length=0)
+    right.legend(loc="upper center", ncols=3, fontsize=7.2, handletextpad=0.1, columnspacing=0.7)
+    right.set_ylabel("error of $F_k$ (%)", labelpad=1.0)
     for axes, letter in ((left, "a"), (right, "b")):
         panel_letter(axes, letter)
     return figure
-
-
-def _damping(axes: Axes, of: Damping) -> None:
-    dissipative = of.true + of.added
-    rows = (
-        ("true $c$", of.true, {"marker": "D", "color": INK}),
-        (r"true $c + m\omega^2h$", dissipative, {"marker": "^", "color": FAINT}),
-        ("rebuilt", of.rebuilt, {"marker": "s", "color": REBUILT}),
-        ("printed", of.printed, {"marker": "o", "color": PRINTED["color"]}),
-    )
-    for n, (_, c, look) in enumerate(rows):
-        axes.plot([c], [n], ls="none", ms=4.5, zorder=3, **look)
-        note(axes, f"{c:.4f}", (c, n), (5.0, 0.0), "left", "center", size=8.0)
-    arrow(axes, (of.true, 1.0), (of.true + 0.96 * of.added, 1.0), FAINT)
-    axes.axvline(of.true, color=FAINT, lw=0.5, ls=":")
-    axes.axvline(of.printed, color=PRINTED["color"], lw=0.5, ls=":")
-    axes.set_yticks(range(len(rows)), [text for text, _, _ in rows])
-    axes.set_ylim(len(rows) - 0.5, -0.6)
-    axes.set_xlim(of.true - 0.25 * of.added, of.true + 1.6 * of.added)
-    axes.ticklabel_format(axis="x", useOffset=False)
-    axes.locator_params(axis="x", nbins=4)
-    axes.tick_params(axis="y", length=0)
-    axes.set_xlabel("$c$ by direct integration, all levels (N s/m)")
-
-
-def _errors(
-    axes: Axes, errors: Mapping[str, Sequence[float]], frequencies: Sequence[float]
-) -> None:
-    """(b) On an axis that is linear about zero, so that the sign shows."""
-    for n, ((label, values), look) in enumerate(zip(errors.items(), LOOKS, strict=False)):
-        places = [f + 0.24 * (n - 1) for f in range(len(frequencies))]
-        axes.vlines(places, 0.0, values, color=look["color"], lw=1.2)
-        axes.plot(places, values, ls="none", ms=4.5, label=label, **look)
-        for x, error in zip(places, values, strict=True):
-            text = f"{error:+#.2g}".rstrip(".").replace("-", "−")
-            up = (0.0, 4.0, "bottom") if error > 0.0 else (0.0, -4.0, "top")
-            note(axes, text, (x, error), up[:2], "center", up[2], size=7.0)
-    axes.axhline(0.0, color=INK, lw=0.6)
-    axes.set_yscale("symlog", linthresh=0.1, linscale=0.6)
-    axes.set_ylim(-700.0, 700.0)
-    axes.set_yticks([-100, -10, -1, 0, 1, 10, 100], ["−100", "−10", "−1", "0", "+1", "+10", "+100"])
-    axes.minorticks_off()
-    axes.set_xlim(-0.5, len(frequencies) - 0.5)
-    axes.set_xticks(range(len(frequencies)), [f"{hz:g} Hz" for hz in frequencies])
-    axes.tick_params(axis="x", length=0)
-    axes.legend(loc="upper center", ncols=3, fontsize=7.2, handletextpad=0.1, columnspacing=0.7)
-    axes.set_ylabel("error of $F_k$ (%)", labelpad=1.0)

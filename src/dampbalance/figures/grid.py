@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,10 +13,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter
 
 from .series import SignedScale
-from .style import DOUBLE_COLUMN, FAINT, MM, page, place
+from .style import DOUBLE_COLUMN, FAINT, GRID, MM, page, place
 
 RIGHT, TOP, ROW_GAP, COLUMN_GAP = 3.0, 8.0, 4.0, 3.5  # mm
 ENTRIES = 7  # of a legend that fit into a line
+APART = 2.0  # points, at least, between labels
+CLEAR = 6.5  # points from the frame to labels along x, below the lowest one along y
+LINEAR_SHARE = 0.2  # of the linear part of a signed axis, the width of the asinh: there it takes as much as a decade
 NAMED = 10  # labels of an axis that fit one above the other
 TEXT_LEVEL, LEGEND_LEVEL = 11.0, 4.0  # mm above the lower edge of the page
 
@@ -24,31 +28,41 @@ TEXT_LEVEL, LEGEND_LEVEL = 11.0, 4.0  # mm above the lower edge of the page
 class Grid:
     """A page of panels.
 
-    figure : the page.   left, bottom : its margins, mm.   rows : how many.   width, height : of a panel, mm.
+    figure : the page.   left, right, bottom : its margins, mm.   rows : how many.   width, height : of a panel, mm.
     """
 
     figure: Figure
     left: float
+    right: float
     bottom: float
     rows: int
     width: float
     height: float
 
-    def panel(self, row: int, column: int, low: float = 0.0, high: float | None = None) -> Axes:
-        """Axes in a row (from the top) and a column, all of the panel or what lies between two levels of it, mm."""
+    def panel(
+        self, row: int, column: int, low: float = 0.0, high: float | None = None, rows: int = 1
+    ) -> Axes:
+        """Axes in a row (from the top) and a column, all of the panel or what lies between two levels of it, mm.
+
+        rows : how many of them, upwards, the panel covers.
+        """
         left = self.left + column * (self.width + COLUMN_GAP)
-        bottom = self.bottom + (self.rows - 1 - row) * (self.height + ROW_GAP)
-        tall = (self.height if high is None else high) - low
-        return place(self.figure, left, bottom + low, self.width, tall)
+        bottom = self.bottom + self.tall(self.rows - 1 - row) + ROW_GAP * (row < self.rows - 1)
+        top = self.tall(rows) if high is None else high
+        return place(self.figure, left, bottom + low, self.width, top - low)
+
+    def tall(self, rows: int) -> float:
+        """The height of so many rows with the gaps between them, mm."""
+        return max(0.0, rows * (self.height + ROW_GAP) - ROW_GAP)
 
     def name_row(self, axes: Axes, label: str) -> None:
         """What the panels of a row show, beside the first of them."""
         axes.set_ylabel(label)
         axes.yaxis.set_label_coords(-11.0 / self.width, 0.5)
 
-    def text_below(self, text: str) -> None:
-        """A line of text below the panels."""
-        self.figure.text(*self._middle(TEXT_LEVEL), text, ha="center", va="center")
+    def text_below(self, text: str, level: float = TEXT_LEVEL) -> None:
+        """A line of text below the panels, so many mm above the lower edge of the page."""
+        self.figure.text(*self._middle(level), text, ha="center", va="center")
 
     def legend_below(self, handles: Sequence[Any], **options: Any) -> None:
         """The legend of all panels at the foot of the page, in as few lines as it fits into."""
@@ -63,22 +77,57 @@ class Grid:
 
     def _middle(self, level: float) -> tuple[float, float]:
         """The point below the middle of the panels, `level` mm above the edge, in shares of the page."""
-        middle = self.left + 0.5 * (DOUBLE_COLUMN - self.left - RIGHT)
+        middle = self.left + 0.5 * (DOUBLE_COLUMN - self.left - self.right)
         return middle / DOUBLE_COLUMN, level * MM / self.figure.get_figheight()
 
 
 def grid(
-    rows: int, columns: int, *, left: float = 15.0, bottom: float = 19.0, height: float = 44.0
+    rows: int,
+    columns: int,
+    *,
+    left: float = 15.0,
+    right: float = RIGHT,
+    bottom: float = 19.0,
+    height: float = 44.0,
+    most: float = math.inf,
 ) -> Grid:
-    """An empty page for so many panels of this height, mm, over its whole width."""
-    width = (DOUBLE_COLUMN - left - RIGHT - (columns - 1) * COLUMN_GAP) / columns
+    """An empty page for so many panels of this height, mm, over its whole width; no higher than wide, and than `most`,
+    where that is given."""
+    width = (DOUBLE_COLUMN - left - right - (columns - 1) * COLUMN_GAP) / columns
+    height = height if math.isinf(most) else min(width, most)
     figure = page(DOUBLE_COLUMN, bottom + rows * height + (rows - 1) * ROW_GAP + TOP)
-    return Grid(figure, left, bottom, rows, width, height)
+    return Grid(figure, left, right, bottom, rows, width, height)
+
+
+def clear_labels(row: Sequence[Axes]) -> None:
+    """Leave out labels along x that would touch others, of the same panel or the next, or the edge of the page."""
+    figure: Any = row[0].figure
+    figure.draw_without_rendering()
+    apart, limit = APART / 72.0 * figure.dpi, figure.bbox.width
+    for axes in reversed(row):
+        axes.tick_params(axis="x", pad=CLEAR)
+        low, high = axes.get_xlim()
+        ticks = [tick for tick in axes.xaxis.get_major_ticks() if low <= tick.get_loc() <= high]
+        ticks = [tick for tick in ticks if tick.label1.get_text()]
+        boxes = [tick.label1.get_window_extent() for tick in ticks]
+        every = next(
+            n
+            for n in itertools.count(1)
+            if all(a.x1 + apart <= b.x0 for a, b in itertools.pairwise(boxes[::n]))
+        )
+        shown = [i for i in range(0, len(ticks), every) if boxes[i].x1 + apart <= limit]
+        if len(shown) < len(ticks):
+            texts = [t.label1.get_text() if i in shown else "" for i, t in enumerate(ticks)]
+            axes.set_xticks([tick.get_loc() for tick in ticks], texts)
+            axes.set_xlim(low, high)
+        limit = boxes[shown[0]].x0 if shown else axes.bbox.x0
 
 
 def signed_axis(axes: Axes, scale: SignedScale) -> None:
     """An axis of errors of either sign, with a line at zero and a faint one at each power of ten."""
-    axes.set_yscale("asinh", linear_width=0.2 * scale.linear)  # to ±linear as far as a decade
+    axes.set_yscale(
+        "asinh", linear_width=LINEAR_SHARE * scale.linear
+    )  # to ±linear as far as a decade
     axes.set_ylim(scale.low, scale.high)
     ticks = scale.ticks
     every = math.ceil(len(ticks) / NAMED)
@@ -86,7 +135,7 @@ def signed_axis(axes: Axes, scale: SignedScale) -> None:
     axes.yaxis.set_major_locator(FixedLocator(ticks))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: _power(y) if y in named else ""))
     axes.yaxis.set_minor_locator(FixedLocator([]))
-    axes.grid(axis="y", color="#E4E4E4", lw=0.4)
+    axes.grid(axis="y", color=GRID, lw=0.4)
     axes.axhline(0.0, color=FAINT, lw=0.5, zorder=0.5)
 
 
@@ -107,4 +156,4 @@ def decades_axis(axes: Axes, limits: tuple[float, float]) -> None:
     axes.set_ylim(*limits)
     axes.yaxis.set_major_locator(LogLocator(base=10.0, numticks=20))
     axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.grid(axis="y", color="#E4E4E4", lw=0.4)
+    axes.grid(axis="y", color=GRID, lw=0.4)

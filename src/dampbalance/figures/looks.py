@@ -18,8 +18,7 @@ class Look:
 
     colour, marker : in print, as matplotlib names them.
     series : what the page's style sheet calls its colour, which is `light` or `dark` as the reader has it.
-    shape : of its marks on the page, as Vega names it.
-    width, page_width : of its curve, points in print and px on the page; unequal where curves coincide.
+    shape : of its marks in the page's instruments.   width : of its curve, points; unequal where curves coincide.
     """
 
     colour: str
@@ -29,14 +28,13 @@ class Look:
     dark: str
     shape: str
     width: float = 0.9
-    page_width: float = 1.6
 
 
 LOOKS = {
     "direct": Look("#000000", "D", "direct", "#1a2027", "#e7ebf0", "diamond"),
-    "X_s": Look("#0B4F8A", "o", "X-s", "#0b5fa5", "#6fb1f2", "circle", 2.4, 3.0),
-    "t_s": Look("#D55E00", "s", "t-s", "#c75000", "#ff9a4d", "square", 1.5, 1.9),
-    "V_s": Look("#3DAA8B", "^", "V-s", "#1f8468", "#56cfac", "triangle-up", 0.7, 1.0),
+    "X_s": Look("#0B4F8A", "o", "X-s", "#0b5fa5", "#6fb1f2", "circle", 2.4),
+    "t_s": Look("#D55E00", "s", "t-s", "#c75000", "#ff9a4d", "square", 1.5),
+    "V_s": Look("#3DAA8B", "^", "V-s", "#1f8468", "#56cfac", "triangle-up", 0.7),
     "fourier": Look("#EDA900", "P", "fourier", "#946a00", "#f2c14e", "cross"),
     "simpson": Look("#C51B7D", "s", "other-3", "#b3126b", "#f58cc0", "square"),
     "fit": Look("#3DAA8B", "^", "V-s", "#1f8468", "#56cfac", "triangle-up"),
@@ -54,7 +52,7 @@ SCHEME_LOOKS = {
     "trapezoidal": ("trapezoidal rule", LOOKS["fourier"]),
     "rk4": ("Runge–Kutta 4", LOOKS["direct"]),
 }
-"""Name and look of each fixed-step scheme; no chart shows schemes beside approaches. Orange is for print."""
+"""Name and look of each fixed-step scheme; no figure shows schemes beside approaches. Orange is for print."""
 
 
 def look_of(approach: str) -> Look:
@@ -69,6 +67,11 @@ def look_of(approach: str) -> Look:
 def label_of(approach: str) -> str:
     """What an approach is called: its label in `balance.APPROACHES`, or its name if it is not registered there."""
     return APPROACHES[approach].label if approach in APPROACHES else approach
+
+
+def named(approach: str, sharing: str) -> str:
+    """What a line shows: an approach, and whether levels share φ and t_s; "" for one that knows no such choice."""
+    return in_maths(label_of(approach)) + (rf", {sharing} $\varphi$, $t_s$" if sharing else "")
 
 
 def in_maths(text: str) -> str:

@@ -9,7 +9,8 @@ import numpy as np
 
 from ..balance import TERMS
 from ..model import Oscillator
-from .looks import SCHEME_LOOKS
+from .looks import LOOKS, SCHEME_LOOKS, SPARE
+from .series import SignedScale
 from .style import DOUBLE_COLUMN, FAINT, INK, STICK, page, panel_letter, place, styled
 
 if TYPE_CHECKING:
@@ -19,14 +20,14 @@ if TYPE_CHECKING:
 
 ALT = (
     "Six panels. Integrals of Table 2 lie on the curves of backward Euler and off those of other schemes; the "
-    "identified damping grows with the step and meets the printed value at the step of the rebuild; rounded "
-    "coefficients bring the input work onto the print; printed phases follow the velocity reversal, not the zero "
-    "crossing; printed slip times are whole tenths of a millisecond; a plus sign gives the printed pairs by slip "
-    "velocity, a minus does not."
+    "identified damping grows with the step and meets the printed value at the step of the rebuild, while explicit "
+    "Euler takes away as much; rounded coefficients bring the input work onto the print; printed phases follow the "
+    "velocity reversal, not the zero crossing; printed slip times are whole tenths of a millisecond; a plus sign gives "
+    "the printed pairs by slip velocity, a minus does not."
 )
 
 PRINTED: dict[str, Any] = {"marker": "o", "ls": "none", "color": STICK, "ms": 4.2, "zorder": 5}
-REBUILT, OTHER, THIRD = "#0B4F8A", "#3DAA8B", "#7B5EA7"
+REBUILT, OTHER, THIRD = LOOKS["X_s"].colour, LOOKS["V_s"].colour, SPARE[0].colour
 _OF_SCHEME = {
     "backward-euler": (REBUILT, "o"),
     "explicit-euler": (OTHER, "D"),
@@ -105,10 +106,12 @@ def _integrals(axes: Axes, e: Evidence) -> None:
         for column, style in (("W_J", "-"), ("b_m2_per_s", "--")):
             look: dict[str, Any] = {"color": REBUILT, "lw": 1.0, "zorder": 3}
             look = look if chosen else {"color": FAINT, "lw": 0.6, "zorder": 2}
-            axes.plot(Y, deviation(rows[column], e.exact[column]), style, **look)
+            name = f"${column[0]}$, {SCHEME_LOOKS[str(scheme)][0]}"
+            axes.plot(Y, deviation(rows[column], e.exact[column]), style, gid=name, **look)
     for name, column, marker in (("W", "W_J", "o"), ("b", "b_m2_per_s", "s")):
         off = deviation(e.printed(f"table2.{name}."), e.exact[column])
-        axes.plot(Y, off, **(PRINTED | {"marker": marker, "label": f"${name}$ printed"}))
+        look = PRINTED | {"marker": marker, "label": f"${name}$ printed"}
+        axes.plot(Y, off, gid=look["label"], **look)
     # Named beside the level where the lines of W and b are clear of each other.
     for text, at in (("backward Euler", -1.9), ("explicit Euler", 1.95), ("the others", 0.6)):
         axes.text(8.0, at, text, ha="center", va="center", size=7.5, color=INK)
@@ -124,35 +127,37 @@ def deviation(values: pd.Series | np.ndarray, exact: pd.Series) -> np.ndarray:
 
 def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> None:
     """(b) The error of c by direct integration against the step, with the law mω²h and the printed c."""
-    from matplotlib import ticker  # slow to import, and the page takes the evidence alone
+    from .grid import signed_axis  # of matplotlib, and the page takes the evidence alone
 
-    error = (e.steps["c_N_s_per_m"] * e.steps["c_relative_error__direct__least_squares"]).abs()
+    error = e.steps["c_N_s_per_m"] * e.steps["c_relative_error__direct__least_squares"]
     h = 1e6 * e.steps["step_s"]
     for scheme, rows in e.steps.groupby("scheme", sort=False):
         colour, marker = _OF_SCHEME.get(str(scheme), (FAINT, "x"))
         look: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 3.4, "color": colour}
         look |= {"mew": 0.8} | ({"zorder": 4} if marker == "o" else {"zorder": 3, "mfc": "none"})
-        if marker == "D":  # as large as backward Euler: around its mark, not behind it
-            look["ms"] = 6.0
         name, _ = SCHEME_LOOKS[str(scheme)]
-        axes.plot(h[rows.index], error[rows.index], label=name, **look)
-    line = np.array([h.min(), h.max()])
+        axes.plot(h[rows.index], error[rows.index], gid=name, **look)
+    line = np.geomspace(h.min(), h.max(), 50)
     omega = float(e.exact["omega_rad_per_s"].iloc[0])
-    axes.plot(line, oscillator.m * omega**2 * 1e-6 * line, color=REBUILT, lw=0.8)
+    for sign in (1.0, -1.0):
+        axes.plot(line, sign * 1e-6 * oscillator.m * omega**2 * line, color=FAINT, lw=0.8)
+    names = (
+        (r"backward Euler, $m\omega^2h$", 0.9),
+        ("semi-implicit Euler", 3e-4),
+        ("trapezoidal, Runge–Kutta", -2e-5),
+        (r"explicit Euler, $-m\omega^2h$", -0.9),
+    )
+    for text, at in names:
+        axes.text(12.0, at, text, ha="center", va="center", size=7.5)
     printed = float(e.printed("text.c_direct_ls")[0]) - oscillator.c
-    star = {"marker": "*", "ms": 8.0, "label": "printed"}
+    star = {"marker": "*", "ms": 8.0, "gid": "printed"}
     axes.plot([1e6 * step_s], [printed], **(PRINTED | star))
-    axes.axhline(printed, color=PRINTED["color"], lw=0.6, ls=":")
-    axes.text(h.max(), 0.5 * printed, "$c$ printed", ha="right", va="top", size=7.5)
-    axes.text(18.0, 0.2, r"$m\omega^2h$", ha="right", va="bottom", size=8.0, color=REBUILT)
-    axes.set(xscale="log", yscale="log")
-    axes.set_ylim(1e-13, 10.0)  # the legend below the smallest error
+    axes.set_xscale("log")
+    signed_axis(axes, SignedScale(1e-6, -10.0, 10.0))
     axes.set_xticks([2, 5, 10, 20, 40, 80], ["2", "5", "10", "20", "40", "80"])
     axes.minorticks_off()
-    axes.yaxis.set_major_formatter(ticker.LogFormatterMathtext())
-    tight = {"columnspacing": 0.4, "handletextpad": 0.1, "labelspacing": 0.15, "borderpad": 0.2}
-    axes.legend(loc="lower right", ncols=2, fontsize=6.2, markerscale=0.8, **tight)
-    axes.set(xlabel=r"step $h$ (µs)", ylabel="|error of $c$| (N s/m)")
+    axes.set(xlabel=r"step $h$ (µs)", ylabel="error of $c$ (N s/m)")
+    axes.yaxis.labelpad = 0.0
 
 
 def _coefficients(axes: Axes, e: Evidence) -> None:
@@ -162,7 +167,8 @@ def _coefficients(axes: Axes, e: Evidence) -> None:
     for name, marker, colour in (("rounded", "o", REBUILT), ("exact", "^", OTHER)):
         W = euler.loc[euler["coefficients"] == name, "W_J"].to_numpy()
         off = 1e6 * (e.printed("table2.W.") / W - 1.0)
-        axes.plot(Y, off, marker=marker, color=colour, lw=0.8, label=f"{name} $c/m$, $k/m$")
+        label = f"{name} $c/m$, $k/m$"
+        axes.plot(Y, off, marker=marker, color=colour, lw=0.8, label=label, gid=label)
     axes.axhline(0.0, color=PRINTED["color"], lw=0.6, ls=":")
     axes.set_ylim(-0.7, 3.9)
     axes.legend(loc="upper center", fontsize=7.5, handletextpad=0.4, labelspacing=0.2)
@@ -179,8 +185,8 @@ def _phase(axes: Axes, e: Evidence) -> None:
         ("fundamental", "fundamental", THIRD, "-."),
         ("reversal", "reversal", REBUILT, "-"),
     ):
-        axes.plot(Y, e.exact[f"phi_{phase}_rad"], style, color=colour, label=text)
-    axes.plot(Y, e.printed("table1.phi."), **(PRINTED | {"label": "printed"}))
+        axes.plot(Y, e.exact[f"phi_{phase}_rad"], style, color=colour, label=text, gid=text)
+    axes.plot(Y, e.printed("table1.phi."), **(PRINTED | {"label": "printed", "gid": "printed"}))
     axes.legend(loc="lower right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
     axes.yaxis.set_major_locator(ticker.MaxNLocator(5))
     axes.set(xlabel="$Y$ (mm)", ylabel=r"$\varphi$ (rad)")
@@ -191,11 +197,12 @@ def _slip_time(axes: Axes, e: Evidence, step_s: float, unit_s: float) -> None:
     Y = 1e3 * e.exact["Y_m"].to_numpy()
     t = e.exact["t_s_s"].to_numpy()
     whole = e.slip_times(step_s, unit_s)
-    axes.plot(Y, 1e3 * t, color=OTHER, ls="--", label="exact")
-    for y, value in zip(Y, whole, strict=True):
-        axes.plot([y - 0.55, y + 0.55], [1e3 * value] * 2, color=REBUILT, lw=1.4)
-    axes.plot([], [], color=REBUILT, lw=1.4, label=f"whole {1e3 * unit_s:g} ms inside")
-    axes.plot(Y, 1e3 * e.printed("table1.t_s."), **(PRINTED | {"label": "printed"}))
+    axes.plot(Y, 1e3 * t, color=OTHER, ls="--", label="exact", gid="exact")
+    label = f"whole {1e3 * unit_s:g} ms inside"
+    bar: dict[str, Any] = {"marker": "_", "ms": 9.0, "mew": 1.4, "ls": "none", "color": REBUILT}
+    axes.plot(Y, 1e3 * whole, label=label, gid=label, **bar)
+    t_s = 1e3 * e.printed("table1.t_s.")
+    axes.plot(Y, t_s, **(PRINTED | {"label": "printed", "gid": "printed"}))
     axes.legend(loc="upper right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
     axes.set(xlabel="$Y$ (mm)", ylabel="$t_s$ (ms)")
 
@@ -206,7 +213,7 @@ def _sign(axes: Axes, e: Evidence) -> None:
     looks = {"V_s": ("o", REBUILT, "+"), "V_s with minus": ("^", OTHER, "−")}
     terms = [term for term in TERMS.values() if e.printed(f"table3.V_s.{term.symbol}.").size]
     labels: list[str] = []
-    axes.axhspan(-0.5, 0.5, color="#F3D9C4", lw=0, zorder=0)
+    axes.axhspan(-0.5, 0.5, color=STICK, alpha=0.2, lw=0, zorder=0)
     for name, (marker, colour, sign) in looks.items():
         rows = pairs[pairs["approach"] == name]
         labels = list(rows["pair"])
@@ -216,8 +223,9 @@ def _sign(axes: Axes, e: Evidence) -> None:
             places = np.arange(len(labels)) + 0.28 * (n - 0.5 * (len(terms) - 1))
             look: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 4.0, "color": colour}
             look |= {"mfc": "none"} if n else {}
-            axes.plot(places, off, label=f"${term.symbol}$, {sign}", **look)
-    axes.set_yscale("symlog", linthresh=1.0)
+            label = f"${term.symbol}$, {sign}"
+            axes.plot(places, off, label=label, gid=label, **look)
+    axes.set_yscale("asinh", linear_width=0.5)
     axes.set_ylim(-150.0, 900.0)
     axes.set_yticks([-100, -10, -1, 0, 1, 10], ["−100", "−10", "−1", "0", "1", "10"])
     axes.minorticks_off()

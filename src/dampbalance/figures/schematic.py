@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
-from .style import FAINT, INK, SINGLE_COLUMN, STICK, arrow, page, place, styled
+from .style import COOL, FAINT, GREY, INK, SINGLE_COLUMN, STICK, WARM, arrow, page, place, styled
 
 HEIGHT = 46.5  # mm
 LINE = 1.0  # points, outlines of the parts
@@ -36,59 +36,42 @@ def schematic() -> Figure:
     axes.set(xlim=(0.0, SINGLE_COLUMN), ylim=(0.0, HEIGHT))  # the unit of the drawing is the mm
     axes.set_axis_off()
 
-    _ground(axes)
-    _base(axes)
-    _mass(axes)
+    # the ground that carries everything, and the wall that holds the damper
+    top = DAMPER_LEVEL + 6.0
+    _line(axes, [3.0, WALL], [GROUND, GROUND])
+    _line(axes, [WALL, WALL], [GROUND, top])
+    _hatch(axes, 3.0, GROUND - 2.6, WALL, 2.6)
+    _hatch(axes, WALL, GROUND, 3.0, top - GROUND)
+    # the moving base, and the mass: plates on rollers
+    for (left, right), low, inset, fill in (
+        (BASE, 6.7, 1.1, GREY),
+        (MASS, MASS_BOTTOM, 4.5, COOL),
+    ):
+        _block(axes, (left, right), low, MASS_TOP, fill)
+        radius = 0.5 * (low - GROUND)
+        for x in (left + inset, right - inset):
+            axes.add_patch(Circle((x, GROUND + radius), radius, fc="white", ec=INK, lw=LINE))
+    middle = 0.5 * (MASS[0] + MASS[1])
+    axes.text(middle, 0.5 * (MASS_BOTTOM + MASS_TOP), "$m$", ha="center", va="center", size=12)
     _spring(axes, BASE[1], MASS[0], SPRING_LEVEL, coils=7, label="$k$")
     _damper(axes, MASS[1], WALL, DAMPER_LEVEL, label="$c$")
     _spring(
         axes, MASS[1], SLIDER[0], CONTACT_LEVEL, coils=5, label="$K_z$", colour=STICK, below=True
     )
-    _slider(axes)
-
-    _displacement(axes, BASE[1], MASS_TOP + 1.0, "$y(t)$")
-    _displacement(axes, 0.5 * (MASS[0] + MASS[1]), MASS_TOP + 1.0, "$x(t)$")
-    return figure
-
-
-def _ground(axes: Axes) -> None:
-    """The fixed floor and the wall that stands on it."""
-    right = WALL + 3.0
-    _line(axes, [3.0, WALL], [GROUND, GROUND])
-    _line(axes, [WALL, WALL], [GROUND, DAMPER_LEVEL + 6.0])
-    _hatch(axes, 3.0, GROUND - 2.6, right - 3.0, 2.6)
-    _hatch(axes, WALL, GROUND, 3.0, DAMPER_LEVEL + 6.0 - GROUND)
-
-
-def _base(axes: Axes) -> None:
-    """The moving base: a plate on rollers."""
-    left, right = BASE
-    radius = 1.1
-    _block(axes, BASE, GROUND + 2 * radius, MASS_TOP, "#D9D9D9")
-    for x in (left + radius, right - radius):
-        _roller(axes, x, radius)
-
-
-def _mass(axes: Axes) -> None:
-    """The mass on its rollers."""
-    left, right = MASS
-    _block(axes, MASS, MASS_BOTTOM, MASS_TOP, "#EDF1F5")
-    middle = 0.5 * (left + right), 0.5 * (MASS_BOTTOM + MASS_TOP)
-    axes.text(*middle, "$m$", ha="center", va="center", size=12)
-    for x in (left + 4.5, right - 4.5):
-        _roller(axes, x, 0.5 * (MASS_BOTTOM - GROUND))
-
-
-def _slider(axes: Axes) -> None:
-    """The Coulomb slider, a block that the ground holds back by friction; force f and deflection z of the contact."""
+    # the slider that the ground holds back by friction; force f and deflection z of the contact
     left, right = SLIDER
     top = CONTACT_LEVEL + 3.0
-    _block(axes, SLIDER, GROUND, top, "#FBE9DD", STICK)
+    _block(axes, SLIDER, GROUND, top, WARM, STICK)
     axes.text(0.5 * (left + right), 0.5 * (GROUND + top), "$F_k$", ha="center", va="center")
     _line(axes, [left - 1.0, right + 1.0], [GROUND, GROUND], STICK, 2.2)  # where it rubs
     arrow(axes, (left - 0.8, GROUND + 2.5), (left - 6.5, GROUND + 2.5), STICK)
     axes.text(left - 7.2, GROUND + 2.5, "$f(t)$", ha="right", va="center")
     _named_arrow(axes, MASS[1], CONTACT_LEVEL + 4.4, "$z(t)$", STICK)
+    # the coordinates: thin marks above the parts that move
+    for x, label in ((BASE[1], "$y(t)$"), (middle, "$x(t)$")):
+        _line(axes, [x, x], [MASS_TOP + 1.0, TOP_LEVEL + 1.2], FAINT, 0.6)
+        _named_arrow(axes, x, TOP_LEVEL, label)
+    return figure
 
 
 def _spring(
@@ -125,19 +108,9 @@ def _damper(axes: Axes, left: float, right: float, level: float, label: str) -> 
     axes.text(at(0.5 * (open_end + back)), level + half + 1.0, label, ha="center", va="bottom")
 
 
-def _displacement(axes: Axes, x: float, down_to: float, label: str) -> None:
-    """A coordinate: a thin mark above the part that moves and an arrow to the right."""
-    _line(axes, [x, x], [down_to, TOP_LEVEL + 1.2], FAINT, 0.6)
-    _named_arrow(axes, x, TOP_LEVEL, label)
-
-
 def _named_arrow(axes: Axes, x: float, level: float, label: str, colour: str = INK) -> None:
     arrow(axes, (x, level), (x + 7.0, level), colour)
     axes.text(x + 7.8, level, label, ha="left", va="center")
-
-
-def _roller(axes: Axes, x: float, radius: float) -> None:
-    axes.add_patch(Circle((x, GROUND + radius), radius, fc="white", ec=INK, lw=LINE))
 
 
 def _block(

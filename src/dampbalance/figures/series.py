@@ -1,4 +1,4 @@
-"""The numbers of the chart of errors, which is drawn once for print and once for the page."""
+"""The numbers of the figure of errors, and the axis that they need."""
 
 from __future__ import annotations
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..project.files import replacing
+from .values import values, with_values
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,6 +27,8 @@ DPI = 300
 
 SLIP, STICK = "#16324F", "#D55E00"  # the two phases of the motion
 INK, FAINT = "#000000", "#6E6E6E"  # text and axes; what only guides the eye
+PAPER, GRID = "#FFFFFF", "#E4E4E4"
+GREY, COOL, WARM = "#D9D9D9", "#EDF1F5", "#FBE9DD"  # surfaces
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))
 
 STYLE: dict[str, Any] = {
@@ -124,15 +127,34 @@ def omega_of(frequency: str) -> str:
     return rf"\omega_{{{number}}}" if frequency.startswith("omega") and number.isdigit() else ""
 
 
-@styled()
 def save(figure: Figure, svg: str | Path, png: str | Path, alt: str = "", dpi: int = DPI) -> None:
     """Write the figure as SVG and as PNG: complete or not at all, the same bytes each time.
 
     alt : what the figure shows, in one sentence; it becomes the description inside both files.   dpi : of the PNG.
     """
-    described = {"Description": alt} if alt else {}
+    save_svg(figure, svg, alt)
+    with replacing(png) as temporary:
+        _write(figure, temporary, "png", alt, dpi)
+
+
+def save_svg(figure: Figure, svg: str | Path, alt: str = "") -> None:
+    """Write the figure as SVG alone, with the values of all lines that have a name (`figures.values`)."""
+    panels, lines = values(figure), [line for axes in figure.axes for line in axes.get_lines()]
+    names = [line.get_gid() for line in lines]
+    for line in lines:
+        line.set_gid(None)  # inside a file it would have to be unique
+    with replacing(svg) as temporary:
+        _write(figure, temporary, "svg", alt, DPI)
+        if panels:
+            text = with_values(temporary.read_text(encoding="utf-8"), panels)
+            temporary.write_text(text, encoding="utf-8", newline="\n")
+    for line, name in zip(lines, names, strict=True):
+        line.set_gid(name)
+
+
+@styled()
+def _write(figure: Figure, path: Path, kind: str, alt: str, dpi: int) -> None:
     # No date and no version of the software: neither says anything about the figure.
-    for path, kind, unsaid in ((svg, "svg", ("Date", "Creator")), (png, "png", ("Software",))):
-        with replacing(path) as temporary:
-            metadata = described | dict.fromkeys(unsaid)
-            figure.savefig(temporary, format=kind, dpi=dpi, metadata=metadata)
+    unsaid = ("Date", "Creator") if kind == "svg" else ("Software",)
+    metadata: dict[str, Any] = dict.fromkeys(unsaid) | ({"Description": alt} if alt else {})
+    figure.savefig(path, format=kind, dpi=dpi, metadata=metadata)

@@ -26,7 +26,6 @@ from xml.etree.ElementTree import Element
 import jinja2
 import jupytext  # type: ignore[import-untyped]
 import nbformat
-from docutils.utils.math.latex2mathml import tex2mathml
 from markdown_it import MarkdownIt
 from mdit_py_plugins.anchors import anchors_plugin
 from mdit_py_plugins.dollarmath import dollarmath_plugin
@@ -37,8 +36,9 @@ from pygments import highlight
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import PythonLexer
 
+from ..figures.dark import follows_the_screen
 from ..project.wording import minus
-from .page import words
+from . import formulas, words
 
 KERNEL_SETTINGS = """\
 c.HistoryManager.enabled = False
@@ -46,10 +46,6 @@ c.InlineBackend.figure_formats = {"svg"}
 c.InlineBackend.print_figure_kwargs = {"bbox_inches": "tight", "metadata": {"Date": None, "Creator": None}}
 """
 _MATH_AND_STOP = re.compile(r'<span class="math inline">((?:(?!</span>).)*)</span>([,.;:)]+)')
-# A function of an argument without brackets.
-_FUNCTION = re.compile(r"(<mo>&ApplyFunction;</mo>)(?!<mo[^>]*>\()")
-# Parts that scroll sideways on a narrow screen must be reachable by keyboard.
-_EQUATION = '<div class="equation" role="group" tabindex="0" aria-label="Equation">{}</div>'
 _REMOTE = re.compile(
     r"""<[^>]*\s(?:src|srcset|data|poster)\s*=\s*["']?(?:https?:)?//[^>]*"""
     r"""|<link\s[^>]*href\s*=\s*["']?(?:https?:)?//[^>]*"""
@@ -78,6 +74,7 @@ def run(source: str | Path, timeout: int = 300) -> NotebookNode:
             timeout=timeout,
             kernel_name="python3",
             record_timing=False,
+            shutdown_kernel="immediate",  # all outputs are here by then
             resources={"metadata": {"path": str(Path(source).parent)}},
         )
         manager = client.create_kernel_manager()
@@ -117,6 +114,7 @@ def page(notebook: NotebookNode, style: str, template: str | Path) -> str:
     shown = body(notebook)
     heads = re.findall(r'<h2 id="([^"]*)">(.*?)</h2>', shown)
     page = jinja2.Template(Path(template).read_text(encoding="utf-8"), keep_trailing_newline=True)
+    style = formulas.font_face(shown) + style
     text = page.render(title=title[1], style=style, contents=heads, body=shown)
     remote = _REMOTE.search(text)
     if remote:
@@ -148,9 +146,7 @@ def body(notebook: NotebookNode) -> str:
 @cache
 def _markdown() -> MarkdownIt:
     def formula(latex: str, options: dict[str, bool]) -> str:
-        lines = tex2mathml(latex, as_block=options["display_mode"]).splitlines()
-        shown = _FUNCTION.sub(r'\1<mspace width="0.167em" />', "".join(map(str.strip, lines)))
-        return _EQUATION.format(shown) if options["display_mode"] else shown
+        return (formulas.displayed if options["display_mode"] else formulas.inline)(latex)
 
     markdown = MarkdownIt("commonmark").use(anchors_plugin, max_level=2)
     return markdown.use(dollarmath_plugin, renderer=formula)
@@ -171,7 +167,8 @@ def _shown(output: NotebookNode, cell: NotebookNode) -> str:
         alt = cell.metadata.get("alt")
         if not alt:
             raise NotebookError(f'{cell.id} shows a picture: say what is on it, # %% alt="…"')
-        encoded = base64.b64encode(data["image/svg+xml"].encode()).decode()
+        picture = follows_the_screen(data["image/svg+xml"])
+        encoded = base64.b64encode(picture.encode()).decode()
         source = f"data:image/svg+xml;base64,{encoded}"
         image = f'<img alt="{html.escape(alt)}" src="{source}">'
         return f'<figure tabindex="0" aria-label="Picture">{image}</figure>'

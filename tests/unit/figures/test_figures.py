@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import functools
-import itertools
 import math
 import sys
 from dataclasses import replace
@@ -15,10 +14,8 @@ import matplotlib
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 from PIL import Image
 
 from dampbalance import BaseMotion, balance, figures, steady_orbit
@@ -27,6 +24,7 @@ from dampbalance.figures import looks, style
 from dampbalance.figures.cycle import branches
 from dampbalance.figures.series import signed_scale
 from dampbalance.law.terms import Term
+from legible import faults
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, OMEGA, PAIRS, PAPER, features_at, orbits_at
 from processes import output_of
 
@@ -145,45 +143,9 @@ def test_a_failing_save_leaves_what_was_there(tmp_path, monkeypatch):
 # --- legibility ----------------------------------------------------------------------------------
 
 
-def texts(figure: Figure) -> list[tuple[str, object]]:
-    """Every text that is seen, with the box it takes on the page."""
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    hidden = set()
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            low, high = sorted(axis.get_view_interval())
-            if not axes.axison:
-                hidden.update(axis.findobj(Text))
-            for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks()):
-                if not low <= tick.get_loc() <= high:
-                    hidden.update(tick.findobj(Text))
-    return [
-        (text.get_text(), Text.get_window_extent(text, canvas.get_renderer()))
-        for text in figure.findobj(Text)
-        if text.get_visible() and text.get_text().strip() and text not in hidden
-    ]
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_no_text_is_clipped_or_overlaps_another(make, name):
-    with style.styled():
-        figure = make[name]()
-        seen = texts(figure)
-    assert len(seen) > 5
-    page = figure.bbox
-    clipped = [
-        text
-        for text, box in seen
-        if box.x0 < page.x0 or box.y0 < page.y0 or box.x1 > page.x1 or box.y1 > page.y1
-    ]
-    assert clipped == []
-    overlapping = [
-        (one, other)
-        for (one, a), (other, b) in itertools.combinations(seen, 2)
-        if min(a.x1, b.x1) > max(a.x0, b.x0) and min(a.y1, b.y1) > max(a.y0, b.y0)
-    ]
-    assert overlapping == []
+    assert faults(make[name]()) == []
 
 
 def lightness(colour: str) -> float:

@@ -16,8 +16,13 @@ import yaml
 
 from dampbalance.publishing.provenance import archive
 from dampbalance.publishing.provenance.crate import CrateFolder, crate
-from dampbalance.publishing.provenance.manifest import manifest
-from dampbalance.publishing.provenance.sources import PROJECT, code_version, digest_of, files_of
+from dampbalance.publishing.provenance.manifest import (
+    PROJECT,
+    code_version,
+    digest_of,
+    files_of,
+    manifest,
+)
 from folders import ROOT
 from processes import git
 

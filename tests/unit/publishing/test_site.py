@@ -8,8 +8,8 @@ import textwrap
 import docutils.core
 import pytest
 
-from dampbalance.publishing.site import keys, names, pages, texts
-from dampbalance.publishing.site.docstrings import markup
+from dampbalance.publishing.site import keys, pages, reference
+from dampbalance.publishing.site.reference import markup
 
 TEXT = """\
 # Title
@@ -37,7 +37,7 @@ Last.
 
 
 def test_a_text_is_cut_at_its_headings_and_not_in_its_code():
-    found = texts.sections(TEXT)
+    found = pages.sections(TEXT)
     assert [(one.level, one.title, one.anchor) for one in found] == [
         (1, "Title", "title"),
         (2, "One", "one"),
@@ -46,13 +46,13 @@ def test_a_text_is_cut_at_its_headings_and_not_in_its_code():
     ]
     assert "## no heading" in found[1].body
     assert found[3].body == "Last."
-    assert [one.title for one in texts.with_inner(found, "One")] == ["One", "Inner"]
-    assert texts.with_inner(found, "Three") == []
+    assert [one.title for one in pages.with_inner(found, "One")] == ["One", "Inner"]
+    assert pages.with_inner(found, "Three") == []
 
 
 def test_what_is_cut_goes_together_again():
     comment = "<!-- kept by a test -->\n"
-    assert texts.written(texts.sections(TEXT)) == TEXT.replace(comment, "")
+    assert pages.written(pages.sections(TEXT)) == TEXT.replace(comment, "")
 
 
 @pytest.mark.parametrize(
@@ -76,19 +76,19 @@ def test_a_section_takes_its_level_on_a_page(tmp_path, arguments, shown):
 
 
 def test_links_are_named_from_the_root_on():
-    named = texts.of_project(TEXT, "config/records")
+    named = pages.of_project(TEXT, "config/records")
     assert "[a file](project:config/records/docs/x.md#place)" in named
     assert "![picture](project:config/records/a.svg)" in named
     assert "[two](#two)" in named
     assert "(https://example.org/)" in named
     assert "`[code](not/a/link.md)`" in named
     assert "[no](link.md)" in named
-    assert texts.of_project("[up](../../README.md)", "config/records") == "[up](project:README.md)"
+    assert pages.of_project("[up](../../README.md)", "config/records") == "[up](project:README.md)"
 
 
 def test_the_anchor_of_a_heading():
     def anchor(title):
-        return texts.Section(2, title, "").anchor
+        return pages.Section(2, title, "").anchor
 
     assert anchor("How the printed numbers fare") == "how-the-printed-numbers-fare"
     assert anchor("What is printed wrongly ✎") == "what-is-printed-wrongly-"
@@ -238,12 +238,12 @@ def test_bounds_are_written_as_short_as_they_can_be(value, shown):
 def test_names_that_texts_mention():
     text = "`balance.direct`, `motion.orbit.Orbit.W`, `no.such`, `law.law.Law`"  # Orbit is public
     others = {"dampbalance.balance": ["direct"], "dampbalance.law.law": ["Law"]}
-    assert names.others([text], "dampbalance") == others
-    assert ":undoc-members:" in names.directive("dampbalance.Regime")
+    assert reference.others([text], "dampbalance") == others
+    assert ":undoc-members:" in reference.directive("dampbalance.Regime")
     function = "dampbalance.steady_orbit"
-    assert names.directive(function) == f".. autofunction:: {function}\n"
+    assert reference.directive(function) == f".. autofunction:: {function}\n"
     with pytest.raises(LookupError, match=r"dampbalance\.nothing"):
-        names.directive("dampbalance.nothing")
+        reference.directive("dampbalance.nothing")
 
 
 # --- copied files --------------------------------------------------------------------------------
@@ -257,11 +257,11 @@ def test_files_are_copied_as_they_lie_with_links_that_lead_somewhere(tmp_path):
         '<a href="https://example.org/">web</a>'
     )
     (root / "a/b.txt").write_text("b")
-    copies = pages.Mirror(root)
-    assert copies.add("a/page.html") == "files/a/page.html"
-    assert copies.add("a/no.txt") is None
-    assert copies.add("../secret") is None
-    copies.copy(tmp_path / "site")
+    site = pages.Pages(root, "", {})
+    assert site.copied("a/page.html") == "files/a/page.html"
+    assert site.copied("a/no.txt") is None
+    assert site.copied("../secret") is None
+    site.write_copies(tmp_path / "site")
     assert (tmp_path / "site/files/a/b.txt").read_text() == "b"
     assert (tmp_path / "site/files/a/page.html").read_text() == (
         '<a href="b.txt#x">b</a><a class="y">none</a><a href="#z">z</a>'

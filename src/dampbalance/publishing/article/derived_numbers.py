@@ -20,13 +20,12 @@ from ...figures import glance
 from ...figures.numerics import Evidence
 from ...model import Oscillator
 from ...project.case import Case
+from ...project.files import plain
 from ...reading.clean import CYCLES_TO_READ
 from ...replication import comparison
-from ...replication.as_published import added_damping, coefficients
+from ...replication.as_published import ReadOut, added_damping, coefficients
 from ...replication.claim_verdicts import VERDICTS, counts, of_cell
-from ...replication.printed_tables import TABLE_2
-from ...replication.readout import ReadOut
-from ...replication.route_tables import RouteTables
+from ...replication.printed_tables import TABLE_2, RouteTables
 from ...solver import Pair
 
 Json = dict[str, Any]
@@ -51,7 +50,7 @@ def derived_numbers(
     """All numbers of evidence.json, each group under the name of what it describes.
 
     features, estimates : route (exact, as_published) → frequency → table.   claims : the table of verdicts, as text.
-    approaches, schemes, cycles : the tables of `comparison.approaches_table`, `schemes.scheme_table` and `cycle_table`.
+    approaches, schemes, cycles : by `comparison.approaches_table`, `as_published.scheme_table` and `cycle_table`.
 
     None stands for a number that does not exist, such as the relative error of a true value of zero.
     """
@@ -60,7 +59,7 @@ def derived_numbers(
     first = next(iter(exact))
     terms = {name: balance_terms(f, oscillator) for name, f in exact.items()}
     fourier = approaches[approaches["approach"] == "fourier"]
-    return _without_nan(
+    return plain(
         {
             "setting": setting(case, exact[first]),
             "verdicts": verdict_counts(claims),
@@ -219,7 +218,7 @@ def step_from_work(claims: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> J
 
     Its error is proportional to h, and Runge–Kutta with the same rounded coefficients gives W for h → 0.
 
-    schemes : the table of `schemes.scheme_table`.
+    schemes : the table of `as_published.scheme_table`.
     """
     rounded = schemes[schemes["coefficients"] == "rounded"].set_index("scheme")["W_J"]
     euler, limit = (rounded[name].to_numpy() for name in ("backward-euler", "rk4"))
@@ -233,7 +232,7 @@ def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame, case: Case) ->
     count : number of steady cycles tried.   spread : largest deviation of a level from the mean of its cycle, in steps,
     over all cycles. Whole steps do not count, because a may begin a sample earlier or later.
 
-    cycles : the table of `schemes.cycle_table`.
+    cycles : the table of `as_published.cycle_table`.
     """
     per_step = 2.0 * cycles["V_s_m_per_s"] * case.numerics.step_s
     printed = _printed(claims, "a")[cycles["level"].to_numpy() - 1]
@@ -344,12 +343,3 @@ def _range(values: np.ndarray) -> Json:
         "last": float(values[-1]),
         "size": float(np.max(np.abs(values))),
     }
-
-
-def _without_nan(document: Any) -> Any:
-    """A copy of a document with None for every number that is not finite, which JSON cannot hold."""
-    if isinstance(document, dict):
-        return {name: _without_nan(value) for name, value in document.items()}
-    if isinstance(document, list):
-        return list(map(_without_nan, document))
-    return None if isinstance(document, float) and not math.isfinite(document) else document

@@ -57,11 +57,11 @@ ORIGINS = {
     ),
     "figure3": _origin(
         "Figure 3",
-        "{case}/figures/figure3.svg ← figures/figure3 ← figures/acceleration.py motion/orbit.py",
+        "{case}/figures/figure3.svg ← figures/figures ← figures/acceleration.py motion/orbit.py",
     ),
     "errors": _origin(
         "Estimation error of each approach",
-        "{case}/figures/estimation_error.svg ← figures/estimation_error ← figures/error_levels.py solver.py",
+        "{case}/figures/estimation_error.svg ← figures/figures ← figures/error_levels.py solver.py",
     ),
     "studies": _origin(
         "Parameter studies",

@@ -5,11 +5,12 @@
 
 from __future__ import annotations
 
+import base64
+import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
 import jinja2
@@ -18,12 +19,19 @@ from markupsafe import Markup
 
 from ... import __version__
 from ...balance import TERMS
-from ...figures.cycle import POINTS
 from ...figures.looks import label_of
-from ...figures.numerics import Evidence
-from ...motion.orbit import Orbit
 from ...project.case import Case
-from ...project.wording import MINUS, NONE, dotted, frequency_name, minus, percent, unit_of
+from ...project.wording import (
+    MINUS,
+    NONE,
+    dotted,
+    frequency_name,
+    minus,
+    number,
+    percent,
+    power_of_ten,
+    unit_of,
+)
 from ...replication.claim_verdicts import (
     DIFFERS,
     HOLDING,
@@ -38,26 +46,29 @@ from ...replication.claim_verdicts import (
     part_of,
 )
 from ...replication.printed_tables import TITLES
+from ...replication.resonance import mends, off_resonance
 from ...studies.settings import Study
-from ...studies.shown.facts import paragraph
-from . import words
+from ...studies.shown.facts import filled
+from .. import words
+from ..colours import css_variables, verdict_styles
 from .cells import subtables
-from .charts import CONFIG, as_json, runtime
-from .colours import css_variables, verdict_styles
-from .curves import study_charts
-from .digits import digit_charts
-from .error_levels import error_charts
-from .loops import figure3_charts
+from .drawings import Sheet
+from .instruments import instruments_data
 from .origins import ORIGINS, link, study_origin
-from .resonance import mends, off_resonance
 
 TITLE = "How the printed numbers of an energy balance fare"
-LARGEST_PAGE = 3_000_000  # bytes: a page that a phone loads
+LARGEST_PAGE = 1_500_000  # bytes: a page that a phone loads
 TITLE_OF_CASE = "Friction and damping from an energy balance"
 HEADLINE_OF_CASE = (
     "Friction and viscous damping of a driven oscillator from the balance of energy over a period."
 )
+SCRIPTS = (
+    *("page.js", "engine.js", "kit.js"),
+    *("oscillator.js", "off_resonance.js", "integrator.js", "noise.js", "digits.js"),
+)
 SECTIONS = {
+    "findings": "Findings",
+    "instruments": "Instruments",
     "match": "Match",
     "numbers": "Every number",
     "tables": "Tables",
@@ -65,6 +76,8 @@ SECTIONS = {
     "figure3": "Figure 3",
     "errors": "Off resonance",
     "studies": "Studies",
+    "noise": "Noise",
+    "conclusion": "Conclusion",
     "provenance": "Sources",
 }
 
@@ -76,8 +89,10 @@ class PageContent:
     case : as configured.   config : the merged configuration, to be listed.
     claims : `claims.csv` as text, or None for a case with nothing printed.
     tables : frequency → name → frame of `tables.COLUMNS`.   approaches : tables/approaches.csv.
-    orbits : of the first frequency.   estimates : the exact ones by frequency.   evidence : what the printed digits are
-    told from, or None.   studies : (study, its table of cases).
+    figures : name → SVG by `figures.style.save`: figure3, estimation_error, and where something is printed glance and
+    numerics.
+    evidence : `derived_numbers`, which the article argues with.   facts : study → its facts in words, as there.
+    studies : (study, its figure as SVG).   digits : `changed_digits.packed`.
     """
 
     case: Case
@@ -85,10 +100,11 @@ class PageContent:
     claims: pd.DataFrame | None
     tables: Mapping[str, Mapping[str, pd.DataFrame]]
     approaches: pd.DataFrame
-    orbits: Sequence[Orbit]
-    estimates: Mapping[str, pd.DataFrame]
-    evidence: Evidence | None = None
-    studies: Sequence[tuple[Study, Path]] = ()
+    figures: Mapping[str, str]
+    evidence: Mapping[str, Any] | None = None
+    facts: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    studies: Sequence[tuple[Study, str]] = ()
+    digits: Mapping[str, Any] | None = None
 
 
 def report_page(content: PageContent, page: str) -> str:
@@ -98,7 +114,7 @@ def report_page(content: PageContent, page: str) -> str:
     """
     case, frequencies = content.case.name, content.case.frequencies_hz
     tables = _paper_tables(content)
-    shown = _numbers(content, next(iter(tables.values()))) | _charts(content)
+    shown = _numbers(content, next(iter(tables.values()))) | _drawings(content)
     template = _environment(case, page).get_template("report.html.j2")
     html = template.render(
         version=__version__,
@@ -119,10 +135,10 @@ def report_page(content: PageContent, page: str) -> str:
         },
         **shown,
         **_provenance(content),
+        evidence=content.evidence,
+        facts=content.facts,
         style=_style(),
-        script=_text("static/page.js"),
-        charts_script=_text("static/charts.js"),
-        runtime=runtime(),
+        **_instruments(content),
     )
     size = len(html.encode())
     if size > LARGEST_PAGE:
@@ -167,53 +183,56 @@ def _numbers(content: PageContent, tables: Sequence[dict[str, Any]]) -> dict[str
     }
 
 
-def _charts(content: PageContent) -> dict[str, Any]:
-    """Figure 3, the errors of the approaches and the studies, with what their charts need."""
-    figure3 = figure3_charts(content.orbits)
-    case = content.case
-    errors = error_charts(content.estimates, case.oscillator, case.frequencies_hz, case.levels_m)
-    studies: list[dict[str, Any]] = [
-        {
+def _drawings(content: PageContent) -> dict[str, Any]:
+    """The figures, those of the studies with what they show in words, and what they share."""
+    sheet = Sheet()
+    figures = {name: sheet.drawing(f"drawing-{name}", svg) for name, svg in content.figures.items()}
+    studies = {
+        study.name: {
             "name": study.name.replace("_", "-"),
             "title": study.title,
-            "paragraph": paragraph(study, cases),
-            "figure": study_charts(study, cases),
+            "paragraph": filled(study, content.facts[study.name]),
+            "figure": sheet.drawing(f"study-{study.name.replace('_', '-')}", svg),
             "origin": study_origin(study.name),
         }
-        for study, cases in content.studies
-    ]
-    digits = []
-    if content.evidence is not None:
-        numerics = case.numerics
-        unit = numerics.tabulated["t_s_unit_s"]
-        digits = digit_charts(content.evidence, case.oscillator, numerics.step_s, unit)
-    charts = [*digits, *figure3, *errors.charts]
-    charts += [chart for study in studies for chart in study["figure"].charts]
-    return {
-        "digits": digits,
-        "figure3": figure3,
-        "points_slip": POINTS[False],
-        "points_stick": POINTS[True],
-        "errors": errors,
-        "studies": studies,
-        "chart_tables": {chart.table.id: chart.table for chart in charts}.values(),
-        "chart_specs": as_json({"config": CONFIG, "charts": {c.id: c.spec for c in charts}}),
+        for study, svg in content.studies
     }
+    noise = studies.pop("noise", None)
+    return {"figures": figures, "studies": studies.values(), "noise": noise, "sheet": sheet}
+
+
+def _instruments(content: PageContent) -> dict[str, Any]:
+    """The scripts, and what the instruments need: the engine as base64, and their data as JSON."""
+    static = files(__package__) / "static"
+    scripts = [static / name for name in SCRIPTS if (static / name).is_file()]
+    shown: dict[str, Any] = {"script": "\n".join(one.read_text("utf-8") for one in scripts)}
+    shown["engine"] = base64.b64encode((static / "engine.wasm").read_bytes()).decode()
+    shown["printed"] = content.claims is not None and content.digits is not None
+    return shown | {"instruments": as_json(instruments_data(content))}
+
+
+def as_json(data: Any) -> str:
+    """Data to stand in a script element: compact, and without anything that could end it."""
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return text.replace("</", "<\\/").replace("<!--", "<\\u0021--")
 
 
 def _provenance(content: PageContent) -> dict[str, Any]:
     """The sections that there are, where each comes from, and the configuration."""
-    absent = set() if content.studies else {"studies"}
+    absent = {name for name in ("studies", "noise") if name not in _kinds(content.studies)}
     if content.claims is None:
-        absent |= {"claims", "match", "numbers"}
-    if content.evidence is None:
-        absent |= {"digits"}
+        absent |= {"claims", "match", "numbers", "digits", "findings", "conclusion"}
     return {
         "sections": [(name, title) for name, title in SECTIONS.items() if name not in absent],
         "origins": ORIGINS,
         "all_origins": [origin for name, origin in ORIGINS.items() if name not in absent],
         "configuration": [(key, _value(value)) for key, value in dotted(content.config)],
     }
+
+
+def _kinds(studies: Sequence[tuple[Study, str]]) -> set[str]:
+    """The sections that studies fill."""
+    return {"noise" if study.name == "noise" else "studies" for study, _ in studies}
 
 
 def _environment(case: str, page: str) -> jinja2.Environment:
@@ -235,6 +254,8 @@ def _environment(case: str, page: str) -> jinja2.Environment:
         "here": lambda path: link(path.format(case=case), page),
         "at_case": lambda path: path.format(case=case),
         "approach": lambda key: words.rich(label_of(key)),
+        "bound": lambda error: f"{power_of_ten(error)} %",
+        "significant": number,
     }
     return environment
 
@@ -267,7 +288,7 @@ def _headline(total: Count) -> str:
     others = ", ".join(f"{count} {name}" for name, count in n.items() if count) or "none"
     return (
         f"Of the {total.computed} computed numbers that the paper prints, {reproduced} are reproduced by the exact "
-        f"solution and {reconstructed} by reconstructing how they were computed. The others: {others}; "
+        f"solution and {reconstructed} by reconstructing how they were computed; the others: {others}, and "
         f"{'none differs' if not differs else f'{differs} differ'}."
     )
 
@@ -317,7 +338,7 @@ def _style() -> str:
     return (
         f":root {{ color-scheme: light dark; {css_variables('light')} }}\n"
         f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {css_variables('dark')} }} }}\n"
-        f"{verdict_styles()}\n" + _text("static/style.css")
+        f"{verdict_styles()}\n" + _text("static/style.css") + _text("static/instruments.css")
     )
 
 

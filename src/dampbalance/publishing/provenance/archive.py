@@ -21,7 +21,7 @@ from typing import Any
 from ...project.files import json_text, replacing, sha256
 from ..markdown import templates
 from .crate import DESCRIPTOR, crate
-from .sources import ARCHIVED_VERSION
+from .manifest import ARCHIVED_VERSION
 
 # Bytes; larger results are not packed, because a rebuild makes them again and the manifest has their digests
 LARGEST_PACKED = 5_000_000

@@ -30,7 +30,7 @@ from typing import Any
 from urllib.parse import quote
 
 from ...project.wording import dotted
-from ..article.software import name as printed_name
+from .manifest import author_name
 
 DESCRIPTOR = "ro-crate-metadata.json"
 CONTEXT = [
@@ -219,7 +219,7 @@ def _author(author: Mapping[str, str], number: int, folder: CrateFolder) -> Enti
     return entity(
         author.get("orcid") or f"#author-{number}",
         "Organization" if "name" in author else "Person",
-        name=printed_name(author),
+        name=author_name(author),
         url=author.get("website") or at(folder.name("CITATION.cff")),
     )
 
@@ -234,12 +234,11 @@ def _code(code: Mapping[str, Any]) -> str:
 def _snakemake(version: str | None) -> list[Entity]:
     """Snakemake as the language of the workflow and as the engine that ran it."""
     names = {"name": "Snakemake", "alternateName": "Snakemake workflow language"}
-    addresses = {"identifier": ENGINE, "url": ENGINE}
+    of_language = {**names, "identifier": ENGINE, "url": ENGINE, "version": version}
+    of_engine = {"name": "Snakemake", "url": ENGINE, "softwareVersion": version}
     return [
-        entity(LANGUAGE, "ComputerLanguage", **names, **addresses, version=version),
-        entity(
-            ENGINE, "SoftwareApplication", name="Snakemake", url=ENGINE, softwareVersion=version
-        ),
+        entity(LANGUAGE, "ComputerLanguage", **of_language),
+        entity(ENGINE, "SoftwareApplication", **of_engine),
     ]
 
 
@@ -293,41 +292,35 @@ def _actions(
     """
     configured = set(configuration)
 
-    def action(
-        identifier: str,
-        tool: str,
-        inputs: set[str],
-        outputs: list[str],
-        name: str,
-        description: str,
-    ) -> Entity:
+    def action(key: str, tool: str, inputs: set[str], outputs: list[str], **words: str) -> Entity:
         times = [ended[file] for file in outputs if file in ended]
+        given = settings if tool == WORKFLOW_FILE else []
         return entity(
-            identifier,
+            key,
             "CreateAction",
             instrument=at(folder.name(tool)),
             agent=agents,
-            object=[
-                *folder.references(inputs & known),
-                *(settings if tool == WORKFLOW_FILE else []),
-            ],
+            object=[*folder.references(inputs & known), *given],
             result=folder.references(outputs),
             endTime=_iso(max(times)) if times else None,
-            name=name,
-            description=description,
+            **words,
         )
 
     results = [file for job in jobs for file in job["outputs"]]
-    said = f"Snakemake ran {len(jobs)} jobs, which made {len(results)} files."
     inputs = {file for job in jobs for file in job["inputs"]} - set(results) | configured
-    run = action("#run", WORKFLOW_FILE, inputs, results, "The run of the workflow", said)
+    words = {
+        "name": "The run of the workflow",
+        "description": f"Snakemake ran {len(jobs)} jobs, which made {len(results)} files.",
+    }
+    run = action("#run", WORKFLOW_FILE, inputs, results, **words)
     of_rule: dict[str, list[Entity]] = {}
     single = []
     for job in jobs:
         rule, script, outputs = job["rule"], job["script"], job["outputs"]
         said = f"Rule {rule}: {script} made {', '.join(outputs)}."
-        name = f"#job/{quote(min(outputs))}"
-        single.append(action(name, script, {*job["inputs"], *configured}, outputs, rule, said))
+        inputs, words = {*job["inputs"], *configured}, {"name": rule, "description": said}
+        key = f"#job/{quote(min(outputs))}"
+        single.append(action(key, script, inputs, outputs, **words))
         of_rule.setdefault(rule, []).append(single[-1])
     controls = [
         entity(

@@ -1,24 +1,161 @@
-"""The manifest of a run: the configuration, code and packages that produced each file.
+"""The manifest of a run: the configuration, code and packages that produced each file; and what CITATION.cff states.
 
 It has two parts. `reproducible` is the same whenever the same sources are run with the locked packages on the same kind
 of machine: settings, digests of sources and results, and the jobs that produced them. `run` describes this particular
-run: the origin of the code, the version of Python, the packages and the machine. Neither part contains a time, so the
-manifest of an unchanged project does not change.
+run: the origin of the code, the version of Python, the packages with the licences that they state, and the machine.
+Neither part contains a time, so the manifest of an unchanged project does not change.
+
+The commit of a build is in the manifest, which nothing else depends on: printed in the article it would change the PDF
+with every commit, though no number had changed. The article prints the one that CITATION.cff states for a release.
 """
 
 from __future__ import annotations
 
+import hashlib
+import json
 import platform
 import re
-from collections.abc import Mapping, Sequence
+import subprocess
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from importlib import metadata
+from importlib.metadata import PackageMetadata
 from pathlib import Path
 from typing import Any
 
+from packaging.licenses import InvalidLicenseExpression, canonicalize_license_expression
+
 from ...project.files import sha256
-from .licences import licence
-from .sources import digest_of
+
+COMPUTING = (
+    "Snakefile",
+    "codecheck.yml",
+    "config",
+    "paper",
+    "pyproject.toml",
+    "requirements.lock",
+    "src",
+    "workflow",
+)
+"""Files and folders on which results can depend."""
+
+PROJECT = (
+    *COMPUTING,
+    ".ci",
+    ".editorconfig",
+    ".gitattributes",
+    ".github",
+    ".gitignore",
+    ".snakemake-workflow-catalog.yml",
+    "CHANGELOG.md",
+    "CITATION.cff",
+    "CONTRIBUTING.md",
+    "LICENSE",
+    "LICENSES",
+    "Makefile",
+    "README.md",
+    "REUSE.toml",
+    "requirements-build.lock",
+    "requirements-dev.lock",
+    "requirements-engine.lock",
+    "results/README.md",
+    "tests",
+    "trials",
+)
+"""All files and folders of the project, as under version control."""
+
+ARCHIVED_VERSION = "VERSION.json"  # written into an archive, where there is no git
+_LEFT_BEHIND = re.compile(r"__pycache__|\.ipynb_checkpoints|.*\.egg-info|\.DS_Store|.*~|\..*_cache")
+
+
+def files_of(root: str | Path, names: Iterable[str] = PROJECT) -> list[str]:
+    """The files below `names` in the folder `root`, as sorted relative paths with slashes; caches are excluded."""
+    root = Path(root)
+    paths = (path for name in names for path in (root / name, *(root / name).rglob("*")))
+    files = (path.relative_to(root) for path in paths if path.is_file())
+    return sorted(
+        file.as_posix() for file in files if not any(map(_LEFT_BEHIND.fullmatch, file.parts))
+    )
+
+
+def digest_of(data: Any) -> str:
+    """The SHA-256 digest of plain data (mappings, lists, numbers, text), independent of the order of keys."""
+    text = json.dumps(data, sort_keys=True, ensure_ascii=False, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def code_version(root: str | Path, version: str) -> dict[str, Any]:
+    """The version of the code in a folder, from git or, in an unpacked archive, from its VERSION.json.
+
+    version : of the package.   commit, committed : hash and date (ISO 8601) of the commit of the files, or None.
+    modified : whether files differ from that commit, or None.   known_from : git, archive, or nothing.
+    """
+    root = Path(root).resolve()
+    archived, known_from = root / ARCHIVED_VERSION, "nothing"
+    state: dict[str, Any] = dict.fromkeys(("commit", "committed", "modified"))
+    # An unpacked archive may lie within another repository, whose commit does not describe this code.
+    own = _git(root, "rev-parse", "--show-toplevel") == str(root)
+    if own and (commit := _git(root, "log", "-1", "--format=%H %cs")):
+        state["commit"], _, state["committed"] = commit.partition(" ")
+        state["modified"] = bool(_git(root, "status", "--porcelain"))
+        known_from = "git"
+    elif archived.is_file():
+        stated = json.loads(archived.read_text(encoding="utf-8"))
+        state = {key: stated.get(key) for key in state}
+        known_from = "archive"
+    return {"version": version, **state, "known_from": known_from}
+
+
+def _git(root: Path, *arguments: str) -> str | None:
+    """The output of git in that folder; None without git, or without a repository that git trusts."""
+    command = ["git", "--no-optional-locks", *arguments]
+    try:
+        done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return done.stdout.strip()
+
+
+# Names that packages use for exactly one licence. "BSD License" is not among them, as there are several.
+WORDS = {
+    "Apache 2.0": "Apache-2.0",
+    "Apache License, Version 2.0": "Apache-2.0",
+    "BSD 3-Clause License": "BSD-3-Clause",
+    "ISC license": "ISC",
+    "ISC License (ISCL)": "ISC",
+    "MIT License": "MIT",
+    "Mozilla Public License 2.0 (MPL 2.0)": "MPL-2.0",
+}
+UNKNOWN = "unknown"
+
+
+def licence(package: str) -> str:
+    """The licence of an installed package as an SPDX expression, or "unknown" with the words that the package uses.
+
+    Raises PackageNotFoundError for a package that is not installed.
+    """
+    return stated_licence(metadata.metadata(package))
+
+
+def stated_licence(stated: PackageMetadata) -> str:
+    """The licence that the metadata of a package state: by their expression, their field, or their one classifier."""
+    classified = [
+        words.rpartition(" :: ")[2]
+        for words in stated.get_all("Classifier") or []
+        if words.startswith("License ::")
+    ]
+    field, expression = (
+        next(iter(stated.get_all(key) or []), "") for key in ("License", "License-Expression")
+    )
+    given = [expression, field, *(classified if len(classified) == 1 else [])]
+    for words in given:
+        try:
+            return str(canonicalize_license_expression(WORDS.get(words, words)))
+        except InvalidLicenseExpression:
+            continue
+    said = classified or [line for line in field.splitlines()[:1] if line]
+    return f"{UNKNOWN} ({'; '.join(said)})" if said else UNKNOWN
+
 
 ABOUT = (
     "Which configuration, code and packages made the results. 'reproducible': the same sources with the packages of "
@@ -41,7 +178,7 @@ def manifest(
 
     case : its name.   configuration : merged from the named files.   sources : all files on which results may depend,
     by their names in the project.   jobs : the jobs that produced the results, each {rule, script, inputs, outputs}
-    with such names.   code : from `sources.code_version`.   lock : the file that pins the packages.   top : the folder
+    with such names.   code : from `code_version`.   lock : the file that pins the packages.   top : the folder
     that holds the results.
     """
     rule_of = {file: job["rule"] for job in jobs for file in job["outputs"]}
@@ -94,3 +231,35 @@ def _packages(lock: Path) -> dict[str, Any]:
         "licences": {name: licence(name) for name in installed},
         "packages_not_as_locked": [n for n, v in installed.items() if v not in pinned[n]],
     }
+
+
+ADDRESSES = {
+    "repository-code": "repository",
+    "repository": "repository",
+    "url": "page",
+    "repository-artifact": "archive",
+    "doi": "doi",
+    "commit": "commit",
+}
+"""Key of CITATION.cff → what it is called here."""
+
+
+def software(citation: Mapping[str, Any]) -> dict[str, Any]:
+    """{version, licence, authors, addresses} as a citation file (CFF 1.2) states them.
+
+    authors : names in the order of the file.   addresses : repository, page, archive, doi and commit, those stated.
+    Raises KeyError for a file without version, license or authors.
+    """
+    stated = {ADDRESSES[key]: str(citation[key]) for key in ADDRESSES if citation.get(key)}
+    return {
+        "version": str(citation["version"]),
+        "licence": str(citation["license"]),
+        "authors": [author_name(author) for author in citation["authors"]],
+        "addresses": stated,
+    }
+
+
+def author_name(author: Mapping[str, Any]) -> str:
+    """An author of a citation file, a person or a group, as it is printed."""
+    parts = ("given-names", "name-particle", "family-names", "name-suffix")
+    return str(author.get("name") or " ".join(str(author[key]) for key in parts if author.get(key)))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -24,9 +25,46 @@ from ...balance import APPROACHES
 from ...law.terms import KNOWN_TERMS
 from ...project.documents import read_yaml
 from ...project.files import UNFINISHED
-from . import keys, names
-from .gallery import gallery
+from ...project.wording import in_markdown
+from ..formulas import font_face
+from . import keys, reference
 from .pages import EXTRA, Pages, SiteError
+
+STUDIES, RESULTS = "config/studies", "results/studies"
+
+_FIGURE_OR_TABLE = re.compile(r"^(?:!\[|\||Size of the relative error)", re.MULTILINE)
+_VARIED = re.compile(r"(?<= cases; varied: )[\w, ]+")
+
+
+def gallery(root: str | Path) -> str:
+    """Markdown sections for all studies of a project, in the order of their files."""
+    root = Path(root)
+    return "\n".join(_entry(root, file) for file in sorted((root / STUDIES).glob("*.yaml")))
+
+
+def _entry(root: Path, file: Path) -> str:
+    settings = read_yaml(file)
+    title = in_markdown(" ".join(str(settings["title"]).split()))
+    source = f"[`{file.name}`](project:{STUDIES}/{file.name})"
+    folder = f"{RESULTS}/{file.stem}"
+    lines = [f"## {title}", ""]
+    summary = root / folder / "summary.md"
+    if summary.is_file():
+        lines += [_shown(summary.read_text(encoding="utf-8")), ""]
+        if (root / folder / "figure.svg").is_file():
+            lines += [f"![{title}](project:{folder}/figure.svg)", ""]
+        lines += [f"{source}, [the table of errors](project:{folder}/summary.csv)", ""]
+    else:
+        lines += [f"{source}. Not computed yet: `snakemake --cores all {folder}/summary.md`", ""]
+    return "\n".join(lines)
+
+
+def _shown(summary: str) -> str:
+    """The paragraphs of a summary between its title and its figure or table, with the names of axes as code."""
+    body = summary.split("\n", 1)[1]
+    before = _FIGURE_OR_TABLE.split(body, maxsplit=1)[0].strip()
+    return _VARIED.sub(lambda line: re.sub(r"\w+", r"`\g<0>`", line[0]), before)
+
 
 SOURCE = "paper/site"
 EQUATIONS = "paper/equations.md"
@@ -49,6 +87,9 @@ def build(root: str | Path, target: str | Path, parser: argparse.ArgumentParser)
         _run_sphinx(stage, made, Path(folder, "trees"))
         (made / ".buildinfo").unlink()  # serves only another run of Sphinx in this folder
         (made / "_sources").rmdir()
+        pages = (page.read_text(encoding="utf-8") for page in sorted(made.rglob("*.html")))
+        with (made / "_static/site.css").open("a", encoding="utf-8") as style:
+            style.write(font_face("".join(pages)))
         _put(made, target)
 
 
@@ -59,7 +100,7 @@ def write_pages(root: Path, stage: Path, parser: argparse.ArgumentParser) -> Non
     for name, text in pages.made().items():
         (stage / name).parent.mkdir(parents=True, exist_ok=True)
         (stage / name).write_text(text, encoding="utf-8")
-    pages.mirror.copy(stage / EXTRA)
+    pages.write_copies(stage / EXTRA)
 
 
 def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]:
@@ -73,9 +114,9 @@ def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]
         "schema": lambda path: keys.tables(read_yaml(root / path), _REGISTRIES),
         "gallery": lambda: gallery(root),
         "terms": KNOWN_TERMS.values(),
-        "public": names.by_room(dampbalance.__all__, PACKAGE),
-        "documented": names.directives,
-        "others": lambda naming: names.others([equations, naming], PACKAGE),
+        "public": reference.by_room(dampbalance.__all__, PACKAGE),
+        "documented": reference.directives,
+        "others": lambda naming: reference.others([equations, naming], PACKAGE),
     }
 
 

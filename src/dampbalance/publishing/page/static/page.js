@@ -1,4 +1,5 @@
-/* Filters and search of the printed numbers; reasons that open where a link leads. The page reads without this. */
+/* The page reads without this: sections that fold, filters and search of the printed numbers, and reasons that open
+   where a link leads; below, the values of the drawings. */
 'use strict';
 (() => {
   const $ = (id) => document.getElementById(id);
@@ -18,8 +19,30 @@
     return plain([row.id, symbol, row.textContent, copy.textContent].join(' '));
   };
 
-  const table = $('claims');
-  if (table) {
+  // Sections are folded on a phone; a link opens what it leads to.
+  if (matchMedia('(max-width: 46rem)').matches) {
+    for (const one of document.querySelectorAll('.fold')) one.open = one.parentElement.id === 'instruments';
+    for (const one of [...document.querySelectorAll('.instrument')].slice(1)) {
+      const [fold, summary] = ['details', 'summary'].map((tag) => document.createElement(tag));
+      fold.className = 'fold';
+      one.before(fold);
+      summary.append(one.querySelector('h3'));
+      fold.append(summary, one);
+    }
+  }
+  let show = () => {};
+  const lead = () => {
+    const target = $(decodeURIComponent(location.hash.slice(1).split('?')[0]));
+    if (!target) return;
+    if (target.classList.contains('filtered')) show();
+    const reason = 'kind' in target.dataset && (target.querySelector('details') ?? target.closest('details'));
+    for (let one = reason || target.querySelector('.fold'); one; one = one.parentElement.closest('details')) one.open = true;
+    for (let one = target.closest('details'); one; one = one.parentElement.closest('details')) one.open = true;
+    target.scrollIntoView({ block: reason ? 'center' : 'start' });
+    if (reason) reason.querySelector('summary').focus({ preventScroll: true });
+  };
+
+  if ($('claims')) {
     const form = document.querySelector('.filter');
     const [part, verdict, text] = ['filter-part', 'filter-verdict', 'filter-text'].map($);
     const rows = [...document.querySelectorAll('[data-kind]')].map((row) => ({ row, words: wordsOf(row) }));
@@ -67,19 +90,15 @@
       });
     }
 
-    const lead = () => {
-      const row = location.hash && $(decodeURIComponent(location.hash.slice(1)));
-      if (!row || !(row.dataset.kind || row === given)) return;
-      if (row.classList.contains('filtered')) clear();
-      const fold = row.querySelector('details') ?? row.closest('details');
-      fold.open = true;
-      row.scrollIntoView({ block: 'center' });
-      fold.querySelector('summary').focus({ preventScroll: true });
-    };
-    addEventListener('hashchange', lead);
-    lead();
+    show = clear;
     apply(); // a browser that comes back may have kept what stood in the form
   }
+
+  addEventListener('hashchange', lead);
+  document.addEventListener('click', (event) => { // again, to where it stands already
+    if (event.target.closest('a')?.hash === location.hash && location.hash) lead();
+  });
+  lead();
 
   for (const link of document.querySelectorAll('[data-close]')) {
     link.addEventListener('click', () => link.closest('[popover]').hidePopover());
@@ -88,8 +107,96 @@
   // Print shows everything that can be opened, and puts it back afterwards.
   let opened = [];
   addEventListener('beforeprint', () => {
-    opened = [...document.querySelectorAll('details:not([open])')];
+    opened = [...document.querySelectorAll('details:not([open], .values)')];
     for (const one of opened) one.open = true;
   });
   addEventListener('afterprint', () => { for (const one of opened) one.open = false; });
+})();
+
+/* Drawings: the value at the pointer or chosen by the arrow keys, and the tables of all values. */
+(() => {
+  const TO = { linear: (v) => v, log: Math.log, asinh: (v, linear) => Math.asinh(v / linear) };
+  const NEAR = 30; // px: farther from any mark, none is meant
+  const put = (tag, name, html = '') => Object.assign(document.createElement(tag), { className: name, innerHTML: html });
+  const cellsOf = (pre) => pre.innerHTML.split('\n').map((row) => row.split('\t'));
+
+  /* The marks of a line: what they say, and where they stand in the units of the drawing. */
+  const linesOf = (pre) => {
+    const { x, y, up, scale: [kind, low, high, from, to, linear], at } = JSON.parse(pre.dataset.places);
+    const [names, ...rows] = cellsOf(pre);
+    const [a, b] = [TO[kind](low, linear), TO[kind](high, linear)];
+    return names.slice(1).map((name, n) => rows.flatMap((row, i) => {
+      if (row[n + 1] === '') return [];
+      const value = from + ((TO[kind](Number(row[n + 1].replaceAll('−', '-')), linear) - a) / (b - a)) * (to - from);
+      const place = (at[n] ?? at[0])[i];
+      return [{ name, says: [[x, row[0]], [y, row[n + 1]]], x: up ? place : value, y: up ? value : place }];
+    })).filter((line) => line.length);
+  };
+
+  for (const box of document.querySelectorAll('.drawing')) {
+    const svg = box.querySelector('svg');
+    const fold = box.parentElement.querySelector('.values');
+    const [tip, spoken] = [put('div', 'tip'), put('p', 'unseen')];
+    const ring = document.createElementNS(svg.namespaceURI, 'circle');
+    const size = svg.viewBox.baseVal.width;
+    let lines = null;
+    let chosen = [0, -1];
+    ring.setAttribute('r', 4);
+    ring.setAttribute('class', 'ring');
+    spoken.setAttribute('role', 'status');
+    tip.setAttribute('aria-hidden', 'true');
+    tip.hidden = true;
+    box.append(tip);
+    box.after(spoken);
+
+    const choose = (line, i) => {
+      chosen = [line, i];
+      const mark = lines[line]?.[i];
+      tip.hidden = !mark;
+      if (!mark) { ring.remove(); spoken.textContent = ''; return; }
+      ring.setAttribute('cx', mark.x);
+      ring.setAttribute('cy', mark.y);
+      svg.append(ring);
+      tip.innerHTML = [`<b>${mark.name}</b>`, ...mark.says.map(([what, value]) => `<span>${what}</span> ${value}`)].join('<br>');
+      spoken.innerHTML = [mark.name, ...mark.says.map((pair) => pair.join(' '))].join(', ');
+      const px = svg.clientWidth / size;
+      tip.style.left = `${Math.max(0, mark.x * px + (mark.x > size / 2 ? -14 - tip.offsetWidth : 14))}px`;
+      tip.style.top = `${Math.max(0, mark.y * px - tip.offsetHeight - 8)}px`;
+    };
+    const ready = () => { lines ??= [...fold.querySelectorAll('pre')].flatMap(linesOf); return lines; };
+    const under = (event) => {
+      const frame = svg.getBoundingClientRect();
+      const px = frame.width / size;
+      let [best, found] = [NEAR / px, [0, -1]];
+      ready().forEach((line, n) => line.forEach((mark, i) => {
+        const away = Math.hypot(mark.x - (event.clientX - frame.left) / px, mark.y - (event.clientY - frame.top) / px);
+        if (away < best) [best, found] = [away, [n, i]];
+      }));
+      choose(...found);
+    };
+    for (const kind of ['pointermove', 'pointerdown']) box.addEventListener(kind, under);
+    for (const kind of ['pointerleave', 'blur']) box.addEventListener(kind, () => lines && choose(0, -1));
+    box.addEventListener('keydown', (event) => {
+      const [line, i] = chosen;
+      const last = ready()[line].length - 1;
+      const keys = {
+        ArrowRight: [line, Math.min(last, i + 1)], ArrowLeft: [line, Math.max(0, i - 1)], Home: [line, 0], End: [line, last],
+        ArrowDown: [Math.min(lines.length - 1, line + 1), Math.max(0, i)], ArrowUp: [Math.max(0, line - 1), Math.max(0, i)], Escape: [0, -1],
+      };
+      if (!(event.key in keys) || event.ctrlKey || event.altKey || event.metaKey) return;
+      const [to, n] = keys[event.key];
+      choose(to, Math.min(n, lines[to].length - 1));
+      ring.scrollIntoView({ block: 'nearest', inline: 'nearest', behavior: 'instant' }); // where the drawing is wider than its box
+      event.preventDefault();
+    });
+    fold.addEventListener('toggle', () => {
+      for (const pre of ready() && fold.querySelectorAll('pre')) {
+        const [head, ...rows] = cellsOf(pre);
+        const row = (cells, tag) => `<tr>${cells.map((cell, n) => `<${n && tag === 'td' ? 'td' : `th scope="${tag === 'td' ? 'row' : 'col'}"`} class="num">${cell}`).join('')}`;
+        const wide = put('div', 'wide', `<table><caption><span>${pre.dataset.title}</span></caption><thead>${row(head, 'th')}<tbody>${rows.map((cells) => row(cells, 'td')).join('')}`);
+        pre.replaceWith(wide);
+        wide.tabIndex = 0;
+      }
+    }, { once: true });
+  }
 })();

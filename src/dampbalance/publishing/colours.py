@@ -1,4 +1,4 @@
-"""The colours of the page, light and dark: one place for style sheet, charts and pictures.
+"""The colours of the page, light and dark: one place for style sheet, drawings and pictures.
 
 Text keeps a contrast of at least 4.5 : 1 to what it stands on, lines, marks and bars 3 : 1 (WCAG 2.2 AA: criteria 1.4.3
 and 1.4.11). Colour never stands alone: verdicts have a symbol and a word, approaches a shape, a dash or a label.
@@ -9,11 +9,8 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from markupsafe import Markup
-
-from ...balance import APPROACHES
-from ...figures.looks import SPARE, Look, look_of
-from ...replication.claim_verdicts import VERDICTS
+from ..figures.looks import LOOKS, SPARE
+from ..replication.claim_verdicts import VERDICTS
 
 Mode = Literal["light", "dark"]
 
@@ -39,21 +36,10 @@ _OF_VERDICT = {
 _BEST, _WORST = 138.0, 27.0  # hues of the first and the last verdict, degrees: green and red
 _MOTION = {"slip": ("#2c5a8a", "#8fbcec"), "stick": ("#c75000", "#ff9a4d")}
 
-_SHAPES = {
-    "circle": '<circle cx="17" cy="7" r="4.5" {0}/>',
-    "square": '<rect x="12.5" y="2.5" width="9" height="9" {0}/>',
-    "triangle-up": '<path d="M17 1.5L22.5 12H11.5Z" {0}/>',
-    "cross": '<path d="M15 2h4v3h3v4h-3v3h-4v-3h-3V5h3Z" {0}/>',
-    "diamond": '<path d="M17 1L23 7L17 13L11 7Z" {0}/>',
-    "triangle-down": '<path d="M17 12.5L11.5 2H22.5Z" {0}/>',
-    "triangle-left": '<path d="M11.5 7L22 1.5V12.5Z" {0}/>',
-    "triangle-right": '<path d="M22.5 7L12 1.5V12.5Z" {0}/>',
-}
-
 
 def series() -> dict[str, tuple[str, str]]:
-    """The colours of what charts draw, (light, dark) each: every approach, a spare one, the phases of the motion."""
-    looks = [*(look_of(name) for name in APPROACHES), SPARE[0]]
+    """The colours of what is drawn, (light, dark) each: the approaches, spare ones, the phases of the motion."""
+    looks = [*LOOKS.values(), *SPARE]
     return {look.series: (look.light, look.dark) for look in looks} | _MOTION
 
 
@@ -93,22 +79,6 @@ def css_variables(mode: Mode) -> str:
 def variable(name: str) -> str:
     """How a style or an SVG attribute refers to a colour, so that it follows light and dark by itself."""
     return f"var(--{name})"
-
-
-def series_colour(approach: str) -> str:
-    """The reference to the colour of an approach, by its key in `balance.APPROACHES`."""
-    return variable(look_of(approach).series)
-
-
-def shape(look: Look) -> Markup:
-    """The mark of a look in a legend, as an element of SVG."""
-    return Markup(_SHAPES[look.shape].format(f'fill="{variable(look.series)}"'))
-
-
-def outlined(look: Look) -> Markup:
-    """The same mark, open."""
-    outline = f'fill="{variable("paper")}" stroke="{variable(look.series)}" stroke-width="1.6"'
-    return Markup(_SHAPES[look.shape].format(outline))
 
 
 def _rgb(lightness: float, chroma: float, hue: float) -> str:

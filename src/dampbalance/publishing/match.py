@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from xml.sax.saxutils import escape
 
-from ...replication.claim_verdicts import VERDICTS, Count
+from ..replication.claim_verdicts import VERDICTS, Count
 from .colours import css_variables, variable
 
 # px: the picture, room for the parts' names, room for their totals

@@ -6,13 +6,22 @@ import re
 
 from markupsafe import Markup, escape
 
-from ...project.wording import GREEK, SYMBOL
+from ..project.wording import GREEK, SYMBOL
 
 _INDEXED = re.compile(r"(\w)([₀-₉]+)")
 _RAISED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 # Single letters that are symbols: in the name of a quantity all but the article, in a reason those that are no unit.
 _OF_QUANTITY = re.compile(r"(?<![\w’'])([b-zB-Z]|a(?=:))(?![\w’'])")
 _OF_REASON = re.compile(r"(?<![\w’'.])([bcWXYk])(?![\w’'])")
+_SIGNS = {
+    r"\ddot{x}": "ẍ",
+    r"\dot{x}": "ẋ",
+    r"\varphi": "φ",
+    r"\omega": "ω",
+    r"\zeta": "ζ",
+    r"\pi": "π",
+    r"\mathrm": "",
+}
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|N|Hz|mm|µm|m|ms|µs|s|rad)(?:\W|$))")  # the space before a unit
 
 
@@ -25,6 +34,24 @@ def rich(text: str) -> Markup:
         return f"<i>{name}</i>" + (f"<sub>{index}</sub>" if index else "")
 
     return Markup(SYMBOL.sub(symbol, str(escape(_UNIT.sub("\N{NO-BREAK SPACE}", text)))))
+
+
+def from_tex(text: str) -> Markup:
+    """Text of a figure, with its mathematics between dollars: F_k of $F_k$, italic and with a lowered k."""
+    parts = str(escape(text)).split("$")
+    return Markup("").join(Markup(_maths(p) if n % 2 else p) for n, p in enumerate(parts))
+
+
+def _maths(tex: str) -> str:
+    """Mathematics as HTML: letters italic, indices and exponents upright."""
+    for command, sign in _SIGNS.items():
+        tex = tex.replace(command, sign)
+
+    def token(match: re.Match[str]) -> str:
+        tag = {"_": "sub", "^": "sup"}.get(match[1], "i")
+        return f"<{tag}>{match[2].strip('{}') if match[1] else match[3]}</{tag}>"
+
+    return re.sub(r"([_^])(\{.*?\}|.)|([A-Za-zα-ωẋẍ]+)", token, tex.replace("-", "−"))
 
 
 def one_letter(text: str) -> Markup:
@@ -40,11 +67,6 @@ def quantity(text: str) -> Markup:
 def reason(text: str) -> Markup:
     """`rich` for the reason of a verdict, with its symbols of one letter: c acts as c + mω²h."""
     return titled(_OF_REASON.sub(r"*\1*", text.replace("mω²h", "*m*ω²*h*")))
-
-
-def italic(symbol: str) -> str:
-    """A symbol as `titled` wants it in its text: *c*, and F_k as it is."""
-    return f"*{symbol}*" if len(symbol) == 1 else symbol
 
 
 def titled(text: str) -> Markup:

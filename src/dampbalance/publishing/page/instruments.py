@@ -1,0 +1,89 @@
+"""What the instruments of the page need to know of the configured case; they compute everything else themselves."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from ...balance import APPROACHES
+from ...figures.looks import label_of, look_of
+from ...project.case import Case
+from ...replication.comparison import WAYS
+from ...replication.resonance import RECIPES
+from ..colours import variable
+from ..words import titled
+from .printed import printed_data
+
+if TYPE_CHECKING:
+    from .report import PageContent
+
+IN_THE_BROWSER = ("direct", "X_s", "t_s", "V_s", "fourier")  # the approaches that kit.js knows
+STEPS = 200  # of a slider, at least
+
+
+def instruments_data(content: PageContent) -> dict[str, Any]:
+    """The case in SI units and the sliders in the units that they show, for `kit.js`; to stand in the page as JSON.
+
+    case : m, c, k, K_z, F_k, levels (m), frequencies (name → Hz) and pairs of levels (counted from 0).
+    approaches : key → its label, colour and shape.   steps : ways to mend the balance off resonance, the paper's first.
+    sliders : name → what `it.slider` of kit.js takes.   Those of `printed_data`, where something is printed.
+    """
+    case = content.case
+    return {
+        "case": {
+            **{name: getattr(case.oscillator, name) for name in ("m", "c", "k", "K_z", "F_k")},
+            "levels": list(case.levels_m),
+            "frequencies": dict(case.frequencies_hz),
+            "pairs": [list(pair) for pair in case.pairs],
+        },
+        "approaches": {
+            name: {"label": label_of(name), "colour": variable(look.series), "shape": look.shape}
+            for name, look in ((name, look_of(name)) for name in IN_THE_BROWSER)
+            if name in APPROACHES
+        },
+        "steps": [
+            dict(zip(("approach", "phase", "sharing"), WAYS[way], strict=True))
+            | {"name": way, "words": words}
+            for way, words in RECIPES.items()
+        ],
+        "sliders": sliders(case),
+        **printed_data(content),
+    }
+
+
+def sliders(case: Case) -> dict[str, dict[str, Any]]:
+    """The sliders of the oscillator and its drive by name; their ranges hold the case and what lies around it.
+
+    Y, mm : up to a third above the highest level.   f, Hz : from below the lowest frequency to above the highest.
+    c : up to twice its value.   F_k : up to the force of the spring at the lowest level, which moves nothing any more.
+    K_z : logarithmic, from the softness of the spring k to ten times its value.
+    """
+    osc, levels, hz = case.oscillator, case.levels_m, list(case.frequencies_hz.values())
+    critical = 2.0 * math.sqrt(osc.k * osc.m)
+    return {
+        "Y": _slider("Drive *Y*", "mm", 1e3 * levels[0], 0.0, 1.3e3 * max(levels), least=1),
+        "f": _slider("Frequency *f*", "Hz", hz[0], 0.6 * min(hz), 1.25 * max(hz), least=1),
+        "c": _slider("Damping *c*", "N s/m", osc.c, 0.0, 2.0 * osc.c or 0.1 * critical),
+        "F_k": _slider(
+            "Friction F_k", "N", osc.F_k, 0.0, max(1.1 * osc.k * levels[0], 2.0 * osc.F_k)
+        ),
+        "K_z": {
+            **{"label": titled("Contact K_z"), "unit": "N/m", "log": True, "value": osc.K_z},
+            **{"min": min(osc.k, 0.1 * osc.K_z), "max": 10.0 * osc.K_z},
+        },
+    }
+
+
+def _slider(
+    label: str, unit: str, value: float, low: float, high: float, least: int = 0
+) -> dict[str, Any]:
+    """A slider with round ends and a round step, 10ⁿ, of which there are 200 or more.   least : steps of the lowest."""
+    step = 10.0 ** math.floor(math.log10(high / STEPS))
+    places = max(0, -math.floor(math.log10(step)))
+    shown = float(f"{value:.15g}")  # without the rounding of the change of units
+    ends = (max(least, math.floor(low / step)), math.ceil(high / step))
+    first, last = (round(end * step, places) for end in ends)
+    return {
+        **{"label": titled(label), "unit": unit, "value": shown},
+        **{"min": min(first, shown), "max": last, "step": round(step, places)},
+    }

@@ -1,0 +1,199 @@
+/* What the instruments share: the balance, drawings, controls, a state that stands in the address, and code to copy.
+   kit.instrument(id, (it) => { …; return draw; }) builds the element of that id once the engine runs; draw(it.values) follows every
+   change. it.engine; it.data of the case; it.values by control, in the units shown; it.slider, it.choice, it.control(name, value,
+   show, accept) for a state of another kind; it.set({name: value}), it.find, it.write(selector, html), it.drawing, it.code. */
+const kit = (() => {
+  'use strict';
+  const power = (_, exponent) => `·10${[...exponent].map((sign) => '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'['-0123456789'.indexOf(sign)]).join('')}`;
+  const raised = (text) => text.replace(/e\+?(.*)/, power); // as project/wording.py writes numbers
+  const number = (value, digits = 4) => {
+    if (!value || !Number.isFinite(value)) return value === 0 ? '0' : '–';
+    return raised(Math.abs(value) < 10 ** digits ? value.toPrecision(digits) : value.toFixed(0)).replace('-', '−');
+  };
+  const percent = (share, plus = '+') => {
+    const size = 100 * Math.abs(share);
+    return Number.isFinite(size) ? `${share < 0 ? '−' : plus}${raised(size < 1e-3 ? size.toExponential(1) : number(size, 3))}\u00a0%` : '–';
+  };
+  const rich = (text) => text.replace(/([A-Za-zφω])_(\w)/g, '<i>$1</i><sub>$2</sub>');
+
+  // The balance a F_k + b c = W. A response is what the engine gives, with the parameters.
+  const response = (engine, parameters) => ({ ...parameters, ...engine.steady(parameters) });
+  const travel = {
+    X_s: (r) => 2 * (r.X - r.X_s),
+    t_s: (r) => 2 * r.X * (1 + Math.cos(r.omega * r.t_s)),
+    V_s: (r) => 2 * r.X * (1 + Math.sqrt(1 - (r.V_s / (r.omega * r.X)) ** 2)),
+  };
+  const PHASES = { reversal: 'phi', zero_crossing: 'phi_zero_crossing', fundamental: 'phi_fundamental' };
+  const sum = (values) => values.reduce((total, v) => total + v, 0);
+  const finite = (values) => values.filter(Number.isFinite);
+  const mean = (values) => sum(finite(values)) / finite(values).length;
+
+  /* Rows {a, b, W} of responses by an approach, a key of balance.APPROACHES. The harmonic ones take a phase, a key of PHASES:
+     that of each response or, shared, its mean over those that have it, and likewise t_s. */
+  function rows(approach, responses, phase = 'reversal', shared = false) {
+    if (approach === 'direct') return responses.map(({ a, b, W }) => ({ a, b, W }));
+    const [phi, t_s] = [PHASES[phase], 't_s'].map((name) => {
+      const each = responses.map((r) => r[name]);
+      return shared ? each.map((v) => (Number.isFinite(v) ? mean(each) : v)) : each;
+    });
+    return responses.map((r, i) => (approach === 'fourier' ? {
+      a: travel.X_s(r),
+      b: Math.PI * r.omega * (r.X_1 ** 2 + 9 * r.X_3 ** 2 + 25 * r.X_5 ** 2),
+      W: Math.PI * r.k * r.Y * r.X_1 * Math.sin(r.phi_fundamental),
+    } : { a: travel[approach]({ ...r, t_s: t_s[i] }), b: Math.PI * r.omega * r.X ** 2, W: Math.PI * r.k * r.Y * r.X * Math.sin(phi[i]) }));
+  }
+
+  /* {F_k, c, covariance, residual, n} by least squares of the finite rows, weighted with `weights` (1/J²); NaN where they do not tell. */
+  function solve(all, weights = null) {
+    const kept = all.map((r, i) => [r, weights ? Math.sqrt(weights[i]) : 1]).filter(([r]) => Number.isFinite(r.a + r.b + r.W));
+    const [A, B, W] = ['a', 'b', 'W'].map((name) => kept.map(([r, scale]) => scale * r[name]));
+    const dot = (u, v) => sum(u.map((x, i) => x * v[i]));
+    const [n, aa, r] = [kept.length, dot(A, A), dot(A, B) / dot(A, A)];
+    const Q = B.map((b, i) => b - r * A[i]); // b without its share along a
+    const qq = n > 1 && dot(Q, Q) > 1e-24 * dot(B, B) ? dot(Q, Q) : NaN;
+    const c = dot(Q, W) / qq;
+    const F_k = dot(A, W.map((w, i) => w - c * B[i])) / aa;
+    const rest = W.map((w, i) => w - F_k * A[i] - c * B[i]);
+    const s2 = n > 2 ? dot(rest, rest) / (n - 2) : NaN;
+    const cross = -s2 * r / qq;
+    return { F_k, c, covariance: [[s2 / aa - r * cross, cross], [cross, s2 / qq]], residual: Math.sqrt(dot(rest, rest) / dot(W, W)), n };
+  }
+
+  // Drawings: SVG in CSS pixels, so that text has one size on every screen.
+  function element(parent, tag, attributes = {}, text = null) {
+    const one = document.createElementNS('http://www.w3.org/2000/svg', tag);
+    for (const attribute of Object.entries(attributes)) one.setAttribute(...attribute);
+    if (text !== null) one.innerHTML = String(text).replace(/_(\w)/g, '<tspan dy="3" font-size="75%">$1</tspan><tspan dy="-3">&#8203;</tspan>');
+    return parent.appendChild(one);
+  }
+  function ticks([low, high], count) {
+    const power = 10 ** Math.floor(Math.log10((high - low) / count));
+    const step = power * [1, 2, 5, 10].find((m) => m * power * count >= 0.999 * (high - low));
+    const [first, last] = [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
+    const places = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+    return Array.from({ length: Math.max(0, last - first + 1) }, (_, i) => [(first + i) * step, ((first + i || 0) * step).toFixed(places).replace('-', '−')]);
+  }
+  const SHAPES = { // as in the legends of the page
+    circle: 'M-4.5 0A4.5 4.5 0 1 1 4.5 0A4.5 4.5 0 1 1 -4.5 0Z', square: 'M-4.5-4.5h9v9h-9Z', diamond: 'M0-6L6 0L0 6L-6 0Z',
+    'triangle-up': 'M0-5.5L5.5 5H-5.5Z', cross: 'M-2-5h4v3h3v4h-3v3h-4v-3h-3v-4h3Z',
+  };
+
+  /* Axes over a whole svg of it.drawing. Returns the scales X, Y and line, area, dot, text, which take values and classes of CSS. */
+  function plot(svg, { x, y, labels = ['', ''] }) {
+    const [width, height] = svg.size ?? [320, 240];
+    const [left, top, right, bottom] = [44, 24, width - 12, height - 38];
+    const X = (v) => left + ((v - x[0]) / (x[1] - x[0])) * (right - left);
+    const Y = (v) => bottom - ((v - y[0]) / (y[1] - y[0])) * (bottom - top);
+    const grid = (value, d) => element(svg, 'path', { d, class: value === 0 ? 'zero' : 'grid' });
+    const write = (u, v, anchor, words, css = '') => element(svg, 'text', { x: u, y: v, 'text-anchor': anchor, class: css }, words);
+    svg.replaceChildren();
+    svg.setAttribute('viewBox', `0 0 ${width} ${height}`);
+    for (const [v, words] of ticks(x, Math.max(4, width / 80))) { grid(v, `M${X(v)} ${top}V${bottom}`); write(X(v), bottom + 15, 'middle', words); }
+    for (const [v, words] of ticks(y, Math.max(3, height / 45))) { grid(v, `M${left} ${Y(v)}H${right}`); write(left - 6, Y(v) + 4, 'end', words); }
+    write(right, height - 5, 'end', labels[0], 'label');
+    write(2, 13, 'start', labels[1], 'label');
+    const [w, h] = [right - left, bottom - top]; // of the plane inside, which clips
+    const inside = element(svg, 'svg', { x: left, y: top, width: w, height: h, viewBox: `${left} ${top} ${w} ${h}` });
+    const path = (points) => points.map(([u, v], i) => `${i ? 'L' : 'M'}${X(u).toFixed(2)} ${Y(v).toFixed(2)}`).join('');
+    return {
+      X, Y, path,
+      line: (points, css = '') => element(inside, 'path', { d: path(points), class: `line ${css}` }),
+      area: (points, css = '') => element(inside, 'path', { d: path(points), class: `area ${css}` }),
+      dot: (u, v, css = '', shape = 'circle', style = '') => element(inside, 'path', {
+        d: SHAPES[shape], transform: `translate(${X(u)} ${Y(v)})`, class: `dot ${css}`, style }),
+      text: (u, v, words, attributes = {}) => element(inside, 'text', { x: X(u), y: Y(v), ...attributes }, words),
+    };
+  }
+
+  // What computes the same: the start of a program, and a configuration.
+  const python = ({ m, c, k, K_z, F_k }, ...imports) => ['import math\n', 'from dampbalance import BaseMotion, Oscillator, steady_orbit', ...imports,
+    `\noscillator = Oscillator(m=${m}, c=${c}, k=${k}, K_z=${K_z}, F_k=${F_k})`].join('\n');
+  function yaml(par, hz, levels, estimation = '{}') {
+    const decimal = (v) => String(v).replace(/^(-?\d+)e/, '$1.0e'); // in YAML 5e-6 is a word, 5.0e-6 a number
+    return `case: my_oscillator\npublished: null\noscillator:
+  m_kg: ${decimal(par.m)}\n  c_N_s_per_m: ${decimal(par.c)}\n  k_N_per_m: ${decimal(par.k)}
+  K_z_N_per_m: ${decimal(par.K_z)}\n  F_k_N: ${decimal(par.F_k)}\nexcitation:
+  frequencies: [{name: drive, hz: ${decimal(hz)}}]\n  levels_m: [${levels.map(decimal).join(', ')}]\nestimation: ${estimation}\n`;
+  }
+
+  // The text of a <template> with its ‹names› filled in.
+  const filled = (template, values) => template.content.textContent.trimStart().replace(/‹(\w+)›/g, (_, name) => values[name]);
+
+  let started = null;
+  const text = (id) => document.getElementById(id).textContent;
+  const bytes = (base64) => Uint8Array.from(atob(base64.trim()), (sign) => sign.charCodeAt(0));
+  const start = async () => [await loadEngine(bytes(text('engine'))), JSON.parse(text('instruments-data'))];
+  const html = (parent, markup) => { parent.insertAdjacentHTML('beforeend', markup); return parent.lastElementChild; };
+
+  async function instrument(id, build) {
+    const root = globalThis.document?.getElementById(id);
+    if (!root) return;
+    const it = { root, values: {}, find: (selector) => root.querySelector(selector) };
+    const [defaults, controls] = [{}, {}];
+    let [draw, frame, timer] = [null, 0, 0];
+    const redraw = () => { frame ||= requestAnimationFrame(() => { frame = 0; draw(it.values); it.tell?.(); }); };
+    const show = (values) => { for (const [name, v] of Object.entries(values)) { it.values[name] = v; controls[name].show(v); } redraw(); };
+    const save = () => {
+      const changed = Object.entries(it.values).filter(([name, v]) => v !== defaults[name]);
+      history.replaceState(null, '', `#${id}${changed.length ? `?${new URLSearchParams(changed)}` : ''}`);
+    };
+    const restore = () => {
+      const [place, query] = location.hash.slice(1).split('?');
+      const given = new URLSearchParams(query);
+      if (place !== id || query === undefined) return; // a plain #id is an anchor like any other
+      for (const [name, v] of Object.entries(defaults)) show({ [name]: given.has(name) ? controls[name].accept(given.get(name)) : v });
+      root.scrollIntoView();
+    };
+    it.set = (values) => { show(values); clearTimeout(timer); timer = setTimeout(save, 250); };
+    it.control = (name, value, shown, accept) => { defaults[name] = value; controls[name] = { show: shown, accept }; show({ [name]: value }); };
+    it.write = (selector, markup) => { it.find(selector).innerHTML = markup; };
+    const field = (kind, name, label, control) => html(it.find('.controls'),
+      `<div class="${kind}"><label for="${id}-${name}">${rich(label)}</label>${control}</div>`).lastElementChild;
+    it.slider = ({ name, label, stops, min = stops?.[0], max = stops?.at(-1), step = 1, value, unit = '', log = false }) => {
+      const [to, from] = stops ? [(v) => stops.findLastIndex((stop) => stop <= v), (i) => stops[i]] : log ? [Math.log10, (v) => Number((10 ** v).toPrecision(3))] : [Number, Number];
+      const input = field('slider', name, label, `<output for="${id}-${name}" aria-live="off"></output>
+        <input type="range" id="${id}-${name}" min="${to(min)}" max="${to(max)}" step="${log ? 0.01 : step}">`);
+      const shown = (v) => {
+        input.value = to(v);
+        input.setAttribute('aria-valuetext', `${v} ${unit}`);
+        input.previousElementSibling.textContent = `${v}\u00a0${unit}`;
+      };
+      input.addEventListener('input', () => it.set({ [name]: from(input.value) }));
+      it.control(name, value, shown, (given) => (given && Number.isFinite(Number(given)) ? Math.min(max, Math.max(min, Number(given))) : value));
+      return input;
+    };
+    it.choice = ({ name, label, options, value }) => {
+      const all = options.map(([v, words]) => `<option value="${v}">${words}</option>`).join('');
+      const select = field('choice', name, label, `<select id="${id}-${name}">${all}</select>`);
+      select.addEventListener('input', () => it.set({ [name]: select.value }));
+      it.control(name, value, (v) => { select.value = v; }, (given) => (options.some(([v]) => v === given) ? given : value));
+    };
+    it.drawing = (selector, height) => {
+      const svg = it.find(selector);
+      svg.style.height = `${height}px`;
+      new ResizeObserver(([{ contentRect: { width } }]) => {
+        if (width && width !== svg.size?.[0]) { svg.size = [width, height]; redraw(); }
+      }).observe(svg);
+      return svg;
+    };
+    it.code = (texts) => { // texts() → {title: text, …}, folded below the instrument
+      const blocks = Object.keys(texts()).map((title) => `<div><p>${title} <button type="button" value="${title}">Copy</button></p><pre tabindex="0"></pre></div>`);
+      const fold = html(root, `<details class="code"><summary>The Python and the YAML that compute the same</summary>${blocks.join('')}</details>`);
+      it.tell = () => { if (fold.open) Object.values(texts()).forEach((text, i) => { fold.querySelectorAll('pre')[i].textContent = text; }); };
+      fold.addEventListener('toggle', it.tell);
+      fold.addEventListener('click', ({ target }) => {
+        if (!target.value) return;
+        getSelection().selectAllChildren(target.closest('div').querySelector('pre'));
+        navigator.clipboard?.writeText(texts()[target.value]).catch(() => {}); // selected, if nothing else
+      });
+    };
+    [it.engine, it.data] = await (started ??= start());
+    draw = build(it);
+    addEventListener('hashchange', restore);
+    restore();
+    root.classList.add('ready');
+  }
+
+  return { instrument, number, percent, rich, response, rows, solve, element, plot, python, yaml, filled, SHAPES, PHASES, finite, mean };
+})();
+if (typeof module !== 'undefined') module.exports = kit;

@@ -1,0 +1,140 @@
+/* Noise: many noisy experiments, their estimates, and how much better rows weighted by inverse variance do. */
+const noise = (() => {
+  'use strict';
+  const [ODD, NORMALS, CHI2] = [[1, 3, 5], 8, 5.991]; // χ² of two degrees of freedom that 95 % do not exceed
+  const sum = (values) => values.reduce((total, v) => total + v, 0);
+
+  /* A generator of standard normal numbers, the same ones for the same seed (mulberry32, then Box and Muller). */
+  function normals(seed) {
+    let state = Math.imul(seed, 2654435761);
+    const uniform = () => {
+      state = (state + 0x6d2b79f5) | 0;
+      let t = Math.imul(state ^ (state >>> 15), 1 | state);
+      t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
+      return (((t ^ (t >>> 14)) >>> 0) + 0.5) / 4294967296;
+    };
+    return () => Math.sqrt(-2 * Math.log(uniform())) * Math.cos(2 * Math.PI * uniform());
+  }
+
+  /* Standard deviations [of x, of y], m, of the real and the imaginary part of a harmonic: white noise that is a share of the rms
+     of its channel, in a record of so many samples. */
+  const deviations = (r, share, samples) => [Math.hypot(...ODD.map((n) => r[`X_${n}`])), r.Y].map((rms) => (share * rms) / Math.sqrt(samples));
+
+  /* A response as it is read with noise: 8 standard normal numbers, of x_1, x_3, x_5 and y, real and imaginary parts. The contact
+     stiffness is known, so that the onset of slip stays 2 Z_m from the reversal; harmonics above the fifth stay as they are. */
+  function noisy(r, [of_x, of_y], z) {
+    let [X, b] = [r.X, r.b];
+    const read = {};
+    const psi = Math.atan2(of_y * z[7], r.Y + of_y * z[6]);
+    ODD.forEach((n, i) => {
+      const [re, im] = [of_x * z[2 * i], of_x * z[2 * i + 1]];
+      const [real, imaginary] = [r[`X_${n}`] * Math.cos(r[`phi_${n}`]) + re, im - r[`X_${n}`] * Math.sin(r[`phi_${n}`])];
+      read[`X_${n}`] = Math.hypot(real, imaginary);
+      if (n === 1) read.phi_fundamental = psi - Math.atan2(imaginary, real);
+      X += re * Math.cos(n * r.phi) - im * Math.sin(n * r.phi); // at the reversal at +X, where ωt = φ
+      b += Math.PI * r.omega * n ** 2 * (read[`X_${n}`] ** 2 - r[`X_${n}`] ** 2);
+    });
+    const Y = Math.hypot(r.Y + of_y * z[6], of_y * z[7]);
+    const W = Math.PI * r.k * Y * read.X_1 * Math.sin(read.phi_fundamental);
+    return { ...r, ...read, Y, X, X_s: r.X_s + r.X - X, a: r.a + 4 * (X - r.X), b, W };
+  }
+
+  const rowsOf = (approach, responses) => kit.rows(approach, responses, 'fundamental');
+
+  /* How far one standard deviation of each normal number moves the row of every response: per response 8 changes of {a, b, W}. */
+  function spread(approach, responses, sigmas) {
+    const shifted = (i, by) => rowsOf(approach, responses.map((r, level) => noisy(r, sigmas[level], Array.from({ length: NORMALS }, (_, j) => (i === j ? by : 0)))));
+    const moves = Array.from({ length: NORMALS }, (_, i) => [shifted(i, 1), shifted(i, -1)]);
+    return responses.map((_, level) => moves.map(([up, down]) => ['a', 'b', 'W'].map((name) => 0.5 * (up[level][name] - down[level][name]))));
+  }
+  /* Variance of a F_k + b c − W of every row. */
+  const variances = (moves, { F_k, c }) => moves.map((of) => sum(of.map(([a, b, W]) => (a * F_k + b * c - W) ** 2)));
+
+  /* The covariance of (F_k, c) that errors of rows with these variances leave, if the rows are weighted so. */
+  function predicted(rows, variance, weights) {
+    const moments = (factor) => [['a', 'a'], ['a', 'b'], ['b', 'b']].map(([i, j]) => sum(rows.map((row, n) => factor(n) * row[i] * row[j])));
+    const [aa, ab, bb] = moments((n) => weights[n]);
+    const [saa, sab, sbb] = moments((n) => weights[n] ** 2 * variance[n]);
+    const [det, H, S] = [aa * bb - ab * ab, [[bb, -ab], [-ab, aa]], [[saa, sab], [sab, sbb]]];
+    return H.map((row) => H.map((column) => sum([0, 1].flatMap((i) => [0, 1].map((j) => row[i] * S[i][j] * column[j]))) / det ** 2));
+  }
+
+  /* [equal, weighted] estimates of one experiment: its weights come from its own estimate with equal weights. */
+  const estimates = (rows, moves, equal = kit.solve(rows)) => [equal, kit.solve(rows, variances(moves, equal).map((v) => 1 / v))];
+
+  function statistics(all) {
+    const mean = ['F_k', 'c'].map((name) => kit.mean(all.map((one) => one[name])));
+    const off = all.map((one) => [one.F_k - mean[0], one.c - mean[1]]);
+    return { mean, covariance: [0, 1].map((i) => [0, 1].map((j) => sum(off.map((d) => d[i] * d[j])) / (all.length - 1))) };
+  }
+  const correlation = (C) => C[0][1] / Math.sqrt(C[0][0] * C[1][1]);
+  const ellipse = ([F_k, c], C) => Array.from({ length: 73 }, (_, i) => {
+    const [t, s, r] = [(i / 36) * Math.PI, Math.sqrt(CHI2), correlation(C)];
+    return [F_k + s * Math.sqrt(C[0][0]) * Math.cos(t), c + s * Math.sqrt(C[1][1]) * (r * Math.cos(t) + Math.sqrt(1 - r * r) * Math.sin(t))];
+  });
+
+  /* Experiments: {draws, moves, ways: [equal, weighted]}, of each way {all, mean, covariance, predicted}. */
+  function study(responses, { approach, share, samples, count, seed }) {
+    const [sigmas, normal] = [responses.map((r) => deviations(r, share, samples)), normals(seed)];
+    const draws = Array.from({ length: count }, () => responses.map((r, i) => noisy(r, sigmas[i], Array.from({ length: NORMALS }, normal))));
+    const [moves, clean] = [spread(approach, responses, sigmas), rowsOf(approach, responses)];
+    const each = draws.map((one) => estimates(rowsOf(approach, one), moves));
+    const variance = variances(moves, kit.solve(clean));
+    return { draws, moves, ways: [variance.map(() => 1), variance.map((v) => 1 / v)].map((weights, i) => {
+      const all = each.map((pair) => pair[i]);
+      return { all, ...statistics(all), predicted: predicted(clean, variance, weights) };
+    }) };
+  }
+
+  const RATE = 1000; // Hz, of the records
+  kit.instrument('noise', (it) => {
+    const { percent, rich } = kit;
+    const { case: set, approaches } = it.data;
+    const NAMES = { equal: 'equal weights', weighted: 'weighted by inverse variance' };
+    const hz = Object.values(set.frequencies).map(String);
+    it.slider({ name: 'percent', label: 'Noise, of the rms', unit: '%', min: 0.1, max: 10, log: true, value: 1 });
+    it.slider({ name: 'cycles', label: 'Cycles in a record', stops: [10, 20, 40, 60, 100, 200], value: 60 });
+    it.slider({ name: 'count', label: 'Experiments', stops: [50, 100, 200, 300, 400], value: 200 });
+    it.slider({ name: 'seed', label: 'Draw number', min: 1, max: 50, value: 1 });
+    it.choice({ name: 'f', label: 'Frequency', value: hz[0], options: hz.map((f) => [f, `${f} Hz`]) });
+    it.choice({ name: 'approach', label: 'Rows', value: 'direct', options: ['direct', 'fourier', 'X_s'].map((name) => [name, approaches[name].label]) });
+    const svg = it.drawing('.cloud', 320);
+
+    function draw({ percent: noise, cycles, count, approach, f, seed }) {
+      const responses = set.levels.map((Y) => kit.response(it.engine, { ...set, Y, omega: 2 * Math.PI * f })).filter(({ regime }) => regime === 'one slip');
+      it.root.classList.toggle('still', responses.length < 2);
+      if (responses.length < 2) { it.write('.words', 'Fewer than two levels slip once in every half cycle at this frequency.'); return; }
+      const samples = Math.round((RATE * cycles) / f);
+      const { ways } = study(responses, { approach, share: noise / 100, samples, count, seed });
+      const truth = [set.F_k, set.c];
+      const reach = truth.map((value, i) => 1.25 * Math.max(...ways.map((way) => Math.abs(way.mean[i] - value) + Math.sqrt(CHI2 * way.predicted[i][i]))));
+      const [x, y] = truth.map((value, i) => [value - reach[i], value + reach[i]]);
+      const plane = kit.plot(svg, { x, y, labels: ['F_k, N', 'c, N s/m'] });
+      plane.line([[set.F_k, y[0]], [set.F_k, y[1]]], 'truth');
+      plane.line([[x[0], set.c], [x[1], set.c]], 'truth');
+      Object.keys(NAMES).forEach((css, i) => {
+        const { all, mean, covariance, predicted: expected } = ways[i];
+        plane.line([], `points ${css}`).setAttribute('d', all.map((one) => `${plane.path([[one.F_k, one.c]])}h0`).join(''));
+        plane.line(ellipse(mean, covariance), css);
+        plane.line(ellipse(mean, expected), `${css} predicted`);
+      });
+      const cells = (way) => truth.map((value, i) => {
+        const [mean, deviation, expected] = [way.mean[i] / value - 1, Math.sqrt(way.covariance[i][i]) / value, Math.sqrt(way.predicted[i][i]) / value];
+        const places = Math.max(0, 2 - Math.floor(Math.log10(100 * deviation)));
+        return `<td class="num">${mean < 0 ? '−' : '+'}${(100 * Math.abs(mean)).toFixed(places)} %</td><td class="num">${percent(deviation, '')}</td><td class="num">${percent(expected, '')}</td>`;
+      }).join('');
+      it.write('tbody', Object.values(NAMES).map((words, i) => `<tr><th scope="row">${words}</th>${cells(ways[i])}<td class="num">${correlation(ways[i].covariance).toFixed(3).replace('-', '−')}</td></tr>`).join(''));
+      const [F_k, c] = [0, 1].map((i) => percent(ways[1].predicted[i][i] / ways[0].predicted[i][i], ''));
+      it.write('.words', `With equal weights, as in Eq. (9), the rows use <b>${F_k}</b> of what weighted rows tell about ${rich('F_k')}, and ${c} of what they tell about <i>c</i>: the highest level has the largest errors and counts most. Each record holds ${samples} samples.`);
+    }
+
+    it.code(() => {
+      const values = { ...it.values, rate: RATE, levels: set.levels.join(', '), share: it.values.percent / 100 };
+      const imports = ['import numpy as np', 'from dataclasses import replace', 'from dampbalance.balance import APPROACHES', 'from dampbalance.features import of_orbit, stack', 'from dampbalance.solver import solve'];
+      return { Python: `${kit.python(set, ...imports)}\n${kit.filled(it.find('.Python'), values)}`, YAML: kit.filled(it.find('.YAML'), values) };
+    });
+    return draw;
+  });
+  return { normals, study };
+})();
+if (typeof module !== 'undefined') module.exports = noise;

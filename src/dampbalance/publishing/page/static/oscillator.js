@@ -1,0 +1,128 @@
+/* The oscillator lives: its parts move, two loops fill with the energy lost in a cycle, and the balance closes. */
+kit.instrument('oscillator', (it) => {
+  'use strict';
+  const { number, rich } = kit;
+  const [POINTS, SECONDS] = [401, 4]; // of a cycle: computed, and on the screen
+  const [SWING, FLEX] = [34, 11]; // px: of what moves most, and of the contact spring, whose microns would not be seen
+  const REGIMES = {
+    'one slip': 'The contact slips once in every half cycle.',
+    'several slips': 'The contact sticks and slips several times in every half cycle.',
+    'no slip': 'The contact only sticks: it is a spring, and takes no energy.',
+    'no friction': 'There is no friction: the contact slips all the time, and takes nothing.',
+    'not found': 'No steady motion: the base puts in more than friction and damper can take.',
+  };
+  const UNITS = { // of the readings: how many of the unit shown are in the SI unit
+    X: [1e3, 'mm'], X_s: [1e3, 'mm'], V_s: [1e3, 'mm/s'], t_s: [1e3, 'ms'], phi: [1, 'rad'], a: [1e3, 'mm'], b: [1e6, 'mm²/s'], Z_m: [1e6, 'µm'],
+  };
+  for (const [name, slider] of Object.entries(it.data.sliders)) it.slider({ name, ...slider });
+  const parameters = () => {
+    const { Y, f, c, F_k, K_z } = it.values;
+    return { m: it.data.case.m, c, k: it.data.case.k, K_z, F_k, Y: Y / 1000, omega: 2 * Math.PI * f };
+  };
+  const planes = ['.contact', '.viscous', '.velocity'].map((one) => it.drawing(one, 230));
+  const parts = ['.spring', '.contact-spring', '.base', '.mass', '.part.slider'].map(it.find);
+  const bars = Object.fromEntries([...it.root.querySelectorAll('rect[class]')].map((one) => [one.getAttribute('class'), one]));
+  const [phase, toggle, state] = ['.phase', '.toggle', '.state'].map(it.find);
+  let [cycle, marks, playing, visible, last] = [null, [], false, false, 0];
+
+  // Force times path up to each point, as a share of W; scaled to the exact work of a whole cycle.
+  const share = (force, path, whole, W) => {
+    let sum = 0;
+    const sums = force.map((f, i) => (sum += i ? 0.5 * (f + force[i - 1]) * (path[i] - path[i - 1]) : 0));
+    return sums.map((s) => (sum ? (s * whole) / sum / W : 0));
+  };
+
+  function draw() {
+    const par = parameters();
+    const r = kit.response(it.engine, par);
+    const found = r.regime !== 'not found';
+    const [lost, damped] = [(r.a || 0) * par.F_k, r.b * par.c];
+    const energy = (J) => `${number(1e3 * J, 5)}\u00a0mJ (${number((100 * J) / r.W, 3)}\u00a0%)`;
+    it.write('.words', REGIMES[r.regime] + (found ? ` In a cycle the base puts in <b><i>W</i> = ${number(1e3 * r.W, 5)}\u00a0mJ</b>. Friction takes
+      <b><i>a</i>\u00a0${rich('F_k')} = ${energy(lost)}</b>, the damper <b><i>b</i>\u00a0<i>c</i> = ${energy(damped)}</b>: the balance closes within
+      ${number(Math.max(2.2e-16, Math.abs(r.W - lost - damped) / r.W), 1)} of <i>W</i>.` : ''));
+    for (const [name, [scale, unit]] of Object.entries(UNITS)) it.write(`[data-name=${name}]`, `${number(scale * r[name], 5)}\u00a0${unit}`);
+    it.root.classList.toggle('still', !found);
+    cycle = found ? it.engine.cycle(par, POINTS) : null;
+    if (!found) return;
+    const [x, v, f, d, push] = [['x', 1e3], ['v', 1], ['z', par.K_z], ['v', par.c], ['y', par.k]].map(([name, scale]) => Array.from(cycle[name], (u) => scale * u));
+    Object.assign(cycle, { r, par, input: share(push, x, r.W, r.W), friction: share(f, x, lost, r.W), damper: share(d, x, damped, r.W) });
+    const around = (values) => { const most = 1.12 * Math.max(1e-9, ...values.map(Math.abs)); return [-most, most]; };
+    marks = [[0, x, f, 'friction', 'f, N'], [1, x, d, 'damper', 'c ẋ, N']].map(([n, us, forces, css, label]) => {
+      const plane = kit.plot(planes[n], { x: around(us), y: around(forces), labels: ['x, mm', label] });
+      const all = us.map((u, i) => [u, forces[i]]);
+      plane.area(all, `${css} whole`);
+      const filled = plane.area([], css);
+      plane.line(all, css);
+      return { plane, all, filled, dot: plane.dot(...all[0], css) };
+    });
+    const plane = kit.plot(planes[2], { x: around(v), y: around([...f, ...d]), labels: ['ẋ, m/s', 'f and c ẋ, N'] });
+    for (const [forces, css] of [[f, 'friction'], [d, 'damper']]) {
+      const all = v.map((u, i) => [u, forces[i]]);
+      plane.line(all, css);
+      marks.push({ plane, all, dot: plane.dot(...all[0], css) });
+    }
+    frame();
+  }
+
+  function frame() {
+    if (!cycle) return;
+    const { x, y, z, r, par } = cycle;
+    const i = Math.round((phase.value / 360) * (POINTS - 1));
+    phase.setAttribute('aria-valuetext', `${Math.round(phase.value)}°`);
+    for (const { plane, all, filled, dot } of marks) {
+      dot.setAttribute('transform', `translate(${plane.X(all[i][0])} ${plane.Y(all[i][1])})`);
+      filled?.setAttribute('d', `${plane.path(all.slice(0, i + 1))}Z`);
+    }
+    const scale = SWING / Math.max(r.X, par.Y);
+    const slider = scale * (x[i] - z[i]); // at rest while the contact sticks
+    const mass = slider + (r.Z_m ? Math.max(scale, FLEX / r.Z_m) : 0) * z[i];
+    const [b, m, s] = [50 + scale * y[i], 220 + mass, 480 + slider];
+    const place = (n, at, stretch = 1) => parts[n].setAttribute('transform', `translate(${at.toFixed(2)} 0) scale(${stretch.toFixed(4)} 1)`);
+    place(0, b + 30, (m - b - 30) / 100);
+    place(1, m + 110, (s - m - 110) / 100);
+    [b, m, s].forEach((at, n) => place(n + 2, at));
+    const sticks = Math.abs(z[i]) < r.Z_m * (1 - 1e-9);
+    it.root.classList.toggle('sticks', sticks);
+    state.textContent = sticks ? 'The contact sticks.' : 'The contact slips.';
+    const bar = (name, from, width) => { bars[name].setAttribute('x', from); bars[name].setAttribute('width', Math.max(0, width)); };
+    const [friction, damper] = [cycle.friction.at(-1), cycle.damper.at(-1)];
+    bar('input', 0, Math.min(1, cycle.input[i]));
+    bar('friction whole', 0, friction);
+    bar('damper whole', friction, damper);
+    bar('friction', 0, cycle.friction[i]);
+    bar('damper', friction, cycle.damper[i]);
+  }
+
+  const tick = (now) => {
+    if (!playing || !visible) return;
+    phase.value = (Number(phase.value) + (0.36 * Math.min(now - last, 100)) / SECONDS) % 360;
+    last = now;
+    frame();
+    requestAnimationFrame(tick);
+  };
+  const play = (on) => {
+    playing = on;
+    toggle.textContent = on ? 'Pause' : 'Play';
+    last = performance.now();
+    requestAnimationFrame(tick);
+  };
+  toggle.addEventListener('click', () => play(!playing));
+  phase.addEventListener('input', () => { play(false); frame(); });
+  new IntersectionObserver(([{ isIntersecting }]) => { visible = isIntersecting; play(playing); }).observe(it.find('.scene'));
+  play(!matchMedia('(prefers-reduced-motion: reduce)').matches);
+
+  it.code(() => {
+    const par = parameters();
+    return {
+      Python: `${kit.python(par)}
+orbit = steady_orbit(oscillator, BaseMotion(Y=${par.Y}, omega=2 * math.pi * ${it.values.f}))
+print(orbit.regime)
+print("X, X_s, V_s, t_s, phi:", orbit.X, orbit.X_s, orbit.V_s, orbit.t_s, orbit.phi)
+print("a F_k, b c, W:", orbit.a * oscillator.F_k, orbit.b * oscillator.c, orbit.W)
+`,
+      YAML: kit.yaml(par, it.values.f, [par.Y, 2 * par.Y], '{pairs: [[1, 2]]}'),
+    };
+  });
+  return draw;
+});

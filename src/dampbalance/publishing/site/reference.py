@@ -1,0 +1,175 @@
+"""The reference of the package: which names it documents, the Sphinx directives for them, and their docstrings in
+reStructuredText, the markup that Sphinx reads.
+
+In a docstring of this project a paragraph that begins like `m : mass, kg.   c : viscous damping, N s/m.` describes
+arguments; several on one line are separated by three blanks. Indented lines are equations or tables and are shown
+unchanged; backticks mark code. Everything else is text, whatever characters it contains: |x|, x*, F_k.
+"""
+
+from __future__ import annotations
+
+import inspect
+import pkgutil
+import re
+import sys
+from collections.abc import Iterable, Iterator
+from enum import Enum
+from importlib import import_module
+from textwrap import dedent, indent
+from typing import Any
+
+_NAMED = re.compile(r"`((?:[a-z_]+\.)+\w+)`")
+
+
+def directives(names: Iterable[str], module: str) -> str:
+    """Markdown that documents names of a module."""
+    blocks = [directive(f"{module}.{name}") for name in names]
+    return "\n".join(["```{eval-rst}", *blocks, "```", ""])
+
+
+def directive(name: str) -> str:
+    """The directive that documents a name, by its full path."""
+    documented = resolved(name)[1]
+    kind, options = "data", ["no-value"]
+    if inspect.isclass(documented):
+        kind, options = "class", ["members"]
+        if issubclass(documented, Enum):
+            options.append("undoc-members")
+        if issubclass(documented, BaseException):
+            kind, options = "exception", []
+    elif callable(documented):
+        kind, options = "function", []
+    return "\n".join([f".. auto{kind}:: {name}", *(f"    :{one}:" for one in options), ""])
+
+
+def by_room(names: Iterable[str], package: str) -> list[tuple[str, str, list[str]]]:
+    """The public names of a package grouped by the room that defines them: (room, its purpose, its names).
+
+    A room is a module or a folder at the root of the package. Rooms are in alphabetical order; the functions of a room
+    precede its classes.
+    """
+    rooms: dict[str, list[str]] = {}
+    for name in sorted(names, key=lambda name: (name[0].isupper(), name)):
+        room = getattr(import_module(package), name).__module__.split(".")[1]
+        rooms.setdefault(room, []).append(name)
+    return [
+        (room, _first_paragraph(import_module(f"{package}.{room}")), inside)
+        for room, inside in sorted(rooms.items())
+    ]
+
+
+def _first_paragraph(module: Any) -> str:
+    return " ".join((inspect.getdoc(module) or "").split("\n\n")[0].split())
+
+
+def others(naming: Iterable[str], package: str) -> dict[str, list[str]]:
+    """The functions, classes and registries that texts name in backticks, by module, except public names.
+
+    A method stands for its class.
+    """
+    public = import_module(package)
+    own = {id(getattr(public, name)) for name in public.__all__}
+    inner: dict[str, set[str]] = {}
+    for name in _NAMED.findall("\n".join(naming)):
+        try:
+            module, _, place = resolved(name if name.startswith(package) else f"{package}.{name}")
+        except LookupError:
+            continue
+        top = place.split(".")[0]
+        if top and id(getattr(sys.modules[module], top)) not in own:
+            inner.setdefault(module, set()).add(top)
+    return {module: sorted(names) for module, names in sorted(inner.items())}
+
+
+def resolved(name: str) -> tuple[str, Any, str]:
+    """(module, object, path in the module) of a dotted name. Raises LookupError if there is no such object."""
+    try:
+        target = pkgutil.resolve_name(name)
+    except (ImportError, AttributeError):
+        raise LookupError(f"there is nothing of the name {name}") from None
+    module = name
+    while module not in sys.modules:
+        module = module.rpartition(".")[0]
+    return module, target, name.removeprefix(module).lstrip(".")
+
+
+_NAME = r"\*{0,2}[A-Za-z_φω][\w.\[\]]*"
+_NAMES = rf"{_NAME}(?:, {_NAME})*"
+_ARGUMENT = re.compile(rf"(?:^|(?<=\n)|(?<= {{3}}))({_NAMES}) : ")
+_LIST = re.compile(r"(?:[-*]|\d+\.) ")
+_MARK = r"[\\*`|_<]"
+_INLINE = re.compile(
+    r"(?P<ticks>`+)(?P<code>.+?)(?P=ticks)"
+    r"|(?<![\w*])\*(?P<stressed>[^\s*](?:[^*]*[^\s*])?)\*(?![\w*])"
+    r"|\b(?P<name>[A-Z]\w*Error|(?<=Raises )[A-Z]\w+|None|True|False|NaN)\b"
+    rf"|(?P<mark>{_MARK})",
+    re.DOTALL,
+)
+
+
+def markup(lines: Iterable[str]) -> list[str]:
+    """The lines of a docstring as lines of reStructuredText."""
+    made: list[str] = []
+    for paragraph in _paragraphs(lines):
+        made += [*_block(paragraph), ""]
+    return made
+
+
+def _paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
+    """The paragraphs of a text, as lines; an indented one may contain empty lines and ends with the indentation."""
+    block: list[str] = []
+    for line in [*lines, "", "end"]:
+        indented = bool(block) and block[0].startswith(" ")
+        goes_on = line.startswith("  ") if indented else bool(line.strip())
+        starts_code = not indented and block and line.startswith("    ") and not _is_argument(block)
+        if block and (starts_code or not (goes_on or (indented and not line.strip()))):
+            yield block
+            block = []
+        if line.strip() or block:
+            block.append(line)
+
+
+def _is_argument(block: list[str]) -> bool:
+    return bool(_ARGUMENT.match(block[0])) or bool(_LIST.match(block[0]))
+
+
+def _block(paragraph: list[str]) -> list[str]:
+    text = "\n".join(paragraph).rstrip()
+    if text.startswith(">>> "):
+        return paragraph
+    if text.startswith(" "):
+        return [".. code-block:: none", "", *indent(dedent(text), "    ").split("\n")]
+    if _ARGUMENT.match(text):
+        return list(_arguments(text))
+    if _LIST.match(text):
+        return list(_listed(text))
+    return _inline(text).split("\n")
+
+
+def _arguments(text: str) -> Iterator[str]:
+    """A definition list of arguments with their meanings."""
+    _, *parts = _ARGUMENT.split(text)
+    for names, meaning in zip(parts[::2], parts[1::2], strict=True):
+        yield f"``{names}``"
+        yield f"    {_inline(' '.join(meaning.split()))}"
+
+
+def _listed(text: str) -> Iterator[str]:
+    """A list with one entry for each mark at the beginning of a line."""
+    for entry in re.split(r"\n(?=(?:[-*]|\d+\.) )", text):
+        mark, words = entry.split(" ", 1)
+        yield f"{mark} {_inline(' '.join(words.split()))}"
+
+
+def _inline(text: str) -> str:
+    """Text in which code and emphasis are marked up and all other characters are literal."""
+    return _INLINE.sub(_set, text)
+
+
+def _set(found: re.Match[str]) -> str:
+    if found["mark"]:
+        return f"\\{found[0]}"
+    if found["stressed"]:
+        stressed = re.sub(_MARK, r"\\\g<0>", found["stressed"])
+        return rf"\ *{stressed}*\ "
+    return rf"\ ``{found['code'] or found['name']}``\ "
