@@ -51,12 +51,20 @@ include: "workflow/rules/codecheck.smk"
 include: "workflow/rules/provenance.smk"
 
 
+onstart:
+    # A set of records that cannot be identified does not keep the others from it, as with --keep-going.
+    if MEASURED:
+        workflow.scheduler.keepgoing = True
+
+
 onsuccess:
     # What was done, as far as it has something to say: the messages of its rules stand in the log.
     done = "".join(Path(file).read_text(encoding="utf-8") for file in log)
     for name in MEASURED:
         if f"records of {name}" in done:
             print(Path(f"{MEASURED_FILES}/{name}/summary.txt").read_text(encoding="utf-8"))
+    if len(MEASURED) > 1 and any(f"records of {name}" in done for name in MEASURED):
+        print(Path(f"{MEASURED_FILES}/{OVERVIEW}").read_text(encoding="utf-8"))
     if config["published"] and compared_at() != COMPARED_BEFORE:
         summary = SUMMARY.read_text(encoding="utf-8")
         print(summary, end="")
@@ -69,6 +77,8 @@ onerror:
     for folder in (RESULTS, STUDY_RESULTS):
         remove_unfinished(placed(folder))
     said = "".join(Path(file).read_text(encoding="utf-8") for file in log)
+    if any(f"records of {name}" in said for name in MEASURED):
+        print(overview_with_failures())
     if "SIGKILL" in said or "exit status 137" in said:
         print(
             "A job was killed, as a rule because memory ran out: use fewer cores, or smaller chunks of a study."
@@ -87,13 +97,13 @@ rule all:
         [*rules.orbits.input, *rules.records.input, *rules.features.input] if not MEASURED else [],
         rules.estimates.input if not MEASURED else [],
         rules.tables.output if not MEASURED else [],
-        rules.figures.input if not MEASURED else [],
+        rules.figures.output if not MEASURED else [],
         [*rules.claims.output, *rules.check.output] if config["published"] else [],
         rules.article.output if config["published"] else [],
-        [*rules.match.output, *rules.notebook.output] if config["published"] else [],
+        rules.notebook.output if config["published"] else [],
         rules.codecheck.output if CODECHECKED else [],
         [*rules.page.output, *rules.manifest.output, *rules.crate.output] if not MEASURED else [],
-        [*rules.measured.output, *expand(rules.identify.output, set=MEASURED)] if MEASURED else [],
+        [*rules.measured.output, *measured_files()] if MEASURED else [],
         [*FRAME_FILES.values()],
     message:
         "Everything is rebuilt"

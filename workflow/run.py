@@ -14,17 +14,27 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from time import time
 
 import psutil
+import terminal
+from forks import scripts_as_forks
+from snakemake.cli import args_to_api, parse_args
+from snakemake.exceptions import print_exception
+from snakemake_interface_logger_plugins.registry import LoggerPluginRegistry
 
 from dampbalance.project.documents import ConfigurationError, read_yaml
 from dampbalance.project.files import remove_unfinished
+from dampbalance.project.progress import FOLDER
 
 RESULTS, STATE = Path("results"), Path(".snakemake")
 PROFILE = "workflow/profiles/default"
+CACHED = [
+    "study_chunk"
+]  # rules whose results are kept in the folder that SNAKEMAKE_OUTPUT_CACHE names
 SNAKEMAKE = (sys.executable, "-m", "snakemake")
 LEAST_FREE = 100e6  # bytes: the results of the paper's case and of the noise study take 70 MB
 
@@ -90,7 +100,7 @@ def obstacle(arguments: list[str]) -> str:
 
 
 def main(arguments: list[str]) -> None:
-    """Look, clear away, and become Snakemake."""
+    """Look, clear away, and run Snakemake."""
     if problem := obstacle(arguments):
         sys.exit(f"error: {problem}")
     if (STATE / "locks").exists():
@@ -104,7 +114,25 @@ def main(arguments: list[str]) -> None:
         if done.returncode:
             sys.exit(done.stderr)
         remove_unfinished(RESULTS)
-    os.execv(sys.executable, [*SNAKEMAKE, "--workflow-profile", PROFILE, *arguments])
+    given = ["--workflow-profile", PROFILE, *arguments]
+    if os.environ.get("SNAKEMAKE_OUTPUT_CACHE"):
+        given = ["--cache", *CACHED, *given]
+    if sys.stderr.isatty():
+        LoggerPluginRegistry().register_plugin("snakemake_logger_plugin_terminal", terminal)
+        given += ["--logger=terminal"]
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ[FOLDER] = folder
+        try:
+            parser, settings = parse_args(given)
+            settings.max_jobs_per_timespan = (
+                None  # a limit makes it look at all jobs each second, more and more often
+            )
+            with scripts_as_forks():
+                done = args_to_api(settings, parser)
+        except Exception as error:  # as Snakemake's own `main`
+            print_exception(error)
+            done = False
+    sys.exit(not done)
 
 
 if __name__ == "__main__":

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import fcntl
-import os
 import shutil
 from pathlib import Path
 
 import pytest
 
-from folders import ROOT
+from folders import ROOT, shared
 from workflow.copies import SMALL, Checkout, copied
 
 
@@ -22,19 +20,13 @@ def checkout(tmp_path_factory):
 @pytest.fixture(scope="session")
 def small(tmp_path_factory) -> Path:
     """The small case with its archive, built on two cores by the first process of the test run that asks for it."""
-    top = tmp_path_factory.getbasetemp()
-    if "PYTEST_XDIST_WORKER" in os.environ:
-        top = top.parent
-    folder, complete = top / "small", top / "small.complete"
-    with (top / "small.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not complete.exists():
-            shutil.rmtree(folder, ignore_errors=True)
-            copy = copied(ROOT, folder)
-            shutil.copy2(ROOT / "tests/workflow/small.yaml", folder)
-            copy.made("archive", *SMALL)
-            complete.touch()
-    return folder
+
+    def make(folder: Path) -> None:
+        copy = copied(ROOT, folder)
+        shutil.copy2(ROOT / "tests/workflow/small.yaml", folder)
+        copy.made("archive", *SMALL)
+
+    return shared(tmp_path_factory, "small", make)
 
 
 @pytest.fixture(scope="module")

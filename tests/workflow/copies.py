@@ -11,7 +11,7 @@ from typing import Any
 
 from numba.core.caching import _CacheLocator
 
-from dampbalance.publishing.provenance.sources import PROJECT
+from dampbalance.publishing.provenance.manifest import PROJECT
 from folders import contents
 from workflow.starting import snakemake
 

@@ -22,7 +22,7 @@ class Named(SimpleNamespace):
 
 
 def run(script: str, **given: Any) -> None:
-    """One job: `script` is a path below workflow/scripts; input, output, params and wildcards are by name."""
+    """One job: `script` is a path below workflow/scripts; input, output, params are by name."""
     groups = {name: Named(**value) for name, value in given.items()}
     snakemake = SimpleNamespace(**{"input": Named(), "output": Named(), "log": ()} | groups)
     hook = sys.excepthook  # which a script replaces
@@ -45,10 +45,8 @@ def case_jobs(config: Mapping[str, Any], folder: Path, shown: bool = False) -> N
         return [folder / pattern.format(frequency) for frequency in frequencies]
 
     orbits, records = files("orbits/{}.json"), files("records/{}.parquet")
-    for frequency, orbit, record in zip(frequencies, orbits, records, strict=True):
-        at = {**given, "wildcards": {"frequency": frequency}}
-        run("simulate/simulate_exact.py", output={"orbits": orbit}, **at)
-        run("simulate/simulate_as_published.py", output={"records": record}, **at)
+    run("simulate/simulate_exact.py", output={"orbits": orbits}, **given)
+    run("simulate/simulate_as_published.py", output={"records": records}, **given)
     exact = {"features": files("features/exact/{}.csv")}
     read = {
         "tabulated": files("features/as_published/{}.csv"),
@@ -62,9 +60,13 @@ def case_jobs(config: Mapping[str, Any], folder: Path, shown: bool = False) -> N
         run(f"estimates/estimate_{route}.py", input=features, output=output, **given)
     run("tables/tables.py", **given)
     if shown:
-        for name in ("figure2", "figure3", "estimation_error"):
-            output = {kind: folder / f"figures/{name}.{kind}" for kind in ("svg", "png")}
-            run(f"figures/{name}.py", input={"orbits": orbits[0]}, output=output, **given)
-        parts = {"orbits": orbits[0], "study_files": [], "study_cases": []}
-        given["params"]["page"] = f"{folder}/report.html"
+        names = ("figure1", "figure2", "figure3", "estimation_error")
+        drawn = {
+            f"{n}_{kind}": folder / f"figures/{n}.{kind}" for n in names for kind in ("svg", "png")
+        }
+        run("figures/figures.py", input={"orbits": orbits[0]}, output=drawn, **given)
+        names = ("figure3", "estimation_error")
+        parts = {"figures": [drawn[f"{name}_svg"] for name in names]}
+        parts |= {"study_files": [], "study_figures": []}
+        given["params"] |= {"page": f"{folder}/report.html", "figures": names}
         run("page/page.py", input=parts, output={"page": folder / "report.html"}, **given)

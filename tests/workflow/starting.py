@@ -1,4 +1,5 @@
-"""Snakemake, started many times: each run is a fork of one process that has it imported already."""
+"""Snakemake, started many times, each time as a fork of a process that has imported what is slow to import.
+`workflow/run.py` and plain Snakemake are started by the tests of interruptions, paths and SLURM."""
 
 from __future__ import annotations
 
@@ -9,11 +10,11 @@ import tempfile
 from multiprocessing import get_context
 from pathlib import Path
 
+from forks import LIBRARIES, scripts_as_forks
+
 SERVER = get_context("forkserver")
-# Nothing of this project: each run imports the package of its own folder.
-SERVER.set_forkserver_preload(
-    ["snakemake.cli", "jsonschema", "numba", "numba.np.arraymath", "pandas", "scipy.linalg"]
-)
+# Nothing of the package: each run imports that of its own folder.
+SERVER.set_forkserver_preload(["snakemake.cli", *LIBRARIES])
 
 
 def snakemake(
@@ -47,5 +48,6 @@ def _run(
     from numba.core import config
     from snakemake.cli import main
 
-    config.DISABLE_JIT = not compiled
-    main()
+    with scripts_as_forks():
+        config.DISABLE_JIT = not compiled
+        main()

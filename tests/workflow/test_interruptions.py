@@ -73,14 +73,9 @@ def wait_for(condition):
 
 def jobs_in(copy):
     """The processes of jobs that run in a copy."""
-    found = []
-    for process in psutil.process_iter(["cmdline", "cwd"]):
-        words = process.info["cmdline"] or []
-        if process.info["cwd"] == str(copy.folder) and any(
-            ".snakemake/scripts" in w for w in words
-        ):
-            found.append(process)
-    return found
+    found = psutil.process_iter(["name", "cwd"])
+    jobs = [one for one in found if one.info["name"].startswith("job ")]
+    return [one for one in jobs if one.info["cwd"] == str(copy.folder)]
 
 
 def test_after_a_kill_the_same_command_suffices(copy, built):

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
+import sys
+from subprocess import run
 
 import pandas as pd
 import pytest
 import yaml
 
 from dampbalance import identify
-from dampbalance.identification.outputs import OUTPUTS
-from folders import restored
+from dampbalance.identification.outputs import OUTPUTS, outputs_of
+from folders import ROOT, restored
 
 pytestmark = pytest.mark.slow
 
@@ -28,7 +31,8 @@ def test_everything_is_made_and_shown(built):
     copy, said = built
     files = copy.files("example")
     of_the_set = {f"{SET}/{name}" for name in (*OUTPUTS, ".complete")}
-    assert set(files) == {"measured/identification.csv", *of_the_set}
+    of_all = {f"measured/{name}" for name in ("identification.csv", "summary.txt")}
+    assert set(files) == of_all | of_the_set
     summary = files[f"{SET}/summary.txt"].decode()
     assert summary.splitlines()[3] in said
 
@@ -48,7 +52,7 @@ def test_the_workflow_says_what_the_package_says(built, monkeypatch):
 
 def test_a_bad_record_leaves_the_results_as_they_are_and_fails_until_it_is_mended(built):
     copy, _ = built
-    results = {f: data for f, data in copy.files("example").items() if not f.endswith(".complete")}
+    before = copy.files("example")
     record = copy.folder / "config/records/example/level2.csv"
     good = record.read_text(encoding="utf-8")
     lines = good.splitlines(keepends=True)
@@ -56,10 +60,14 @@ def test_a_bad_record_leaves_the_results_as_they_are_and_fails_until_it_is_mende
     record.write_text("".join(lines), encoding="utf-8")
     for _ in range(2):  # the second time, every result is there and newer than the record
         assert "level2.csv: line 500, column" in copy.refused("--configfile", EXAMPLE)
-        assert copy.files("example") == results
+        kept = copy.files("example")
+        assert {f: kept[f] for f in kept if f.startswith(SET)} == {
+            f: before[f] for f in before if f.startswith(SET) and not f.endswith(".complete")
+        }
+        assert b"below_resonance: config/records/example/level2" in kept["measured/summary.txt"]
     record.write_text(good, encoding="utf-8")
     copy.made("--configfile", EXAMPLE)
-    assert copy.files("example") == results | {f"{SET}/.complete": b""}
+    assert copy.files("example") == before
 
 
 @pytest.mark.parametrize("name", ["identification.csv", "summary.txt", "cycles.png", ".complete"])
@@ -85,6 +93,58 @@ def test_nothing_is_done_twice_and_a_record_that_changes_is_read_again(built):
     }
 
 
+@pytest.fixture(scope="module")
+def rig(checkout):
+    """The example of several sets in the README of records, with a set before them whose record is broken."""
+    copy = checkout()
+    text = (ROOT / "config/records/README.md").read_text(encoding="utf-8")
+    text = text[text.index("### Several sets at once") :]
+    for line in re.findall(r"^dampbalance (.+)", text, re.MULTILINE)[:4]:
+        run([sys.executable, "-m", "dampbalance", *line.split()], check=True, cwd=copy.folder)
+    (copy.folder / "rig.yaml").write_text(re.search(r"```yaml\n(.+?)```", text, re.DOTALL)[1])
+    decay = (copy.folder / "decay.csv").read_text(encoding="utf-8")
+    (copy.folder / "broken.csv").write_text(
+        decay.replace("\n0.1,", "\nnothing,", 1), encoding="utf-8"
+    )
+    document = yaml.safe_load((copy.folder / "rig.yaml").read_text(encoding="utf-8"))
+    broken = document["measured"][1] | {"name": "broken", "records": ["broken.csv"]}
+    document["measured"].insert(0, broken)
+    (copy.folder / "all.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+    return copy
+
+
+def test_a_set_that_fails_stands_with_its_error_beside_the_others(rig):
+    """On one core: without it, those that wait for the core would not be identified."""
+    done = rig.run("--configfile", "all.yaml", cores=1)
+    assert done.returncode != 0
+    files = rig.files("rig")
+    shown = files["measured/summary.txt"].decode()
+    assert shown in done.stdout
+    assert "2 of 3 sets of records identified" in shown
+    (error,) = (line for line in shown.splitlines() if line.startswith("broken:"))
+    assert re.fullmatch(
+        r"broken: broken\.csv: line \d+, column 'time': 'nothing' is not a number", error
+    )
+    for name, kind in (("steady", "forced"), ("released", "ring-down")):
+        assert {f"measured/{name}/{file}" for file in outputs_of(kind)} <= files.keys()
+    assert not any(name.startswith("measured/broken") for name in files)
+    table = pd.read_csv(rig.folder / "results/rig/measured/identification.csv")
+    assert dict(table["set"].value_counts()) == {"steady": 6, "released": 2, "broken": 1}
+    assert table["error"].notna().tolist() == (table["set"] == "broken").tolist()
+    # the decay is that of 0.5 N and 1 N s/m: each interval holds its value, or all but does
+    decays = table[table["set"] == "released"]
+    assert decays["F_k_N"].to_numpy() == pytest.approx(0.5, rel=0.02)
+    assert decays["c_N_s_per_m"].to_numpy() == pytest.approx(1.0, rel=0.1)
+
+
+def test_without_the_set_that_failed_nothing_is_left_of_it(rig):
+    rig.made("--configfile", "rig.yaml")
+    shown = rig.files("rig")["measured/summary.txt"].decode()
+    assert "2 of 2 sets" in shown
+    assert "broken" not in shown
+    assert rig.jobs("--configfile", "rig.yaml") == {}
+
+
 def against(copy, change):
     """What is said against a case of one's own: the example with a change of its set of records."""
     document = yaml.safe_load((copy.folder / EXAMPLE).read_text(encoding="utf-8"))
@@ -104,6 +164,8 @@ def against(copy, change):
         ({"stiffness_N_per_m": 0.0}, "measured[1].stiffness_N_per_m"),
         ({"stiffness": 2310.0}, "stiffness"),
         ({"approaches": ["best"]}, "measured[1].approaches[1]"),
+        ({"kind": "ring-down"}, "measured[1].frequency_hz: is for forced records"),
+        ({"kind": "decay"}, "measured[1].kind: 'decay' is not allowed. forced records, one per"),
         ({"name": "two words"}, "measured[1].name"),
         ({"terms": ["F_k", "c_9"]}, "measured[1].terms[2]: 'c_9' is not a term"),
         ({"given": {"c_2": 1.0}, "terms": ["F_k", "c"]}, "c_2 is given and no term of the law"),

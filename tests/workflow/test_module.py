@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 
 import pytest
 import yaml
@@ -121,7 +122,7 @@ def test_a_study_of_its_own_is_made_beside_those_of_the_project(made, built):
         ours.write_text(STUDY, encoding="utf-8")
         built.made("results/studies/ours/summary.md")
     assert contents(made.folder / "db/results/studies/ours") == built.files("studies/ours")
-    assert made.jobs("db/results/studies/damping/summary.md")["db_study_cases"] == 1
+    assert made.jobs("db/results/studies/damping/summary.md")["db_small_studies"] == 1
 
 
 def test_records_that_the_project_brings_along_are_identified(made, built):
@@ -147,6 +148,44 @@ def test_everything_of_the_paper_could_be_made(made):
     jobs = made.jobs("paper_all")
     wanted = {"all", "article", "check", "claims", "crate", "manifest", "notebook", "page"}
     assert {f"paper_{name}" for name in wanted} <= set(jobs)
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "expected"),
+    [
+        ("small", {"oscillator": {"F_k_N": -1.0}}, "small.oscillator.F_k_N: -1.0 is not allowed."),
+        ("small", {"levels": [1.0]}, "small.levels: unknown key"),
+        (
+            "example",
+            {"measured": [{"name": "a b"}]},
+            "example.measured[1].name: 'a b' cannot be a name",
+        ),
+    ],
+)
+def test_a_wrong_value_is_named_where_the_other_workflow_sets_it(foreign, name, change, expected):
+    file = foreign.folder / "config/config.yaml"
+    with restored(file):
+        config = yaml.safe_load(file.read_text(encoding="utf-8"))
+        config[name] |= change
+        file.write_text(yaml.safe_dump(config, sort_keys=False), encoding="utf-8")
+        lines = file.read_text(encoding="utf-8").splitlines()
+        said = foreign.refused("--dry-run", "mine")
+    line = int(
+        re.search(rf"^config/config\.yaml: line (\d+): {re.escape(expected)}", said, re.MULTILINE)[
+            1
+        ]
+    )
+    assert expected.split(":")[0].rpartition(".")[2] in lines[line - 1]
+
+
+def test_a_wrong_value_in_a_snakefile_is_named_with_that(foreign):
+    file = foreign.folder / "Snakefile"
+    with restored(file):
+        text = file.read_text(encoding="utf-8")
+        own = 'config: {"case": "small", "oscillator": {"F_k_N": -1.0}}'
+        file.write_text(text.replace('config: config["small"]', own), encoding="utf-8")
+        said = foreign.refused("--dry-run", "mine")
+    assert re.search(r"^Snakefile: oscillator\.F_k_N: -1\.0 is not allowed", said, re.MULTILINE)
 
 
 def test_a_prefix_for_some_paths_only_is_refused(made, tmp_path):

@@ -78,8 +78,9 @@ def named(checkout):
     copy = checkout()
     texts = {"maps/one.yaml": yaml.safe_dump(MAPPING), "named.yaml": yaml.safe_dump(CASE)}
     results = "results/named/measured"
+    all_sets = [f"{results}/{name}" for name in ("identification.csv", "summary.txt")]
     made = [f"{results}/set/{name}" for name in (*OUTPUTS, ".complete")]
-    for name in (*NAMED, *texts, *made, f"{results}/identification.csv"):
+    for name in (*NAMED, *texts, *made, *all_sets):
         file = copy.folder / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(texts.get(name, "1\n"), encoding="utf-8")

@@ -12,7 +12,7 @@ from dampbalance import __version__
 from folders import ROOT
 from processes import output_of, run
 
-LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-build.lock")
+LOCKS = sorted(path.name for path in ROOT.glob("requirements*.lock"))
 ODD = "ä b'c & (e) [f] #h %i"
 STUB = """#!/bin/sh
 printf '%s\\n' "HOME=$HOME" "$@" end >>"$HERE/calls"

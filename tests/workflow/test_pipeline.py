@@ -72,7 +72,7 @@ def test_a_changed_value_reruns_what_depends_on_it(built):
     assert jobs["features_exact"] == 1
     assert jobs["estimate_exact"] == jobs["estimate_as_published"] == 1
     assert jobs["tables"] == 1
-    assert "figure3" not in jobs
+    assert "article" not in jobs
 
 
 @pytest.mark.parametrize(
@@ -84,7 +84,7 @@ def test_a_changed_value_reruns_what_depends_on_it(built):
         (
             "src/dampbalance/replication/printed_tables.py",
             {"tables"},
-            {"estimate_exact", "simulate_exact", "figure3"},
+            {"estimate_exact", "simulate_exact", "figures"},
         ),
         (
             "workflow/scripts/estimates/estimate_exact.py",

@@ -20,7 +20,7 @@ import pytest
 from dampbalance import __version__
 from dampbalance.project.files import sha256
 from dampbalance.publishing.provenance import archive
-from dampbalance.publishing.provenance.sources import digest_of, files_of
+from dampbalance.publishing.provenance.manifest import digest_of, files_of
 from folders import ROOT, contents
 from processes import git
 from workflow.copies import SMALL, Checkout
@@ -61,7 +61,7 @@ def test_every_result_is_in_the_manifest_with_its_digest(built, stated):
             "features/features_as_published.py",
         ),
         ("tables/table3.md", "tables", "tables/tables.py"),
-        ("figures/figure2.png", "figure2", "figures/figure2.py"),
+        ("figures/figure2.png", "figures", "figures/figures.py"),
     ],
 )
 def test_the_rule_and_the_job_of_a_result_are_named(stated, file, rule, script):

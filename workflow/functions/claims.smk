@@ -1,18 +1,14 @@
 # Which printed numbers there are to compare with, and when they were compared last.
 import time
 
-from dampbalance.replication.claims import WORSE
+from dampbalance.replication.claims.table import WORSE
 
 PUBLISHED = named_file(config["published"]) if config["published"] else None
 
 if PUBLISHED and workflow.is_main_process:
-    from dampbalance.replication.claims import (
-        PRINTED_FREQUENCIES,
-        PRINTED_LEVELS,
-        check_printed,
-        read_published,
-        read_record,
-    )
+    from dampbalance.replication.claims import published as printed
+    from dampbalance.replication.claims.rules import check_printed
+    from dampbalance.replication.claims.table import read_record
 
     where = f"{CONFIG_FILES[-1]}: published: {config['published']}"
     other = "use null for a case of your own, with nothing printed to compare with"
@@ -20,17 +16,17 @@ if PUBLISHED and workflow.is_main_process:
         raise WorkflowError(
             f"{where} is not a folder with printed numbers and verdicts.csv; {other}."
         )
-    of_the_paper = tuple(FREQUENCIES[: len(PRINTED_FREQUENCIES)]) == PRINTED_FREQUENCIES
-    if not of_the_paper or len(CASE.levels_m) != PRINTED_LEVELS:
+    of_the_paper = tuple(FREQUENCIES[: len(printed.FREQUENCIES)]) == printed.FREQUENCIES
+    if not of_the_paper or len(CASE.levels_m) != printed.LEVELS:
         raise WorkflowError(
-            f"{where} has numbers for {PRINTED_LEVELS} levels at {', '.join(PRINTED_FREQUENCIES)}, in this order; {other}."
+            f"{where} has numbers for {printed.LEVELS} levels at {', '.join(printed.FREQUENCIES)}, in this order; {other}."
         )
     if CASE.numerics.tabulated.get("t_s_unit_s") is None:
         raise WorkflowError(
             f"{where} is compared with t_s as it was cut: as_published.tabulated.t_s_unit_s is needed; {other}."
         )
     try:
-        check_printed(read_published(Path(PUBLISHED)))
+        check_printed(printed.read_published(Path(PUBLISHED)))
         read_record(Path(PUBLISHED, "verdicts.csv"))
     except ValueError as error:
         raise WorkflowError(f"{where}/{error}.") from None

@@ -1,12 +1,22 @@
-# Files of a figure.
+# Files of figures.
 def figure_files(name, title):
-    """The SVG and the PNG of a figure. title : what the report calls it."""
+    """The SVG and the PNG of a figure, <name>_svg and <name>_png. title : what the report calls it."""
     return {
-        "svg": report(
+        f"{name}_svg": report(
             f"{RESULTS}/figures/{name}.svg",
             caption=f"../report/{name}.rst",
             category="Figures",
             labels={"result": title},
         ),
-        "png": f"{RESULTS}/figures/{name}.png",
+        f"{name}_png": f"{RESULTS}/figures/{name}.png",
     }
+
+
+MATCH_FILES = {}
+if config["published"]:
+    MATCH_FILES["match"] = report(
+        f"{RESULTS}/figures/match.svg",
+        caption="../report/match.rst",
+        category="Verdicts",
+        labels={"result": "The match at a glance"},
+    )

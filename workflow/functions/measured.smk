@@ -4,7 +4,9 @@ import glob
 from dampbalance.project.documents import refuse
 from dampbalance.records.errors import RecordError
 from dampbalance.records.mapping import mapping_file, mapping_for, parts_of
-from dampbalance.identification.outputs import OUTPUTS
+from dampbalance.identification.batch import ESTIMATES, SUMMARY as OVERVIEW, summarise
+from dampbalance.identification.measured import of_forced_only
+from dampbalance.identification.outputs import outputs_of
 from dampbalance.law.law import law_of
 
 MEASURED = {one["name"]: {**one} for one in config.get("measured") or []}
@@ -13,6 +15,51 @@ for one in MEASURED.values():
         one["mapping"] = named_file(one["mapping"])
 MEASURED_FILES = f"{RESULTS}/measured"
 FROM = "from the folder of the run or of the project on"
+
+
+def kind_of(name):
+    """The kind of records of a set: forced, or ring-down for free decays."""
+    return MEASURED[name].get("kind", "forced")
+
+
+def sets_of(kind):
+    """The names of the sets of a kind, for a wildcard; one that no set can have where there is none."""
+    return "|".join(name for name in MEASURED if kind_of(name) == kind) or "[.]"
+
+
+def set_files(name, kind):
+    """The results of a set of a kind."""
+    return [f"{MEASURED_FILES}/{name}/{file}" for file in outputs_of(kind)]
+
+
+def measured_files():
+    """The results of all sets."""
+    return [
+        *(file for name in MEASURED for file in set_files(name, kind_of(name))),
+        *(f"{MEASURED_FILES}/{name}/.complete" for name in MEASURED),
+    ]
+
+
+def overview_with_failures():
+    """Write and return what became of each set when some could not be identified; the next run makes it anew."""
+    folder = Path(placed(MEASURED_FILES))
+    folder.mkdir(parents=True, exist_ok=True)
+    text = summarise(folder, failures())
+    for name in (ESTIMATES, OVERVIEW):
+        os.utime(folder / name, (0, 0))
+    return text
+
+
+def failures():
+    """Set → why it could not be identified in the run that ends, as its log says; "" where it was."""
+    errors = dict.fromkeys(MEASURED, "")
+    for name in MEASURED:
+        if not Path(placed(f"{MEASURED_FILES}/{name}/.complete")).exists():
+            log = Path(placed(log_file(f"identify_{name}")))
+            lines = log.read_text(encoding="utf-8").split("\n") if log.exists() else []
+            said = [line for line in lines if line.strip()] or ["it was not reached"]
+            errors[name] = said[-1].removeprefix("error: ")
+    return errors
 
 
 def refuse_of(name, *key, text):
@@ -73,6 +120,9 @@ if MEASURED and workflow.is_main_process:
             refuse(("measured",), text, CONFIG_FILES)
         for name, one in MEASURED.items():
             require_files(name)
+            for key in of_forced_only(one):
+                text = "is for forced records, and kind: ring-down are free decays; leave it out"
+                refuse_of(name, key, text=text)
             try:
                 law_of(one.get("terms"), one.get("given"), one.get("groups")).require_labels(
                     len(record_files(name))

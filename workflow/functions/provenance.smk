@@ -3,7 +3,7 @@ import functools
 import os
 
 from dampbalance import __version__ as VERSION
-from dampbalance.publishing.provenance.sources import COMPUTING, PROJECT, code_version, files_of
+from dampbalance.publishing.provenance.manifest import COMPUTING, PROJECT, code_version, files_of
 from snakemake.io import is_flagged
 
 # A configuration that another workflow hands over stands in no file of its own; as merged it is in the manifest.

@@ -4,6 +4,7 @@ import os
 import re
 import sys
 import time
+from importlib.metadata import version
 
 STUDY_FOLDER = Path("config/studies")
 STUDY_RESULTS = "results/studies"
@@ -11,6 +12,14 @@ STUDY_RESULTS = "results/studies"
 STUDIES = sorted(
     {path.stem for top in (Path(), ROOT) for path in (top / STUDY_FOLDER).glob("*.yaml")}
 )
+
+# What article and page cite of the paper's oscillator, a second each: one job computes them, in less time than seven start.
+SMALL_STUDIES = [
+    *("frequency", "level", "damping", "contact_stiffness", "rigid_contact"),
+    *("read_out", "step_size"),
+]
+# A chunk from a cache is one that they computed: of the environment Snakemake knows nothing.
+STUDY_LIBRARIES = {name: version(name) for name in ("numpy", "scipy", "numba", "pandas", "pyarrow")}
 
 
 def study_file(name):
@@ -65,9 +74,9 @@ if workflow.is_main_process:
         logger.info(f"Study {name}: {study_plan(name)[1]}")
 
 
-def study_settings(wildcards):
+def study_settings(name):
     """What the numbers of a study follow from: a change of them, and of nothing else, computes it again."""
-    study, _ = study_plan(wildcards.study)
+    study, _ = study_plan(name)
     return {"settings": study.settings, "fixed": study.fixed, "levels": study.levels}
 
 
@@ -88,11 +97,21 @@ def chunk_memory_mb(wildcards, attempt):
     return 1650 * attempt
 
 
-def study_title(wildcards):
+def title_of(name):
     """What the report calls a study."""
     from dampbalance.project.wording import plain  # needed for a report only
 
-    return {"result": plain(study_plan(wildcards.study)[0].title)}
+    return {"result": plain(study_plan(name)[0].title)}
+
+
+def study_title(wildcards):
+    """The same, of a job."""
+    return title_of(wildcards.study)
+
+
+def study_svg(path, title):
+    """The figure of a study, which the report shows."""
+    return report(path, caption="../report/study.rst", category="Studies", labels=title)
 
 
 def study_figure_files(wildcards):

@@ -42,7 +42,7 @@ if config["published"]:
         script:
             "../scripts/article/article_schemes.py"
 
-    rule article_evidence:
+    rule article_numbers:
         input:
             features=of_routes("features"),
             estimates=of_routes("estimates"),
@@ -50,57 +50,29 @@ if config["published"]:
             approaches=f"{RESULTS}/tables/approaches.csv",
             schemes=rules.article_schemes.output.csv,
             cycles=rules.article_schemes.output.cycles,
-            modules=script_modules("article/article_evidence.py"),
+            study_cases=expand(rules.study_cases.output.cases, study=ARTICLE_STUDIES),
+            study_files=study_files(ARTICLE_STUDIES),
+            lock=project_input("requirements.lock"),
+            citation=project_input("CITATION.cff"),
+            modules=script_modules("article/article_numbers.py"),
         output:
-            json=f"{ARTICLE}/evidence.json",
+            evidence=f"{ARTICLE}/evidence.json",
+            studies=f"{ARTICLE}/studies.json",
+            environment=f"{ARTICLE}/environment.json",
         log:
-            log_file("article_evidence"),
-        conda:
-            ENVIRONMENT
-        params:
-            case=of_case("oscillator", "frequencies_hz", "pairs", "numerics"),
-            folder=lambda wildcards: placed(RESULTS),
-        message:
-            "Article: numbers to argue with"
-        script:
-            "../scripts/article/article_evidence.py"
-
-    rule article_studies:
-        input:
-            cases=expand(rules.study_cases.output.cases, study=ARTICLE_STUDIES),
-            files=study_files(ARTICLE_STUDIES),
-            modules=script_modules("article/article_studies.py"),
-        output:
-            json=f"{ARTICLE}/studies.json",
-        log:
-            log_file("article_studies"),
+            log_file("article_numbers"),
         conda:
             ENVIRONMENT
         params:
             **STUDY_DEFAULTS,
+            case=of_case("oscillator", "frequencies_hz", "pairs", "numerics"),
+            folder=lambda wildcards: placed(RESULTS),
             studies=ARTICLE_STUDIES,
-        message:
-            "Article: what the studies show"
-        script:
-            "../scripts/article/article_studies.py"
-
-    rule article_environment:
-        input:
-            lock=project_input("requirements.lock"),
-            citation=project_input("CITATION.cff"),
-            modules=script_modules("article/article_environment.py"),
-        output:
-            json=f"{ARTICLE}/environment.json",
-        log:
-            log_file("article_environment"),
-        conda:
-            ENVIRONMENT
-        params:
             packages=ARTICLE_PACKAGES,
         message:
-            "Article: versions of the environment"
+            "Article: numbers to argue with, what the studies show, versions of the environment"
         script:
-            "../scripts/article/article_environment.py"
+            "../scripts/article/article_numbers.py"
 
     rule article_figure:
         input:
@@ -113,10 +85,7 @@ if config["published"]:
             modules=script_modules("article/article_figure.py"),
         output:
             **figure_files("numerics", "How the printed digits arose"),
-            **{
-                f"glance_{kind}": file
-                for kind, file in figure_files("glance", "The findings at a glance").items()
-            },
+            **figure_files("glance", "The findings at a glance"),
         log:
             log_file("article_figure"),
         conda:
@@ -130,17 +99,17 @@ if config["published"]:
 
     # The files that the article reads its numbers from, in the order of its list of sources, and the rule that makes each.
     ARTICLE_SOURCES = {
-        f"{ARTICLE}/evidence.json": "article_evidence",
+        f"{ARTICLE}/evidence.json": "article_numbers",
         f"{ARTICLE}/schemes.csv": "article_schemes",
         f"{RESULTS}/claims.csv": "claims",
         f"{RESULTS}/tables/approaches.csv": "tables",
-        f"{ARTICLE}/studies.json": "article_studies",
+        f"{ARTICLE}/studies.json": "article_numbers",
         f"{STUDY_RESULTS}/noise/manifest.json": "study_cases",
         f"{STUDY_RESULTS}/noise/summary.csv": "study_summary",
         f"{RESULTS}/tables/table1.csv": "tables",
         f"{RESULTS}/tables/table2.csv": "tables",
         f"{RESULTS}/tables/table3.csv": "tables",
-        f"{ARTICLE}/environment.json": "article_environment",
+        f"{ARTICLE}/environment.json": "article_numbers",
     }
 
     rule article:

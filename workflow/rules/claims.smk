@@ -34,6 +34,33 @@ rule claims:
         "../scripts/claims/claims.py"
 
 
+# Every digit of the tables one up and one down: seconds of judging, for the page alone, so that everything else comes first.
+rule digits:
+    input:
+        features=of_routes("features"),
+        estimates=of_routes("estimates"),
+        unrounded=f"{RESULTS}/features/as_published/unrounded/{FREQUENCIES[0]}.csv",
+        published=published_files,
+        modules=script_modules("claims/digits.py"),
+    output:
+        json=f"{RESULTS}/digits.json",
+    log:
+        log_file("digits"),
+    benchmark:
+        log_file("digits", "tsv")
+    priority: LAST
+    conda:
+        ENVIRONMENT
+    params:
+        case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
+        folder=lambda wildcards: placed(RESULTS),
+        published=PUBLISHED,
+    message:
+        "Verdicts on the printed tables with other digits"
+    script:
+        "../scripts/claims/digits.py"
+
+
 # Never fails, so that everything else is built: the run fails at its end (onsuccess in the Snakefile).
 rule check:
     input:

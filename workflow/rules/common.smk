@@ -15,7 +15,7 @@ from snakemake.utils import update_config
 try:
     from dampbalance.balance import APPROACHES
     from dampbalance.project.case import Case, check, excerpt, require_own_case
-    from dampbalance.project.documents import ConfigurationError
+    from dampbalance.project.documents import ConfigurationError, section_of
     from dampbalance.project.dependencies import package_modules
     from dampbalance.project.files import ROUTES, remove_unfinished
     from dampbalance.replication.feasibility import check_feasible
@@ -66,10 +66,12 @@ if IS_MODULE:
 
 # In the order in which they were merged: files named on the command line come last, and win.
 CONFIG_FILES = [
-    *([BASE_CONFIG] if IS_MODULE else []),
     *(file for file in workflow.configfiles if file not in workflow.overwrite_configfiles),
     *workflow.overwrite_configfiles,
 ]
+if IS_MODULE:  # errors name the place where the other workflow sets a value
+    theirs = os.path.relpath(str(workflow.main_snakefile))
+    CONFIG_FILES = [BASE_CONFIG, *([section_of(given, CONFIG_FILES, theirs)] if given else [])]
 
 if workflow.is_main_process:
     try:
@@ -95,6 +97,7 @@ FREQUENCIES = list(CASE.frequencies_hz)
 RESULTS = f"results/{CASE.name}"
 LOGS = f"results/logs/{CASE.name}"
 FIRST = 10  # priority of what leads to the paper's tables and verdicts: they are seen before the studies are computed
+LAST = -10  # priority of what only the page waits for
 ENVIRONMENT = "../envs/dampbalance.yaml"
 STUDY_DEFAULTS = {  # what a script needs to read the file of a study
     "schema": project_file("workflow/schemas/study.schema.yaml"),
@@ -105,11 +108,6 @@ STUDY_DEFAULTS = {  # what a script needs to read the file of a study
 def of_case(*fields):
     """Those fields of the case as a rule's parameter: a change of any other does not rerun it."""
     return excerpt(config, *fields)
-
-
-def at_frequency(*fields):
-    """The same with the drive frequency that the rule's wildcard names, and no other."""
-    return lambda wildcards: excerpt(config, *fields, frequency=wildcards.frequency)
 
 
 def log_file(job, extension="log"):

@@ -4,7 +4,7 @@
 
 rule features_exact:
     input:
-        orbits=expand(rules.simulate_exact.output.orbits, frequency=FREQUENCIES),
+        orbits=rules.simulate_exact.output.orbits,
         modules=script_modules("features/features_exact.py"),
     output:
         features=expand(f"{RESULTS}/features/exact/{{frequency}}.csv", frequency=FREQUENCIES),
@@ -23,7 +23,7 @@ rule features_exact:
 
 rule features_as_published:
     input:
-        records=expand(rules.simulate_as_published.output.records, frequency=FREQUENCIES),
+        records=rules.simulate_as_published.output.records,
         modules=script_modules("features/features_as_published.py"),
     output:
         **{

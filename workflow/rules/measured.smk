@@ -11,14 +11,14 @@ rule identify:
         modules=script_modules("measured/identify.py"),
     output:
         # Earlier results stay when the job fails, and only its mark goes: the next run finds that missing and tries again.
-        **{name.replace(".", "_"): update(f"{MEASURED_FILES}/{{set}}/{name}") for name in OUTPUTS},
+        *[update(file) for file in set_files("{set}", "forced")],
         mark=touch(f"{MEASURED_FILES}/{{set}}/.complete"),
     log:
         log_file("identify_{set}"),
     benchmark:
         log_file("identify_{set}", "tsv")
     wildcard_constraints:
-        set="[A-Za-z0-9_-]+",
+        set=sets_of("forced"),
     conda:
         ENVIRONMENT
     params:
@@ -30,12 +30,21 @@ rule identify:
         "../scripts/measured/identify.py"
 
 
+use rule identify as identify_decays with:
+    output:
+        *[update(file) for file in set_files("{set}", "ring-down")],
+        mark=touch(f"{MEASURED_FILES}/{{set}}/.complete"),
+    wildcard_constraints:
+        set=sets_of("ring-down"),
+
+
 rule measured:
     input:
         sets=expand(f"{MEASURED_FILES}/{{set}}/identification.csv", set=MEASURED),
         modules=script_modules("measured/measured.py"),
     output:
         csv=f"{MEASURED_FILES}/identification.csv",
+        summary=f"{MEASURED_FILES}/summary.txt",
     log:
         log_file("measured"),
     conda:

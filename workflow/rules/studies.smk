@@ -16,6 +16,7 @@ wildcard_constraints:
     chunk="[0-9]+",
 
 
+# Expensive and pure: with SNAKEMAKE_OUTPUT_CACHE, run.py has it kept for other clones. Rules that may be have no benchmark.
 rule study_chunk:
     input:
         modules=script_modules("studies/study_chunk.py"),
@@ -23,8 +24,6 @@ rule study_chunk:
         chunk=temp(f"{STUDY_RESULTS}/{{study}}/chunks/{{chunk}}.parquet"),
     log:
         study_log("chunk_{chunk}"),
-    benchmark:
-        study_log("chunk_{chunk}", "tsv")
     conda:
         ENVIRONMENT
     threads: 1
@@ -36,7 +35,8 @@ rule study_chunk:
         file=lambda wildcards: study_file(wildcards.study),
         number=lambda wildcards: int(wildcards.chunk) + 1,
         chunks=lambda wildcards: study_plan(wildcards.study)[1].chunks,
-        computed_from=study_settings,
+        computed_from=lambda wildcards: study_settings(wildcards.study),
+        computed_with=STUDY_LIBRARIES,
     message:
         "Study {wildcards.study}: chunk {params.number} of {params.chunks}"
     script:
@@ -63,26 +63,51 @@ rule study_cases:
     params:
         **STUDY_DEFAULTS,
         file=lambda wildcards: study_file(wildcards.study),
-        computed_from=study_settings,
+        computed_from=lambda wildcards: study_settings(wildcards.study),
     message:
         "Study {wildcards.study}: all cases in one file"
     script:
         "../scripts/studies/study_cases.py"
 
 
+# Those of SMALL_STUDIES that have changed, and the others with them.
+rule small_studies:
+    input:
+        modules=script_modules("studies/small_studies.py"),
+    output:
+        cases=expand(rules.study_cases.output.cases, study=SMALL_STUDIES),
+        manifests=expand(rules.study_cases.output.manifest, study=SMALL_STUDIES),
+    log:
+        log_file("small_studies"),
+    benchmark:
+        log_file("small_studies", "tsv")
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=chunk_memory_mb,
+        runtime=60,
+    params:
+        **STUDY_DEFAULTS,
+        files=[study_file(name) for name in SMALL_STUDIES],
+        computed_from=lambda wildcards: [*map(study_settings, SMALL_STUDIES)],
+    message:
+        "Small studies: all cases"
+    script:
+        "../scripts/studies/small_studies.py"
+
+
+ruleorder: small_studies > study_cases
+
+
 rule study_figure:
     input:
-        cases=rules.study_cases.output.cases,
-        file=lambda wildcards: unmoved(study_file(wildcards.study)),
+        cases=[rules.study_cases.output.cases],
+        files=lambda wildcards: [unmoved(study_file(wildcards.study))],
         modules=script_modules("studies/study_figure.py"),
     output:
-        svg=report(
-            f"{STUDY_RESULTS}/{{study}}/figure.svg",
-            caption="../report/study.rst",
-            category="Studies",
-            labels=study_title,
-        ),
-        png=f"{STUDY_RESULTS}/{{study}}/figure.png",
+        svg=[study_svg(f"{STUDY_RESULTS}/{{study}}/figure.svg", study_title)],
+        png=[f"{STUDY_RESULTS}/{{study}}/figure.png"],
     log:
         study_log("figure"),
     conda:
@@ -96,6 +121,27 @@ rule study_figure:
         "Study {wildcards.study}: figure"
     script:
         "../scripts/studies/study_figure.py"
+
+
+# Those of SMALL_STUDIES, in one job as well.
+use rule study_figure as small_figures with:
+    input:
+        cases=expand(rules.study_cases.output.cases, study=SMALL_STUDIES),
+        files=study_files(SMALL_STUDIES),
+        modules=script_modules("studies/study_figure.py"),
+    output:
+        svg=[
+            study_svg(f"{STUDY_RESULTS}/{name}/figure.svg", title_of(name))
+            for name in SMALL_STUDIES
+        ],
+        png=expand(f"{STUDY_RESULTS}/{{study}}/figure.png", study=SMALL_STUDIES),
+    log:
+        log_file("small_figures"),
+    message:
+        "Small studies: figures"
+
+
+ruleorder: small_figures > study_figure
 
 
 rule study_summary:

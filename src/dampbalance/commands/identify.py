@@ -16,7 +16,7 @@ from ..identification.outputs import ALL_PICTURES, OUTPUTS, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, write_json
 from ..project.wording import shortened
-from ..records.limits import LARGEST
+from ..records.errors import LARGEST
 from .options import coefficients, count, number, whole, with_error
 
 EPILOG = """\

@@ -19,6 +19,16 @@ def number(low: float = SMALLEST, high: float = LARGEST) -> Callable[[str], floa
     return _within(float, low, high, f"a {'positive ' * (low > 0)}number, {low:g} to {high:g}")
 
 
+def quantity(
+    default: float | None, words: str, low: float = SMALLEST, high: float = LARGEST, **more: Any
+) -> dict[str, Any]:
+    """An option with a number; without a default, the words say what stands for it."""
+    if default is None:
+        return {"type": number(low, high), "help": words, **more}
+    words = f"{words} (default: %(default)s)"
+    return {"type": number(low, high), "default": default, "help": words, **more}
+
+
 def with_error(text: str) -> tuple[float, float]:
     """A type of argument: a positive number, alone or with its standard uncertainty, 2310±10 or 2310+-10."""
     value, *error = re.split(r"±|\+/?-", text, maxsplit=1)

@@ -6,10 +6,10 @@ import argparse
 from typing import Any
 
 from ..motion.jit import interpreted
-from ..records.limits import LATEST
+from ..records.errors import LATEST
 from ..records.measurement import RESPONSES
 from ..records.synthetic import measured_ring_down
-from .options import number
+from .options import LARGEST, quantity
 from .simulate import ARGUMENTS as OF_FORCED
 from .simulate import oscillator, require_brief, require_new, save
 
@@ -24,28 +24,10 @@ paper unless told otherwise; it damps so much that it hardly swings.
 _ALIKE = ("--mass", "--damping", "--stiffness", "--contact-stiffness", "--friction", "--rate")
 ARGUMENTS: dict[str, dict[str, Any]] = {
     "record": OF_FORCED["record"],
-    "--displacement": {
-        "type": number(-1e15),
-        "default": 0.0,
-        "metavar": "X",
-        "help": "to which the mass was pulled, m (default: %(default)s)",
-    },
-    "--velocity": {
-        "type": number(-1e15),
-        "default": 0.0,
-        "metavar": "V",
-        "help": "that a blow gives it, m/s (default: %(default)s)",
-    },
-    "--duration": {
-        "type": number(0.0, LATEST),
-        "default": 3.0,
-        "help": "of the decay, s (default: %(default)s)",
-    },
-    "--held": {
-        "type": number(0.0, LATEST),
-        "default": 0.2,
-        "help": "time for which the mass is held before, s (default: %(default)s)",
-    },
+    "--displacement": quantity(0.0, "to which the mass was pulled, m", -LARGEST, metavar="X"),
+    "--velocity": quantity(0.0, "that a blow gives it, m/s", -LARGEST, metavar="V"),
+    "--duration": quantity(3.0, "of the decay, s", 0.0, LATEST),
+    "--held": quantity(0.2, "time for which the mass is held before, s", 0.0, LATEST),
     **{name: OF_FORCED[name] for name in _ALIKE},
     "--noise": OF_FORCED["--noise"]
     | {"help": "rms over the largest value of the channel (default: %(default)s)"},

@@ -11,12 +11,11 @@ import numpy as np
 
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit, steady_orbit
-from ..records.errors import RecordError
-from ..records.limits import HIGHEST_RATE, LATEST, LOWEST_RATE
+from ..records.errors import HIGHEST_RATE, LATEST, LOWEST_RATE, RecordError
 from ..records.measurement import QUANTITIES, Channel, Measurement
 from ..records.synthetic import measured_orbit
 from ..records.writers import write
-from .options import LARGEST, SMALLEST, coefficients, number, whole
+from .options import coefficients, quantity, whole
 
 if TYPE_CHECKING:
     from ..law.response import LawOrbit
@@ -40,39 +39,24 @@ DAMPING, FRICTION = 90.0, 1.28
 _CHANNELS = ("base_displacement", "displacement")
 
 
-def _quantity(
-    default: float, words: str, low: float = SMALLEST, high: float = LARGEST
-) -> dict[str, Any]:
-    words = f"{words} (default: %(default)s)"
-    return {"type": number(low, high), "default": default, "help": words}
-
-
 ARGUMENTS: dict[str, dict[str, Any]] = {
     "record": {"type": Path, "metavar": "FILE", "help": "its suffix names the format"},
-    "--frequency": {
-        "type": number(1e-9, 1e9),
-        "required": True,
-        "metavar": "HZ",
-        "help": "of the drive, Hz",
-    },
-    "--amplitude": {"type": number(), "required": True, "metavar": "Y", "help": "of the base, m"},
-    "--mass": _quantity(2.42, "m, kg"),
-    "--damping": {
-        "type": number(0.0),
-        "help": f"c, N s/m (default: {DAMPING:g}; with --law 0)",
-    },
-    "--stiffness": _quantity(2310.0, "k, N/m"),
-    "--contact-stiffness": _quantity(208000.0, "K_z, N/m"),
-    "--friction": {"type": number(0.0), "help": f"F_k, N (default: {FRICTION:g})"},
+    "--frequency": quantity(None, "of the drive, Hz", 1e-9, 1e9, required=True, metavar="HZ"),
+    "--amplitude": quantity(None, "of the base, m", required=True, metavar="Y"),
+    "--mass": quantity(2.42, "m, kg"),
+    "--damping": quantity(None, f"c, N s/m (default: {DAMPING:g}; with --law 0)", 0.0),
+    "--stiffness": quantity(2310.0, "k, N/m"),
+    "--contact-stiffness": quantity(208000.0, "K_z, N/m"),
+    "--friction": quantity(None, f"F_k, N (default: {FRICTION:g})", 0.0),
     "--law": {
         "type": coefficients,
         "metavar": "SYMBOL=VALUE,…",
         "help": "terms of the damping with their coefficients, see below (default: c alone)",
     },
-    "--rate": _quantity(5000.0, "samples per second", LOWEST_RATE, HIGHEST_RATE),
-    "--cycles": _quantity(100.0, "of the drive"),
-    "--start": _quantity(0.0, "time of the first sample, s", -LATEST, LATEST),
-    "--noise": _quantity(0.0, "rms over that of the channel", 0.0, 1e6),
+    "--rate": quantity(5000.0, "samples per second", LOWEST_RATE, HIGHEST_RATE),
+    "--cycles": quantity(100.0, "of the drive"),
+    "--start": quantity(0.0, "time of the first sample, s", -LATEST, LATEST),
+    "--noise": quantity(0.0, "rms over that of the channel", 0.0, 1e6),
     "--seed": {"type": whole(), "default": 0, "help": "of the noise (default: %(default)s)"},
     "--channel": {
         "action": "append",

@@ -3,15 +3,33 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
 from ..model import BaseMotion, Oscillator
-from .documents import ConfigurationError, Problem, against_schema, in_lines, read_schema, read_yaml
+from .documents import (
+    ConfigurationError,
+    Problem,
+    Source,
+    against_schema,
+    documents_of,
+    in_lines,
+    read_schema,
+    read_yaml,
+)
 
 NOT_GIVEN: Any = None
+
+_TAKEN = (
+    "paper",
+    "studies",
+    "archive",
+    "benchmarks",
+    "site",
+)  # folders of results that no other case can have
 
 
 @dataclass(frozen=True)
@@ -124,7 +142,7 @@ _FIELDS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
 def check(
     config: Mapping[str, Any],
     schema_file: str | Path,
-    files: Iterable[str | Path],
+    files: Iterable[Source],
     approaches: Iterable[str],
 ) -> None:
     """Check a configuration against its schema and for sense.
@@ -134,7 +152,7 @@ def check(
 
     Raises ConfigurationError listing every problem, a line each.
     """
-    documents = {str(file): read_yaml(file) for file in files}
+    documents = documents_of(files)
     problems = against_schema(config, read_schema(schema_file), approaches)
     problems = problems or list(_contradictions(config))
     if problems:
@@ -148,9 +166,11 @@ def require_own_case(overriding: Iterable[str | Path]) -> None:
     """
     files = [str(file) for file in overriding]
     if files and not any("case" in read_yaml(file) for file in files):
+        name = re.sub("[^A-Za-z0-9_-]+", "_", Path(files[-1]).stem).strip("_-")[:50]
+        name = name if name and name not in _TAKEN else f"my_{name or 'case'}"
         raise ConfigurationError(
             f"{files[-1]}: case: is missing, and the results would replace those of the paper; name the case "
-            f"(case: {Path(files[-1]).stem}), and add published: null if there are no printed numbers to compare with"
+            f"(case: {name}), and add published: null if there are no printed numbers to compare with"
         )
 
 

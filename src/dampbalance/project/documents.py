@@ -11,7 +11,8 @@ import json
 import math
 import re
 import stat
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -45,10 +46,51 @@ class ConfigurationError(ValueError):
     """A configuration that cannot be used; the message names the file, the key and the remedy."""
 
 
-def refuse(key: Key, text: str, files: Iterable[str | Path]) -> NoReturn:
+@dataclass(frozen=True)
+class Section:
+    """A configuration that is part of a file, as that which another workflow gives to this one as a module.
+
+    file : in which it stands.   key : of it there; None where the file is no YAML but a Snakefile.
+    """
+
+    file: str
+    key: Key | None
+    document: Any
+
+    def __str__(self) -> str:
+        return self.file
+
+
+Source = str | Path | Section
+"""Where a configuration stands."""
+
+
+def section_of(given: Mapping[str, Any], files: Sequence[str | Path], else_in: str) -> Section:
+    """The section of the last of the YAML files in which a configuration, or some of it, stands; if there is none, the
+    whole of the file `else_in`, which is no YAML."""
+
+    def place(document: Any, key: Key) -> Key | None:
+        if not isinstance(document, Mapping) or not document:
+            return None
+        if all(name in given and given[name] == value for name, value in document.items()):
+            return key
+        inside = (place(value, (*key, name)) for name, value in document.items())
+        return next((key for key in inside if key is not None), None)
+
+    places = ((str(file), place(read_yaml(file), ())) for file in reversed(files))
+    held = ((file, key) for file, key in places if key is not None)
+    file, key = next(held, (else_in, None))
+    return Section(file, key, given)
+
+
+def documents_of(files: Iterable[Source]) -> dict[str, Any]:
+    """What each file says, a section as itself."""
+    return {str(file): file if isinstance(file, Section) else read_yaml(file) for file in files}
+
+
+def refuse(key: Key, text: str, files: Iterable[Source]) -> NoReturn:
     """Raise the ConfigurationError for one key; the text says what is wrong and what would be right."""
-    documents = {str(file): read_yaml(file) for file in files}
-    raise ConfigurationError(in_lines([(key, text)], documents))
+    raise ConfigurationError(in_lines([(key, text)], documents_of(files)))
 
 
 def read_yaml(file: str | Path) -> Any:
@@ -185,7 +227,10 @@ def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:
     tree = functools.cache(lambda file: _parsed(file)[1] if Path(file).is_file() else None)
     for key, text in listed[:_MESSAGES]:
         file, depth = _origin(key, documents)
-        place = f"{_file_name(file)}: {_line_of(key[:depth], tree(file))}{_dotted(key)}"
+        section = documents.get(file)
+        above = section.key if isinstance(section, Section) else ()
+        line = "" if above is None else _line_of((*above, *key[:depth]), tree(file))
+        place = f"{_file_name(file)}: {line}{_dotted((*(above or ()), *key))}"
         lines.append(_one_line(f"{place}: {text}"))
     if len(listed) > _MESSAGES:
         lines.append(f"… and {len(listed) - _MESSAGES} more")
@@ -273,6 +318,7 @@ def _origin(key: Key, documents: Mapping[str, Any]) -> tuple[str, int]:
     """The last file that sets the key, or the longest part of it that any file sets, and the length of that part."""
     best, depth = "configuration", 0
     for file, document in documents.items():
+        document = document.document if isinstance(document, Section) else document
         length = 0
         for part in key:
             try:
@@ -291,6 +337,8 @@ def _line_of(key: Key, node: yaml.Node | None) -> str:
     for part in key:
         if isinstance(node, yaml.MappingNode):
             marks = {name.value: (name.start_mark, value) for name, value in node.value}
+            if part not in marks:  # in another of the files that were merged
+                break
             mark, node = marks[part]
         elif isinstance(node, yaml.SequenceNode):
             node = node.value[part]

@@ -73,6 +73,19 @@ def write_text(path: str | Path, text: str) -> None:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
+def plain(value: Any) -> Any:
+    """A value as JSON knows it: null for a number that is not known or has no bound, lists for arrays and tuples."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {key: plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(one) for one in value]
+    if isinstance(value, str):
+        return str(value)  # of a remark, its sentence
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
 def json_text(data: Any) -> str:
     """Data as JSON; floats keep every bit."""
     return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"

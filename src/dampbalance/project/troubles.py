@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import TextIO
 
+from .progress import WIPE
+
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 _CLOSED = (errno.EROFS, errno.EACCES, errno.EPERM)
 
@@ -49,8 +51,12 @@ class _Both(io.TextIOBase):
 
     def __init__(self, *streams: TextIO) -> None:
         self._streams = streams
+        self._at_start = True  # of a line, where a terminal may show the progress of the run
 
     def write(self, text: str) -> int:
+        if self._at_start and self.isatty():
+            self._streams[1].write(WIPE)
+        self._at_start = text.endswith("\n")
         for stream in self._streams:
             stream.write(text)
             stream.flush()

@@ -2,6 +2,7 @@
 
 settings.py       the YAML file as an object: `Study`
 checking.py       what can be wrong with the file; `read_study`
+usual_figure.py   the figure of a study whose file asks for none
 routes.py         what each way to the responses needs, one object per route
 parameters.py     what can be varied, in which unit, and how it becomes m, c, k, K_z, F_k, Y, ω
 axes.py           from blocks of axes (lists, ranges, samples) to the values of any stretch of cases

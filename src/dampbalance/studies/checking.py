@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import string
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,7 @@ from .parameters import MECHANICAL, OF_LAW, PARAMETERS, in_si, objection, synony
 from .routes import ROUTES, terms_named
 from .settings import BANDS, CHOICES, OF_INTERVALS, SPREADS, Study, paper_defaults
 from .sizes import PART, columns_of
+from .usual_figure import usual_figures
 
 MOST_POINTS = 50_000
 """Cases on the curves of a figure; more are drawn as a map."""
@@ -66,7 +68,14 @@ def read_study(path: str | Path, schema_file: str | Path, paper_file: str | Path
     wrong = problems(document, read_schema(schema_file), paper)
     if wrong:
         raise ConfigurationError(in_lines(wrong, {str(path): document}))
-    return Study.of(path.stem, document, paper)
+    study = Study.of(path.stem, document, paper)
+    return study if "figure" in document else replace(study, figure=_usual_figure(study))
+
+
+def _usual_figure(study: Study) -> Mapping[str, Any]:
+    """The first of the usual figures that can be drawn; nothing where none can."""
+    drawn = (replace(study, figure=figure) for figure in usual_figures(study))
+    return next((one.figure for one in drawn if not any(_wrong_figure(one, one.figure))), {})
 
 
 def problems(
@@ -89,61 +98,59 @@ def problems(
 def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
     seen: set[str] = set()
     for i, block in enumerate(axes):
-        sample = block.get("sample")
-        yield from _wrong_sample(i, sample) if sample else _wrong_lists(("axes", i), block)
-        for name in sample["over"] if sample else block:
+        key: Key = ("axes", i)
+        over, sample = block, block.get("sample", {})
+        if sample:
+            over, key = sample["over"], (*key, "sample", "over")
+        if sample.get("method") == "sobol" and sample["count"] > 2**SOBOL_BITS:
+            text = f"a Sobol sequence has {2**SOBOL_BITS:,} points at most; take fewer, or method: random"
+            yield ("axes", i, "sample", "count"), text
+        for name, spec in over.items():
+            yield from _wrong_axis((*key, name), name, spec)
+            if spec.get("also") and len(over) > 1:
+                text = "cannot be paired with another axis; list the values of both"
+                yield (*key, name, "also"), text
             for other in seen.intersection(synonyms(name)):
                 reason = "twice" if other == name else f"together with {other}, the same quantity"
                 yield ("axes", i), f"{name} is set {reason}; keep one"
             seen.add(name)
+        sizes = (
+            {}
+            if sample
+            else {name: spec.get("count") or len(spec["values"]) for name, spec in over.items()}
+        )
+        if len(set(sizes.values())) > 1:
+            text = ", ".join(f"{name} has {size}" for name, size in sizes.items())
+            yield key, f"paired axes need the same number of values: {text}"
 
 
-def _wrong_sample(block: int, sample: Mapping[str, Any]) -> Iterator[Problem]:
-    key, most = ("axes", block, "sample"), 2**SOBOL_BITS
-    if sample["method"] == "sobol" and sample["count"] > most:
-        text = f"a Sobol sequence has {most:,} points at most; take fewer, or method: random"
-        yield (*key, "count"), text
-    for name, limits in sample["over"].items():
-        yield from _wrong_range((*key, "over", name), name, limits)
-
-
-def _wrong_lists(key: Key, block: Mapping[str, Any]) -> Iterator[Problem]:
-    sizes = {}
-    for name, spec in block.items():
-        place = (*key, name)
-        sizes[name] = spec["count"] if "count" in spec else len(spec["values"])
-        yield from _objections(place, name, spec.get("values", ()))
-        if "count" in spec:
-            yield from list(_wrong_range(place, name, spec)) or _wrong_spread(place, name, spec)
-            yield from _objections((*place, "also"), name, spec.get("also", ()))
-        if spec.get("also") and len(block) > 1:
-            yield (*place, "also"), "cannot be paired with another axis; list the values of both"
-    if len(set(sizes.values())) > 1:
-        text = ", ".join(f"{name} has {size}" for name, size in sizes.items())
-        yield key, f"paired axes need the same number of values: {text}"
+def _wrong_axis(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
+    """What is wrong with the values or the range of an axis."""
+    yield from _objections(key, name, spec.get("values", ()))
+    yield from _objections((*key, "also"), name, spec.get("also", ()))
+    if "from" not in spec:
+        return
+    low, high = spec["from"], spec["to"]
+    wrong = [
+        problem for end in ("from", "to") for problem in _objections((*key, end), name, [spec[end]])
+    ]
+    if low >= high:
+        wrong.append((key, f"from must lie below to, got {low!r} and {high!r}"))
+    if spec.get("spacing") == "log" and low <= 0.0:
+        wrong.append(((*key, "from"), "a logarithmic range begins above zero"))
+    yield from wrong
+    if "count" in spec and not wrong:
+        values = spread({part: value for part, value in spec.items() if part != "also"})
+        if len(set(values)) < len(values):
+            text = f"its ends are too close for {len(values):,} different values; take fewer"
+            yield key, text
+        elif PARAMETERS[name].whole and any(value != int(value) for value in values):
+            yield key, f"{PARAMETERS[name].meaning} must be whole numbers; list the values"
 
 
 def _objections(key: Key, name: str, values: Iterable[Any]) -> Iterator[Problem]:
     """What is wrong with values of a parameter."""
     return ((key, wrong) for value in values if (wrong := objection(name, value)))
-
-
-def _wrong_spread(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    values = spread({name: value for name, value in spec.items() if name != "also"})
-    if len(set(values)) < len(values):
-        yield key, f"its ends are too close for {len(values):,} different values; take fewer"
-    elif PARAMETERS[name].whole and any(value != int(value) for value in values):
-        yield key, f"{PARAMETERS[name].meaning} must be whole numbers; list the values"
-
-
-def _wrong_range(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    low, high = spec["from"], spec["to"]
-    yield from _objections((*key, "from"), name, [low])
-    yield from _objections((*key, "to"), name, [high])
-    if low >= high:
-        yield key, f"from must lie below to, got {low!r} and {high!r}"
-    if spec.get("spacing") == "log" and low <= 0.0:
-        yield (*key, "from"), "a logarithmic range begins above zero"
 
 
 def _wrong_values(document: Mapping[str, Any]) -> Iterator[Problem]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +14,8 @@ from ..balance import APPROACHES, TERMS, Rows, direct
 from ..features import Features, of_numbers
 from ..law.terms import KNOWN_TERMS
 from ..motion.regime import Regime
-from ..replication.readout import ReadOut
+from ..project.progress import followed
+from ..replication.as_published import ReadOut
 from ..solver import NORMAL_95, Estimate, solve
 from .axes import case_values
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, SI_COLUMNS, in_si
@@ -33,10 +34,10 @@ def evaluate(study: Study, start: int, stop: int, threads: int | None = None) ->
 
     threads : for the exact orbits. The numbers depend neither on them nor on start and stop.
     """
-    parts = [
-        _evaluate(study, first, min(first + _SLICE, stop), threads)
-        for first in range(start, stop, _SLICE)
-    ]
+    firsts: Iterable[int] = range(start, stop, _SLICE)
+    if stop - start > _SLICE:  # else the cases themselves are followed, where they take long
+        firsts = followed(firsts, (stop - start) / _SLICE, "slices")
+    parts = [_evaluate(study, first, min(first + _SLICE, stop), threads) for first in firsts]
     names = [column.name for column in columns_of(study)]
     return pd.DataFrame({name: np.concatenate([part[name] for part in parts]) for name in names})
 

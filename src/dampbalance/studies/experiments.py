@@ -18,6 +18,7 @@ from ..identification.oscillator import JointFit, joined, joint_fit
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
+from ..project.progress import followed
 from ..reading.mean_harmonics import Reading, read_features
 from ..reading.simpson import cycle_integrals, replicates_of
 from ..records.measurement import Measurement
@@ -37,7 +38,9 @@ def measured_responses(cases: Cases) -> Responses:
     by_simpson = any(fit.approach == SIMPSON for fit in study.fits)
     points, replicates, plain = [], [], []
     fitted = np.full((2, len(TERMS), len(cases.numbers)), np.nan)
-    for case, number in enumerate(cases.numbers.tolist()):
+    for case, number in enumerate(
+        followed(cases.numbers.tolist(), len(cases.numbers), "experiments")
+    ):
         osc = oscillator_of(cases.si, case)
         records = [_measured(cases, osc, case, level) for level in range(len(cases.Y))]
         random = np.random.default_rng([study.seed, number, len(cases.Y)])
@@ -87,25 +90,20 @@ def _with_one_oscillator(
     The onsets of slip are those of that oscillator, as in `identification`. A level that was not read has NaN and the
     reason; where no oscillator fits the records, no level has a friction travel.
     """
-    whole = None
     readings = [reading for reading in read if isinstance(reading, Reading)]
+    points = [of_numbers(np.nan, reason) for reason in read if isinstance(reason, str)]
+    replicates = [nothing[:, None][:, [0] * count] for nothing in points]
+    whole = None
     if readings:
         whole = joint_fit([reading.lines for reading in readings], k)
         samples = read_samples(joined(readings, whole), count, random, jackknife=False)
         of_all = samples.point.features, samples.drawn.features
         if not whole.waveforms_hold:
             of_all = of_all[0].replaced(a=np.nan), of_all[1].replaced(a=np.nan)
-    points, replicates = [], []
-    for reading in read:
-        if isinstance(reading, str):
-            nothing = of_numbers(np.nan, reading)
-            points.append(nothing)
-            replicates.append(nothing[:, None][:, [0] * count])
-        else:
-            at = [readings.index(reading)]
-            points.append(of_all[0][at])
-            replicates.append(of_all[1][at])
-    return stack(points), stack(replicates), whole
+        points, replicates = [of_all[0], *points], [of_all[1], *replicates]
+    last = [isinstance(reading, str) for reading in read]  # of the parts
+    levels = np.argsort(np.argsort(last, kind="stable"))
+    return stack(points)[levels], stack(replicates)[levels], whole
 
 
 def _by_simpson(

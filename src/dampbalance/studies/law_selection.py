@@ -23,6 +23,7 @@ from ..law.terms import FRICTION, KNOWN_TERMS
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit
 from ..motion.regime import Regime
+from ..project.progress import followed
 from ..reading.mean_harmonics import Reading, read_features
 from ..records.synthetic import measured_orbit
 from .one_by_one import of_response
@@ -162,7 +163,8 @@ def chosen_laws(study: Study, values: Mapping[str, Words]) -> Words:
     """The law that is chosen in each of n cases, (n,).   values : law, noise and, if runs are counted, run of each."""
     chosen = []
     runs = values.get("run", np.zeros(len(values["law"])))
-    for law, noise, run in zip(values["law"], values["noise"], runs, strict=True):
+    cases = zip(values["law"], values["noise"], runs, strict=True)
+    for law, noise, run in followed(cases, len(runs), "cases"):
         random = np.random.default_rng([study.seed, *str(law).encode(), int(run)])
         chosen.append(chosen_law(str(law), study.levels, study.cycles, float(noise), random))
     return np.array(chosen, dtype=object)

@@ -15,12 +15,13 @@ from scipy.optimize import brentq
 
 from ..arrays import Array, Complexes
 from ..features import Features, beside, of_numbers, of_orbit, stack, wrapped
-from ..law.integrals import of_harmonics
 from ..law.steady import Response, steady_response
+from ..law.terms import of_harmonics
 from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
+from ..project.progress import followed
 from ..reading.clean import CYCLES_TO_READ, of_record
 from ..record import Record
 from .parameters import OF_LAW, oscillator_of
@@ -34,7 +35,7 @@ def _one_by_one(
 ) -> Features:
     """Features (L, n).   response : of an oscillator under a base motion, with the number of the case among these."""
     columns = []
-    for case, omega in enumerate(cases.si["omega"].tolist()):
+    for case, omega in enumerate(followed(cases.si["omega"].tolist(), len(cases.numbers), "cases")):
         osc, levels = oscillator_of(cases.si, case), cases.Y[:, case].tolist()
         columns.append(stack([response(osc, BaseMotion(Y, omega), case) for Y in levels]))
     return beside(columns)

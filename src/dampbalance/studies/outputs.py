@@ -7,6 +7,7 @@ order of chunks.
 
 from __future__ import annotations
 
+import functools
 import json
 import shutil
 from collections import Counter
@@ -33,12 +34,28 @@ compressing them takes longer than computing them."""
 
 
 def stretches(cases: str | Path, names: Sequence[str]) -> Iterator[dict[str, Words]]:
-    """The columns named, row group by row group, in the order of the cases: memory does not grow with their number."""
-    wanted = list(dict.fromkeys(names))
+    """The columns named, row group by row group, in the order of the cases: memory does not grow with their number.
+
+    An array is not to be changed: facts and figures, which ask for the same columns again and again, get the same one.
+    """
+    file, wanted = (str(cases), Path(cases).stat().st_mtime_ns), list(dict.fromkeys(names))
+    for group in range(_groups_of(*file)):
+        yield {name: _column(*file, group, name) for name in wanted}
+
+
+@functools.lru_cache(maxsize=16)
+def _groups_of(cases: str, changed: int) -> int:
+    """How many row groups a file has, as it was when it changed last."""
+    return int(pq.read_metadata(cases).num_row_groups)
+
+
+@functools.lru_cache(maxsize=256)  # of 1 MB or less
+def _column(cases: str, changed: int, group: int, name: str) -> Words:
+    """A column of a row group of such a file."""
     with pq.ParquetFile(cases) as file:
-        for group in range(file.num_row_groups):
-            table = file.read_row_group(group, columns=wanted)
-            yield {name: np.asarray(table[name].to_numpy()) for name in wanted}
+        column = np.asarray(file.read_row_group(group, columns=[name])[name].to_numpy())
+    column.flags.writeable = False
+    return column
 
 
 def column_of(cases: str | Path, name: str) -> Words:

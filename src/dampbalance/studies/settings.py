@@ -221,7 +221,7 @@ class Study:
             columns=tuple(document.get("columns", way.columns)),
             chunk_cases=document.get("chunk_cases", way.chunk_cases),
             summary_by=tuple(document.get("summary_by", [])),
-            figure=document.get("figure", {}),
+            figure=document.get("figure") or {},
             facts=document.get("facts", {}),
             shows=document.get("shows", "").strip(),
         )

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from ..law.terms import KNOWN_TERMS
 from ..project.documents import ConfigurationError
+from ..project.progress import duration_in_words
 from .axes import Sampled
 from .parameters import OF_LAW, PARAMETERS, SI_COLUMNS
 from .responses import REGIME_NAMES
@@ -110,18 +111,16 @@ class StudySize(NamedTuple):
 
 
 def size_of(study: Study) -> StudySize:
-    """The size of a study. Bytes are an upper bound: constant columns and repeated words pack to next to nothing."""
-    cases = study.cases
-    table = 20_000 + cases * _bytes_per_case(study)
-    chunks = -(-cases // study.chunk_cases)
-    return StudySize(cases, cases * len(study.levels), chunks, table, 2 * table)
+    """The size of a study. Bytes are an upper bound: constant columns and repeated words pack to next to nothing.
 
-
-def _bytes_per_case(study: Study) -> int:
-    """Eight bytes for every number that can differ from case to case, one or two for words and case numbers."""
+    Eight bytes for every number that can differ from case to case, one or two for words and case numbers.
+    """
     varied = sum(len(b.names) for b in study.blocks if isinstance(b, Sampled))
     columns = [c for c in columns_of(study) if c.words or c.name not in study.axis_names]
-    return 8 * varied + 2 + sum(1 if column.words else 8 for column in columns)
+    cases, each = study.cases, 8 * varied + 2 + sum(1 if c.words else 8 for c in columns)
+    table = 20_000 + cases * each
+    chunks = -(-cases // study.chunk_cases)
+    return StudySize(cases, cases * len(study.levels), chunks, table, 2 * table)
 
 
 def chunk_bounds(study: Study, chunk: int) -> tuple[int, int]:
@@ -171,12 +170,3 @@ def progress(study: Study, folder: str | Path, chunks: int, started: float, now:
         return text
     left = (chunks - len(done)) * (now - started) / recent
     return f"{text}, about {duration_in_words(left)} left"
-
-
-def duration_in_words(seconds: float) -> str:
-    """A duration in a unit that suits it, e.g. 12 s, 4 min, 3.5 h."""
-    if seconds < 100.0:
-        return f"{seconds:.0f} s"
-    if seconds < 6000.0:
-        return f"{seconds / 60.0:.0f} min"
-    return f"{seconds / 3600.0:.1f} h"

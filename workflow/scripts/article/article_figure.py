@@ -23,6 +23,6 @@ if __name__ == "__main__":
     unit = case.numerics.tabulated["t_s_unit_s"]
     figure = numerics(evidence, case.oscillator, case.numerics.step_s, unit)
     o = snakemake.output
-    save(figure, o.svg, o.png, ALT)
+    save(figure, o.numerics_svg, o.numerics_png, ALT)
     findings = at_a_glance(evidence, read_csv(i.approaches), case)
     save(glance.glance(*findings), o.glance_svg, o.glance_png, glance.ALT)

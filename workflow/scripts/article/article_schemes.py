@@ -3,7 +3,7 @@
 from dampbalance.project.case import Case
 from dampbalance.project.files import write_csv
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.replication.schemes import cycle_table, scheme_table
+from dampbalance.replication.as_published import cycle_table, scheme_table
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)

@@ -5,11 +5,12 @@ from pathlib import Path
 
 from dampbalance.project.files import write_text
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.replication.claims import check, read_claims, read_record, summary
+from dampbalance.replication.claims.published import read_texts
+from dampbalance.replication.claims.table import COLUMNS, check, read_record, summary
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
-    claims = read_claims(Path(snakemake.input.claims))
+    claims = read_texts(Path(snakemake.input.claims), COLUMNS)
     offences = check(claims, read_record(Path(snakemake.input.recorded)))
     text = summary(claims, offences)
     print(

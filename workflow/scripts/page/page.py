@@ -1,13 +1,10 @@
 """The page of a case."""
 
+import json
 from pathlib import Path
 
-import pandas as pd
-
-from dampbalance.figures.numerics import Evidence
-from dampbalance.motion.orbit import read_orbits
 from dampbalance.project.case import Case
-from dampbalance.project.files import read_csv, read_routes, write_text
+from dampbalance.project.files import read_csv, write_text
 from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.studies.checking import read_study
@@ -25,33 +22,26 @@ def read_tables(folder, case):
     }
 
 
-def read_evidence(inputs):
-    """What the printed digits are told from; None where there are none."""
-    if not inputs.claims:
-        return None
-    return Evidence(
-        claims=read_csv(inputs.claims, dtype=str),
-        exact=read_csv(inputs.exact),
-        estimates=read_csv(inputs.as_published),
-        schemes=read_csv(inputs.schemes),
-        steps=pd.read_parquet(inputs.steps),
-    )
+def read_text(file):
+    return Path(file).read_text(encoding="utf-8")
 
 
 def main(params, inputs):
     config, folder = params.config, params.folder
     case = Case.from_config(config)
+    facts = json.loads(read_text(inputs.facts)) if inputs.facts else {}
     studies = [read_study(file, params.schema, params.base) for file in inputs.study_files]
     return PageContent(
         case=case,
         config=config,
         claims=read_csv(inputs.claims, dtype=str) if inputs.claims else None,
+        digits=json.loads(read_text(inputs.digits)) if inputs.digits else None,
         tables=read_tables(folder, case),
         approaches=read_csv(f"{folder}/tables/approaches.csv"),
-        orbits=read_orbits(inputs.orbits),
-        estimates=read_routes(folder, "estimates", case.frequencies_hz, ["exact"])["exact"],
-        evidence=read_evidence(inputs),
-        studies=list(zip(studies, map(Path, inputs.study_cases), strict=True)),
+        figures=dict(zip(params.figures, map(read_text, inputs.figures), strict=True)),
+        evidence=json.loads(read_text(inputs.evidence)) if inputs.evidence else None,
+        facts={name: of["facts"] for name, of in facts.items()},
+        studies=list(zip(studies, map(read_text, inputs.study_figures), strict=True)),
     )
 
 

@@ -1,4 +1,4 @@
-"""Fixed-step records at one frequency and all levels, stacked in one table by level."""
+"""Fixed-step records at all levels, stacked by level in a table for each frequency."""
 
 import pandas as pd
 
@@ -10,6 +10,7 @@ from dampbalance.replication import as_published
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     case = Case.from_config(snakemake.params.case)
-    records = as_published.simulate_levels(case, snakemake.wildcards.frequency)
-    frames = [record.to_frame().assign(level=i) for i, record in enumerate(records, start=1)]
-    write_parquet(snakemake.output.records, pd.concat(frames, ignore_index=True))
+    for frequency, file in zip(case.frequencies_hz, snakemake.output.records, strict=True):
+        records = as_published.simulate_levels(case, frequency)
+        frames = [record.to_frame().assign(level=i) for i, record in enumerate(records, start=1)]
+        write_parquet(file, pd.concat(frames, ignore_index=True))

@@ -1,4 +1,4 @@
-"""Exact steady orbits at one frequency and all levels, as JSON."""
+"""Exact steady orbits at all levels, as JSON: a file for each frequency."""
 
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import Case
@@ -8,6 +8,6 @@ from dampbalance.project.troubles import brief_troubles
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     case = Case.from_config(snakemake.params.case)
-    motions = case.motions(snakemake.wildcards.frequency)
-    orbits = [steady_orbit(case.oscillator, motion).to_dict() for motion in motions]
-    write_json(snakemake.output.orbits, orbits)
+    for frequency, file in zip(case.frequencies_hz, snakemake.output.orbits, strict=True):
+        motions = case.motions(frequency)
+        write_json(file, [steady_orbit(case.oscillator, one).to_dict() for one in motions])

@@ -1,4 +1,4 @@
-"""The figure of a study."""
+"""The figures of one or several studies."""
 
 from dampbalance.figures.style import save
 from dampbalance.project.troubles import brief_troubles
@@ -7,8 +7,7 @@ from dampbalance.studies.shown.study_figure import alternative_text, study_figur
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
-    study = checking.read_study(
-        snakemake.input.file, snakemake.params.schema, snakemake.params.base
-    )
-    figure = study_figure(study, snakemake.input.cases)
-    save(figure, snakemake.output.svg, snakemake.output.png, alternative_text(study))
+    i, o, p = (getattr(snakemake, name) for name in ("input", "output", "params"))
+    for cases, file, svg, png in zip(i.cases, i.files, o.svg, o.png, strict=True):
+        study = checking.read_study(file, p.schema, p.base)
+        save(study_figure(study, cases), svg, png, alternative_text(study))

@@ -1,7 +1,8 @@
-"""The numbers of a study's curves, which figure and page draw."""
+"""The numbers of a study's curves."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 
 from ...arrays import Array, Integers
 from ...balance import takes_phase
-from ...figures.looks import SCHEME_LOOKS
+from ...figures.looks import SCHEME_LOOKS, in_maths, label_of
 from ...figures.series import EXACT, SHARINGS, SignedScale, signed_scale
 from ...model import Oscillator
 from ...motion.fixed_step import SCHEMES
@@ -92,7 +93,7 @@ class ErrorCurves:
 class ErrorOfSteps(NamedTuple):
     """The error of c, N s/m, by direct integration against the step of fixed-step schemes.
 
-    errors : scheme → (steps, s, ascending; sizes of the error).   slope : of the line m ω² h, N/m.
+    errors : scheme → (steps, s, ascending; errors).   oscillator, omega : of the line m ω² h.
     """
 
     errors: dict[str, tuple[Array, Array]]
@@ -125,6 +126,12 @@ def axis_label(name: str) -> str:
     """Symbol and unit of a parameter."""
     unit = unit_of(name)
     return f"{symbol_of(name)} ({unit})" if unit and PARAMETERS[name].symbol else symbol_of(name)
+
+
+def bounded_label(approach: str, bound: float) -> str:
+    """The label of an exact approach with the power of ten that its errors stay below.   bound : of them, %."""
+    power = math.ceil(math.log10(max(bound, 1e-14)))
+    return rf"{in_maths(label_of(approach))} (below $10^{{{power}}}$ %)"
 
 
 def with_unit(name: str, value: float | str, digits: int = 4) -> str:
@@ -180,7 +187,7 @@ def error_of_steps(study: Study, cases: str | Path) -> ErrorOfSteps:
         those = np.flatnonzero(scheme == name)
         those = those[np.argsort(h[those])]
         if those.size:
-            errors[name] = h[those], np.abs(relative * c)[those]
+            errors[name] = h[those], (relative * c)[those]
     return ErrorOfSteps(errors, Oscillator(m=m[0], c=c[0], k=k[0], K_z=1.0, F_k=0.0), omega[0])
 
 

@@ -28,7 +28,11 @@ INTERPOLATED = (
 
 def paragraph(study: Study, cases: str | Path) -> str:
     """The text of a study with its facts filled in, and a note on interpolation where it names the end of a stretch."""
-    words = {name: fact(study, cases, spec) for name, spec in study.facts.items()}
+    return filled(study, {name: fact(study, cases, spec) for name, spec in study.facts.items()})
+
+
+def filled(study: Study, words: Mapping[str, str]) -> str:
+    """The text of a study with these facts in words filled in."""
     text = study.shows.format(cases=f"{study.cases:,}", **words)
     named = {name for _, name, _, _ in Formatter().parse(study.shows)}
     takes = {spec["take"] for name, spec in study.facts.items() if name in named}

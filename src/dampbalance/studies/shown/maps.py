@@ -1,100 +1,218 @@
-"""A map over two axes of a study: where does each approach stay within a bound?"""
+"""A map over two axes of a study: how large is the error of each approach, and where does it stay within a bound?"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import AsinhNorm, LogNorm, Normalize
 from matplotlib.figure import Figure
+from matplotlib.patheffects import AbstractPathEffect, withStroke
 
 from ...arrays import Array
+from ...figures.grid import LINEAR_SHARE, clear_labels, grid
 from ...figures.looks import in_maths, label_of
-from ...figures.style import DOUBLE_COLUMN, note, place, styled
-from ...figures.style import page as empty_page
-from ...project.wording import listed, percent
+from ...figures.series import EXACT, SignedScale, decades, signed_scale
+from ...figures.style import DOUBLE_COLUMN, GREY, INK, note, place, styled
+from ...project.wording import listed, minus, percent
 from ..axes import Sampled
 from ..outputs import stretches, terms_of
 from ..settings import Fit, Study
-from .error_curves import symbol_of
+from .error_curves import axis_label, bounded_label
 from .logarithmic import is_even, logarithmic_ticks
+from .statistics import Sizes
 
 MOST_BINS = 72  # along each axis
-PER_BIN = 40  # cases that a bin should hold on average: its share is then good to 0.08
-REGION = 0.9  # share of the cases within the bound that makes a bin part of the region where the approach holds
+PER_BIN = 40  # cases that a bin of a sample should hold on average
+REGION = 0.9  # share of the cases of a bin that its colour is about: nine of ten, as a single one would be chance
+FINEST = 0.1  # of the bound: no lines at smaller errors
+FLOOR, CEILING = (
+    1e-2,
+    1e3,
+)  # %: colours tell no smaller errors from zero, and no larger ones from each other
 
-LEFT, RIGHT, BOTTOM, TOP, GAP, ROW_GAP, BAR = 14.0, 15.0, 15.0, 7.0, 3.0, 3.0, 3.0  # mm
+RIGHT, BAR = 17.0, 3.0  # mm
 HEIGHT = 40.0  # mm, of a panel
+SIGNED, SIZES = "coolwarm", "viridis_r"
+"""Colours of errors with a sign, from blue to red through a light grey at zero, and of sizes, the larger the darker:
+both change evenly to the eye, and for colour-blind readers."""
 
-_PAPER = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.2}
-_LABEL: dict[str, Any] = {"xycoords": "axes fraction", "size": 8.0, "bbox": _PAPER}
-
-
-class Shares(NamedTuple):
-    """Share of the cases within the bound in each bin, (bins of y, bins of x), NaN where there is no case; bin edges;
-    share over all cases."""
-
-    share: Array
-    x_edges: Array
-    y_edges: Array
-    overall: float
+# Of a histogram of errors from 1e-8 on: a quantile is good to 5 %. Its last place is for what is not identified.
+_LOWEST, _PER_DECADE, _BINS = -8, 24, 288
+_HALO: list[AbstractPathEffect] = [withStroke(linewidth=1.6, foreground="white", alpha=0.7)]
 
 
 @styled()
-def share_map(study: Study, cases: str | Path) -> Figure:
-    """Share of the cases whose error is within the bound, over two axes, averaged over all other axes.
+def error_map(study: Study, cases: str | Path) -> Figure:
+    """Relative error, %, over two axes, by colour, with a line at each power of ten and a thick one at the bound.
 
+    Where each place is one case, its error with the sign. Where it stands for several (a sample, further axes), the
+    size that nine of ten do not exceed: the thick line encloses the region in which they are within the bound.
     Rows: the terms, with each phase definition. Columns: approaches; one that takes no phase has a panel as high as
-    all rows of a term. The line encloses the region in which at least 90 % of the cases are within the bound.
-    An approach that is within it in every case is named below the panels and not drawn.
+    all rows of a term. An approach that is exact in every case is named below the panels and not drawn.
     """
-    within = study.figure.get("within", 0.01)
+    within = 100.0 * study.figure.get("within", 0.01)
     fits, symbols = study.fits_of(study.figure), terms_of(cases)
-    shares = shares_within(study, cases, fits, within)
-    perfect = _perfect(fits, shares)
-    fits = [fit for fit in fits if fit.approach not in perfect]
-    approaches = list(dict.fromkeys(fit.approach for fit in fits))
-    phases = dict.fromkeys((fit.phase, fit.sharing) for fit in fits if fit.phase)
+    sizes = {(fit, s): Sizes(0.01 * within) for fit in fits for s in symbols if s in fit.identified}
+    errors = _errors(study, cases, sizes)
+    worst: dict[str, float] = {}
+    for (fit, _), of in sizes.items():
+        largest = 100.0 * of.largest if of.known else math.inf
+        worst[fit.approach] = max(largest, worst.get(fit.approach, 0.0))
+    exact = {key: bound for key, bound in worst.items() if bound < EXACT}
+    exact = {} if len(exact) == len(worst) else exact  # something must be drawn
+    shown = {key: of for key, of in errors.items() if key[0].approach not in exact}
+    approaches = list(dict.fromkeys(fit.approach for fit, _ in shown))
+    phases = dict.fromkeys((fit.phase, fit.sharing) for fit, _ in shown if fit.phase)
     kinds = list(phases) or [("", "")]
     rows = [(symbol, *kind) for symbol in symbols for kind in kinds]
-    width = (DOUBLE_COLUMN - LEFT - RIGHT - (len(approaches) - 1) * GAP) / len(approaches)
-    height = min(width, HEIGHT)
-    panels_height = len(rows) * height + (len(rows) - 1) * ROW_GAP
-    figure = empty_page(DOUBLE_COLUMN, BOTTOM + panels_height + TOP)
-    mesh: Any = None
-    for fit in fits:
-        column = approaches.index(fit.approach)
-        for symbol in symbols:
-            wanted = [kind for kind in kinds if not fit.phase or kind == (fit.phase, fit.sharing)]
-            covered = [rows.index((symbol, *kind)) for kind in wanted]
-            lowest = covered[-1] == len(rows) - 1
-            bottom = BOTTOM + (len(rows) - 1 - covered[-1]) * (height + ROW_GAP)
-            tall = len(covered) * (height + ROW_GAP) - ROW_GAP
-            axes = place(figure, LEFT + column * (width + GAP), bottom, width, tall)
-            share = shares[fit, symbol]
-            mesh = _panel(axes, study, share, last=column == len(approaches) - 1)
-            axes.tick_params(labelbottom=lowest, labelleft=column == 0)
-            if covered[0] == 0:
-                axes.set_title(f"{in_maths(label_of(fit.approach))} approach", pad=4.0)
-            if lowest:
-                axes.set_xlabel(symbol_of(study.figure["x"]), labelpad=1.0)
-            if column == 0:
-                axes.set_ylabel(symbol_of(study.figure["y"]))
-                axes.yaxis.set_label_coords(-9.5 / width, 0.5)
-            text = f"{_words(symbol, fit, kinds)}: {percent(share.overall)}"
-            note(axes, text, (0.0, 1.0), (3.0, -3.5), va="top", **_LABEL)
-    bar = place(figure, DOUBLE_COLUMN - RIGHT + 2.0, BOTTOM, BAR, panels_height)
-    _scale(figure, mesh, bar, within)
-    if perfect:
-        names = listed([in_maths(label_of(key)) for key in perfect])
-        coefficients = listed([f"${symbol}$" for symbol in symbols])
-        text = f"Within {100 * within:g} % in every case, for {coefficients}: {names}"
-        middle = (LEFT + 0.5 * (DOUBLE_COLUMN - LEFT - RIGHT)) / DOUBLE_COLUMN
-        level = 2.5 / (BOTTOM + panels_height + TOP)
-        figure.text(middle, level, text, ha="center", va="center")
-    return figure
+    signed = _is_single(study)
+    norm, lines = _scale([of.ravel() for of in shown.values()], signed, within)
+    panels = grid(len(rows), len(approaches), right=RIGHT, most=HEIGHT)
+    lowest: dict[int, Axes] = {}
+    for (fit, symbol), values in shown.items():
+        column, kind = approaches.index(fit.approach), (symbol, fit.phase, fit.sharing)
+        covered = [
+            i for i, row in enumerate(rows) if row == kind or (not fit.phase and row[0] == symbol)
+        ]
+        axes = panels.panel(covered[-1], column, rows=len(covered))
+        _draw(axes, study, values, SIGNED if signed else SIZES, norm, lines, within)
+        axes.tick_params(labelbottom=covered[-1] == len(rows) - 1, labelleft=column == 0)
+        lowest[column] = axes  # the last row comes last
+        if covered[0] == 0:
+            axes.set_title(in_maths(label_of(fit.approach)), pad=11.0)
+        if column == 0:
+            panels.name_row(axes, axis_label(study.figure["y"]))
+        text = f"{_words(symbol, fit, kinds)}: {percent(sizes[fit, symbol].share)}"
+        note(axes, text, (0.0, 1.0), (0.0, 2.0), size=7.5, xycoords="axes fraction")
+    clear_labels([lowest[column] for column in sorted(lowest)])
+    panels.text_below(axis_label(study.figure["x"]))
+    words = [f"In each panel: share of the cases within {within:g} %."]
+    if any(np.isnan(values).any() for values in shown.values()):
+        words.append("Grey: not identified.")
+    if exact:
+        words.append(f"Exact: {listed([bounded_label(key, exact[key]) for key in exact])}.")
+    panels.text_below(" ".join(words), level=4.0)
+    left, tall = DOUBLE_COLUMN - RIGHT + 2.0, panels.tall(len(rows))
+    bar = place(panels.figure, left, panels.bottom, BAR, tall)
+    ticks = sorted({*lines, 0.0}) if signed else lines
+    scale = panels.figure.colorbar(axes.collections[0], cax=bar, ticks=ticks)
+    scale.minorticks_off()
+    bar.set_yticklabels([minus(f"{tick:g}") for tick in ticks])
+    what = "error" if signed else f"error that {100 * REGION:g} % of the cases do not exceed"
+    scale.set_label(f"{what} (%)", labelpad=2.0)
+    return panels.figure
+
+
+def _is_single(study: Study) -> bool:
+    """Whether each place of the map is one case: two axes of listed values, and nothing else that varies."""
+    x, y = (study.figure[axis] for axis in ("x", "y"))
+    count = math.prod(len(set(study.values_of(name))) for name in (x, y))
+    return study.block_of(x) is not study.block_of(y) and study.cases == count
+
+
+def _errors(
+    study: Study, cases: str | Path, sizes: dict[tuple[Fit, str], Sizes]
+) -> dict[tuple[Fit, str], Array]:
+    """The map of each fit and term, %, (bins of y, bins of x), NaN where it is unknown; counted a stretch of cases at
+    a time, also into `sizes`."""
+    names, single = [study.figure[axis] for axis in ("x", "y")], _is_single(study)
+    x_edges, y_edges = (_edges(study, name)[0] for name in names)
+    shape, depth = (len(y_edges) - 1, len(x_edges) - 1), 1 if single else _BINS
+    columns = {key: f"{key[1]}_relative_error__{key[0].label}" for key in sizes}
+    counts = {key: np.zeros(math.prod(shape) * depth) for key in columns}
+    for values in stretches(cases, [*names, *columns.values()]):
+        i, j = (
+            np.clip(np.searchsorted(edges, values[name], "right") - 1, 0, len(edges) - 2)
+            for edges, name in zip((x_edges, y_edges), names, strict=True)
+        )
+        bins = j * shape[1] + i
+        for key, name in columns.items():
+            sizes[key].add(values[name])
+            if single:
+                counts[key][bins] = 100.0 * values[name]
+                continue
+            with np.errstate(divide="ignore"):  # an error of zero: the first place
+                place_of = (np.log10(np.abs(values[name])) - _LOWEST) * _PER_DECADE
+            place_of = np.clip(np.nan_to_num(place_of, nan=np.inf), 0, _BINS - 1).astype(int)
+            counts[key] += np.bincount(bins * _BINS + place_of, minlength=counts[key].size)
+    if single:
+        return {key: values.reshape(shape) for key, values in counts.items()}
+    return {key: _quantiles(values.reshape(*shape, _BINS)) for key, values in counts.items()}
+
+
+def _quantiles(counts: Array) -> Array:
+    """The size that the share REGION of the cases of each bin does not exceed, %; NaN where that is not known."""
+    reached = np.cumsum(counts, axis=-1)
+    total = reached[..., -1]
+    at = np.argmax(reached >= REGION * total[..., None], axis=-1)
+    sizes = 10.0 ** (2.0 + _LOWEST + (at + 0.5) / _PER_DECADE)
+    return np.where((total > 0) & (at < _BINS - 1), sizes, np.nan)
+
+
+def _scale(values: Sequence[Array], signed: bool, within: float) -> tuple[Normalize, list[float]]:
+    """The scale of colours, with zero in its middle for errors with a sign, and where its lines are, %."""
+    if signed:
+        scale = signed_scale(values, FLOOR, CEILING, cut=0.02)
+        top = max(scale.high, -scale.low)
+        ticks = SignedScale(scale.linear, -top, top).ticks
+        norm: Normalize = AsinhNorm(LINEAR_SHARE * scale.linear, vmin=-top, vmax=top)
+        return norm, sorted({*(x for x in ticks if abs(x) >= FINEST * within), within, -within})
+    low, high = decades(values, FLOOR, CEILING, cut=0.02)
+    powers = range(round(math.log10(low)), round(math.log10(high)) + 1)
+    ticks = [float(f"1e{power}") for power in powers]
+    return LogNorm(low, high), sorted({within, *(x for x in ticks if x >= FINEST * within)})
+
+
+def _draw(
+    axes: Axes,
+    study: Study,
+    values: Array,
+    colours: str,
+    norm: Normalize,
+    lines: Sequence[float],
+    within: float,
+) -> None:
+    """One map with its lines, each with its level in %."""
+    centres, edges_of = [], []
+    for which in ("x", "y"):
+        edges, logarithmic = _edges(study, study.figure[which])
+        edges_of.append(edges)
+        middle = 0.5 * (edges[1:] + edges[:-1])
+        centres.append(np.sqrt(edges[1:] * edges[:-1]) if logarithmic else middle)
+        axes.set(**{f"{which}lim": edges[[0, -1]]})
+        if logarithmic:
+            logarithmic_ticks(axes, which, edges[0], edges[-1])
+    axes.set_facecolor(GREY)
+    look: dict[str, Any] = {"cmap": colours, "rasterized": True, "linewidth": 0}
+    axes.pcolormesh(*edges_of, values, norm=norm, **look)
+    smooth = values
+    if not isinstance(
+        norm, AsinhNorm
+    ):  # sizes in bins of a few cases: their logarithms over neighbouring bins
+        from scipy.ndimage import gaussian_filter  # slow to import, and needed for maps only
+
+        known = np.isfinite(values)
+        logs = np.log(np.where(known, values, 1.0))
+        total, weight = (gaussian_filter(part, 1.0, mode="nearest") for part in (logs, 1.0 * known))
+        smooth = np.exp(np.divide(total, weight, out=np.full_like(total, np.nan), where=known))
+    if min(values.shape) < 2 or not np.isfinite(smooth).any():
+        return
+    if not (crossed := [x for x in lines if np.nanmin(smooth) < x < np.nanmax(smooth)]):
+        return
+    widths = [1.2 if abs(x) == within else 0.5 for x in crossed]
+    drawn = axes.contour(
+        *centres, smooth, crossed, colors=INK, linewidths=widths, linestyles="solid"
+    )
+    drawn.set_path_effects(_HALO)
+    for label in axes.clabel(
+        drawn, fontsize=6.0, inline_spacing=1.0, fmt=lambda x: minus(f"{x:g} %")
+    ):
+        label.set_path_effects(_HALO)
 
 
 def _words(symbol: str, fit: Fit, kinds: list[tuple[str, str]]) -> str:
@@ -104,73 +222,6 @@ def _words(symbol: str, fit: Fit, kinds: list[tuple[str, str]]) -> str:
         words.append(fit.phase.replace("_", " "))
         words += [fit.sharing] if len({sharing for _, sharing in kinds}) > 1 else []
     return ", ".join(words)
-
-
-def _scale(figure: Figure, mesh: Any, bar: Axes, within: float) -> None:
-    """The scale of colours."""
-    scale = figure.colorbar(mesh, cax=bar, ticks=[0.0, 0.25, 0.5, 0.75, 1.0])
-    scale.ax.set_yticklabels(["0", "25", "50", "75", "100"])
-    scale.set_label(f"cases within {100 * within:g} % of the true value (%)", labelpad=2.0)
-    scale.ax.axhline(REGION, color="white", lw=1.0)
-
-
-def _perfect(fits: list[Fit], shares: Mapping[tuple[Fit, str], Shares]) -> list[str]:
-    """The approaches that are within the bound in every case and by every fit, so that a map would show one colour.
-
-    Empty where that holds for all approaches: something must be drawn.
-    """
-    short = {fit.approach for (fit, _), share in shares.items() if share.overall < 1.0}
-    approaches = dict.fromkeys(fit.approach for fit in fits)
-    return [key for key in approaches if key not in short] if short else []
-
-
-def shares_within(
-    study: Study, cases: str | Path, fits: list[Fit], within: float
-) -> dict[tuple[Fit, str], Shares]:
-    """The map of each term and fit, counted a stretch of cases at a time."""
-    settings = study.figure
-    x_edges, y_edges = (_edges(study, settings[axis])[0] for axis in ("x", "y"))
-    keys = [(fit, symbol) for fit in fits for symbol in terms_of(cases)]
-    wanted = {key: f"{key[1]}_relative_error__{key[0].label}" for key in keys}
-    total = np.zeros((len(y_edges) - 1, len(x_edges) - 1))
-    good = {key: np.zeros_like(total) for key in wanted}
-    names = [settings["x"], settings["y"], *wanted.values()]
-    for values in stretches(cases, names):
-        i, j = (
-            np.clip(np.searchsorted(edges, values[name], "right") - 1, 0, len(edges) - 2)
-            for edges, name in ((x_edges, settings["x"]), (y_edges, settings["y"]))
-        )
-        bins = j * total.shape[1] + i
-        total += np.bincount(bins, minlength=total.size).reshape(total.shape)
-        for key, name in wanted.items():
-            inside = np.abs(values[name]) <= within  # NaN, nothing identified: not inside
-            good[key] += np.bincount(bins[inside], minlength=total.size).reshape(total.shape)
-    filled = np.where(total > 0, total, np.nan)
-    return {
-        key: Shares(count / filled, x_edges, y_edges, float(count.sum() / total.sum()))
-        for key, count in good.items()
-    }
-
-
-def _panel(axes: Axes, study: Study, shares: Shares, last: bool) -> Any:
-    """One map, with the line around the region where the approach holds."""
-    look: dict[str, Any] = {"cmap": "viridis", "rasterized": True, "linewidth": 0}
-    mesh = axes.pcolormesh(shares.x_edges, shares.y_edges, shares.share, vmin=0.0, vmax=1.0, **look)
-    axes.set(xlim=shares.x_edges[[0, -1]], ylim=shares.y_edges[[0, -1]])
-    centres = []
-    for which in ("x", "y"):
-        edges, logarithmic = _edges(study, study.figure[which])
-        middle = 0.5 * (edges[1:] + edges[:-1])
-        centres.append(np.sqrt(edges[1:] * edges[:-1]) if logarithmic else middle)
-        if logarithmic:
-            logarithmic_ticks(axes, which, edges[0], edges[-1], ends=last or which == "y")
-    if min(shares.share.shape) > 2:
-        from scipy.ndimage import gaussian_filter  # slow to import, and needed for maps only
-
-        smooth = gaussian_filter(np.nan_to_num(shares.share), sigma=1.0, mode="nearest")
-        if smooth.max() > REGION > smooth.min():
-            axes.contour(*centres, smooth, levels=[REGION], colors="white", linewidths=1.0)
-    return mesh
 
 
 def _edges(study: Study, name: str) -> tuple[Array, bool]:

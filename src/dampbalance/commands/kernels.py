@@ -1,0 +1,97 @@
+"""Compile all kernels: python -m dampbalance.commands.kernels, once per installation; `make` does it in its set-up.
+
+A kernel is compiled when it is first called, and kept. Here small cases call them: first, in two processes, those that
+the rebuild needs; then, while whoever waited goes on, those of free decays and distorted drives.
+"""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+import time
+from typing import Any
+
+import numpy as np
+
+from .. import (
+    BaseMotion,
+    Oscillator,
+    identify,
+    measured_orbit,
+    measured_ring_down,
+    steady_orbit,
+    steady_orbits,
+)
+from ..motion.distorted import distorted_harmonics
+from ..motion.fixed_step import simulate
+from ..motion.jit import interpreted
+from ..motion.orbit import Orbit
+from ..motion.steady_slopes import linear_harmonics
+from ..reading.clean import of_record
+
+_OSCILLATOR: dict[str, Any] = {"m": 2.42, "c": 40.0, "k": 2310.0, "K_z": 208000.0, "F_k": 1.28}
+_OMEGA = 2.0 * math.pi * 4.92
+
+
+def _orbit() -> Orbit:
+    return steady_orbit(Oscillator(**_OSCILLATOR), BaseMotion(0.004, _OMEGA))
+
+
+def steady() -> None:
+    """Steady responses, alone and many at a time, and fixed steps with what is read of them."""
+    orbit = _orbit()
+    record = simulate(orbit.oscillator, orbit.motion, step=2e-5, cycles=4, keep_cycles=3)
+    of_record(record, _OMEGA, orbit.oscillator.k)
+    orbit.harmonics(3)
+    measured_orbit(orbit, rate_hz=1000.0, cycles=8.0)
+    steady_orbits(**_OSCILLATOR, Y=[1e-5, 0.0006, 0.004], omega=_OMEGA)
+
+
+def slopes() -> None:
+    """Derivatives of steady responses, which fits follow."""
+    with interpreted():
+        orbit = _orbit()
+    orbit.harmonics_with_slopes(3)
+    x, slope = np.empty(3, dtype=np.complex128), np.empty((3, 6), dtype=np.complex128)
+    motion = orbit.phases.copy(), orbit.theta, orbit.parameters, int(orbit.regime)
+    linear_harmonics(*motion, (0.0, 0.0), np.eye(1, 2), np.arange(6), x, slope)
+
+
+def rest() -> None:
+    """Responses to a distorted drive, and free decays under the friction of a contact and under other laws."""
+    distorted_harmonics(_orbit(), np.array([0.004, 4e-5], dtype=complex), 3)
+    osc = Oscillator(**_OSCILLATOR | {"c": 1.0, "F_k": 0.5})
+    decay = measured_ring_down(osc, x=0.01, rate_hz=500.0, duration=2.0, noise=0.01)
+    identify(decay, osc.k, laws=True)
+
+
+PARTS = {"steady": steady, "slopes": slopes, "rest": rest}
+
+
+def main(names: list[str]) -> None:
+    """Compile the parts named; without a name all of them, the last one in the background."""
+    if names:
+        for name in names:
+            PARTS[name]()
+        return
+    began = time.monotonic()
+    print("Compiling the kernels, once per installation …", file=sys.stderr, flush=True)
+    command = (sys.executable, "-m", "dampbalance.commands.kernels")
+    running = [_started(*command, name) for name in ("steady", "slopes")]
+    if sum(process.wait() != 0 for process in running):
+        print("They cannot be compiled now, and are when they are first called.", file=sys.stderr)
+        return
+    print(f"Compiled after {time.monotonic() - began:.0f} s.", file=sys.stderr)
+    _started("nice", *command, "rest")
+
+
+def _started(*command: str) -> subprocess.Popen[bytes]:
+    """A silent process that outlives this one."""
+    return subprocess.Popen(
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    )
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

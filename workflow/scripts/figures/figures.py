@@ -1,0 +1,35 @@
+"""Figures 1–3, the error of every estimate against the level of excitation, and the picture of the match."""
+
+from dampbalance.figures import (
+    ALT,
+    estimation_error,
+    figure3,
+    friction_velocity_loop,
+    save,
+    schematic,
+)
+from dampbalance.motion.orbit import read_orbits
+from dampbalance.project.case import Case
+from dampbalance.project.files import read_csv, read_routes, write_text
+from dampbalance.project.troubles import brief_troubles
+from dampbalance.publishing.match import match_picture
+from dampbalance.replication.claim_verdicts import counts
+
+if __name__ == "__main__":
+    brief_troubles(snakemake.log)
+    orbits, output = read_orbits(snakemake.input.orbits), snakemake.output
+    case = Case.from_config(snakemake.params.case)
+    hertz = case.frequencies_hz
+    estimates = read_routes(snakemake.params.folder, "estimates", hertz, ["exact"])["exact"]
+    drawn = {
+        "figure1": schematic(),
+        "figure2": friction_velocity_loop(orbits[0]),
+        "figure3": figure3(orbits),
+        "estimation_error": estimation_error(estimates, case.oscillator, hertz, case.levels_m),
+    }
+    for name, figure in drawn.items():
+        svg, png = (getattr(output, f"{name}_{kind}") for kind in ("svg", "png"))
+        save(figure, svg, png, ALT[name])
+    if snakemake.input.claims:
+        claims = read_csv(snakemake.input.claims, dtype=str)
+        write_text(output.match, match_picture(counts(claims)))
