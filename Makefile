@@ -43,8 +43,9 @@ endif
 LOCKED := $(VENV)/locked
 READY := $(VENV)/ready
 TOOLS := $(VENV)/tools
-LOCKS := requirements-build.lock requirements.lock requirements-dev.lock
+LOCKS := requirements-build.lock requirements.lock requirements-dev.lock requirements-engine.lock
 BENCH := .venv-bench
+ENGINE := .venv-engine
 BENCH_RUN := PYTHONPATH="$$HERE/trials:$$HERE/tests" PATH="$$HERE/$(BENCH)/bin:$$PATH" python -m
 ifneq ($(shell test -x $(VENV)/bin/python && cat $(LOCKED) 2>/dev/null),$(CURDIR))
 STALE := stale
@@ -59,7 +60,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check docs archive wheels verify compare bench peers processors mutants blind format lock clean distclean help stale
+.PHONY: all setup test lint unit check docs archive wheels verify compare bench peers engine processors mutants blind format lock clean distclean help stale
 
 all: $(READY) ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
@@ -111,6 +112,9 @@ bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and s
 peers: $(BENCH)/ready ## Test the benchmarks with heyoka and diffrax, which `make test` leaves out
 	@$(BENCH_RUN) pytest tests/repository/test_benchmarks.py -k "heyoka or diffrax" $(PYTEST_ARGS)
 
+engine: $(ENGINE)/ready ## Compile the kernels anew to the WebAssembly with which the page computes
+	@PATH="$$HERE/$(ENGINE)/bin:$$PATH" python -m dampbalance.publishing.engine
+
 processors: setup ## Run the tests that compare closely as on processors without AVX-512, and without AVX2 and FMA
 	@$(TRIAL) processors --numprocesses auto --dist loadscope $(PYTEST_ARGS)
 
@@ -136,6 +140,7 @@ lock: $(READY) ## Pin the newest versions that pyproject.toml allows, with hashe
 	    && $(RUN) $(LOCK) $(REBUILD) $(DEVELOP) --group build --output-file "$$new/all" pyproject.toml \
 	    && $(RUN) $(LOCK) $(REBUILD) --constraint "$$new/all" --output-file "$$new/requirements.lock" pyproject.toml \
 	    && $(RUN) $(LOCK) --group build --constraint "$$new/all" --output-file "$$new/requirements-build.lock" \
+	    && $(RUN) $(LOCK) --group engine --output-file "$$new/requirements-engine.lock" \
 	    && $(RUN) $(LOCK) $(DEVELOP) --constraint "$$new/all" --output-file "$$new/requirements-dev.lock" pyproject.toml \
 	        $$(sed -n 's/^\([^ =]*\)==.*/--no-emit-package \1/p' "$$new/requirements.lock") \
 	    && cp $(foreach lock,$(LOCKS),"$$new/$(lock)") . \
@@ -153,7 +158,7 @@ clean: ## Remove results and caches; the environment stays
 	rm -rf .snakemake .mutants .pytest_cache .mypy_cache .ruff_cache .hypothesis build dist
 
 distclean: clean ## Remove the environment as well
-	rm -rf $(VENV) $(BENCH)
+	rm -rf $(VENV) $(BENCH) $(ENGINE)
 
 help: ## Show the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -162,6 +167,7 @@ help: ## Show the targets
 $(READY): $(LOCKED) pyproject.toml
 	@rm -f $(READY)
 	@$(PIP_INSTALL) --no-build-isolation --no-deps --editable .
+	@$(RUN) dampbalance.commands.kernels
 	@touch $(READY)
 
 $(LOCKED): requirements.lock requirements-build.lock $(STALE)
@@ -192,13 +198,16 @@ INSTALL = { UV_DEFAULT_INDEX="$${UV_DEFAULT_INDEX:-$${PIP_INDEX_URL:-$$($(RUN) p
 	|| { echo "uv cannot install $(1) here: pip does."; \
 	    $(PIP_INSTALL) --no-deps --no-build-isolation --require-hashes --requirement $(1); }; }
 
-# The peers are not in the lock: an environment of their own, which sees the packages of the first one.
+# Peers to measure against and the linker of the engine: environments of their own, which see the packages of the first one.
 SITE := import sysconfig; site = sysconfig.get_path("purelib")
-$(BENCH)/ready: $(READY)
-	@echo "Setting up $(BENCH) with the group bench."
-	@rm -rf $(BENCH)
-	@$(VENV)/bin/python -m venv --without-pip $(BENCH)
+ADDED_bench := --group bench
+ADDED_engine := --require-hashes --requirement requirements-engine.lock
+$(ENGINE)/ready: requirements-engine.lock
+$(BENCH)/ready $(ENGINE)/ready: .venv-%/ready: $(READY)
+	@echo "Setting up .venv-$*: $(ADDED_$*)"
+	@rm -rf .venv-$*
+	@$(VENV)/bin/python -m venv --without-pip .venv-$*
 	@$(VENV)/bin/python -c '$(SITE); print(f"import site; site.addsitedir({site!r})")' \
-	    > "$$($(BENCH)/bin/python -c '$(SITE); print(site)')/locked.pth"
-	@$(RUN) pip --python $(BENCH)/bin/python install --disable-pip-version-check --no-compile --quiet --group bench
+	    > "$$(.venv-$*/bin/python -c '$(SITE); print(site)')/locked.pth"
+	@$(RUN) pip --python .venv-$*/bin/python install --disable-pip-version-check --no-compile --quiet $(ADDED_$*)
 	@touch $@

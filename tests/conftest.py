@@ -7,6 +7,7 @@ import itertools
 import os
 import sys
 from collections import Counter
+from pathlib import Path
 
 import hypothesis
 import pytest
@@ -43,8 +44,24 @@ def sum_of_no_floats():
     builtins.sum = plain
 
 
+SLOW = (Path(__file__).parent / "slow.txt").read_text(encoding="utf-8").split()
+"""Functions that took 0.4 s in one case, or 2 s in all, when they were last measured; one that is missing is named
+at the end of a long run. Files whose fixtures build or start something mark themselves."""
+
+
+def function_of(nodeid: str) -> str:
+    """A test as it stands in slow.txt: without its case."""
+    return nodeid.partition("[")[0].removeprefix("tests/")
+
+
 def pytest_collection_modifyitems(items):
-    """Run slow tests first, those of the workflow before all others, so that no process ends with one of them alone."""
+    """Mark what slow.txt names as slow, by computing alone. Run slow tests first, those of the workflow before all
+    others, so that no process ends with one of them alone."""
+    for item in items:
+        if function_of(item.nodeid) in SLOW:
+            item.add_marker("slow")
+            item.add_marker("computing")
+        item.user_properties.append(("slow", item.get_closest_marker("slow") is not None))
     items.sort(
         key=lambda item: (
             item.get_closest_marker("slow") is None,
@@ -60,6 +77,7 @@ OPTIONAL = {"slurm": "in a real SLURM", "browser": "in a real browser"}
 """Fixture → how a test with it is run. Not every machine has these programs."""
 
 LONG = 120.0  # s of all tests together
+UNMARKED = 4.0  # s, twice what makes a test slow: a busy machine is no reason to mark it
 
 CLOSING = pytest.StashKey[list[str]]()
 
@@ -68,7 +86,9 @@ def pytest_terminal_summary(terminalreporter, config):
     """Count the tests that passed with a program that not every machine has, and the skipped tests by reason; name the
     slowest files of a long run."""
     passed, skipped = (terminalreporter.stats.get(name, []) for name in ("passed", "skipped"))
-    needed = Counter(how for report in passed for name, how in report.user_properties)
+    needed = Counter(
+        how for report in passed for name, how in report.user_properties if name == "needs"
+    )
     reasons = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in skipped)
     config.stash[CLOSING] = [
         f"{heading}: {'; '.join(f'{count} {what}' for what, count in sorted(counted.items()))}"
@@ -76,12 +96,20 @@ def pytest_terminal_summary(terminalreporter, config):
         if counted
     ]
     times: Counter[str] = Counter()
+    unmarked: Counter[str] = Counter()
     for report in itertools.chain.from_iterable(terminalreporter.stats.values()):
         if isinstance(report, pytest.TestReport):
             times[report.nodeid.partition("::")[0]] += report.duration
+            if ("slow", False) in report.user_properties:
+                unmarked[function_of(report.nodeid)] += report.duration
     if sum(times.values()) > LONG:
-        slowest = ", ".join(f"{file} {seconds:.0f} s" for file, seconds in times.most_common(10))
-        config.stash[CLOSING].append(f"The slowest files, with what they wait for: {slowest}")
+        config.stash[CLOSING].append(f"The slowest files, with what they wait for: {_list(times)}")
+        if slow := Counter({name: taken for name, taken in unmarked.items() if taken > UNMARKED}):
+            config.stash[CLOSING].append(f"Slow, and not in tests/slow.txt: {_list(slow)}")
+
+
+def _list(times: Counter[str]) -> str:
+    return ", ".join(f"{name} {seconds:.0f} s" for name, seconds in times.most_common(10))
 
 
 def pytest_unconfigure(config):

@@ -18,6 +18,7 @@ from .solver import (
     mean_and_deviation,
     pair,
     pair_label,
+    solve,
 )
 
 if TYPE_CHECKING:
@@ -82,10 +83,11 @@ def _records(
     swing = features.X + features.X_s
     head: dict[str, object] = {"approach": name, "phase": phase, "note": ""}
     records, estimates = [], []
-    for i, j in chosen:
+    of_pairs = solve(rows[np.transpose(chosen)]).cases if chosen else []
+    for n, (i, j) in enumerate(chosen):
         line = head | {"kind": "pair", "pair": pair_label(i, j), "levels": 2}
         try:
-            estimates.append(pair(rows, i, j))
+            estimates.append(of_pairs[n] if np.isfinite(of_pairs[n].residual) else pair(rows, i, j))
             line |= _numbers(estimates[-1], swing[[i, j]])
         except ValueError as error:
             line |= {"levels": 0, "note": str(error)}

@@ -182,7 +182,10 @@ _FIELDS = ("omega", *COLUMNS, _REGIME)
 def _fitted(name: str, given: Any, kind: Any, shape: tuple[int, ...]) -> Any:
     """Values as a read-only array of that shape."""
     try:
-        values = np.asarray(given, dtype=kind) if kind is object else floats(given)
+        if type(given) is np.ndarray and given.dtype == kind:  # nearly always
+            values = given
+        else:
+            values = np.asarray(given, dtype=kind) if kind is object else floats(given)
     except ValueError as error:
         raise ValueError(
             f"Features.{name} must hold numbers, NaN where there is none, not {error}"

@@ -55,6 +55,19 @@ class Estimate:
     def __getitem__(self, symbol: str) -> Array:
         return self.values[symbol]
 
+    @property
+    def cases(self) -> list[Estimate]:
+        """The estimates of the cases of a one-dimensional array of them, each by itself."""
+        return [
+            Estimate(
+                {symbol: values[case] for symbol, values in self.values.items()},
+                self.residual[case],
+                self.covariance[..., case],
+                self.n[case],
+            )
+            for case in range(len(self.residual))
+        ]
+
     def standard_error(self, symbol: str) -> Array:
         """Standard error of a coefficient: root of the diagonal of the covariance."""
         j = list(self.values).index(symbol)

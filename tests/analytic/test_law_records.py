@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -15,10 +16,12 @@ from dampbalance.law.response import law_orbit
 
 pytestmark = pytest.mark.slow
 
+drawn = functools.cache(laws.draw)
+
 
 @pytest.mark.parametrize("law", laws.LAWS)
 def test_a_set_is_as_it_is_said_to_be(law):
-    truth = laws.draw(law, 3)
+    truth = drawn(law, 3)
     for part in truth.shares().values():
         assert ((part >= 0.2) & (part <= 0.6)).any()
     assert set(truth.coefficients) == set(laws.LAWS[law])
@@ -36,7 +39,7 @@ def test_a_set_is_as_it_is_said_to_be(law):
 def test_its_motion_is_that_of_the_law(law):
     # two integrators of different make, on forces written down twice; fixed steps are of order 2 at the kinks of the
     # contact: measured 1e-7 of the motion. The mass slips once in every half cycle.
-    truth = laws.draw(law, 3)
+    truth = drawn(law, 3)
     others = dict(truth.coefficients)
     oscillator = Oscillator(truth.m, others.pop("c", 0.0), truth.k, truth.K_z, truth.F_k)
     for (Y, omega), motion in zip(truth.levels, truth.motions, strict=True):

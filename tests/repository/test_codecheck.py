@@ -54,7 +54,7 @@ def test_every_table_and_figure_of_the_paper_is_named(configuration):
     named = {item["comment"].partition(":")[0]: item["file"] for item in configuration["manifest"]}
     rules = (ROOT / "workflow/rules/figures.smk").read_text(encoding="utf-8")
     printed = (ROOT / "paper/published/printed.csv").read_text(encoding="utf-8")
-    figures, tables = re.findall(r"rule figure(\d)", rules), re.findall(r"(?m)^table(\d)", printed)
+    figures, tables = re.findall(r'"figure(\d)"', rules), re.findall(r"(?m)^table(\d)", printed)
     wanted = {f"Figure {n}": f"figures/figure{n}.svg" for n in figures}
     wanted |= {f"Table {n}": f"tables/table{n}.csv" for n in tables}
     assert len(wanted) == 6

@@ -12,7 +12,9 @@ import pytest
 from dampbalance.estimates import estimate_table
 from dampbalance.figures import figure3, save
 from dampbalance.replication.claim_verdicts import VERDICTS, counts
-from dampbalance.replication.claims import RouteTables, claims_table
+from dampbalance.replication.claims.rules import Sources
+from dampbalance.replication.claims.table import claims_table
+from dampbalance.replication.printed_tables import RouteTables
 from folders import ROOT
 from paper.routes import CASE, PRINT
 from paper_case import FREQUENCIES_HZ, OMEGA, PAIRS, PAPER, features_at, orbits_at
@@ -24,7 +26,7 @@ def test_the_verdicts_are_those_on_record():
     recorded = pd.read_csv(ROOT / "paper/published/verdicts.csv", dtype=str)
     nothing = RouteTables({}, {})
     # What kind a claim is does not depend on what the routes give for it.
-    kinds = claims_table(PRINT, CASE, nothing, nothing, pd.DataFrame())[["id", "kind"]]
+    kinds = claims_table(Sources(PRINT, CASE, nothing, nothing, pd.DataFrame()))[["id", "kind"]]
     recorded = recorded.merge(kinds, on="id", validate="one_to_one")
     block = README.split("<!-- verdicts", 1)[1].split("-->", 1)[1].split("<!-- end", 1)[0]
     lines = block.strip().splitlines()

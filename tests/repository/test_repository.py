@@ -19,7 +19,12 @@ import dampbalance
 from folders import ROOT
 from processes import run
 
-LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-build.lock")
+LOCKS = (
+    "requirements.lock",
+    "requirements-dev.lock",
+    "requirements-build.lock",
+    "requirements-engine.lock",
+)
 MODULES = sorted((ROOT / "src").rglob("*.py"))
 LONGEST_MODULE = 600  # lines; a file is a concept that an expert names
 
@@ -82,6 +87,7 @@ def locked_requirements() -> list[tuple[str, str]]:
         "dev": "requirements-dev.lock",
         "docs": "requirements-dev.lock",
         "build": "requirements-build.lock",
+        "engine": "requirements-engine.lock",
     }
     for group, lock in of_group.items():
         wanted += [(lock, text) for text in settings["dependency-groups"][group]]
@@ -98,10 +104,11 @@ def test_lock_holds_what_pyproject_asks_for(lock, text):
 
 
 def test_the_locks_agree():
-    rebuild, tools, build = (pins(lock) for lock in LOCKS)
+    rebuild, tools, build, engine = (pins(lock) for lock in LOCKS)
     assert [name for name in build.keys() & rebuild.keys() if build[name] != rebuild[name]] == []
     assert [name for name in build.keys() & tools.keys() if build[name] != tools[name]] == []
     assert rebuild.keys() & tools.keys() == set()  # the tools come in addition
+    assert (rebuild.keys() | tools.keys()) & engine.keys() == set()
 
 
 def test_the_environment_of_conda_holds_what_the_rebuild_is_locked_to():

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import dampbalance
-from dampbalance.publishing.provenance.sources import files_of
+from dampbalance.publishing.provenance.manifest import files_of
 from folders import ROOT
 from processes import output_of
 

@@ -12,9 +12,10 @@ from dampbalance.features import COLUMNS, Features, beside, of_numbers, of_orbit
 from dampbalance.model import BaseMotion, Oscillator
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.motion.orbits import steady_orbits
-from dampbalance.reading.clean import _first_reversal, _signals, integral, of_record
+from dampbalance.motion.sampled import _first_reversal, integral
+from dampbalance.reading.clean import of_record
 from dampbalance.record import Record
-from dampbalance.replication.readout import ReadOut
+from dampbalance.replication.as_published import ReadOut
 from paper_case import FREQUENCIES_HZ, LEVELS, OMEGA, PAPER
 
 
@@ -224,8 +225,7 @@ def test_a_sample_at_the_reversal_itself_comes_after_it():
     state = exact.state(t)
     v = np.where(np.arange(t.size) % 500 == 7, 0.0, state.v)  # rounding of the exact zeros
     record = Record(t, exact.motion.y(t), state.x, v, state.acceleration)
-    for reading in ("sample", "interpolated"):
-        assert _first_reversal(_signals(record, OMEGA, reading)) == 6
+    assert _first_reversal(record.x, record.v, 1000.0) == 6
     features = of_record(record, OMEGA, PAPER.k)
     # a thousandth of a cycle between samples, to the fourth power, and t_s is a hundredth of the cycle
     assert worst(features, of_orbit(exact), "X", "X_s", "t_s", "phi_reversal") < 1e-4

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import argparse
 import multiprocessing
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+
+from dampbalance.project.progress import followed
 
 from . import decay_laws, decrements, efficiency, faults, laws, others, score
 from .truths import SEED
@@ -22,13 +23,10 @@ def _rows(
     work: Callable[[Any], list[dict[str, object]]], runs: Sequence[Any], processes: int
 ) -> pd.DataFrame:
     """Rows of all runs, in their order."""
-    began = time.perf_counter()
     rows: list[dict[str, object]] = []
     with multiprocessing.get_context("spawn").Pool(processes) as pool:
-        for done, of_run in enumerate(pool.imap(work, runs, chunksize=1), 1):
+        for of_run in followed(pool.imap(work, runs, chunksize=1), len(runs), "sets"):
             rows += of_run
-            if done % 50 == 0:
-                print(f"{done} of {len(runs)}, {time.perf_counter() - began:.0f} s", flush=True)
     return pd.DataFrame(rows)
 
 

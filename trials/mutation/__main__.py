@@ -71,8 +71,16 @@ class Bench:
             "MUTATION_REPORT": str(self.report),
             "MUTATION_INTERPRETED": str(CALLS * interpreted),
         }
-        command = [sys.executable, "-m", "pytest", "-q", "-m", "not slow", "-p", "mutation.watch"]
-        command += ["-p", "no:cacheprovider", "-p", "no:xdist", *tests]
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "mutation.watch"]
+        command += [
+            "-m",
+            "not slow or computing",
+            "-p",
+            "no:cacheprovider",
+            "-p",
+            "no:xdist",
+            *tests,
+        ]
         if interpreted:  # compiled code divides and overflows without a warning
             command += ["-W", "ignore::RuntimeWarning"]
         done = subprocess.run(

@@ -90,7 +90,8 @@ def cramer_rao(
     if here is not None:
         common = 3 + ("m" in free)
         kept = [*range(common), *range(len(unknowns.names), point.size)]
-        scale, J = here.lengths[kept], here.jacobian[:, kept]
+        J = here[1][:, kept]
+        scale = np.linalg.norm(J, axis=0)
         values, vectors = np.linalg.eigh(J.T @ J / np.outer(scale, scale))
         if values[0] > _SINGULAR:
             scale[2] *= -0.5 * osc.K_z**-1.5  # dK_z = −2 ρ⁻³ dρ

@@ -1,32 +1,125 @@
 """How the authors obtained their numbers, as far as the printed digits show.
 
     simulate_levels   the equation of motion divided by m, its coefficients rounded, by a scheme of fixed step
-    read_levels       a, b and W at the samples, all else between them, then as it was written down
+    read_levels       a, b and W at the samples, all else between them, then as it was written down (`ReadOut`)
     estimates         Table 3 with the slip of sign in its V_s columns
+    scheme_table      the integrals of Table 2 by every other scheme: if the numbers singled out backward Euler on
+                      rounded coefficients only because nothing else was tried, they would prove little
 
 Scheme, step, cycle, decimals and rules of reading come from the configuration. They were chosen with the printed digits
-in view (`config/README.md` says which by which); no printed number itself is read here.
+in view (`config/README.md` says which by which); no printed number itself is read here. The printed features are not
+all rounded values of their simulation; some carry the mark of how they were read. Each rule of reading is stated
+without reference to any printed number, and each can be left out.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple, cast
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 
 import numpy as np
 
 from ..arrays import Array
-from ..balance import APPROACHES, Approach, slip_velocity, slip_velocity_as_printed
+from ..balance import APPROACHES, TERMS, Approach, direct, slip_velocity, slip_velocity_as_printed
 from ..estimates import estimate_table
 from ..features import Features, Phase, of_numbers, stack
-from ..motion.fixed_step import simulate
+from ..motion.fixed_step import SCHEMES, simulate
 from ..project.case import Case
 from ..reading.clean import CYCLES_TO_READ, ReadAt, of_record
 from ..record import Record
-from .readout import ReadOut
+from ..solver import least_squares
 
 if TYPE_CHECKING:
     import pandas as pd
+
+# A reading is divided by its unit in binary: what lies this close to a whole number of units is that number.
+_WHOLE = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class ReadOut:
+    """Rules by which features are read; a rule that is None is not applied. SI units.
+
+    X_decimals, X_s_decimals, V_s_decimals, phi_decimals : decimals kept in m, m, m/s, rad, rounded to nearest.
+    X_s_mark : m. Instead of rounding X_s: the length X + X_s of the microstick line in whole marks of the axis, up to
+    the first mark beyond the corner, taken off the X that was read. (With marks of 1 µm, 12.3 µm read 13 µm.)
+    t_s_inset : s, taken off t_s: timed from the first sample inside the microstick phase to the last one inside it, the
+    phase is shorter than from reversal to slip, by one step at each end.
+    t_s_unit : s. t_s in whole units that fit, as on a display that drops what follows (with 0.1 ms, 2.98 reads 2.9).
+    common_phi_decimals, common_t_s_decimals : decimals of the means that stand for φ (rad), t_s (s) in Eqs. (16)–(19).
+
+    The reverse-slip readings X_r, V_r, t_r follow the rules of X_s, V_s, t_s. Raises ValueError naming the rule.
+    """
+
+    X_decimals: int | None = None
+    X_s_decimals: int | None = None
+    X_s_mark: float | None = None
+    V_s_decimals: int | None = None
+    phi_decimals: int | None = None
+    t_s_inset: float = 0.0
+    t_s_unit: float | None = None
+    common_phi_decimals: int | None = None
+    common_t_s_decimals: int | None = None
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            value = getattr(self, name)
+            if value is not None and not 0 <= value < math.inf:
+                raise ValueError(f"ReadOut.{name} must not be negative, got {value!r}")
+        for name in ("X_s_mark", "t_s_unit"):
+            if getattr(self, name) == 0.0:
+                raise ValueError(f"ReadOut.{name} must be positive, or None for no such rule")
+        if self.X_s_mark is not None and self.X_s_decimals is not None:
+            raise ValueError("ReadOut: give X_s_mark or X_s_decimals, not both")
+
+    @classmethod
+    def from_config(cls, section: Mapping[str, Any]) -> Self:
+        """The rules of a section of the configuration, whose keys carry their units; null is no rule."""
+        rules = {key: value for key, value in section.items() if value is not None}
+        return cls(**{key.removesuffix("_m").removesuffix("_s"): v for key, v in rules.items()})
+
+    def apply(self, features: Features) -> Features:
+        """The features as read, each response by itself."""
+        X = _rounded(features.X, self.X_decimals)
+        phases = ("phi", "phi_reversal", "phi_zero_crossing", "phi_fundamental")
+        return features.replaced(
+            X=X,
+            X_s=-self._slip_distance(X, features.X, -features.X_s),
+            X_r=self._slip_distance(X, features.X, features.X_r),
+            V_s=_rounded(features.V_s, self.V_s_decimals),
+            V_r=_rounded(features.V_r, self.V_s_decimals),
+            t_s=self._time(features.t_s),
+            t_r=self._time(features.t_r),
+            **{name: _rounded(getattr(features, name), self.phi_decimals) for name in phases},
+        )
+
+    def common(self, features: Features) -> Features:
+        """The features as read, with the rounded means of φ and t_s in place of the individual ones."""
+        shared = self.apply(features).with_common("phi", "t_s")
+        return shared.replaced(
+            phi=_rounded(shared.phi, self.common_phi_decimals),
+            t_s=_rounded(shared.t_s, self.common_t_s_decimals),
+        )
+
+    def _slip_distance(self, X_read: Array, X: Array, X_slip: Array) -> Array:
+        """|X_s| as read: by its mark, counted from the peak, or rounded."""
+        if self.X_s_mark is None:
+            return _rounded(X_slip, self.X_s_decimals)
+        marks = np.ceil((X - X_slip) / self.X_s_mark - _WHOLE)
+        return X_read - marks * self.X_s_mark
+
+    def _time(self, t: Array) -> Array:
+        inside = t - self.t_s_inset
+        if self.t_s_unit is None:
+            return inside
+        return np.floor(inside / self.t_s_unit + _WHOLE) * self.t_s_unit
+
+
+def _rounded(values: Array, decimals: int | None) -> Array:
+    return values if decimals is None else np.round(values, decimals)
+
 
 CORRECTED = "V_s with minus"
 """The V_s pairs as (19) states them."""
@@ -128,3 +221,56 @@ def estimates(tabulated: Features, two_point: Features, case: Case) -> pd.DataFr
         common=two_point,
         common_approaches=APPROACHES_OF_TABLE_3,
     )
+
+
+_CYCLES = 12
+"""Steady cycles in which a is read: a period is no whole number of steps, so that each samples the motion elsewhere."""
+
+
+def scheme_table(case: Case, frequency: str) -> pd.DataFrame:
+    """a, b, W of every scheme on rounded and on exact coefficients c/m, k/m, and the F_k, c they give together.
+
+    One row per scheme, coefficients ("rounded" or "exact") and level; F_k_N and c_N_s_per_m (least squares of the
+    levels) are the same in the rows of one simulation.
+    """
+    exact = replace(case.numerics, c_over_m_decimals=None, k_over_m_decimals=None)
+    parts: list[dict[str, Any]] = []
+    for scheme in SCHEMES:
+        for coefficients, numerics in (("rounded", case.numerics), ("exact", exact)):
+            tried = replace(case, numerics=replace(numerics, scheme=scheme))
+            read = features_of(simulate_levels(tried, frequency), tried, frequency, "sample")
+            estimate = least_squares(direct(read, case.oscillator.k))
+            part: dict[str, Any] = {"scheme": scheme, "coefficients": coefficients}
+            part |= {"level": _levels(read), "a_m": read.a, "b_m2_per_s": read.b, "W_J": read.W}
+            parts.append(part | {term.column: float(estimate[s]) for s, term in TERMS.items()})
+    return _stacked(parts)
+
+
+def cycle_table(case: Case, frequency: str) -> pd.DataFrame:
+    """a (m) and V_s (m/s) of the as-published simulation in each of its last steady cycles.
+
+    One row per cycle, the last one first, and level. Which cycle the authors integrated decides where the samples fall;
+    what the printed a say of the step must therefore hold in all of them.
+    """
+    kept = min(_CYCLES + CYCLES_TO_READ - 1, case.numerics.cycles)
+    records = simulate_levels(case, frequency, keep_cycles=kept)
+    period = 2.0 * math.pi / case.omega(frequency) / case.numerics.step_s  # in steps
+    tables: list[dict[str, Any]] = []
+    for cycle in range(kept - CYCLES_TO_READ + 1):
+        ends = [len(record) - round(cycle * period) for record in records]
+        length = math.ceil(CYCLES_TO_READ * period) + 1
+        parts = [r.samples(max(end - length, 0), end) for r, end in zip(records, ends, strict=True)]
+        read = features_of(parts, case, frequency, "sample")
+        numbers = {"a_m": read.a, "V_s_m_per_s": read.V_s}
+        tables.append({"cycle": -cycle, "level": _levels(read), **numbers})
+    return _stacked(tables)
+
+
+def _levels(features: Features) -> range:
+    return range(1, len(features) + 1)
+
+
+def _stacked(tables: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    import pandas as pd  # slow to import, and needed for tables only
+
+    return pd.concat(map(pd.DataFrame, tables), ignore_index=True)

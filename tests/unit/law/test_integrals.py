@@ -12,9 +12,8 @@ from analytic.cases import SEVERAL_SLIPS, case
 from analytic.integrals import input_work, of_motion
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.balance import Rows
-from dampbalance.law.integrals import of_harmonics
 from dampbalance.law.response import law_orbit
-from dampbalance.law.terms import FRICTION, KNOWN_TERMS
+from dampbalance.law.terms import FRICTION, KNOWN_TERMS, of_harmonics
 from dampbalance.solver import solve
 from paper_case import PAPER, motions_at
 

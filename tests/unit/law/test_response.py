@@ -12,8 +12,7 @@ from scipy.optimize import brentq
 from analytic.cases import SEVERAL_SLIPS, case
 from dampbalance import BaseMotion, NoSteadyOrbit, Oscillator, Regime, steady_orbit, transient
 from dampbalance.law import response
-from dampbalance.law.one_phase import equation, follow
-from dampbalance.law.response import law_orbit, law_transient
+from dampbalance.law.response import equation, follow, law_orbit, law_transient
 from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER, motions_at

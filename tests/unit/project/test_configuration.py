@@ -202,13 +202,34 @@ def test_an_excerpt_at_a_frequency_holds_no_other(config):
     assert case.oscillator is NOT_GIVEN
 
 
-def test_an_override_without_a_case_of_its_own_is_refused(tmp_path):
+def test_an_override_that_names_a_case_is_taken(tmp_path):
     one, other = tmp_path / "friction.yaml", tmp_path / "named.yaml"
     one.write_text("oscillator: {F_k_N: 1.5}\n", encoding="utf-8")
     other.write_text("case: mine\n", encoding="utf-8")
     require_own_case([])
     require_own_case([other, one])
-    with pytest.raises(
-        ConfigurationError, match=r"friction\.yaml: case: is missing.*case: friction"
-    ):
-        require_own_case([one])
+
+
+@pytest.mark.parametrize(
+    ("name", "case"),
+    [
+        ("friction", "friction"),
+        ("more friction", "more_friction"),
+        ("paper", "my_paper"),
+        ("Ü", "my_case"),
+    ],
+)
+def test_an_override_without_a_case_is_refused_in_a_line_with_a_name_that_works(
+    config, tmp_path, name, case
+):
+    override = tmp_path / f"{name}.yaml"
+    override.write_text("oscillator: {F_k_N: 1.5}\n", encoding="utf-8")
+    with pytest.raises(ConfigurationError) as refused:
+        require_own_case([override])
+    said = str(refused.value)
+    assert f"{name}.yaml: case: is missing" in said
+    assert "\n" not in said
+    wanted = re.search(r"\((case: .+?)\), and add (published: null)", said)
+    remedy = yaml.safe_load(f"{wanted[1]}\n{wanted[2]}\n")
+    assert remedy == {"case": case, "published": None}
+    check(config | remedy, SCHEMA, [], APPROACHES)

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from dampbalance.figures.style import save
 from dampbalance.project.wording import in_figure, in_markdown, markdown_table
-from dampbalance.publishing.page.charts import as_json
-from dampbalance.publishing.page.words import rich
+from dampbalance.publishing.page.report import as_json
+from dampbalance.publishing.words import rich
 
 TEXTS = [
     "<script>alert('x')</script>",

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from dampbalance.replication.claims import causes
-from dampbalance.replication.printed import Printed
+from dampbalance.replication.claims.published import Printed
 from paper.routes import CASE, PRINT
 
 LABELS = ["1-2", "2-3", "3-4", "4-5", "1-5"]

@@ -14,19 +14,29 @@ from dampbalance.law.law import Law
 from dampbalance.reading.conditioning import condition
 from dampbalance.reading.mean_harmonics import Reading
 from dampbalance.records.measurement import Channel, Measurement
-from dampbalance.replication.frame.drift import as_recorded, drift, friction_of_rows
 from dampbalance.replication.frame.findings import (
     Findings,
     Prediction,
+    as_recorded,
     common_clock,
+    drift,
     findings,
+    friction_of_rows,
     load_line,
     speed_laws_of,
 )
-from dampbalance.replication.frame.measured_loop import Loop, friction_loop, shape
+from dampbalance.replication.frame.friction import (
+    SPEED_LAWS,
+    Loop,
+    Mass,
+    friction_loop,
+    linear,
+    logarithmic,
+    predicted,
+    shape,
+    static_force,
+)
 from dampbalance.replication.frame.pictures import loops as drawn_loops
-from dampbalance.replication.frame.prediction import Mass, predicted
-from dampbalance.replication.frame.speed_laws import SPEED_LAWS, linear, logarithmic, static_force
 from unit.reading.stopping import Steady, Stopping, steady
 
 TWO = {1: 1.82e-3, 2: 2e-5j, 3: 1e-4}

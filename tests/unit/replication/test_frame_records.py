@@ -64,10 +64,11 @@ def test_the_numbers_are_those_that_were_recorded():
     for place, value in recorded.items():
         if isinstance(value, float):
             # four digits are recorded, and shares are differences. No oscillator explains these records within their
-            # noise, and of several ends with nearly the same χ² each processor's search takes another: that moves F_k
-            # by less than 1e-3, and what is left of a line or a loop by 1e-2.
+            # noise, and several come nearly as near: K_z of the best three is 353, 406 and 523 kN/m. Should rounding
+            # lead a processor to another of them, F_k moves by up to a standard error, 3e-3, and what is left of a
+            # line or a loop by 5e-2.
             least = 1e-9 if str(place[-1]).endswith("_m") or "given_way_m" in place else 1e-5
-            rel = 2e-2 if RESIDUAL & {*place} else 1e-3
+            rel = 8e-2 if RESIDUAL & {*place} else 5e-3
             assert computed[place] == pytest.approx(value, rel=rel, abs=least), place
         else:
             assert computed[place] == value, place

@@ -7,10 +7,14 @@ import pytest
 
 from dampbalance.balance import Rows
 from dampbalance.replication import as_published as authors
-from dampbalance.replication.claims.allowed import by_table_2, by_table_3, misfits
-from dampbalance.replication.claims.checksums import agrees, refuted
-from dampbalance.replication.claims.published import PAIR_LABELS, PAIRS
-from dampbalance.replication.printed import Printed
+from dampbalance.replication.claims.cross_checks import (
+    agrees,
+    by_table_2,
+    by_table_3,
+    misfits,
+    refuted,
+)
+from dampbalance.replication.claims.published import PAIR_LABELS, PAIRS, Printed
 from dampbalance.solver import pair
 from paper.routes import CASE, PAPER, PRINT, as_read
 
@@ -164,7 +168,7 @@ def test_a_changed_result_refutes_no_cell():
     ],
 )
 def test_digits_rounded_or_cut_off_agree(value, printed, expected):
-    assert agrees(value, Printed(printed)) is expected
+    assert bool(agrees(value, Printed(printed))) is expected
 
 
 def test_a_moved_last_digit_is_written_as_before():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from dampbalance.replication.printed import Printed
+from dampbalance.replication.claims.published import Printed
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,8 @@ import random
 
 import pytest
 
-from dampbalance.replication.claims import check_printed, read_published
-from dampbalance.replication.claims.rules import RULES, _few
-from dampbalance.replication.printed import Printed
+from dampbalance.replication.claims.published import Printed, read_published
+from dampbalance.replication.claims.rules import RULES, _few, check_printed
 from folders import PUBLISHED
 
 TEXT = (PUBLISHED / "printed.csv").read_text(encoding="utf-8")

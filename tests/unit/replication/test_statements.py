@@ -7,7 +7,7 @@ import math
 import pytest
 
 from dampbalance.replication.claims.published import Row
-from dampbalance.replication.claims.statements import bound_holds, word_holds
+from dampbalance.replication.claims.rules import bound_holds, word_holds
 
 
 def row(rule: str, printed: str, quantity: str = "") -> Row:

@@ -7,13 +7,13 @@ import math
 import pytest
 
 from dampbalance.replication.claim_verdicts import PROPAGATED, READING, UNEXPLAINED
-from dampbalance.replication.claims.tolerances import (
+from dampbalance.replication.claims.judging import (
     phase_read,
     propagated,
     simulated,
     velocity_read,
 )
-from dampbalance.replication.printed import Printed
+from dampbalance.replication.claims.published import Printed
 from paper.routes import CASE
 
 OMEGA = 2.0 * math.pi * 4.92

@@ -19,7 +19,7 @@ from dampbalance.motion.fixed_step import simulate
 from dampbalance.project.documents import ConfigurationError, against_schema
 from dampbalance.project.wording import percent
 from dampbalance.reading.clean import of_record
-from dampbalance.replication.readout import ReadOut
+from dampbalance.replication.as_published import ReadOut
 from dampbalance.solver import least_squares, pair
 from dampbalance.studies import checking, evaluate, outputs, sizes
 from dampbalance.studies.axes import SOBOL_BITS, Listed, Range, Sampled, case_values, spread
@@ -325,13 +325,6 @@ def test_progress_states_what_is_left(make, tmp_path):
     assert text == "Study test: 2 of 6 chunks, about 20 s left"
     assert sizes.progress(made, tmp_path, 6, math.nan, now) == "Study test: 2 of 6 chunks"
     assert sizes.progress(made, tmp_path, 2, now - 10.0, now) == "Study test: 2 of 2 chunks"
-
-
-@pytest.mark.parametrize(
-    ("seconds", "words"), [(12.4, "12 s"), (240.0, "4 min"), (12600.0, "3.5 h")]
-)
-def test_durations_in_words(seconds, words):
-    assert sizes.duration_in_words(seconds) == words
 
 
 # --- outputs ---------------------------------------------------------------------------------------

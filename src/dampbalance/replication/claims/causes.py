@@ -6,22 +6,23 @@ No sentence is taken for granted: a condition on the numbers of the run decides 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from ...balance import Rows
+from ...features import Features
 from ...project.case import Case
 from ...solver import least_squares
-from ..as_published import added_damping
+from ..as_published import ReadOut, added_damping, estimates
 from ..claim_verdicts import of_cell
-from ..printed import Printed
-from ..printed_tables import TABLE_2
-from ..route_tables import RouteTables
-from .checksums import agrees
-from .judging import Range
-from .published import PAIR_LABELS, PAIRS, Published, Row
-from .tolerances import TIME_UNIT_S, VELOCITY_MARK, shown
+from ..printed_tables import COLUMN_OF, TABLE_2, RouteTables
+from .cross_checks import agrees
+from .judging import TIME_UNIT_S, VELOCITY_MARK, Range, shown
+from .published import PAIR_LABELS, PAIRS, Printed, Published, Row
 
 
 def backward_euler(case: Case, values: Mapping[str, float]) -> str:
@@ -122,7 +123,7 @@ def sign(as_published: float, correct: float, unit: str, misfits: Mapping[str, f
     """Table 3: the slip of sign in the V_s columns, and on what its proof rests; "" elsewhere.
 
     as_published : the pair as published, in the V_s columns with the slip.   correct : by the row that (19) states.
-    misfits : `allowed.misfits`.
+    misfits : `cross_checks.misfits`.
     """
     if math.isnan(correct) or as_published == correct:
         return ""
@@ -150,7 +151,7 @@ def other_b(
 ) -> str:
     """A pair of which a printed b is not the simulated one: the pair with the b that print needs, if that explains it.
 
-    allowed : what the printed tables allow, `allowed.ranges`.   row : of the pair.
+    allowed : what the printed tables allow, `Sources.allowed`.   row : of the pair.
     """
     pair = PAIRS[PAIR_LABELS.index(row.line)]
     a, b, W = (
@@ -200,3 +201,83 @@ def cut_off(value: float, number: Printed) -> str:
     if math.floor(units) == round(number.value / number.unit) != round(units):
         return f"{number.show(value, 2)} cut off, not rounded, has the printed digits."
     return ""
+
+
+class _Read(NamedTuple):
+    """A feature that is read: keys of its rules in the configuration; words for how it reads, the columns whose sum
+    reads so, scaled, and its format with its unit."""
+
+    keys: tuple[str, ...]
+    words: str
+    columns: tuple[str, ...]
+    scale: float
+    shown: str
+
+
+_READ = (
+    _Read(("X_decimals",), "X read as", ("X_m",), 1e3, "{:g} mm"),
+    _Read(("X_s_mark_m", "X_s_decimals"), "X + X_s read as", ("X_m", "X_s_m"), 1e6, "{:.4g} µm"),
+    _Read(("V_s_decimals",), "V_s read as", ("V_s_m_per_s",), 1e3, "{:g} mm/s"),
+    _Read(
+        ("t_s_inset_s", "t_s_unit_s", "common_t_s_decimals"),
+        "one t_s of",
+        ("t_s_s",),
+        1e3,
+        "{:g} ms",
+    ),
+    _Read(("phi_decimals", "common_phi_decimals"), "one phi of", ("phi_rad",), 1.0, "{:.6g} rad"),
+)
+
+
+def rules_at_work(
+    case: Case, exact_route: RouteTables, unrounded: pd.DataFrame
+) -> Callable[[Row], str]:
+    """A function of a row that says what moves that number of Table 3 from exact, in a sentence.
+
+    Named are the largest share, and every other that moves the number by half a unit of its last printed digit.
+    Arguments as in `Sources`.
+    """
+    if "omega1" not in exact_route.features or unrounded.empty:
+        return lambda row: ""
+    configured = case.numerics.two_point
+
+    def pairs(frame: pd.DataFrame, *keys: str) -> RouteTables:
+        features = Features.from_frame(frame)
+        read = ReadOut.from_config({key: configured.get(key) for key in keys}).common(features)
+        table = estimates(features, read, replace(case, pairs=PAIRS))
+        return RouteTables({"omega1": read.to_frame()}, {"omega1": table})
+
+    exact, unread = pairs(exact_route.features["omega1"]), pairs(unrounded)
+    read = {
+        one: pairs(unrounded, *one.keys)
+        for one in _READ
+        if any(configured.get(key) is not None for key in one.keys)
+    }
+
+    def sentence(row: Row) -> str:
+        def value(tables: RouteTables) -> float:
+            return tables.estimate(COLUMN_OF[row.symbol], row.approach, pair=row.line)
+
+        shifts = {"the simulation": value(unread) - value(exact)}
+        for one, tables in read.items():
+            shifts[_as_read(one, tables, row.line)] = value(tables) - value(unread)
+        if not all(map(math.isfinite, shifts.values())):
+            return ""
+        in_order = sorted(shifts, key=lambda what: -abs(shifts[what]))
+        shares = (
+            f"{what} ({shifts[what]:+.{row.number.decimals + 1}f} {row.unit})"
+            for what in in_order
+            if what == in_order[0] or abs(shifts[what]) >= 0.5 * row.number.unit
+        )
+        return f"What moves it: {', '.join(shares)}."
+
+    return sentence
+
+
+def _as_read(one: _Read, tables: RouteTables, label: str) -> str:
+    """How a feature reads at the levels of a pair; once if it reads the same."""
+    values = (
+        one.scale * math.fsum(tables.feature(column, int(level)) for column in one.columns)
+        for level in label.split("-")
+    )
+    return f"{one.words} {' and '.join(dict.fromkeys(map(one.shown.format, values)))}"

@@ -1,12 +1,18 @@
-"""The numbers of the paper, as printed: a row for each, whose text keeps its digits and so how finely it was rounded.
+"""The numbers of the paper, as printed, and the route that computes from nothing but them.
+
+A row for each number keeps its text, and so its digits and how finely it was rounded. The from-print route puts Table 1
+and the integrals of Table 2 through the same rows and the same solver as everything else. For the least squares, the
+residuals, the means and the deviations the printed numbers come out: the paper's arithmetic is sound.
 
 This package is the only place that reads `paper/published/`: what is compared with must not leak into what is computed.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,10 +20,90 @@ import numpy as np
 import pandas as pd
 
 from ...arrays import Array
+from ...estimates import estimate_table
+from ...features import COLUMNS, Features, of_numbers
+from ...project.case import Case
 from ...solver import Pair, pair_label
-from ..claim_verdicts import of_cell
-from ..printed import Printed
-from ..printed_tables import UNKNOWNS
+from ..claim_verdicts import of_cell, of_text
+from ..printed_tables import HARMONIC, TABLE_1, TABLE_2, UNKNOWNS, RouteTables
+
+LONGEST = 25
+"""Characters of a number at most."""
+
+_POWERS = (-30, 30)  # of ten
+
+
+@dataclass(frozen=True, slots=True)
+class Printed:
+    """A number as printed, e.g. "90.0402" or "2.9E-3"."""
+
+    text: str
+
+    @property
+    def is_number(self) -> bool:
+        """Whether the text is a number, of a size that a quantity of the paper can have, not a word as "degraded"."""
+        try:
+            highest = self.decimal.adjusted()
+        except ValueError:
+            return False
+        if len(self.text) > LONGEST or not self.decimal.is_finite():
+            return False
+        return self.exponent >= _POWERS[0] and highest <= _POWERS[1]
+
+    @property
+    def decimal(self) -> Decimal:
+        """The printed number, exactly. Raises ValueError when the text is not a number."""
+        try:
+            return Decimal(self.text)
+        except InvalidOperation:
+            text = f"printed value {self.text!r} is not a number such as 90.0402 or 2.9E-3"
+            raise ValueError(text) from None
+
+    @property
+    def decimals(self) -> int:
+        """Digits after the point: 4 of 0.0273, 4 of 2.9E-3."""
+        return max(0, -self.exponent)
+
+    @property
+    def significant(self) -> int:
+        """Significant digits: 3 of 0.0273, 2 of 2.9E-3."""
+        return len(self.decimal.as_tuple().digits)
+
+    @property
+    def value(self) -> float:
+        """The printed number as a float."""
+        return float(self.decimal)
+
+    @property
+    def unit(self) -> float:
+        """One unit of the last printed digit: 0.0001 for "90.0402"."""
+        return float(Decimal(1).scaleb(self.exponent))
+
+    @property
+    def exponent(self) -> int:
+        """Power of ten of the last printed digit: −4 for "90.0402"."""
+        return int(self.decimal.as_tuple().exponent)
+
+    def moved(self, units: int) -> str:
+        """The text with its last digit moved by so many units, written alike: 90.0402 by 1 → 90.0403."""
+        value = self.decimal + units * Decimal(1).scaleb(self.exponent)
+        split = self.text.lower().find("e")
+        if split < 0:
+            return f"{value:.{self.decimals}f}"
+        mantissa, power = Printed(self.text[:split]), self.text[split + 1 :]
+        return f"{value.scaleb(-int(power)):.{mantissa.decimals}f}{self.text[split:]}"
+
+    def show(self, value: float, extra: int = 4) -> str:
+        """`value` written as the printed number is, with `extra` more digits, or with three decimals where a word is
+        printed; "" for NaN."""
+        if math.isnan(value):
+            return ""
+        if not self.is_number:
+            return f"{value:.3f}"
+        if "e" in self.text.lower():
+            return f"{value:.{self.decimal.adjusted() - self.exponent + extra}e}"
+        return f"{value:.{self.decimals + extra}f}"
+
 
 FILE = "printed.csv"
 
@@ -123,3 +209,41 @@ def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
             f"{path.name}: expected the columns {', '.join(columns)}, found {', '.join(frame.columns)[:120]}"
         )
     return frame
+
+
+def printed_features(published: Published, omega: float) -> Features:
+    """Tables 1 and 2 as features: each printed number as it stands, everything the paper does not print NaN.
+
+    omega : drive frequency, rad/s.
+    """
+    arrays = {"Y_m": published.column("table1", "Y")}
+    for table, quantities in (("table1", TABLE_1), ("table2", TABLE_2)):
+        arrays |= {q.column: published.column(table, q.symbol) for q in quantities}
+    missing = np.full(LEVELS, np.nan)
+    features = {name: arrays.get(column, missing) for name, column in COLUMNS.items()}
+    return of_numbers(omega, "as printed", **features)
+
+
+def from_print(published: Published, case: Case) -> RouteTables:
+    """Estimates at ω1 from the printed features, pair-wise with the φ = 1.542 and t_s = 2.1 ms that the text states.
+
+    Only ω, k and the pairs come from outside the print.
+    """
+    features = printed_features(published, case.omega("omega1"))
+    common = features.replaced(
+        phi=published[of_text("phi_mean")].value, t_s=published[of_text("t_s_mean")].value
+    )
+    estimates = estimate_table(features, case.oscillator.k, PAIRS, common=common)
+    return RouteTables({"omega1": features.to_frame()}, {"omega1": estimates})
+
+
+def printed_estimates(published: Published) -> RouteTables:
+    """The printed pairs of Tables 2 and 3 as a table of estimates."""
+
+    def pairs(phase: str, table: str, name: str, *approach: str) -> pd.DataFrame:
+        columns = {q.column: published.column(table, q.symbol, *approach) for q in UNKNOWNS}
+        return pd.DataFrame(columns).assign(approach=name, kind="pair", phase=phase)
+
+    tables = [pairs("individual", "table2", "direct")]
+    tables += [pairs("common", "table3", name, name) for name in HARMONIC]
+    return RouteTables({}, {"omega1": pd.concat(tables)})

@@ -1,21 +1,440 @@
-"""The rules by which printed numbers are judged, in one registry, and whether every row of the table suits its rule."""
+"""The rules by which printed numbers are judged, in one registry: for each what the routes give, and why it differs.
+
+Statements, bounds and words, are judged by one route, as published: they speak of what the authors computed. "Less than
+1.5 %" holds where the value is less, and the bound is the value rounded as it is printed, or one unit looser; any
+looser, it would say nothing of the value. A word holds where the comparison that it names does.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
 
+import numpy as np
+import pandas as pd
+
+from ...balance import TERMS
+from ...estimates import estimate_table
+from ...features import Features
+from ...project.case import Case
+from ...project.files import ROUTES, read_csv, read_routes
 from ...project.wording import cut
-from ..claim_verdicts import Kind, statistic
-from ..claim_verdicts import of_text as id_of_text
-from ..printed import LONGEST
-from ..printed_tables import RESIDUAL, TABLE_1, TABLE_2, UNKNOWNS
-from ..route_tables import HARMONIC, PRINTED_APPROACHES
-from . import of_tables, of_text, statements
-from .judging import Claim
-from .published import FILE, FREQUENCIES, Published, Row, column_ids
-from .sources import Sources
+from ..as_published import CORRECTED, SLIPPING_SAMPLE, ReadOut
+from ..claim_verdicts import ROUTE_NAMES, Kind, of_text, part_of, statistic
+from ..comparison import largest_errors, relative_errors
+from ..printed_tables import (
+    COLUMN_OF,
+    HARMONIC,
+    PRINTED_APPROACHES,
+    RESIDUAL,
+    TABLE_1,
+    TABLE_2,
+    UNKNOWNS,
+    RouteTables,
+)
+from . import causes, cross_checks
+from .causes import rules_at_work
+from .judging import WRITTEN, Claim, phase_read, propagated, simulated, velocity_read
+from .published import (
+    FILE,
+    FREQUENCIES,
+    LEVELS,
+    LONGEST,
+    PAIRS,
+    Published,
+    Row,
+    column_ids,
+    from_print,
+    printed_estimates,
+    read_published,
+)
+
+SIMULATING = ("exact", "as_published")
+"""The routes that simulate."""
+
+
+def require_paper(case: Case) -> None:
+    """Raise ValueError when the case lacks a frequency or a level of the paper."""
+    missing = [name for name in FREQUENCIES if name not in case.frequencies_hz]
+    if missing:
+        raise ValueError(
+            f"claims need the frequencies {', '.join(FREQUENCIES)}; missing: {', '.join(missing)}"
+        )
+    if len(case.levels_m) != LEVELS:
+        raise ValueError(f"claims need the five levels of the paper, got {len(case.levels_m)}")
+
+
+@dataclass(frozen=True)
+class Sources:
+    """All that claims are judged from, and what is computed from it once for many of them.
+
+    published : the printed numbers.   case : as configured.
+    exact, as_published : the result tables of the routes that simulate.
+    unrounded : the as-published simulation at ω1 in full digits, `ReadFeatures.to_frame()`.
+
+    from_print : the route from the printed numbers.   routes : by their names in claims.csv.
+    pairs : the routes as in Tables 2 and 3, which print the pairs themselves.   unread : the route of `unrounded`.
+    refuted, by_table_2, by_table_3, misfits : by `cross_checks`.   allowed : by both tables.
+    rules_at_work : what moves the number of a row of Table 3.
+    """
+
+    published: Published
+    case: Case
+    exact: RouteTables
+    as_published: RouteTables
+    unrounded: pd.DataFrame
+
+    from_print = cached_property(lambda self: from_print(self.published, self.case))
+    routes = cached_property(lambda self: {name: getattr(self, name) for name in ROUTE_NAMES})
+    pairs = cached_property(
+        lambda self: self.routes | {"from_print": printed_estimates(self.published)}
+    )
+    unread = cached_property(lambda self: RouteTables({"omega1": self.unrounded}, {}))
+    refuted = cached_property(lambda self: cross_checks.refuted(self.published, self.case))
+    by_table_2 = cached_property(lambda self: cross_checks.by_table_2(self.published))
+    by_table_3 = cached_property(lambda self: cross_checks.by_table_3(self.published, self.case))
+    allowed = cached_property(lambda self: self.by_table_2 | self.by_table_3)
+    misfits = cached_property(lambda self: cross_checks.misfits(self.published, self.case))
+    rules_at_work = cached_property(
+        lambda self: rules_at_work(self.case, self.exact, self.unrounded)
+    )
+
+    def with_print(self, texts: Mapping[str, str], keep: Collection[str] = ()) -> Sources:
+        """These sources with other printed numbers, by id: what does not follow from those is not computed again.
+
+        keep : what is not, though it follows from them, because nobody will look at it.
+        """
+        changed = replace(self, published=self.published.changed(texts))
+        parts = set(map(part_of, texts))
+        vars(changed).update(
+            {
+                name: getattr(self, name)
+                for name, of in _FOLLOWS.items()
+                if name in keep or parts.isdisjoint(of)
+            }
+        )
+        return changed
+
+    def features(self, column: str, level: int) -> dict[str, float]:
+        """A feature by the routes that simulate; arguments as in `RouteTables.feature`."""
+        return {name: getattr(self, name).feature(column, level) for name in SIMULATING}
+
+    def estimates(self, column: str, approach: str, **which: str) -> dict[str, float]:
+        """One number of the estimates by every route; arguments as in `RouteTables.estimate`."""
+        return {
+            name: route.estimate(column, approach, **which) for name, route in self.routes.items()
+        }
+
+
+def read_sources(folder: str | Path, published: str | Path, case: Case) -> Sources:
+    """The sources of the claims on a case.   folder : of its results.   published : of the printed numbers."""
+    features, estimates = (
+        read_routes(folder, kind, case.frequencies_hz) for kind in ("features", "estimates")
+    )
+    exact, as_published = (RouteTables(features[route], estimates[route]) for route in ROUTES)
+    first = next(iter(case.frequencies_hz))
+    unrounded = read_csv(Path(folder, f"features/as_published/unrounded/{first}.csv"))
+    return Sources(read_published(Path(published)), case, exact, as_published, unrounded)
+
+
+_FOLLOWS = {
+    "from_print": ("table1", "table2", "text"),
+    "refuted": ("table1", "table2", "text"),
+    "by_table_2": ("table2",),
+    "by_table_3": ("table1", "table3", "text"),
+    "misfits": ("table1", "table3", "text"),
+    "unread": (),
+    "rules_at_work": (),
+}
+"""What sources compute once → the parts of the paper whose printed numbers it follows from."""
+
+
+def read_out(sources: Sources, row: Row) -> Claim:
+    """Table 1: X and X_s are rounded, φ and V_s read off plots, t_s is cut off to whole tenths."""
+    level, column, number = int(row.line), COLUMN_OF[row.symbol], row.number
+    exact = sources.exact.feature(column, level)
+    how: dict[str, Any] = {"route": "as_published", "reach": math.nan}
+    if row.rule == "rounded":
+        how = {}
+    elif row.rule == "time":  # whole tenths, of which the exact time keeps the rest
+        how |= {"reach": WRITTEN, "apart": ("exact",)}
+        how["cause"] = causes.slip_time(exact, sources.case.numerics.step_s, number)
+    elif row.rule == "phase":
+        crossing = sources.exact.feature("phi_zero_crossing_rad", level)
+        how["tolerances"] = phase_read(number, sources.case.omega("omega1"))
+        how["cause"] = causes.phase(exact, crossing, number)
+    else:
+        onset, sample = (sources.unread.feature(name, level) for name in (column, SLIPPING_SAMPLE))
+        how["tolerances"] = velocity_read(number, sample - onset)
+        how["cause"] = causes.slip_velocity(sample, number)
+    contradiction = sources.refuted.get(row.id, "")
+    return Claim(row, sources.features(column, level), contradiction=contradiction, **how)
+
+
+def integral(sources: Sources, row: Row) -> Claim:
+    """Table 2, upper part: the integrals a, b and W of the five levels."""
+    case, level = sources.case, int(row.line)
+    values = sources.features(COLUMN_OF[row.symbol], level)
+    note, evidence = "", ""
+    if row.symbol == "b":
+        note, evidence = causes.implied_b(sources.published, row.line)
+    elif row.symbol == "a":
+        note = causes.starting_sample(case, level)
+    return Claim(
+        row,
+        values,
+        "as_published",
+        allowed=sources.allowed.get(row.id),
+        tolerances=simulated(row.number, case),
+        cause=f"{causes.backward_euler(case, values)} {note}".strip(),
+        contradiction=sources.refuted.get(row.id, ""),
+        evidence=evidence,
+    )
+
+
+def direct_pair(sources: Sources, row: Row) -> Claim:
+    """Table 2, lower part: the pair-wise estimates by direct integration, from more digits than are printed."""
+    case, published = sources.case, sources.published
+    values = sources.estimates(COLUMN_OF[row.symbol], row.approach, pair=row.line)
+    allowed = sources.allowed[row.id]
+    damped = causes.backward_euler(case, values) if row.symbol == "c" else ""
+    with_b = causes.other_b(published, sources.as_published, sources.allowed, row)
+    implied = (causes.implied_b(published, level)[0] for level in row.line.split("-"))
+    evidence = " ".join(filter(None, implied))
+    return Claim(
+        row,
+        values,
+        "as_published",
+        allowed=allowed,
+        tolerances=(*propagated(allowed, row.number), *simulated(row.number, case)),
+        cause=f"{damped} {with_b}".strip(),
+        contradiction=causes.outside(allowed, row.number, "Table 2"),
+        evidence=evidence and f"Table 2 contradicts itself. {evidence} {with_b}".strip(),
+    )
+
+
+def harmonic_pair(sources: Sources, row: Row) -> Claim:
+    """Table 3: the pair-wise estimates of the three harmonic approaches with common φ and t_s."""
+    column = COLUMN_OF[row.symbol]
+    values = sources.estimates(column, row.approach, pair=row.line)
+    corrected = CORRECTED if row.approach == "V_s" else row.approach
+    correct = sources.as_published.estimate(column, corrected, pair=row.line)
+    slip = causes.sign(values["as_published"], correct, row.unit, sources.misfits)
+    return Claim(
+        row,
+        values,
+        "as_published",
+        # The read-outs of Table 1 have fewer digits than those behind Table 3; without the slip exact is elsewhere.
+        apart=("from_print",),
+        nearby={"exact": correct} if slip else {},
+        cause=f"{slip} {sources.rules_at_work(row)}".strip(),
+        contradiction=causes.outside(sources.allowed.get(row.id), row.number, "Table 3"),
+    )
+
+
+def held(sources: Sources, row: Row) -> Claim:
+    """The inputs, amplitudes of Tables 1 and 2 among them: the configuration must hold what is printed."""
+    case = sources.case
+    if row.symbol == "Y":
+        value = case.levels_m[int(row.line) - 1]
+    else:
+        frequency = case.frequencies_hz.get(row.symbol)
+        value = frequency or getattr(case.oscillator, row.symbol)
+    same = math.isclose(value, row.number.value, rel_tol=1e-12)
+    other = f"The configuration holds {value:g}, the paper states {row.printed}."
+    cause = "The configuration holds this value." if same else other
+    return Claim(row, {"exact": value}, holds=same, cause=cause)
+
+
+def follows(sources: Sources, row: Row) -> Claim:
+    """The stated parameters ζ and ω_n, which follow from the others."""
+    osc = sources.case.oscillator
+    return Claim(
+        row, {"exact": osc.zeta if row.symbol == "zeta" else osc.omega_n / (2.0 * math.pi)}
+    )
+
+
+def least_squares(sources: Sources, row: Row) -> Claim:
+    """Least squares of (9) from the printed tables, with the individual φ and t_s: F_k, c and residual."""
+    values = sources.estimates(COLUMN_OF[row.symbol], row.approach, kind="least_squares")
+    inputs = "Table 2's integrals" if row.approach == "direct" else "Table 1's read-outs"
+    moved = causes.printed_inputs(values, inputs, row.number)
+    cause = f"{moved} {causes.cut_off(values['from_print'], row.number)}".strip()
+    # The residual comes from the rounding of the printed tables; without it, its size is another.
+    apart = SIMULATING if row.symbol == RESIDUAL.symbol else ()
+    return _from_print(row, values, cause, apart=apart)
+
+
+def moment_of_pairs(sources: Sources, row: Row) -> Claim:
+    """Mean and deviation of the printed pairs of Table 2."""
+    mean = row.rule == "mean of pairs"
+    pairs = sources.published.column("table2", row.symbol)
+    values = sources.estimates(
+        COLUMN_OF[row.symbol], row.approach, kind="mean" if mean else "std"
+    ) | {"from_print": float(pairs.mean() if mean else pairs.std(ddof=1))}
+    apart = () if mean else SIMULATING  # the printed b_1 makes nearly all of the deviation
+    return _from_print(row, values, "Over the five pairs that Table 2 prints.", apart=apart)
+
+
+def mean_of_levels(sources: Sources, row: Row) -> Claim:
+    """Mean of the φ and of the t_s of the levels, which Table 3 uses."""
+    column = COLUMN_OF[row.symbol]
+    values = {name: tables.mean_feature(column) for name, tables in sources.routes.items()}
+    how: dict[str, Any] = {}
+    if row.symbol == "t_s":
+        # The mean of five times in whole tenths has no more digits than print; cut off, they lie below exact.
+        how = {"reach": WRITTEN, "apart": SIMULATING[:1]}
+    return _from_print(row, values, "Over the five values that Table 1 prints.", **how)
+
+
+def _from_print(row: Row, values: Mapping[str, float], cause: str, **how: Any) -> Claim:
+    """A number of the text that the paper computes from its own tables.   how : further fields of the claim."""
+    contradiction = causes.printed_inputs_differ(values, row.number)
+    return Claim(row, values, "from_print", cause=cause, contradiction=contradiction, **how)
+
+
+ROUTE = "as_published"
+"""The route that judges every statement."""
+
+_BOUNDS = {"less than": +1.0, "more than": -1.0}
+WORDS: dict[str, dict[str, Callable[[float, float], bool]]] = {
+    "change": {
+        "degraded": lambda one, other: one > other,
+        "improved": lambda one, other: one < other,
+    },
+    "truth": {"true": lambda one, other: one < other, "false": lambda one, other: not one < other},
+}
+"""Rule → printed word → when it holds of two errors."""
+
+
+def bound_holds(row: Row, value: float) -> tuple[bool, str]:
+    """Whether a bound on the value of ROUTE holds, "…: less than" or "…: more than" the printed number, and its rule.
+
+    Raises ValueError when the quantity, which says what is bounded, does not end with either.
+    """
+    word = next((word for word in _BOUNDS if row.quantity.endswith(word)), None)
+    if word is None:
+        raise ValueError(
+            f"{FILE}: {row.id}: the quantity must end with {' or '.join(map(repr, _BOUNDS))}, "
+            f"which says how {row.printed} bounds it"
+        )
+    limit, side = row.number, _BOUNDS[word]
+    value, units = side * value / limit.unit, side * limit.value / limit.unit
+    tight = value < units <= value + 1.5  # rounded, at most half a unit above it, or one more
+    return tight, f'"{word}": the bound is the value rounded as it is printed, or one unit looser'
+
+
+def word_holds(row: Row, one: float, other: float) -> tuple[bool, str]:
+    """Whether a word holds for how two errors of ROUTE compare, and the rule that judges it.
+
+    one, other : the error off and near resonance, or that of direct integration and the least of the other approaches.
+    Raises ValueError for a word that the rule of the row does not know.
+    """
+    words = WORDS[row.rule]
+    if row.printed not in words:
+        raise ValueError(
+            f"{FILE}: {row.id}: cannot judge the word {row.printed!r}; known are {', '.join(words)}"
+        )
+    what = ": the error against that near resonance" if row.rule == "change" else ""
+    return words[row.printed](one, other), f'"{row.printed}"{what}'
+
+
+def bound(sources: Sources, row: Row) -> Claim:
+    """Bounds on the errors of the two-point formulas with common φ and t_s, at ω1 and at other frequencies."""
+    if row.symbol in TERMS:
+        osc = sources.case.oscillator
+        values = {
+            name: largest_errors(tables.pairs(), osc)[row.symbol]
+            for name, tables in sources.pairs.items()
+        }
+        cause = f"Largest error in the fifteen pairs: {_each(values)}."
+    else:
+        values = _worst(sources, sources.routes, frequency=row.symbol)
+        cause = _largest_with_sign(sources, row.symbol)
+    return _stated(row, values, bound_holds(row, values[ROUTE]), cause)
+
+
+def change(sources: Sources, row: Row) -> Claim:
+    """Words for how accurate the two-point formulas are off resonance."""
+    hz = sources.case.frequencies_hz
+    values = _worst(sources, sources.routes, frequency=row.symbol)
+    error, near = (of[ROUTE] for of in (values, _worst(sources, sources.routes)))
+    cause = (
+        f"Largest error of the two-point formulas: {error:.1f} % at {hz[row.symbol]:g} Hz, "
+        f"{near:.1f} % at {hz['omega1']:g} Hz."
+    )
+    return _stated(row, values, word_holds(row, error, near), cause)
+
+
+def truth(sources: Sources, row: Row) -> Claim:
+    """That direct integration is the most accurate approach."""
+    direct, *harmonic = (
+        _worst(sources, sources.pairs, (approach,)) for approach in ("direct", *HARMONIC)
+    )
+    best = {route: min(errors[route] for errors in harmonic) for route in direct}
+    cause = f"Largest error in the pairs, direct: {_each(direct)}; best harmonic approach: {_each(best)}."
+    return _stated(row, direct, word_holds(row, direct[ROUTE], best[ROUTE]), cause)
+
+
+def _largest_with_sign(sources: Sources, frequency: str) -> str:
+    """The largest error of F_k at a frequency by several ways to the features, a sentence."""
+
+    def largest(tables: RouteTables) -> str:
+        errors = relative_errors(tables.pairs(frequency=frequency), sources.case.oscillator)
+        of_F_k = errors["F_k"].to_numpy()
+        signless = np.abs(of_F_k)
+        return "" if np.isnan(signless).all() else f"{of_F_k[np.nanargmax(signless)]:+.1f} %"
+
+    return (
+        f"Largest error of F_k by the recipe that gives Table 3: {largest(sources.as_published)}; by exact features "
+        f"{largest(sources.exact)}, with six decimals {largest(_with_decimals(sources, frequency, 6))}, with the five "
+        f"of Table 1 {largest(_with_decimals(sources, frequency, 5))}. The paper prints no number at this frequency to "
+        "hold against it."
+    )
+
+
+def _worst(
+    sources: Sources,
+    routes: Mapping[str, RouteTables],
+    approaches: tuple[str, ...] = HARMONIC,
+    frequency: str = "omega1",
+) -> dict[str, float]:
+    """By each route, the larger of the largest errors of F_k and c over the pairs, per cent."""
+    osc = sources.case.oscillator
+    return {
+        name: max(largest_errors(tables.pairs(approaches, frequency), osc).values())
+        for name, tables in routes.items()
+    }
+
+
+def _with_decimals(sources: Sources, frequency: str, decimals: int) -> RouteTables:
+    """Pairs from exact features of a frequency, X, X_s and V_s with so many decimals; nothing if there are none."""
+    frame = sources.exact.features.get(frequency)
+    if frame is None:
+        return RouteTables({}, {})
+    read = ReadOut(X_decimals=decimals, X_s_decimals=decimals, V_s_decimals=decimals)
+    features = read.apply(Features.from_frame(frame))
+    return RouteTables({}, {frequency: estimate_table(features, sources.case.oscillator.k, PAIRS)})
+
+
+def _stated(row: Row, values: Mapping[str, float], judged: tuple[bool, str], cause: str) -> Claim:
+    holds, rule = judged
+    outcome = "holds" if holds else "does not hold"
+    how = f"Judged {ROUTE_NAMES[ROUTE]}, by {rule}. It {outcome}."
+    return Claim(row, values, ROUTE, holds=holds, cause=f"{how} {cause}")
+
+
+def _each(values: Mapping[str, float]) -> str:
+    """The errors by the routes in words."""
+    return ", ".join(
+        f"{value:.3f} % {ROUTE_NAMES[route]}"
+        for route, value in values.items()
+        if not math.isnan(value)
+    )
 
 
 class Rule(NamedTuple):
@@ -36,22 +455,22 @@ _ESTIMATES = tuple(q.symbol for q in UNKNOWNS)
 _OF_FIT = (*_ESTIMATES, RESIDUAL.symbol)
 _INPUTS = ("m", "c", "k", "K_z", "F_k", "Y", *FREQUENCIES)
 RULES = {
-    "held": Rule(of_text.held, _INPUTS, kind="given"),
-    "follows": Rule(of_text.follows, ("zeta", "omega_n")),
-    "rounded": Rule(of_tables.read_out, ("X", "X_s")),
-    "velocity": Rule(of_tables.read_out, ("V_s",)),
-    "phase": Rule(of_tables.read_out, ("phi",)),
-    "time": Rule(of_tables.read_out, ("t_s",)),
-    "integral": Rule(of_tables.integral, tuple(q.symbol for q in TABLE_2)),
-    "direct pair": Rule(of_tables.direct_pair, _ESTIMATES, ("direct",)),
-    "harmonic pair": Rule(of_tables.harmonic_pair, _ESTIMATES, HARMONIC),
-    "least squares": Rule(of_text.least_squares, _OF_FIT, PRINTED_APPROACHES),
-    "mean of pairs": Rule(of_text.moment_of_pairs, _ESTIMATES, ("direct",)),
-    "deviation of pairs": Rule(of_text.moment_of_pairs, _ESTIMATES, ("direct",)),
-    "mean of levels": Rule(of_text.mean_of_levels, ("t_s", "phi")),
-    "bound": Rule(statements.bound, (*_ESTIMATES, *FREQUENCIES), kind="statement"),
-    "change": Rule(statements.change, FREQUENCIES, kind="statement"),
-    "truth": Rule(statements.truth, ("",), kind="statement"),
+    "held": Rule(held, _INPUTS, kind="given"),
+    "follows": Rule(follows, ("zeta", "omega_n")),
+    "rounded": Rule(read_out, ("X", "X_s")),
+    "velocity": Rule(read_out, ("V_s",)),
+    "phase": Rule(read_out, ("phi",)),
+    "time": Rule(read_out, ("t_s",)),
+    "integral": Rule(integral, tuple(q.symbol for q in TABLE_2)),
+    "direct pair": Rule(direct_pair, _ESTIMATES, ("direct",)),
+    "harmonic pair": Rule(harmonic_pair, _ESTIMATES, HARMONIC),
+    "least squares": Rule(least_squares, _OF_FIT, PRINTED_APPROACHES),
+    "mean of pairs": Rule(moment_of_pairs, _ESTIMATES, ("direct",)),
+    "deviation of pairs": Rule(moment_of_pairs, _ESTIMATES, ("direct",)),
+    "mean of levels": Rule(mean_of_levels, ("t_s", "phi")),
+    "bound": Rule(bound, (*_ESTIMATES, *FREQUENCIES), kind="statement"),
+    "change": Rule(change, FREQUENCIES, kind="statement"),
+    "truth": Rule(truth, ("",), kind="statement"),
 }
 """Every rule by its name in the column `rule` of the printed numbers."""
 
@@ -81,7 +500,7 @@ def check_printed(published: Published) -> None:
     not suit its rule, or when what is printed cannot be judged.
     """
     parameters = {claim for claim in published.rows if claim.startswith("parameter.")}
-    odd = (set(published.rows) - parameters) ^ (_CELLS | set(map(id_of_text, _OF_TEXT)))
+    odd = (set(published.rows) - parameters) ^ (_CELLS | set(map(of_text, _OF_TEXT)))
     if odd:
         raise ValueError(
             f"{FILE}: rows and claims do not match: {_few(sorted(odd))}; each printed number needs its row"
@@ -90,9 +509,9 @@ def check_printed(published: Published) -> None:
         if problem := _problem(row):
             raise ValueError(f"{FILE}: row {row.id}, column {problem}")
         if row.rule == "bound":
-            statements.bound_holds(row, math.nan)
-        elif row.rule in statements.WORDS:
-            statements.word_holds(row, math.nan, math.nan)
+            bound_holds(row, math.nan)
+        elif row.rule in WORDS:
+            word_holds(row, math.nan, math.nan)
 
 
 def _problem(row: Row) -> str:
@@ -105,7 +524,7 @@ def _problem(row: Row) -> str:
         if (text := getattr(row, column)) not in words:
             listed = ", ".join(word or "none" for word in words)
             return f"{column}: {cut(text, LONGEST)!r} is not known to its rule; known are {listed}"
-    if row.rule not in statements.WORDS and not row.number.is_number:
+    if row.rule not in WORDS and not row.number.is_number:
         return f"printed: {cut(row.printed, LONGEST)!r} is not a number such as 90.0402 or 2.9E-3"
     return ""
 

@@ -7,14 +7,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from ...project.case import Case
 from ...project.wording import in_markdown, markdown_table
 from ..claim_verdicts import HOLDING, KINDS, PARTS, ROUTE_NAMES, VERDICTS, counts, part_of
-from ..route_tables import RouteTables
 from .judging import Claim, explanation, verdict
-from .published import Published, read_texts
-from .rules import check_printed, claims
-from .sources import Sources, require_paper
+from .published import read_texts
+from .rules import Sources, check_printed, claims, require_paper
 
 COLUMNS = (
     *("id", "where", "quantity", "unit", "printed", *ROUTE_NAMES),
@@ -25,26 +22,15 @@ itself and in units of the last digit."""
 RECORD = ("id", "printed", "verdict")
 
 
-def claims_table(
-    published: Published,
-    case: Case,
-    exact: RouteTables,
-    as_published: RouteTables,
-    unrounded: pd.DataFrame,
-) -> pd.DataFrame:
+def claims_table(sources: Sources) -> pd.DataFrame:
     """A row per printed number: what each route gives for it, the verdict, and why. Columns: COLUMNS.
-
-    published : `read_published(folder)`.   case : as configured.
-    exact, as_published : feature and estimate tables of the two routes; the from-print route is computed here.
-    unrounded : the as-published simulation at ω1 before it was read, `ReadFeatures.to_frame()`.
 
     The numbers of the routes are text, written as the printed number is with four more digits; verdicts are judged on
     all digits. Raises ValueError when the printed ids and the claims do not match one to one, or the case is not the
     paper's.
     """
-    require_paper(case)
-    check_printed(published)
-    sources = Sources(published, case, exact, as_published, unrounded)
+    require_paper(sources.case)
+    check_printed(sources.published)
     records = [
         {
             **claim.row._asdict(),
@@ -54,7 +40,7 @@ def claims_table(
             "judged": ROUTE_NAMES[claim.route],
             **_off(claim),
         }
-        for claim in claims(sources, published.rows.values())
+        for claim in claims(sources, sources.published.rows.values())
     ]
     return pd.DataFrame.from_records(records, columns=list(COLUMNS))
 
@@ -140,11 +126,6 @@ def _open(row: Mapping[Hashable, str]) -> tuple[str, ...]:
     off = f", {row['off_units']} units" if row["off_units"] else ""
     printed = f"{row['printed']} {'' if row['unit'] == '1' else row['unit']}".strip()
     return row["id"], printed, row["verdict"], f"{value or 'nothing'} {row['judged']}{off}"
-
-
-def read_claims(path: Path) -> pd.DataFrame:
-    """A table of claims from its CSV file, every cell the text that it is."""
-    return read_texts(path, COLUMNS)
 
 
 def read_record(path: Path) -> pd.DataFrame:

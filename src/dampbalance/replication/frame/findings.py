@@ -7,6 +7,11 @@ The interval of the identification holds for the mean over the cycles of a recor
                 from zero (Student's t, Bonferroni's correction for the number of records): both ends count
     clocks      what the identification reads as a growing delay of the response, and corrects, is part of that drift
     convention  a = 4X with X from the levels of the rests, or from the extremes of the Fourier series, which ring there
+
+A delay between base and response that grows, as between two clocks, looks like a drift, and the other way round: where
+the mass stops at its turns, a friction force that grows delays all harmonics of the response nearly alike, and its
+amplitude hardly changes. The conditioning of records takes such a delay for two clocks and corrects it
+(`reading.checks.clock`); `as_recorded` puts it back. Two clocks differ alike in all records of a rig.
 """
 
 from __future__ import annotations
@@ -18,9 +23,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy import special
 
 from ...arrays import Array
 from ...balance import APPROACHES, TERMS
+from ...features import Features
 from ...identification.forced import identify_readings
 from ...identification.loading import Loaded, load
 from ...identification.remarks import DIRECT
@@ -30,14 +37,95 @@ from ...reading.mean_harmonics import Reading, read_features
 from ...reading.turning import turning_points
 from ...records.measured import read_records
 from ...records.measurement import Channel, Measurement
-from .drift import as_recorded, drift, friction_of_rows
-from .measured_loop import AT_REST, Loop, friction_loop, shape
-from .prediction import Mass, predicted
-from .speed_laws import SPEED_LAWS, SpeedLaw, linear
+from .friction import (
+    AT_REST,
+    SPEED_LAWS,
+    Loop,
+    Mass,
+    SpeedLaw,
+    friction_loop,
+    linear,
+    predicted,
+    shape,
+)
+
+
+@dataclass(frozen=True)
+class Drift:
+    """The straight line through forces at equal steps.
+
+    slope, error : per step, and its standard error, N.
+    p : probability of a slope as large as this if there were none, by Student's t.
+    significant : whether p is small enough where several such tests are made together.
+    reach : half the width of the interval about the middle of the line, N.
+    steps : number of forces.
+    """
+
+    slope: float
+    error: float
+    p: float
+    significant: bool
+    reach: float
+    steps: int
+
+    @property
+    def over_record(self) -> float:
+        """By how much the line rises from the first force to the last, N."""
+        return self.slope * (self.steps - 1)
+
+
+def as_recorded(reading: Reading, since: float) -> Reading:
+    """The reading without the correction for two clocks, which started together at the time `since`, s."""
+    steady = reading.steady
+    faster = [part for part, _ in steady.gathered.clocks.values()]
+    if not faster:
+        return reading
+    rows, orders = steady.X.shape
+    period = 2.0 * math.pi / steady.omega
+    at = steady.start - since + (np.arange(rows) + 0.5) * steady.cycles_per_row * period
+    turn = steady.omega * float(np.mean(faster)) * np.outer(at, np.arange(orders))
+    return replace(reading, steady=replace(steady, X=steady.X * np.exp(-1j * turn)))
+
+
+def friction_of_rows(reading: Reading, others: Mapping[str, float]) -> Array:
+    """The friction force in each row (a cycle, or several) of a record by direct integration, N, (rows,).
+
+    others : coefficients of the terms other than friction, by symbol; the reading has their integrals.
+
+    The forces are pseudo-values of the jackknife, n F − (n − 1) F₋ᵢ: the levels of the rests are read off a mean of
+    n − 1 cycles, as they are off all of them, and not off a single noisy cycle.
+    """
+
+    def friction(features: Features) -> Array:
+        rows = APPROACHES[DIRECT](features, reading.steady.k, (FRICTION, *others))
+        work = np.sum([p * rows.terms[symbol] for symbol, p in others.items()], axis=0)
+        return np.asarray((rows.W - work) / rows.terms[FRICTION])
+
+    left = friction(reading.features_of(reading.left_out()))
+    return left.size * friction(reading.features) - (left.size - 1) * left
+
+
+def drift(forces: Array, confidence: float, tests: int) -> Drift:
+    """The straight line through forces, (n,) with n ≥ 3, by least squares.
+
+    confidence : of the interval, and of so many `tests` together, each at (1 − confidence)/tests (Bonferroni).
+    """
+    step = np.arange(forces.size) - 0.5 * (forces.size - 1)
+    slope = float(step @ forces / (step @ step))
+    off, freedom = forces - forces.mean() - slope * step, forces.size - 2
+    # what rounding leaves of a force that does not change may well lie on a line
+    scatter = max(math.sqrt(float(off @ off) / freedom), _ROUNDING * float(np.abs(forces).max()))
+    error = scatter / math.sqrt(float(step @ step))
+    p = 2.0 * float(special.stdtr(freedom, -abs(slope) / error)) if error > 0.0 else 1.0
+    quantile = float(special.stdtrit(freedom, 0.5 + 0.5 * confidence))
+    reach = quantile * scatter / math.sqrt(forces.size)
+    return Drift(slope, error, p, p < (1.0 - confidence) / tests, reach, forces.size)
+
 
 _GRAVITY = 9.80665  # the standard one, m/s²
 _CONFIDENCE = 0.95
 _REPLICATES = 2  # of an identification whose intervals nobody asks for
+_ROUNDING = 1e-12  # of a force
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +173,9 @@ def findings(
     records = [load(one, k) for one in read_records(files, mapping=measured.get("mapping"))]
     further = tuple(symbol for symbol in law.terms if symbol not in TERMS)
     readings = [Reading(one.reading.steady, joint=True, terms=further) for one in records]
+    direct = identified["approaches"][DIRECT]
     forces = [
-        _force(identified, law, i) | _robust(identified, law, i, reading, records)
+        _force(direct, law, i) | _robust(direct, law, i, reading, records)
         for i, reading in enumerate(readings)
     ]
     loops = [friction_loop(reading, m, law.given) for reading in readings]
@@ -96,6 +185,7 @@ def findings(
         _prediction(one, part, m, law.given, laws)
         for one, (part, _), laws in zip(records, first, fitted, strict=True)
     ]
+    errors_of = [_errors(*pair) for pair in zip(predictions, loops, strict=True)]
     errors = [force["standard_error_N"] for force in forces]
     line, off = load_line(loads, [force["F_k_N"] for force in forces], errors)
     by_series, _ = load_line(loads, [force["F_k_by_series_N"] for force in forces], errors)
@@ -105,17 +195,16 @@ def findings(
             "load_kg": loads[i],
             **forces[i],
             "off_line": off[i],
-            "lost_to_damper": _share(identified, law, i),
+            "lost_to_damper": _share(direct, law, i),
             "X_m": loops[i].X,
             "loop": shape(loops[i], forces[i]["F_k_N"]),
-            "foretold": _errors(predictions[i], "constant", loops[i].X)
-            | {
-                "rms_of_mean_cycle": _rms(predictions[i], predictions[i].repeated, loops[i].X),
+            "foretold": {
+                **errors_of[i]["constant"],
+                "rms_of_mean_cycle": errors_of[i]["repeated"]["rms"],
                 "F_k_N": first[i][1],
             },
             "speed_laws": {
-                name: {**fit.coefficients, **_errors(predictions[i], name, loops[i].X)}
-                for name, fit in fitted[i].items()
+                name: {**fit.coefficients, **errors_of[i][name]} for name, fit in fitted[i].items()
             },
         }
         for i, one in enumerate(records)
@@ -159,8 +248,6 @@ def load_line(
     `coefficient` s/g of friction, if the load alone presses; `scatter`, the scatter about the line relative to
     that which the standard errors predict: 1 where the cycles explain all of it.
     """
-    from scipy import special  # slow to import
-
     load, force = np.asarray(loads), np.asarray(forces)
     columns = np.column_stack([np.ones(load.size), load])
     inverse = np.linalg.inv(columns.T @ columns)
@@ -183,28 +270,28 @@ def load_line(
     return line, (off / force).tolist()
 
 
-def _force(identified: Mapping[str, Any], law: Law, i: int) -> dict[str, Any]:
+def _force(estimates: Mapping[str, Any], law: Law, i: int) -> dict[str, Any]:
     """F_k of record i with its standard error, interval, N, and verdict, by direct integration."""
-    estimates, key = identified["approaches"][DIRECT], law.key(FRICTION, i)
+    key = law.key(FRICTION, i)
     ends = {"F_k_N": "", "standard_error_N": "_standard_error", "interval_N": "_interval"}
     numbers = {name: estimates[named_with_unit(f"{key}{end}", "N")] for name, end in ends.items()}
     return numbers | estimates["verdicts"][key]
 
 
 def _robust(
-    identified: Mapping[str, Any], law: Law, i: int, reading: Reading, records: Sequence[Loaded]
+    estimates: Mapping[str, Any], law: Law, i: int, reading: Reading, records: Sequence[Loaded]
 ) -> dict[str, Any]:
     """How F_k of record i depends on the time in the record, on its clocks and on the convention of the travel."""
-    estimates, rows = identified["approaches"][DIRECT], identified["approaches"][DIRECT]["rows"]
-    force = estimates[named_with_unit(law.key(FRICTION, i), "N")]
-    low, high = estimates[named_with_unit(f"{law.key(FRICTION, i)}_interval", "N")]
-    others = {s: _coefficient(identified, law, s, i) for s in law.terms if s != FRICTION}
+    key = law.key(FRICTION, i)
+    force = estimates[named_with_unit(key, "N")]
+    low, high = estimates[named_with_unit(f"{key}_interval", "N")]
+    others = {s: _coefficient(estimates, law.key(s, i), law) for s in law.terms if s != FRICTION}
     began = float(records[i].record.whole().excitation.t[0])
     of_rows = [friction_of_rows(r, others) for r in (as_recorded(reading, began), reading)]
     line, left = (drift(forces, _CONFIDENCE, len(records)) for forces in of_rows)
-    a = rows[term(law.key(FRICTION, i)).integral_column][i]
+    a = estimates["rows"][term(key).integral_column][i]
     at_rests, of_series = (
-        float(turning_points(*reading.series(reading.mean), rests=rests)[1][0])
+        float(turning_points(reading.series(reading.mean), rests=rests)[1][0])
         for rests in (True, False)
     )
     by_series = force * a / (a + 4.0 * (of_series - at_rests))
@@ -241,8 +328,6 @@ def common_clock(clocks: Sequence[Mapping[str, Any]]) -> dict[str, float] | None
 
     clocks : `faster_ppm` and `standard_error_ppm` of each record.
     """
-    from scipy import special  # slow to import
-
     pairs = [(of["faster_ppm"], of["standard_error_ppm"]) for of in clocks]
     if not all(len(parts) == 1 for parts, _ in pairs):
         return None
@@ -257,12 +342,9 @@ def common_clock(clocks: Sequence[Mapping[str, Any]]) -> dict[str, float] | None
     }
 
 
-def _coefficient(identified: Mapping[str, Any], law: Law, symbol: str, i: int) -> float:
-    """The coefficient of a term for record i, given or identified."""
-    key = law.key(symbol, i)
-    if key in law.given:
-        return law.given[key]
-    return float(identified["approaches"][DIRECT][named_with_unit(key, term(key).unit)])
+def _coefficient(estimates: Mapping[str, Any], key: str, law: Law) -> float:
+    """The coefficient of that key, given or identified."""
+    return float(law.given[key] if key in law.given else estimates[term(key).column])
 
 
 def speed_laws_of(part: Reading, m: float, F_k: float, law: Law) -> dict[str, SpeedLaw]:
@@ -285,9 +367,9 @@ def speed_laws_of(part: Reading, m: float, F_k: float, law: Law) -> dict[str, Sp
     return laws | {"linear": replace(laws["linear"], coefficients=known)}
 
 
-def _share(identified: Mapping[str, Any], law: Law, i: int) -> float:
+def _share(estimates: Mapping[str, Any], law: Law, i: int) -> float:
     """The share of the work of record i that goes to the terms whose coefficients are given."""
-    rows = identified["approaches"][DIRECT]["rows"]
+    rows = estimates["rows"]
     lost = math.fsum(p * rows[term(key).integral_column][i] for key, p in law.given.items())
     return float(lost / rows["W_J"][i])
 
@@ -353,16 +435,16 @@ def _prediction(
     return Prediction(t, x, displacements, again)
 
 
-def _errors(prediction: Prediction, law: str, X: float) -> dict[str, float]:
-    """The error of a prediction, rms over X, and by how much its range is too large."""
-    x = prediction.predicted[law]
-    ratio = float(np.ptp(x) / np.ptp(prediction.measured))
-    return {"rms": _rms(prediction, x, X), "range": ratio - 1.0}
-
-
-def _rms(prediction: Prediction, x: Array, X: float) -> float:
-    """Root mean square over X of what a displacement is off the measured one."""
-    return float(np.sqrt(np.mean((x - prediction.measured) ** 2))) / X
+def _errors(prediction: Prediction, loop: Loop) -> dict[str, dict[str, float]]:
+    """The errors of each prediction, rms over X, and by how much its range is too large."""
+    measured = prediction.measured
+    return {
+        name: {
+            "rms": float(np.sqrt(np.mean((x - measured) ** 2))) / loop.X,
+            "range": float(np.ptp(x) / np.ptp(measured)) - 1.0,
+        }
+        for name, x in {**prediction.predicted, "repeated": prediction.repeated}.items()
+    }
 
 
 def _digests(identified: Mapping[str, Any]) -> dict[str, str]:

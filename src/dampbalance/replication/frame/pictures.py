@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...arrays import Array
+from ...figures.looks import LOOKS
 from ...figures.style import (
     DASHED,
     DOUBLE_COLUMN,
@@ -25,10 +26,10 @@ from ...figures.style import (
     styled,
 )
 from .findings import Findings, Prediction
-from .measured_loop import Loop
+from .friction import Loop
 
 _WIDE, _HIGH, _LEFT, _STEP = 33.5, 34.0, 13.5, 43.5  # mm
-OTHER = "#009E73"  # apart from SLIP and STICK for colour-blind readers, too
+OTHER = LOOKS["V_s"].colour  # apart from SLIP and STICK for colour-blind readers, too
 _LEGEND, _UPPER, _LOWER, _BLOCK, _PER_ROW = 8.0, 54.0, 6.0, 96.0, 4  # mm; loads in a row
 
 ALTERNATIVE_TEXTS = {

@@ -1,6 +1,11 @@
-"""The range that the other printed numbers leave for a number of Tables 2 and 3.
+"""What the printed numbers say of each other: cells that the printed least squares refute, ranges that others leave.
 
-The estimates were computed from inputs with more digits than are printed. Every printed number, input or estimate,
+Checksums: the text prints F_k, c and the residual of the least squares of every approach, computed from Tables 1 and 2
+as they stand. Put back into the paper's equations, the printed tables give these numbers to the last digit. A residual
+of five digits hardly ever survives a changed digit in a table; where it does not, and where one other last digit in a
+cell restores every one of the printed results, that cell is refuted by the paper itself.
+
+Ranges: the pairs were computed from inputs with more digits than are printed. Every printed number, input or estimate,
 stands for a range one unit of its last digit wide, and through (8), (16), (18), (19) the estimates are functions of the
 inputs:
 
@@ -21,21 +26,74 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ...arrays import Array
-from ...balance import Rows
-from ...features import of_numbers
+from ...arrays import Array, Mask
+from ...balance import APPROACHES, Rows
+from ...features import Features, of_numbers
 from ...project.case import Case
 from ...solver import solve
 from ..as_published import APPROACHES_OF_TABLE_3, CORRECTED
-from ..claim_verdicts import of_text
-from ..printed_tables import TABLE_2, UNKNOWNS
-from ..route_tables import HARMONIC
+from ..claim_verdicts import of_text, statistic
+from ..printed_tables import HARMONIC, RESIDUAL, TABLE_1, TABLE_2, UNKNOWNS
 from .judging import Range
-from .published import PAIRS, Published, column_ids
+from .published import PAIRS, Printed, Published, column_ids, printed_features
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
+
+_TABLES = (("table1", TABLE_1, HARMONIC), ("table2", TABLE_2, ("direct",)))
+"""Per table its columns and the approaches whose least squares start from them."""
+
+_OTHER_DIGITS = [sign * step for step in range(1, 10) for sign in (1, -1)]
+
+
+def refuted(published: Published, case: Case) -> dict[str, str]:
+    """The cells of Tables 1 and 2 that the printed least squares refute: by the id of each, a sentence.
+
+    Only ω, k and the equations come from outside the print.
+    """
+    printed, refutations = printed_features(published, case.omega("omega1")), {}
+    for table, quantities, approaches in _TABLES:
+        if _restored(printed, published, case, approaches).all():
+            continue
+        cells = [
+            (q.symbol, level, cell)
+            for q in quantities
+            for level, cell in enumerate(column_ids(table, q.symbol))
+        ]
+        others = [published[cell].moved(step) for *_, cell in cells for step in _OTHER_DIGITS]
+        features = printed[:, None][:, np.zeros(len(others), dtype=np.int64)]  # a case each
+        many = {q.symbol: getattr(features, q.symbol).copy() for q in quantities}
+        for place, (symbol, level, _) in enumerate(cells):
+            part = slice(place * len(_OTHER_DIGITS), (place + 1) * len(_OTHER_DIGITS))
+            many[symbol][level, part] = [float(other) for other in others[part]]
+        restored = _restored(features.replaced(**many), published, case, approaches)
+        for place in reversed(np.flatnonzero(restored)):  # the first of a cell comes last
+            refutations[cells[place // len(_OTHER_DIGITS)][-1]] = (
+                f"The least squares that the paper prints come out with {others[place]} here, not as printed."
+            )
+    return refutations
+
+
+def agrees(value: ArrayLike, number: Printed) -> Mask:
+    """Whether values, rounded or cut off, have the printed digits."""
+    computed, units = np.asarray(value) / number.unit, number.value / number.unit
+    return (np.abs(computed - units) <= 0.5) | (np.trunc(computed) == round(units))
+
+
+def _restored(
+    features: Features, published: Published, case: Case, approaches: Iterable[str]
+) -> Mask:
+    """Whether features of the printed tables give every printed result of these least squares, case by case."""
+    restored = np.ones(features.Y.shape[1:], dtype=np.bool_)
+    for approach in approaches:
+        estimate = solve(APPROACHES[approach](features, case.oscillator.k))
+        for symbol, value in {**estimate.values, RESIDUAL.symbol: estimate.residual}.items():
+            number = published[of_text(statistic(symbol, approach, "least_squares"))]
+            restored &= agrees(value, number)
+    return restored
+
 
 _ESTIMATES = tuple(q.symbol for q in UNKNOWNS)
 
@@ -57,11 +115,6 @@ class _Table:
     of_inputs: Callable[[Array], Array]
 
 
-def ranges(published: Published, case: Case) -> dict[str, Range | None]:
-    """The ranges that the printed tables allow for numbers of Tables 2 and 3, by id.   case : for ω1 and k."""
-    return {**by_table_2(published), **by_table_3(published, case)}
-
-
 def by_table_2(published: Published) -> dict[str, Range | None]:
     """The ranges that Table 2 allows for b of each level, m²/s, and F_k, N, and c, N s/m, of each pair, by id.
 
@@ -77,7 +130,7 @@ def by_table_2(published: Published) -> dict[str, Range | None]:
         return np.vstack([values, _estimates(Rows({"F_k": a, "c": b}, W))])
 
     table = _table(published, inputs, estimates, of_inputs)
-    return _ranges(table, [*column_ids("table2", "b"), *estimates])
+    return _ranges(table, *_closest(table), [*column_ids("table2", "b"), *estimates])
 
 
 def by_table_3(published: Published, case: Case) -> dict[str, Range | None]:
@@ -86,7 +139,10 @@ def by_table_3(published: Published, case: Case) -> dict[str, Range | None]:
     Empty where every number agrees with all others, which is seen at once.   case : for ω1 and k.
     """
     table = _table_3(published, case, _AS_COMPUTED)
-    return {} if _misfit(table) <= 0.5 else _ranges(table, table.ids[table.inputs :])
+    off, slopes = _closest(table)
+    if np.max(np.abs(off)) <= 0.5:
+        return {}
+    return _ranges(table, off, slopes, table.ids[table.inputs :])
 
 
 def misfits(published: Published, case: Case) -> dict[str, float]:
@@ -144,20 +200,26 @@ def _estimates(rows: Rows) -> Array:
     return np.vstack([estimate[symbol] for symbol in _ESTIMATES])
 
 
-def _ranges(table: _Table, wanted: Iterable[str]) -> dict[str, Range | None]:
-    """The range that all other printed numbers leave for each wanted one, by id."""
-    off, slopes = _linear(table, _closest(table))
+def _ranges(
+    table: _Table, off: Array, slopes: Array, wanted: Iterable[str]
+) -> dict[str, Range | None]:
+    """The range that all other printed numbers leave for each wanted one, by id.   off, slopes : `_closest`."""
+    program = _nearest(off, slopes)
+    # Where the numbers do not agree, those that determine by how much contradict each other whatever else is left out.
+    agree = program.x is None or program.x[-1] <= 0.5 + 1e-6
+    at_odds = np.flatnonzero(program.ineqlin.marginals) % len(off)
     ranges: dict[str, Range | None] = {}
     for claim in wanted:
         place = table.ids.index(claim)
-        ends, value, unit = _ends(off, slopes, place), table.value[place], table.unit[place]
+        ends = _ends(off, slopes, place) if agree or place in at_odds else None
+        value, unit = table.value[place], table.unit[place]
         ranges[claim] = ends and (float(value + unit * ends[0]), float(value + unit * ends[1]))
     return ranges
 
 
 def _misfit(table: _Table) -> float:
     """How many units the number furthest off print is off, with the inputs that suit it best."""
-    return float(np.max(np.abs(_linear(table, _closest(table))[0])))
+    return float(np.max(np.abs(_closest(table)[0])))
 
 
 def _linear(table: _Table, inputs: Array) -> tuple[Array, Array]:
@@ -169,29 +231,42 @@ def _linear(table: _Table, inputs: Array) -> tuple[Array, Array]:
     return values[:, 0] - table.value / unit, (values[:, 1 : n + 1] - values[:, n + 1 :]) / 0.2
 
 
-def _closest(table: _Table) -> Array:
-    """The inputs at which the number furthest off print is the fewest units off; twice, since the first is far off."""
+def _closest(table: _Table) -> tuple[Array, Array]:
+    """`_linear` at the inputs at which the number furthest off print is the fewest units off, reached in two steps."""
     inputs = table.value[: table.inputs]
+    off, slopes = _linear(table, inputs)
     for _ in range(2):
-        off, slopes = _linear(table, inputs)
-        # the last unknown: by how many units the furthest is off
-        both = np.hstack([np.vstack([slopes, -slopes]), -np.ones((2 * len(off), 1))])
-        least = np.append(np.zeros(table.inputs), 1.0)
-        program = _program(least, both, np.concatenate([-off, off]))
-        if program.x is not None:
-            inputs = inputs + table.unit[: table.inputs] * program.x[:-1]
-    return inputs
+        program = _nearest(off, slopes)
+        if program.x is None:
+            break
+        inputs = inputs + table.unit[: table.inputs] * program.x[:-1]
+        there = _linear(table, inputs)
+        if not all(
+            np.isfinite(part).all() for part in there
+        ):  # a step to where formulas have no value
+            break
+        off, slopes = there
+    return off, slopes
+
+
+def _nearest(off: Array, slopes: Array) -> OptimizeResult:
+    """The steps of the inputs, and as the last unknown by how many units the number furthest off print then is off."""
+    both = np.hstack([np.vstack([slopes, -slopes]), -np.ones((2 * len(off), 1))])
+    least = np.append(np.zeros(slopes.shape[1]), 1.0)
+    return _program(least, both, np.concatenate([-off, off]))
 
 
 def _ends(off: Array, slopes: Array, place: int) -> Range | None:
     """Least and greatest of one number, in units off print, with all others within half a unit of it; None for none."""
     others, room = np.delete(slopes, place, axis=0), np.delete(off, place)
     bounds = np.vstack([others, -others]), np.concatenate([0.5 - room, 0.5 + room])
-    programs = [_program(sign * slopes[place], *bounds) for sign in (1.0, -1.0)]
-    if any(program.status != 0 or program.x is None for program in programs):
-        return None
-    low, high = (float(off[place] + slopes[place] @ program.x) for program in programs)
-    return low, high
+    ends = []
+    for sign in (1.0, -1.0):
+        program = _program(sign * slopes[place], *bounds)
+        if program.status != 0 or program.x is None:
+            return None
+        ends.append(float(off[place] + slopes[place] @ program.x))
+    return ends[0], ends[1]
 
 
 def _program(least: Array, A: Array, b: Array) -> OptimizeResult:

@@ -1,0 +1,132 @@
+"""Would a misprint be noticed? Every digit of Tables 1 to 3 one up and one down, and which verdicts change.
+
+The claims are judged by the same rules as those of the paper, on a print with one other number. `misprints` gives
+every change with its verdicts; `packed` writes them down for the page that lets readers change a digit.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from ..claim_verdicts import VERDICTS, part_of
+from .judging import Claim, explanation, verdict
+from .published import Printed
+from .rules import Sources, claims
+
+_JUDGED = {
+    "table1": ("table1", "table3", "text"),
+    "table2": ("table2", "text"),
+    "table3": ("table3",),
+}
+"""Part of the paper → the parts with computed numbers whose verdicts follow from what is printed there."""
+
+
+class Misprint(NamedTuple):
+    """A printed number with another digit.   claims : those whose verdict is another one then, by id."""
+
+    id: str
+    printed: str
+    claims: Mapping[str, Claim]
+
+
+def other_digits(number: Printed) -> list[str]:
+    """The number with each of its significant digits one up and one down in turn, the last digit first."""
+    return [
+        number.moved(step * 10**place) for place in range(number.significant) for step in (+1, -1)
+    ]
+
+
+def judged(sources: Sources, name: str, text: str) -> dict[str, Claim]:
+    """The claims on all computed numbers that another text for one printed number can affect, by id.
+
+    Their causes are not looked into: they say why a number is what it is, and no verdict depends on them.
+    """
+    changed = sources.with_print({name: text}, keep=("misfits",))
+    vars(changed)["rules_at_work"] = lambda row: ""
+    parts = _JUDGED.get(part_of(name), (part_of(name),))
+    rows = changed.published.rows.values()
+    affected = [row for row in rows if row.kind == "computed" and part_of(row.id) in parts]
+    return {claim.row.id: claim for claim in claims(changed, affected)}
+
+
+def misprints(sources: Sources, names: Iterable[str]) -> Iterator[Misprint]:
+    """Some computed numbers with `other_digits`, judged anew."""
+    was = verdicts(sources)
+    for name in names:
+        for text in other_digits(sources.published[name]):
+            now = judged(sources, name, text)
+            yield Misprint(name, text, {i: c for i, c in now.items() if verdict(c).name != was[i]})
+
+
+def verdicts(sources: Sources) -> dict[str, str]:
+    """The names of the verdicts on all computed numbers, by id."""
+    rows = [row for row in sources.published.rows.values() if row.kind == "computed"]
+    return {claim.row.id: verdict(claim).name for claim in claims(sources, rows)}
+
+
+_NUMBER = re.compile(r"[-+]?\d(?:[\d.]|[eE][-+]?)*\d|\d")
+
+
+def cells(sources: Sources) -> list[str]:
+    """The ids of the computed numbers of Tables 1 to 3."""
+    rows = sources.published.rows.values()
+    return [row.id for row in rows if row.kind == "computed" and part_of(row.id) in _JUDGED]
+
+
+def packed(sources: Sources, names: Iterable[str]) -> dict[str, Any]:
+    """The misprints of some numbers, of `cells` as a rule, in short, to be written as JSON.
+
+    verdicts : their names, best first.   was : id → verdict on the number as printed.
+    reasons : sentences, with # for every number.   because : sentences on other numbers.
+    sets : lists of [id, verdict, because]: the other numbers whose verdicts change.
+    numbers : id → [printed, changes]; a change is [printed, verdict, reason, numbers in the reason, set].
+    Verdicts, reasons, because and sets are given by their places in these lists.
+    """
+    ranks, was = list(VERDICTS), verdicts(sources)
+    reasons, because, sets = Pool(), Pool(), Pool()
+    numbers: dict[str, Any] = {}
+    for name, printed, changed in misprints(sources, names):
+        others = tuple(
+            (other, ranks.index(verdict(claim).name), because.place(_because(claim)))
+            for other, claim in changed.items()
+            if other != name
+        )
+        own = changed.get(name)
+        reason = explanation(replace(own, cause="")) if own else ""
+        _, changes = numbers.setdefault(name, [sources.published[name].text, []])
+        changes.append(
+            [
+                printed,
+                ranks.index(verdict(own).name if own else was[name]),
+                reasons.place(_NUMBER.sub("#", reason)),
+                " ".join(_NUMBER.findall(reason)),
+                sets.place(others),
+            ]
+        )
+    pools = {"reasons": reasons, "because": because, "sets": sets}
+    return {
+        "verdicts": ranks,
+        "was": {name: ranks.index(of) for name, of in was.items()},
+        **{name: list(pool) for name, pool in pools.items()},
+        "numbers": numbers,
+    }
+
+
+class Pool(dict[Any, int]):
+    """Different things in the order in which they came, each with its place."""
+
+    def place(self, thing: Any) -> int:
+        """The place of a thing, which enters if it is new."""
+        return self.setdefault(thing, len(self))
+
+
+def _because(claim: Claim) -> str:
+    """Why a changed number gives another one another verdict, without numbers."""
+    if claim.contradiction:
+        return "it now disagrees with the paper’s own numbers"
+    if claim.strays:
+        return "what the printed inputs give for it is now too far off"
+    return "the rest of its table now leaves another range for it"

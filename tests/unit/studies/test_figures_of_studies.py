@@ -1,0 +1,151 @@
+"""Figures of studies: the one that a file without any gets, the errors on a map, labels that keep apart."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from matplotlib import colormaps, colors
+
+from dampbalance.figures.style import STYLE
+from dampbalance.studies.shown import maps
+from dampbalance.studies.shown.study_figure import study_figure
+
+LONG = {"omega_over_omega_n": {"from": 0.5, "to": 3.0, "count": 31}}
+STIFF = {"K_z_over_k": {"from": 5.0, "to": 500.0, "count": 21, "spacing": "log"}}
+FEW = {"zeta": {"values": [0.05, 0.1, 0.5]}}
+SAMPLE = {"method": "sobol", "seed": 1, "over": {"zeta": {"from": 0.01, "to": 1.0}}}
+SIMULATED = {"route": {"kind": "fixed_step", "cycles": 4}, "levels_m": [0.004, 0.012]}
+NOISY = {"route": {"kind": "measured", "sampling_hz": 1000, "noise": 0.01, "seed": 1}}
+RUN = {"run": {"from": 0, "to": 9, "count": 10}}
+
+
+@pytest.mark.parametrize(
+    ("document", "figure"),
+    [
+        ({"axes": [LONG]}, {"kind": "curves", "x": "omega_over_omega_n"}),
+        (
+            {"axes": [LONG], "estimation": {"phases": ["reversal", "fundamental"]}},
+            {"kind": "curves", "x": "omega_over_omega_n", "panels": "phase"},
+        ),
+        ({"axes": [FEW, LONG]}, {"kind": "curves", "x": "omega_over_omega_n", "panels": "zeta"}),
+        (
+            {"axes": [FEW, {"K_z_over_k": {"values": [10, 20, 30]}}, LONG]},
+            {"kind": "curves", "x": "omega_over_omega_n", "panels": "zeta", "at": {"K_z_over_k": 20}},
+        ),
+        ({"axes": [STIFF, LONG]}, {"kind": "map", "x": "omega_over_omega_n", "y": "K_z_over_k"}),
+        ({"axes": [{"sample": SAMPLE | {"count": 64}}]}, {"kind": "curves", "x": "zeta"}),
+        (
+            {"axes": [{"sample": SAMPLE | {"count": 10**6}}, STIFF]},
+            {"kind": "map", "x": "zeta", "y": "K_z_over_k"},
+        ),
+        (NOISY | {"axes": [{"noise": {"values": [0.01, 0.1]}}, RUN]}, {"kind": "scatter", "x": "noise"}),
+        (
+            NOISY | {"axes": [{"frequency_hz": {"values": [3.5, 6.0]}}, FEW, RUN]},
+            {"kind": "scatter", "x": "frequency_hz", "panels": "zeta"},
+        ),
+        (NOISY | {"axes": [RUN]}, {"kind": "curves", "x": "run"}),
+        (
+            SIMULATED | {"axes": [{"scheme": {"values": ["rk4"]}}, {"step_s": {"values": [2e-5, 4e-5]}}]},
+            {"kind": "steps", "x": "step_s"},
+        ),
+        # not drawn: too many cases for curves; words only; nothing that varies; as the file wants it
+        ({"axes": [{"sample": SAMPLE | {"count": 10**6}}]}, {}),
+        ({"axes": [{"scheme": {"values": ["rk4"]}}], "route": {"kind": "fixed_step", "step_s": 1e-5}}, {}),
+        ({"axes": [{"zeta": {"values": [0.1]}}]}, {}),
+        ({"axes": [LONG], "figure": None}, {}),
+    ],
+)  # fmt: skip
+def test_a_study_without_a_figure_gets_one_by_its_axes(make, document, figure):
+    assert make(document).figure == figure
+
+
+@pytest.fixture(scope="module")
+def single(computed):
+    """A map of which each place is one case, the table, and the axes of the panel of F_k by X_s."""
+    study, table, path = computed({"axes": [STIFF, LONG]})
+    return table, next(a for a in study_figure(study, path).axes if a.get_title() == "$X_s$")
+
+
+def test_a_map_of_single_cases_shows_their_errors_with_zero_in_the_middle(single):
+    table, panel = single
+    mesh, lines = panel.collections[:2]
+    errors = 100.0 * table["F_k_relative_error__X_s__reversal__individual__least_squares"]
+    assert np.array_equal(mesh.get_array(), errors.to_numpy().reshape(21, 31))
+    assert mesh.norm(0.0) == 0.5
+    assert mesh.norm(-3.0) == pytest.approx(1.0 - mesh.norm(3.0), rel=1e-12)
+    # along the upper edge, the error grows through 0: the lines cross where it has their level
+    upper, x = errors.to_numpy()[-31:], table["omega_over_omega_n"].to_numpy()[-31:]
+    level = int(np.flatnonzero(lines.levels == 1.0)[0])
+    ends = lines.get_paths()[level].vertices
+    place = ends[np.isclose(ends[:, 1], ends[:, 1].max()), 0]
+    assert place.min() == pytest.approx(
+        np.interp(1.0, upper, x), abs=0.1
+    )  # linear in a bin, to its size
+    assert "1 %" in {text.get_text() for text in panel.texts}
+
+
+def test_a_map_of_many_cases_shows_what_nine_of_ten_do_not_exceed():
+    random = np.random.default_rng(5)
+    errors = 10.0 ** random.uniform(-6.0, 1.0, 1000)
+    places = (np.log10(errors) - maps._LOWEST) * maps._PER_DECADE
+    counts = np.bincount(places.astype(int), minlength=maps._BINS)[None]
+    shown = maps._quantiles(np.array([counts[0], 0 * counts[0]]).astype(float))
+    true = 100.0 * np.quantile(errors, 0.9, method="inverted_cdf")
+    assert shown[0] == pytest.approx(true, rel=0.05)  # half a bin: 10^(1/48) − 1 = 4.9 %
+    assert np.isnan(shown[1])  # no case at all
+    counts[0, -1] += 200  # not identified, in more than one of ten
+    assert np.isnan(maps._quantiles(counts.astype(float)))[0]
+
+
+def lightness(name):
+    """L* of the colours of a map: CIE 1976, of the relative luminance of sRGB."""
+    rgb = colormaps[name](np.linspace(0.0, 1.0, 101))[:, :3]
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    luminance = linear @ [0.2126, 0.7152, 0.0722]
+    return np.where(luminance > 0.008856, 116.0 * np.cbrt(luminance) - 16.0, 903.3 * luminance)
+
+
+def test_the_colours_of_maps_grow_darker_with_the_error_also_without_colour():
+    """Monotone lightness is what a colour-blind reader, or a print in grey, is left with."""
+    assert (np.diff(lightness(maps.SIZES)) < 0.0).all()
+    signed = lightness(maps.SIGNED)
+    assert (np.diff(signed[:50]) > 0.0).all()
+    assert (np.diff(signed[51:]) < 0.0).all()
+    red, _, blue = colors.to_rgb(colormaps[maps.SIGNED](1.0))
+    assert red > blue  # too large is red
+
+
+@pytest.mark.parametrize("panels", range(2, 7))
+@pytest.mark.parametrize(
+    "x",
+    [
+        {"Y_m": {"from": 0.004, "to": 0.012, "count": 5}},
+        {"K_z_over_k": {"from": 10.0, "to": 1000.0, "count": 5, "spacing": "log"}},
+    ],
+)
+def test_labels_of_neighbouring_panels_keep_apart(computed, x, panels):
+    (name,) = x
+    study, _, path = computed(
+        {
+            "axes": [{"frequency_hz": {"values": [3.5, 5.0, 6.0, 8.0, 11.0, 13.0][:panels]}}, x],
+            "levels_of_Y": [1, 2],
+            "estimation": {"approaches": ["X_s"]},
+            "figure": {"kind": "curves", "x": name, "panels": "frequency_hz"},
+        }
+    )
+    figure = study_figure(study, path)
+    figure.draw_without_rendering()
+    boxes = []
+    for axes in figure.axes[-panels:]:
+        low, high = axes.get_xlim()
+        shown = [
+            tick.label1.get_window_extent()
+            for tick in axes.xaxis.get_major_ticks()
+            if tick.label1.get_text() and low <= tick.get_loc() <= high
+        ]
+        assert shown  # every panel keeps a label
+        boxes += shown
+    assert all(one.x1 < other.x0 for one, other in itertools.pairwise(boxes))
+    assert boxes[-1].x1 < figure.get_figwidth() * STYLE["figure.dpi"]
