@@ -10,7 +10,7 @@ VENV := .venv
 # As in an activated environment: what is started from here finds the same Python.
 RUN := PATH="$$HERE/$(VENV)/bin:$$PATH" python -m
 # Programs of trials/ use helpers of the tests.
-TRIAL := PYTHONPATH="$$HERE/trials:$$HERE/tests" $(RUN)
+TRIAL := PYTHONPATH="$$HERE/trials:$$HERE/tests:$$HERE/workflow" $(RUN)
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 # What `make archive` packs; of another case it is dampbalance-<version>-<case>.tar.gz.
 ARCHIVE ?= results/archive/dampbalance-$(VERSION).tar.gz
@@ -46,7 +46,7 @@ TOOLS := $(VENV)/tools
 LOCKS := requirements-build.lock requirements.lock requirements-dev.lock requirements-engine.lock
 BENCH := .venv-bench
 ENGINE := .venv-engine
-BENCH_RUN := PYTHONPATH="$$HERE/trials:$$HERE/tests" PATH="$$HERE/$(BENCH)/bin:$$PATH" python -m
+BENCH_RUN := PYTHONPATH="$$HERE/trials:$$HERE/tests:$$HERE/workflow" PATH="$$HERE/$(BENCH)/bin:$$PATH" python -m
 ifneq ($(shell test -x $(VENV)/bin/python && cat $(LOCKED) 2>/dev/null),$(CURDIR))
 STALE := stale
 endif

@@ -47,6 +47,7 @@ def opened(visit, report):
     assert visit.said == []
 
 
+@pytest.mark.slow
 def test_the_recipe_agrees_with_print_as_the_claims_say(opened, made):
     page = opened("integrator")
     claims = {
@@ -74,6 +75,7 @@ def schemes():
     return scheme_table(CASE, "omega1")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["rk4", "explicit-euler"])
 @pytest.mark.parametrize("coefficients", ["rounded", "exact"])
 def test_other_schemes_miss_print_as_in_python(opened, schemes, scheme, coefficients):
@@ -89,6 +91,7 @@ def test_other_schemes_miss_print_as_in_python(opened, schemes, scheme, coeffici
             assert float(off) == pytest.approx(units, rel=0.05, abs=0.06)  # two digits are shown
 
 
+@pytest.mark.slow
 def test_the_program_and_the_configuration_of_the_integrator_compute_the_same(
     opened, tmp_path, monkeypatch
 ):
@@ -198,6 +201,7 @@ def test_the_draws_are_normal_and_the_same_for_the_same_seed():
         assert abs(off) < 5.0 * math.sqrt(variance / len(one))
 
 
+@pytest.mark.slow
 def test_the_program_of_the_noise_has_its_statistics(opened):
     page = opened("noise", "count=400&approach=fourier&f=3.5&percent=0.5")
     program, study = texts(page, "noise")
@@ -233,6 +237,7 @@ def test_misprints_are_judged_as_a_fresh_run_judges_them():
         assert rest == judged_afresh().set_index("id")["verdict"].loc[list(rest)].to_dict()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHANGED)
 def test_the_page_shows_which_verdicts_change(opened, name):
     page, was = opened("misprint", f"number={name}"), verdicts(sources())
@@ -257,6 +262,7 @@ def test_the_page_shows_which_verdicts_change(opened, name):
             assert explanation(replace(claims[name], cause="")) in rows[0]
 
 
+@pytest.mark.slow
 def test_the_program_of_a_misprint_judges_it(opened, monkeypatch, capsys):
     name, text = "table2.c.2-3", "90.0115"
     page = opened("misprint", f"number={name}&to={text}")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compute a study on this machine alone and through SLURM, in a copy of the sources each, and compare every byte.
 
-    export PYTHONPATH=trials:tests
+    export PYTHONPATH=trials:tests:workflow
     trials/cluster/loopback.sh .venv/bin/python -m cluster.same_bytes map
 
 On a cluster, with a folder that its nodes see: python -m cluster.same_bytes --folder SHARED/FOLDER map

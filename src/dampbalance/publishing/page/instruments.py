@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...balance import APPROACHES
 from ...figures.looks import label_of, look_of
@@ -12,10 +12,8 @@ from ...replication.comparison import WAYS
 from ...replication.resonance import RECIPES
 from ..colours import variable
 from ..words import titled
+from .content import PageContent
 from .printed import printed_data
-
-if TYPE_CHECKING:
-    from .report import PageContent
 
 IN_THE_BROWSER = ("direct", "X_s", "t_s", "V_s", "fourier")  # the approaches that kit.js knows
 STEPS = 200  # of a slider, at least

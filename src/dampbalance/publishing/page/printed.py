@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...figures.looks import SCHEME_LOOKS
 from ...motion.fixed_step import SCHEMES
@@ -10,9 +10,7 @@ from ...project.wording import plain
 from ...replication.as_published import coefficients
 from ...replication.claim_verdicts import VERDICTS
 from ...replication.printed_tables import TABLE_2, UNKNOWNS
-
-if TYPE_CHECKING:
-    from .report import PageContent
+from .content import PageContent
 
 STOPS_US = (1, 1.5, 2, 2.5, 3, 4, 4.5, 5, 5.5, 6, 7, 8, 10, 15, 20, 30, 50)
 """Steps that "Guess the integrator" offers, µs; the configured one is among them in any case."""

@@ -1,6 +1,6 @@
 """The page: all results of a case in one HTML file that needs nothing else.
 
-`PageContent` holds what the page is made from; `report_page` makes it, the same bytes for the same results.
+`report_page` makes it from a `PageContent`, the same bytes for the same results.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ import base64
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import Any
 
@@ -20,7 +19,6 @@ from markupsafe import Markup
 from ... import __version__
 from ...balance import TERMS
 from ...figures.looks import label_of
-from ...project.case import Case
 from ...project.wording import (
     MINUS,
     NONE,
@@ -52,6 +50,7 @@ from ...studies.shown.facts import filled
 from .. import words
 from ..colours import css_variables, verdict_styles
 from .cells import subtables
+from .content import PageContent
 from .drawings import Sheet
 from .instruments import instruments_data
 from .origins import ORIGINS, link, study_origin
@@ -80,31 +79,6 @@ SECTIONS = {
     "conclusion": "Conclusion",
     "provenance": "Sources",
 }
-
-
-@dataclass(frozen=True)
-class PageContent:
-    """What the page shows.
-
-    case : as configured.   config : the merged configuration, to be listed.
-    claims : `claims.csv` as text, or None for a case with nothing printed.
-    tables : frequency → name → frame of `tables.COLUMNS`.   approaches : tables/approaches.csv.
-    figures : name → SVG by `figures.style.save`: figure3, estimation_error, and where something is printed glance and
-    numerics.
-    evidence : `derived_numbers`, which the article argues with.   facts : study → its facts in words, as there.
-    studies : (study, its figure as SVG).   digits : `changed_digits.packed`.
-    """
-
-    case: Case
-    config: Mapping[str, Any]
-    claims: pd.DataFrame | None
-    tables: Mapping[str, Mapping[str, pd.DataFrame]]
-    approaches: pd.DataFrame
-    figures: Mapping[str, str]
-    evidence: Mapping[str, Any] | None = None
-    facts: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
-    studies: Sequence[tuple[Study, str]] = ()
-    digits: Mapping[str, Any] | None = None
 
 
 def report_page(content: PageContent, page: str) -> str:
