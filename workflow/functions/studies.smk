@@ -98,15 +98,19 @@ def chunk_memory_mb(wildcards, attempt):
 
 
 def title_of(name):
-    """What the report calls a study."""
-    from dampbalance.project.wording import plain  # needed for a report only
+    """What the report calls a study, for a job: no study is read before a report is made."""
 
-    return {"result": plain(study_plan(name)[0].title)}
+    def title(wildcards):
+        from dampbalance.project.wording import plain  # needed for a report only
+
+        return {"result": plain(study_plan(name)[0].title)}
+
+    return title
 
 
 def study_title(wildcards):
-    """The same, of a job."""
-    return title_of(wildcards.study)
+    """The same of the job's study."""
+    return title_of(wildcards.study)(wildcards)
 
 
 def study_svg(path, title):
