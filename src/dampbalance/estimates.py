@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -51,12 +51,13 @@ def estimate_table(
     *,
     common: Features | None = None,
     common_approaches: Mapping[str, Approach] = APPROACHES,
+    names: Collection[str] | None = None,
 ) -> pd.DataFrame:
     """Everything the balances say of one frequency: each approach, pair-wise and least squares, one tidy row each.
 
     features : of n responses with their individual φ and t_s.   k : stiffness, N/m.   chosen : pairs, counted from 0.
     common : the same responses with one φ and one t_s; default: the means over the responses that slip.
-    common_approaches : the row functions to use with `common`, by name.
+    common_approaches : the row functions to use with `common`, by name.   names : the approaches to show; default: all.
 
     Approaches that take no choice of φ and t_s (`balance.takes_phase`) appear as "individual" only. What cannot be
     estimated, because a level lacks a feature, stays in the table with NaN and the reason as its note: one level
@@ -69,9 +70,10 @@ def estimate_table(
         common = features.with_common("phi", "t_s")
     records: list[dict[str, object]] = []
     for name, approach in APPROACHES.items():
-        records += _records(name, "individual", approach(features, k), features, chosen)
+        if names is None or name in names:
+            records += _records(name, "individual", approach(features, k), features, chosen)
     for name, approach in common_approaches.items():
-        if takes_phase(name):
+        if takes_phase(name) and (names is None or name in names):
             records += _records(name, "common", approach(common, k), common, chosen)
     return pd.DataFrame.from_records(records, columns=estimate_columns())
 

@@ -330,6 +330,18 @@ def test_an_address_opens_its_instrument_on_a_phone(opened):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize("name", ["off_resonance", "integrator", "cloud", "misprint"])
+def test_an_address_leads_to_its_instrument(opened, name, width):
+    """Though the instruments above it grow once they are there."""
+    page = opened(f"#{name}", viewport={"width": width, "height": 844})
+    page.wait_for_function(
+        "name => { const y = document.getElementById(name).getBoundingClientRect().y; return y > 0 && y < 150; }",
+        arg=name,
+    )
+
+
+@pytest.mark.slow
 def test_a_redraw_solves_each_response_once(opened, visit):
     page = opened()
     page.context.add_init_script(COUNT)

@@ -16,9 +16,15 @@ from dampbalance import steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.features import of_orbit, stack
 from dampbalance.project.case import Case
+from dampbalance.publishing.page.printed import of_run
 from dampbalance.replication.as_published import scheme_table
 from dampbalance.replication.claim_verdicts import VERDICTS
-from dampbalance.replication.claims.changed_digits import cells, judged, other_digits, verdicts
+from dampbalance.replication.claims.changed_digits import (
+    cells,
+    judged,
+    other_digits,
+    verdicts,
+)
 from dampbalance.replication.claims.judging import explanation, verdict
 from dampbalance.solver import solve
 from folders import ROOT
@@ -203,10 +209,10 @@ def test_the_draws_are_normal_and_the_same_for_the_same_seed():
 
 @pytest.mark.slow
 def test_the_program_of_the_noise_has_its_statistics(opened):
-    page = opened("noise", "count=400&approach=fourier&f=3.5&percent=0.5")
-    program, study = texts(page, "noise")
+    page = opened("cloud", "count=400&approach=fourier&f=3.5&percent=0.5")
+    program, study = texts(page, "cloud")
     lines = page.eval_on_selector_all(
-        "#noise tbody tr",
+        "#cloud tbody tr",
         "all => all.map(row => [...row.querySelectorAll('td')].map(one => one.textContent))",
     )
     for (F_k, c, correlation), shown in zip(printed(program), lines, strict=True):
@@ -235,6 +241,35 @@ def test_misprints_are_judged_as_a_fresh_run_judges_them():
         assert was | now == computed, (name, text)
         rest = afresh[afresh["kind"] != "computed"]["verdict"].to_dict()
         assert rest == judged_afresh().set_index("id")["verdict"].loc[list(rest)].to_dict()
+
+
+def unpacked(record, name):
+    """The changes of a number as a record tells them: text → its verdict, reason and the others with theirs."""
+    _, changes = record["numbers"][name]
+    return {
+        text: (
+            record["verdicts"][own],
+            (record["reasons"][reason], numbers),
+            [
+                (i, record["verdicts"][now], record["because"][why])
+                for i, now, why in record["sets"][others]
+            ],
+        )
+        for text, own, reason, numbers, others in changes
+    }
+
+
+def test_the_misprints_on_record_are_those_of_this_run(made):
+    record = json.loads((ROOT / "paper/published/misprints.json").read_text(encoding="utf-8"))
+    assert set(record["numbers"]) == set(cells(sources()))
+    assert of_run(record, made.claims)
+    for name in CHANGED:
+        assert unpacked(record, name) == unpacked(made.digits, name)
+    other = made.claims.copy()
+    other.loc[other["id"] == CHANGED[0], "printed"] += "1"
+    assert not of_run(record, other)
+    worse = made.claims.assign(verdict=made.claims["verdict"].replace("reconstructed", "differs"))
+    assert not of_run(record, worse)
 
 
 @pytest.mark.slow

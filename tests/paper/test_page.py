@@ -282,6 +282,9 @@ def test_the_document_says_its_language_and_its_headings_are_in_order(tree, html
 def test_names_are_unique_and_references_meet_them(tree):
     names = set(tree.ids)
     assert len(tree.ids) == len(names)
+    instruments = {e["id"] for e in tree.named("article") if "instrument" in e["class"].split()}
+    assert len(instruments) == 5
+    assert instruments.isdisjoint(report.SECTIONS)  # this case has not all of them
     for element in tree.all:
         for key in ("aria-labelledby", "popovertarget", "for"):
             assert set(element.get(key, "").split()) <= names, element

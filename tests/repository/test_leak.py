@@ -23,7 +23,7 @@ ALLOWED = (
     "workflow/functions/claims.smk",
     "workflow/scripts/claims/claims.py",
     "workflow/scripts/claims/check.py",
-    "workflow/scripts/claims/digits.py",
+    "workflow/scripts/claims/misprints.py",
     "config/config.yaml",
     "workflow/schemas/config.schema.yaml",
 )

@@ -34,21 +34,19 @@ rule claims:
         "../scripts/claims/claims.py"
 
 
-# Every digit of the tables one up and one down: seconds of judging, for the page alone, so that everything else comes first.
-rule digits:
+# Every digit of the tables one up and one down: a minute of judging, of which the result is kept on record for the page
+# (paper/published/README.md).
+rule misprints:
     input:
         features=of_routes("features"),
         estimates=of_routes("estimates"),
         unrounded=f"{RESULTS}/features/as_published/unrounded/{FREQUENCIES[0]}.csv",
         published=published_files,
-        modules=script_modules("claims/digits.py"),
+        modules=script_modules("claims/misprints.py"),
     output:
-        json=f"{RESULTS}/digits.json",
+        json=f"{RESULTS}/misprints.json",
     log:
-        log_file("digits"),
-    benchmark:
-        log_file("digits", "tsv")
-    priority: LAST
+        log_file("misprints"),
     conda:
         ENVIRONMENT
     params:
@@ -58,7 +56,7 @@ rule digits:
     message:
         "Verdicts on the printed tables with other digits"
     script:
-        "../scripts/claims/digits.py"
+        "../scripts/claims/misprints.py"
 
 
 # Never fails, so that everything else is built: the run fails at its end (onsuccess in the Snakefile).

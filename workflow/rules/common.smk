@@ -97,7 +97,6 @@ FREQUENCIES = list(CASE.frequencies_hz)
 RESULTS = f"results/{CASE.name}"
 LOGS = f"results/logs/{CASE.name}"
 FIRST = 10  # priority of what leads to the paper's tables and verdicts: they are seen before the studies are computed
-LAST = -10  # priority of what only the page waits for
 ENVIRONMENT = "../envs/dampbalance.yaml"
 STUDY_DEFAULTS = {  # what a script needs to read the file of a study
     "schema": project_file("workflow/schemas/study.schema.yaml"),

@@ -45,10 +45,8 @@ class RouteTables:
 
     def feature(self, column: str, level: int, frequency: str = "omega1") -> float:
         """A feature of the level counted from 1."""
-        frame = self.features.get(frequency)
-        if frame is None or level > len(frame):
-            return math.nan
-        return float(frame[column].iloc[level - 1])
+        values = self._columns.get(frequency, {}).get(column, ())
+        return float(values[level - 1]) if level <= len(values) else math.nan
 
     def mean_feature(self, column: str) -> float:
         """Mean of a feature at ω1 over the levels that have it."""
@@ -73,6 +71,11 @@ class RouteTables:
         """The estimates of all pairs by some approaches."""
         frame = _as_in_paper(self.estimates.get(frequency, _NOTHING))
         return frame[frame["approach"].isin(approaches) & (frame["kind"] == "pair")]
+
+    @cached_property
+    def _columns(self) -> dict[str, dict[Hashable, list[Any]]]:
+        """The columns of the features by frequency."""
+        return {frequency: frame.to_dict("list") for frequency, frame in self.features.items()}
 
     @cached_property
     def _lines(self) -> dict[tuple[str, ...], dict[Hashable, Any]]:

@@ -6,7 +6,9 @@ from pathlib import Path
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_text
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.publishing.page.report import PageContent, report_page
+from dampbalance.publishing.page.content import PageContent
+from dampbalance.publishing.page.printed import of_run
+from dampbalance.publishing.page.report import report_page
 from dampbalance.studies.checking import read_study
 
 TABLES = ("table1", "table2", "table3", "statistics")
@@ -31,11 +33,13 @@ def main(params, inputs):
     case = Case.from_config(config)
     facts = json.loads(read_text(inputs.facts)) if inputs.facts else {}
     studies = [read_study(file, params.schema, params.base) for file in inputs.study_files]
+    claims = read_csv(inputs.claims, dtype=str) if inputs.claims else None
+    misprints = [json.loads(read_text(file)) for file in inputs.misprints]
     return PageContent(
         case=case,
         config=config,
-        claims=read_csv(inputs.claims, dtype=str) if inputs.claims else None,
-        digits=json.loads(read_text(inputs.digits)) if inputs.digits else None,
+        claims=claims,
+        digits=next((record for record in misprints if of_run(record, claims)), None),
         tables=read_tables(folder, case),
         approaches=read_csv(f"{folder}/tables/approaches.csv"),
         figures=dict(zip(params.figures, map(read_text, inputs.figures), strict=True)),

@@ -22,7 +22,7 @@ class PageContent:
     figures : name → SVG by `figures.style.save`: figure3, estimation_error, and where something is printed glance and
     numerics.
     evidence : `derived_numbers`, which the article argues with.   facts : study → its facts in words, as there.
-    studies : (study, its figure as SVG).   digits : `changed_digits.packed`.
+    studies : (study, its figure as SVG).   digits : `changed_digits.packed`, if it is on record.
     """
 
     case: Case

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
+
+import pandas as pd
 
 from ...figures.looks import SCHEME_LOOKS
 from ...motion.fixed_step import SCHEMES
@@ -20,9 +23,9 @@ def printed_data(content: PageContent) -> dict[str, Any]:
     """The data of `integrator.js` and `digits.js`; empty for a case with nothing printed.
 
     integrator : the schemes, the recipe of the configuration, Table 2 as printed (the text), its pairs of levels.
-    digits : `changed_digits.packed` with names for the numbers and the looks of the verdicts.
+    digits, where there are any : `changed_digits.packed` with names for the numbers and the looks of the verdicts.
     """
-    if content.claims is None or content.digits is None:
+    if content.claims is None:
         return {}
     case, rows = content.case, {row["id"]: row for row in content.claims.to_dict("records")}
     numerics = case.numerics
@@ -35,7 +38,8 @@ def printed_data(content: PageContent) -> dict[str, Any]:
         for q in (*TABLE_2, *UNKNOWNS)
     }
     step = float(f"{1e6 * numerics.step_s:.12g}")
-    shown = {
+    digits = content.digits and {
+        **content.digits,
         "looks": [(verdict.css, verdict.mark) for verdict in VERDICTS.values()],
         "names": {
             name: _name(rows[name]["where"], rows[name]["quantity"])
@@ -61,8 +65,17 @@ def printed_data(content: PageContent) -> dict[str, Any]:
             "printed": {symbol: list(of.values()) for symbol, of in printed.items()},
             "pairs": [[int(level) - 1 for level in label.split("-")] for label in printed["F_k"]],
         },
-        "digits": {**content.digits, **shown},
+        **({"digits": digits} if digits else {}),
     }
+
+
+def of_run(record: Mapping[str, Any], claims: pd.DataFrame) -> bool:
+    """Whether a record by `changed_digits.packed` is of a run's print and verdicts.   claims : claims.csv as text."""
+    computed = claims[claims["kind"] == "computed"].set_index("id")
+    was = {name: record["verdicts"][place] for name, place in record["was"].items()}
+    printed = {name: text for name, (text, _) in record["numbers"].items()}
+    same = printed.items() <= computed["printed"].to_dict().items()
+    return same and was == computed["verdict"].to_dict()
 
 
 def _name(where: str, quantity: str) -> str:

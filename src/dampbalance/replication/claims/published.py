@@ -25,7 +25,14 @@ from ...features import COLUMNS, Features, of_numbers
 from ...project.case import Case
 from ...solver import Pair, pair_label
 from ..claim_verdicts import of_cell, of_text
-from ..printed_tables import HARMONIC, TABLE_1, TABLE_2, UNKNOWNS, RouteTables
+from ..printed_tables import (
+    HARMONIC,
+    PRINTED_APPROACHES,
+    TABLE_1,
+    TABLE_2,
+    UNKNOWNS,
+    RouteTables,
+)
 
 LONGEST = 25
 """Characters of a number at most."""
@@ -233,7 +240,9 @@ def from_print(published: Published, case: Case) -> RouteTables:
     common = features.replaced(
         phi=published[of_text("phi_mean")].value, t_s=published[of_text("t_s_mean")].value
     )
-    estimates = estimate_table(features, case.oscillator.k, PAIRS, common=common)
+    estimates = estimate_table(
+        features, case.oscillator.k, PAIRS, common=common, names=PRINTED_APPROACHES
+    )
     return RouteTables({"omega1": features.to_frame()}, {"omega1": estimates})
 
 

@@ -143,6 +143,7 @@ def read_sources(folder: str | Path, published: str | Path, case: Case) -> Sourc
 
 _FOLLOWS = {
     "from_print": ("table1", "table2", "text"),
+    "pairs": ("table2", "table3"),
     "refuted": ("table1", "table2", "text"),
     "by_table_2": ("table2",),
     "by_table_3": ("table1", "table3", "text"),

@@ -142,7 +142,6 @@ const kit = (() => {
       const given = new URLSearchParams(query);
       if (place !== id || query === undefined) return; // a plain #id is an anchor like any other
       for (const [name, v] of Object.entries(defaults)) show({ [name]: given.has(name) ? controls[name].accept(given.get(name)) : v });
-      root.scrollIntoView();
     };
     it.set = (values) => { show(values); clearTimeout(timer); timer = setTimeout(save, 250); };
     it.control = (name, value, shown, accept) => { defaults[name] = value; controls[name] = { show: shown, accept }; show({ [name]: value }); };
@@ -192,6 +191,9 @@ const kit = (() => {
     addEventListener('hashchange', restore);
     restore();
     root.classList.add('ready');
+    // The instruments above have their full height from now on, and what the address names has moved down with it.
+    const scroll = () => { if (location.hash.slice(1).split('?')[0] === id) root.scrollIntoView(); };
+    requestAnimationFrame(() => requestAnimationFrame(scroll));
   }
 
   return { instrument, number, percent, rich, response, rows, solve, element, plot, python, yaml, filled, SHAPES, PHASES, finite, mean };

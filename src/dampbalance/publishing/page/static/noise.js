@@ -87,7 +87,7 @@ const noise = (() => {
   }
 
   const RATE = 1000; // Hz, of the records
-  kit.instrument('noise', (it) => {
+  kit.instrument('cloud', (it) => {
     const { percent, rich } = kit;
     const { case: set, approaches } = it.data;
     const NAMES = { equal: 'equal weights', weighted: 'weighted by inverse variance' };
