@@ -11,8 +11,8 @@ unknowns would be others by J⁺d times that amount: what the cause does to F_k,
 
 A force δF that the model lacks moves the mass by δx_n = −δF_n/(k − mn²ω² + inωc) while it slides.
 
-A motion relative to the base that was taken for absolute, or the other way round, is off by the whole base motion y: too
-much for a score test. There the oscillator is fitted again, to x + y or x − y.
+A motion relative to the base that was taken for absolute, or the other way round, is off by the whole base motion y,
+which is too much for a score test: the oscillator is fitted again, to x + y or x − y.
 """
 
 from __future__ import annotations

@@ -32,7 +32,8 @@ _SHOWN = {  # quantity → (symbol, factor, unit, column of the averaged cycle)
     "acceleration": (r"\ddot x", 1.0, "m/s²", "acceleration"),
 }
 _SHOWN |= {
-    f"relative_{q}": (rf"{x} - {x.replace('x', 'y')}", *of) for q, (x, *of) in _SHOWN.items()
+    f"relative_{q}": (rf"{x} - {x.replace('x', 'y')}", factor, unit, column)
+    for q, (x, factor, unit, column) in _SHOWN.items()
 }
 _LONGEST_TITLE = 60  # characters
 _MOST_DECAYS = 24  # panels

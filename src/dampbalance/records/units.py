@@ -65,9 +65,12 @@ _OTHER_SPELLINGS = {
 }
 
 
+VOLTAGE = "a voltage"
+"""What any transducer may give: the `scale` of a mapping makes a motion of it."""
+
 _OTHERS = {
     "a temperature": ("°C", "degC", "deg C", "C", "K", "°F", "degF", "deg F"),
-    "a voltage": ("V", "mV", "Volt", "volt", "VOLT", "Volts", "VDC"),
+    VOLTAGE: ("V", "mV", "Volt", "volt", "VOLT", "Volts", "VDC"),
     "a current": ("A", "mA", "Ampere"),
     "a pressure": ("bar", "mbar", "Pa", "kPa", "MPa"),
     "an angle or its rate": ("°", "deg", "rad", "rad/s", "°/s", "deg/s", "rpm", "1/min", "U/min"),
@@ -87,10 +90,7 @@ def find_unit(text: str) -> Unit | None:
 
 
 def find_other(text: str) -> str | None:
-    """What is measured in a unit that a text spells, if that is no motion, force or time: "a temperature"; or None.
-
-    A voltage may stand for anything; its unit becomes one of a motion by the `scale` of a mapping.
-    """
+    """What is measured in a unit that a text spells, if that is no motion, force or time: "a temperature"; or None."""
     return _OTHER_UNITS.get(text.strip())
 
 
@@ -119,12 +119,13 @@ def unit_for(text: str, quantity: str) -> Unit:
 def split_label(label: str) -> tuple[str, str | None]:
     """Name and unit of a column header: "x [mm]", "x (mm)", "x/mm", "x, mm", "x in mm" and "x_mm" give ("x", "mm").
 
-    What stands in brackets is the unit, known or not; elsewhere only a known one is. None: there is no unit.
+    What stands in brackets is the unit, known or not, except a number, which counts; elsewhere only a known one is.
+    None: there is no unit.
     """
     label = label.strip()
     if len(label) > LONGEST_NAME:
         return label, None
-    if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*([^\])}>]*?)\s*[\])}>]", label):
+    if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*(?!\d+[\])}>])([^\])}>]*?)\s*[\])}>]", label):
         return match[1].rstrip(" /,;:"), match[2] or None
     match = re.fullmatch(r"(.+?)\s*(?:[/,;:]|\bin\b(?=\s))\s*(\S.*)", label)
     if match and (find_unit(match[2]) or find_other(match[2])):

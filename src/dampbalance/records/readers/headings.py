@@ -10,7 +10,7 @@ import re
 import unicodedata
 
 from ..measurement import ABSOLUTE, EXCITATIONS
-from ..units import DIMENSIONS, find_other, find_unit
+from ..units import DIMENSIONS, VOLTAGE, find_other, find_unit
 from .record_file import RawChannel
 
 WORDS: dict[str, tuple[str, ...]] = {
@@ -69,7 +69,7 @@ def unusable(raw: RawChannel) -> str | None:
     if set(_words(raw.name)) & {*TEMPERATURE}:
         return "a temperature"
     other = find_other(raw.unit or "")
-    return None if other in (None, "a voltage") else other
+    return None if other == VOLTAGE else other
 
 
 def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
@@ -114,7 +114,8 @@ def _words(name: str) -> list[str]:
     name = unicodedata.normalize("NFC", re.split(r"[/.](?=[^/.])", name.strip())[-1])
     spaced = re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=\D)(?=\d)|(?<=\d)(?=\D)", " ", name)
     words: list[str] = []
-    for word in re.findall(r"\w+", spaced.lower().replace("_", " ").replace("fusspunkt", "fußpunkt")):
+    spaced = spaced.lower().replace("_", " ").replace("fusspunkt", "fußpunkt")
+    for word in re.findall(r"\w+", spaced):
         cuts = range(_SHORTEST, len(word) - _SHORTEST + 1)
         parts = (part for i in cuts if {*(part := (word[:i], word[i:]))} <= _MEANINGS.keys())
         words += [word] if word in _MEANINGS else next(parts, (word,))

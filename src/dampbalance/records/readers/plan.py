@@ -11,10 +11,11 @@ from ...project.wording import shortened
 from ..errors import RecordError, RecordWarning
 from ..mapping import ChannelRule, RecordMapping, Which
 from ..measurement import ABSOLUTE, EXCITATIONS, QUANTITIES, RESPONSES, Correction
-from ..units import DIMENSIONS, UnitError, find_unit, unit_for
+from ..units import DIMENSIONS, VOLTAGE, UnitError, find_other, find_unit, unit_for
 from .headings import holds_time, key_of, names_time, quantity_of, unit_of, unusable
 from .record_file import RawChannel, RecordFile
-from .suggestion import Samples, Suggestion, first_of, full_name, look_at
+from .suggestion import LISTED, Samples, Suggestion, first_of, full_name, look_at
+
 
 @dataclass(frozen=True, slots=True)
 class Pick:
@@ -121,7 +122,7 @@ class _Plan:
             return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
         raise RecordError(
             f"{self.path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives "
-            f"no sampling rate. {self.suggested('Say where they are, or sample_rate_hz,')}"
+            f"no sampling rate. {self.suggested('Say when it was sampled')}"
         )
 
     def recognised(self) -> dict[str, int]:
@@ -197,7 +198,7 @@ class _Plan:
             if len(matches) == 1:
                 return matches[0]
             if matches:
-                numbers = " and ".join(str(i + 1) for i in matches[:_LISTED])
+                numbers = " and ".join(str(i + 1) for i in matches[:LISTED])
                 raise RecordError(
                     f"{said} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
                 )
@@ -217,6 +218,8 @@ class _Plan:
             )
         if text is None:
             raise RecordError(f"{channel} has no unit. {self.suggested('Give it')}")
+        if find_other(text) == VOLTAGE and not self.mapping.channels:
+            raise RecordError(f"{channel} is in {text}. {self.suggested('Give its scale')}")
         try:
             return unit_for(text, quantity).factor
         except UnitError as error:
@@ -226,7 +229,8 @@ class _Plan:
         """The error for channels that cannot be told apart, with what to write."""
         return RecordError(
             f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay, and at least"
-            f" one of {', '.join(ABSOLUTE)}, absolute or relative_ to the base. Its channels are {self.overview}. {self.suggested('Say which is which')}"
+            f" one of {', '.join(ABSOLUTE)}, with relative_ before it where it is one to the base. Its channels are "
+            f"{self.overview}. {self.suggested('Say which is which')}"
         )
 
     @property
@@ -242,5 +246,6 @@ class _Plan:
                 "A record has two signals at least: give one that holds both, or name the file of each in "
                 f"{self.where}"
             )
-        lines = [f"{what} in {self.where} (--write-mapping writes it), for example"]
+        here = "" if self.mapping.source else " (--write-mapping writes it)"
+        lines = [f"{what} in {self.where}{here}, for example"]
         return "\n  ".join([*lines, *suggestion.lines()])

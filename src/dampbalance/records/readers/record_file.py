@@ -188,7 +188,9 @@ def described(
 ) -> RawChannel:
     """The channel of `size` samples with that label, its timing among the attributes, whatever they are called.
 
-    unit : instead of the label's.   folder : that it stands in, up to its last slash.   Raises RecordError when a rate, a step or a first time is none.
+    unit : instead of the label's.   folder : that it stands in, up to its last slash.
+
+    Raises RecordError when a rate, a step or a first time is none.
     """
     name, own = split_label(label)
     name, label = f"{folder}{name}", f"{folder}{label}"

@@ -21,15 +21,22 @@ from .record_file import RawChannel, RecordFile
 
 # words that YAML takes for others
 _WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
-_LISTED = 20  # channels, in a message
+LISTED = 20
+"""Channels that a message lists at the most."""
+
 _LONGEST = 60  # characters of a name; a channel with a longer one is called by its number
 _NUMBERS = 4_000_000  # that are looked at
 _FEWEST = 4  # samples of which it shows that they rise in equal steps
 _ROUNDED = 0.6  # of a step, by which times with too few digits are off
 _IN_MM = 0.05  # half the range of a displacement: more is in mm, less in m
-_TIME_UNITS = {"µs": 50.0, "ms": 0.05, "s": 0.0}  # by the least step: below 20 Hz nothing is sampled
+# by the least step: nothing is sampled at less than 20 Hz
+_TIME_UNITS = {"µs": 50.0, "ms": 0.05, "s": 0.0}
 _RESPONSE_OF = {"base_displacement": "displacement", "base_acceleration": "acceleration"}
-_LAYOUT = ("delimiter", "decimal", "header_lines", "sample_rate_hz", "frequency_hz", "level", "notes")
+_LAYOUT = (
+    *("delimiter", "decimal", "header_lines"),
+    *("sample_rate_hz", "frequency_hz", "level", "notes"),
+)  # fmt: skip
+"""Keys of a mapping that are kept."""
 
 
 def full_name(raw: RawChannel) -> str:
@@ -39,8 +46,8 @@ def full_name(raw: RawChannel) -> str:
 
 def first_of(names: Sequence[str]) -> str:
     """Names in a row, the first 20 of them."""
-    more = len(names) - _LISTED
-    return ", ".join(names[:_LISTED]) + f" and {more} more" * (more > 0)
+    more = len(names) - LISTED
+    return ", ".join(names[:LISTED]) + f" and {more} more" * (more > 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +66,14 @@ class Samples:
 def look_at(file: RecordFile) -> Samples:
     """The first samples of the channels of a file, and what they show."""
     channels = file.channels
+    if not channels:
+        return Samples([], {}, {})
     everything = range(len(channels))
     values: Sequence[Array] = [np.empty(0)] * len(channels)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
         try:
-            blocks = file.blocks(everything, max(_NUMBERS // max(len(channels), 1), _FEWEST))
+            blocks = file.blocks(everything, max(_NUMBERS // len(channels), _FEWEST))
             values = next(iter(blocks), values)
         except RecordError:  # a text in some column: names and units must do
             pass
@@ -148,8 +157,8 @@ class Suggestion:
             for i, raw in enumerate(self.channels)
             if i not in self.chosen.values() and not self._is_time(i)
         ]
-        more = [f"# and {len(aside) - _LISTED} more"] if len(aside) > _LISTED else []
-        return [*lines, *aside[:_LISTED], *more]
+        more = [f"# and {len(aside) - LISTED} more"] if len(aside) > LISTED else []
+        return [*lines, *aside[:LISTED], *more]
 
     def _named(self, i: int) -> str | None:
         """The quantity that a heading names, if its unit is not of another one."""
@@ -177,15 +186,16 @@ class Suggestion:
             dimension = DIMENSIONS[of_unit]
             fitting = [q for q in (*EXCITATIONS, *ABSOLUTE) if DIMENSIONS[q] == dimension]
             reason = "by its unit"
-        for quantity in [named, *fitting]:
-            if quantity and quantity not in self.chosen and not (driven and quantity in EXCITATIONS):
+        for quantity in filter(None, [named, *fitting]):
+            taken = driven if quantity in EXCITATIONS else quantity in self.chosen
+            if not taken:
                 self.chosen[quantity] = i
                 self.why[i] = "by its name" if quantity == named else reason
                 if quantity != named and quantity in EXCITATIONS:
-                    self.why[i] += "; taken as the drive because it comes first"
+                    self.why[i] += "; taken as the drive, as it comes first"
                 return
-        taken = [q for q in (named, *fitting) if q]
-        self.why[i] = f"another channel is the {taken[0]}" if taken else reason
+        wanted = next(filter(None, [named, *fitting]), None)
+        self.why[i] = f"another channel is taken for {wanted}" if wanted else reason
 
     def _in_unit(self, i: int, quantity: str) -> tuple[str, str, str]:
         """Unit, scale and remark of a channel in the mapping."""
@@ -198,7 +208,7 @@ class Suggestion:
             return unit, ", scale: 1.0", remark
         if unit == "m" and values.size and 0.5 * np.ptp(values) > _IN_MM:
             unit = "mm"
-        return unit, "", "; no unit in the file: correct this one if it was another"
+        return unit, "", "; unit guessed, the file has none"
 
     def _time(self) -> list[str]:
         """The line about times, if one is needed."""
@@ -206,8 +216,9 @@ class Suggestion:
             return []
         times = [i for i in range(len(self.channels)) if self._is_time(i)]
         if not times:
-            rates = any(raw.rate_hz for raw in self.channels)
-            return [] if rates else ["sample_rate_hz: 1000  # the file has no times: replace by the rate"]
+            if any(raw.rate_hz for raw in self.channels):
+                return []
+            return ["sample_rate_hz: 1000  # the file has no times: replace by the rate"]
         first = times[0]
         unit = self.mapping.time_unit or unit_of(self.channels[first])
         if unit is not None:
@@ -217,11 +228,11 @@ class Suggestion:
         step = self.samples.rising.get(first) or (_equal_step(values) if values.size else None)
         unit = next(unit for unit, least in _TIME_UNITS.items() if (step or 0.0) >= least)
         shows = f"rises by {step:.6g} from sample to sample; " if step else ""
-        remark = f"{shows}no unit in the file: correct this one if it was another"
-        return [f"time: {{channel: {self._which(first)}, unit: {unit}}}  # {remark}"]
+        line = f"time: {{channel: {self._which(first)}, unit: {unit}}}"
+        return [f"{line}  # {shows}unit guessed, the file has none"]
 
     def _is_time(self, i: int) -> bool:
-        """Whether a channel is taken for the times: by the mapping, its name, its unit, or as the only one that rises."""
+        """Whether a channel is taken for the times: by the mapping, name or unit, or as the only one that rises."""
         if self.mapping.time is not None:
             return self.mapping.time in (i + 1, self.channels[i].name)
         if any(map(holds_time, self.channels)):
