@@ -204,6 +204,7 @@ class Suggestion:
         if own and own.dimension == DIMENSIONS[quantity]:
             return own.name, "", ""
         if raw.unit:
+            unit = "mm" if unit == "m" else unit
             remark = f"; recorded in {raw.unit}: replace 1.0 by the {unit} per {raw.unit}"
             return unit, ", scale: 1.0", remark
         if unit == "m" and values.size and 0.5 * np.ptp(values) > _IN_MM:
