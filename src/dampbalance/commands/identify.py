@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -14,16 +15,17 @@ from ..features import Phase
 from ..identification.forced import REPLICATES, SEED
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
-from ..project.files import json_text, write_json
+from ..project.files import json_text, replacing, write_json
 from ..project.wording import shortened
 from ..records.errors import LARGEST
 from .options import coefficients, count, number, whole, with_error
 
 EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
-at least one of the mass (displacement, velocity, acceleration). Formats: CSV, TSV, Parquet, MATLAB, HDF5, universal
-file 58, TDMS, LabVIEW's text, WAV, spreadsheets. What a file does not say of its channels stands in a small YAML file
-next to it, NAME.yaml or channels.yaml.
+at least one of the mass (displacement, velocity, acceleration; relative_displacement, … where it was measured against
+the base). Formats: CSV, TSV, Parquet, MATLAB, HDF5, universal file 58, TDMS, LabVIEW's text, WAV, spreadsheets. What a
+file does not say of its channels stands in a small YAML file next to it, NAME.yaml or channels.yaml, which
+--write-mapping writes for you to correct.
 
   dampbalance identify level*.csv --stiffness 2310 --frequency 3.5 --output found
 
@@ -45,6 +47,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 --approach      an approach; may be repeated (default: all)
 --phase         phase φ that the approaches X_s, t_s and V_s take (default: reversal)
 --mass          mass, kg, if it is known: the fit takes it, unless the records contradict it; tests stiffness and gains
+--write-mapping write a mapping to start from to this file, with a reason for each channel, and do nothing else
 --mapping       file or folder that names the channels of the records (default: the file next to each)
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
 --replicates    of the bootstrap (default: %(default)s)
@@ -60,7 +63,10 @@ _SCREEN = Path("-")
 
 
 def run(options: argparse.Namespace) -> None:
-    """Identify, show the table or the document, write the results."""
+    """Identify, show the table or the document, write the results; or write a mapping."""
+    if options.write_mapping is not None:
+        _write_mapping(options)
+        return
     from ..identification.measured import identify  # slow to import, not needed for help
 
     folder: Path | None = options.output
@@ -103,6 +109,26 @@ def run(options: argparse.Namespace) -> None:
         print(said, file=sys.stderr if shown_as_json else sys.stdout)
 
 
+def _write_mapping(options: argparse.Namespace) -> None:
+    """Write a mapping for the first record that the others can be read with, show it, and say how it is used."""
+    from ..records.mapping import find_mapping, read_mapping  # slow to import
+    from ..records.readers import mapping_to_start_from, open_channels
+
+    file: Path = options.write_mapping
+    if file.suffix != ".yaml":
+        raise ValueError(f"--write-mapping {file}: a mapping ends in .yaml; choose such a name")
+    require_room(file.parent, [file.name], "" if options.overwrite else "--overwrite")
+    text = mapping_to_start_from(options.records[0], options.mapping)
+    with replacing(file) as unfinished:
+        unfinished.write_text(text, encoding="utf-8", newline="\n")
+        mapping = replace(read_mapping(unfinished), source=str(file))
+        for record in options.records:
+            open_channels(record, mapping)
+    beside = all(find_mapping(record) == file for record in options.records)
+    use = "without --write-mapping" if beside else f"with --mapping {file} instead"
+    print(f"{text}\nWritten to {file}. Check each line, then give the same command {use}.")
+
+
 def _labels(text: str) -> tuple[str, str]:
     """A type of argument: a term and a label for each record, F_k=A,A,B."""
     name, equals, labels = text.partition("=")
@@ -136,6 +162,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--approach": {"action": "append", "choices": list(APPROACHES)},
     "--phase": {"choices": get_args(Phase), "default": "reversal"},
     "--mass": {"type": number(), "metavar": "M"},
+    "--write-mapping": {"type": Path, "metavar": "FILE"},
     "--mapping": {"type": Path, "metavar": "FILE"},
     "--skip-cycles": {"type": whole(), "default": 0, "metavar": "N"},
     "--replicates": {"type": whole(2, MOST_REPLICATES), "default": REPLICATES},

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..motion.jit import interpreted
 from ..records.errors import LATEST
-from ..records.measurement import RESPONSES
+from ..records.measurement import ABSOLUTE
 from ..records.synthetic import measured_ring_down
 from .options import LARGEST, quantity
 from .simulate import ARGUMENTS as OF_FORCED
@@ -34,7 +34,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     "--seed": OF_FORCED["--seed"],
     "--channel": {
         "action": "append",
-        "choices": list(RESPONSES),
+        "choices": list(ABSOLUTE),
         "help": "a quantity; may be repeated (default: displacement)",
     },
     "--format": OF_FORCED["--format"],

@@ -10,18 +10,26 @@ whatever d is, so that a direction needs to be no better than roughly right. Wit
 unknowns would be others by J⁺d times that amount: what the cause does to F_k, c and K_z.
 
 A force δF that the model lacks moves the mass by δx_n = −δF_n/(k − mn²ω² + inωc) while it slides.
+
+A motion relative to the base that was taken for absolute, or the other way round, is off by the whole base motion y,
+which is too much for a score test: the oscillator is fitted again, to x + y or x − y.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..arrays import Array, Complexes, Integers
+from ..law.law import Law
 from ..law.terms import FRICTION
+from ..reading.lines import Lines
+from ..reading.mean_harmonics import Reading
+from ..reading.recorded import fit_records
 from ..reading.waveforms import WaveformFit
+from ..records.measurement import ABSOLUTE, RELATIVE
 
 _SHOWS = 25.0  # of χ²: five standard errors, for one of eight causes by chance in 200,000 sets
 _MOST = 0.3  # of what noise does not explain: a cause that is named as the likeliest
@@ -65,6 +73,51 @@ def likeliest(fit: WaveformFit) -> Cause | None:
         return None
     beyond_noise = fit.chi_square - fit.freedom
     return best if fit.adequate or best.explained > _MOST * beyond_noise else None
+
+
+@dataclass(frozen=True, slots=True)
+class OtherFrame:
+    """Responses that fit where they are taken against the base instead of the ground, or the other way round.
+
+    relative : whether they are relative to the base, and were taken for absolute.   quantities : what they were taken
+    for.   fit : of the oscillator to the motions as they are.
+    """
+
+    relative: bool
+    quantities: tuple[str, ...]
+    fit: WaveformFit
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The quantities that they are."""
+        names = dict(zip(ABSOLUTE, RELATIVE, strict=True))
+        names = names if self.relative else {there: here for here, there in names.items()}
+        return tuple(names[q] for q in self.quantities)
+
+
+def in_other_frame(readings: Sequence[Reading], k: float, law: Law | None) -> OtherFrame | None:
+    """The fit to all responses in the other frame; None where it does not hold, or there is no other frame.
+
+    Where a force drives, the base is at rest; where channels of both kinds are averaged, they test each other.
+
+    k : N/m.   law : of the damping; default, F_k and c.
+    """
+    channels = {q for reading in readings for q in reading.steady.channels}
+    absolute, relative = (tuple(q for q in of if q in channels) for of in (ABSOLUTE, RELATIVE))
+    if "force" in channels or (absolute and relative):
+        return None
+    sign = 1.0 if absolute else -1.0
+    fit = fit_records([_moved_by_base(one.lines, sign) for one in readings], k, law)
+    if fit is None or not fit.adequate:
+        return None
+    return OtherFrame(bool(absolute), absolute or relative, fit)
+
+
+def _moved_by_base(one: Lines, sign: float) -> Lines:
+    """The harmonics of a response with those of the base added or taken off."""
+    y = np.zeros(max(int(one.n[-1]), one.base.size + 1) + 1, dtype=np.complex128)
+    y[1], y[2 : one.base.size + 2] = one.Y, one.base
+    return replace(one, x=one.x + sign * y[one.n])
 
 
 def _relative(fit: WaveformFit, moved: Array) -> dict[str, float]:

@@ -29,7 +29,7 @@ from ..reading.ringdown_laws import Departure, departures
 from ..reading.ringdown_minima import minima_of, with_intervals
 from ..reading.ringdown_rows import RingRows, W, at_rest, rows_of
 from ..reading.ringdown_search import fit_all, separate_fits
-from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
+from ..records.measurement import EXCITATIONS, ORDERS, Channel, Measurement
 from ..solver import NORMAL_95, solve
 from .answer import (
     CONFIDENCE,
@@ -51,7 +51,6 @@ from .sensitivities import Fault
 BALANCE = "balance"
 """Name of the one approach to free decays."""
 
-_ORDERS = {quantity: order for order, quantity in enumerate(RESPONSES)}
 _CHANCE = 1e-4  # probability of a misfit in noise, below which there is another reason
 _MASS_OFF = 4.0  # standard errors
 _LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
@@ -265,7 +264,7 @@ def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[R
                 "free decay; give the channel as it was before the filter"
             )
         t, values = t - correction.delay, values / correction.gain
-    return Signal(channel.quantity, _ORDERS[channel.quantity], t, values, noise_of(values), offset)
+    return Signal(channel.quantity, ORDERS[channel.quantity], t, values, noise_of(values), offset)
 
 
 def _with_mass(ends: Sequence[RingFit], mass: float) -> RingFit | None:

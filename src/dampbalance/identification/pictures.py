@@ -18,6 +18,7 @@ from ..figures.style import DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styl
 from ..project.wording import cut
 from ..reading.mean_harmonics import Reading
 from ..reading.ringdown_fit import COMMON, RingFit
+from ..records.measurement import ORDERS, RELATIVE
 from .answer import Answer
 from .loading import Loaded
 from .microstick import Microstick
@@ -29,6 +30,10 @@ _SHOWN = {  # quantity → (symbol, factor, unit, column of the averaged cycle)
     "displacement": ("x", 1e3, "mm", "x"),
     "velocity": (r"\dot x", 1.0, "m/s", "v"),
     "acceleration": (r"\ddot x", 1.0, "m/s²", "acceleration"),
+}
+_SHOWN |= {
+    f"relative_{q}": (rf"{x} - {x.replace('x', 'y')}", factor, unit, column)
+    for q, (x, factor, unit, column) in _SHOWN.items()
 }
 _LONGEST_TITLE = 60  # characters
 _MOST_DECAYS = 24  # panels
@@ -56,6 +61,10 @@ def cycles(loaded: Sequence[Loaded], readings: Sequence[Reading]) -> Figure:
         # an averaged cycle has no mean, the zero of a transducer has
         channel = steady.channels[quantity]
         level = float(np.average(channel.coefficients[:, 0].real, weights=channel.weights))
+        if quantity in RELATIVE and "force" not in steady.channels:
+            y = steady.mean(steady.Y)[1] * (1j * steady.omega) ** ORDERS[quantity]
+            turned = np.exp(1j * (averaged["phase"] - base))
+            level = level - (y * turned).real
         line = factor * (averaged[column] + level)
         axes.plot(np.degrees(averaged["phase"]), line, color=STICK)
         axes.set_xlim(0.0, 360.0)

@@ -20,7 +20,7 @@ from ..project.wording import Remark, factor, listed, merged, times
 from ..reading.checks import is_clipped
 from ..reading.mean_harmonics import Reading
 from .answer import Answer, ParameterEstimate
-from .causes import likeliest
+from .causes import OtherFrame, in_other_frame, likeliest
 from .microstick import Microstick
 from .oscillator import CONTRADICTED, COUPLED, LATE, JointFit
 
@@ -32,6 +32,7 @@ _SHAPE_SHOWS = 0.5  # standard errors: an interval of 95 % holds the truth in 92
 _SHAPE_LEAST = 1e-6  # of a value: the size of the harmonics that a waveform leaves out
 _FOLDED = 2.0  # of the noise
 _FAR = 3.0  # standard deviations of the rows
+_MASS_OFF = 0.02  # of a mass that is given: what scales and gains are off by
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly distinguish F_k from c
 
 
@@ -180,6 +181,9 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
             "friction, and F_k and K_z cannot be determined; raise the excitation"
         )
         return
+    frame = _other_frame(readings, joint)
+    if frame is not None:
+        yield _in_other_frame(frame)
     if joint.fit is None:
         yield Remark(
             "no oscillator with this stiffness and a friction contact slips and responds like the records: check the "
@@ -192,7 +196,8 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
             f"the mass given, {joint.mass:.6g} kg, is not that of the records, {fit.m:.6g} ± {fit.error('m'):.2g} kg: "
             "nothing here uses it; check the mass, the stiffness, the gains and the units"
         )
-    cause = None if joint.late or joint.coupling else likeliest(fit)
+    named = bool(joint.late or joint.coupling or frame)
+    cause = None if named else likeliest(fit)
     if fit.adequate and cause is not None:
         yield Remark(
             f"the records show {cause.words}: that explains {cause.explained:.0f} of χ², and chance hardly ever "
@@ -212,8 +217,8 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
             f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in "
             f"{readings[worst].steady.source}; K_z and the onset of slip cannot be determined; "
             + (
-                "the likeliest cause, which explains all of that, is named next"
-                if joint.late or joint.coupling
+                "the likeliest cause, which explains all of that, is named in another sentence"
+                if named
                 else f"{likely}a channel may be skewed, coupled (AC) or filtered, a gain or a sign may be wrong, the "
                 "levels may differ in more than their amplitude, the damping may follow another law (compare the "
                 "laws), or the oscillator is of another kind"
@@ -236,6 +241,36 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
             f"{1e6 * delayed.error('delay'):.2g} µs more than the motion explains; without that, {listed(without)}: "
             "give the delay in the mapping, or sample all channels at once"
         )
+
+
+def _other_frame(readings: Sequence[Reading], joint: JointFit) -> OtherFrame | None:
+    """Responses that were taken in the wrong frame, if that explains what the fit, or the mass given, does not."""
+    fit = joint.fit
+    if fit is not None and fit.adequate and joint.mass_fits:
+        return None
+    frame = in_other_frame(readings, readings[0].steady.k, None if fit is None else fit.law)
+    if frame is None or joint.mass is None:
+        own = math.inf if joint.coupling is None else joint.coupling.fit.chi_square
+        if joint.late and joint.delayed is not None:
+            own = min(own, joint.delayed.chi_square)
+        return frame if frame is None or frame.fit.chi_square < own else None
+    off = max(_APART * frame.fit.error("m"), _MASS_OFF * joint.mass)
+    return frame if abs(frame.fit.m - joint.mass) < off else None
+
+
+def _in_other_frame(frame: OtherFrame) -> Remark:
+    """The sentence on responses that were taken in the wrong frame."""
+    fit, kinds = frame.fit, ("absolute", "relative to the base")
+    taken, is_really = kinds if frame.relative else kinds[::-1]
+    numbers = [f"{key} = {fit.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]
+    numbers += [f"K_z = {fit.K_z:.4g} N/m", f"m = {fit.m:.4g} kg"]
+    return Remark(
+        f"the response is likely {is_really} and was taken for {taken}: with the motion of the base "
+        f"{'added to' if frame.relative else 'taken off'} it the records are those of one oscillator within their "
+        f"noise, with {listed(numbers)}; name {'them' if len(frame.names) > 1 else 'it'} {listed(frame.names)} in the "
+        "mapping",
+        doubts=dict.fromkeys([*fit.law.unknowns, "K_z"], math.inf),
+    )
 
 
 def _apart(answer: Answer | None, joint: JointFit) -> Iterator[Remark]:

@@ -20,6 +20,7 @@ from ..reading.fitting import with_mass
 from ..reading.mean_harmonics import Means, Reading
 from ..reading.one_thread import one_thread
 from ..reading.waveforms import WaveformFit
+from ..records.measurement import ABSOLUTE
 from ..solver import solve
 from .answer import Answer
 from .law_rows import LawRows
@@ -129,4 +130,7 @@ def _faulty(reading: Reading, faults: list[Fault]) -> Means:
         for what in ("drive", "response", "late", "angle", "stiffness")
     )
     drive = drive - stiffness * ("force" in reading.steady.channels)
-    return reading.mean.changed(drive, response, late * reading.steady.omega + angle)
+    channels = reading.steady.channels.keys()
+    relative = not channels & {"force", *ABSOLUTE}
+    turn = late * reading.steady.omega + angle
+    return reading.mean.changed(drive, response, turn, relative=relative)

@@ -6,6 +6,7 @@ offset is removed with what it adds to the harmonics. Harmonics are then turned 
 
     y_n = −a_n/(nω)²   of a base acceleration,      y_n = f_n/k   of a force,
     x_n = v_n/(inω)    of a velocity,               x_n = −a_n/(nω)²   of an acceleration,
+    x_n = y_n + r_n    of a motion r relative to the base,
 
 after the known gain, delay and filters of the channel have been removed (`records/measurement.py`). The harmonics of
 several response channels are averaged, each weighted by its inverse variance.
@@ -25,7 +26,15 @@ import numpy as np
 from ..arrays import Array, Complexes
 from ..project.wording import Remark, visible
 from ..records.errors import RecordError
-from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Correction, Measurement
+from ..records.measurement import (
+    EXCITATIONS,
+    ORDERS,
+    RELATIVE,
+    RESPONSES,
+    Channel,
+    Correction,
+    Measurement,
+)
 from . import checks
 from .checks import weighted_mean
 from .cycles import CycleHarmonics, Samples, accumulate, powers
@@ -35,8 +44,9 @@ from .rounding import converter_step, rounding_error
 
 SampleBlocks = Callable[[], Iterable[Samples]]
 
-MOST_HARMONICS = {"displacement": 31, "velocity": 61, "acceleration": 91}
-"""Highest harmonic taken of each response; a quarter of the samples per cycle limits it too."""
+_MOST_HARMONICS = (31, 61, 91)
+"""Highest harmonic taken of a displacement, a velocity and an acceleration of the mass; a quarter of the samples per
+cycle limits it too."""
 
 _HARMONICS_OF_BASE = 9
 _LEADING = 1 << 18  # samples from which the drive frequency is first estimated
@@ -44,7 +54,6 @@ _COMPARED = 1 << 12  # samples in which a copy of another channel shows
 _FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest is noise
 # Rounding as a part of the fundamental; smaller noise cannot be distinguished from it.
 _RELATIVE_FLOOR = 1e-9
-_ORDERS = {"velocity": 1, "acceleration": 2, "base_acceleration": 2}  # of a derivative by time
 _NO_NEIGHBOURS = (math.nan, math.nan)
 _JITTER = 0.05  # of a step: times closer to an even grid than that are on it
 
@@ -293,6 +302,10 @@ def _rows_of(gathered: Gathered) -> _Rows:
         scales[q] = _of_displacement(q, response.size, omega, gathered.k) / response
     moved = {q: recorded[q][:, : scale.size] * scale for q, scale in scales.items()}
     Y, responses = moved[gathered.driving], {q: moved[q] for q in RESPONSES if q in moved}
+    if gathered.driving != "force":  # which leaves the base at rest
+        for q in RELATIVE.keys() & responses.keys():
+            count = min(Y.shape[1], responses[q].shape[1])
+            responses[q][:, 1:count] += Y[:, 1:count]
     return _Rows(
         omega, omega_error, times, weights, recorded, passed, scales, Y, responses, warnings
     )
@@ -444,7 +457,7 @@ def _of_displacement(quantity: str, count: int, omega: float, k: float) -> Compl
     if quantity == "force":
         return np.full(count, 1.0 / k + 0j)
     by_time = np.concatenate([[0.0], 1.0 / (1j * omega * np.arange(1, count))])
-    return by_time ** _ORDERS.get(quantity, 0)
+    return by_time ** ORDERS[quantity]
 
 
 def _common_weights(harmonics: Mapping[str, CycleHarmonics]) -> Array:
@@ -476,7 +489,8 @@ def _harmonics_of(quantity: str, per_cycle: float) -> int:
         raise ValueError(
             f"{quantity}: {per_cycle:.1f} samples per cycle are too few; at least 12 are needed for a third harmonic"
         )
-    return min(MOST_HARMONICS.get(quantity, _HARMONICS_OF_BASE), quarter)
+    most = _MOST_HARMONICS[ORDERS[quantity]] if quantity in RESPONSES else _HARMONICS_OF_BASE
+    return min(most, quarter)
 
 
 def _drifts(means: Sequence[Array], times: Array, weights: Array) -> Array:

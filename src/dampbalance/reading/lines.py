@@ -31,7 +31,7 @@ from ..law.terms import KNOWN_TERMS
 from ..motion.jit import interpreted
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
-from ..records.measurement import RESPONSES
+from ..records.measurement import ORDERS, RESPONSES
 from .checks import SIGNIFICANT
 from .conditioning import SteadyRecord
 
@@ -132,9 +132,10 @@ def _aliased(steady: SteadyRecord, n: Integers) -> Array:
     size is that of the highest ones read.
     """
     total = np.zeros(n.size)
-    for order, quantity in enumerate(RESPONSES):
+    for quantity in RESPONSES:
         if quantity not in steady.channels:
             continue
+        order = ORDERS[quantity]
         channel = steady.channels[quantity]
         samples = 2.0 * math.pi / (steady.omega * channel.dt)
         left = abs(float(np.sinc(steady.cycles * (samples - round(samples)))))

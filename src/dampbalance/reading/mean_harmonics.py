@@ -70,16 +70,24 @@ class Means:
         parts = {name: getattr(self, name)[kept] for name in ("Y", "x", "even", "base")}
         return replace(self, **parts)
 
-    def changed(self, drive: Array, response: Array, turn: Array) -> Means:
+    def changed(
+        self, drive: Array, response: Array, turn: Array, *, relative: bool = False
+    ) -> Means:
         """One mean as r: base and response grown by the factors 1 + drive and 1 + response, the response turned by
-        `turn`, rad at the drive frequency, n times that at harmonic n; each (r,)."""
+        `turn`, rad at the drive frequency, n times that at harmonic n; each (r,).
+
+        relative : whether the response was measured against the base, to whose fundamental it was added.
+        """
+        of_base = np.zeros_like(self.x)
+        of_base[:, 0] = self.Y * relative
 
         def turned(x: Complexes, n: Array) -> Complexes:
             return x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
 
         return Means(
             self.Y * (1.0 + drive),
-            turned(self.x, np.arange(1.0, 2.0 * self.x.shape[1], 2.0)),
+            turned(self.x - of_base, np.arange(1.0, 2.0 * self.x.shape[1], 2.0))
+            + of_base * (1.0 + drive)[:, None],
             turned(self.even, np.arange(2.0, 2.0 * self.even.shape[1] + 1.0, 2.0)),
             self.base * (1.0 + drive)[:, None],
         )

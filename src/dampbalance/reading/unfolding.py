@@ -24,7 +24,7 @@ from ..law.law import Law
 from ..law.steady import Response
 from ..motion.events import PHASE_T
 from ..motion.orbit import Orbit
-from ..records.measurement import RESPONSES, Correction
+from ..records.measurement import ORDERS, RESPONSES, Correction
 from .conditioning import SteadyRecord
 from .cycles import accumulate
 from .fitting import climb_on
@@ -103,8 +103,9 @@ def _folds(steady: SteadyRecord) -> bool:
     noise, in the scatter or in the mean."""
     if steady.cycles_per_row > 1:
         return False
-    for order, quantity in enumerate(RESPONSES):
+    for quantity in RESPONSES:
         if quantity in steady.channels:
+            order = ORDERS[quantity]
             highest = np.arange(1, steady.gathered.channels[quantity].coefficients.shape[1], 2)[-3:]
             rate = (highest * steady.omega) ** order
             size = float(np.median(np.abs(steady.mean(steady.X[:, highest])) * rate))
@@ -133,7 +134,7 @@ def _beyond(steady: SteadyRecord, quantity: str, response: Response) -> Complexe
     channel, gathered = steady.gathered.channels[quantity], steady.gathered
     first, dt, _ = gathered.sampling[quantity]
     correction = gathered.corrections.get(quantity) or Correction()
-    orbit, order = response.orbit, list(RESPONSES).index(quantity)
+    orbit, order = response.orbit, ORDERS[quantity]
     spectrum = np.fft.rfft(_cycle(orbit, order))
     n = np.arange(spectrum.size)
     if response.change is not None:

@@ -19,11 +19,21 @@ from .errors import LARGEST_VALUE, LATEST
 EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
 """What drives the oscillator, one of these, or none in a free decay; a force f stands for the base motion y = f/k."""
 
-RESPONSES = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}
-"""What the mass does, at least one of these; absolute, not relative to the base."""
+ABSOLUTE = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}
+"""What the mass does against the ground."""
+
+RELATIVE = {f"relative_{quantity}": unit for quantity, unit in ABSOLUTE.items()}
+"""What the mass does against the base, x − y: what a transducer between the two reads."""
+
+RESPONSES = ABSOLUTE | RELATIVE
+"""What the mass does, at least one of these. Where a force drives, and in a free decay, the base is at rest and a
+relative motion is an absolute one."""
 
 QUANTITIES = EXCITATIONS | RESPONSES
 """Every quantity that a channel may hold, with the SI unit of its values."""
+
+ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() if unit != "N"}
+"""How many times a motion is derived by time: 0 for a displacement, 2 for an acceleration."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,5 +198,5 @@ class Measurement:
 
     @property
     def responses(self) -> tuple[Channel, ...]:
-        """The channels of the mass, in the order displacement, velocity, acceleration."""
+        """The channels of the mass, in the order of `RESPONSES`."""
         return tuple(self.channels[q] for q in RESPONSES if q in self.channels)

@@ -16,7 +16,7 @@ from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit
 from ..motion.transient import transient
 from .errors import LARGEST
-from .measurement import QUANTITIES, RESPONSES, Channel, Measurement
+from .measurement import ABSOLUTE, QUANTITIES, Channel, Measurement
 
 if TYPE_CHECKING:
     from ..law.response import LawOrbit
@@ -72,7 +72,10 @@ def measured_orbit(
     state = orbit.state(t)
     y = np.asarray(motion.y(t), dtype=np.float64)
     driving = (y, -(motion.omega**2) * y, orbit.oscillator.k * y)
-    clean = dict(zip(QUANTITIES, (*driving, state.x, state.v, state.acceleration), strict=True))
+    moved = (state.x, state.v, state.acceleration)
+    base = (y, -motion.omega * motion.Y * np.sin(motion.omega * t), driving[1])
+    relative = (x - of_base for x, of_base in zip(moved, base, strict=True))
+    clean = dict(zip(QUANTITIES, (*driving, *moved, *relative), strict=True))
     measured = []
     for quantity in channels:
         values, part = clean[quantity], parts.get(quantity, 0.0)
@@ -112,7 +115,7 @@ def measured_ring_down(
     instance("oscillator", oscillator, Oscillator)
     x, v, held, noise = number("x", x), number("v", v), number("held", held), number("noise", noise)
     rate_hz, duration = number("rate_hz", rate_hz), number("duration", duration)
-    channels = names("channels", channels, RESPONSES)
+    channels = names("channels", channels, ABSOLUTE)
     random = _random(seed)
     if x == 0.0 and v == 0.0:
         raise ValueError("a free decay needs a displacement x or a velocity v to start with")
@@ -129,7 +132,7 @@ def measured_ring_down(
     state = transient(oscillator, None, float(t[-1]) + 1.0 / rate_hz, x=x, v=v, z=z, start=held)
     moved = state.state(t[free])
     measured = []
-    for quantity, signal in zip(RESPONSES, (moved.x, moved.v, moved.acceleration), strict=True):
+    for quantity, signal in zip(ABSOLUTE, (moved.x, moved.v, moved.acceleration), strict=True):
         if quantity in channels:
             values = np.full(t.size, x if quantity == "displacement" else 0.0)
             values[free] = signal

@@ -65,6 +65,20 @@ _OTHER_SPELLINGS = {
 }
 
 
+VOLTAGE = "a voltage"
+"""What any transducer may give: the `scale` of a mapping makes a motion of it."""
+
+_OTHERS = {
+    "a temperature": ("°C", "degC", "deg C", "C", "K", "°F", "degF", "deg F"),
+    VOLTAGE: ("V", "mV", "Volt", "volt", "VOLT", "Volts", "VDC"),
+    "a current": ("A", "mA", "Ampere"),
+    "a pressure": ("bar", "mbar", "Pa", "kPa", "MPa"),
+    "an angle or its rate": ("°", "deg", "rad", "rad/s", "°/s", "deg/s", "rpm", "1/min", "U/min"),
+    "a part": ("%", "dB", "ppm", "µm/m"),
+}
+_OTHER_UNITS = {unit: what for what, units in _OTHERS.items() for unit in units}
+
+
 class UnitError(ValueError):
     """A unit that is not known, or that does not fit what the channel holds."""
 
@@ -73,6 +87,11 @@ def find_unit(text: str) -> Unit | None:
     """The unit that a text spells, or None."""
     plain = _plain(text) if len(text.strip()) <= _LONGEST else ""
     return _EXACT.get(plain) or _FOLDED.get(plain.casefold())
+
+
+def find_other(text: str) -> str | None:
+    """What is measured in a unit that a text spells, if that is no motion, force or time: "a temperature"; or None."""
+    return _OTHER_UNITS.get(text.strip())
 
 
 def unit_for(text: str, quantity: str) -> Unit:
@@ -98,17 +117,18 @@ def unit_for(text: str, quantity: str) -> Unit:
 
 
 def split_label(label: str) -> tuple[str, str | None]:
-    """Name and unit of a column header: "x [mm]", "x (mm)", "x / mm", "x, mm", "x in mm" and "x_mm" give ("x", "mm").
+    """Name and unit of a column header: "x [mm]", "x (mm)", "x/mm", "x, mm", "x in mm" and "x_mm" give ("x", "mm").
 
-    What stands in brackets is the unit, one of `UNITS` or not; elsewhere only one of these is. None: there is no unit.
+    What stands in brackets is the unit, known or not, except a number, which counts; elsewhere only a known one is.
+    None: there is no unit.
     """
     label = label.strip()
     if len(label) > LONGEST_NAME:
         return label, None
-    if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*([^\])}>]*?)\s*[\])}>]", label):
-        return match[1].strip(), match[2] or None
-    match = re.fullmatch(r"(.+?)\s*(?:/|,|;|:|\bin\b)\s+(\S.*)", label)
-    if match and find_unit(match[2]):
+    if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*(?!\d+[\])}>])([^\])}>]*?)\s*[\])}>]", label):
+        return match[1].rstrip(" /,;:"), match[2] or None
+    match = re.fullmatch(r"(.+?)\s*(?:[/,;:]|\bin\b(?=\s))\s*(\S.*)", label)
+    if match and (find_unit(match[2]) or find_other(match[2])):
         return match[1].strip(), match[2].strip()
     parts = re.split(r"[_\s]", label)
     for start in range(1, len(parts)):  # the longest ending that is a unit: "m_per_s2" before "s2"

@@ -417,6 +417,45 @@ def test_large_files_are_read_in_blocks_with_the_same_result(monkeypatch):
     assert whole["maximum_likelihood"]["F_k_N"] == pytest.approx(PAPER.F_k, rel=0.01)
 
 
+def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, capsys):
+    files = [tmp_path / f"level{i}.csv" for i in (1, 2, 3)]
+    for path, file in zip(RECORDS[::2], files, strict=True):
+        columns = pd.read_csv(path)
+        columns.columns = ["Time", *(f"Channel {c}" for c in "ABC"[: columns.shape[1] - 1])]
+        columns.to_csv(file, index=False)
+    mapping, command = tmp_path / "channels.yaml", ["identify", *files, *COMMON]
+    assert code_of(*command) == 2
+    assert f"in {files[0]}.yaml (--write-mapping writes it), for" in capsys.readouterr().err
+    # written only if all records can be read with it, and under a name that it will be looked for by
+    other = tmp_path / "other.csv"
+    other.write_text(
+        "Zeit/s,x/mm\n" + "".join(f"{i},{i * i}\n" for i in range(9)), encoding="utf-8"
+    )
+    for wrong, message in (
+        (
+            ["identify", other, *command[1:], "--write-mapping", mapping],
+            "level1.csv has no channel",
+        ),
+        ([*command, "--write-mapping", files[0]], "a mapping ends in .yaml"),
+    ):
+        assert code_of(*wrong) == 2
+        assert message in capsys.readouterr().err
+    assert sorted(tmp_path.iterdir()) == sorted([*files, other])
+    assert code_of(*command, "--write-mapping", mapping) == 0
+    shown, written = capsys.readouterr().out, mapping.read_text(encoding="utf-8")
+    assert shown.startswith(f"{written}\nWritten to {mapping}. ")
+    assert shown.endswith("give the same command without --write-mapping.\n")
+    assert code_of(*command, "--approach", "direct") == 0
+    capsys.readouterr()
+    # never what a user has, unless asked to
+    mapping.write_text("notes: mine\n", encoding="utf-8")
+    assert code_of(*command, "--write-mapping", mapping) == 2
+    assert "add --overwrite" in capsys.readouterr().err
+    assert mapping.read_text(encoding="utf-8") == "notes: mine\n"
+    assert code_of(*command, "--write-mapping", mapping, "--overwrite") == 0
+    assert mapping.read_text(encoding="utf-8") == written.replace("time:", 'notes: "mine"\ntime:')
+
+
 def test_the_version_is_told(capsys):
     assert code_of("--version") == 0
     assert capsys.readouterr().out.startswith("dampbalance ")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -14,13 +15,29 @@ from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.oscillator import joint_fit
 from dampbalance.law.law import Law
 from dampbalance.law.response import law_orbit
-from dampbalance.reading.mean_harmonics import Reading
+from dampbalance.reading.mean_harmonics import Reading, read_features
+from dampbalance.records.measurement import Measurement
+from dampbalance.records.synthetic import measured_orbit
 from paper_case import LEVELS, PAPER, orbits_at
 from unit.identification.levels import THREE, read
 
 
 def readings(osc=PAPER, levels=LEVELS, hz=3.5, **options):
     return read(orbits_at(hz, levels, osc), **{"channels": THREE[:2], **options})
+
+
+def in_frame(channel, taken_for, hz=3.5, base="base_displacement"):
+    """Readings of a channel of the mass that was taken for another."""
+    found = []
+    for i, orbit in enumerate(orbits_at(hz, LEVELS[:3])):
+        record = measured_orbit(
+            orbit, rate_hz=1000.0, cycles=25.0, noise=0.01, seed=i, channels=(base, channel)
+        )
+        signals = {q: record[q] for q in record}
+        other = replace(signals.pop(channel), quantity=taken_for)
+        measurement = Measurement.of(f"level {i + 1}", [*signals.values(), other])
+        found.append(read_features(measurement, PAPER.k))
+    return found
 
 
 def of_unequal_friction():
@@ -63,6 +80,33 @@ def test_a_term_that_the_law_lacks_is_named_as_damping():
     lines = [one.lines for one in read([law_orbit(bare, y, {"c_2": 150.0}) for y in motions])]
     assert likeliest(joint_fit(lines, PAPER.k).fit).words.startswith("damping that grows")
     assert likeliest(joint_fit(lines, PAPER.k, law=Law(("F_k", "c", "c_2"))).fit) is None
+
+
+@pytest.mark.parametrize(
+    ("channel", "taken_for", "hz", "base"),
+    [
+        ("relative_displacement", "displacement", 3.5, "base_displacement"),
+        ("relative_displacement", "displacement", 4.92, "base_acceleration"),
+        ("relative_acceleration", "acceleration", 3.5, "base_acceleration"),
+        ("displacement", "relative_displacement", 3.5, "base_displacement"),
+        ("velocity", "relative_velocity", 4.92, "base_displacement"),
+    ],
+)
+def test_a_motion_in_the_wrong_frame_is_named(channel, taken_for, hz, base):
+    answer = identify_readings(in_frame(channel, taken_for, hz, base), PAPER.k, replicates=20)
+    said = next(w for w in answer.warnings if "was taken for" in w)
+    assert f"name it {channel} in the mapping" in said
+    assert ("added to" in said) == channel.startswith("relative")
+    numbers = {key: float(value) for key, value in re.findall(r"(F_k|c|m) = ([\d.]+)", said)}
+    assert numbers == pytest.approx({"F_k": PAPER.F_k, "c": PAPER.c, "m": PAPER.m}, rel=0.02)
+    assert not any("likeliest of the causes" in w for w in answer.warnings)
+
+
+@pytest.mark.parametrize("channel", ["displacement", "relative_displacement"])
+def test_a_motion_in_its_own_frame_is_not_doubted(channel):
+    answer = identify_readings(in_frame(channel, channel), PAPER.k, replicates=20)
+    assert not any("taken for" in w for w in answer.warnings)
+    assert answer.answers["direct"].verdicts["F_k"].verdict == "usable"
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -42,6 +42,24 @@ def _with(measurement: Measurement, quantity: str, *, t=None, values=None) -> Me
     )
 
 
+@pytest.mark.parametrize("base", ["base_displacement", "base_acceleration"])
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+def test_a_motion_against_the_base_is_that_of_the_base_and_more(quantity, base):
+    against = [
+        condition(_measured((base, q), 0.0), PAPER.k) for q in (quantity, f"relative_{quantity}")
+    ]
+    own, sum_of_both = (steady.mean(steady.X)[1:] for steady in against)
+    assert np.abs(sum_of_both - own).max() < 1e-9 * abs(own[0])
+
+
+def test_a_force_leaves_the_base_at_rest():
+    """Against it and against the ground are the same; both are averaged where both were measured."""
+    record = _measured(("force", "displacement"), 0.0)
+    renamed = replace(record["displacement"], quantity="relative_displacement")
+    relative = condition(Measurement.of("relative", [record["force"], renamed]), PAPER.k)
+    np.testing.assert_array_equal(relative.X, condition(record, PAPER.k).X)
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.001, 0.01, 0.05])
 @pytest.mark.parametrize("seed", range(3))
 def test_a_good_record_gives_no_warning(noise, seed):

@@ -156,7 +156,7 @@ def test_a_record_goes_back_to_a_table():
         ({"acceleration_g": None, "acceleration_kg": A}, "'?acceleration'?.*kg"),
         ({"acceleration_g": None, "acceleration": A}, "has no unit. Give it in mapping, for exam"),
         ({"time_s": [*np.delete(T, 5).tolist(), 9.0]}, "has a gap"),
-        ({"time_s": None}, "write time: .* into mapping"),
+        ({"time_s": None}, "(?s)has no times.* in mapping, for.*sample_rate_hz: 1000"),
     ],
 )
 def test_what_is_wrong_is_said_as_of_a_file(change, message):

@@ -21,7 +21,7 @@ from . import streams, tables
 from .array_files import hdf5_file, matlab_file
 from .assemble import in_blocks, stated_size, wanted_of, whole
 from .formats import FORMATS, checked_format
-from .plan import Pick, picks_of
+from .plan import Pick, picks_of, suggested_mapping
 from .record_file import RawChannel, RecordFile, require_nameable, signals_file
 from .tables import ParquetFile
 from .text import TextFile
@@ -34,6 +34,7 @@ __all__ = [
     "RecordError",
     "RecordWarning",
     "channels",
+    "mapping_to_start_from",
     "open_channels",
     "read",
     "read_signals",
@@ -119,6 +120,21 @@ def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel,
     path, rules = _named(path, mapping)
     with closing(_open(path, rules, LARGEST)) as file:
         return tuple(file.channels)
+
+
+def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
+    """A mapping in YAML that names the channels of a file as far as headings, units and samples show them.
+
+    It can be read as it stands; comments say what each line comes from, and why the other channels are left aside.
+    Write it next to the record and correct what is wrong.
+
+    mapping : what is known already, such as delimiter or sampling rate.
+
+    Raises RecordError where the mapping names channels already, or nothing in the file can be a response.
+    """
+    path, rules = _named(path, mapping)
+    with closing(_open(path, rules, LARGEST)) as file:
+        return suggested_mapping(file, rules)
 
 
 def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]:

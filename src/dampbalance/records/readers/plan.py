@@ -2,35 +2,19 @@
 
 from __future__ import annotations
 
-import json
-import re
 import warnings
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from ...project.wording import shortened
 from ..errors import RecordError, RecordWarning
 from ..mapping import ChannelRule, RecordMapping, Which
-from ..measurement import EXCITATIONS, QUANTITIES, RESPONSES, Correction
-from ..units import DIMENSIONS, Unit, UnitError, find_unit, unit_for
+from ..measurement import ABSOLUTE, EXCITATIONS, QUANTITIES, RESPONSES, Correction
+from ..units import DIMENSIONS, VOLTAGE, UnitError, find_other, find_unit, unit_for
+from .headings import holds_time, key_of, names_time, quantity_of, unit_of, unusable
 from .record_file import RawChannel, RecordFile
-
-NAMES = {
-    "base_displacement": ("base_displacement", "base", "ground", "ground_displacement", "y"),
-    "base_acceleration": ("base_acceleration", "base_acc", "ground_acceleration"),
-    "force": ("force", "excitation_force"),
-    "displacement": ("displacement", "disp", "x"),
-    "velocity": ("velocity", "vel", "v"),
-    "acceleration": ("acceleration", "acc", "accel"),
-}
-"""Names by which a channel is recognised without a mapping, in lower case; blanks and hyphens count as "_"."""
-
-# words that YAML takes for others
-_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
-_LISTED = 20  # channels, in a message
-_QUANTITIES = {name: quantity for quantity, names in NAMES.items() for name in names}
-_TIME = re.compile(r"(time|zeit|t|time_?stamps?|date_?time)(_?\d+)?")
-_DRIVING = {"displacement": "base_displacement", "acceleration": "base_acceleration"}
+from .suggestion import LISTED, Samples, Suggestion, first_of, full_name, look_at
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,8 +56,11 @@ def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -
     if entire and len(driving) > 1:
         raise plan.unclear(f"finds {' and '.join(driving)}")
     # a channel without a name may drive: only where there is none left is it a free decay
-    lacking = not mapping.channels and plan.unnamed(chosen.values())
-    if entire and not driving and (lacking or not answering):
+    if (
+        entire
+        and not driving
+        and (not answering or (not mapping.channels and plan.unnamed(chosen.values())))
+    ):
         raise plan.unclear("finds no excitation")
     if entire and not answering:
         raise plan.unclear("finds no response")
@@ -83,15 +70,33 @@ def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -
     return picks
 
 
+def suggested_mapping(file: RecordFile, mapping: RecordMapping) -> str:
+    """A mapping in YAML for a file whose mapping, so far, names no channels: each line with its reason.
+
+    Raises RecordError where the mapping names channels already, or the file has no response.
+    """
+    plan = _Plan(file, mapping)
+    if mapping.channels:
+        raise RecordError(f"{mapping.source} names the channels of {file.path} already")
+    if not plan.suggestion.complete:
+        raise plan.unclear("finds no response")
+    return "\n".join([*plan.suggestion.lines(), ""])
+
+
 class _Plan:
     """The channels of a file, as its mapping and their names tell them apart."""
 
     def __init__(self, file: RecordFile, mapping: RecordMapping) -> None:
-        self.path, self.channels, self.mapping = file.path, file.channels, mapping
+        self.file, self.path, self.channels, self.mapping = file, file.path, file.channels, mapping
         self.where = mapping.source or f"{file.path}.yaml"
-        self.keys = [_key(raw.name) for raw in self.channels]
-        named = [f"{i} {shortened(_full(raw))}" for i, raw in enumerate(self.channels, start=1)]
-        self.overview = _first_of(named) or "none"
+        self.keys = [key_of(raw.name) for raw in self.channels]
+        named = [f"{i} {shortened(full_name(raw))}" for i, raw in enumerate(self.channels, start=1)]
+        self.overview = first_of(named) or "none"
+
+    @cached_property
+    def samples(self) -> Samples:
+        """The first samples of the channels: needed where their names do not suffice."""
+        return look_at(self.file)
 
     def pick(self, quantity: str, index: int, rule: ChannelRule) -> Pick:
         """The pick of a channel with the times that the mapping or the file gives it."""
@@ -117,23 +122,24 @@ class _Plan:
             return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
         raise RecordError(
             f"{self.path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives "
-            f"no sampling rate; write time: {{channel: 1, unit: s}}, or sample_rate_hz: 1000, as recorded, into "
-            f"{self.where}"
+            f"no sampling rate. {self.suggested('Say when it was sampled')}"
         )
 
     def recognised(self) -> dict[str, int]:
         """Quantity → channel, by the names; of a single signal by its unit, if that is one of a response."""
         chosen: dict[str, int] = {}
-        for i, key in enumerate(self.keys):
-            quantity = _QUANTITIES.get(key)
+        for i, raw in enumerate(self.channels):
+            quantity = None if holds_time(raw) or unusable(raw) else quantity_of(raw)
             if quantity in chosen:
                 both = [shortened(self.channels[at].name) for at in (chosen[quantity], i)]
                 raise self.unclear(f"takes both {' and '.join(both)} for {quantity}")
             if quantity:
                 chosen[quantity] = i
-        signals = [i for i, raw in enumerate(self.channels) if not _holds_time(raw)]
-        if not chosen and len(signals) == 1 and (unit := _unit(self.channels[signals[0]])):
-            chosen = {q: signals[0] for q in RESPONSES if DIMENSIONS[q] == unit.dimension}
+        if not chosen:
+            signals = [i for i in range(len(self.channels)) if self.may_move(i)]
+            unit = find_unit(self.channels[signals[0]].unit or "") if len(signals) == 1 else None
+            if unit:
+                chosen = {q: signals[0] for q in ABSOLUTE if DIMENSIONS[q] == unit.dimension}
         return chosen
 
     def time_of(self, index: int) -> int | None:
@@ -141,7 +147,8 @@ class _Plan:
         key = self.keys[index]
         own = {f"{key}_time", f"time_{key}", f"time_of_{key}", f"t_{key}", f"{key}_t"}
         named = [i for i, name in enumerate(self.keys) if name in own]
-        times = [i for i, raw in enumerate(self.channels) if _named_time(raw)]
+        is_time = names_time if any(map(names_time, self.channels)) else holds_time
+        times = [i for i, raw in enumerate(self.channels) if is_time(raw)]
         before = [i for i in times if i < index]
         return next(iter(named or before[-1:] or times), None)
 
@@ -152,19 +159,26 @@ class _Plan:
         """
         sizes = {self.channels[pick.index].size for pick in picks}
         used = {i for pick in picks for i in (pick.index, pick.time)}
-        used |= {i for i, raw in enumerate(self.channels) if raw.size not in sizes}
-        if names := self.unnamed(used):
+        reasons = {i: unusable(raw) for i, raw in enumerate(self.channels) if not holds_time(raw)}
+        if names := [
+            shortened(full_name(self.channels[i])) + f" ({reason})" * (reason is not None)
+            for i, reason in reasons.items()
+            if i not in used and self.channels[i].size in sizes
+        ]:
             warnings.warn(
-                f"{self.path}: channels not used: {_first_of(names)}; say in {self.where} what they "
+                f"{self.path}: channels not used: {first_of(names)}; say in {self.where} what they "
                 "hold, if it is needed",
                 RecordWarning,
                 stacklevel=2,
             )
 
-    def unnamed(self, used: Collection[int | None]) -> list[str]:
-        """The signals that are not used."""
-        others = [raw for i, raw in enumerate(self.channels) if i not in used]
-        return [shortened(_full(raw)) for raw in others if not _holds_time(raw)]
+    def unnamed(self, used: Collection[int | None]) -> bool:
+        """Whether there are signals that are not used."""
+        return any(i not in used and self.may_move(i) for i in range(len(self.channels)))
+
+    def may_move(self, i: int) -> bool:
+        """Whether a channel may hold a motion or a force: no time, no temperature, no counter, nothing constant."""
+        return not holds_time(self.channels[i]) and i not in self.samples.aside
 
     def find(self, which: Which, key: str) -> int:
         """The channel of that name or number."""
@@ -175,16 +189,16 @@ class _Plan:
             raise RecordError(
                 f"{said} there is no channel {which}; {path} has {len(channels)}: {self.overview}"
             )
-        for spelt in (str, _key):  # as it stands, else without regard to case, blanks and path
+        for spelt in (str, key_of):  # as it stands, else without regard to case, blanks and path
             matches = [
                 i
                 for i, raw in enumerate(channels)
-                if spelt(which) in map(spelt, (raw.name, _full(raw), raw.label or raw.name))
+                if spelt(which) in map(spelt, (raw.name, full_name(raw), raw.label or raw.name))
             ]
             if len(matches) == 1:
                 return matches[0]
             if matches:
-                numbers = " and ".join(str(i + 1) for i in matches[:_LISTED])
+                numbers = " and ".join(str(i + 1) for i in matches[:LISTED])
                 raise RecordError(
                     f"{said} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
                 )
@@ -194,10 +208,18 @@ class _Plan:
 
     def unit(self, raw: RawChannel, given: str | None, quantity: str) -> float:
         """SI units per unit of the channel."""
-        text = given or raw.unit
+        text = given or unit_of(raw)
         channel = f"{self.path}: channel {shortened(raw.name)}"
+        if text is None and self.mapping.channels:
+            key = "time" if quantity == "time" else f"channels.{quantity}"
+            raise RecordError(
+                f"{channel} has no unit: say unit: {QUANTITIES.get(quantity, 's')}, or as recorded, at {key} in "
+                f"{self.where}"
+            )
         if text is None:
             raise RecordError(f"{channel} has no unit. {self.suggested('Give it')}")
+        if find_other(text) == VOLTAGE and not self.mapping.channels:
+            raise RecordError(f"{channel} is in {text}. {self.suggested('Give its scale')}")
         try:
             return unit_for(text, quantity).factor
         except UnitError as error:
@@ -207,94 +229,23 @@ class _Plan:
         """The error for channels that cannot be told apart, with what to write."""
         return RecordError(
             f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay, and at least"
-            f" one of {', '.join(RESPONSES)}. Its channels are {self.overview}. {self.suggested('Say which is which')}"
+            f" one of {', '.join(ABSOLUTE)}, with relative_ before it where it is one to the base. Its channels are "
+            f"{self.overview}. {self.suggested('Say which is which')}"
         )
+
+    @property
+    def suggestion(self) -> Suggestion:
+        """What the channels may hold."""
+        return Suggestion(self.channels, self.samples, self.mapping)
 
     def suggested(self, what: str) -> str:
         """A mapping to write that is complete, and holds for these channels if the guesses do."""
-        guesses = suggestion(self.channels)
-        if len(guesses) < 2:
+        suggestion = self.suggestion
+        if not suggestion.complete:
             return (
                 "A record has two signals at least: give one that holds both, or name the file of each in "
                 f"{self.where}"
             )
-        lines = [f"{what} in {self.where}, for example", "  channels:"]
-        for quantity, index in guesses.items():
-            unit, comment, own = (
-                QUANTITIES[quantity],
-                "  # or as recorded",
-                _unit(self.channels[index]),
-            )
-            if own and own.dimension == DIMENSIONS[quantity]:
-                unit, comment = own.name, ""
-            entry = f"{quantity}: {{channel: {self.which(index)}, unit: {unit}}}"
-            lines.append(f"    {entry}{comment}")
-        first = next((i for i, raw in enumerate(self.channels) if _holds_time(raw)), None)
-        if first is None:
-            if not any(raw.rate_hz for raw in self.channels):
-                lines.append("  sample_rate_hz: 1000  # as recorded")
-        elif not _unit(self.channels[first]):
-            lines.append(f"  time: {{channel: {self.which(first)}, unit: s}}  # or ms, µs")
-        elif not _named_time(self.channels[first]):
-            lines.append(f"  time: {{channel: {self.which(first)}}}")
-        return "\n".join(lines)
-
-    def which(self, index: int) -> str:
-        """A channel as a mapping names it: by its name, or by its number where that is long or not its alone."""
-        name = self.channels[index].name
-        if self.keys.count(self.keys[index]) > 1 or len(name) > 60:
-            return str(index + 1)
-        plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name) and name.lower() not in _WORDS
-        return name if plain else json.dumps(name, ensure_ascii=not name.isprintable())
-
-
-def suggestion(channels: Sequence[RawChannel]) -> dict[str, int]:
-    """Quantity → channel, a guess for every signal that there is room for: by names, then units, then their order.
-
-    One of EXCITATIONS and at least one of RESPONSES, if there are two signals at all.
-    """
-    signals = [i for i, raw in enumerate(channels) if not _holds_time(raw)]
-    by_name = {i: _QUANTITIES.get(_key(channels[i].name)) for i in signals}
-    chosen: dict[str, int] = {}
-    # those whose name says what they are go first; a channel whose unit is of nothing here fits nowhere
-    for i in sorted(signals, key=lambda i: by_name[i] is None):
-        driven, unit = any(q in chosen for q in EXCITATIONS), _unit(channels[i])
-        fitting = [q for q in QUANTITIES if unit is None or unit.dimension == DIMENSIONS[q]]
-        wanted = [by_name[i], *fitting]
-        room = (q for q in wanted if q and q not in chosen and not (driven and q in EXCITATIONS))
-        if (quantity := next(room, None)) is not None:
-            chosen[quantity] = i
-    if chosen and not any(q in chosen for q in EXCITATIONS):  # one of the responses must drive
-        for response, excitation in _DRIVING.items():
-            if response in chosen:
-                chosen[excitation] = chosen.pop(response)
-                break
-    return {q: chosen[q] for q in QUANTITIES if q in chosen}
-
-
-def _named_time(raw: RawChannel) -> bool:
-    return raw.stamps or _TIME.fullmatch(_key(raw.name)) is not None
-
-
-def _holds_time(raw: RawChannel) -> bool:
-    """Whether a channel holds times, by its name or unit."""
-    unit = _unit(raw)
-    return _named_time(raw) or (unit is not None and unit.dimension == "time")
-
-
-def _unit(raw: RawChannel) -> Unit | None:
-    return find_unit(raw.unit or "")
-
-
-def _full(raw: RawChannel) -> str:
-    return f"{raw.name} [{raw.unit}]" if raw.unit else raw.name
-
-
-def _first_of(names: Sequence[str]) -> str:
-    more = len(names) - _LISTED
-    return ", ".join(names[:_LISTED]) + f" and {more} more" * (more > 0)
-
-
-def _key(name: str) -> str:
-    """The last part of a path, in lower case, with "_" for what separates words."""
-    return re.sub(r"[\s\-]+", "_", re.split(r"[/.](?=[^/.])", name.strip())[-1].strip().lower())
+        here = "" if self.mapping.source else " (--write-mapping writes it)"
+        lines = [f"{what} in {self.where}{here}, for example"]
+        return "\n  ".join([*lines, *suggestion.lines()])

@@ -162,8 +162,11 @@ def signals_in(
         count = min(data.shape) if several else 1
         require_channels(path, len(channels) + count)
         for i in range(count):
-            label = f"{name}[{i + 1}]" if several else name
-            channels.append(described(path, label, max(data.shape), attributes, unit))
+            folder, slash, last = name.rpartition("/")
+            label = f"{last}[{i + 1}]" if several else last
+            channels.append(
+                described(path, label, max(data.shape), attributes, unit, folder + slash)
+            )
             signals.append((data, i))
 
     def read(channel: int, begin: int, end: int) -> Any:
@@ -176,13 +179,21 @@ def signals_in(
 
 
 def described(
-    path: Path, label: str, size: int, attributes: dict[str, object], unit: str | None = None
+    path: Path,
+    label: str,
+    size: int,
+    attributes: dict[str, object],
+    unit: str | None = None,
+    folder: str = "",
 ) -> RawChannel:
     """The channel of `size` samples with that label, its timing among the attributes, whatever they are called.
 
-    unit : instead of the label's.   Raises RecordError when a rate, a step or a first time is none.
+    unit : instead of the label's.   folder : that it stands in, up to its last slash.
+
+    Raises RecordError when a rate, a step or a first time is none.
     """
     name, own = split_label(label)
+    name, label = f"{folder}{name}", f"{folder}{label}"
     values = {str(key).lower(): value for key, value in attributes.items()}
     channel, remedy = f"channel {shortened(label)}", "give sample_rate_hz in a mapping"
 

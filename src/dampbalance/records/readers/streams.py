@@ -89,10 +89,12 @@ def tdms_file(path: Path, largest: int) -> RecordFile:
         if first := complaints.getvalue().partition("\n")[0]:
             raise RecordError(f"{path}: is damaged or was cut short ({first})")
         several = len({c.group_name for c in signals}) > 1
-        labels = [f"{c.group_name}/{c.name}" if several else c.name for c in signals]
         channels = [
-            described(path, label, len(c), dict(c.properties), unit_among(c.properties))
-            for label, c in zip(labels, signals, strict=True)
+            described(
+                *(path, c.name, len(c), dict(c.properties), unit_among(c.properties)),
+                folder=f"{c.group_name}/" if several else "",
+            )
+            for c in signals
         ]
     return Sliced(path, channels, lambda i, a, b: signals[i][a:b], "TDMS", stream.close)
 

@@ -21,7 +21,7 @@ from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, RecordWarning
 from ..mapping import RecordMapping
-from ..units import find_unit, split_label
+from ..units import find_other, find_unit, split_label
 from .record_file import RawChannel, RecordFile
 from .times import Clock, is_date, is_stamp
 
@@ -33,6 +33,7 @@ _SAMPLE_LINES = 400  # enough for any header and some rows
 _SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
 _COMMENTS = "#%"
+_COMMENT_COLUMN = ("comment", "kommentar")
 _BRACKETS = "[](){} "
 _MISSING = {"", "na", "n/a", "null", "none"} | {
     sign + word for sign in ("", "+", "-") for word in ("nan", "inf", "infinity")
@@ -100,8 +101,10 @@ def layout_of(path: Path, mapping: RecordMapping) -> Layout:
     ]
     if not fits:
         raise RecordError(_no_rows(path, lines, comment, mapping))
-    (_, header, width), delimiter, decimal = max(fits, key=lambda fit: (fit[0][2] > 1, fit[0][0]))
-    columns = columns_of(path, _header_table(lines[:header], delimiter, width), width)
+    (_, header, width, cells), delimiter, decimal = max(
+        fits, key=lambda fit: (fit[0][2] > 1, fit[0][0])
+    )
+    columns = columns_of(path, _header_table(lines[:header], delimiter, width, cells), width)
     first = next(filter(None, (cells_of(line, delimiter, comment) for line in lines[header:])), [])
     for i, cell in enumerate(first[:width]):
         if is_stamp(cell) or (is_date(cell) and ":" in cell):
@@ -139,8 +142,9 @@ def _split(line: str, delimiter: str) -> list[str]:
 
 def _first_row(
     lines: Sequence[str], delimiter: str, decimal: str, comment: str, header: int | None, least: int
-) -> tuple[int, int, int] | None:
-    """How many rows fit these marks, the line (counted from 0) of the first one, and its number of cells, or None.
+) -> tuple[int, int, int, int] | None:
+    """How many rows fit these marks, the line (counted from 0) of the first one, and its number of cells, without and
+    with empty ones at the end; or None.
 
     A row has at least so many cells, a number in one and a number, a time or nothing in the others.
     """
@@ -165,17 +169,22 @@ def _first_row(
     usual = max(counts, key=lambda cells: (counts[cells], cells))
     # A delimiter at the end of every row makes no column; a shorter channel's empty cells do.
     width = max(filled for cells, filled in sizes if cells == usual)
-    return (counts[usual], start, width) if width >= least else None
+    return (counts[usual], start, width, usual) if width >= least else None
 
 
-def _header_table(lines: Sequence[str], delimiter: str, width: int) -> list[list[str]]:
-    """The cells of each line of a header; where blanks separate them, of the lines with as many as the rows."""
+def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -> list[list[str]]:
+    """The cells of each line of a header; where blanks separate them, of the lines with as many as the rows.
+
+    Without those above cells that are empty in every row, and LabVIEW's column of comments, which rows may lack.
+    """
     table = []
     for line in lines:
         bare = line.strip()
         text = bare.lstrip(_COMMENTS).strip() if bare.startswith(tuple(_COMMENTS)) else line
         cells = _header_cells(text, delimiter, width)
-        while len(cells) > width and not cells[-1]:
+        while len(cells) > width and (
+            not cells[-1] or len(cells) <= most or cells[-1].lower() in _COMMENT_COLUMN
+        ):
             cells.pop()
         table.append(cells)
     return [cells for cells in table if cells and (delimiter != WHITESPACE or len(cells) == width)]
@@ -215,7 +224,7 @@ def _are_units(cells: Sequence[str]) -> bool:
     """Whether a line gives units: each cell is one, or empty, "-" or in brackets, and at least one is known."""
     bare = [cell.strip(_BRACKETS) for cell in cells]
     return any(find_unit(text) for text in bare) and all(
-        text in ("", "-", "1", "V", "mV") or text != cell or find_unit(text)
+        text in ("", "-", "1") or text != cell or find_unit(text) or find_other(text)
         for text, cell in zip(bare, cells, strict=True)
     )
 
