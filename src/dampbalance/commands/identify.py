@@ -12,9 +12,9 @@ from ..arguments import MOST_REPLICATES
 from ..balance import APPROACHES
 from ..features import Phase
 from ..identification.forced import REPLICATES, SEED
-from ..identification.outputs import ALL_PICTURES, OUTPUTS, TABLES, require_room
+from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
-from ..project.files import json_text, write_json
+from ..project.files import json_text, write_json, write_text
 from ..project.wording import shortened
 from ..records.errors import LARGEST
 from .options import coefficients, count, number, whole, with_error
@@ -53,6 +53,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 --output        write {", ".join(OUTPUTS)} there
 --no-figures    write no pictures: they take longer than all the rest
 --json          write {TABLES[0]} to this file, too; - shows it instead of the table
+--report        write the report, one page of HTML with everything, to this file
 --overwrite     replace results that are there already
 """
 
@@ -70,8 +71,8 @@ def run(options: argparse.Namespace) -> None:
     permission = "" if options.overwrite else "--overwrite"
     if folder is not None:
         require_room(folder, (*TABLES, *ALL_PICTURES), permission)
-    if document is not None:
-        require_room(document.parent, [document.name], permission)
+    for file in filter(None, (document, options.report)):
+        require_room(file.parent, [file.name], permission)
     result = identify(
         options.records,
         options.stiffness,
@@ -98,6 +99,11 @@ def run(options: argparse.Namespace) -> None:
     if folder is not None:
         files = result.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
         places.append(f"{folder}: {', '.join(file.name for file in files)}")
+    if options.report is not None:
+        drawn = folder is not None and not options.no_figures
+        text = (folder / REPORT).read_text(encoding="utf-8") if drawn else result.report()
+        write_text(options.report, text)
+        places.append(str(options.report))
     if places:
         said = f"\nWritten to {'; '.join(places)}."
         print(said, file=sys.stderr if shown_as_json else sys.stdout)
@@ -144,6 +150,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--output": {"type": Path, "metavar": "DIR"},
     "--no-figures": {"action": "store_true"},
     "--json": {"type": Path, "metavar": "FILE"},
+    "--report": {"type": Path, "metavar": "FILE"},
     "--overwrite": {"action": "store_true"},
 }
 ARGUMENTS = {
